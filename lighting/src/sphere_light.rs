@@ -1,0 +1,46 @@
+use glam::Vec3;
+use lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere};
+
+/// A ball that emits the same radiance in all directions from all of its surface.
+///
+/// Neither seen by the camera nor a blocker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereLight {
+    /// Where it is, how large.
+    pub ball: Sphere,
+    /// Radiance, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec3,
+}
+
+impl SphereLight {
+    /// A light of the given radiance `L`.
+    #[must_use]
+    pub const fn new(ball: Sphere, radiance: Vec3) -> Self {
+        Self { ball, radiance }
+    }
+
+    /// A light that emits the total power `flux` (W per channel): `L = Φ/(4π²r²)`. The radius must be positive.
+    #[must_use]
+    pub fn with_flux(ball: Sphere, flux: Vec3) -> Self {
+        let pi = core::f32::consts::PI;
+        Self { ball, radiance: flux / (4.0 * pi * pi * ball.radius * ball.radius) }
+    }
+}
+
+impl LightLobes for SphereLight {
+    fn cone(&self, at: &Receiver) -> Cone {
+        Cone::of_sphere(at.position, self.ball)
+    }
+
+    fn radiance(&self, _: &Receiver) -> Vec3 {
+        self.radiance
+    }
+
+    /// The moment lobe of the cone: exponent `2C/(1−C)`, flux `2π(1−C)·L` with `C = cos θ` (design: total and mean
+    /// vector exact, hence Lambert irradiance exact above the horizon).
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        let cone = self.cone(at);
+        let exponent = (2.0 * cone.cos() / cone.one_minus_cos).max(0.0);
+        out.push(Lobe::with_flux(cone.axis, exponent, self.radiance * cone.solid_angle()))
+    }
+}

@@ -1,0 +1,98 @@
+use glam::Vec3;
+
+/// The object number of a receiver that belongs to no object with blockers of its own.
+pub const OWN_NONE: u32 = u32::MAX;
+
+/// The shaded point: where it is, how it faces, from where it is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// World position.
+    pub position: Vec3,
+    /// Shading normal, unit, on the viewer's side of the surface.
+    pub normal: Vec3,
+    /// Unit direction toward the eye (ω_o of the paper).
+    pub view: Vec3,
+    /// Number of the object that the point lies on, or [`OWN_NONE`]: a visibility strategy must not let an object's
+    /// own proxy blacken its skin.
+    pub object: u32,
+}
+
+/// A ball.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sphere {
+    /// Centre.
+    pub center: Vec3,
+    /// Radius, ≥ 0.
+    pub radius: f32,
+}
+
+/// The directions in which a light is seen from a receiver: all `v` with `axis·v ≥ cos θ`.
+///
+/// Carries `1 − cos θ` and never `cos θ`, which for a small light has lost all its digits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Unit direction toward the light's centre.
+    pub axis: Vec3,
+    /// `1 − cos θ` of the half-angle θ: 0 a point light, 1 a hemisphere, 2 the whole sphere (receiver inside).
+    pub one_minus_cos: f32,
+    /// Distance to the light's centre; infinite for a light at infinity.
+    pub distance: f32,
+}
+
+impl Cone {
+    /// The cone in which a ball is seen from `x`: `sin θ = r/d`, `1 − cos θ = sin²θ/(1 + cos θ)`.
+    ///
+    /// The whole sphere of directions when `x` is inside the ball.
+    #[must_use]
+    pub fn of_sphere(x: Vec3, ball: Sphere) -> Self {
+        let to = ball.center - x;
+        let distance = to.length();
+        if distance <= ball.radius {
+            let axis = if distance > 0.0 { to / distance } else { Vec3::Z };
+            return Self { axis, one_minus_cos: 2.0, distance };
+        }
+        let sin = ball.radius / distance;
+        let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
+        Self { axis: to / distance, one_minus_cos: sin * sin / (1.0 + cos), distance }
+    }
+
+    /// `cos θ`.
+    #[must_use]
+    pub fn cos(&self) -> f32 {
+        1.0 - self.one_minus_cos
+    }
+
+    /// `sin²θ = (1 − cos θ)(1 + cos θ)`.
+    #[must_use]
+    pub fn sin_sq(&self) -> f32 {
+        self.one_minus_cos * (2.0 - self.one_minus_cos)
+    }
+
+    /// Solid angle `2π(1 − cos θ)` in steradians.
+    #[must_use]
+    pub fn solid_angle(&self) -> f32 {
+        core::f32::consts::TAU * self.one_minus_cos
+    }
+
+    /// `tan θ`; meaningful for half-angles below 90°.
+    #[must_use]
+    pub fn tan(&self) -> f32 {
+        self.sin_sq().sqrt() / self.cos()
+    }
+}
+
+/// All the segments from a ball of receivers to a ball of light: what a tile of receivers asks its blockers for.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaft {
+    /// Bounds the receivers.
+    pub receivers: Sphere,
+    /// Bounds the light; an infinite light has a far away centre.
+    pub light: Sphere,
+}
+
+/// Two unit vectors that make a right-handed orthonormal basis `(u, v, axis)`, without a singular direction
+/// (T. Duff et al., *Building an Orthonormal Basis, Revisited*, JCGT 6 (1), 2017).
+#[must_use]
+pub fn orthonormal_basis(axis: Vec3) -> (Vec3, Vec3) {
+    axis.any_orthonormal_pair()
+}

@@ -1,0 +1,34 @@
+//! The algebra of cosine lobes `s·max(a·v, 0)^e`: what the whole workspace computes with.
+//!
+//! - [`Lobe`], and sums of lobes as structure-of-arrays views over the caller's storage ([`Lobes`], [`LobesMut`],
+//!   [`LobeBuffer`]);
+//! - closed integrals: one lobe, the product of two (`product`), a lobe over a uniform disc of light (`cap`);
+//! - moment lobes, which keep a function's total and mean vector exactly (`moments`);
+//! - the three sources of lobes ([`BrdfLobes`], [`LightLobes`], [`VisibilityLobes`]) and the `Integrator` that puts
+//!   them together;
+//! - `paper`: the least-squares lobes and the product table of the paper that this project starts from.
+//!
+//! # Conventions
+//! Right-handed world space, f32, linear RGB. Directions point *away* from the receiver and have length 1. Angles are in
+//! radians, solid angles in steradians. `max(a·v, 0)` is what a lobe of exponent `e` is a power of, and a lobe is zero
+//! on the far side of its axis.
+//!
+//! # Scope
+//! Out of scope here: scenes, meshes, images, threads, files. Nothing in this crate allocates per shaded point.
+//!
+//! # References
+//! S. Meunier, R. Perrot, L. Aveneau, D. Meneveaux, D. Ghazanfarpour, *Cosine lobes for interactive direct lighting in
+//! dynamic scenes*, Computers & Graphics 34 (2010) 767–778: "the paper" in every comment here; equation numbers are its.
+
+mod geometry;
+mod lobe;
+mod lobes;
+mod source;
+
+pub use crate::geometry::{Cone, OWN_NONE, Receiver, Shaft, Sphere, orthonormal_basis};
+pub use crate::lobe::{Lobe, power};
+pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
+pub use crate::source::{
+    BrdfLobes, Coverage, DynScratch, DynVisibility, LightLobes, Unshadowed, VisibilityLobes, VisibilityQuery,
+    VisibilitySum,
+};

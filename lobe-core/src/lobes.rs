@@ -1,0 +1,139 @@
+use crate::Lobe;
+use glam::Vec3;
+
+/// The destination had no room for another lobe: give it a larger capacity (`max_lobes` of the source).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LobesFull;
+
+impl core::fmt::Display for LobesFull {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("lobe storage is full")
+    }
+}
+
+impl core::error::Error for LobesFull {}
+
+/// Columns of a lobe sum; one entry a lobe. See [`Lobe`] for what each means.
+const COLUMNS: usize = 8;
+
+/// A sum of lobes in the caller's storage, read-only: structure of arrays.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobes<'a> {
+    columns: [&'a [f32]; COLUMNS],
+}
+
+impl<'a> Lobes<'a> {
+    /// Number of lobes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.columns[0].len()
+    }
+
+    /// True when the sum has no lobe, hence is zero.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The lobe at `index`.
+    ///
+    /// # Panics
+    /// When `index` is not below [`len`](Self::len).
+    #[must_use]
+    pub fn get(&self, index: usize) -> Lobe {
+        let c = |k: usize| self.columns[k][index];
+        Lobe { axis: Vec3::new(c(0), c(1), c(2)), exponent: c(3), flux: Vec3::new(c(4), c(5), c(6)), cosine: c(7) }
+    }
+
+    /// All lobes in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Lobe> + use<'a> {
+        let s = *self;
+        (0..self.len()).map(move |i| s.get(i))
+    }
+
+    /// Value of the sum in the unit direction `v`, receiver's cosine with respect to `normal` included.
+    #[must_use]
+    pub fn eval(&self, normal: Vec3, v: Vec3) -> Vec3 {
+        let cos = normal.dot(v).max(0.0);
+        self.iter().map(|l| l.eval(v) * if l.cosine > 0.0 { cos } else { 1.0 }).sum()
+    }
+}
+
+/// A sum of lobes that is being written into the caller's storage.
+#[derive(Debug)]
+pub struct LobesMut<'a> {
+    columns: &'a mut [Vec<f32>; COLUMNS],
+    capacity: usize,
+}
+
+impl LobesMut<'_> {
+    /// Number of lobes so far.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.columns[0].len()
+    }
+
+    /// True while the sum has no lobe.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Appends a lobe.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when the capacity is reached; the sum is unchanged then.
+    pub fn push(&mut self, lobe: Lobe) -> Result<(), LobesFull> {
+        if self.len() == self.capacity {
+            return Err(LobesFull);
+        }
+        let values =
+            [lobe.axis.x, lobe.axis.y, lobe.axis.z, lobe.exponent, lobe.flux.x, lobe.flux.y, lobe.flux.z, lobe.cosine];
+        for (column, value) in self.columns.iter_mut().zip(values) {
+            column.push(value);
+        }
+        Ok(())
+    }
+}
+
+/// Storage for a lobe sum with a fixed capacity: allocate once a thread, reuse for every point.
+///
+/// ```
+/// use lobe_core::{Lobe, LobeBuffer};
+/// let mut buffer = LobeBuffer::with_capacity(1);
+/// let mut out = buffer.writer();
+/// out.push(Lobe::default()).unwrap();
+/// assert!(out.push(Lobe::default()).is_err()); // never a silent truncation
+/// assert_eq!(buffer.lobes().len(), 1);
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct LobeBuffer {
+    columns: [Vec<f32>; COLUMNS],
+    capacity: usize,
+}
+
+impl LobeBuffer {
+    /// Room for `capacity` lobes.
+    #[must_use]
+    pub fn with_capacity(capacity: usize) -> Self {
+        Self { columns: core::array::from_fn(|_| Vec::with_capacity(capacity)), capacity }
+    }
+
+    /// How many lobes fit.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    /// Empties the sum and returns the view to write it anew.
+    pub fn writer(&mut self) -> LobesMut<'_> {
+        self.columns.iter_mut().for_each(Vec::clear);
+        LobesMut { capacity: self.capacity, columns: &mut self.columns }
+    }
+
+    /// What has been written.
+    #[must_use]
+    pub fn lobes(&self) -> Lobes<'_> {
+        Lobes { columns: core::array::from_fn(|k| self.columns[k].as_slice()) }
+    }
+}

@@ -1,0 +1,237 @@
+//! The three sources of lobes (reflectance, light, visibility) and what they exchange.
+
+use crate::{Cone, Lobe, LobeBuffer, Lobes, LobesFull, LobesMut, Receiver, Shaft};
+use core::any::Any;
+use glam::Vec3;
+
+/// Reflectance as a sum of lobes of `f̃ = f_r·(n·v)` (Eq. 6), cosine included.
+pub trait BrdfLobes {
+    /// The largest number of lobes that [`brdf_lobes`](Self::brdf_lobes) writes.
+    fn max_lobes(&self) -> usize;
+
+    /// Appends the lobes of `f̃` as seen from `at.view`. All of them are to be understood as zero below the horizon of
+    /// `at.normal`. A Lambert lobe has exponent 1 and *exactly* `at.normal` as its axis: integrators know it by that.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when `out` has no room.
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull>;
+}
+
+/// An area light, seen as a uniformly bright cone of directions.
+pub trait LightLobes {
+    /// The cone in which the light is seen from `at`.
+    fn cone(&self, at: &Receiver) -> Cone;
+
+    /// Radiance inside the cone, W·m⁻²·sr⁻¹ per channel.
+    fn radiance(&self, at: &Receiver) -> Vec3;
+
+    /// Appends lobes of the incident radiance (Eq. 7): here the moment lobe of the cone, whose flux and mean vector
+    /// are exact.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when `out` has no room.
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull>;
+}
+
+/// How much of a light a receiver sees, before any lobe is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coverage {
+    /// All of it: V = 1, no lobe is needed.
+    Lit,
+    /// Nothing: V = 0.
+    Dark,
+    /// A part: ask for lobes.
+    Partial,
+}
+
+/// What is asked of a visibility strategy: one receiver, one light.
+#[derive(Clone, Copy, Debug)]
+pub struct VisibilityQuery<'a> {
+    /// The receiver.
+    pub at: &'a Receiver,
+    /// The light as seen from there.
+    pub cone: &'a Cone,
+    /// Asked mean error of the shadowed radiance, as a fraction of the unshadowed radiance.
+    pub tolerance: f32,
+}
+
+/// Visibility inside a light's cone as a sum of lobes (Eq. 8), written for one reflectance lobe.
+///
+/// `V ≈ base + Σ lobes`. When `whole` is not empty it holds, cut by the same nodes, the lobes of the *whole* light, and
+/// the visible fraction is the ratio of the two sums: exact in both limits, and most errors cancel.
+#[derive(Clone, Debug, Default)]
+pub struct VisibilitySum {
+    /// The constant term (`c_unit` of Eq. 38): a scalar, never a lobe of exponent 0.
+    pub base: f32,
+    /// Lobes of V; their flux is a solid angle (negative where they take light away).
+    pub lobes: LobeBuffer,
+    /// Lobes of the unoccluded light over the same nodes; empty when the sum is to be used directly.
+    pub whole: LobeBuffer,
+}
+
+impl VisibilitySum {
+    /// Room for `capacity` lobes in each of the two sums.
+    #[must_use]
+    pub fn with_capacity(capacity: usize) -> Self {
+        Self { base: 0.0, lobes: LobeBuffer::with_capacity(capacity), whole: LobeBuffer::with_capacity(capacity) }
+    }
+}
+
+/// A visibility strategy: decides which part of a light a receiver sees, and says it in lobes.
+///
+/// For each receiver and light the caller first asks for the [`coverage`](Self::coverage) and, only where that is
+/// [`Coverage::Partial`], for the lobes of each reflectance lobe. A lit or dark point costs no lobe.
+///
+/// Static dispatch: use the strategy's type. Dynamic: `Box<dyn DynVisibility>` implements this trait too.
+pub trait VisibilityLobes: Sync {
+    /// Working memory, one a thread.
+    type Scratch: Send;
+
+    /// New working memory.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// The largest number of lobes that [`visibility_lobes`](Self::visibility_lobes) writes into either sum.
+    fn max_lobes(&self) -> usize;
+
+    /// Told before a group of receivers and one light: all queries until the next call stay inside `shaft`. A chance
+    /// to cull; the results must not depend on it.
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+        let _ = (shaft, scratch);
+    }
+
+    /// How much of the light is seen.
+    fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
+
+    /// The lobes of what is seen, as detailed as the reflectance lobe `brdf` needs. `unshadowed` is the integral of
+    /// that lobe (flux 1) over the whole light. Only after [`coverage`](Self::coverage) of the same query.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when `out` has no room.
+    fn visibility_lobes(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        scratch: &mut Self::Scratch,
+        out: &mut VisibilitySum,
+    ) -> Result<(), LobesFull>;
+}
+
+/// Working memory of a strategy behind `dyn`.
+pub type DynScratch = Box<dyn Any + Send>;
+
+/// [`VisibilityLobes`] in object-safe form: same operations, scratch erased. Implemented for every strategy.
+pub trait DynVisibility: Sync {
+    /// See [`VisibilityLobes::scratch`].
+    fn dyn_scratch(&self) -> DynScratch;
+    /// See [`VisibilityLobes::max_lobes`].
+    fn dyn_max_lobes(&self) -> usize;
+    /// See [`VisibilityLobes::enter`].
+    fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch);
+    /// See [`VisibilityLobes::coverage`].
+    fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage;
+    /// See [`VisibilityLobes::visibility_lobes`].
+    ///
+    /// # Errors
+    /// [`LobesFull`] when `out` has no room.
+    fn dyn_visibility_lobes(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        scratch: &mut DynScratch,
+        out: &mut VisibilitySum,
+    ) -> Result<(), LobesFull>;
+}
+
+fn downcast<S: 'static>(scratch: &mut DynScratch) -> &mut S {
+    scratch.downcast_mut().expect("scratch was made by another strategy")
+}
+
+impl<V> DynVisibility for V
+where
+    V: VisibilityLobes,
+    V::Scratch: 'static,
+{
+    fn dyn_scratch(&self) -> DynScratch {
+        Box::new(self.scratch())
+    }
+    fn dyn_max_lobes(&self) -> usize {
+        self.max_lobes()
+    }
+    fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) {
+        self.enter(shaft, downcast(scratch));
+    }
+    fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
+        self.coverage(query, downcast(scratch))
+    }
+    fn dyn_visibility_lobes(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        scratch: &mut DynScratch,
+        out: &mut VisibilitySum,
+    ) -> Result<(), LobesFull> {
+        self.visibility_lobes(query, brdf, unshadowed, downcast(scratch), out)
+    }
+}
+
+impl<'v> VisibilityLobes for Box<dyn DynVisibility + 'v> {
+    type Scratch = DynScratch;
+
+    fn scratch(&self) -> DynScratch {
+        (**self).dyn_scratch()
+    }
+    fn max_lobes(&self) -> usize {
+        (**self).dyn_max_lobes()
+    }
+    fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) {
+        (**self).dyn_enter(shaft, scratch);
+    }
+    fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
+        (**self).dyn_coverage(query, scratch)
+    }
+    fn visibility_lobes(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        scratch: &mut DynScratch,
+        out: &mut VisibilitySum,
+    ) -> Result<(), LobesFull> {
+        (**self).dyn_visibility_lobes(query, brdf, unshadowed, scratch, out)
+    }
+}
+
+/// The strategy without blockers: every receiver sees all of every light, at no cost.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unshadowed;
+
+impl VisibilityLobes for Unshadowed {
+    type Scratch = ();
+
+    fn scratch(&self) {}
+    fn max_lobes(&self) -> usize {
+        0
+    }
+    fn coverage(&self, _: &VisibilityQuery<'_>, (): &mut ()) -> Coverage {
+        Coverage::Lit
+    }
+    fn visibility_lobes(
+        &self,
+        _: &VisibilityQuery<'_>,
+        _: &Lobe,
+        _: f32,
+        (): &mut (),
+        out: &mut VisibilitySum,
+    ) -> Result<(), LobesFull> {
+        out.base = 1.0;
+        out.lobes.writer();
+        out.whole.writer();
+        Ok(())
+    }
+}
+
+#[allow(dead_code, reason = "asserts at compile time that the trait is object-safe")]
+fn object_safe(_: &dyn DynVisibility, _: &dyn BrdfLobes, _: &dyn LightLobes, _: Lobes<'_>) {}

@@ -1,0 +1,1 @@
+//! Shading on the CPU and the Monte-Carlo reference.

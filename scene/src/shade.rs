@@ -1,0 +1,98 @@
+//! What a renderer takes and gives: the same for CPU and GPU.
+
+use brdf::Material;
+use glam::Vec3;
+use lighting::SphereLight;
+use lobe_core::{Receiver, Sphere};
+
+/// The visible points of one frame, in any order; neighbours in the list should be neighbours in space.
+#[derive(Clone, Debug, Default)]
+pub struct ShadingPoints {
+    /// The receivers.
+    pub receivers: Vec<Receiver>,
+    /// Material number of each.
+    pub materials: Vec<u32>,
+}
+
+/// Blockers of all objects, posed for this frame.
+#[derive(Clone, Debug, Default)]
+pub struct BlockerSet {
+    /// World-space spheres.
+    pub spheres: Vec<Sphere>,
+    /// For each sphere the number of the object that it stands for.
+    pub objects: Vec<u32>,
+    /// For each object number the self-shadow distance τ: its own spheres block a direction only if the ray leaves
+    /// them farther than τ away.
+    pub self_distances: Vec<f32>,
+}
+
+/// What is constant over one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Materials that the points refer to.
+    pub materials: &'a [Material],
+    /// Lights.
+    pub lights: &'a [SphereLight],
+    /// Asked mean error, as a fraction of the unshadowed radiance.
+    pub tolerance: f32,
+    /// Depth of the visibility mask's quad-tree, 1…6.
+    pub depth: u32,
+    /// Contributions whose radiance is below this are dropped (t_i of the paper, §4.3).
+    pub threshold: f32,
+}
+
+/// Seconds of one frame, split as in the paper's Table 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageSeconds {
+    /// (a) Reflectance lobes.
+    pub reflectance: f64,
+    /// (b) Light cones and unshadowed integrals.
+    pub lighting: f64,
+    /// (c) Visibility masks.
+    pub mask: f64,
+    /// (d) Visibility lobes.
+    pub visibility_lobes: f64,
+    /// (e) Products and integrals with them.
+    pub integration: f64,
+}
+
+/// What was computed; independent of the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Visibility lobes generated.
+    pub lobes: u64,
+    /// Lobe integrals evaluated, the unshadowed ones included.
+    pub integrals: u64,
+    /// Reflectance lobes dropped below the threshold.
+    pub pruned: u64,
+    /// Point–light pairs with V = 1.
+    pub lit_points: u64,
+    /// Point–light pairs with V = 0.
+    pub dark_points: u64,
+    /// Point–light pairs between.
+    pub penumbra_points: u64,
+}
+
+/// What shading reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShadeStats {
+    /// Wall seconds of the whole call.
+    pub seconds: f64,
+    /// Stage times, summed over threads.
+    pub stages: StageSeconds,
+    /// Counters.
+    pub counts: Counts,
+}
+
+/// A renderer of lobe sums.
+pub trait Shade {
+    /// What can go wrong.
+    type Error;
+
+    /// Writes the radiance toward the eye of every point into `out`, which is as long as the points.
+    ///
+    /// # Errors
+    /// The renderer's own; nothing is promised about `out` then.
+    fn shade(&mut self, points: &ShadingPoints, frame: &Frame<'_>, out: &mut [Vec3])
+    -> Result<ShadeStats, Self::Error>;
+}

@@ -1,0 +1,1 @@
+//! Visibility from sphere sets: building, culling and splatting.
