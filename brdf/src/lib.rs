@@ -1,7 +1,53 @@
-//! Reflectance models as sums of cosine lobes.
+//! Reflectance models as sums of cosine lobes: each definition gives lobes of `f̃ = f_r·(n·v)` to the integrators and
+//! `eval`, `sample`, `pdf` to a Monte-Carlo reference.
+//!
+//! | model | `f̃(v)` for `n·v > 0` | lobes |
+//! |---|---|---|
+//! | [`Lambert`] | `ρ/π·(n·v)` | 1 |
+//! | [`Phong`], as the paper prints it (Eq. 23) | `kd·(n·v) + ks·max(r·v, 0)^e` | ≤ 2 |
+//! | [`ModifiedPhong`], normalised | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e)·(n·v)` | ≤ 2 |
+//! | [`Lafortune`] (Eqs. 27–29) | `(ρ/π + Σ k·max(v·Mω_o, 0)^e)·(n·v)` | ≤ 1 + number of lobes |
+//!
+//! [`Material`] is one of these; a model of your own implements [`Brdf`]. Lobes that reflect nothing are not written.
+//!
+//! ```
+//! use brdf::{Brdf, ModifiedPhong};
+//! use glam::Vec3;
+//! use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver};
+//!
+//! let gloss = ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.3), exponent: 60.0 };
+//! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
+//! let mut buffer = LobeBuffer::with_capacity(gloss.max_lobes());
+//! gloss.brdf_lobes(&at, &mut buffer.writer()).unwrap();
+//!
+//! let v = Vec3::new(-0.6, 0.0, 0.8); // where a mirror would reflect to
+//! let (sum, direct) = (buffer.lobes().eval(at.normal, v), gloss.eval(&at, v));
+//! assert!((sum - direct).length() < 1e-4 * direct.length());
+//! ```
+//!
+//! # Conventions
+//! Directions are unit vectors that point away from the surface; `n` and `ω_o` are the receiver's `normal` and `view`,
+//! `r = 2(n·ω_o)n − ω_o` mirrors the view. Values are linear RGB, sr⁻¹. All models are zero where `n·v ≤ 0`. Parameters
+//! that pass `validate` never give NaN or infinity.
+//!
+//! # Scope
+//! Out of scope here: textures, transmission, emission, interreflection.
 
+mod error;
+mod lafortune;
+mod lambert;
 mod material;
 mod model;
+mod modified_phong;
+mod phong;
+mod sampling;
+#[cfg(test)]
+mod suite;
 
+pub use crate::error::MaterialError;
+pub use crate::lafortune::{Lafortune, LafortuneLobe};
+pub use crate::lambert::Lambert;
 pub use crate::material::Material;
 pub use crate::model::{Brdf, BrdfSample};
+pub use crate::modified_phong::ModifiedPhong;
+pub use crate::phong::Phong;

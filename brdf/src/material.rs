@@ -1,4 +1,104 @@
+use crate::{Brdf, BrdfSample, Lafortune, Lambert, MaterialError, ModifiedPhong, Phong};
+use glam::Vec3;
+use lobe_core::{BrdfLobes, LobesFull, LobesMut, Receiver};
+
 /// Any of the built-in models: the closed set that scene files name. The open set is the [`Brdf`](crate::Brdf) trait.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Material {}
+pub enum Material {
+    /// Ideally diffuse.
+    Lambert(Lambert),
+    /// The paper's Phong model, without cosine on the specular term.
+    Phong(Phong),
+    /// Normalised Phong.
+    ModifiedPhong(ModifiedPhong),
+    /// Lafortune.
+    Lafortune(Lafortune),
+}
+
+/// The same call on whichever model it is.
+macro_rules! each {
+    ($material:expr, $model:ident => $call:expr) => {
+        match $material {
+            Material::Lambert($model) => $call,
+            Material::Phong($model) => $call,
+            Material::ModifiedPhong($model) => $call,
+            Material::Lafortune($model) => $call,
+        }
+    };
+}
+
+impl Material {
+    /// A diffuse material.
+    #[must_use]
+    pub const fn lambert(albedo: Vec3) -> Self {
+        Self::Lambert(Lambert { albedo })
+    }
+
+    /// Checks the model's parameters.
+    ///
+    /// # Errors
+    /// [`MaterialError`] that names what is wrong.
+    pub fn validate(&self) -> Result<(), MaterialError> {
+        each!(self, m => m.validate())
+    }
+
+    /// The model's name as scene files spell it.
+    #[must_use]
+    pub const fn model_name(&self) -> &'static str {
+        match self {
+            Self::Lambert(_) => "lambert",
+            Self::Phong(_) => "phong",
+            Self::ModifiedPhong(_) => "modified-phong",
+            Self::Lafortune(_) => "lafortune",
+        }
+    }
+}
+
+impl BrdfLobes for Material {
+    fn max_lobes(&self) -> usize {
+        each!(self, m => m.max_lobes())
+    }
+
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        each!(self, m => m.brdf_lobes(at, out))
+    }
+}
+
+impl Brdf for Material {
+    fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+        each!(self, m => m.eval(at, v))
+    }
+
+    fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
+        each!(self, m => m.sample(at, u))
+    }
+
+    fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
+        each!(self, m => m.pdf(at, v))
+    }
+}
+
+impl From<Lambert> for Material {
+    fn from(model: Lambert) -> Self {
+        Self::Lambert(model)
+    }
+}
+
+impl From<Phong> for Material {
+    fn from(model: Phong) -> Self {
+        Self::Phong(model)
+    }
+}
+
+impl From<ModifiedPhong> for Material {
+    fn from(model: ModifiedPhong) -> Self {
+        Self::ModifiedPhong(model)
+    }
+}
+
+impl From<Lafortune> for Material {
+    fn from(model: Lafortune) -> Self {
+        Self::Lafortune(model)
+    }
+}

@@ -1,0 +1,177 @@
+use crate::error::{MAX_COEFFICIENT, check_coefficient, check_exponent};
+use crate::sampling::{density, draw};
+use crate::{Brdf, BrdfSample, Lambert, MaterialError};
+use core::f32::consts::FRAC_1_PI;
+use glam::{DMat3, DVec3, Mat3, Vec3};
+use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis, power};
+
+/// The Lafortune model: `f̃(v) = (ρ/π + Σ_i k_i·max(v·M_iω_o, 0)^e_i)·max(n·v, 0)` (Eqs. 27–29; E. Lafortune, S. Foo,
+/// K. Torrance, D. Greenberg, *Non-Linear Approximation of Reflectance Functions*, SIGGRAPH 1997).
+///
+/// Reciprocal, since every `M` is symmetric. Not normalised: energy is the business of whoever chooses `k`.
+///
+/// # Frame
+/// `M` acts in the frame `(t, b, n)` in which `n` is the receiver's normal and `t`, `b` come from
+/// [`lobe_core::orthonormal_basis`]. Isotropic lobes (`C_x = C_y`) don't see the choice of `t`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lafortune {
+    /// Albedo ρ of the diffuse part; black for none.
+    pub diffuse: Vec3,
+    /// The lobes. A lobe whose matrix depends on the channel is three lobes, each with a scale in one channel only:
+    /// [`LafortuneLobe::per_channel`].
+    pub lobes: Vec<LafortuneLobe>,
+}
+
+/// One term `k·max(v·Mω_o, 0)^e` of the [`Lafortune`] model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LafortuneLobe {
+    /// `M` in the local frame `(t, b, n)`; symmetric.
+    pub matrix: Mat3,
+    /// Exponent `e`, in [0, 1e7].
+    pub exponent: f32,
+    /// `k` per channel, in sr⁻¹.
+    pub scale: Vec3,
+}
+
+impl LafortuneLobe {
+    /// The lobe with `M = diag(C_x, C_y, C_z)`.
+    ///
+    /// # Signs
+    /// Both directions point away from the surface, so the mirror direction of `ω_o = (x, y, z)` is `(−x, −y, z)`: a
+    /// mirror-like lobe has `C_x = C_y = −1`, `C_z = 1`. Retro-reflection has `C_x = C_y = C_z = 1`, and
+    /// `|C_x| > C_z` moves the lobe toward grazing (off-specular).
+    ///
+    /// ```
+    /// use brdf::{Brdf, Lafortune, LafortuneLobe};
+    /// use glam::Vec3;
+    /// let mirror = LafortuneLobe::diagonal(Vec3::new(-1.0, -1.0, 1.0), 100.0, Vec3::ONE);
+    /// let metal = Lafortune { diffuse: Vec3::ZERO, lobes: vec![mirror] };
+    /// let (n, view) = (Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
+    /// let at = lobe_core::Receiver { position: Vec3::ZERO, normal: n, view, object: lobe_core::OWN_NONE };
+    /// let reflected = metal.eval(&at, Vec3::new(-0.6, 0.0, 0.8));
+    /// assert!((reflected.x - 0.8).abs() < 1e-5); // k·1^e·(n·v)
+    /// ```
+    #[must_use]
+    pub fn diagonal(c: Vec3, exponent: f32, scale: Vec3) -> Self {
+        Self { matrix: Mat3::from_diagonal(c), exponent, scale }
+    }
+
+    /// The three lobes of a term whose matrix and exponent depend on the colour channel.
+    #[must_use]
+    pub fn per_channel(matrices: [Mat3; 3], exponents: [f32; 3], scale: Vec3) -> [Self; 3] {
+        core::array::from_fn(|i| Self { matrix: matrices[i], exponent: exponents[i], scale: Vec3::AXES[i] * scale[i] })
+    }
+
+    /// Checks the parameters: finite, scale not negative, exponent in range, matrix symmetric (to 1e-5 of its largest
+    /// entry), peak `k·‖M‖^e` at most 1e12.
+    ///
+    /// # Errors
+    /// [`MaterialError`] that names what is wrong.
+    pub fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("scale", self.scale)?;
+        check_exponent(self.exponent)?;
+        let entries = self.matrix.to_cols_array();
+        let largest = entries.iter().fold(0.0_f32, |m, x| m.max(x.abs()));
+        if !entries.iter().all(|x| x.abs() <= MAX_COEFFICIENT) {
+            return Err(MaterialError::Matrix);
+        }
+        let skew = self.matrix - self.matrix.transpose();
+        if skew.to_cols_array().iter().any(|x| x.abs() > 1e-5 * largest) {
+            return Err(MaterialError::Asymmetric);
+        }
+        let k = f64::from(self.scale.max_element());
+        let ln_peak = k.ln() + f64::from(self.exponent) * spectral_norm(self.matrix).ln();
+        if ln_peak > f64::from(MAX_COEFFICIENT).ln() {
+            return Err(MaterialError::Peak { ln_peak });
+        }
+        Ok(())
+    }
+
+    /// Unit axis `Mω_o/|Mω_o|` in world space and `|Mω_o|^e`; none where `Mω_o = 0`.
+    fn axis_and_gain(&self, at: &Receiver) -> Option<(Vec3, f32)> {
+        let (t, b) = orthonormal_basis(at.normal);
+        let m = self.matrix * Vec3::new(t.dot(at.view), b.dot(at.view), at.normal.dot(at.view));
+        let largest = m.abs().max_element();
+        if largest < 1e-30 {
+            return None;
+        }
+        let unit = m / largest;
+        let length = unit.length();
+        let unit = unit / length;
+        let axis = (t * unit.x + b * unit.y + at.normal * unit.z).normalize();
+        // An exponent up to 1e7 multiplies the error of the logarithm: take it in f64.
+        let gain = (f64::from(self.exponent) * (f64::from(largest) * f64::from(length)).ln()).exp();
+        Some((axis, gain.min(f64::from(MAX_COEFFICIENT)) as f32))
+    }
+
+    fn lobe(&self, at: &Receiver) -> Option<Lobe> {
+        let (axis, gain) = self.axis_and_gain(at)?;
+        let scale = self.scale * gain;
+        (scale != Vec3::ZERO).then(|| Lobe::new(axis, self.exponent, scale).times_cosine())
+    }
+}
+
+/// Largest singular value of a symmetric matrix, by power iteration on its square.
+fn spectral_norm(m: Mat3) -> f64 {
+    let m = DMat3::from_cols(m.x_axis.as_dvec3(), m.y_axis.as_dvec3(), m.z_axis.as_dvec3());
+    // Three starts, so that no eigenvector is missed by being orthogonal to all of them.
+    DVec3::AXES
+        .iter()
+        .map(|&start| {
+            let mut v = start;
+            for _ in 0..64 {
+                let next = m * (m * v);
+                let length = next.length();
+                if length == 0.0 {
+                    return 0.0;
+                }
+                v = next / length;
+            }
+            (m * v).length()
+        })
+        .fold(0.0, f64::max)
+}
+
+impl Lafortune {
+    /// Checks all parameters; see [`LafortuneLobe::validate`].
+    ///
+    /// # Errors
+    /// [`MaterialError`] that names what is wrong.
+    pub fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("diffuse", self.diffuse)?;
+        self.lobes.iter().try_for_each(LafortuneLobe::validate)
+    }
+
+    pub(crate) fn lobes<'a>(&'a self, at: &'a Receiver) -> impl Iterator<Item = Lobe> + Clone + 'a {
+        Lambert { albedo: self.diffuse }.lobes(at).chain(self.lobes.iter().filter_map(|l| l.lobe(at)))
+    }
+}
+
+impl BrdfLobes for Lafortune {
+    fn max_lobes(&self) -> usize {
+        1 + self.lobes.len()
+    }
+
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    }
+}
+
+impl Brdf for Lafortune {
+    fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+        let term = |l: &LafortuneLobe| match l.axis_and_gain(at) {
+            Some((axis, gain)) => l.scale * gain * power(axis, v, l.exponent),
+            None => Vec3::ZERO,
+        };
+        let specular: Vec3 = self.lobes.iter().map(term).sum();
+        (self.diffuse * FRAC_1_PI + specular) * at.normal.dot(v).max(0.0)
+    }
+
+    fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
+        draw(self.lobes(at), at.normal, u)
+    }
+
+    fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
+        density(self.lobes(at), at.normal, v)
+    }
+}

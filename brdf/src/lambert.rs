@@ -1,0 +1,53 @@
+use crate::error::check_coefficient;
+use crate::sampling::{density, draw};
+use crate::{Brdf, BrdfSample, MaterialError};
+use core::f32::consts::FRAC_1_PI;
+use glam::Vec3;
+use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
+
+/// An ideally diffuse surface: `f̃(v) = ρ/π·max(n·v, 0)` (Eq. 25 with `kd = ρ/π`).
+///
+/// One lobe of exponent exactly 1 whose axis is exactly the receiver's normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lambert {
+    /// Albedo ρ: the fraction of light reflected, per channel. Above 1 the surface creates energy.
+    pub albedo: Vec3,
+}
+
+impl Lambert {
+    /// Checks that the albedo is finite and not negative.
+    ///
+    /// # Errors
+    /// [`MaterialError`] that names what is wrong.
+    pub fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("albedo", self.albedo)
+    }
+
+    pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+        (self.albedo != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, self.albedo)).into_iter()
+    }
+}
+
+impl BrdfLobes for Lambert {
+    fn max_lobes(&self) -> usize {
+        1
+    }
+
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    }
+}
+
+impl Brdf for Lambert {
+    fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+        self.albedo * (FRAC_1_PI * at.normal.dot(v).max(0.0))
+    }
+
+    fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
+        draw(self.lobes(at), at.normal, u)
+    }
+
+    fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
+        density(self.lobes(at), at.normal, v)
+    }
+}

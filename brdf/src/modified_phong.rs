@@ -1,0 +1,68 @@
+use crate::error::{check_coefficient, check_exponent};
+use crate::phong::mirrored_view;
+use crate::sampling::{density, draw};
+use crate::{Brdf, BrdfSample, MaterialError};
+use core::f32::consts::{FRAC_1_PI, TAU};
+use glam::Vec3;
+use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, power};
+
+/// The normalised Phong model: `f̃(v) = (kd/π + ks·(e+2)/(2π)·max(r·v, 0)^e)·max(n·v, 0)`, `r` the mirrored view
+/// (E. Lafortune, Y. Willems, *Using the Modified Phong Reflectance Model for Physically Based Rendering*, 1994; \[26\]
+/// of the paper).
+///
+/// Reciprocal; conserves energy while `kd + ks ≤ 1`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModifiedPhong {
+    /// Fraction of light that is reflected diffusely (an albedo; not divided by π).
+    pub kd: Vec3,
+    /// Fraction that is reflected in the specular lobe at normal incidence; less at others.
+    pub ks: Vec3,
+    /// Specular exponent, in [0, 1e7].
+    pub exponent: f32,
+}
+
+impl ModifiedPhong {
+    /// Checks that the coefficients are finite and not negative and the exponent in range.
+    ///
+    /// # Errors
+    /// [`MaterialError`] that names what is wrong.
+    pub fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("kd", self.kd)?;
+        check_coefficient("ks", self.ks)?;
+        check_exponent(self.exponent)
+    }
+
+    pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+        let diffuse = (self.kd != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, self.kd));
+        let e = self.exponent;
+        let specular = (self.ks != Vec3::ZERO)
+            .then(|| Lobe::with_flux(mirrored_view(at), e, self.ks * ((e + 2.0) / (e + 1.0))).times_cosine());
+        diffuse.into_iter().chain(specular)
+    }
+}
+
+impl BrdfLobes for ModifiedPhong {
+    fn max_lobes(&self) -> usize {
+        2
+    }
+
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    }
+}
+
+impl Brdf for ModifiedPhong {
+    fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+        let cos = at.normal.dot(v).max(0.0);
+        let e = self.exponent;
+        (self.kd * FRAC_1_PI + self.ks * ((e + 2.0) / TAU * power(mirrored_view(at), v, e))) * cos
+    }
+
+    fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
+        draw(self.lobes(at), at.normal, u)
+    }
+
+    fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
+        density(self.lobes(at), at.normal, v)
+    }
+}

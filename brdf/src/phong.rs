@@ -1,0 +1,72 @@
+use crate::error::{check_coefficient, check_exponent};
+use crate::sampling::{density, draw};
+use crate::{Brdf, BrdfSample, MaterialError};
+use core::f32::consts::PI;
+use glam::Vec3;
+use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, power};
+
+/// The Phong model as the paper prints it: `f̃(v) = kd·max(n·v, 0) + ks·max(r·v, 0)^e` (Eqs. 23–26), `r` the mirrored
+/// view.
+///
+/// The specular term has no cosine factor: the model is not reciprocal and, near grazing views, not energy conserving.
+/// [`ModifiedPhong`](crate::ModifiedPhong) is both. A receiver reflects at most `π·kd + 2π·ks/(e+1)` of the light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Phong {
+    /// Diffuse coefficient in sr⁻¹: the albedo divided by π.
+    pub kd: Vec3,
+    /// Specular coefficient in sr⁻¹: the value of the specular lobe at its peak.
+    pub ks: Vec3,
+    /// Specular exponent, in [0, 1e7].
+    pub exponent: f32,
+}
+
+impl Phong {
+    /// Checks that the coefficients are finite and not negative and the exponent in range.
+    ///
+    /// # Errors
+    /// [`MaterialError`] that names what is wrong.
+    pub fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("kd", self.kd)?;
+        check_coefficient("ks", self.ks)?;
+        check_exponent(self.exponent)
+    }
+
+    pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+        let diffuse = (self.kd != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, PI * self.kd));
+        let specular = (self.ks != Vec3::ZERO).then(|| Lobe::new(mirrored_view(at), self.exponent, self.ks));
+        diffuse.into_iter().chain(specular)
+    }
+}
+
+/// `r = 2(n·ω_o)n − ω_o`.
+pub(crate) fn mirrored_view(at: &Receiver) -> Vec3 {
+    2.0 * at.normal.dot(at.view) * at.normal - at.view
+}
+
+impl BrdfLobes for Phong {
+    fn max_lobes(&self) -> usize {
+        2
+    }
+
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    }
+}
+
+impl Brdf for Phong {
+    fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+        let cos = at.normal.dot(v);
+        if cos <= 0.0 {
+            return Vec3::ZERO;
+        }
+        self.kd * cos + self.ks * power(mirrored_view(at), v, self.exponent)
+    }
+
+    fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
+        draw(self.lobes(at), at.normal, u)
+    }
+
+    fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
+        density(self.lobes(at), at.normal, v)
+    }
+}
