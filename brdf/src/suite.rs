@@ -1,1 +1,407 @@
+//! What every model must pass, against f64 formulas and quadratures that share no code with it.
 
+use crate::{Brdf, Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
+use core::f64::consts::PI;
+use glam::{DMat3, DVec3, Mat3, Vec3};
+use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver, orthonormal_basis};
+
+const EXTREME_EXPONENTS: [f32; 7] = [0.0, 1e-6, 0.5, 1.0, 200.0, 1e5, 1e7];
+
+/// SplitMix64: uniform numbers in [0, 1).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Below 1 in f32 as well.
+    fn triple(&mut self) -> [f32; 3] {
+        core::array::from_fn(|_| ((self.next() * 16_777_216.0).floor() / 16_777_216.0) as f32)
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        let (z, phi) = (2.0 * self.next() - 1.0, 2.0 * PI * self.next());
+        let s = (1.0 - z * z).sqrt();
+        DVec3::new(s * phi.cos(), s * phi.sin(), z).normalize().as_vec3().normalize()
+    }
+}
+
+fn receiver(normal: Vec3, view: Vec3) -> Receiver {
+    Receiver {
+        position: Vec3::new(1.0, 2.0, 3.0),
+        normal: normal.normalize(),
+        view: view.normalize(),
+        object: OWN_NONE,
+    }
+}
+
+/// Views from straight above to grazing and to just below the horizon, over an oblique normal.
+fn receivers() -> Vec<Receiver> {
+    let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
+    let (t, b) = orthonormal_basis(normal);
+    [0.0_f32, 1e-4, 0.5, 1.2, 1.5, 1.570_79, 1.58]
+        .iter()
+        .map(|&angle| receiver(normal, normal * angle.cos() + (0.6 * t + 0.8 * b) * angle.sin()))
+        .collect()
+}
+
+/// The printed formulas in f64.
+fn oracle(material: &Material, at: &Receiver, v: DVec3) -> DVec3 {
+    let (n, o) = (at.normal.as_dvec3().normalize(), at.view.as_dvec3().normalize());
+    let cos = n.dot(v);
+    if cos <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let lobe = |e: f32| {
+        let c = (2.0 * n.dot(o) * n - o).dot(v);
+        if c > 0.0 { c.powf(f64::from(e)) } else { 0.0 }
+    };
+    match material {
+        Material::Lambert(m) => m.albedo.as_dvec3() / PI * cos,
+        Material::Phong(m) => m.kd.as_dvec3() * cos + m.ks.as_dvec3() * lobe(m.exponent),
+        Material::ModifiedPhong(m) => {
+            let e = f64::from(m.exponent);
+            (m.kd.as_dvec3() / PI + m.ks.as_dvec3() * (e + 2.0) / (2.0 * PI) * lobe(m.exponent)) * cos
+        }
+        Material::Lafortune(m) => {
+            let t = orthonormal_basis(at.normal).0.as_dvec3();
+            let t = (t - n * n.dot(t)).normalize(); // orthonormal to f64 precision: exponent 1e7 sees 1e-8
+            let frame = DMat3::from_cols(t, n.cross(t), n);
+            let (lo, lv) = (frame.transpose() * o, frame.transpose() * v);
+            let mut f = m.diffuse.as_dvec3() / PI;
+            for l in &m.lobes {
+                let q = DMat3::from_cols_array(&l.matrix.to_cols_array().map(f64::from));
+                let d = lv.dot(q * lo);
+                if d > 0.0 {
+                    f += l.scale.as_dvec3() * d.powf(f64::from(l.exponent));
+                }
+            }
+            f * cos
+        }
+    }
+}
+
+fn lafortune() -> Lafortune {
+    let turned = Mat3::from_cols_array(&[-0.9, 0.15, 0.05, 0.15, -0.7, 0.0, 0.05, 0.0, 0.8]);
+    let mut lobes = vec![
+        LafortuneLobe::diagonal(Vec3::new(-1.0, -1.0, 0.9), 15.0, Vec3::new(0.2, 0.1, 0.05)), // off-specular
+        LafortuneLobe::diagonal(Vec3::new(0.8, 0.8, 0.8), 6.0, Vec3::splat(0.1)),             // retro-reflective
+        LafortuneLobe::diagonal(Vec3::new(-1.0, -0.6, 0.9), 8.0, Vec3::splat(0.1)),           // anisotropic
+        LafortuneLobe { matrix: turned, exponent: 12.0, scale: Vec3::splat(0.3) },
+    ];
+    let c = |x: f32| Mat3::from_diagonal(Vec3::new(-x, -x, x));
+    lobes.extend(LafortuneLobe::per_channel([c(0.9), c(0.95), c(1.0)], [5.0, 10.0, 20.0], Vec3::splat(0.2)));
+    Lafortune { diffuse: Vec3::new(0.2, 0.3, 0.4), lobes }
+}
+
+fn materials() -> Vec<Material> {
+    let mut all: Vec<Material> = vec![Lambert { albedo: Vec3::new(0.8, 0.5, 0.1) }.into(), lafortune().into()];
+    let (a, b) = (Vec3::new(0.3, 0.2, 0.1), Vec3::new(0.2, 0.4, 0.6));
+    for exponent in EXTREME_EXPONENTS {
+        all.push(Phong { kd: a, ks: b, exponent }.into());
+        all.push(ModifiedPhong { kd: a, ks: b, exponent }.into());
+        all.push(
+            Lafortune {
+                diffuse: Vec3::ZERO,
+                lobes: vec![LafortuneLobe::diagonal(Vec3::new(-1.0, -1.0, 1.0), exponent, b)],
+            }
+            .into(),
+        );
+    }
+    all
+}
+
+/// Random directions, and some at the distance at which a lobe of the model has fallen to a tenth.
+fn probes(at: &Receiver, random: &mut Random) -> Vec<Vec3> {
+    let mirror = 2.0 * at.normal.dot(at.view) * at.normal - at.view;
+    let mut all: Vec<Vec3> = (0..40).map(|_| random.direction()).collect();
+    for spread in [0.0, 1e-4, 1e-3, 0.02, 0.3] {
+        all.extend((0..10).map(|_| (mirror + spread * random.direction()).normalize()));
+    }
+    all
+}
+
+#[test]
+fn eval_and_lobe_sum_equal_the_printed_formulas() {
+    let mut random = Random(1);
+    for material in materials() {
+        material.validate().unwrap();
+        let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
+        for at in receivers() {
+            material.brdf_lobes(&at, &mut buffer.writer()).unwrap();
+            for v in probes(&at, &mut random) {
+                let want = oracle(&material, &at, v.as_dvec3().normalize());
+                let direct = material.eval(&at, v);
+                let below = at.normal.dot(v) <= 0.0;
+                let sum = if below { Vec3::ZERO } else { buffer.lobes().eval(at.normal, v) };
+                assert!(direct.is_finite() && sum.is_finite(), "{material:?} {at:?} {v}");
+                let e = match &material {
+                    Material::Phong(m) => m.exponent,
+                    Material::ModifiedPhong(m) => m.exponent,
+                    Material::Lafortune(m) => m.lobes[0].exponent,
+                    Material::Lambert(_) => 1.0,
+                };
+                // A rounding of 1e-7 in the axis shifts the argument of a lobe's steepest point, where its value is
+                // about half of the peak, by √e·1e-7; the peak itself has relative error e·(1e-7)² and f32 rounding.
+                let peak = match &material {
+                    Material::Phong(m) => m.ks.max_element(),
+                    Material::ModifiedPhong(m) => m.ks.max_element() * (e + 2.0) / 6.0,
+                    _ => 1.0,
+                };
+                let allowed = f64::from(peak) * (2e-6 + 1.5e-6 * f64::from(e).sqrt()) + 1e-6;
+                for got in [direct, sum] {
+                    let error = (got.as_dvec3() - want).abs().max_element();
+                    assert!(error <= allowed, "{material:?}\n{at:?} v {v}: {got} for {want}, allowed {allowed:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn lambert_lobe_is_recognisable() {
+    let at = receivers()[3];
+    for material in [Material::lambert(Vec3::splat(0.3)), lafortune().into(), materials()[3].clone()] {
+        let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
+        material.brdf_lobes(&at, &mut buffer.writer()).unwrap();
+        let first = buffer.lobes().get(0);
+        assert_eq!((first.axis, first.exponent, first.cosine), (at.normal, 1.0, 0.0));
+    }
+}
+
+#[test]
+fn black_materials_have_no_lobe_and_draw_nothing() {
+    let black: [Material; 4] = [
+        Lambert::default().into(),
+        Phong { exponent: 5.0, ..Phong::default() }.into(),
+        ModifiedPhong { exponent: 5.0, ..ModifiedPhong::default() }.into(),
+        Lafortune { diffuse: Vec3::ZERO, lobes: vec![LafortuneLobe::diagonal(Vec3::ONE, 3.0, Vec3::ZERO)] }.into(),
+    ];
+    for material in black {
+        let mut buffer = LobeBuffer::with_capacity(0);
+        material.brdf_lobes(&receivers()[1], &mut buffer.writer()).unwrap();
+        assert!(material.sample(&receivers()[1], [0.5; 3]).is_none());
+        assert_eq!(material.pdf(&receivers()[1], receivers()[1].normal), 0.0);
+    }
+}
+
+#[test]
+fn lafortune_without_an_axis_has_no_lobe() {
+    // M keeps only the normal's part and the view is exactly at the horizon; and M = 0.
+    for c in [Vec3::Z, Vec3::ZERO, Vec3::splat(1e-32)] {
+        for exponent in EXTREME_EXPONENTS {
+            let model = Lafortune { diffuse: Vec3::ZERO, lobes: vec![LafortuneLobe::diagonal(c, exponent, Vec3::ONE)] };
+            model.validate().unwrap();
+            let at = receiver(Vec3::Z, Vec3::X);
+            let mut buffer = LobeBuffer::with_capacity(0);
+            model.brdf_lobes(&at, &mut buffer.writer()).unwrap();
+            assert_eq!(model.eval(&at, Vec3::Z), Vec3::ZERO);
+            assert!(model.sample(&at, [0.3; 3]).is_none());
+        }
+    }
+}
+
+#[test]
+fn reciprocity() {
+    // f_r(v, o) = f_r(o, v) for all but the printed Phong model.
+    let mut random = Random(2);
+    let models: Vec<Material> = materials().into_iter().filter(|m| !matches!(m, Material::Phong(_))).collect();
+    for material in models {
+        for _ in 0..200 {
+            let n = random.direction();
+            let mut above = || loop {
+                let v = random.direction();
+                if n.dot(v) > 0.05 {
+                    return v;
+                }
+            };
+            let (a, b) = (above(), above());
+            let ab = material.eval(&receiver(n, a), b) / n.dot(b);
+            let ba = material.eval(&receiver(n, b), a) / n.dot(a);
+            // f32 dot products of relative error 1e-6/0.05 in the cosines divided out, and a lobe's flank.
+            let allowed = 1e-4 * ab.max_element().max(ba.max_element()) + 1e-4;
+            assert!((ab - ba).abs().max_element() <= allowed, "{material:?} {n} {a} {b}: {ab} {ba}");
+        }
+    }
+}
+
+/// `∫ f(v) dv` over the hemisphere of `n` by the midpoint rule on (√(1 − cos θ), φ), dense around the normal.
+fn hemisphere(n: Vec3, mut f: impl FnMut(Vec3) -> DVec3) -> DVec3 {
+    let (t, b) = orthonormal_basis(n);
+    let (rows, columns) = (200, 320);
+    let mut sum = DVec3::ZERO;
+    for i in 0..rows {
+        let root = (i as f64 + 0.5) / rows as f64;
+        let c = 1.0 - root * root;
+        let s = (1.0 - c * c).sqrt();
+        for j in 0..columns {
+            let phi = 2.0 * PI * (j as f64 + 0.5) / columns as f64;
+            let v = n.as_dvec3() * c + (t.as_dvec3() * phi.cos() + b.as_dvec3() * phi.sin()) * s;
+            sum += f(v.as_vec3()) * (2.0 * root);
+        }
+    }
+    sum * (2.0 * PI / (rows * columns) as f64)
+}
+
+#[test]
+fn energy_and_white_furnace() {
+    // A diffuse surface of albedo 1 in a uniform environment of radiance 1 is indistinguishable from it.
+    let white = Lambert { albedo: Vec3::ONE };
+    for at in receivers() {
+        let e = hemisphere(at.normal, |v| white.eval(&at, v).as_dvec3());
+        assert!((e - 1.0).abs().max_element() < 2e-5, "{e}");
+    }
+    for exponent in [0.0, 1e-6, 0.5, 1.0, 20.0, 200.0] {
+        let model = ModifiedPhong { kd: Vec3::splat(0.4), ks: Vec3::splat(0.6), exponent };
+        for (i, at) in receivers().iter().enumerate() {
+            let e = hemisphere(at.normal, |v| model.eval(at, v).as_dvec3()).x;
+            assert!(e < 1.0 + 1e-3, "{exponent} {i}: {e}");
+            // At normal incidence nothing is lost below the horizon: exactly kd + ks.
+            assert!(i > 0 || (e - 1.0).abs() < 1e-3, "{exponent}: {e}");
+        }
+        // The printed model: π kd + 2π ks/(e+1), reached at normal incidence.
+        let kd = 0.1;
+        let ks = 0.5;
+        let model = Phong { kd: Vec3::splat(kd), ks: Vec3::splat(ks), exponent };
+        let bound = PI * f64::from(kd) + 2.0 * PI * f64::from(ks) / (f64::from(exponent) + 1.0);
+        for (i, at) in receivers().iter().enumerate() {
+            let e = hemisphere(at.normal, |v| model.eval(at, v).as_dvec3()).x;
+            assert!(e <= bound * 1.001 && (i > 0 || e > bound * 0.999), "{exponent} {i}: {e} of {bound}");
+        }
+    }
+}
+
+#[test]
+fn densities_integrate_to_what_is_not_refused() {
+    let mut random = Random(3);
+    for material in materials() {
+        let e = match &material {
+            Material::Phong(m) => m.exponent,
+            Material::ModifiedPhong(m) => m.exponent,
+            _ => 1.0,
+        };
+        if e > 300.0 || matches!(&material, Material::Lafortune(m) if m.lobes[0].exponent > 300.0) {
+            continue; // too narrow for the quadrature; the estimate below covers them
+        }
+        for at in receivers() {
+            let mass = hemisphere(at.normal, |v| DVec3::splat(f64::from(material.pdf(&at, v)))).x;
+            assert!(mass <= 1.0 + 2e-3, "{material:?} {at:?}: {mass}");
+            let n = 20_000;
+            let kept = (0..n).filter(|_| material.sample(&at, random.triple()).is_some()).count() as f64 / n as f64;
+            // Five standard errors of a proportion (≤ 0.5/√n) and the quadrature's error at the lobe's horizon.
+            assert!((kept - mass).abs() < 5.0 * 0.5 / (n as f64).sqrt() + 3e-3, "{material:?} {at:?}: {kept} {mass}");
+        }
+    }
+}
+
+#[test]
+fn drawn_directions_follow_the_density() {
+    // χ² over 8 × 16 cells of (cos θ, φ) about the normal. With 127 degrees of freedom the statistic exceeds 127 + 5·√254
+    // with a probability below 1e-5; the seed is fixed. Expected counts are integrated with 20 × 20 points a cell.
+    let (rows, columns, sub, n) = (8, 16, 20, 100_000);
+    let phong = ModifiedPhong { kd: Vec3::splat(0.3), ks: Vec3::splat(0.5), exponent: 20.0 };
+    for material in [Material::lambert(Vec3::ONE), phong.into(), lafortune().into()] {
+        for at in [receivers()[0], receivers()[2], receivers()[4]] {
+            let (t, b) = orthonormal_basis(at.normal);
+            let at_cell = |c: f64, phi: f64| {
+                let s = (1.0 - c * c).sqrt();
+                (at.normal.as_dvec3() * c + (t.as_dvec3() * phi.cos() + b.as_dvec3() * phi.sin()) * s).as_vec3()
+            };
+            let mut expected = vec![0.0; rows * columns];
+            for i in 0..rows * sub {
+                for j in 0..columns * sub {
+                    let c = (i as f64 + 0.5) / (rows * sub) as f64;
+                    let phi = 2.0 * PI * (j as f64 + 0.5) / (columns * sub) as f64;
+                    let area = 2.0 * PI / (rows * sub * columns * sub) as f64;
+                    expected[i / sub * columns + j / sub] +=
+                        f64::from(n) * area * f64::from(material.pdf(&at, at_cell(c, phi)));
+                }
+            }
+            let mut counts = vec![0.0; rows * columns];
+            let mut random = Random(4);
+            for _ in 0..n {
+                let Some(sample) = material.sample(&at, random.triple()) else { continue };
+                assert!((sample.direction.length() - 1.0).abs() < 1e-6);
+                assert!((sample.pdf / material.pdf(&at, sample.direction) - 1.0).abs() < 1e-5);
+                let (c, x, y) = (
+                    f64::from(at.normal.dot(sample.direction)),
+                    f64::from(t.dot(sample.direction)),
+                    f64::from(b.dot(sample.direction)),
+                );
+                let row = ((c * rows as f64) as usize).min(rows - 1);
+                let turn = (y.atan2(x) / (2.0 * PI)).rem_euclid(1.0);
+                let column = ((turn * columns as f64) as usize).min(columns - 1);
+                counts[row * columns + column] += 1.0;
+            }
+            let (mut chi, mut cells) = (0.0, 0.0);
+            for (count, want) in counts.iter().zip(&expected).filter(|(_, w)| **w >= 5.0) {
+                chi += (count - want) * (count - want) / want;
+                cells += 1.0_f64;
+            }
+            assert!(chi < cells + 5.0 * (2.0 * cells).sqrt(), "{material:?}: χ² {chi} over {cells} cells");
+        }
+    }
+}
+
+#[test]
+fn narrow_lobes_are_drawn_with_the_right_mean() {
+    // At normal incidence E[f̃/pdf] is the reflected fraction kd + ks.
+    for exponent in [200.0, 1e5, 1e7] {
+        let model = ModifiedPhong { kd: Vec3::splat(0.3), ks: Vec3::splat(0.5), exponent };
+        let at = receiver(Vec3::new(0.2, 0.9, -0.4), Vec3::new(0.2, 0.9, -0.4));
+        let mut random = Random(5);
+        let n = 50_000;
+        let mean = (0..n)
+            .filter_map(|_| model.sample(&at, random.triple()))
+            .map(|s| f64::from(model.eval(&at, s.direction).x / s.pdf))
+            .sum::<f64>()
+            / f64::from(n);
+        // f̃/pdf lies in [0, 1.1], so a standard deviation of 0.1 is an upper bound where the lobes don't overlap.
+        assert!((mean - 0.8).abs() < 5.0 * 0.1 / f64::from(n).sqrt(), "{exponent}: {mean}");
+    }
+}
+
+#[test]
+fn bad_parameters_are_refused_in_one_line() {
+    let lobe = |c: Vec3, exponent: f32| Lafortune {
+        diffuse: Vec3::ZERO,
+        lobes: vec![LafortuneLobe::diagonal(c, exponent, Vec3::ONE)],
+    };
+    let skew = Mat3::from_cols_array(&[1.0, 0.2, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    let bad: Vec<(Material, &str)> = vec![
+        (Material::lambert(Vec3::new(0.1, f32::NAN, 0.1)), "albedo"),
+        (Material::lambert(Vec3::new(0.1, -0.1, 0.1)), "albedo"),
+        (Material::lambert(Vec3::splat(f32::INFINITY)), "albedo"),
+        (Phong { kd: Vec3::ONE, ks: Vec3::ONE, exponent: -1.0 }.into(), "exponent"),
+        (Phong { kd: Vec3::ONE, ks: Vec3::ONE, exponent: 1.1e7 }.into(), "exponent"),
+        (ModifiedPhong { kd: Vec3::ONE, ks: Vec3::ONE, exponent: f32::NAN }.into(), "exponent"),
+        (ModifiedPhong { kd: Vec3::ONE, ks: -Vec3::ONE, exponent: 1.0 }.into(), "ks"),
+        (lobe(Vec3::splat(f32::NAN), 2.0).into(), "matrix"),
+        (lobe(Vec3::splat(1.1), 1e5).into(), "peak"),
+        (
+            Lafortune {
+                diffuse: Vec3::ZERO,
+                lobes: vec![LafortuneLobe { matrix: skew, exponent: 1.0, scale: Vec3::ONE }],
+            }
+            .into(),
+            "symmetric",
+        ),
+    ];
+    for (material, word) in bad {
+        let message = material.validate().unwrap_err().to_string();
+        assert!(message.contains(word) && !message.contains('\n'), "{message}");
+    }
+    lobe(Vec3::new(-1.0, -1.0, 1.0), 1e7).validate().unwrap();
+}
+
+#[test]
+fn a_full_buffer_is_an_error() {
+    let model = ModifiedPhong { kd: Vec3::ONE, ks: Vec3::ONE, exponent: 3.0 };
+    let mut buffer = LobeBuffer::with_capacity(1);
+    assert!(model.brdf_lobes(&receivers()[0], &mut buffer.writer()).is_err());
+}
