@@ -23,6 +23,9 @@
 mod geometry;
 mod lobe;
 mod lobes;
+#[cfg(any(test, feature = "oracle"))]
+pub mod oracle;
+pub mod paper;
 mod source;
 
 pub use crate::geometry::{Cone, OWN_NONE, Receiver, Shaft, Sphere, orthonormal_basis};

@@ -1,0 +1,3 @@
+//! The paper as printed.
+
+pub(crate) mod gauss;
