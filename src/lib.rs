@@ -1,1 +1,34 @@
-//! façade
+//! Deterministic, noise-free direct lighting from area lights, as sums of cosine lobes.
+//!
+//! This package is the composition: it re-exports the crates that do the work, each as a module, and adds what its
+//! command `lobes` needs to read, write and compare pictures.
+//!
+//! ```
+//! use cosine_lobes::{Comparison, Picture};
+//! use glam::Vec3;
+//! let reference = Picture::new(2, 1, vec![Vec3::ONE, Vec3::splat(2.0)]);
+//! let test = Picture::new(2, 1, vec![Vec3::ONE, Vec3::splat(2.5)]);
+//! let error = Comparison::of(&test, &reference).unwrap();
+//! assert_eq!((error.mae, error.bias, error.max), (0.25, 0.25, 0.5));
+//! ```
+
+pub use brdf;
+pub use lighting;
+pub use lobe_core;
+pub use render_cpu;
+pub use scene;
+pub use visibility_spheres;
+
+mod comparison;
+mod error_map;
+mod exr_file;
+mod output;
+mod picture;
+mod png_file;
+
+pub use crate::comparison::{Comparison, RegionError, ShadowErrors, SizesDiffer};
+pub use crate::error_map::{FlipMap, signed_difference};
+pub use crate::exr_file::{ExrLayer, read_exr, read_exr_layer, write_exr};
+pub use crate::output::{ImageFileError, Output, remove_unfinished};
+pub use crate::picture::{Picture, luminance};
+pub use crate::png_file::{srgb_bytes, write_png};

@@ -1,0 +1,2 @@
+//! The `lobes` command.
+fn main() {}

@@ -1,0 +1,206 @@
+use crate::{ImageFileError, Output, Picture};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, Text,
+    Vec2, WritableImage, read,
+};
+use glam::Vec3;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// A named plane of an OpenEXR file: `channels` have one letter each and one value a pixel each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExrLayer {
+    /// Its name: channels are called `NAME.C`; of the layer `beauty` just `C`.
+    pub name: String,
+    /// Channel letters with their values, row by row from the top.
+    pub channels: Vec<(char, Vec<f32>)>,
+}
+
+impl ExrLayer {
+    /// A layer of three channels.
+    fn vectors(name: &str, letters: [char; 3], values: &[Vec3]) -> Self {
+        let channel = |k: usize| (letters[k], values.iter().map(|v| v[k]).collect());
+        Self { name: name.to_owned(), channels: vec![channel(0), channel(1), channel(2)] }
+    }
+
+    /// A layer of linear RGB.
+    #[must_use]
+    pub fn color(name: &str, values: &[Vec3]) -> Self {
+        Self::vectors(name, ['R', 'G', 'B'], values)
+    }
+
+    /// A layer of vectors X, Y, Z.
+    #[must_use]
+    pub fn vector(name: &str, values: &[Vec3]) -> Self {
+        Self::vectors(name, ['X', 'Y', 'Z'], values)
+    }
+
+    /// A layer of one number a pixel, under the given letter.
+    #[must_use]
+    pub fn scalar(name: &str, letter: char, values: Vec<f32>) -> Self {
+        Self { name: name.to_owned(), channels: vec![(letter, values)] }
+    }
+}
+
+/// The layer whose channels carry no prefix, so that every viewer shows it.
+const MAIN: &str = "beauty";
+
+/// Writes layers as one OpenEXR part of 32-bit floats in scan lines, ZIP-compressed; the same bytes for the same
+/// values.
+///
+/// # Errors
+/// When the disk refuses.
+///
+/// # Panics
+/// When a channel has not `width`·`height` values.
+pub fn write_exr(output: Output, width: usize, height: usize, layers: &[ExrLayer]) -> Result<(), ImageFileError> {
+    let path = output.path().to_owned();
+    let channels = layers.iter().flat_map(|layer| {
+        layer.channels.iter().map(|(letter, values)| {
+            assert_eq!(values.len(), width * height, "values of channel {letter} of layer {}", layer.name);
+            let name = if layer.name == MAIN { letter.to_string() } else { format!("{}.{letter}", layer.name) };
+            AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(values.clone()))
+        })
+    });
+    let channels = AnyChannels::sort(channels.collect());
+    let layer = Layer::new(Vec2(width, height), LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
+    let image = Image::from_layer(layer);
+    output.finish(|file| {
+        image.write().non_parallel().to_buffered(file).map_err(|e| ImageFileError::format(&path, e.to_string()))
+    })
+}
+
+/// Reads the picture of an OpenEXR file: its bare R, G, B channels, or those of the layer `beauty`.
+///
+/// # Errors
+/// When the file cannot be read, is damaged, or has no such channels.
+pub fn read_exr(path: &Path) -> Result<Picture, ImageFileError> {
+    read_exr_layer(path, MAIN)?.ok_or_else(|| {
+        ImageFileError::format(path, "no R, G, B channels found, neither bare nor in a layer named beauty")
+    })
+}
+
+/// Reads a layer of R, G, B channels, half, float or integer, by its name: a prefix of the channels' names or the name
+/// of a part of the file. `None` when the file has no such layer. `beauty` also finds bare channels; further channels
+/// such as alpha are ignored.
+///
+/// # Errors
+/// When the file cannot be read or is damaged.
+pub fn read_exr_layer(path: &Path, name: &str) -> Result<Option<Picture>, ImageFileError> {
+    let damaged = |e: exr::error::Error| match e {
+        exr::error::Error::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => ImageFileError::io(path, e),
+        e => ImageFileError::format(path, format!("not a readable OpenEXR file: {e}")),
+    };
+    let file = File::open(path).map_err(|e| ImageFileError::io(path, e))?;
+    if file.metadata().is_ok_and(|m| m.is_dir()) {
+        return Err(ImageFileError::format(path, "is a folder"));
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(BufReader::new(file))
+        .map_err(damaged)?;
+
+    // A part of that name first; then prefixed channels; then, for the main picture, bare ones of any part.
+    let named = |part: &str| (part.eq_ignore_ascii_case(name), String::new());
+    for layer in &image.layer_data {
+        let part = layer.attributes.layer_name.as_ref().map(ToString::to_string).unwrap_or_default();
+        let mut prefixes = vec![(true, format!("{name}."))];
+        prefixes.insert(0, named(&part));
+        prefixes.push((name == MAIN, String::new()));
+        for (_, prefix) in prefixes.iter().filter(|(applies, _)| *applies) {
+            let find = |letter: &str| {
+                layer.channel_data.list.iter().find(|c| c.name.to_string() == format!("{prefix}{letter}"))
+            };
+            let (Some(r), Some(g), Some(b)) = (find("R"), find("G"), find("B")) else { continue };
+            let (width, height) = (layer.size.width(), layer.size.height());
+            if [r, g, b].iter().any(|c| c.sampling != Vec2(1, 1) || c.sample_data.len() != width * height) {
+                return Err(ImageFileError::format(path, "subsampled channels are not supported"));
+            }
+            let values = r.sample_data.values_as_f32().zip(g.sample_data.values_as_f32());
+            let pixels = values.zip(b.sample_data.values_as_f32()).map(|((r, g), b)| Vec3::new(r, g, b));
+            return Ok(Some(Picture::new(width, height, pixels.collect())));
+        }
+    }
+    Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::prelude::f16;
+    use std::path::PathBuf;
+
+    fn ramp(scale: f32) -> Vec<Vec3> {
+        (0..6).map(|i| Vec3::new(i as f32, 0.1, -3.0) * scale).collect()
+    }
+
+    fn write(path: &Path) {
+        let layers = [
+            ExrLayer::color("beauty", &ramp(1.0)),
+            ExrLayer::color("unshadowed", &ramp(2.0)),
+            ExrLayer::scalar("depth", 'Z', vec![1.0; 6]),
+        ];
+        write_exr(Output::create(path).unwrap(), 3, 2, &layers).unwrap();
+    }
+
+    #[test]
+    fn layers_come_back_and_bytes_repeat() {
+        let folder = tempfile::tempdir().unwrap();
+        let (a, b) = (folder.path().join("a.exr"), folder.path().join("b.exr"));
+        write(&a);
+        write(&b);
+        assert_eq!(std::fs::read(&a).unwrap(), std::fs::read(&b).unwrap());
+        assert_eq!(read_exr(&a).unwrap(), Picture::new(3, 2, ramp(1.0)));
+        assert_eq!(read_exr_layer(&a, "unshadowed").unwrap(), Some(Picture::new(3, 2, ramp(2.0))));
+        assert_eq!(read_exr_layer(&a, "light0").unwrap(), None);
+    }
+
+    /// Half floats with alpha, and unsigned integers in a part named "beauty" that is not the first.
+    #[test]
+    fn other_sample_types_and_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |n: &str| -> PathBuf { folder.path().join(n) };
+        let half = |v: f32| FlatSamples::F16(vec![f16::from_f32(v); 2]);
+        let channels = ["A", "B", "G", "R"].map(|n| AnyChannel::new(n, half(if n == "R" { 0.5 } else { 1.0 })));
+        let image = Image::from_channels((2, 1), AnyChannels::sort(channels.into_iter().collect()));
+        image.write().to_file(path("half.exr")).unwrap();
+        let expected = Picture::new(2, 1, vec![Vec3::new(0.5, 1.0, 1.0); 2]);
+        assert_eq!(read_exr(&path("half.exr")).unwrap(), expected);
+
+        let part = |name: &str, letters: [&'static str; 3]| {
+            let channels = letters.map(|n| AnyChannel::new(n, FlatSamples::U32(vec![7; 2])));
+            Layer::new(
+                (2, 1),
+                LayerAttributes::named(name),
+                Encoding::UNCOMPRESSED,
+                AnyChannels::sort(channels.into_iter().collect()),
+            )
+        };
+        let layers = vec![part("other", ["X", "Y", "Z"]), part("beauty", ["R", "G", "B"])];
+        let size = exr::prelude::IntegerBounds::from_dimensions((2, 1));
+        Image::from_layers(exr::prelude::ImageAttributes::new(size), layers).write().to_file(path("int.exr")).unwrap();
+        assert_eq!(read_exr(&path("int.exr")).unwrap(), Picture::new(2, 1, vec![Vec3::splat(7.0); 2]));
+    }
+
+    #[test]
+    fn damaged_files_are_errors() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        write(&path);
+        let bytes = std::fs::read(&path).unwrap();
+        for end in 0..bytes.len() {
+            std::fs::write(&path, &bytes[..end]).unwrap();
+            assert!(read_exr(&path).is_err(), "cut after {end} bytes");
+        }
+        std::fs::write(&path, b"no picture at all").unwrap();
+        assert!(read_exr(&path).unwrap_err().to_string().contains("a.exr"));
+        assert!(read_exr(folder.path()).is_err());
+        assert!(read_exr(&folder.path().join("missing.exr")).is_err());
+    }
+}
