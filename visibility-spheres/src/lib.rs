@@ -1,1 +1,5 @@
 //! Visibility from sphere sets: building, culling and splatting.
+
+mod set;
+
+pub use crate::set::{BuildError, BuildOptions, Progress, SetFileError, SetQuality, SphereSet, preview};

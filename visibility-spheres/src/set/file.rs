@@ -1,0 +1,121 @@
+use glam::Vec3;
+use lobe_core::Sphere;
+use serde::{Deserialize, Serialize};
+
+use super::error::SetFileError;
+use super::quality::SetQuality;
+use super::sphere_set::SphereSet;
+
+const FORMAT: &str = "cosine-lobes sphere set";
+const VERSION: u32 = 1;
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    format: String,
+    version: u32,
+    mesh: Mesh,
+    self_distance: f32,
+    spheres: Vec<[f32; 4]>,
+    quality: SetQuality,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mesh {
+    triangles: usize,
+    bounds: [[f32; 3]; 2],
+}
+
+impl SphereSet {
+    /// The set as JSON, one sphere `[x, y, z, r]` a line:
+    /// `{"format", "version", "mesh": {"triangles", "bounds"}, "self_distance", "quality", "spheres"}`.
+    ///
+    /// [`SphereSet::from_json`] gives the same set back, bit for bit.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let rows: Vec<String> = self
+            .spheres
+            .iter()
+            .map(|ball| {
+                let [x, y, z] = ball.center.to_array();
+                format!("    {}", json(&[x, y, z, ball.radius]))
+            })
+            .collect();
+        format!(
+            "{{\n  \"format\": {},\n  \"version\": {VERSION},\n  \"mesh\": {},\n  \"self_distance\": {},\n  \
+             \"quality\": {},\n  \"spheres\": [\n{}\n  ]\n}}\n",
+            json(FORMAT),
+            json(&Mesh { triangles: self.mesh_triangles, bounds: self.mesh_bounds.map(|p| p.to_array()) }),
+            json(&self.self_distance),
+            json(&self.quality),
+            rows.join(",\n"),
+        )
+    }
+
+    /// Reads what [`SphereSet::to_json`] writes.
+    ///
+    /// # Errors
+    /// One line that names the fault, for anything else: text that is no JSON, missing or unknown keys, wrong types,
+    /// another format or version, numbers outside single precision, negative radii or lengths, no spheres.
+    pub fn from_json(text: &str) -> Result<Self, SetFileError> {
+        let refuse = |message: String| Err(SetFileError { message });
+        // First the name of the format, so that other JSON is told what it is not, and not which key it lacks.
+        let value: serde_json::Value =
+            serde_json::from_str(text).map_err(|error| SetFileError { message: format!("not JSON: {error}") })?;
+        match value.get("format").map(|format| format.as_str()) {
+            Some(Some(FORMAT)) => {}
+            None => return refuse(format!("no \"format\" key; it should be \"{FORMAT}\"")),
+            Some(_) => return refuse(format!("\"format\" should be \"{FORMAT}\"")),
+        }
+        match value.get("version").map(serde_json::Value::as_u64) {
+            Some(Some(version)) if version == u64::from(VERSION) => {}
+            Some(Some(version)) => return refuse(format!("version {version} is not known, only {VERSION}")),
+            _ => return refuse(format!("\"version\" should be {VERSION}")),
+        }
+        let file: File = serde_json::from_str(text).map_err(|error| SetFileError { message: error.to_string() })?;
+
+        let length = |what: &str, value: f32| {
+            if value.is_finite() && value >= 0.0 {
+                Ok(())
+            } else {
+                refuse(format!("{what} is {value}, but should be finite and not negative")).map(|_: Self| ())
+            }
+        };
+        length("self_distance", file.self_distance)?;
+        let quality = file.quality;
+        length("coverage", quality.coverage)?;
+        length("protrusion_volume", quality.protrusion_volume)?;
+        length("hausdorff_outside", quality.hausdorff_outside)?;
+        length("p95_gap", quality.p95_gap)?;
+        length("silhouette_error", quality.silhouette_error)?;
+        let bounds = file.mesh.bounds.map(Vec3::from_array);
+        if !(bounds[0].is_finite() && bounds[1].is_finite() && bounds[0].cmple(bounds[1]).all()) {
+            return refuse("the mesh's bounds are not a box".to_owned());
+        }
+        if file.spheres.is_empty() {
+            return refuse("there are no spheres".to_owned());
+        }
+        let mut spheres = Vec::with_capacity(file.spheres.len());
+        for (i, [x, y, z, radius]) in file.spheres.into_iter().enumerate() {
+            let center = Vec3::new(x, y, z);
+            if !center.is_finite() {
+                return refuse(format!("the centre of sphere {i} is not finite"));
+            }
+            length(&format!("the radius of sphere {i}"), radius)?;
+            spheres.push(Sphere { center, radius });
+        }
+        Ok(Self {
+            spheres,
+            self_distance: file.self_distance,
+            mesh_triangles: file.mesh.triangles,
+            mesh_bounds: bounds,
+            quality,
+        })
+    }
+}
+
+/// JSON of a value that has one: numbers, strings, arrays and structs of them.
+fn json(value: &(impl Serialize + ?Sized)) -> String {
+    serde_json::to_string(value).unwrap_or_else(|_| "null".to_owned())
+}

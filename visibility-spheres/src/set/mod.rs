@@ -1,0 +1,29 @@
+//! Sphere sets that stand for triangle meshes when shadows are cast: building, measuring, storing, drawing.
+
+mod bits;
+mod build;
+mod cover;
+mod descent;
+mod error;
+mod exchange;
+mod file;
+mod options;
+mod preview;
+mod quality;
+mod random;
+mod solid;
+mod sphere_set;
+mod surface;
+mod tree;
+mod view;
+
+#[cfg(test)]
+mod shapes;
+#[cfg(test)]
+mod tests;
+
+pub use error::{BuildError, SetFileError};
+pub use options::{BuildOptions, Progress};
+pub use preview::preview;
+pub use quality::SetQuality;
+pub use sphere_set::SphereSet;

@@ -1,0 +1,115 @@
+use glam::{UVec3, Vec3, Vec4};
+use rayon::prelude::*;
+
+use super::random::Random;
+use super::surface::Surface;
+use super::tree::TriangleTree;
+
+/// The mesh as voxels: those inside it, and those that its surface passes through (all there is of an open sheet).
+pub(crate) struct Solid {
+    low: Vec3,
+    cell: f32,
+    dims: UVec3,
+    /// Per voxel, at its centre: distance to the surface, positive inside.
+    depth: Vec<f32>,
+}
+
+impl Solid {
+    /// Voxels fine enough for a set of `count` spheres.
+    pub(crate) fn new(surface: &Surface, tree: &TriangleTree, count: usize) -> Self {
+        let resolution = match count {
+            0..=160 => 64,
+            161..=640 => 96,
+            _ => 128,
+        };
+        Self::with_resolution(surface, tree, resolution)
+    }
+
+    /// `resolution` voxels along the longest side.
+    fn with_resolution(surface: &Surface, tree: &TriangleTree, resolution: u32) -> Self {
+        let [lo, hi] = surface.unit_bounds();
+        let cell = (hi - lo).max_element() / resolution as f32;
+        let dims = ((hi - lo) / cell).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(resolution));
+        let low = (lo + hi) * 0.5 - dims.as_vec3() * cell * 0.5;
+        let mut depth = vec![0.0; (dims.x * dims.y * dims.z) as usize];
+        depth.par_chunks_mut(dims.x as usize).enumerate().for_each(|(row, depths)| {
+            let (y, z) = (row as u32 % dims.y, row as u32 / dims.y);
+            let mut reach = f32::INFINITY;
+            let mut last = (f32::NEG_INFINITY, false);
+            for (x, depth) in depths.iter_mut().enumerate() {
+                let p = low + (Vec3::new(x as f32, y as f32, z as f32) + 0.5) * cell;
+                let distance = tree.distance(p, reach);
+                reach = (distance + cell) * 1.0001;
+                // Nothing is crossed within the ball of the last point asked, so the answer is the same there.
+                if p.x >= last.0 {
+                    last = (p.x + distance, tree.contains(p));
+                }
+                *depth = if last.1 { distance } else { -distance };
+            }
+        });
+        Self { low, cell, dims, depth }
+    }
+
+    pub(crate) const fn cell(&self) -> f32 {
+        self.cell
+    }
+
+    pub(crate) const fn dims(&self) -> UVec3 {
+        self.dims
+    }
+
+    /// Position in voxels, the first voxel's centre at ½.
+    pub(crate) fn locate(&self, p: Vec3) -> Vec3 {
+        (p - self.low) / self.cell
+    }
+
+    /// Whether `p` is inside the mesh: from the voxel if the surface is far from it, else asked of the tree.
+    pub(crate) fn contains(&self, tree: &TriangleTree, p: Vec3) -> bool {
+        let q = self.locate(p);
+        if q.cmplt(Vec3::ZERO).any() || q.cmpge(self.dims.as_vec3()).any() {
+            return false;
+        }
+        let depth = self.depth[self.index(q.as_uvec3())];
+        // No point of a voxel is farther than √3/2 cells from its centre.
+        if depth.abs() > 0.867 * self.cell { depth > 0.0 } else { tree.contains(p) }
+    }
+
+    fn index(&self, at: UVec3) -> usize {
+        ((at.z * self.dims.y + at.y) * self.dims.x + at.x) as usize
+    }
+
+    /// The solid voxels: inside, or with the surface within half a cell.
+    pub(crate) fn voxels(&self) -> impl Iterator<Item = (UVec3, f32)> + '_ {
+        self.depth.iter().enumerate().filter(|(_, depth)| **depth > -0.5 * self.cell).map(|(i, depth)| {
+            let (i, dims) = (i as u32, self.dims);
+            (UVec3::new(i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y), *depth)
+        })
+    }
+
+    /// Centre and signed depth of a voxel, as a ball.
+    pub(crate) fn ball(&self, (at, depth): (UVec3, f32)) -> Vec4 {
+        (self.low + (at.as_vec3() + 0.5) * self.cell).extend(depth)
+    }
+
+    /// `count` scattered balls that touch the surface from inside: (centre, depth), depth ≥ 0.
+    pub(crate) fn scatter(&self, tree: &TriangleTree, count: usize, random: &mut Random) -> Vec<Vec4> {
+        let voxels: Vec<_> = self.voxels().collect();
+        if voxels.is_empty() {
+            return Vec::new();
+        }
+        let places: Vec<Vec3> = (0..count)
+            .map(|_| {
+                let (at, _) = voxels[random.below(voxels.len())];
+                let jitter = Vec3::new(random.unit(), random.unit(), random.unit());
+                self.low + (at.as_vec3() + jitter) * self.cell
+            })
+            .collect();
+        places
+            .par_iter()
+            .map(|&p| {
+                let distance = tree.distance(p, f32::INFINITY);
+                p.extend(if self.contains(tree, p) { distance } else { 0.0 })
+            })
+            .collect()
+    }
+}

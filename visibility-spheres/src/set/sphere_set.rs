@@ -1,0 +1,103 @@
+use core::ops::ControlFlow;
+
+use glam::{Vec3, Vec4};
+use lobe_core::Sphere;
+
+use super::build::build;
+use super::error::BuildError;
+use super::options::{BuildOptions, Progress};
+use super::quality::{SetQuality, self_distance};
+use super::solid::Solid;
+use super::surface::Surface;
+use super::tree::TriangleTree;
+
+/// Spheres that cast the shadow of a mesh, in the mesh's own space.
+///
+/// ```
+/// use glam::Vec3;
+/// use visibility_spheres::{BuildOptions, SphereSet};
+///
+/// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+/// let tetrahedron = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let set = SphereSet::build(&corners, &tetrahedron, &BuildOptions::new(8))?;
+/// assert_eq!(set.spheres.len(), 8);
+/// assert!(set.quality.silhouette_error < 0.15);
+/// # Ok::<(), visibility_spheres::BuildError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SphereSet {
+    /// The spheres; their order means nothing.
+    pub spheres: Vec<Sphere>,
+    /// τ, a length: a sphere of the receiver's own object blocks a direction only if the ray leaves it farther than this
+    /// from the receiver. `τ = √(2 r̄ h)`, `r̄ = Σr³/Σr²`, h the depth below the union's surface that 5 % of the mesh's
+    /// surface exceeds.
+    pub self_distance: f32,
+    /// Triangles of the mesh that the set was made from.
+    pub mesh_triangles: usize,
+    /// Lowest and highest corner of the mesh's bounding box.
+    pub mesh_bounds: [Vec3; 2],
+    /// How well the set stands for the mesh.
+    pub quality: SetQuality,
+}
+
+impl SphereSet {
+    /// Builds a sphere set from any triangles: closed or open, in several parts, intersecting, of mixed winding.
+    ///
+    /// Starts from a greedy cover by inner balls and then lets the union's silhouettes descend to the mesh's, seen from
+    /// 96 directions ([`BuildOptions::rounds`] > 0). The same input gives the same set on any number of threads.
+    /// Work is about linear in the count, plus a part that is linear in the triangles.
+    ///
+    /// # Errors
+    /// [`BuildError`] for a mesh without triangles or area, with infinite or missing vertices, or for no spheres asked.
+    pub fn build(positions: &[Vec3], triangles: &[[u32; 3]], options: &BuildOptions) -> Result<Self, BuildError> {
+        Self::build_with_progress(positions, triangles, options, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`SphereSet::build`] that reports how far it is and can be stopped.
+    ///
+    /// # Errors
+    /// As [`SphereSet::build`], and [`BuildError::Cancelled`] if `progress` breaks off.
+    pub fn build_with_progress(
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        options: &BuildOptions,
+        progress: &mut Progress,
+    ) -> Result<Self, BuildError> {
+        if options.count == 0 {
+            return Err(BuildError::NoSpheres);
+        }
+        let surface = Surface::new(positions, triangles)?;
+        let tree = TriangleTree::new(&surface.triangles);
+        let solid = Solid::new(&surface, &tree, options.count);
+        let unit = build(&surface, &tree, &solid, options, progress)?;
+        let set = Self {
+            spheres: unit.iter().map(|ball| surface.to_world(*ball)).collect(),
+            self_distance: (f64::from(self_distance(&surface, &unit)) * surface.diagonal) as f32,
+            mesh_triangles: triangles.len(),
+            mesh_bounds: surface.bounds,
+            quality: SetQuality::measure(&surface, &tree, &solid, &unit),
+        };
+        Ok(set)
+    }
+
+    /// Measures any spheres against a mesh: how a set made elsewhere, or by hand, is judged and gets its τ.
+    ///
+    /// # Errors
+    /// As [`SphereSet::build`] for the mesh; [`BuildError::NoSpheres`] for no spheres.
+    pub fn measure(positions: &[Vec3], triangles: &[[u32; 3]], spheres: &[Sphere]) -> Result<Self, BuildError> {
+        if spheres.is_empty() {
+            return Err(BuildError::NoSpheres);
+        }
+        let surface = Surface::new(positions, triangles)?;
+        let tree = TriangleTree::new(&surface.triangles);
+        let solid = Solid::new(&surface, &tree, spheres.len());
+        let unit: Vec<Vec4> = spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
+        Ok(Self {
+            spheres: spheres.to_vec(),
+            self_distance: (f64::from(self_distance(&surface, &unit)) * surface.diagonal) as f32,
+            mesh_triangles: triangles.len(),
+            mesh_bounds: surface.bounds,
+            quality: SetQuality::measure(&surface, &tree, &solid, &unit),
+        })
+    }
+}
