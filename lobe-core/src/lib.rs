@@ -2,11 +2,12 @@
 //!
 //! - [`Lobe`], and sums of lobes as structure-of-arrays views over the caller's storage ([`Lobes`], [`LobesMut`],
 //!   [`LobeBuffer`]);
-//! - closed integrals: one lobe, the product of two (`product`), a lobe over a uniform disc of light (`cap`);
-//! - moment lobes, which keep a function's total and mean vector exactly (`moments`);
-//! - the three sources of lobes ([`BrdfLobes`], [`LightLobes`], [`VisibilityLobes`]) and the `Integrator` that puts
+//! - closed integrals: one lobe, the product of two ([`product_integral`]), a lobe over a uniform disc of light ([`cap_integral`]);
+//! - moment lobes, which keep a function's total and mean vector exactly ([`cone_lobe`],
+//!   [`product_lobe`], [`mixture_lobe`]);
+//! - the three sources of lobes ([`BrdfLobes`], [`LightLobes`], [`VisibilityLobes`]) and the [`Integrator`] that puts
 //!   them together;
-//! - `paper`: the least-squares lobes and the product table of the paper that this project starts from.
+//! - [`paper`]: the least-squares lobes and the product table of the paper that this project starts from.
 //!
 //! # Conventions
 //! Right-handed world space, f32, linear RGB. Directions point *away* from the receiver and have length 1. Angles are in
@@ -20,17 +21,28 @@
 //! S. Meunier, R. Perrot, L. Aveneau, D. Meneveaux, D. Ghazanfarpour, *Cosine lobes for interactive direct lighting in
 //! dynamic scenes*, Computers & Graphics 34 (2010) 767–778: "the paper" in every comment here; equation numbers are its.
 
+mod cap;
 mod geometry;
+mod integrator;
 mod lobe;
 mod lobes;
+mod moments;
 #[cfg(any(test, feature = "oracle"))]
 pub mod oracle;
 pub mod paper;
+mod product;
 mod source;
+pub mod special;
+#[cfg(test)]
+mod tests;
 
+pub use crate::cap::{cap_integral, sphere_light_irradiance};
 pub use crate::geometry::{Cone, OWN_NONE, Receiver, Shaft, Sphere, orthonormal_basis};
+pub use crate::integrator::{Integrator, LightTerm, Lit, Method, Probe, Stage, visible_fraction};
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
+pub use crate::moments::{cone_lobe, exponent_of_spread, mixture_lobe, product_lobe};
+pub use crate::product::{is_lambert, lobe_product, product_integral, product_of_angle};
 pub use crate::source::{
     BrdfLobes, Coverage, DynScratch, DynVisibility, LightLobes, Unshadowed, VisibilityLobes, VisibilityQuery,
     VisibilitySum,

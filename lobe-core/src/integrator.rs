@@ -1,0 +1,172 @@
+use crate::product::normalized_product;
+use crate::{Cone, Lobes};
+use crate::{Coverage, Lobe, LobesFull, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral};
+use glam::Vec3;
+
+/// Which lobes stand for light and visibility, and how products are taken.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Method<'a> {
+    /// Moment lobes and closed integrals: what matters is conserved, no table.
+    #[default]
+    Moments,
+    /// The paper as printed: least-squares lobes, tabulated products, `f̃·L` first, then the threshold, then V (§5.4).
+    Paper(&'a ()),
+}
+
+/// A stage of the paper's Table 1, told to a [`Probe`] when it ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// (b) Light lobes and unshadowed integrals.
+    Lighting,
+    /// (c) The visibility mask.
+    Mask,
+    /// (d) Visibility lobes.
+    VisibilityLobes,
+    /// (e) Products and their integrals.
+    Integration,
+}
+
+/// Listens to what the integrator does: counters and clocks. `()` listens to nothing and costs nothing.
+pub trait Probe {
+    /// A stage has ended.
+    fn end(&mut self, stage: Stage) {
+        let _ = stage;
+    }
+    /// `lobes` visibility lobes were made and `integrals` evaluated.
+    fn count(&mut self, lobes: usize, integrals: usize) {
+        let _ = (lobes, integrals);
+    }
+    /// A product of reflectance and light was dropped below the threshold.
+    fn prune(&mut self) {}
+    /// The receiver sees this much of the light.
+    fn coverage(&mut self, coverage: Coverage) {
+        let _ = coverage;
+    }
+}
+
+impl Probe for () {}
+
+/// One light as a receiver sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightTerm {
+    /// Its cone.
+    pub cone: Cone,
+    /// Its radiance, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec3,
+}
+
+/// What one light adds to the radiance toward the eye.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lit {
+    /// With visibility.
+    pub radiance: Vec3,
+    /// Without.
+    pub unshadowed: Vec3,
+}
+
+/// Puts the three lobe sums together: the rendering equation for one receiver and one light (Eq. 21).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Integrator<'a> {
+    /// How.
+    pub method: Method<'a>,
+    /// Reflectance–light products whose radiance (largest channel) is below this are dropped (t_i of §4.3).
+    pub threshold: f32,
+}
+
+impl Integrator<'_> {
+    /// Radiance toward the eye that one light adds.
+    ///
+    /// For each reflectance lobe the unshadowed integral comes first; if any is above the threshold the strategy is
+    /// asked how much of the light is seen, and only where that is a part, for lobes. A lit point costs one integral
+    /// per reflectance lobe, a dark one no lobe either.
+    ///
+    /// `scratch` and `sum` are working memory, one each a thread.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when `sum` is smaller than the strategy's `max_lobes`.
+    #[expect(clippy::too_many_arguments, reason = "the three sources, the query and the caller's memory")]
+    pub fn radiance<V: VisibilityLobes + ?Sized>(
+        &self,
+        at: &Receiver,
+        brdf: Lobes<'_>,
+        light: &LightTerm,
+        visibility: &V,
+        tolerance: f32,
+        scratch: &mut V::Scratch,
+        sum: &mut VisibilitySum,
+        probe: &mut impl Probe,
+    ) -> Result<Lit, LobesFull> {
+        match self.method {
+            Method::Moments => self.by_moments(at, brdf, light, visibility, tolerance, scratch, sum, probe),
+            Method::Paper(_) => Ok(Lit::default()),
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "as above")]
+    fn by_moments<V: VisibilityLobes + ?Sized>(
+        &self,
+        at: &Receiver,
+        brdf: Lobes<'_>,
+        light: &LightTerm,
+        visibility: &V,
+        tolerance: f32,
+        scratch: &mut V::Scratch,
+        sum: &mut VisibilitySum,
+        probe: &mut impl Probe,
+    ) -> Result<Lit, LobesFull> {
+        let query = VisibilityQuery { at, cone: &light.cone, tolerance };
+        let mut lit = Lit::default();
+        let mut coverage = None;
+        for f in brdf.iter() {
+            let integral = cap_integral(at, &f, &light.cone);
+            let unshadowed = f.flux * light.radiance * integral;
+            probe.count(0, 1);
+            probe.end(Stage::Lighting);
+            lit.unshadowed += unshadowed;
+            if unshadowed.max_element() <= self.threshold {
+                if unshadowed.max_element() > 0.0 {
+                    probe.prune();
+                }
+                continue;
+            }
+            let seen = *coverage.get_or_insert_with(|| {
+                let seen = visibility.coverage(&query, scratch);
+                probe.coverage(seen);
+                probe.end(Stage::Mask);
+                seen
+            });
+            let fraction = match seen {
+                Coverage::Lit => 1.0,
+                Coverage::Dark => 0.0,
+                Coverage::Partial => {
+                    visibility.visibility_lobes(&query, &f, integral, scratch, sum)?;
+                    probe.end(Stage::VisibilityLobes);
+                    let fraction = visible_fraction(at, &f, integral, sum);
+                    probe.count(sum.lobes.lobes().len(), sum.lobes.lobes().len() + sum.whole.lobes().len());
+                    probe.end(Stage::Integration);
+                    fraction
+                }
+            };
+            lit.radiance += unshadowed * fraction;
+        }
+        Ok(lit)
+    }
+}
+
+/// The share of an unshadowed integral that a visibility sum lets through, for one reflectance lobe.
+///
+/// With lobes of the whole light beside: `Σ P(f, lit)/Σ P(f, whole)`, exact where all or nothing is lit. Without:
+/// `base + Σ P(f, lobes)/unshadowed`. In [0, 1]; `unshadowed` is the integral of `f` at flux 1.
+#[must_use]
+pub fn visible_fraction(at: &Receiver, f: &Lobe, unshadowed: f32, sum: &VisibilitySum) -> f32 {
+    let f = &Lobe { flux: Vec3::ONE, ..*f };
+    let total = |lobes: Lobes<'_>| -> f32 { lobes.iter().map(|c| c.flux.x * normalized_product(at, f, &c)).sum() };
+    let seen = total(sum.lobes.lobes());
+    let fraction = if sum.whole.lobes().is_empty() {
+        sum.base + if unshadowed > 0.0 { seen / unshadowed } else { 0.0 }
+    } else {
+        let whole = total(sum.whole.lobes());
+        if whole > 0.0 { seen / whole } else { sum.base }
+    };
+    fraction.clamp(0.0, 1.0)
+}

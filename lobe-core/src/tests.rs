@@ -1,0 +1,245 @@
+//! The closed forms against the f64 oracle.
+
+use crate::oracle::{self, CapLobe, Random};
+use crate::*;
+use core::f64::consts::{PI, TAU};
+use glam::{DVec3, Vec3};
+
+fn receiver(normal: DVec3) -> Receiver {
+    Receiver { position: Vec3::ZERO, normal: normal.as_vec3(), view: normal.as_vec3(), object: OWN_NONE }
+}
+
+/// Axes whose angle survives rounding to f32: one minus cosine as given.
+fn product_error(e1: f64, e2: f64, alpha: f64) -> (f64, f64) {
+    let got = f64::from(product_of_angle(e1 as f32, e2 as f32, (2.0 * (0.5 * alpha).sin().powi(2)) as f32));
+    let want = oracle::product(f64::from(e1 as f32), f64::from(e2 as f32), alpha);
+    (got, want)
+}
+
+#[test]
+fn product_against_quadrature() {
+    let mut random = Random::new(1);
+    let (mut worst, mut at, mut far) = (0.0, (0.0, 0.0, 0.0), 0.0_f64);
+    for i in 0..20_000 {
+        let e1 = random.exponent(1e6);
+        let e2 = if i % 2 == 0 { random.exponent(1e6) } else { random.between(0.0, 12.0) };
+        let width = (1.0 / (e1 + 0.1) + 1.0 / (e2 + 0.1)).sqrt();
+        let alpha = if i % 3 == 0 { random.between(0.0, PI) } else { random.between(0.0, PI.min(5.0 * width)) };
+        let (got, want) = product_error(e1, e2, alpha);
+        assert!(got.is_finite() && got >= 0.0, "P({e1}, {e2}, {alpha}) = {got}");
+        let coaxial = TAU / (e1 + e2 + 1.0);
+        if want > 1e-4 * coaxial {
+            let error = (got / want - 1.0).abs();
+            if error > worst {
+                (worst, at) = (error, (e1, e2, alpha));
+            }
+        } else {
+            far = far.max((got - want).abs() / coaxial);
+        }
+    }
+    println!("worst relative {worst:.2e} at {at:?}; elsewhere {far:.2e} of coaxial");
+    assert!(worst < 2e-3 && far < 1e-6);
+}
+
+#[test]
+fn product_at_the_extremes() {
+    for e1 in [0.0, 1e-6, 0.5, 1.0, 5.0, 8.0, 1e5, 1e7] {
+        for e2 in [0.0, 1e-6, 0.5, 1.0, 7.999, 1e5, 1e7] {
+            for alpha in [0.0, 1e-7, 0.5, 0.5 * PI, 0.5 * PI + 1e-7, 2.0, PI - 1e-6, PI] {
+                let (got, want) = product_error(e1, e2, alpha);
+                let coaxial = TAU / (e1 + e2 + 1.0);
+                let bound = if want > 1e-4 * coaxial { 5e-3 * want } else { 1e-6 * coaxial };
+                assert!((got - want).abs() <= bound, "P({e1}, {e2}, {alpha}) = {got}, not {want}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_delta_takes_the_lobes_value() {
+    let at = receiver(DVec3::Z);
+    let f = Lobe::new(Vec3::new(0.6, 0.0, 0.8), 30.0, Vec3::ONE);
+    let light = Lobe::with_flux(Vec3::Z, f32::INFINITY, Vec3::ONE);
+    let want = f.eval(Vec3::Z);
+    assert!((lobe_product(&at, &f, &light) - want).length() < 1e-5 * want.length());
+    assert!((lobe_product(&at, &light, &f) - want).length() < 1e-5 * want.length());
+}
+
+/// A lobe and a light at random, the light wholly above the horizon or not.
+fn cap_case(random: &mut Random, exponents: (f64, f64), cosine: bool, through: bool) -> (f64, f64, f64) {
+    let e = f64::from(random.log_uniform(exponents.0, exponents.1) as f32);
+    let theta = random.log_uniform(0.05, 40.0).to_radians();
+    let normal = random.axis();
+    let beta = if through {
+        random.between(0.5 * PI - theta, 0.5 * PI + theta)
+    } else {
+        random.between(0.0, 0.5 * PI - theta)
+    };
+    let light = random.axis_at(normal, beta).as_vec3().normalize();
+    let delta = random.between(0.0, (theta + 4.0 / e.sqrt()).min(PI));
+    let axis = random.axis_at(light.as_dvec3(), delta).as_vec3().normalize();
+    let one_minus_cos = (2.0 * (0.5 * theta).sin().powi(2)) as f32;
+    let theta = 2.0 * (0.5 * f64::from(one_minus_cos)).sqrt().asin();
+    let at = receiver(normal);
+    let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
+    let lobe = Lobe { cosine: if cosine { 1.0 } else { 0.0 }, ..Lobe::new(axis, e as f32, Vec3::ONE) };
+    let got = f64::from(cap_integral(&at, &lobe, &cone)) * TAU / (e + 1.0);
+    let truth =
+        CapLobe { axis: axis.as_dvec3().normalize(), exponent: e, cosine, normal: at.normal.as_dvec3().normalize() };
+    let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta);
+    let on_axis = TAU * -((e + 1.0) * (-f64::from(one_minus_cos)).ln_1p()).exp_m1() / (e + 1.0);
+    (got, want, on_axis)
+}
+
+fn cap_errors(exponents: (f64, f64), cosine: bool, through: bool) -> (f64, f64) {
+    let mut random = Random::new(7);
+    let mut errors: Vec<f64> = (0..1000)
+        .map(|_| {
+            let (got, want, on_axis) = cap_case(&mut random, exponents, cosine, through);
+            assert!(got.is_finite());
+            (got - want).abs() / on_axis
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    println!(
+        "e {exponents:?} cosine {cosine} horizon {through}: mean {:.4} % p99 {:.3} % max {:.3} %",
+        100.0 * mean,
+        100.0 * errors[errors.len() * 99 / 100],
+        100.0 * errors[errors.len() - 1]
+    );
+    (mean, errors[errors.len() - 1])
+}
+
+#[test]
+fn lobe_over_light_above_the_horizon() {
+    for cosine in [false, true] {
+        for exponents in [(0.01, 1.0), (1.0, 5.0), (5.0, 50.0), (50.0, 399.0), (400.0, 1e5), (1e5, 1e6)] {
+            let (mean, max) = cap_errors(exponents, cosine, false);
+            let bound = if exponents.1 <= 1.0 {
+                6e-3
+            } else if cosine {
+                3e-3
+            } else {
+                1.7e-3
+            };
+            assert!(mean < 5e-4 && max < bound);
+        }
+    }
+}
+
+#[test]
+fn lobe_over_light_through_the_horizon() {
+    for cosine in [false, true] {
+        for exponents in [(0.01, 1.0), (1.0, 5.0), (5.0, 49.9), (50.0, 500.0), (500.0, 1e5)] {
+            let (mean, max) = cap_errors(exponents, cosine, true);
+            assert!(mean < 1e-3 && max < 2e-2);
+        }
+    }
+}
+
+#[test]
+fn seams_between_slab_and_chords() {
+    let mut random = Random::new(3);
+    let at = receiver(DVec3::Z);
+    let (mut by_exponent, mut by_width) = (0.0_f32, 0.0_f32);
+    for _ in 0..2000 {
+        let e = random.log_uniform(400.0, 1e5) as f32;
+        let width = random.log_uniform(3.0, 90.0) as f32;
+        let value = |e: f32, one_minus_cos: f32, axis: Vec3| {
+            cap_integral(&at, &Lobe::new(axis, e, Vec3::ONE), &Cone { axis: Vec3::Z, one_minus_cos, distance: 1.0 })
+        };
+        let offset = |c: f32| f64::from((2.0 * c).sqrt()) + 4.0 / f64::from(e).sqrt();
+        // Across the exponent 400 at any width, and across the width at any exponent.
+        let c = width / 401.0;
+        let axis = random.axis_at(DVec3::Z, random.clone().between(0.0, offset(c))).as_vec3().normalize();
+        by_exponent =
+            by_exponent.max((value(399.99, c, axis) - value(400.01, c, axis)).abs() / value(400.0, c, Vec3::Z));
+        let c = 3.0 / (e + 1.0);
+        let axis = random.axis_at(DVec3::Z, random.clone().between(0.0, offset(c))).as_vec3().normalize();
+        by_width = by_width.max((value(e, c * 0.9999, axis) - value(e, c * 1.0001, axis)).abs() / value(e, c, Vec3::Z));
+    }
+    println!("seams: {by_exponent:.2e} across the exponent, {by_width:.2e} across the width");
+    assert!(by_exponent < 2e-3 && by_width < 2e-3);
+}
+
+#[test]
+fn lambert_is_exact_at_every_horizon_crossing() {
+    let mut random = Random::new(5);
+    for _ in 0..2000 {
+        let theta = random.log_uniform(1e-4, 0.5 * PI);
+        let beta = random.between(0.0, (0.5 * PI + theta).min(PI));
+        let sin_sq = theta.sin().powi(2) as f32;
+        let got = f64::from(sphere_light_irradiance(beta.cos() as f32, sin_sq));
+        let want = oracle::sphere_light_irradiance(f64::from(beta.cos() as f32), f64::from(sin_sq).sqrt().asin());
+        let full = PI * theta.sin().powi(2);
+        assert!((got - want).abs() <= 2e-5 * full, "θ {theta} β {beta}: {got} {want}");
+    }
+}
+
+#[test]
+fn inside_a_light_everything_is_bright() {
+    let at = receiver(DVec3::Z);
+    let cone = Cone { axis: Vec3::X, one_minus_cos: 2.0, distance: 0.1 };
+    let lambert = cap_integral(&at, &Lobe::new(Vec3::Z, 1.0, Vec3::ONE), &cone);
+    assert!((lambert - 1.0).abs() < 1e-5, "{lambert}");
+    let phong = cap_integral(&at, &Lobe::new(Vec3::Z, 20.0, Vec3::ONE), &cone);
+    assert!((phong - 1.0).abs() < 1e-3, "{phong}");
+}
+
+#[test]
+fn a_light_grows_continuously_from_a_point() {
+    let at = receiver(DVec3::Z);
+    for e in [0.0_f32, 1.0, 3.0, 50.0, 1e5, 1e7] {
+        let axis = Vec3::new(0.0, 0.6, 0.8);
+        let light = Vec3::new(0.0, 0.6_f32.sin() * 0.0 + 0.6, 0.8);
+        let mut last = 0.0;
+        for k in 0..40 {
+            let one_minus_cos = 1e-12 * 2.0_f32.powi(k);
+            let value =
+                cap_integral(&at, &Lobe::new(axis, e, Vec3::ONE), &Cone { axis: light, one_minus_cos, distance: 1.0 });
+            assert!(value.is_finite() && value >= last * 0.999, "e {e} k {k}: {value} after {last}");
+            last = value;
+        }
+    }
+}
+
+#[test]
+fn moment_lobe_of_a_product_keeps_its_mean() {
+    let mut random = Random::new(11);
+    let mut worst = (0.0_f64, 0.0_f64);
+    for _ in 0..300 {
+        let (e1, e2) = (random.log_uniform(0.5, 300.0), random.log_uniform(0.5, 300.0));
+        let a = random.axis().as_vec3().normalize();
+        let width = (1.0 / e1 + 1.0 / e2).sqrt();
+        let b = random.axis_at(a.as_dvec3(), random.clone().between(0.0, (2.5 * width).min(2.0))).as_vec3().normalize();
+        let lobe = product_lobe(&Lobe::new(a, e1 as f32, Vec3::ONE), &Lobe::new(b, e2 as f32, Vec3::ONE));
+        // ∫ (a·v) c₁c₂ = P(e₁+1, e₂, α), and the other way round.
+        let alpha = f64::from(a.as_dvec3().angle_between(b.as_dvec3()) as f32);
+        let p = oracle::product(e1, e2, alpha);
+        let mean = f64::from(1.0 - 1.0 / (lobe.exponent + 2.0));
+        for (axis, want) in [(a, oracle::product(e1 + 1.0, e2, alpha)), (b, oracle::product(e1, e2 + 1.0, alpha))] {
+            let got = mean * axis.as_dvec3().dot(lobe.axis.as_dvec3());
+            worst.0 = worst.0.max((got - want / p).abs());
+        }
+        worst.1 = worst.1.max((f64::from(lobe.flux.x) / p - 1.0).abs());
+    }
+    println!("product lobe: mean vector {:.2e}, total {:.2e}", worst.0, worst.1);
+    assert!(worst.0 < 6e-3 && worst.1 < 2e-3);
+}
+
+#[test]
+fn mixtures_keep_total_and_mean() {
+    let mut buffer = LobeBuffer::with_capacity(3);
+    let mut out = buffer.writer();
+    let parts = [(Vec3::Z, 1e6, 1.0), (Vec3::new(0.001, 0.0, 1.0).normalize(), 1e6, 2.0)];
+    for (axis, e, flux) in parts {
+        out.push(Lobe::with_flux(axis, e, Vec3::splat(flux))).unwrap();
+    }
+    let lobe = mixture_lobe(buffer.lobes()).unwrap();
+    assert!((lobe.flux.x - 3.0).abs() < 1e-6);
+    // 1−R = 1e-6 (the parts) + variance/2 of the axes: 2/9·1e-6/2.
+    let spread = f64::from(1.0 / (lobe.exponent + 2.0));
+    assert!((spread / (1e-6 + 1e-6 / 9.0) - 1.0).abs() < 1e-3, "{spread}");
+    assert!(mixture_lobe(LobeBuffer::default().lobes()).is_none());
+}
