@@ -1,4 +1,6 @@
-use glam::Vec3;
+use crate::{Bounds, SceneError};
+use glam::{DVec3, Mat3, Mat4, Vec3};
+use std::collections::HashMap;
 
 /// Triangles in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,4 +11,167 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Three vertex numbers a triangle.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// Coordinates beyond this are refused: their squares would overflow f32 in a renderer.
+pub(crate) const MAX_COORDINATE: f32 = 1e17;
+
+impl Mesh {
+    /// The smallest box that holds all vertices that a triangle uses.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.triangles
+            .iter()
+            .flatten()
+            .filter_map(|&i| self.positions.get(i as usize))
+            .fold(Bounds::EMPTY, |b, &p| b.with_point(p))
+    }
+
+    /// Sum of the triangles' areas.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.triangles.iter().map(|&t| 0.5 * self.face_cross(t).length()).sum()
+    }
+
+    /// Checks that there is a triangle, that all positions are finite and within ±1e17, that normals are unit vectors,
+    /// one a vertex or none at all, and that the triangles refer to vertices that exist.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] that names the first fault.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        if self.triangles.is_empty() {
+            return Err(SceneError::invalid("mesh has no triangles"));
+        }
+        if let Some(i) = self.positions.iter().position(|p| p.is_nan() || p.abs().max_element() > MAX_COORDINATE) {
+            let p = self.positions[i];
+            return Err(SceneError::invalid(format!("vertex {i} is {p}: coordinates must lie within ±1e17")));
+        }
+        if !self.normals.is_empty() && self.normals.len() != self.positions.len() {
+            let (n, p) = (self.normals.len(), self.positions.len());
+            return Err(SceneError::invalid(format!("mesh has {n} normals for {p} vertices")));
+        }
+        if let Some(i) = self.normals.iter().position(|n| !((n.length() - 1.0).abs() < 1e-3)) {
+            return Err(SceneError::invalid(format!("normal {i} is {}: expected a unit vector", self.normals[i])));
+        }
+        let vertices = self.positions.len();
+        for (i, t) in self.triangles.iter().enumerate() {
+            if let Some(v) = t.iter().find(|&&v| v as usize >= vertices) {
+                return Err(SceneError::invalid(format!("triangle {i} uses vertex {v} of {vertices}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Twice the area times the face normal, in f64: exact enough for needles and far away meshes.
+    fn face_cross(&self, [a, b, c]: [u32; 3]) -> DVec3 {
+        let p = |i: u32| self.positions[i as usize].as_dvec3();
+        (p(b) - p(a)).cross(p(c) - p(a))
+    }
+
+    /// Takes out the triangles without an area (equal or collinear corners, below 1e-36) and tells how many there were.
+    ///
+    /// # Panics
+    /// When a triangle refers to a vertex that does not exist.
+    pub fn remove_degenerate(&mut self) -> usize {
+        let before = self.triangles.len();
+        let mut triangles = std::mem::take(&mut self.triangles);
+        triangles.retain(|&t| self.face_cross(t).length() > 1e-36);
+        self.triangles = triangles;
+        before - self.triangles.len()
+    }
+
+    /// Replaces the normals by smooth ones: at each position the mean of the adjoining faces' normals, weighted by their
+    /// angles there. Vertices with the same position (texture seams) get the same normal.
+    ///
+    /// A vertex whose normals cancel, or that no triangle uses, gets the normal of one of its faces, or +y.
+    ///
+    /// # Panics
+    /// When a triangle refers to a vertex that does not exist.
+    pub fn smooth_normals(&mut self) {
+        let mut first: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
+        let mut group = Vec::with_capacity(self.positions.len());
+        for p in &self.positions {
+            // −0 and 0 are the same place.
+            let key = (*p + 0.0).to_array().map(f32::to_bits);
+            let next = first.len() as u32;
+            group.push(*first.entry(key).or_insert(next));
+        }
+        let mut sums = vec![DVec3::ZERO; first.len()];
+        let mut some_face = vec![DVec3::Y; first.len()];
+        for &t in &self.triangles {
+            let normal = self.face_cross(t).normalize_or_zero();
+            if normal == DVec3::ZERO {
+                continue;
+            }
+            for k in 0..3 {
+                let p = |i: usize| self.positions[t[(k + i) % 3] as usize].as_dvec3();
+                let (to_next, to_last) = (p(1) - p(0), p(2) - p(0));
+                let angle = to_next.cross(to_last).length().atan2(to_next.dot(to_last));
+                let g = group[t[k] as usize] as usize;
+                sums[g] += angle * normal;
+                some_face[g] = normal;
+            }
+        }
+        self.normals = group
+            .iter()
+            .map(|&g| {
+                let (sum, face) = (sums[g as usize], some_face[g as usize]);
+                // Below 1e-6 the sum is what rounding left of normals that cancel.
+                if sum.length() > 1e-6 { sum.normalize().as_vec3() } else { face.as_vec3() }
+            })
+            .map(Vec3::normalize)
+            .collect();
+    }
+
+    /// Makes given normals unit vectors; those of length 0 or not finite become what smooth normals would be there.
+    pub(crate) fn repair_normals(&mut self) {
+        let usable = |n: &Vec3| n.is_finite() && n.length() > 1e-20;
+        if self.normals.iter().all(usable) {
+            self.normals.iter_mut().for_each(|n| *n = n.normalize());
+            return;
+        }
+        let given = std::mem::take(&mut self.normals);
+        self.smooth_normals();
+        for (n, given) in self.normals.iter_mut().zip(given) {
+            if usable(&given) {
+                *n = given.normalize();
+            }
+        }
+    }
+
+    /// Moves the mesh; the last row of the matrix is taken as (0, 0, 0, 1). Normals go with the inverse transpose (the
+    /// cofactors, which exist for singular matrices as well), a mirroring matrix also turns the winding round.
+    pub fn transform(&mut self, matrix: &Mat4) {
+        let linear = Mat3::from_mat4(*matrix);
+        for p in &mut self.positions {
+            *p = matrix.transform_point3(*p);
+        }
+        let mirrored = linear.determinant() < 0.0;
+        if !self.normals.is_empty() {
+            let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
+            let sign = if mirrored { -1.0 } else { 1.0 };
+            let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign;
+            let largest = cofactors.to_cols_array().iter().fold(0.0_f32, |m, v| m.max(v.abs()));
+            let cofactors = if largest > 0.0 && largest.is_finite() { cofactors * (1.0 / largest) } else { cofactors };
+            for n in &mut self.normals {
+                *n = cofactors * *n;
+            }
+            self.repair_normals();
+        }
+        if mirrored {
+            self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+    }
+
+    /// Appends another mesh. Normals are kept only when both have them.
+    pub fn append(&mut self, other: &Self) {
+        let offset = self.positions.len() as u32;
+        if self.normals.len() == self.positions.len() && other.normals.len() == other.positions.len() {
+            self.normals.extend(&other.normals);
+        } else {
+            self.normals.clear();
+        }
+        self.positions.extend(&other.positions);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + offset)));
+    }
 }

@@ -1,4 +1,5 @@
-use crate::{Camera, Mesh};
+use crate::mesh::MAX_COORDINATE;
+use crate::{Bounds, Camera, Mesh, SceneError};
 use brdf::Material;
 use glam::Vec3;
 use lighting::SphereLight;
@@ -19,9 +20,9 @@ pub enum Shape {
 pub enum Proxy {
     /// It blocks nothing (floors and walls that nothing is behind).
     None,
-    /// Inner spheres built from the mesh.
+    /// So many inner spheres built from the mesh.
     Count(usize),
-    /// A sphere set in a file.
+    /// A sphere set in a file, in world space.
     File(PathBuf),
     /// These spheres, in world space.
     Spheres(Vec<Sphere>),
@@ -57,6 +58,128 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Objects; a receiver's `object` number is an index into this.
     pub objects: Vec<Object>,
-    /// Lights.
+    /// Lights; none gives a black picture.
     pub lights: Vec<SphereLight>,
+}
+
+/// The largest image edge accepted, in pixels.
+pub(crate) const MAX_IMAGE: u32 = 16384;
+
+impl Shape {
+    /// The smallest box that holds the shape.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Self::Mesh(mesh) => mesh.bounds(),
+            Self::Spheres(balls) => balls.iter().fold(Bounds::EMPTY, |b, &s| b.with_sphere(s)),
+        }
+    }
+}
+
+impl Object {
+    /// Exact balls that cast exact shadows: the proxy is the shape.
+    #[must_use]
+    pub fn spheres(name: impl Into<String>, balls: Vec<Sphere>, material: usize) -> Self {
+        let proxy = Proxy::Spheres(balls.clone());
+        Self { name: name.into(), shape: Shape::Spheres(balls), material, proxy, visible: true }
+    }
+
+    /// A mesh.
+    #[must_use]
+    pub fn mesh(name: impl Into<String>, mesh: Mesh, material: usize, proxy: Proxy) -> Self {
+        Self { name: name.into(), shape: Shape::Mesh(mesh), material, proxy, visible: true }
+    }
+}
+
+impl Scene {
+    /// The smallest box that holds all objects (lights not included).
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.objects.iter().fold(Bounds::EMPTY, |b, o| b.union(o.shape.bounds()))
+    }
+
+    /// How many triangles all meshes have.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        let of = |o: &Object| match &o.shape {
+            Shape::Mesh(mesh) => mesh.triangles.len(),
+            Shape::Spheres(_) => 0,
+        };
+        self.objects.iter().map(of).sum()
+    }
+
+    /// How many balls are drawn as such.
+    #[must_use]
+    pub fn spheres(&self) -> usize {
+        let of = |o: &Object| match &o.shape {
+            Shape::Mesh(_) => 0,
+            Shape::Spheres(balls) => balls.len(),
+        };
+        self.objects.iter().map(of).sum()
+    }
+
+    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, balls, proxies, lights, and
+    /// that there is an object. [`load`](crate::load) has done so.
+    ///
+    /// A scene without lights is allowed: its picture is black.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] that names the first fault.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        let fault = |what: String, e: &dyn std::fmt::Display| SceneError::invalid(format!("{what}: {e}"));
+        self.camera.validate()?;
+        if !(1..=MAX_IMAGE).contains(&self.width) || !(1..=MAX_IMAGE).contains(&self.height) {
+            let (w, h) = (self.width, self.height);
+            return Err(SceneError::invalid(format!("image is {w}x{h}: both must lie in 1…{MAX_IMAGE}")));
+        }
+        if !(self.background.is_finite() && self.background.min_element() >= 0.0) {
+            let b = self.background;
+            return Err(SceneError::invalid(format!("background is {b}: expected finite values ≥ 0")));
+        }
+        for (i, material) in self.materials.iter().enumerate() {
+            material.validate().map_err(|e| fault(format!("material {i}"), &e))?;
+        }
+        if self.objects.is_empty() {
+            return Err(SceneError::invalid("scene has no objects"));
+        }
+        for object in &self.objects {
+            let name = || format!("object \"{}\"", object.name);
+            if object.material >= self.materials.len() {
+                let (m, n) = (object.material, self.materials.len());
+                return Err(SceneError::invalid(format!("{} has material {m} of {n}", name())));
+            }
+            match &object.shape {
+                Shape::Mesh(mesh) => mesh.validate().map_err(|e| fault(name(), &e))?,
+                Shape::Spheres(balls) if balls.is_empty() => {
+                    return Err(SceneError::invalid(format!("{} has no spheres", name())));
+                }
+                Shape::Spheres(balls) => check_balls(balls).map_err(|e| fault(name(), &e))?,
+            }
+            if let Proxy::Spheres(balls) = &object.proxy {
+                check_balls(balls).map_err(|e| fault(format!("proxy of {}", name()), &e))?;
+            }
+        }
+        for (i, light) in self.lights.iter().enumerate() {
+            check_balls(&[light.ball]).map_err(|e| fault(format!("light {i}"), &e))?;
+            if !(light.radiance.is_finite() && light.radiance.min_element() >= 0.0) {
+                let r = light.radiance;
+                return Err(SceneError::invalid(format!("light {i} has radiance {r}: expected finite values ≥ 0")));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {
+    for ball in balls {
+        if ball.center.is_nan() || ball.center.abs().max_element() > MAX_COORDINATE {
+            let c = ball.center;
+            return Err(SceneError::invalid(format!("sphere has centre {c}: coordinates must lie within ±1e17")));
+        }
+        if !(ball.radius > 0.0 && ball.radius <= MAX_COORDINATE) {
+            let r = ball.radius;
+            return Err(SceneError::invalid(format!("sphere has radius {r}: expected a positive number up to 1e17")));
+        }
+    }
+    Ok(())
 }
