@@ -1,4 +1,4 @@
-use crate::paper::gauss::Gauss;
+use super::gauss::Gauss;
 use core::f64::consts::TAU;
 use glam::DVec3;
 

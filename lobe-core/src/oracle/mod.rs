@@ -17,6 +17,7 @@
 
 mod brute_force;
 mod cap;
+mod gauss;
 mod product;
 mod random;
 mod tanh_sinh;

@@ -2,13 +2,13 @@ use core::f64::consts::PI;
 
 /// A Gauss–Legendre rule on [−1, 1].
 #[derive(Clone, Debug)]
-pub(crate) struct Gauss {
+pub(super) struct Gauss {
     nodes: Vec<(f64, f64)>,
 }
 
 impl Gauss {
     /// The rule of `n` points, exact for polynomials up to degree `2n − 1`: roots of `P_n` by Newton's method.
-    pub(crate) fn new(n: usize) -> Self {
+    pub(super) fn new(n: usize) -> Self {
         let legendre = |x: f64| {
             let (mut p0, mut p1) = (1.0, x);
             for k in 2..=n {
@@ -30,14 +30,13 @@ impl Gauss {
     }
 
     /// `∫ f` over [from, to].
-    pub(crate) fn integrate(&self, from: f64, to: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+    pub(super) fn integrate(&self, from: f64, to: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         half * self.nodes.iter().map(|&(x, w)| w * f(middle + half * x)).sum::<f64>()
     }
 
     /// `∫ f` over [from, to] cut into equal panels.
-    #[cfg(any(test, feature = "oracle"))]
-    pub(crate) fn composite(&self, from: f64, to: f64, panels: usize, mut f: impl FnMut(f64) -> f64) -> f64 {
+    pub(super) fn composite(&self, from: f64, to: f64, panels: usize, mut f: impl FnMut(f64) -> f64) -> f64 {
         let width = (to - from) / panels as f64;
         (0..panels).map(|i| from + i as f64 * width).map(|start| self.integrate(start, start + width, &mut f)).sum()
     }
