@@ -1,0 +1,333 @@
+//! The Monte-Carlo reference: no lobe and no mask, only rays.
+
+mod checkpoint;
+mod cone;
+mod meridian;
+mod occluders;
+mod sobol;
+
+pub use self::checkpoint::CheckpointError;
+use self::cone::LightCone;
+use self::meridian::Meridian;
+use self::occluders::{Occluders, tile_candidates};
+use self::sobol::{Sequence, mix};
+use crate::{GBuffer, World};
+use brdf::{Brdf, Material};
+use core::f64::consts::TAU;
+use core::sync::atomic::{AtomicBool, Ordering};
+use glam::{DVec3, Vec3};
+use lighting::SphereLight;
+use lobe_core::{BrdfLobes, LobeBuffer, Receiver};
+use rayon::prelude::*;
+use scene::BlockerSet;
+
+/// Independent randomisations, whose spread tells the error.
+pub const REPLICATES: u32 = 8;
+
+/// Points that are sampled together.
+const TILE_POINTS: usize = 64;
+
+/// Samples a replicate that a tile takes before the next tile's turn.
+const CHUNK: u32 = 32;
+
+/// Above this product of a lobe's exponent and the light's `1 − cos θ` the lobe, and not the light, decides where
+/// samples are needed: `e^−2` is how far a lobe falls within such a light.
+const GLOSSY: f64 = 2.0;
+
+/// What casts shadows in a [`Reference`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry {
+    /// The same blocker spheres that the lobes see, with the same rule for an object's own ones.
+    Spheres,
+    /// The true geometry: triangles and balls.
+    Mesh,
+    /// Nothing.
+    None,
+}
+
+/// What a [`Reference`] is computed for.
+#[derive(Clone, Copy, Debug)]
+pub struct ReferenceJob<'a> {
+    /// The geometry; its scene gives materials and lights.
+    pub world: &'a World<'a>,
+    /// The visible points.
+    pub gbuffer: &'a GBuffer,
+    /// Blocker spheres, for [`Geometry::Spheres`].
+    pub blockers: &'a BlockerSet,
+    /// What casts shadows.
+    pub geometry: Geometry,
+    /// Chooses the randomisations.
+    pub seed: u64,
+}
+
+/// The replicates of one point: running means of what was sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Tally {
+    radiance: [Vec3; REPLICATES as usize],
+    unshadowed: [Vec3; REPLICATES as usize],
+}
+
+/// What a [`Reference`] knows so far, one entry a point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Radiance toward the eye.
+    pub radiance: Vec<Vec3>,
+    /// The same without blockers, from the same samples: equal to `radiance` to the bit where nothing blocks.
+    pub unshadowed: Vec<Vec3>,
+    /// Standard error of `radiance` per channel: `s/√8` with the standard deviation s of the replicates.
+    pub std_error: Vec<Vec3>,
+}
+
+/// Direct light by Monte-Carlo integration (Eq. 1 with the lights as the only sources), progressive and resumable.
+///
+/// For every point and light each of [`REPLICATES`] Owen-scrambled Sobol' sequences samples the light's cone uniformly;
+/// where a lobe of the material is narrower than the light, as many directions of the reflectance are sampled as well and
+/// both are combined by the power heuristic (E. Veach, L. Guibas, *Optimally Combining Sampling Techniques*, 1995).
+/// Blocker spheres that lie wholly between receiver and light are integrated exactly along each sampled meridian of the
+/// light's cone, which leaves next to no error of shadow edges; all other blockers are met by rays. Sums are taken in
+/// f64. A direction is blocked when a blocker is met nearer than the light's near surface; the lights
+/// themselves block nothing. A receiver inside a light sees it in all directions.
+///
+/// The result depends on the job and the number of samples, not on threads or interruptions.
+#[derive(Debug)]
+pub struct Reference<'a> {
+    job: ReferenceJob<'a>,
+    tallies: Vec<Tally>,
+    /// Samples a replicate that each tile has.
+    done: Vec<u32>,
+}
+
+impl<'a> Reference<'a> {
+    /// Nothing sampled yet. Needs 192 bytes a point.
+    #[must_use]
+    pub fn new(job: ReferenceJob<'a>) -> Self {
+        let count = job.gbuffer.len();
+        Self { job, tallies: vec![Tally::default(); count], done: vec![0; count.div_ceil(TILE_POINTS)] }
+    }
+
+    /// Samples a light that every point has by now.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.done.iter().min().map_or(u32::MAX, |n| n.saturating_mul(REPLICATES))
+    }
+
+    /// Work that [`advance`](Self::advance) to `samples` would do, in the units that it reports: points times samples.
+    #[must_use]
+    pub fn work(&self, samples: u32) -> u64 {
+        let target = samples.div_ceil(REPLICATES);
+        let left = |n: &u32| u64::from(target.saturating_sub(*n)) * u64::from(REPLICATES) * TILE_POINTS as u64;
+        self.done.iter().map(left).sum()
+    }
+
+    /// Brings every point to at least `samples` samples a light (rounded up to a multiple of [`REPLICATES`]; powers of
+    /// two converge best). Returns early, with whole tiles done, when `stop` becomes true. `progress` is told of every
+    /// piece of work done, from any thread.
+    pub fn advance(&mut self, samples: u32, stop: &AtomicBool, progress: &(dyn Fn(u64) + Sync)) {
+        let target = samples.div_ceil(REPLICATES);
+        let job = self.job;
+        // Round after round, so that an interrupted picture is about equally good everywhere.
+        let mut round = self.done.iter().min().copied().unwrap_or(target);
+        while round < target && !stop.load(Ordering::Relaxed) {
+            round = (round + CHUNK).min(target);
+            self.tallies
+                .par_chunks_mut(TILE_POINTS)
+                .zip(self.done.par_iter_mut())
+                .enumerate()
+                .filter(|(_, (_, done))| **done < round)
+                .for_each_init(Sampler::default, |sampler, (tile, (tallies, done))| {
+                    if stop.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    sampler.tile(&job, tile * TILE_POINTS, tallies, *done..round);
+                    progress(u64::from((round - *done) * REPLICATES) * TILE_POINTS as u64);
+                    *done = round;
+                });
+        }
+    }
+
+    /// The means and their standard errors; zero where nothing was sampled.
+    #[must_use]
+    pub fn estimate(&self) -> Estimate {
+        let n = f64::from(REPLICATES);
+        let mean = |values: &[Vec3]| values.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / n;
+        let error = |t: &Tally| {
+            let mean = mean(&t.radiance);
+            let square = |v: &Vec3| (v.as_dvec3() - mean).powf(2.0);
+            let variance = t.radiance.iter().map(square).sum::<DVec3>() / (n - 1.0);
+            (variance / n).map(f64::sqrt).as_vec3()
+        };
+        Estimate {
+            radiance: self.tallies.iter().map(|t| mean(&t.radiance).as_vec3()).collect(),
+            unshadowed: self.tallies.iter().map(|t| mean(&t.unshadowed).as_vec3()).collect(),
+            std_error: self.tallies.iter().map(error).collect(),
+        }
+    }
+}
+
+/// Working memory of a thread.
+#[derive(Default)]
+struct Sampler {
+    candidates: Vec<u32>,
+    occluders: Occluders,
+    meridian: Meridian,
+    lobes: LobeBuffer,
+}
+
+/// One point and one light.
+struct Pair<'a> {
+    world: &'a World<'a>,
+    geometry: Geometry,
+    at: &'a Receiver,
+    material: &'a Material,
+    light: &'a SphereLight,
+    cone: LightCone,
+    occluders: &'a Occluders,
+    /// Where shadow rays in the true geometry start.
+    origin: Vec3,
+    glossy: bool,
+}
+
+impl Sampler {
+    /// Adds the samples of the range to the points from `first` on.
+    fn tile(&mut self, job: &ReferenceJob<'_>, first: usize, tallies: &mut [Tally], range: core::ops::Range<u32>) {
+        let scene = job.world.scene();
+        let points = &job.gbuffer.points;
+        let receivers = &points.receivers[first..first + tallies.len()];
+        let mut sums = vec![[[DVec3::ZERO; 2]; REPLICATES as usize]; tallies.len()];
+        for (number, light) in scene.lights.iter().enumerate() {
+            if job.geometry == Geometry::Spheres {
+                tile_candidates(receivers, light.ball, job.blockers, &mut self.candidates);
+            }
+            for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
+                let cone = LightCone::new(at.position, light.ball);
+                if cone.one_minus_cos() <= 0.0 {
+                    continue;
+                }
+                match job.geometry {
+                    Geometry::Spheres => self.occluders.select(at, &cone, &self.candidates, job.blockers),
+                    Geometry::Mesh | Geometry::None => self.occluders.none(),
+                }
+                let material = &scene.materials[points.materials[first + i] as usize];
+                let sharpest = self.sharpest(material, at);
+                let pair = Pair {
+                    world: job.world,
+                    geometry: job.geometry,
+                    at,
+                    material,
+                    light,
+                    cone,
+                    occluders: &self.occluders,
+                    origin: job.world.leave(at.position, job.gbuffer.face_normals[first + i]),
+                    glossy: sharpest * cone.one_minus_cos() > GLOSSY,
+                };
+                for (replicate, sum) in sums.iter_mut().enumerate() {
+                    let key = mix(mix(mix(job.seed, (first + i) as u64), number as u64), replicate as u64);
+                    pair.sample(key, range.clone(), &mut self.meridian, sum);
+                }
+            }
+        }
+        // Running means: old and new ones weighted by their numbers of samples.
+        let (old, new) = (f64::from(range.start), f64::from(range.end - range.start));
+        let merge = |mean: &mut Vec3, sum: DVec3| *mean = ((mean.as_dvec3() * old + sum) / (old + new)).as_vec3();
+        for (tally, sums) in tallies.iter_mut().zip(&sums) {
+            for (r, [radiance, unshadowed]) in sums.iter().enumerate() {
+                merge(&mut tally.radiance[r], *radiance);
+                merge(&mut tally.unshadowed[r], *unshadowed);
+            }
+        }
+    }
+
+    /// Largest exponent among the material's lobes: only used to choose how to sample.
+    fn sharpest(&mut self, material: &Material, at: &Receiver) -> f64 {
+        if self.lobes.capacity() < material.max_lobes() {
+            self.lobes = LobeBuffer::with_capacity(material.max_lobes());
+        }
+        match material.brdf_lobes(at, &mut self.lobes.writer()) {
+            Ok(()) => self.lobes.lobes().iter().map(|l| f64::from(l.exponent)).fold(0.0, f64::max),
+            Err(_) => f64::INFINITY,
+        }
+    }
+}
+
+impl Pair<'_> {
+    /// Adds samples of one replicate to its sums, shadowed and unshadowed.
+    fn sample(&self, key: u64, range: core::ops::Range<u32>, meridian: &mut Meridian, sums: &mut [DVec3; 2]) {
+        let on_light = Sequence::new(mix(key, 1));
+        let on_brdf = Sequence::new(mix(key, 2));
+        let caps = self.occluders.caps();
+        for i in range {
+            let (x, y) = (on_light.get(i, 0), on_light.get(i, 1));
+            if caps.is_empty() {
+                let v = self.cone.sample(x, y);
+                let value = self.light_sample(v);
+                self.add(v, value, sums);
+            } else {
+                let azimuth = TAU * x;
+                let whole = self.light_sample(self.cone.on_meridian(y, azimuth));
+                sums[1] += whole;
+                meridian.set(&self.cone, caps, azimuth);
+                let visible = meridian.visible();
+                if visible > 0.0 {
+                    let v = self.cone.on_meridian(meridian.point(y), azimuth);
+                    if !self.occluders.block_beside_caps(v, self.cone.surface(v)) {
+                        sums[0] += if visible < 1.0 { self.light_sample(v) * visible } else { whole };
+                    }
+                }
+            }
+            if !self.glossy {
+                continue;
+            }
+            // The largest f32 below 1.
+            let u = core::array::from_fn(|d| (on_brdf.get(i, d) as f32).min(1.0 - f32::EPSILON / 2.0));
+            let Some(sample) = self.material.sample(self.at, u) else { continue };
+            let v = sample.direction.as_dvec3().normalize();
+            if self.cone.contains(v) {
+                let reflectance = self.material.eval(self.at, sample.direction);
+                self.add(v, self.weighted(reflectance, f64::from(sample.pdf), self.cone.pdf()), sums);
+            }
+        }
+    }
+
+    /// What a direction of the light is worth that was drawn uniformly from the cone.
+    #[inline]
+    fn light_sample(&self, v: DVec3) -> DVec3 {
+        let reflectance = self.material.eval(self.at, v.as_vec3());
+        if reflectance == Vec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let other = if self.glossy { f64::from(self.material.pdf(self.at, v.as_vec3())) } else { 0.0 };
+        self.weighted(reflectance, self.cone.pdf(), other)
+    }
+
+    /// `f̃·L·w/p` with the power heuristic's `w = p²/(p² + q²)` for a direction drawn with density p that the other
+    /// technique draws with density q.
+    #[inline]
+    fn weighted(&self, reflectance: Vec3, p: f64, q: f64) -> DVec3 {
+        let ratio = q / p;
+        let value = (reflectance * self.light.radiance).as_dvec3() / (p * (1.0 + ratio * ratio));
+        if value.is_finite() { value } else { DVec3::ZERO }
+    }
+
+    #[inline]
+    fn add(&self, v: DVec3, value: DVec3, sums: &mut [DVec3; 2]) {
+        sums[1] += value;
+        if value != DVec3::ZERO && !self.blocked(v) {
+            sums[0] += value;
+        }
+    }
+
+    #[inline]
+    fn blocked(&self, v: DVec3) -> bool {
+        match self.geometry {
+            Geometry::None => false,
+            Geometry::Spheres => self.occluders.block(v, self.cone.surface(v)),
+            Geometry::Mesh => {
+                let distance = self.cone.surface(v);
+                distance > 0.0 && self.world.occluded(self.origin, v.as_vec3(), distance as f32)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,151 @@
+//! Interrupted references on disk.
+
+use super::sobol::mix;
+use super::{Geometry, Reference, ReferenceJob, Tally};
+use glam::Vec3;
+use std::io::{self, Read, Write};
+
+const MAGIC: [u8; 8] = *b"lobesref";
+const VERSION: u32 = 1;
+
+/// Why a checkpoint could not be used.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// It could not be read.
+    Io(io::Error),
+    /// It is no checkpoint, or one of another version.
+    Format,
+    /// It belongs to another scene, size, seed or geometry.
+    OtherJob,
+}
+
+impl core::fmt::Display for CheckpointError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Io(error) => write!(f, "{error}"),
+            Self::Format => f.write_str("not a checkpoint of this version"),
+            Self::OtherJob => f.write_str("the checkpoint belongs to another scene, size, seed or geometry"),
+        }
+    }
+}
+
+impl core::error::Error for CheckpointError {}
+
+impl From<io::Error> for CheckpointError {
+    fn from(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::UnexpectedEof { Self::Format } else { Self::Io(error) }
+    }
+}
+
+impl ReferenceJob<'_> {
+    /// Identifies the job: equal for equal points, materials, lights, geometry and seed.
+    fn fingerprint(&self) -> u64 {
+        let mut hash = mix(self.seed, self.geometry as u64);
+        let mut word = |w: u32| hash = mix(hash, u64::from(w));
+        let scene = self.world.scene();
+        word(self.gbuffer.width);
+        word(self.gbuffer.height);
+        word(self.gbuffer.samples);
+        let points = &self.gbuffer.points;
+        for (r, material) in points.receivers.iter().zip(&points.materials) {
+            for v in [r.position, r.normal, r.view] {
+                v.to_array().iter().for_each(|x| word(x.to_bits()));
+            }
+            word(r.object);
+            word(*material);
+        }
+        for light in &scene.lights {
+            let Vec3 { x, y, z } = light.ball.center;
+            let floats = [x, y, z, light.ball.radius, light.radiance.x, light.radiance.y, light.radiance.z];
+            floats.iter().for_each(|x| word(x.to_bits()));
+        }
+        format!("{:?}", scene.materials).bytes().for_each(|b| word(u32::from(b)));
+        match self.geometry {
+            Geometry::None => {}
+            Geometry::Spheres => {
+                for (s, object) in self.blockers.spheres.iter().zip(&self.blockers.objects) {
+                    s.center.to_array().iter().for_each(|x| word(x.to_bits()));
+                    word(s.radius.to_bits());
+                    word(*object);
+                }
+                self.blockers.self_distances.iter().for_each(|x| word(x.to_bits()));
+            }
+            Geometry::Mesh => {
+                for object in &scene.objects {
+                    word(u32::from(object.visible));
+                    word(u32::from(object.proxy != scene::Proxy::None));
+                    match &object.shape {
+                        scene::Shape::Mesh(mesh) => {
+                            mesh.positions.iter().flat_map(|p| p.to_array()).for_each(|x| word(x.to_bits()));
+                            mesh.triangles.iter().flatten().for_each(|i| word(*i));
+                        }
+                        scene::Shape::Spheres(spheres) => spheres.iter().for_each(|s| {
+                            s.center.to_array().iter().for_each(|x| word(x.to_bits()));
+                            word(s.radius.to_bits());
+                        }),
+                    }
+                }
+            }
+        }
+        hash
+    }
+}
+
+impl Reference<'_> {
+    /// Writes all that [`restore`](Self::restore) needs, little-endian: 192 bytes a point.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn save(&self, mut to: impl Write) -> io::Result<()> {
+        to.write_all(&MAGIC)?;
+        to.write_all(&VERSION.to_le_bytes())?;
+        to.write_all(&self.job.fingerprint().to_le_bytes())?;
+        to.write_all(&(self.tallies.len() as u64).to_le_bytes())?;
+        for n in &self.done {
+            to.write_all(&n.to_le_bytes())?;
+        }
+        for x in self.tallies.iter().flat_map(|t| t.radiance.iter().chain(&t.unshadowed)).flat_map(|v| v.to_array()) {
+            to.write_all(&x.to_le_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Goes on from what [`save`](Self::save) wrote for the same job; the result is the same as without interruption.
+    ///
+    /// # Errors
+    /// When it cannot be read or belongs to another job; nothing is changed then.
+    pub fn restore(&mut self, mut from: impl Read) -> Result<(), CheckpointError> {
+        let mut magic = [0; 8];
+        from.read_exact(&mut magic)?;
+        if magic != MAGIC || read_word(&mut from)? != VERSION {
+            return Err(CheckpointError::Format);
+        }
+        if read_long(&mut from)? != self.job.fingerprint() || read_long(&mut from)? != self.tallies.len() as u64 {
+            return Err(CheckpointError::OtherJob);
+        }
+        let mut done = vec![0; self.done.len()];
+        for n in &mut done {
+            *n = read_word(&mut from)?;
+        }
+        let mut tallies = vec![Tally::default(); self.tallies.len()];
+        for v in tallies.iter_mut().flat_map(|t| t.radiance.iter_mut().chain(&mut t.unshadowed)) {
+            let mut x = || Ok::<_, CheckpointError>(f32::from_bits(read_word(&mut from)?));
+            *v = Vec3::new(x()?, x()?, x()?);
+        }
+        (self.done, self.tallies) = (done, tallies);
+        Ok(())
+    }
+}
+
+fn read_word(from: &mut impl Read) -> Result<u32, CheckpointError> {
+    let mut bytes = [0; 4];
+    from.read_exact(&mut bytes)?;
+    Ok(u32::from_le_bytes(bytes))
+}
+
+fn read_long(from: &mut impl Read) -> Result<u64, CheckpointError> {
+    let mut bytes = [0; 8];
+    from.read_exact(&mut bytes)?;
+    Ok(u64::from_le_bytes(bytes))
+}

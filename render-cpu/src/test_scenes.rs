@@ -1,0 +1,36 @@
+//! Small scenes for the tests of this crate.
+
+use brdf::Material;
+use glam::Vec3;
+use lighting::SphereLight;
+use lobe_core::Sphere;
+use scene::{Camera, Mesh, Object, Proxy, Scene, Shape};
+
+/// A gray diffuse material.
+pub(crate) fn material() -> Material {
+    Material::lambert(Vec3::splat(0.5))
+}
+
+/// A horizontal square of half side 4 at height 0, a ball of radius 0.5 above its middle, one light above both.
+pub(crate) fn floor_and_ball() -> Scene {
+    let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * 4.0;
+    let mesh = Mesh {
+        positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
+        normals: Vec::new(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    };
+    let ball = Sphere { center: Vec3::Y, radius: 0.5 };
+    let object = |name: &str, shape, proxy| Object { name: name.into(), shape, material: 0, proxy, visible: true };
+    Scene {
+        camera: Camera { eye: Vec3::new(0.0, 3.0, 8.0), target: Vec3::Y, up: Vec3::Y, vertical_fov: 0.6 },
+        width: 50,
+        height: 30,
+        background: Vec3::ZERO,
+        materials: vec![material()],
+        objects: vec![
+            object("floor", Shape::Mesh(mesh), Proxy::None),
+            object("ball", Shape::Spheres(vec![ball]), Proxy::Spheres(vec![ball])),
+        ],
+        lights: vec![SphereLight::new(Sphere { center: Vec3::new(1.0, 5.0, 0.5), radius: 0.7 }, Vec3::splat(3.0))],
+    }
+}

@@ -1,0 +1,287 @@
+use core::time::Duration;
+use glam::{DVec3, Vec3, Vec3A};
+use lobe_core::Sphere;
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
+use obvhs::ray::{Ray, RayHit};
+use obvhs::triangle::Triangle;
+use obvhs::{Boundable, BvhBuildParams};
+use scene::{Proxy, Scene, Shape};
+
+/// Where a ray from the eye meets the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// World position: from the barycentric coordinates of the triangle or on the ball, in f64, then rounded, so that it
+    /// is as near to the surface as an f32 point can be.
+    pub position: Vec3,
+    /// Unit shading normal on the ray's side of the surface.
+    pub normal: Vec3,
+    /// Unit geometric normal on the ray's side of the surface.
+    pub face_normal: Vec3,
+    /// Number of the object.
+    pub object: u32,
+    /// Number of the triangle or ball within the object.
+    pub primitive: u32,
+}
+
+/// The geometry of a scene, ready for rays: triangles and exact balls in two hierarchies.
+///
+/// Holds the objects that the camera sees and those that block light. Building costs about 0.6 µs a triangle.
+#[derive(Debug)]
+pub struct World<'s> {
+    scene: &'s Scene,
+    triangles: Tree<Corners>,
+    balls: Tree<Ball>,
+    extent: f32,
+}
+
+/// Primitives with their hierarchy; `None` when there are none, which the hierarchy cannot express.
+struct Tree<T> {
+    bvh: Option<CwBvh>,
+    /// In the hierarchy's order.
+    primitives: Vec<T>,
+}
+
+impl<T> core::fmt::Debug for Tree<T> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Tree").field("primitives", &self.primitives.len()).finish_non_exhaustive()
+    }
+}
+
+impl<T: Copy> Tree<T> {
+    fn new(primitives: &[T], build: impl FnOnce(&[T]) -> CwBvh) -> Self {
+        if primitives.is_empty() {
+            return Self { bvh: None, primitives: Vec::new() };
+        }
+        let bvh = build(primitives);
+        let primitives = bvh.primitive_indices.iter().map(|i| primitives[*i as usize]).collect();
+        Self { bvh: Some(bvh), primitives }
+    }
+
+    fn nearest(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> Option<(&T, f32)> {
+        let mut hit = RayHit::none();
+        self.bvh.as_ref()?.ray_traverse(ray, &mut hit, |r, i| intersect(&self.primitives[i], r));
+        (hit.t < ray.tmax).then(|| (&self.primitives[hit.primitive_id as usize], hit.t))
+    }
+
+    fn any(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> bool {
+        self.bvh.as_ref().is_some_and(|b| !b.ray_traverse_miss(ray, |r, i| intersect(&self.primitives[i], r)))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Corners {
+    v0: Vec3A,
+    e1: Vec3A,
+    e2: Vec3A,
+    object: u32,
+    index: u32,
+    visible: bool,
+    blocks: bool,
+}
+
+/// How far outside a triangle, in barycentric units, a ray still hits: closes the cracks that rounding leaves along
+/// shared edges.
+const EDGE: f32 = 1e-6;
+
+impl Corners {
+    /// Distance along the ray or infinity (T. Möller, B. Trumbore, *Fast, Minimum Storage Ray-Triangle Intersection*,
+    /// 1997), both sides.
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> f32 {
+        let p = ray.direction.cross(self.e2);
+        let inverse = 1.0 / self.e1.dot(p);
+        let s = ray.origin - self.v0;
+        let u = s.dot(p) * inverse;
+        let q = s.cross(self.e1);
+        let v = ray.direction.dot(q) * inverse;
+        // An inverse of ±∞ or NaN (ray in the plane) fails one of the comparisons.
+        if u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE {
+            let t = self.e2.dot(q) * inverse;
+            if t >= ray.tmin && t <= ray.tmax {
+                return t;
+            }
+        }
+        f32::INFINITY
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Ball {
+    sphere: Sphere,
+    object: u32,
+    index: u32,
+    visible: bool,
+    blocks: bool,
+}
+
+impl Ball {
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> f32 {
+        let to = Vec3A::from(self.sphere.center) - ray.origin;
+        let along = to.dot(ray.direction);
+        // The distance of the centre from the ray first: |to|² − along² would cancel.
+        let across = (to - ray.direction * along).length_squared();
+        let half_sq = self.sphere.radius * self.sphere.radius - across;
+        if half_sq < 0.0 {
+            return f32::INFINITY;
+        }
+        let half = half_sq.sqrt();
+        for t in [along - half, along + half] {
+            if t >= ray.tmin && t <= ray.tmax {
+                return t;
+            }
+        }
+        f32::INFINITY
+    }
+}
+
+impl Boundable for Ball {
+    fn aabb(&self) -> Aabb {
+        let (c, r) = (Vec3A::from(self.sphere.center), Vec3A::splat(self.sphere.radius));
+        Aabb::new(c - r, c + r)
+    }
+}
+
+impl<'s> World<'s> {
+    /// Prepares the scene's objects. Triangles without area are left out.
+    #[must_use]
+    pub fn new(scene: &'s Scene) -> Self {
+        let (mut triangles, mut balls) = (Vec::new(), Vec::new());
+        for (number, object) in scene.objects.iter().enumerate() {
+            let (visible, blocks) = (object.visible, object.visible || object.proxy != Proxy::None);
+            if !blocks {
+                continue;
+            }
+            match &object.shape {
+                Shape::Mesh(mesh) => {
+                    for (index, corners) in mesh.triangles.iter().enumerate() {
+                        let [a, b, c] = corners.map(|i| Vec3A::from(mesh.positions[i as usize]));
+                        let (e1, e2) = (b - a, c - a);
+                        if e1.cross(e2) != Vec3A::ZERO {
+                            let (object, index) = (number as u32, index as u32);
+                            triangles.push(Corners { v0: a, e1, e2, object, index, visible, blocks });
+                        }
+                    }
+                }
+                Shape::Spheres(spheres) => {
+                    balls.extend(spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0).map(|(index, sphere)| {
+                        Ball { sphere: *sphere, object: number as u32, index: index as u32, visible, blocks }
+                    }));
+                }
+            }
+        }
+        let mut bounds = Aabb::empty();
+        triangles.iter().for_each(|t| {
+            bounds.extend(t.v0).extend(t.v0 + t.e1).extend(t.v0 + t.e2);
+        });
+        balls.iter().for_each(|b| bounds = bounds.union(&b.aabb()));
+        let empty = triangles.is_empty() && balls.is_empty();
+        let extent = if empty { 0.0 } else { bounds.diagonal().length() };
+
+        let params = BvhBuildParams::medium_build();
+        let triangles = Tree::new(&triangles, |t| {
+            let t: Vec<_> = t.iter().map(|c| Triangle { v0: c.v0, v1: c.v0 + c.e1, v2: c.v0 + c.e2 }).collect();
+            build_cwbvh_from_tris(&t, params, &mut Duration::ZERO.clone())
+        });
+        let balls = Tree::new(&balls, |b| build_cwbvh(b, params, &mut Duration::ZERO.clone()));
+        Self { scene, triangles, balls, extent }
+    }
+
+    /// The scene that was prepared.
+    #[must_use]
+    pub const fn scene(&self) -> &'s Scene {
+        self.scene
+    }
+
+    /// Number of triangles, those without area not counted.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.primitives.len()
+    }
+
+    /// Length of the diagonal of the geometry's bounding box.
+    #[must_use]
+    pub const fn extent(&self) -> f32 {
+        self.extent
+    }
+
+    /// The nearest visible surface along a ray of unit direction.
+    #[must_use]
+    pub fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        let ray = Ray::new_inf(origin.into(), direction.into());
+        let seen = |visible: bool, t: f32| if visible { t } else { f32::INFINITY };
+        let triangle = self.triangles.nearest(ray, |c, r| seen(c.visible, c.intersect(r)));
+        let limit = Ray { tmax: triangle.map_or(f32::INFINITY, |(_, t)| t), ..ray };
+        let ball = self.balls.nearest(limit, |b, r| seen(b.visible, b.intersect(r)));
+        match (ball, triangle) {
+            (Some((ball, t)), _) => Some(ball_hit(ball, origin, direction, t)),
+            (None, Some((corners, _))) => Some(self.triangle_hit(corners, origin, direction)),
+            (None, None) => None,
+        }
+    }
+
+    /// True when a triangle or ball lies on the ray nearer than `distance`.
+    ///
+    /// The true geometry, not the proxies. `origin` is to be off the surface already, see [`World::leave`].
+    #[must_use]
+    pub fn occluded(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
+        let blocks = |blocks: bool, t: f32| if blocks { t } else { f32::INFINITY };
+        self.triangles.any(ray, |c, r| blocks(c.blocks, c.intersect(r)))
+            || self.balls.any(ray, |b, r| blocks(b.blocks, b.intersect(r)))
+    }
+
+    /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of the larger of the scene's extent
+    /// and the position's largest coordinate (about 8 units in the last place of it, more than the error of the position
+    /// and of the intersection).
+    #[must_use]
+    pub fn leave(&self, position: Vec3, face_normal: Vec3) -> Vec3 {
+        position + face_normal * (5e-7 * self.extent.max(position.abs().max_element()))
+    }
+
+    fn triangle_hit(&self, corners: &Corners, origin: Vec3, direction: Vec3) -> Hit {
+        let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
+        let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
+            unreachable!("triangles come from meshes")
+        };
+        let vertices = mesh.triangles[corners.index as usize];
+        let [a, b, c] = vertices.map(|i| mesh.positions[i as usize].as_dvec3());
+        let (e1, e2) = (b - a, c - a);
+        let p = d.cross(e2);
+        let inverse = 1.0 / e1.dot(p);
+        let s = o - a;
+        let u = (s.dot(p) * inverse).clamp(0.0, 1.0);
+        let v = (d.dot(s.cross(e1)) * inverse).clamp(0.0, 1.0 - u);
+        let toward = |n: DVec3| if n.dot(d) > 0.0 { -n } else { n };
+        let face = toward(e1.cross(e2).normalize_or_zero());
+        let mut normal = face;
+        if !mesh.normals.is_empty() {
+            let [na, nb, nc] = vertices.map(|i| mesh.normals[i as usize].as_dvec3());
+            let smooth = (na * (1.0 - u - v) + nb * u + nc * v).normalize_or_zero();
+            // On the side of the face that is seen; a normal that still looks away is no use to a viewer.
+            let smooth = if smooth.dot(face) < 0.0 { -smooth } else { smooth };
+            if smooth.dot(d) < 0.0 {
+                normal = smooth;
+            }
+        }
+        Hit {
+            position: (a + e1 * u + e2 * v).as_vec3(),
+            normal: normal.as_vec3().normalize(),
+            face_normal: face.as_vec3().normalize(),
+            object: corners.object,
+            primitive: corners.index,
+        }
+    }
+}
+
+fn ball_hit(ball: &Ball, origin: Vec3, direction: Vec3, t: f32) -> Hit {
+    let center = ball.sphere.center.as_dvec3();
+    let near = origin.as_dvec3() + direction.as_dvec3() * f64::from(t);
+    let outward = (near - center).normalize_or(DVec3::Z);
+    let position = center + outward * f64::from(ball.sphere.radius);
+    let normal = if outward.dot(direction.as_dvec3()) > 0.0 { -outward } else { outward };
+    let normal = normal.as_vec3().normalize();
+    Hit { position: position.as_vec3(), normal, face_normal: normal, object: ball.object, primitive: ball.index }
+}
