@@ -51,7 +51,7 @@ impl Camera {
             return Err(SceneError::invalid("camera up is parallel to the view direction"));
         }
         let degrees = self.vertical_fov.to_degrees();
-        if !(degrees >= 1e-3 && degrees <= 179.9) {
+        if !(1e-3..=179.9).contains(&degrees) {
             return Err(SceneError::invalid(format!(
                 "camera field of view is {degrees}°: expected more than 0 and less than 180 (0.001…179.9)"
             )));

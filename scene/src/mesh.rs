@@ -44,13 +44,13 @@ impl Mesh {
         }
         if let Some(i) = self.positions.iter().position(|p| p.is_nan() || p.abs().max_element() > MAX_COORDINATE) {
             let p = self.positions[i];
-            return Err(SceneError::invalid(format!("vertex {i} is {p}: coordinates must lie within ±1e17")));
+            return Err(SceneError::invalid(format!("vertex {i} is {p:e}: coordinates must lie within ±1e17")));
         }
         if !self.normals.is_empty() && self.normals.len() != self.positions.len() {
             let (n, p) = (self.normals.len(), self.positions.len());
             return Err(SceneError::invalid(format!("mesh has {n} normals for {p} vertices")));
         }
-        if let Some(i) = self.normals.iter().position(|n| !((n.length() - 1.0).abs() < 1e-3)) {
+        if let Some(i) = self.normals.iter().position(|n| n.is_nan() || (n.length() - 1.0).abs() > 1e-3) {
             return Err(SceneError::invalid(format!("normal {i} is {}: expected a unit vector", self.normals[i])));
         }
         let vertices = self.positions.len();

@@ -1,0 +1,176 @@
+//! Wavefront OBJ: positions, normals, polygons. Materials, texture coordinates, lines and curves are ignored.
+
+use crate::load::{Context, Part};
+use crate::{Mesh, SceneError};
+use glam::{DVec2, DVec3, Vec3};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// A corner of a face: position, and normal where given.
+type Corner = (u32, Option<u32>);
+
+pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Part, SceneError> {
+    let mut positions: Vec<Vec3> = Vec::new();
+    let mut normals: Vec<Vec3> = Vec::new();
+    let mut corners: Vec<[Corner; 3]> = Vec::new();
+    let mut dropped = 0;
+
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // Bare carriage returns end lines too, and a backslash at the end of a line joins it with the next.
+    let unified = text.replace("\r\n", "\n").replace('\r', "\n");
+    let mut number = 0;
+    let mut lines = unified.split('\n');
+    while let Some(line) = lines.next() {
+        number += 1;
+        let first = number;
+        let mut joined = String::new();
+        let mut line = line;
+        while let Some(head) = line.trim_end().strip_suffix('\\') {
+            joined.push_str(head);
+            joined.push(' ');
+            line = lines.next().unwrap_or("");
+            number += 1;
+        }
+        joined.push_str(line);
+        let fault = |message: String| SceneError::at_line(path, first, message);
+        let content = joined.split('#').next().unwrap_or("");
+        let mut words = content.split_whitespace();
+        match words.next() {
+            Some("v") => positions.push(position(words).map_err(fault)?),
+            Some("vn") => normals.push(Vec3::from_array(numbers(&mut words).map_err(fault)?)),
+            Some("f") => {
+                let face: Result<Vec<Corner>, _> = words.map(|w| corner(w, positions.len(), normals.len())).collect();
+                let face = face.map_err(fault)?;
+                let finite = face.iter().all(|c| positions[c.0 as usize].is_finite());
+                if face.len() < 3 || !finite {
+                    dropped += 1;
+                } else {
+                    triangulate(&face, &positions, &mut corners);
+                }
+            }
+            _ => {}
+        }
+    }
+    if dropped > 0 {
+        context.warn(path, format!("{dropped} faces with fewer than three corners or infinite ones were left out"));
+    }
+    if corners.is_empty() {
+        return Err(SceneError::file(path, "no triangles"));
+    }
+    let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    Ok(Part { name, mesh: assemble(&positions, &normals, &corners), material: None })
+}
+
+/// One vertex for each pair of position and normal in use.
+fn assemble(positions: &[Vec3], normals: &[Vec3], corners: &[[Corner; 3]]) -> Mesh {
+    let with_normals = corners.iter().flatten().all(|c| c.1.is_some());
+    let mut mesh = Mesh::default();
+    let mut index: HashMap<Corner, u32> = HashMap::new();
+    for triangle in corners {
+        let vertex = |&(p, n): &Corner| {
+            let key = (p, n.filter(|_| with_normals));
+            *index.entry(key).or_insert_with(|| {
+                mesh.positions.push(positions[p as usize]);
+                if let (true, Some(n)) = (with_normals, n) {
+                    mesh.normals.push(normals[n as usize]);
+                }
+                mesh.positions.len() as u32 - 1
+            })
+        };
+        let triangle: Vec<u32> = triangle.iter().map(vertex).collect();
+        mesh.triangles.push([triangle[0], triangle[1], triangle[2]]);
+    }
+    if with_normals {
+        mesh.repair_normals();
+    }
+    mesh
+}
+
+fn number(word: &str) -> Result<f32, String> {
+    word.parse().map_err(|_| format!("cannot read number '{word}'"))
+}
+
+fn numbers<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<[f32; 3], String> {
+    let mut out = [0.0; 3];
+    for slot in &mut out {
+        *slot = number(words.next().ok_or("expected three numbers")?)?;
+    }
+    Ok(out)
+}
+
+/// `x y z`, `x y z w` (homogeneous) or `x y z r g b` (a colour, ignored).
+fn position<'w>(mut words: impl Iterator<Item = &'w str>) -> Result<Vec3, String> {
+    let p = Vec3::from_array(numbers(&mut words)?);
+    let rest: Vec<f32> = words.map(number).collect::<Result<_, _>>()?;
+    match rest[..] {
+        [w] if w != 0.0 => Ok(p / w),
+        [_] => Err("vertex weight is 0".to_owned()),
+        _ => Ok(p),
+    }
+}
+
+/// `p`, `p/t`, `p//n` or `p/t/n`: counted from 1, or from the last one back when negative.
+fn corner(word: &str, positions: usize, normals: usize) -> Result<Corner, String> {
+    let resolve = |field: &str, count: usize, what: &str| -> Result<u32, String> {
+        let i: i64 = field.parse().map_err(|_| format!("cannot read face corner '{word}'"))?;
+        let index = if i > 0 { i - 1 } else { i + count as i64 };
+        if i == 0 || index < 0 || index >= count as i64 {
+            return Err(format!("face uses {what} {i}, there are {count} so far"));
+        }
+        u32::try_from(index).map_err(|_| format!("too many {what}s"))
+    };
+    let mut fields = word.split('/');
+    let p = resolve(fields.next().unwrap_or(""), positions, "vertex")?;
+    fields.next();
+    let n = match fields.next() {
+        None | Some("") => None,
+        Some(field) => Some(resolve(field, normals, "normal")?),
+    };
+    if fields.next().is_some_and(|f| !f.is_empty()) {
+        return Err(format!("cannot read face corner '{word}'"));
+    }
+    Ok((p, n))
+}
+
+/// Cuts a polygon into triangles: ears first in the plane of its normal, so that concave ones keep their area.
+fn triangulate(face: &[Corner], positions: &[Vec3], out: &mut Vec<[Corner; 3]>) {
+    if face.len() == 3 {
+        out.push([face[0], face[1], face[2]]);
+        return;
+    }
+    let p = |i: usize| positions[face[i].0 as usize].as_dvec3();
+    let n = face.len();
+    // Newell's normal; corners in the plane's coordinates relative to the first.
+    let normal: DVec3 = (0..n).map(|i| (p(i) - p(0)).cross(p((i + 1) % n) - p(0))).sum();
+    let normal = normal.normalize_or(DVec3::Z);
+    let (u, v) = normal.any_orthonormal_pair();
+    let flat: Vec<DVec2> = (0..n).map(|i| p(i) - p(0)).map(|d| DVec2::new(u.dot(d), v.dot(d))).collect();
+    let side = |a: usize, b: usize, c: usize| (flat[b] - flat[a]).perp_dot(flat[c] - flat[a]);
+    let mut left: Vec<usize> = (0..n).collect();
+    while left.len() > 3 {
+        let m = left.len();
+        let around = |i: usize| (left[(i + m - 1) % m], left[i], left[(i + 1) % m]);
+        let is_ear = |i: usize| {
+            let (a, b, c) = around(i);
+            // An ear turns left and holds no other corner.
+            side(a, b, c) > 0.0
+                && left.iter().all(|&q| {
+                    q == a
+                        || q == b
+                        || q == c
+                        || side(a, b, q) < 0.0
+                        || side(b, c, q) < 0.0
+                        || side(c, a, q) < 0.0
+                        || flat[q] == flat[a]
+                        || flat[q] == flat[b]
+                        || flat[q] == flat[c]
+                })
+        };
+        // A polygon that crosses itself may have no ear: cut any corner then.
+        let ear = (0..m).find(|&i| is_ear(i)).unwrap_or(0);
+        let (a, b, c) = around(ear);
+        out.push([face[a], face[b], face[c]]);
+        left.remove(ear);
+    }
+    out.push([face[left[0]], face[left[1]], face[left[2]]]);
+}

@@ -1,0 +1,267 @@
+//! Stanford PLY: ascii and binary, positions, normals, polygons. Other elements and properties are skipped.
+
+use crate::load::Part;
+use crate::{Mesh, SceneError};
+use glam::Vec3;
+use std::path::Path;
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Kind {
+    fn parse(word: &str) -> Option<Self> {
+        Some(match word {
+            "char" | "int8" => Self::I8,
+            "uchar" | "uint8" => Self::U8,
+            "short" | "int16" => Self::I16,
+            "ushort" | "uint16" => Self::U16,
+            "int" | "int32" => Self::I32,
+            "uint" | "uint32" => Self::U32,
+            "float" | "float32" => Self::F32,
+            "double" | "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    const fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+struct Property {
+    name: String,
+    kind: Kind,
+    /// The type of the length, for a list.
+    length: Option<Kind>,
+}
+
+struct Element {
+    name: String,
+    count: usize,
+    properties: Vec<Property>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Format {
+    Ascii,
+    Little,
+    Big,
+}
+
+/// Values one after the other; in ascii files an element is a line.
+struct Body<'a> {
+    format: Format,
+    bytes: &'a [u8],
+    line: usize,
+    words: Vec<&'a [u8]>,
+    next_word: usize,
+}
+
+impl<'a> Body<'a> {
+    fn start_element(&mut self) -> Result<(), String> {
+        if self.format != Format::Ascii {
+            return Ok(());
+        }
+        loop {
+            if self.bytes.is_empty() {
+                return Err("file ends early".to_owned());
+            }
+            let line = take_line(&mut self.bytes);
+            self.line += 1;
+            self.words = line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).collect();
+            self.next_word = 0;
+            if !self.words.is_empty() {
+                return Ok(());
+            }
+        }
+    }
+
+    fn value(&mut self, kind: Kind) -> Result<f64, String> {
+        if self.format == Format::Ascii {
+            let word = *self.words.get(self.next_word).ok_or("too few values")?;
+            self.next_word += 1;
+            let word = String::from_utf8_lossy(word);
+            return word.parse().map_err(|_| format!("cannot read number '{word}'"));
+        }
+        let (head, tail) = self.bytes.split_at_checked(kind.size()).ok_or("file ends early")?;
+        self.bytes = tail;
+        let mut raw = [0_u8; 8];
+        raw[..head.len()].copy_from_slice(head);
+        if self.format == Format::Big {
+            raw[..head.len()].reverse();
+        }
+        let [a, b, c, d, ..] = raw;
+        Ok(match kind {
+            Kind::I8 => f64::from(a as i8),
+            Kind::U8 => f64::from(a),
+            Kind::I16 => f64::from(i16::from_le_bytes([a, b])),
+            Kind::U16 => f64::from(u16::from_le_bytes([a, b])),
+            Kind::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
+            Kind::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
+            Kind::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
+            Kind::F64 => f64::from_le_bytes(raw),
+        })
+    }
+}
+
+/// The next line without its end; `\n`, `\r\n` and `\r` end lines.
+fn take_line<'a>(bytes: &mut &'a [u8]) -> &'a [u8] {
+    let end = bytes.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(bytes.len());
+    let (line, rest) = bytes.split_at(end);
+    let skip = if rest.starts_with(b"\r\n") { 2 } else { usize::from(!rest.is_empty()) };
+    *bytes = &rest[skip..];
+    line
+}
+
+pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Part, SceneError> {
+    let mut rest = bytes;
+    let mut line = 0;
+    let (format, elements) = header(&mut rest, &mut line, bytes.len()).map_err(|message| match line {
+        0 | 1 => SceneError::file(path, message),
+        _ => SceneError::at_line(path, line, message),
+    })?;
+    let mut body = Body { format, bytes: rest, line, words: Vec::new(), next_word: 0 };
+    let mut mesh = Mesh::default();
+    for element in &elements {
+        for i in 0..element.count {
+            let read = read_element(&mut body, element, &mut mesh);
+            read.map_err(|message| match format {
+                Format::Ascii => SceneError::at_line(path, body.line, message),
+                _ => SceneError::file(path, format!("{} {i}: {message}", element.name)),
+            })?;
+        }
+    }
+    if mesh.triangles.is_empty() {
+        return Err(SceneError::file(path, "no triangles"));
+    }
+    if mesh.normals.len() == mesh.positions.len() {
+        mesh.repair_normals();
+    } else {
+        mesh.normals.clear();
+    }
+    let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    Ok(Part { name, mesh, material: None })
+}
+
+fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Vec<Element>), String> {
+    let mut format = None;
+    let mut elements: Vec<Element> = Vec::new();
+    loop {
+        if rest.is_empty() {
+            return Err(if *line == 0 { "file is empty" } else { "the header has no end_header" }.to_owned());
+        }
+        let text = String::from_utf8_lossy(take_line(rest)).into_owned();
+        *line += 1;
+        let words: Vec<&str> = text.split_whitespace().collect();
+        match words[..] {
+            ["ply"] if *line == 1 => {}
+            _ if *line == 1 => return Err("not a PLY file".to_owned()),
+            ["format", name, version] => {
+                if version != "1.0" {
+                    return Err(format!("version {version}: expected 1.0"));
+                }
+                format = Some(match name {
+                    "ascii" => Format::Ascii,
+                    "binary_little_endian" => Format::Little,
+                    "binary_big_endian" => Format::Big,
+                    _ => return Err(format!("unknown format \"{name}\"")),
+                });
+            }
+            ["element", name, count] => {
+                let count: usize = count.parse().map_err(|_| format!("cannot read element count '{count}'"))?;
+                if count > size {
+                    return Err(format!("{count} elements \"{name}\" in a file of {size} bytes"));
+                }
+                elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
+            }
+            ["property", ref words @ ..] => {
+                let kind = |word: &str| Kind::parse(word).ok_or_else(|| format!("unknown type \"{word}\""));
+                let property = match words[..] {
+                    ["list", length, item, name] => {
+                        Property { name: name.to_owned(), kind: kind(item)?, length: Some(kind(length)?) }
+                    }
+                    [item, name] => Property { name: name.to_owned(), kind: kind(item)?, length: None },
+                    _ => return Err("cannot read the property".to_owned()),
+                };
+                elements.last_mut().ok_or("property before any element")?.properties.push(property);
+            }
+            ["end_header"] => break,
+            [] | ["comment" | "obj_info", ..] => {}
+            [word, ..] => return Err(format!("unknown header line \"{word}\"")),
+        }
+    }
+    let format = format.ok_or("the header states no format")?;
+    let has = |element: &str, names: &[&str]| {
+        let of = |e: &Element| names.iter().any(|n| e.properties.iter().any(|p| p.name == *n));
+        elements.iter().find(|e| e.name == element).is_none_or(of)
+    };
+    for axis in ["x", "y", "z"] {
+        if !has("vertex", &[axis]) {
+            return Err(format!("vertex has no {axis}"));
+        }
+    }
+    if !has("face", &["vertex_indices", "vertex_index"]) {
+        return Err("face has no vertex_indices".to_owned());
+    }
+    Ok((format, elements))
+}
+
+fn read_element(body: &mut Body<'_>, element: &Element, mesh: &mut Mesh) -> Result<(), String> {
+    body.start_element()?;
+    let (mut position, mut normal, mut normal_parts) = (Vec3::ZERO, Vec3::ZERO, 0);
+    for property in &element.properties {
+        let Some(length) = property.length else {
+            let value = body.value(property.kind)? as f32;
+            match property.name.as_str() {
+                "x" => position.x = value,
+                "y" => position.y = value,
+                "z" => position.z = value,
+                "nx" => (normal.x, normal_parts) = (value, normal_parts + 1),
+                "ny" => (normal.y, normal_parts) = (value, normal_parts + 1),
+                "nz" => (normal.z, normal_parts) = (value, normal_parts + 1),
+                _ => {}
+            }
+            continue;
+        };
+        let count = body.value(length)?;
+        if !(count >= 0.0 && count.fract() == 0.0) {
+            return Err(format!("a list of {count} values"));
+        }
+        let is_face = element.name == "face" && ["vertex_indices", "vertex_index"].contains(&&*property.name);
+        let mut corners: Vec<u32> = Vec::new();
+        for _ in 0..count as u64 {
+            let value = body.value(property.kind)?;
+            if is_face {
+                let known = mesh.positions.len();
+                if !(value >= 0.0 && value < known as f64 && value.fract() == 0.0) {
+                    return Err(format!("face uses vertex {value}, there are {known}"));
+                }
+                corners.push(value as u32);
+            }
+        }
+        for i in 2..corners.len() {
+            mesh.triangles.push([corners[0], corners[i - 1], corners[i]]);
+        }
+    }
+    if element.name == "vertex" {
+        mesh.positions.push(position);
+        if normal_parts == 3 {
+            mesh.normals.push(normal);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,186 @@
+//! The scene file.
+
+use crate::load::{self, Context};
+use crate::scene_object::read_object;
+use crate::toml_reader::{Source, Table, Value};
+use crate::{Camera, Scene, SceneError};
+use brdf::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
+use glam::Vec3;
+use lighting::SphereLight;
+use lobe_core::Sphere;
+use std::collections::HashMap;
+use std::path::Path;
+use toml::de::DeTable;
+
+/// Every key of a scene file, with its meaning and its default: a complete file, as an example and as the reference.
+pub const SCHEMA_EXAMPLE: &str = include_str!("example.toml");
+
+pub(crate) const DEFAULT_SPHERES: usize = 64;
+pub(crate) const DEFAULT_FOV: f32 = 35.0;
+pub(crate) const DEFAULT_SIZE: (u32, u32) = (960, 540);
+
+/// Reads the text of a scene file; `path` is what messages name and what relative paths start from.
+pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Scene, SceneError> {
+    let source = Source { path, text };
+    let root = DeTable::parse(text)
+        .map_err(|e| source.error(e.span().map_or(text.len(), |s| s.start), e.message().to_owned()))?;
+    let mut root = Table::new(source, 0, "scene", root.get_ref());
+
+    let (width, height) = match root.get("image") {
+        None => DEFAULT_SIZE,
+        Some(value) => {
+            let mut t = value.table()?;
+            let edge = |v: Option<Value<'_>>, default| v.map_or(Ok(default), |v| v.whole(1, crate::scene::MAX_IMAGE));
+            let size = (edge(t.get("width"), DEFAULT_SIZE.0)?, edge(t.get("height"), DEFAULT_SIZE.1)?);
+            t.finish()?;
+            size
+        }
+    };
+    let background = root.get("background").map_or(Ok(Vec3::ZERO), |v| v.color())?;
+
+    let mut materials = Materials::default();
+    if let Some(value) = root.get("materials") {
+        for entry in value.table()?.entries() {
+            let material = material(entry.table()?)?;
+            material.validate().map_err(|e| entry.error(e))?;
+            materials.names.insert(entry.name().to_owned(), materials.all.len());
+            materials.all.push(material);
+        }
+    }
+
+    let mut objects = Vec::new();
+    if let Some(value) = root.get("objects") {
+        for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
+            objects.extend(read_object(entry.table()?, i, path, &mut materials, context)?);
+        }
+    }
+    let mut lights = Vec::new();
+    if let Some(value) = root.get("lights") {
+        for entry in value.elements("[[lights]]")? {
+            light(entry.table()?, &mut lights)?;
+        }
+    }
+    let camera = root.get("camera");
+    root.finish()?;
+    if objects.is_empty() {
+        return Err(source.error(text.len(), "scene has no objects: expected [[objects]]"));
+    }
+    let bounds = objects.iter().fold(crate::Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
+    let camera = match camera {
+        Some(value) => read_camera(value)?,
+        None => load::default_camera(bounds, width, height),
+    };
+    let scene = Scene { camera, width, height, background, materials: materials.all, objects, lights };
+    scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
+    Ok(scene)
+}
+
+/// The materials so far, by number and by name.
+#[derive(Default)]
+pub(crate) struct Materials {
+    all: Vec<Material>,
+    pub(crate) names: HashMap<String, usize>,
+    default: Option<usize>,
+}
+
+impl Materials {
+    pub(crate) fn push(&mut self, material: Material) -> usize {
+        self.all.push(material);
+        self.all.len() - 1
+    }
+
+    pub(crate) fn fallback(&mut self) -> usize {
+        if let Some(index) = self.default {
+            return index;
+        }
+        let index = self.push(load::default_material());
+        *self.default.insert(index)
+    }
+}
+
+fn read_camera(value: Value<'_>) -> Result<Camera, SceneError> {
+    let mut t = value.table()?;
+    let (eye, target) = (t.require("eye")?, t.require("target")?);
+    let up = t.get("up");
+    let fov = t.get("fov");
+    let degrees = fov.map_or(Ok(DEFAULT_FOV), |v| v.number())?;
+    let camera = Camera {
+        eye: eye.vec3()?,
+        target: target.vec3()?,
+        up: up.map_or(Ok(Vec3::Y), |v| v.nonzero_vec3())?,
+        vertical_fov: degrees.to_radians(),
+    };
+    t.finish()?;
+    if !(degrees > 0.0 && degrees < 180.0) {
+        let place = fov.unwrap_or(value);
+        return Err(place.error(format!("{degrees} must lie between 0 and 180 degrees")));
+    }
+    let place = if camera.eye == camera.target { target } else { up.unwrap_or(value) };
+    camera.validate().map_err(|e| place.error(e))?;
+    Ok(camera)
+}
+
+fn material(mut t: Table<'_>) -> Result<Material, SceneError> {
+    let model = t.require("model")?;
+    let color = |v: Option<Value<'_>>| v.map_or(Ok(Vec3::ZERO), |v| v.color());
+    let material: Material = match model.string()? {
+        "lambert" => Lambert { albedo: t.require("albedo")?.color()? }.into(),
+        "phong" => {
+            let (kd, ks) = (color(t.get("kd"))?, color(t.get("ks"))?);
+            Phong { kd, ks, exponent: t.require("exponent")?.number()? }.into()
+        }
+        "modified-phong" => {
+            let (kd, ks) = (color(t.get("kd"))?, color(t.get("ks"))?);
+            ModifiedPhong { kd, ks, exponent: t.require("exponent")?.number()? }.into()
+        }
+        "lafortune" => {
+            let diffuse = color(t.get("diffuse"))?;
+            let elements = t.get("lobes").map_or(Ok(Vec::new()), |v| v.elements("an array of lobes"))?;
+            let lobes: Result<Vec<_>, _> = elements.into_iter().map(lafortune_lobe).collect();
+            Lafortune { diffuse, lobes: lobes? }.into()
+        }
+        other => {
+            return Err(model.error(format!(
+                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\" or \"lafortune\""
+            )));
+        }
+    };
+    t.finish()?;
+    Ok(material)
+}
+
+fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {
+    let mut t = value.table()?;
+    let (exponent, scale) = (t.require("exponent")?.number()?, t.require("scale")?.color()?);
+    let lobe = match t.one_of(&["c", "matrix"])? {
+        ("c", c) => LafortuneLobe::diagonal(c.vec3()?, exponent, scale),
+        (_, m) => LafortuneLobe { matrix: m.mat3()?, exponent, scale },
+    };
+    t.finish()?;
+    lobe.validate().map_err(|e| value.error(e))?;
+    Ok(lobe)
+}
+
+fn light(mut t: Table<'_>, lights: &mut Vec<SphereLight>) -> Result<(), SceneError> {
+    let kind = t.require("kind")?;
+    let balls = match kind.string()? {
+        "sphere" => vec![Sphere { center: t.require("center")?.vec3()?, radius: t.require("radius")?.positive()? }],
+        "spheres" => t.require("spheres")?.spheres()?,
+        other => {
+            return Err(kind.error(format!("unknown kind of light \"{other}\": expected \"sphere\" or \"spheres\"")));
+        }
+    };
+    let (unit, value) = t.one_of(&["radiance", "flux"])?;
+    let mut radiance = value.color()?;
+    t.finish()?;
+    if unit == "flux" {
+        // L = Φ/(4π²·Σr²), in f64 since squares of small radii leave f32.
+        let squares: f64 = balls.iter().map(|b| f64::from(b.radius).powi(2)).sum();
+        radiance = (radiance.as_dvec3() / (4.0 * std::f64::consts::PI.powi(2) * squares)).as_vec3();
+    }
+    if !radiance.is_finite() {
+        return Err(value.error("the light's radiance is too large for single precision"));
+    }
+    lights.extend(balls.into_iter().map(|ball| SphereLight::new(ball, radiance)));
+    Ok(())
+}

@@ -1,0 +1,162 @@
+use crate::load::Context;
+use crate::{Proxy, SCHEMA_EXAMPLE, Scene, SceneError, Shape, load, load_with_warnings, scene_file};
+use brdf::Material;
+use glam::Vec3;
+use std::path::Path;
+
+fn parse(text: &str) -> Result<Scene, SceneError> {
+    scene_file::parse(Path::new("test.toml"), text, &mut Context::default())
+}
+
+/// A scene of one ball, with something more.
+fn with(more: &str) -> String {
+    format!("[[objects]]\nsphere = {{ center = [0, 0, 0], radius = 1 }}\n{more}")
+}
+
+/// The message, which is one line and names the file and the line.
+fn refused(text: &str, line: usize, words: &[&str]) {
+    let message = parse(text).expect_err(text).to_string();
+    assert!(message.starts_with(&format!("test.toml:{line}:")), "{message}\nfor\n{text}");
+    assert!(!message.contains('\n'), "{message}");
+    for word in words {
+        assert!(message.contains(word), "{message} lacks {word:?}");
+    }
+}
+
+#[test]
+fn the_example_is_a_valid_scene_with_every_key() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), SCHEMA_EXAMPLE).unwrap();
+    std::fs::write(folder.path().join("example.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(folder.path().join("example.spheres.json"), "{}").unwrap();
+    let (scene, warnings) = load_with_warnings(folder.path().join("scene.toml")).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert_eq!((scene.width, scene.height), (640, 360));
+    assert_eq!(scene.objects.len(), 6);
+    assert_eq!(scene.lights.len(), 5);
+    // Φ = 4π²·L·Σr² of the three balls.
+    let flux: f32 = scene.lights[2..].iter().map(|l| l.radiance.x * l.ball.radius.powi(2)).sum::<f32>();
+    assert!((flux * 4.0 * std::f32::consts::PI.powi(2) - 30.0).abs() < 1e-3);
+    let crate_box = &scene.objects[4];
+    // 0.8·0.9 turned by 30° about y: half-extent 0.36·(cos 30° + sin 30°).
+    let size = crate_box.shape.bounds().size();
+    assert!((size - Vec3::new(0.983_54, 0.72, 0.983_54)).length() < 1e-4, "{size}");
+    assert_eq!(crate_box.proxy, Proxy::Count(32));
+    let model = scene.objects[5].shape.bounds();
+    assert!((model.min - Vec3::new(-0.4, 0.1, 1.4)).length() < 1e-6, "{model:?}");
+    assert!(matches!(scene.objects[5].proxy, Proxy::File(_)));
+}
+
+#[test]
+fn defaults() {
+    let scene = parse(&with("")).unwrap();
+    assert_eq!((scene.width, scene.height), (960, 540));
+    assert!(scene.lights.is_empty());
+    assert_eq!(scene.materials, [Material::lambert(Vec3::splat(0.5))]);
+    assert!(matches!(&scene.objects[0].proxy, Proxy::Spheres(s) if s.len() == 1));
+    let scene = parse("[[objects]]\nbox = { center = [0, 0, 0], size = [1, 1, 1] }").unwrap();
+    assert_eq!(scene.objects[0].proxy, Proxy::Count(64));
+    let scene = parse("[[objects]]\nplane = { point = [0, 0, 0], normal = [0, 1, 0] }").unwrap();
+    assert_eq!(scene.objects[0].proxy, Proxy::None);
+    let Shape::Mesh(mesh) = &scene.objects[0].shape else { panic!() };
+    assert!((mesh.area() - 1e4).abs() < 1e-2);
+}
+
+#[test]
+fn bad_input_is_refused_in_one_line_with_its_place() {
+    refused("a = ", 1, &[]);
+    refused("a = 1\na = 2\n", 2, &["duplicate key"]);
+    refused("", 1, &["no objects"]);
+    refused(&with("colour = 3"), 3, &["unknown key \"colour\"", "\"material\""]);
+    refused(&with("[image]\nwidth = 0"), 4, &["width", "1 to 16384"]);
+    refused(&with("[image]\nheight = 16385"), 4, &["height"]);
+    refused(&with("[image]\nheight = 5.5"), 4, &["whole number"]);
+    refused(&with("[image]\nsize = 5"), 4, &["unknown key \"size\"", "\"width\", \"height\""]);
+    let camera = |keys: &str| with(&format!("[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n{keys}"));
+    refused(&camera("fov = 0"), 6, &["between 0 and 180"]);
+    refused(&camera("fov = 180"), 6, &["between 0 and 180"]);
+    refused(&camera("fov = nan"), 6, &["finite"]);
+    refused(&camera("up = [0, 0, 0]"), 6, &["length zero"]);
+    refused(&camera("up = [0, 0, -2]"), 6, &["parallel"]);
+    refused(&camera("up = [0, 1]"), 6, &["[x, y, z]", "2 values"]);
+    refused(&camera("up = \"y\""), 6, &["found a string"]);
+    refused(&with("[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]"), 5, &["same point"]);
+    refused(&with("[camera]\neye = [1, inf, 3]\ntarget = [1, 2, 3]"), 4, &["finite"]);
+    refused(&with("[camera]\neye = [1, 1e39, 3]\ntarget = [1, 2, 3]"), 4, &["1e39"]);
+    refused(&with("[camera]\neye = [1, 2, 3]"), 3, &["\"target\" is missing"]);
+    refused(&with("material = \"brass\""), 3, &["[materials.brass]"]);
+    refused(&with("visible = 1"), 3, &["true or false"]);
+    refused(&with("scale = 0"), 3, &["must not be 0"]);
+    refused(&with("scale = [1, 2, 1]"), 3, &["uniformly"]);
+    refused(&with("rotate = { axis = [0, 0, 0], degrees = 3 }"), 3, &["length zero"]);
+    refused(&with("matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]"), 3, &["four rows"]);
+    refused(&with("matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]]"), 3, &["last row"]);
+    refused(&with("scale = 2\nmatrix = 3"), 4, &["not both"]);
+    refused(&with("proxy = \"all\""), 3, &["\"none\""]);
+    refused(&with("proxy = 7"), 3, &["\"none\""]);
+    refused(&with("proxy = { spheres = 0 }"), 3, &["1 to 100000"]);
+    refused(&with("proxy = { file = \"absent.json\" }"), 3, &["absent.json"]);
+    refused(&with("proxy = { explicit = [] }"), 3, &["at least one"]);
+    refused(&with("normals = \"flat\""), 3, &["\"smooth\""]);
+    refused("[[objects]]\nname = \"x\"", 1, &["\"quad\"", "\"mesh\""]);
+    refused(&with("quad = { center = [0, 0, 0], u = [1, 0, 0], v = [0, 1, 0] }"), 2, &["only one of"]);
+    refused("[[objects]]\nsphere = { center = [0, 0, 0], radius = -1 }", 2, &["greater than 0"]);
+    refused("[[objects]]\nsphere = { center = [0, 0, 0], radius = 0 }", 2, &["greater than 0"]);
+    refused("[[objects]]\nspheres = [[0, 0, 0, 1],\n [0, 0, 0, 0]]", 3, &["greater than 0"]);
+    refused("[[objects]]\nspheres = []", 2, &["at least one"]);
+    refused("[[objects]]\nquad = { center = [0, 0, 0], u = [1, 0, 0], v = [2, 0, 0] }", 2, &["parallel"]);
+    refused("[[objects]]\nplane = { point = [0, 0, 0], normal = [0, 0, 0] }", 2, &["length zero"]);
+    refused("[[objects]]\nbox = { center = [0, 0, 0], size = [1, 0, 1] }", 2, &["greater than 0"]);
+    refused("[[objects]]\n\nmesh = \"absent.obj\"", 3, &["absent.obj", "cannot read"]);
+    refused("[[objects]]\nmesh = \"mesh.stl\"", 2, &["mesh.stl"]);
+    let material = |keys: &str| with(&format!("[materials.m]\n{keys}"));
+    refused(&material("albedo = 1"), 3, &["\"model\" is missing"]);
+    refused(&material("model = \"wood\""), 4, &["wood", "lafortune"]);
+    refused(&material("model = \"lambert\"\nalbedo = [1, -1, 0]"), 5, &["negative"]);
+    refused(&material("model = \"lambert\"\nalbedo = 1\nks = 2"), 6, &["unknown key \"ks\""]);
+    refused(&material("model = \"phong\"\nkd = 1\nks = 1\nexponent = 2e7"), 3, &["1e7"]);
+    refused(&material("model = \"phong\"\nkd = 1"), 3, &["\"exponent\" is missing"]);
+    refused(&material("model = \"lafortune\"\nlobes = [{ c = [1, 1, 1], exponent = 2 }]"), 5, &["scale"]);
+    refused(
+        &material(
+            "model = \"lafortune\"\nlobes = [{ matrix = [[1, 2, 0], [0, 1, 0], [0, 0, 1]], exponent = 2, scale = 1 }]",
+        ),
+        5,
+        &["symmetric"],
+    );
+    let light = |keys: &str| with(&format!("[[lights]]\n{keys}"));
+    refused(&light("kind = \"laser\""), 4, &["laser", "\"sphere\""]);
+    refused(&light("kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 0\nflux = 1"), 6, &["greater than 0"]);
+    refused(&light("kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 1"), 3, &["\"radiance\", \"flux\""]);
+    refused(&light("kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 1\nflux = -1"), 7, &["negative"]);
+    refused(&light("kind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 1e-30\nflux = 1"), 7, &["too large"]);
+    refused("background = -1", 1, &["negative"]);
+}
+
+#[test]
+fn faults_of_a_mesh_name_both_files_and_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
+    std::fs::write(folder.path().join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    for (file, words) in [("bad.obj", "bad.obj:4: face uses vertex 9"), ("flat.obj", "no triangles")] {
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, format!("\n[[objects]]\nmesh = \"{file}\"\n")).unwrap();
+        let message = load(&path).unwrap_err().to_string();
+        assert!(message.contains("scene.toml:3:") && message.contains(words), "{message}");
+        assert!(!message.contains('\n'), "{message}");
+    }
+    let message = load(folder.path().join("absent.toml")).unwrap_err().to_string();
+    assert!(message.contains("absent.toml: cannot read"), "{message}");
+    let message = load(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("not a regular file"), "{message}");
+}
+
+#[test]
+fn huge_and_tiny_scenes_are_fine() {
+    for scale in ["1e-4", "1e6"] {
+        parse(&with(&format!("scale = {scale}"))).unwrap();
+    }
+    parse(&with("translate = [1e6, -1e6, 1e6]")).unwrap();
+    let message = parse(&with("translate = [1e18, 0, 0]")).unwrap_err().to_string();
+    assert!(message.contains("1e17"), "{message}");
+}

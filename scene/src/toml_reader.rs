@@ -1,0 +1,258 @@
+//! TOML with places: every value knows its line, and every message names it.
+
+use crate::SceneError;
+use glam::{Mat3, Mat4, Vec3, Vec4};
+use lobe_core::Sphere;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A text file that messages refer to.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) text: &'a str,
+}
+
+impl Source<'_> {
+    /// An error at a byte offset.
+    pub(crate) fn error(&self, offset: usize, message: impl Into<String>) -> SceneError {
+        let mut offset = offset.min(self.text.len());
+        while !self.text.is_char_boundary(offset) {
+            offset -= 1;
+        }
+        let before = &self.text[..offset];
+        let line = before.matches('\n').count() + 1;
+        let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+        SceneError::Parse { path: self.path.to_owned(), line, column, message: message.into() }
+    }
+}
+
+/// A value, the place that it stands at, and its name in messages.
+#[derive(Clone, Copy)]
+pub(crate) struct Value<'s> {
+    source: Source<'s>,
+    value: &'s Spanned<DeValue<'s>>,
+    name: &'s str,
+}
+
+impl<'s> Value<'s> {
+    pub(crate) fn error(&self, message: impl std::fmt::Display) -> SceneError {
+        self.source.error(self.value.span().start, format!("{}: {message}", self.name))
+    }
+
+    fn expected<T>(&self, what: &str) -> Result<T, SceneError> {
+        let found = match self.value.get_ref() {
+            DeValue::String(_) => "a string",
+            DeValue::Integer(_) | DeValue::Float(_) => "a number",
+            DeValue::Boolean(_) => "true or false",
+            DeValue::Datetime(_) => "a date",
+            DeValue::Array(_) => "an array",
+            DeValue::Table(_) => "a table",
+        };
+        Err(self.error(format!("expected {what}, found {found}")))
+    }
+
+    /// A finite number, as a whole one or with a point.
+    pub(crate) fn number(&self) -> Result<f32, SceneError> {
+        let text = match self.value.get_ref() {
+            DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
+                Ok(whole) => whole.to_string(),
+                Err(_) => return Err(self.error(format!("{} is out of range", i.as_str()))),
+            },
+            DeValue::Float(f) => f.as_str().to_owned(),
+            _ => return self.expected("a number"),
+        };
+        match text.parse::<f32>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(self.error(format!("{text} is not a finite number of single precision"))),
+        }
+    }
+
+    pub(crate) fn positive(&self) -> Result<f32, SceneError> {
+        let x = self.number()?;
+        if x > 0.0 { Ok(x) } else { Err(self.error(format!("{x} must be greater than 0"))) }
+    }
+
+    pub(crate) fn whole(&self, from: u32, to: u32) -> Result<u32, SceneError> {
+        let range = format!("a whole number from {from} to {to}");
+        let DeValue::Integer(i) = self.value.get_ref() else { return self.expected(&range) };
+        match i64::from_str_radix(i.as_str(), i.radix()).ok().and_then(|x| u32::try_from(x).ok()) {
+            Some(x) if (from..=to).contains(&x) => Ok(x),
+            _ => Err(self.error(format!("{} is not {range}", i.as_str()))),
+        }
+    }
+
+    pub(crate) fn string(&self) -> Result<&'s str, SceneError> {
+        match self.value.get_ref() {
+            DeValue::String(s) => Ok(s),
+            _ => self.expected("a string"),
+        }
+    }
+
+    pub(crate) fn boolean(&self) -> Result<bool, SceneError> {
+        match self.value.get_ref() {
+            DeValue::Boolean(b) => Ok(*b),
+            _ => self.expected("true or false"),
+        }
+    }
+
+    pub(crate) fn elements(&self, what: &str) -> Result<Vec<Self>, SceneError> {
+        let DeValue::Array(array) = self.value.get_ref() else { return self.expected(what) };
+        Ok(array.iter().map(|value| Self { value, ..*self }).collect())
+    }
+
+    fn numbers<const N: usize>(&self, what: &str) -> Result<[f32; N], SceneError> {
+        let elements = self.elements(what)?;
+        if elements.len() != N {
+            return Err(self.error(format!("expected {what}, found {} values", elements.len())));
+        }
+        let mut out = [0.0; N];
+        for (slot, element) in out.iter_mut().zip(elements) {
+            *slot = element.number()?;
+        }
+        Ok(out)
+    }
+
+    pub(crate) fn vec3(&self) -> Result<Vec3, SceneError> {
+        self.numbers("[x, y, z]").map(Vec3::from_array)
+    }
+
+    pub(crate) fn nonzero_vec3(&self) -> Result<Vec3, SceneError> {
+        let v = self.vec3()?;
+        if v.length() > 1e-18 { Ok(v) } else { Err(self.error("vector has length zero")) }
+    }
+
+    /// `[r, g, b]`, or one number for a grey; not negative.
+    pub(crate) fn color(&self) -> Result<Vec3, SceneError> {
+        let c = match self.value.get_ref() {
+            DeValue::Array(_) => Vec3::from_array(self.numbers("[r, g, b] or one number")?),
+            DeValue::Integer(_) | DeValue::Float(_) => Vec3::splat(self.number()?),
+            _ => return self.expected("[r, g, b] or one number"),
+        };
+        if c.min_element() < 0.0 { Err(self.error(format!("{c} must not be negative"))) } else { Ok(c) }
+    }
+
+    pub(crate) fn mat3(&self) -> Result<Mat3, SceneError> {
+        let what = "three rows of three numbers";
+        let rows = self.elements(what)?;
+        let [a, b, c] = rows[..] else { return Err(self.error(format!("expected {what}"))) };
+        let row = |r: Value<'_>| r.numbers(what).map(Vec3::from_array);
+        Ok(Mat3::from_cols(row(a)?, row(b)?, row(c)?).transpose())
+    }
+
+    pub(crate) fn mat4(&self) -> Result<Mat4, SceneError> {
+        let what = "four rows of four numbers";
+        let rows = self.elements(what)?;
+        let [a, b, c, d] = rows[..] else { return Err(self.error(format!("expected {what}"))) };
+        let row = |r: Value<'_>| r.numbers(what).map(Vec4::from_array);
+        let m = Mat4::from_cols(row(a)?, row(b)?, row(c)?, row(d)?).transpose();
+        if m.row(3) == Vec4::W { Ok(m) } else { Err(self.error("the last row must be [0, 0, 0, 1]")) }
+    }
+
+    /// `[[x, y, z, radius], …]`, at least one.
+    pub(crate) fn spheres(&self) -> Result<Vec<Sphere>, SceneError> {
+        let what = "[[x, y, z, radius], …]";
+        let elements = self.elements(what)?;
+        if elements.is_empty() {
+            return Err(self.error("expected at least one sphere"));
+        }
+        let ball = |e: Self| {
+            let [x, y, z, radius] = e.numbers("[x, y, z, radius]")?;
+            if radius > 0.0 {
+                Ok(Sphere { center: Vec3::new(x, y, z), radius })
+            } else {
+                Err(e.error(format!("radius {radius} must be greater than 0")))
+            }
+        };
+        elements.into_iter().map(ball).collect()
+    }
+
+    pub(crate) fn is_string(&self) -> bool {
+        matches!(self.value.get_ref(), DeValue::String(_))
+    }
+
+    pub(crate) fn table(&self) -> Result<Table<'s>, SceneError> {
+        match self.value.get_ref() {
+            DeValue::Table(table) => Ok(Table::new(self.source, self.value.span().start, self.name, table)),
+            _ => self.expected("a table"),
+        }
+    }
+}
+
+/// A table whose keys are asked for one by one; [`finish`](Self::finish) refuses what nobody asked for.
+pub(crate) struct Table<'s> {
+    source: Source<'s>,
+    at: usize,
+    name: &'s str,
+    table: &'s DeTable<'s>,
+    asked: Vec<&'static str>,
+}
+
+impl<'s> Table<'s> {
+    pub(crate) fn new(source: Source<'s>, at: usize, name: &'s str, table: &'s DeTable<'s>) -> Self {
+        Self { source, at, name, table, asked: Vec::new() }
+    }
+
+    /// An error at the head of the table.
+    pub(crate) fn error(&self, message: impl std::fmt::Display) -> SceneError {
+        self.source.error(self.at, format!("{}: {message}", self.name))
+    }
+
+    pub(crate) fn get(&mut self, key: &'static str) -> Option<Value<'s>> {
+        self.asked.push(key);
+        let value = self.table.get(key)?;
+        Some(Value { source: self.source, value, name: key })
+    }
+
+    pub(crate) fn require(&mut self, key: &'static str) -> Result<Value<'s>, SceneError> {
+        self.get(key).ok_or_else(|| self.error(format!("key \"{key}\" is missing")))
+    }
+
+    /// Every entry, whatever its key: for tables of named things.
+    pub(crate) fn entries(&self) -> Vec<Value<'s>> {
+        // Names in the order of the file, not of the alphabet.
+        let mut all: Vec<_> = self
+            .table
+            .iter()
+            .map(|(key, value)| Value { source: self.source, value, name: key.get_ref().as_ref() })
+            .collect();
+        all.sort_by_key(|v| v.value.span().start);
+        all
+    }
+
+    /// The one key of `choices` that is there.
+    pub(crate) fn one_of(&mut self, choices: &[&'static str]) -> Result<(&'static str, Value<'s>), SceneError> {
+        let found: Vec<_> = choices.iter().filter_map(|&key| Some((key, self.get(key)?))).collect();
+        match found[..] {
+            [one] => Ok(one),
+            [] => Err(self.error(format!("expected one of the keys {}", list(choices)))),
+            [_, (key, second), ..] => {
+                Err(second.error(format!("only one of {} may be given, \"{key}\" is too many", list(choices))))
+            }
+        }
+    }
+
+    /// Refuses keys that nobody asked for.
+    pub(crate) fn finish(self) -> Result<(), SceneError> {
+        let unknown = self.table.keys().find(|key| !self.asked.contains(&key.get_ref().as_ref()));
+        match unknown {
+            None => Ok(()),
+            Some(key) => Err(self.source.error(
+                key.span().start,
+                format!("{}: unknown key \"{}\": expected one of {}", self.name, key.get_ref(), list(&self.asked)),
+            )),
+        }
+    }
+}
+
+impl<'s> Value<'s> {
+    /// The key that the value stands under.
+    pub(crate) const fn name(&self) -> &'s str {
+        self.name
+    }
+}
+
+fn list(keys: &[&str]) -> String {
+    keys.iter().map(|k| format!("\"{k}\"")).collect::<Vec<_>>().join(", ")
+}
