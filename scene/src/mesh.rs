@@ -43,8 +43,10 @@ impl Mesh {
             return Err(SceneError::invalid("mesh has no triangles"));
         }
         if let Some(i) = self.positions.iter().position(|p| p.is_nan() || p.abs().max_element() > MAX_COORDINATE) {
-            let p = self.positions[i];
-            return Err(SceneError::invalid(format!("vertex {i} is {p:e}: coordinates must lie within ±1e17")));
+            let [x, y, z] = self.positions[i].to_array();
+            return Err(SceneError::invalid(format!(
+                "vertex {i} is [{x:e}, {y:e}, {z:e}]: coordinates must lie within ±1e17"
+            )));
         }
         if !self.normals.is_empty() && self.normals.len() != self.positions.len() {
             let (n, p) = (self.normals.len(), self.positions.len());
