@@ -1,5 +1,9 @@
 //! Visibility from sphere sets: building, culling and splatting.
 
+mod blockers;
 mod set;
 
 pub use crate::set::{BuildError, BuildOptions, Progress, SetFileError, SetQuality, SphereSet, preview};
+mod splat;
+
+pub use crate::blockers::{SphereBlockers, SphereScratch};

@@ -1,0 +1,262 @@
+use crate::UnitSquare;
+use glam::{Vec2, Vec3};
+
+/// The deepest quad-tree: 64 × 64 cells.
+pub const MAX_DEPTH: u32 = 6;
+const SIDE: usize = 1 << MAX_DEPTH;
+/// The right end of a cell in the units of `Mask::left` and `Mask::right`.
+const FULL: u8 = u8::MAX;
+
+/// The visibility mask: the leaves of the complete quad-tree of a depth (§5.3 of the paper, Fig. 9), as bits with
+/// fractional coverage at the edges.
+///
+/// `2^depth` rows of `2^depth` cells. A row is a line through its cells' centres; what emits and what blocks on that
+/// line is known exactly along the line (to 1/255 of a cell): a cell is blocked, open, or open between two points. Across
+/// the lines it is sampled. So an edge that crosses the rows is exact, one along the rows is as good as their number:
+/// let [`UnitSquare::right`] point across the edges that matter.
+///
+/// Blockers fuse by union, so their order does not matter. The paper decides a leaf as a whole and drops those that are
+/// partly covered.
+#[derive(Clone, Debug)]
+pub struct Mask {
+    square: UnitSquare,
+    depth: u32,
+    /// Emitting interval of each row in cells from the window's left side.
+    emitting: [(f32, f32); SIDE],
+    /// Cells blocked from end to end, and those blocked in part, as bits.
+    blocked: [u64; SIDE],
+    partial: [u64; SIDE],
+    /// A partly blocked cell is open between these fractions.
+    left: [[u8; SIDE]; SIDE],
+    right: [[u8; SIDE]; SIDE],
+}
+
+impl Default for Mask {
+    fn default() -> Self {
+        Self {
+            square: UnitSquare::default(),
+            depth: MAX_DEPTH,
+            emitting: [(0.0, 0.0); SIDE],
+            blocked: [0; SIDE],
+            partial: [0; SIDE],
+            left: [[0; SIDE]; SIDE],
+            right: [[0; SIDE]; SIDE],
+        }
+    }
+}
+
+impl Mask {
+    /// Starts anew: no blocker; what emits is the light's disc above the horizon of `normal` (world space).
+    ///
+    /// # Panics
+    /// When `depth` is not in 1…[`MAX_DEPTH`].
+    pub fn reset(&mut self, square: &UnitSquare, depth: u32, normal: Vec3) {
+        assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
+        self.depth = depth;
+        self.square = *square;
+        let n = square.local(normal);
+        for j in 0..self.side() {
+            self.blocked[j] = 0;
+            self.partial[j] = 0;
+            let y = self.row_y(j);
+            let half = (square.disc * square.disc - y * y).max(0.0).sqrt();
+            // Above the horizon: n.x x + n.y y + n.z > 0.
+            let rest = n.y * y + n.z;
+            let (mut from, mut to) = (-half, half);
+            if n.x > 0.0 {
+                from = from.max(-rest / n.x);
+            } else if n.x < 0.0 {
+                to = to.min(-rest / n.x);
+            } else if rest <= 0.0 {
+                to = from;
+            }
+            self.emitting[j] = self.cells(from, to);
+        }
+    }
+
+    /// Cells in a row, rows in the mask.
+    #[must_use]
+    pub fn side(&self) -> usize {
+        1 << self.depth
+    }
+
+    /// Depth of the quad-tree.
+    #[must_use]
+    pub fn depth(&self) -> u32 {
+        self.depth
+    }
+
+    /// The window that the mask covers.
+    #[must_use]
+    pub fn square(&self) -> &UnitSquare {
+        &self.square
+    }
+
+    /// Side of a cell in plane coordinates.
+    #[must_use]
+    pub fn cell(&self) -> f32 {
+        2.0 * self.square.half / self.side() as f32
+    }
+
+    /// Plane coordinate y of row `j`.
+    #[must_use]
+    pub fn row_y(&self, j: usize) -> f32 {
+        self.square.center.y + ((j as f32 + 0.5) - 0.5 * self.side() as f32) * self.cell()
+    }
+
+    /// Plane coordinates of the centre of cell `i` of row `j`.
+    #[must_use]
+    pub fn cell_center(&self, i: usize, j: usize) -> Vec2 {
+        Vec2::new(self.square.center.x + ((i as f32 + 0.5) - 0.5 * self.side() as f32) * self.cell(), self.row_y(j))
+    }
+
+    /// Plane coordinates as cells from the left side, clamped to the row. An empty or NaN interval gives an empty one.
+    fn cells(&self, from: f32, to: f32) -> (f32, f32) {
+        let side = self.side() as f32;
+        let scale = side / (2.0 * self.square.half);
+        let left = self.square.center.x - self.square.half;
+        let (from, to) = ((from - left) * scale, (to - left) * scale);
+        if from < to { (from.clamp(0.0, side), to.clamp(0.0, side)) } else { (0.0, 0.0) }
+    }
+
+    /// Blocks row `j` between two plane coordinates x; infinite ones are fine, an empty or NaN interval blocks nothing.
+    pub fn block_span(&mut self, j: usize, from: f32, to: f32) {
+        let (from, to) = self.cells(from, to);
+        let (first, last) = (from as usize, to as usize);
+        let (before, after) = (fraction(from - first as f32), fraction(to - last as f32));
+        if from >= to {
+            return;
+        }
+        if first == last {
+            // Thinner than a cell: takes its length off the cell's left part.
+            let (left, right) = self.open(j, first);
+            self.set_open(j, first, left.saturating_add(after.saturating_sub(before)), right);
+            return;
+        }
+        if before > 0 {
+            let (left, right) = self.open(j, first);
+            self.set_open(j, first, left, right.min(before));
+        }
+        let full = if before > 0 { first + 1 } else { first };
+        self.blocked[j] |= ones(last as u32) & !ones(full as u32);
+        if after > 0 && last < self.side() {
+            let (left, right) = self.open(j, last);
+            self.set_open(j, last, left.max(after), right);
+        }
+    }
+
+    /// Blocks every cell.
+    pub fn block_all(&mut self) {
+        self.blocked = [u64::MAX; SIDE];
+    }
+
+    /// Blocks each cell for whose centre's unit direction (in world space) `test` says so: the slow way, for shapes
+    /// without spans.
+    pub fn block_where(&mut self, test: impl Fn(Vec3) -> bool) {
+        for j in 0..self.side() {
+            for i in Bits(self.lit_cells(j)) {
+                let p = self.cell_center(i, j);
+                if test(self.square.world(p.extend(1.0)).normalize()) {
+                    self.blocked[j] |= 1 << i;
+                }
+            }
+        }
+    }
+
+    fn open(&self, j: usize, i: usize) -> (u8, u8) {
+        if self.partial[j] >> i & 1 == 1 { (self.left[j][i], self.right[j][i]) } else { (0, FULL) }
+    }
+
+    fn set_open(&mut self, j: usize, i: usize, left: u8, right: u8) {
+        self.partial[j] |= 1 << i;
+        self.left[j][i] = left;
+        self.right[j][i] = right;
+        if left >= right {
+            self.blocked[j] |= 1 << i;
+        }
+    }
+
+    /// Cells of row `j` that emit at all.
+    #[must_use]
+    pub fn emitting_cells(&self, j: usize) -> u64 {
+        let (from, to) = self.emitting[j];
+        let end = to as u32 + u32::from(to > to as u32 as f32);
+        ones(end) & !ones(from as u32)
+    }
+
+    /// Cells of row `j` that emit and are not blocked from end to end.
+    #[must_use]
+    pub fn lit_cells(&self, j: usize) -> u64 {
+        self.emitting_cells(j) & !self.blocked[j]
+    }
+
+    /// Cells of row `j` that emit from end to end, and of those the ones without any blocker.
+    pub(crate) fn whole_cells(&self, j: usize) -> (u64, u64) {
+        let (from, to) = self.emitting[j];
+        let first = from as u32 + u32::from(from > from as u32 as f32);
+        let end = to as u32;
+        let emitting = if first < end { ones(end) & !ones(first) } else { 0 };
+        (emitting, emitting & !self.blocked[j] & !self.partial[j])
+    }
+
+    /// Part of a cell of row `j` that emits, as (start, length) in cells.
+    pub(crate) fn emitting_part(&self, i: usize, j: usize) -> (f32, f32) {
+        let (from, to) = self.emitting[j];
+        let (from, to) = (from.max(i as f32), to.min(i as f32 + 1.0));
+        (from, (to - from).max(0.0))
+    }
+
+    /// Part of a cell of row `j` that emits and is not blocked.
+    pub(crate) fn lit_part(&self, i: usize, j: usize) -> (f32, f32) {
+        let (from, to) = self.emitting[j];
+        if self.blocked[j] >> i & 1 == 1 {
+            return (from, 0.0);
+        }
+        let (left, right) = self.open(j, i);
+        let at = |x: u8| i as f32 + f32::from(x) * (1.0 / f32::from(FULL));
+        let (from, to) = (from.max(at(left)), to.min(at(right)));
+        (from, (to - from).max(0.0))
+    }
+
+    /// Emitting and lit area in cells.
+    #[must_use]
+    pub fn areas(&self) -> (f32, f32) {
+        let row = |j: usize| {
+            let (from, to) = self.emitting[j];
+            (to - from, Bits(self.lit_cells(j)).map(|i| self.lit_part(i, j).1).sum::<f32>())
+        };
+        (0..self.side()).map(row).fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d))
+    }
+
+    /// True when every emitting cell is blocked.
+    #[must_use]
+    pub fn is_dark(&self) -> bool {
+        (0..self.side()).all(|j| self.lit_cells(j) == 0)
+    }
+}
+
+/// A fraction of a cell in 255ths, rounded.
+fn fraction(x: f32) -> u8 {
+    (x * f32::from(FULL) + 0.5) as u8
+}
+
+/// The lowest `n` bits, n ≤ 64.
+fn ones(n: u32) -> u64 {
+    if n >= 64 { u64::MAX } else { (1 << n) - 1 }
+}
+
+/// The positions of the set bits.
+pub(crate) struct Bits(pub(crate) u64);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let i = self.0.trailing_zeros() as usize;
+        self.0 &= self.0 - 1;
+        Some(i)
+    }
+}

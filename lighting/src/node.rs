@@ -1,0 +1,179 @@
+//! Moments of quad-tree nodes, from bits.
+
+use crate::Mask;
+use crate::mask::Bits;
+use glam::Vec3;
+use lobe_core::exponent_of_spread;
+
+/// The moments of a set of mask cells: what its moment lobe is made of.
+///
+/// Keeps `Ω − M·axis` instead of `M·axis`: the spread of a small light's nodes is a difference in the seventh digit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Moments {
+    /// Solid angle Ω, sr.
+    pub(crate) omega: f32,
+    /// Mean vector `∫ v dΩ` along the square's right and up.
+    pub(crate) x: f32,
+    pub(crate) y: f32,
+    /// `∫ (1 − v·axis) dΩ`.
+    pub(crate) defect: f32,
+}
+
+impl core::ops::AddAssign for Moments {
+    fn add_assign(&mut self, other: Self) {
+        self.omega += other.omega;
+        self.x += other.x;
+        self.y += other.y;
+        self.defect += other.defect;
+    }
+}
+
+/// A set of cells as one lobe: unit axis in the square's frame, exponent, `1 − R`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NodeLobe {
+    pub(crate) axis: Vec3,
+    pub(crate) exponent: f32,
+    pub(crate) spread: f32,
+}
+
+impl Moments {
+    /// The moment lobe's axis and exponent; `cell` bounds the spread from below (a set has at least one cell).
+    pub(crate) fn lobe(&self, cell: f32) -> NodeLobe {
+        let z = self.omega - self.defect;
+        let aside = self.x * self.x + self.y * self.y;
+        // Ω² − |M|² = Ω²(1−R)(1+R).
+        let rest = (2.0 * self.omega - self.defect) * self.defect - aside;
+        let length = (aside + z * z).sqrt();
+        let spread = (rest / (self.omega * (self.omega + length))).max(cell * cell / 24.0);
+        NodeLobe {
+            axis: Vec3::new(self.x, self.y, z) / length.max(f32::MIN_POSITIVE),
+            exponent: exponent_of_spread(spread),
+            spread,
+        }
+    }
+}
+
+/// Number, sum of positions, sum of squared positions of the set bits of a byte.
+const BYTE: [[u8; 3]; 256] = {
+    let mut table = [[0; 3]; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        let mut bit = 0;
+        while bit < 8 {
+            if byte >> bit & 1 == 1 {
+                table[byte][0] += 1;
+                table[byte][1] += bit as u8;
+                table[byte][2] += (bit * bit) as u8;
+            }
+            bit += 1;
+        }
+        byte += 1;
+    }
+    table
+};
+
+/// Which part of the mask a sum is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// What emits.
+    Emitting,
+    /// What emits and is not blocked.
+    Lit,
+}
+
+/// Moments of a square block of `size` ≤ 8 cells.
+///
+/// The cells of a block are close together: their solid angle `dA/(1+x²+y²)^{3/2}` and the defect are taken at the mean
+/// of x²+y², their mean vector at the centroid.
+pub(crate) fn block(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> Moments {
+    let select = if size == 8 { 0xff } else { (1u64 << size) - 1 };
+    // Whole cells by integer sums, cells that are cut by their own parts; positions in cells from the block's corner.
+    let (mut n, mut sx, mut sy, mut ss) = (0u32, 0u32, 0u32, 0u32);
+    let (mut area, mut ax, mut ay, mut aa) = (0.0, 0.0, 0.0, 0.0);
+    for dy in 0..size as u32 {
+        let j = y0 + dy as usize;
+        let (whole_emitting, whole_lit) = mask.whole_cells(j);
+        let (whole, any) = match part {
+            Part::Emitting => (whole_emitting, mask.emitting_cells(j)),
+            Part::Lit => (whole_lit, mask.lit_cells(j)),
+        };
+        let byte = whole >> x0 & select;
+        let [count, x, xx] = BYTE[byte as usize].map(u32::from);
+        n += count;
+        sx += x;
+        sy += count * dy;
+        ss += xx + count * dy * dy;
+        for i in Bits((any & !whole) >> x0 & select) {
+            let (start, length) = match part {
+                Part::Emitting => mask.emitting_part(x0 + i, j),
+                Part::Lit => mask.lit_part(x0 + i, j),
+            };
+            let (x, y) = (start + 0.5 * length - x0 as f32 - 0.5, dy as f32);
+            area += length;
+            ax += length * x;
+            ay += length * y;
+            aa += length * (x * x + y * y);
+        }
+    }
+    area += n as f32;
+    if area <= 0.0 {
+        return Moments::default();
+    }
+    let inverse = 1.0 / area;
+    let (mx, my) = ((sx as f32 + ax) * inverse, (sy as f32 + ay) * inverse);
+    let variance = ((ss as f32 + aa) * inverse - mx * mx - my * my).max(0.0) + 1.0 / 6.0;
+    let cell = mask.cell();
+    let origin = mask.cell_center(x0, y0);
+    let (px, py) = (origin.x + mx * cell, origin.y + my * cell);
+    let s = px * px + py * py + variance * cell * cell;
+    let q_sq = 1.0 / (1.0 + s);
+    let q = q_sq.sqrt();
+    let omega = area * cell * cell * q * q_sq;
+    Moments { omega, x: omega * q * px, y: omega * q * py, defect: omega * s * q_sq / (1.0 + q) }
+}
+
+/// The upper levels of a mask's quad-tree: level `l` has `4^l` nodes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pyramid {
+    levels: [Vec<Moments>; LEVELS],
+    top: usize,
+}
+
+/// Levels 0…3: the finest has at most 8 × 8 nodes of at most 8 × 8 cells.
+const LEVELS: usize = 4;
+
+impl Pyramid {
+    /// Sums the moments of a part of the mask, from blocks up.
+    pub(crate) fn build(&mut self, mask: &Mask, part: Part) {
+        self.top = (mask.depth() as usize).min(LEVELS - 1);
+        let side = 1usize << self.top;
+        let size = mask.side() / side;
+        let finest = &mut self.levels[self.top];
+        finest.clear();
+        for y in 0..side {
+            for x in 0..side {
+                finest.push(block(mask, part, x * size, y * size, size));
+            }
+        }
+        for level in (0..self.top).rev() {
+            let side = 1usize << level;
+            let (coarse, fine) = self.levels.split_at_mut(level + 1);
+            let (coarse, fine) = (&mut coarse[level], &fine[0]);
+            coarse.clear();
+            for y in 0..side {
+                for x in 0..side {
+                    let mut sum = Moments::default();
+                    for child in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                        sum += fine[(2 * y + child.1) * 2 * side + 2 * x + child.0];
+                    }
+                    coarse.push(sum);
+                }
+            }
+        }
+    }
+
+    /// The node `(x, y)` of a level that the pyramid holds.
+    pub(crate) fn get(&self, level: usize, x: usize, y: usize) -> Option<Moments> {
+        (level <= self.top).then(|| self.levels[level][(y << level) + x])
+    }
+}

@@ -1,0 +1,169 @@
+use crate::cut::{Cut, CutScratch};
+use crate::{MAX_DEPTH, Mask, UnitSquare};
+use glam::Vec3;
+use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert};
+
+/// Something that blocks light, rasterised: what a visibility strategy has to provide.
+///
+/// [`MaskVisibility`] makes a [`VisibilityLobes`] of it: masks, cuts and lobes are the same for all strategies.
+pub trait Blockers: Sync {
+    /// Working memory, one a thread.
+    type Scratch: Send;
+
+    /// New working memory.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// Told before a group of receivers and one light: all following receivers are inside `shaft` until the next call.
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+        let _ = (shaft, scratch);
+    }
+
+    /// Finds the blockers that this receiver's light cone may meet. [`Coverage::Lit`] when there is none,
+    /// [`Coverage::Dark`] when one alone hides the whole light; no mask is made in either case.
+    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
+
+    /// The world direction across which the most important edges run, any length; zero when there is none. Only after
+    /// [`select`](Self::select) of the same query. Masks are turned so that such edges are exact.
+    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
+        let _ = (query, scratch);
+        Vec3::ZERO
+    }
+
+    /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Only after
+    /// [`select`](Self::select) of the same query.
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask);
+}
+
+/// The `moments` visibility: any [`Blockers`] through the mask, its quad-tree cut and moment lobes.
+///
+/// # Method
+/// The blockers fill a mask of the whole light. A Lambert lobe takes one lobe of it, whose total and mean vector are
+/// those of the lit part. A glossy lobe takes a cut, refined where the reflectance varies over a node and the node is
+/// partly lit; a lobe narrower than the light has a mask of its own over the part of the light that it sees, since
+/// there the cells and not the lobes would limit the accuracy. Each node gives a lobe of its lit part and one of its
+/// whole part, and the visible share is their ratio.
+///
+/// # Cost
+/// Nothing for lit and fully hidden receivers; else one mask, plus one for each narrow lobe.
+#[derive(Clone, Copy, Debug)]
+pub struct MaskVisibility<B> {
+    blockers: B,
+    depth: u32,
+}
+
+impl<B: Blockers> MaskVisibility<B> {
+    /// Masks of the given quad-tree depth, clamped to 1…[`MAX_DEPTH`].
+    #[must_use]
+    pub fn new(blockers: B, depth: u32) -> Self {
+        Self { blockers, depth: depth.clamp(1, MAX_DEPTH) }
+    }
+
+    /// Where the light crosses the horizon that edge is the sharpest, else what the blockers say.
+    fn across(&self, query: &VisibilityQuery<'_>, scratch: &B::Scratch) -> Vec3 {
+        let cos = query.at.normal.dot(query.cone.axis);
+        if cos * cos < query.cone.sin_sq() { query.at.normal } else { self.blockers.across(query, scratch) }
+    }
+
+    /// The blockers.
+    pub fn blockers(&self) -> &B {
+        &self.blockers
+    }
+}
+
+/// Depth of the mask whose own error stays below a tolerance. Mean error over penumbrae, random blockers, light wholly
+/// above the horizon: 0.25 % of the unshadowed radiance at depth 4, 0.09 % at 5, 0.035 % at 6.
+#[must_use]
+pub fn depth_for(tolerance: f32) -> u32 {
+    if tolerance >= 0.008 {
+        4
+    } else if tolerance >= 0.002 {
+        5
+    } else {
+        6
+    }
+}
+
+/// Working memory of [`MaskVisibility`].
+#[derive(Clone, Debug)]
+pub struct MaskScratch<S> {
+    blockers: S,
+    square: UnitSquare,
+    full: Mask,
+    full_cut: CutScratch,
+    zoomed: Mask,
+    zoomed_cut: CutScratch,
+}
+
+impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
+    type Scratch = MaskScratch<B::Scratch>;
+
+    fn scratch(&self) -> Self::Scratch {
+        let full = Mask::default();
+        MaskScratch {
+            blockers: self.blockers.scratch(),
+            square: *full.square(),
+            zoomed: full.clone(),
+            full,
+            full_cut: CutScratch::default(),
+            zoomed_cut: CutScratch::default(),
+        }
+    }
+
+    fn max_lobes(&self) -> usize {
+        // A node and all its children are both written while one blends into the other.
+        (4usize.pow(self.depth + 1) - 1) / 3
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+        self.blockers.enter(shaft, &mut scratch.blockers);
+    }
+
+    fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+        if query.cone.one_minus_cos > 1.0 {
+            // Inside the light there is no disc to cover.
+            return Coverage::Lit;
+        }
+        let selected = self.blockers.select(query, &mut scratch.blockers);
+        if selected != Coverage::Partial {
+            return selected;
+        }
+        if query.cone.one_minus_cos <= 0.0 {
+            // What touches the direction of a point light hides it.
+            return Coverage::Dark;
+        }
+        scratch.square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers));
+        scratch.full.reset(&scratch.square, self.depth, query.at.normal);
+        self.blockers.splat(query, &mut scratch.blockers, &mut scratch.full);
+        if scratch.full.is_dark() {
+            return Coverage::Dark;
+        }
+        scratch.full_cut.build(&scratch.full);
+        Coverage::Partial
+    }
+
+    fn visibility_lobes(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        scratch: &mut Self::Scratch,
+        out: &mut VisibilitySum,
+    ) -> Result<(), LobesFull> {
+        let square = scratch.square.zoomed(brdf, query.at.normal, zoom_sigmas(query.tolerance));
+        let (mask, cut) = if is_lambert(query.at, brdf) || square.half >= scratch.square.half {
+            (&scratch.full, &scratch.full_cut)
+        } else {
+            scratch.zoomed.reset(&square, self.depth, query.at.normal);
+            self.blockers.splat(query, &mut scratch.blockers, &mut scratch.zoomed);
+            scratch.zoomed_cut.build(&scratch.zoomed);
+            (&scratch.zoomed, &scratch.zoomed_cut)
+        };
+        Cut::new(mask, cut, query.at, brdf, unshadowed, query.tolerance).write(out)
+    }
+}
+
+/// How far a lobe's own window reaches, in its standard deviations: `√(2 ln(2/τ))` leaves less than half the tolerance
+/// outside.
+fn zoom_sigmas(tolerance: f32) -> f32 {
+    (2.0 * (2.0 / tolerance.clamp(1e-6, 0.5)).ln()).sqrt()
+}

@@ -1,0 +1,156 @@
+//! One sphere on the mask.
+
+use glam::{DVec3, Vec3};
+use lighting::Mask;
+use lobe_core::Coverage;
+
+/// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlockedCone {
+    /// From the receiver to the sphere's centre.
+    pub(crate) to: Vec3,
+    /// Its radius.
+    radius: f32,
+    /// Radius of the ball about the same centre whose tangent cone it is: `d sin β`.
+    tangent_radius: f32,
+    /// `cos β` of the half-angle.
+    cos: f32,
+    /// Centre and radius of the light, where the two intersect.
+    pub(crate) meets_light: Option<(Vec3, f32)>,
+}
+
+impl BlockedCone {
+    /// The cone that a sphere blocks under the self-distance τ; `None` if it is empty.
+    pub(crate) fn new(to: Vec3, radius: f32, tau: f32) -> Option<Self> {
+        let d_sq = to.length_squared();
+        let power = d_sq - radius * radius;
+        let d = d_sq.sqrt();
+        if power > 0.0 && tau * tau <= power {
+            let cos = (power / d_sq).sqrt();
+            return Some(Self { to, radius, tangent_radius: radius, cos, meets_light: None });
+        }
+        if tau <= 0.0 {
+            // Inside the sphere of another object.
+            return Some(Self { to, radius, tangent_radius: 0.0, cos: -1.0, meets_light: None });
+        }
+        // 1 − cos β = (r² − (d − τ)²)/(2τd).
+        let above = (radius - (d - tau)) * (radius + (d - tau));
+        if above <= 0.0 {
+            return None;
+        }
+        let one_minus_cos = if d > 0.0 { (above / (2.0 * tau * d)).min(2.0) } else { 2.0 };
+        let sin_sq = one_minus_cos * (2.0 - one_minus_cos);
+        Some(Self { to, radius, tangent_radius: d * sin_sq.sqrt(), cos: 1.0 - one_minus_cos, meets_light: None })
+    }
+
+    /// How the cone covers a light's cone (axis, sin θ, cos θ). Says `Partial` when in doubt.
+    pub(crate) fn cover(&self, axis: Vec3, sin: f32, cos: f32) -> Coverage {
+        if self.cos <= -1.0 {
+            return if self.meets_light.is_some() { Coverage::Partial } else { Coverage::Dark };
+        }
+        let along = self.to.dot(axis);
+        let aside = (self.to - axis * along).length();
+        if self.cos >= 0.0 {
+            // d sin(γ − θ) and d cos(γ − θ), γ the angle between the two axes.
+            let (outside, toward) = (aside * cos - along * sin, along * cos + aside * sin);
+            if outside >= self.tangent_radius || toward <= 0.0 {
+                return Coverage::Lit;
+            }
+            let (far, far_toward) = (aside * cos + along * sin, along * cos - aside * sin);
+            if self.meets_light.is_none() && far_toward > 0.0 && far <= self.tangent_radius {
+                return Coverage::Dark;
+            }
+        }
+        Coverage::Partial
+    }
+
+    /// `1 − cos β`.
+    pub(crate) fn one_minus_cos(&self) -> f32 {
+        1.0 - self.cos
+    }
+
+    /// Whether a unit direction is in the cone.
+    pub(crate) fn contains(&self, v: Vec3) -> bool {
+        self.to.dot(v) >= self.cos * self.to.length()
+    }
+
+    /// Blocks the cells whose centres are in the cone.
+    pub(crate) fn splat(&self, mask: &mut Mask) {
+        if self.cos <= -1.0 {
+            mask.block_all();
+            return;
+        }
+        let local = mask.square().local(self.to);
+        if self.cos > 0.0 && local.z > 1.001 * self.tangent_radius {
+            self.splat_ellipse(local, mask);
+        } else {
+            self.splat_rows(local.as_dvec3(), mask);
+        }
+    }
+
+    /// A ball wholly in front of the plane through the receiver: an ellipse, in its centre form. With (X, Y, H) the
+    /// ball's centre, `g = H² − r²`, `u = Y² + g`, `w = X² + u`: centre `(XH, YH)/g`, shear `XY/u`, half-height
+    /// `r√u/g`, and at height `t` above the centre half the span is `√(K₀ − K₂t²)`, `K₀ = r²w/(gu)`, `K₂ = wg/u²`.
+    /// Only `g` is a difference.
+    fn splat_ellipse(&self, c: Vec3, mask: &mut Mask) {
+        let r = self.tangent_radius;
+        let g = (c.z - r) * (c.z + r);
+        let u = c.y * c.y + g;
+        let w = c.x * c.x + u;
+        let (x_center, y_center) = (c.x * c.z / g, c.y * c.z / g);
+        let shear = c.x * c.y / u;
+        let k0 = r * r * w / (g * u);
+        let k2 = w * g / (u * u);
+        let half_height = r * u.sqrt() / g;
+        let bottom = mask.square().center.y - mask.square().half;
+        let row = |y: f32| ((y - bottom) / mask.cell()).clamp(0.0, mask.side() as f32) as usize;
+        let (first, end) = (row(y_center - half_height), (row(y_center + half_height) + 1).min(mask.side()));
+        for j in first..end {
+            let t = mask.row_y(j) - y_center;
+            let square = k0 - k2 * t * t;
+            if square > 0.0 {
+                let (half, middle) = (square.sqrt(), x_center + shear * t);
+                mask.block_span(j, middle - half, middle + half);
+            }
+        }
+    }
+
+    /// Any cone: in each row the blocked cells are between, or outside, the roots of a quadratic.
+    fn splat_rows(&self, c: DVec3, mask: &mut Mask) {
+        let d = c.length();
+        let (m, cos) = (c / d.max(f64::MIN_POSITIVE), f64::from(self.cos));
+        for j in 0..mask.side() {
+            let y = f64::from(mask.row_y(j));
+            let (along, e) = (m.y * y + m.z, y * y + 1.0);
+            let inside = |x: f64| m.x * x + along >= cos * (x * x + e).sqrt();
+            // (m·p)² = cos²|p|² as a x² + 2b x + c = 0.
+            let (a, b, c) = (m.x * m.x - cos * cos, m.x * along, along * along - cos * cos * e);
+            let mut roots = [f64::NEG_INFINITY, f64::INFINITY];
+            let discriminant = b * b - a * c;
+            if discriminant > 0.0 {
+                let q = -(b + discriminant.sqrt().copysign(b));
+                let (r1, r2) = (q / a, if q == 0.0 { f64::NAN } else { c / q });
+                let finite = |r: f64| if r.is_nan() { f64::INFINITY } else { r };
+                roots = [finite(r1).min(finite(r2)), finite(r1).max(finite(r2))];
+            }
+            let limit = 1e9;
+            let edges = [-limit, roots[0].clamp(-limit, limit), roots[1].clamp(-limit, limit), limit];
+            for pair in edges.windows(2) {
+                if pair[1] > pair[0] && inside(0.5 * (pair[0] + pair[1])) {
+                    mask.block_span(j, pair[0] as f32, pair[1] as f32);
+                }
+            }
+        }
+    }
+}
+
+/// Whether, along the unit direction `v`, the ball is entered before the light (both seen from the origin). Inside the
+/// ball counts as entered at 0.
+pub(crate) fn order_by_ray(v: Vec3, ball: &BlockedCone, light: Vec3, light_radius: f32) -> bool {
+    let entry = |center: Vec3, radius: f32| {
+        let along = center.dot(v);
+        let half_sq = along * along - (center.length_squared() - radius * radius);
+        (along - half_sq.max(0.0).sqrt()).max(0.0)
+    };
+    entry(ball.to, ball.radius) < entry(light, light_radius)
+}
