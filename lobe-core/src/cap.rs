@@ -193,7 +193,7 @@ fn chords<const N: usize>(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
     let bound = |sign: f32| {
         // sin(±ψ_w − δ), unless that angle is beyond 90°.
         let cos = cos_w * cos_delta + sign * sin_w * sin_delta;
-        (cos > 0.0).then(|| sign * sin_w * cos_delta - cos_w * sin_delta)
+        (cos > 0.0).then_some(sign * sin_w * cos_delta - cos_w * sin_delta)
     };
     let beyond = cos_delta < 0.0;
     let low = bound(-1.0).map_or(-1.0, |s| (s / sin_theta).max(-1.0));

@@ -1,6 +1,8 @@
 use crate::product::normalized_product;
 use crate::{Cone, Lobes};
-use crate::{Coverage, Lobe, LobesFull, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral};
+use crate::{
+    Coverage, Lobe, LobesFull, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral, paper,
+};
 use glam::Vec3;
 
 /// Which lobes stand for light and visibility, and how products are taken.
@@ -10,7 +12,7 @@ pub enum Method<'a> {
     #[default]
     Moments,
     /// The paper as printed: least-squares lobes, tabulated products, `f̃·L` first, then the threshold, then V (§5.4).
-    Paper(&'a ()),
+    Paper(&'a paper::Tables),
 }
 
 /// A stage of the paper's Table 1, told to a [`Probe`] when it ends.
@@ -98,7 +100,7 @@ impl Integrator<'_> {
     ) -> Result<Lit, LobesFull> {
         match self.method {
             Method::Moments => self.by_moments(at, brdf, light, visibility, tolerance, scratch, sum, probe),
-            Method::Paper(_) => Ok(Lit::default()),
+            Method::Paper(tables) => self.by_paper(tables, at, brdf, light, visibility, tolerance, scratch, sum, probe),
         }
     }
 
@@ -148,6 +150,61 @@ impl Integrator<'_> {
                 }
             };
             lit.radiance += unshadowed * fraction;
+        }
+        Ok(lit)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "as above")]
+    fn by_paper<V: VisibilityLobes + ?Sized>(
+        &self,
+        tables: &paper::Tables,
+        at: &Receiver,
+        brdf: Lobes<'_>,
+        light: &LightTerm,
+        visibility: &V,
+        tolerance: f32,
+        scratch: &mut V::Scratch,
+        sum: &mut VisibilitySum,
+        probe: &mut impl Probe,
+    ) -> Result<Lit, LobesFull> {
+        let query = VisibilityQuery { at, cone: &light.cone, tolerance };
+        let light_lobe = tables.light_lobe(&light.cone, light.radiance);
+        let mut lit = Lit::default();
+        let mut coverage = None;
+        for f in brdf.iter() {
+            // c_a of Eq. 12; a receiver's cosine is one more lobe.
+            let f = if f.cosine > 0.0 {
+                let cosine = Lobe::new(at.normal, 1.0, Vec3::ONE);
+                tables.product(&Lobe { cosine: 0.0, ..f }, &cosine)
+            } else {
+                f
+            };
+            let product = tables.product(&f, &light_lobe);
+            let unshadowed = product.flux;
+            probe.count(0, 1);
+            probe.end(Stage::Lighting);
+            lit.unshadowed += unshadowed;
+            if unshadowed.max_element() <= self.threshold {
+                probe.prune();
+                continue;
+            }
+            let seen = *coverage.get_or_insert_with(|| {
+                let seen = visibility.coverage(&query, scratch);
+                probe.coverage(seen);
+                probe.end(Stage::Mask);
+                seen
+            });
+            if seen == Coverage::Lit {
+                lit.radiance += unshadowed;
+                continue;
+            }
+            visibility.visibility_lobes(&query, &f, unshadowed.max_element(), scratch, sum)?;
+            probe.end(Stage::VisibilityLobes);
+            let lobes = sum.lobes.lobes();
+            let shadow: Vec3 = lobes.iter().map(|c| tables.product(&product, &c).flux).sum();
+            lit.radiance += (unshadowed * sum.base + shadow).max(Vec3::ZERO);
+            probe.count(lobes.len(), lobes.len());
+            probe.end(Stage::Integration);
         }
         Ok(lit)
     }

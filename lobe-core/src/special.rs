@@ -31,6 +31,6 @@ pub fn erf(x: f32) -> f32 {
     let p4 = (p * p) * (p * p);
     let p16 = (p4 * p4) * (p4 * p4);
     // Near 0 the complement of a 16th power has lost its digits; the series has not.
-    let tail = if a < 0.05 { a * (1.128_379_2 - 0.376_126_4 * a * a) } else { 1.0 - p16.recip() };
+    let tail = if a < 0.05 { a * core::f32::consts::FRAC_2_SQRT_PI * (1.0 - a * a / 3.0) } else { 1.0 - p16.recip() };
     tail.copysign(x)
 }

@@ -1,11 +1,15 @@
 //! Shading on the CPU and the Monte-Carlo reference.
 
+mod blockers;
 mod gbuffer;
 mod reference;
+mod shade;
 #[cfg(test)]
 mod test_scenes;
 mod world;
 
+pub use crate::blockers::{BlockersError, BlockersProgress, blockers};
 pub use crate::gbuffer::{GBuffer, TILE};
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};
+pub use crate::shade::{CpuShader, Layers};
 pub use crate::world::{Hit, World};

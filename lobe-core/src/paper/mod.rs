@@ -32,6 +32,7 @@ mod profile;
 mod resolution;
 mod table_bytes;
 mod table_error;
+mod tables;
 
 pub use self::axis::product_axis;
 pub use self::cap_table::{CapTable, LightLobe, fit_light, fit_occluder};
@@ -41,3 +42,4 @@ pub use self::product_table::{ProductTable, TableRow};
 pub use self::resolution::Resolution;
 pub use self::table_bytes::TableFormatError;
 pub use self::table_error::{Population, TableError, table_error};
+pub use self::tables::Tables;

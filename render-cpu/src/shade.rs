@@ -1,0 +1,301 @@
+use core::time::Duration;
+use glam::Vec3;
+use lobe_core::{
+    BrdfLobes, Coverage, Integrator, LightLobes, LightTerm, LobeBuffer, LobesFull, Method, Probe, Receiver, Shaft,
+    Sphere, Stage, VisibilityLobes, VisibilitySum,
+};
+use rayon::prelude::*;
+use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
+use std::time::Instant;
+
+/// Points that are culled together: an 8 × 8 pixel tile of a [`GBuffer`](crate::GBuffer).
+const GROUP: usize = 64;
+/// One group in this many is timed stage by stage; clocks would cost more than a lit point does.
+const TIMED: usize = 8;
+
+/// Shades points with lobe sums on the CPU, with any visibility strategy.
+///
+/// Groups of 64 points in list order share the culling of blockers; rayon takes the groups. Results do not depend on
+/// the number of threads. Nothing is allocated per point.
+///
+/// ```
+/// use glam::Vec3;
+/// use lobe_core::Unshadowed;
+/// use render_cpu::CpuShader;
+/// use scene::{Frame, Shade, ShadingPoints};
+/// let mut shader = CpuShader::new(Unshadowed);
+/// let frame = Frame { materials: &[], lights: &[], tolerance: 0.003, depth: 5, threshold: 0.0 };
+/// shader.shade(&ShadingPoints::default(), &frame, &mut []).unwrap();
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct CpuShader<'t, V> {
+    visibility: V,
+    method: Method<'t>,
+}
+
+/// What [`CpuShader::shade_layers`] writes beside the radiance: one entry a point, lights point by point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layers {
+    /// Radiance without blockers.
+    pub unshadowed: Vec<Vec3>,
+    /// Radiance of each light: `lights[point * light_count + light]`.
+    pub lights: Vec<Vec3>,
+    /// Visibility lobes made.
+    pub lobes: Vec<u32>,
+    /// Lobe integrals evaluated.
+    pub integrals: Vec<u32>,
+}
+
+impl<V: VisibilityLobes> CpuShader<'static, V> {
+    /// The `moments` method with this visibility.
+    #[must_use]
+    pub fn new(visibility: V) -> Self {
+        Self { visibility, method: Method::Moments }
+    }
+}
+
+impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
+    /// Any method; `paper` wants a visibility whose lobes are the paper's.
+    #[must_use]
+    pub fn with_method(visibility: V, method: Method<'t>) -> Self {
+        Self { visibility, method }
+    }
+
+    /// Shades, and keeps what the picture is made of.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when the strategy writes more lobes than its `max_lobes`.
+    ///
+    /// # Panics
+    /// When `out` is not as long as the points, or a material number is out of range.
+    pub fn shade_layers(
+        &self,
+        points: &ShadingPoints,
+        frame: &Frame<'_>,
+        out: &mut [Vec3],
+    ) -> Result<(ShadeStats, Layers), LobesFull> {
+        let (stats, layers) = self.run(points, frame, out, true)?;
+        let mut all = Layers::default();
+        for layer in layers.into_iter().flatten() {
+            all.unshadowed.extend(layer.unshadowed);
+            all.lights.extend(layer.lights);
+            all.lobes.extend(layer.lobes);
+            all.integrals.extend(layer.integrals);
+        }
+        Ok((stats, all))
+    }
+
+    fn run(
+        &self,
+        points: &ShadingPoints,
+        frame: &Frame<'_>,
+        out: &mut [Vec3],
+        layers: bool,
+    ) -> Result<(ShadeStats, Vec<Option<Layers>>), LobesFull> {
+        assert_eq!(points.receivers.len(), out.len(), "one output a point");
+        let start = Instant::now();
+        let brdf_lobes = frame.materials.iter().map(BrdfLobes::max_lobes).max().unwrap_or(0);
+        let memory = || Memory {
+            brdf: LobeBuffer::with_capacity(brdf_lobes),
+            scratch: self.visibility.scratch(),
+            sum: VisibilitySum::with_capacity(self.visibility.max_lobes()),
+        };
+        let groups: Vec<(Work, Option<Layers>)> = out
+            .par_chunks_mut(GROUP)
+            .enumerate()
+            .map_init(memory, |memory, (group, out)| {
+                let first = group * GROUP;
+                let receivers = &points.receivers[first..first + out.len()];
+                let materials = &points.materials[first..first + out.len()];
+                let mut layers = layers.then(Layers::default);
+                let mut work = Work::new(group.is_multiple_of(TIMED));
+                self.group(receivers, materials, frame, memory, &mut work, &mut layers, out)?;
+                Ok((work, layers))
+            })
+            .collect::<Result<_, LobesFull>>()?;
+        let seconds = start.elapsed().as_secs_f64();
+        let mut counts = Counts::default();
+        let mut stages = [Duration::ZERO; 5];
+        let mut layers = Vec::with_capacity(groups.len());
+        for (work, layer) in groups {
+            work.add_to(&mut counts);
+            stages.iter_mut().zip(work.stages).for_each(|(a, b)| *a += b);
+            layers.push(layer);
+        }
+        // Shares of the timed groups, in seconds of the whole call.
+        let timed: f64 = stages.iter().map(Duration::as_secs_f64).sum();
+        let share = |k: usize| if timed > 0.0 { stages[k].as_secs_f64() / timed * seconds } else { 0.0 };
+        let stages = StageSeconds {
+            reflectance: share(0),
+            lighting: share(1),
+            mask: share(2),
+            visibility_lobes: share(3),
+            integration: share(4),
+        };
+        Ok((ShadeStats { seconds, stages, counts }, layers))
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the group's slices and its memory")]
+    fn group(
+        &self,
+        receivers: &[Receiver],
+        materials: &[u32],
+        frame: &Frame<'_>,
+        memory: &mut Memory<V>,
+        work: &mut Work,
+        layers: &mut Option<Layers>,
+        out: &mut [Vec3],
+    ) -> Result<(), LobesFull> {
+        let integrator = Integrator { method: self.method, threshold: frame.threshold };
+        let ball = bounding_ball(receivers);
+        out.fill(Vec3::ZERO);
+        let count = receivers.len();
+        if let Some(layers) = layers.as_mut() {
+            layers.unshadowed.resize(count, Vec3::ZERO);
+            layers.lights.resize(count * frame.lights.len(), Vec3::ZERO);
+            layers.lobes.resize(count, 0);
+            layers.integrals.resize(count, 0);
+        }
+        for (l, light) in frame.lights.iter().enumerate() {
+            work.restart();
+            self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, &mut memory.scratch);
+            work.lap(2);
+            for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
+                // One material's lobes are cheap; keeping them for all lights of a group would cost more to store.
+                frame.materials[*material as usize].brdf_lobes(at, &mut memory.brdf.writer())?;
+                work.lap(0);
+                let term = LightTerm { cone: light.cone(at), radiance: light.radiance };
+                let before = (work.lobes, work.integrals);
+                let lit = integrator.radiance(
+                    at,
+                    memory.brdf.lobes(),
+                    &term,
+                    &self.visibility,
+                    frame.tolerance,
+                    &mut memory.scratch,
+                    &mut memory.sum,
+                    work,
+                )?;
+                out[i] += lit.radiance;
+                if let Some(layers) = layers.as_mut() {
+                    layers.unshadowed[i] += lit.unshadowed;
+                    layers.lights[i * frame.lights.len() + l] = lit.radiance;
+                    layers.lobes[i] += (work.lobes - before.0) as u32;
+                    layers.integrals[i] += (work.integrals - before.1) as u32;
+                }
+                work.lap(4);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<V: VisibilityLobes> Shade for CpuShader<'_, V> {
+    type Error = LobesFull;
+
+    fn shade(&mut self, points: &ShadingPoints, frame: &Frame<'_>, out: &mut [Vec3]) -> Result<ShadeStats, LobesFull> {
+        self.run(points, frame, out, false).map(|(stats, _)| stats)
+    }
+}
+
+/// One thread's memory.
+struct Memory<V: VisibilityLobes> {
+    brdf: LobeBuffer,
+    scratch: V::Scratch,
+    sum: VisibilitySum,
+}
+
+/// One group's counters and clocks; stages in the order of Table 1.
+struct Work {
+    clock: Option<Instant>,
+    stages: [Duration; 5],
+    lobes: usize,
+    integrals: usize,
+    pruned: u64,
+    lit: u64,
+    dark: u64,
+    partial: u64,
+}
+
+impl Work {
+    fn new(timed: bool) -> Self {
+        Self {
+            clock: timed.then(Instant::now),
+            stages: [Duration::ZERO; 5],
+            lobes: 0,
+            integrals: 0,
+            pruned: 0,
+            lit: 0,
+            dark: 0,
+            partial: 0,
+        }
+    }
+
+    fn restart(&mut self) {
+        if let Some(clock) = self.clock.as_mut() {
+            *clock = Instant::now();
+        }
+    }
+
+    /// The time since the last lap belongs to `stage`.
+    fn lap(&mut self, stage: usize) {
+        if let Some(clock) = self.clock.as_mut() {
+            let now = Instant::now();
+            self.stages[stage] += now - *clock;
+            *clock = now;
+        }
+    }
+
+    fn add_to(&self, counts: &mut Counts) {
+        counts.lobes += self.lobes as u64;
+        counts.integrals += self.integrals as u64;
+        counts.pruned += self.pruned;
+        counts.lit_points += self.lit;
+        counts.dark_points += self.dark;
+        counts.penumbra_points += self.partial;
+    }
+}
+
+impl Probe for Work {
+    fn end(&mut self, stage: Stage) {
+        self.lap(match stage {
+            Stage::Lighting => 1,
+            Stage::Mask => 2,
+            Stage::VisibilityLobes => 3,
+            Stage::Integration => 4,
+        });
+    }
+
+    fn count(&mut self, lobes: usize, integrals: usize) {
+        self.lobes += lobes;
+        self.integrals += integrals;
+    }
+
+    fn prune(&mut self) {
+        self.pruned += 1;
+    }
+
+    fn coverage(&mut self, coverage: Coverage) {
+        match coverage {
+            Coverage::Lit => self.lit += 1,
+            Coverage::Dark => self.dark += 1,
+            Coverage::Partial => self.partial += 1,
+        }
+    }
+}
+
+/// A ball around the box of some points.
+fn bounding_ball(receivers: &[Receiver]) -> Sphere {
+    let mut low = Vec3::INFINITY;
+    let mut high = Vec3::NEG_INFINITY;
+    for r in receivers {
+        low = low.min(r.position);
+        high = high.max(r.position);
+    }
+    if receivers.is_empty() {
+        return Sphere::default();
+    }
+    let center = 0.5 * (low + high);
+    let radius = receivers.iter().map(|r| (r.position - center).length()).fold(0.0, f32::max);
+    Sphere { center, radius: radius * 1.000_01 }
+}
