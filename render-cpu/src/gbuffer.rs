@@ -1,5 +1,5 @@
 use crate::World;
-use core::ops::{Add, Mul};
+use core::ops::{Add, Mul, Range};
 use glam::{Vec2, Vec3};
 use lobe_core::Receiver;
 use rayon::prelude::*;
@@ -48,21 +48,32 @@ impl GBuffer {
     /// When the image has more than 2³² pixels.
     #[must_use]
     pub fn new(world: &World<'_>, width: u32, height: u32, samples: u32) -> Self {
-        assert!(u64::from(width) * u64::from(height) <= 1 << 32, "too many pixels");
+        Self::rows(world, width, height, samples, 0..height)
+    }
+
+    /// The same for some rows of the image only, as a picture of its own: large images in bands need little memory.
+    ///
+    /// # Panics
+    /// When the rows have more than 2³² pixels or are not rows of the image.
+    #[must_use]
+    pub fn rows(world: &World<'_>, width: u32, height: u32, samples: u32, rows: Range<u32>) -> Self {
+        assert!(rows.start <= rows.end && rows.end <= height, "rows outside the image");
+        let (first, band) = (rows.start, rows.end - rows.start);
+        assert!(u64::from(width) * u64::from(band) <= 1 << 32, "too many pixels");
         let samples = samples.max(1);
         let offsets = sub_pixels(samples);
         let rays = Rays::new(&world.scene().camera, width, height);
-        let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
-        let tiles: Vec<Tile> = (0..columns as usize * rows as usize)
+        let columns = width.div_ceil(TILE);
+        let tiles: Vec<Tile> = (0..columns as usize * band.div_ceil(TILE) as usize)
             .into_par_iter()
             .with_min_len(8)
             .map(|t| {
                 let (left, top) = (t as u32 % columns * TILE, t as u32 / columns * TILE);
                 let mut tile = Tile::default();
-                for y in top..(top + TILE).min(height) {
+                for y in top..(top + TILE).min(band) {
                     for x in left..(left + TILE).min(width) {
                         for offset in &offsets {
-                            let direction = rays.direction(x as f32 + offset.x, y as f32 + offset.y);
+                            let direction = rays.direction(x as f32 + offset.x, (first + y) as f32 + offset.y);
                             tile.shoot(world, &rays, direction, y * width + x);
                         }
                     }
@@ -72,7 +83,7 @@ impl GBuffer {
             .collect();
 
         let count = tiles.iter().map(|t| t.pixels.len()).sum();
-        let mut all = Self { width, height, samples, ..Self::default() };
+        let mut all = Self { width, height: band, samples, ..Self::default() };
         all.points.receivers.reserve_exact(count);
         all.points.materials.reserve_exact(count);
         all.pixels.reserve_exact(count);
@@ -229,6 +240,19 @@ mod tests {
         assert!(floor > 100 && ball > 20, "{floor} {ball}");
         let tile = |p: u32| (p / 50 / TILE, p % 50 / TILE);
         assert!(g.pixels.is_sorted_by_key(|p| tile(*p)));
+    }
+
+    #[test]
+    fn bands_make_up_the_picture() {
+        let scene = floor_and_ball();
+        let world = World::new(&scene);
+        let whole = GBuffer::new(&world, 40, 30, 2);
+        let whole = whole.resolve(&whole.depths, 0.0);
+        let bands = [0..16, 16..24, 24..24, 24..30].map(|rows| {
+            let g = GBuffer::rows(&world, 40, 30, 2, rows);
+            g.resolve(&g.depths, 0.0)
+        });
+        assert_eq!(bands.concat(), whole);
     }
 
     /// A grid of triangles in a plane has no cracks: every ray through it hits.
