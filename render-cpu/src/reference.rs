@@ -8,7 +8,7 @@ mod sobol;
 
 pub use self::checkpoint::CheckpointError;
 use self::cone::LightCone;
-use self::meridian::Meridian;
+use self::meridian::{Cap, Meridian};
 use self::occluders::{Occluders, tile_candidates};
 use self::sobol::{Sequence, mix};
 use crate::{GBuffer, World};
@@ -83,8 +83,9 @@ pub struct Estimate {
 /// For every point and light each of [`REPLICATES`] Owen-scrambled Sobol' sequences samples the light's cone uniformly;
 /// where a lobe of the material is narrower than the light, as many directions of the reflectance are sampled as well and
 /// both are combined by the power heuristic (E. Veach, L. Guibas, *Optimally Combining Sampling Techniques*, 1995).
-/// Blocker spheres that lie wholly between receiver and light are integrated exactly along each sampled meridian of the
-/// light's cone, which leaves next to no error of shadow edges; all other blockers are met by rays. Sums are taken in
+/// The receiver's horizon and the blocker spheres that lie wholly between receiver and light are integrated exactly along
+/// each sampled meridian of the light's cone, which leaves next to no error of shadow edges; all other blockers are met
+/// by rays. Sums are taken in
 /// f64. A direction is blocked when a blocker is met nearer than the light's near surface; the lights
 /// themselves block nothing. A receiver inside a light sees it in all directions.
 ///
@@ -182,6 +183,8 @@ struct Pair<'a> {
     light: &'a SphereLight,
     cone: LightCone,
     occluders: &'a Occluders,
+    /// The directions below the receiver's horizon, where it cuts the light.
+    horizon: Option<Cap>,
     /// Where shadow rays in the true geometry start.
     origin: Vec3,
     glossy: bool,
@@ -209,7 +212,9 @@ impl Sampler {
                 }
                 let material = &scene.materials[points.materials[first + i] as usize];
                 let sharpest = self.sharpest(material, at);
+                let below = -at.normal.as_dvec3().normalize_or_zero();
                 let pair = Pair {
+                    horizon: cone.cut_by(below).then(|| Cap::new(&cone, below, 0.0)),
                     world: job.world,
                     geometry: job.geometry,
                     at,
@@ -257,22 +262,12 @@ impl Pair<'_> {
         let caps = self.occluders.caps();
         for i in range {
             let (x, y) = (on_light.get(i, 0), on_light.get(i, 1));
-            if caps.is_empty() {
+            if caps.is_empty() && self.horizon.is_none() {
                 let v = self.cone.sample(x, y);
                 let value = self.light_sample(v);
                 self.add(v, value, sums);
             } else {
-                let azimuth = TAU * x;
-                let whole = self.light_sample(self.cone.on_meridian(y, azimuth));
-                sums[1] += whole;
-                meridian.set(&self.cone, caps, azimuth);
-                let visible = meridian.visible();
-                if visible > 0.0 {
-                    let v = self.cone.on_meridian(meridian.point(y), azimuth);
-                    if !self.occluders.block_beside_caps(v, self.cone.surface(v)) {
-                        sums[0] += if visible < 1.0 { self.light_sample(v) * visible } else { whole };
-                    }
-                }
+                self.meridian_sample(TAU * x, y, meridian, sums);
             }
             if !self.glossy {
                 continue;
@@ -285,6 +280,25 @@ impl Pair<'_> {
                 let reflectance = self.material.eval(self.at, sample.direction);
                 self.add(v, self.weighted(reflectance, f64::from(sample.pdf), self.cone.pdf()), sums);
             }
+        }
+    }
+
+    /// Adds a sample at an azimuth of the light's cone: what the horizon and caps hide of the meridian is left out
+    /// exactly, and only the other occluders are asked by a ray.
+    fn meridian_sample(&self, azimuth: f64, y: f64, meridian: &mut Meridian, sums: &mut [DVec3; 2]) {
+        let mut part = |caps: &[Cap]| {
+            meridian.set(&self.cone, self.horizon.iter().chain(caps), azimuth);
+            let visible = meridian.visible();
+            let v = self.cone.on_meridian(meridian.point(y), azimuth);
+            (visible, v)
+        };
+        let (above, v) = part(&[]);
+        let whole = if above > 0.0 { self.light_sample(v) * above } else { DVec3::ZERO };
+        sums[1] += whole;
+        let caps = self.occluders.caps();
+        let (visible, v) = if caps.is_empty() { (above, v) } else { part(caps) };
+        if visible > 0.0 && !self.blocked_beside_caps(v) {
+            sums[0] += if visible < above { self.light_sample(v) * visible } else { whole };
         }
     }
 
@@ -319,8 +333,16 @@ impl Pair<'_> {
     #[inline]
     fn blocked(&self, v: DVec3) -> bool {
         match self.geometry {
-            Geometry::None => false,
             Geometry::Spheres => self.occluders.block(v, self.cone.surface(v)),
+            Geometry::Mesh | Geometry::None => self.blocked_beside_caps(v),
+        }
+    }
+
+    #[inline]
+    fn blocked_beside_caps(&self, v: DVec3) -> bool {
+        match self.geometry {
+            Geometry::None => false,
+            Geometry::Spheres => self.occluders.block_beside_caps(v, self.cone.surface(v)),
             Geometry::Mesh => {
                 let distance = self.cone.surface(v);
                 distance > 0.0 && self.world.occluded(self.origin, v.as_vec3(), distance as f32)

@@ -48,6 +48,12 @@ impl LightCone {
         1.0 / (TAU * self.one_minus_cos)
     }
 
+    /// True when the cap of half-angle 90° around the unit vector `below` holds some of the cone but not all.
+    pub(crate) fn cut_by(&self, below: DVec3) -> bool {
+        let elevation = -self.axis.dot(below).clamp(-1.0, 1.0).asin();
+        elevation.abs() < self.half_angle() + 1e-9
+    }
+
     pub(crate) fn contains(&self, v: DVec3) -> bool {
         0.5 * (self.axis - v).length_squared() <= self.one_minus_cos
     }

@@ -1,8 +1,9 @@
 //! Exact visibility along a meridian of the light's cone.
 //!
-//! A sphere wholly between receiver and light hides a cap of directions. A half-plane through the cone's axis cuts the
-//! cap in one interval of polar angles, known in closed form: of the two dimensions of the light only the azimuth has to
-//! be sampled, and the discontinuity of V, which makes shadow rays converge slowly, is integrated away.
+//! The horizon of the receiver hides a cap of directions, and so does each sphere wholly between receiver and light.
+//! A half-plane through the cone's axis cuts a cap in one interval of polar angles, known in closed form: of the two
+//! dimensions of the light only the azimuth has to be sampled, and the discontinuity of V, which makes shadow rays
+//! converge slowly, is integrated away.
 
 use super::cone::LightCone;
 use core::f64::consts::{PI, TAU};
@@ -47,14 +48,14 @@ pub(crate) struct Meridian {
 
 impl Meridian {
     /// Collects what the caps hide at the azimuth.
-    pub(crate) fn set(&mut self, cone: &LightCone, caps: &[Cap], azimuth: f64) {
+    pub(crate) fn set<'c>(&mut self, cone: &LightCone, caps: impl Iterator<Item = &'c Cap>, azimuth: f64) {
         let (sin, cos) = azimuth.sin_cos();
         self.hidden.clear();
         let w = |theta: f64| {
             let s = (0.5 * theta.clamp(0.0, PI)).sin();
             (2.0 * s * s / cone.one_minus_cos()).min(1.0)
         };
-        self.hidden.extend(caps.iter().filter_map(|c| c.interval(sin, cos)).map(|(from, to)| (w(from), w(to))));
+        self.hidden.extend(caps.filter_map(|c| c.interval(sin, cos)).map(|(from, to)| (w(from), w(to))));
         self.hidden.retain(|(from, to)| from < to);
         self.hidden.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let (mut end, mut visible) = (0.0f64, 0.0);
@@ -108,12 +109,12 @@ mod tests {
             let caps: Vec<Cap> = (0..3)
                 .map(|_| {
                     let off = DVec3::new(r() - 0.5, r() - 0.5, r() - 0.5) * (4.0 * spread);
-                    Cap::new(&cone, (cone.axis() + off).normalize(), (spread * r()).min(1.5).cos())
+                    Cap::new(&cone, (cone.axis() + off).normalize(), (spread * r()).min(1.57).cos())
                 })
                 .collect();
             let azimuth = TAU * r();
             let mut meridian = Meridian::default();
-            meridian.set(&cone, &caps, azimuth);
+            meridian.set(&cone, caps.iter(), azimuth);
             let hidden = |w: f64| {
                 let v = cone.to_frame(cone.on_meridian(w, azimuth));
                 caps.iter().any(|c| c.center.dot(v) >= c.cos_half_angle)
