@@ -1,2 +1,35 @@
 //! The `lobes` command.
-fn main() {}
+
+mod args;
+mod check;
+mod compare;
+mod console;
+mod failure;
+mod files;
+mod input;
+mod reference;
+mod render;
+mod spheres;
+
+use crate::args::{Command, parse};
+use crate::failure::Failure;
+use std::process::ExitCode;
+
+fn run() -> Result<(), Failure> {
+    let Some(command) = parse()? else { return Ok(()) };
+    console::catch_interrupts()?;
+    match command {
+        Command::Render(args) => render::run(&args),
+        Command::Reference(args) => reference::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Spheres(args) => spheres::run(&args),
+    }
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

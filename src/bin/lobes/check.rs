@@ -1,0 +1,99 @@
+use crate::args::CheckArgs;
+use crate::console::say;
+use crate::failure::Failure;
+use crate::input;
+use cosine_lobes::lobe_core::BrdfLobes;
+use cosine_lobes::scene::{Proxy, SCHEMA_EXAMPLE, Scene, Shape};
+use serde_json::{Value, json};
+
+/// Bytes of a visible point in the G-buffer and of its result.
+const POINT_BYTES: u64 = 112;
+/// Bytes of a triangle with its share of the hierarchy.
+const TRIANGLE_BYTES: u64 = 160;
+
+pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
+    if args.schema {
+        say(SCHEMA_EXAMPLE.trim_end());
+        return Ok(());
+    }
+    let scene = input::load(args.file.as_deref(), false)?;
+    if args.json {
+        say(serde_json::to_string_pretty(&requirements(&scene))?);
+    } else {
+        print(&scene);
+    }
+    Ok(())
+}
+
+/// Blocker spheres of an object: at most so many when they are still to be built; unknown in files that are read later.
+fn spheres(object: &cosine_lobes::scene::Object) -> Option<usize> {
+    match (&object.proxy, &object.shape) {
+        (Proxy::None, _) => Some(0),
+        (Proxy::Spheres(list), _) | (Proxy::Count(_), Shape::Spheres(list)) => Some(list.len()),
+        (Proxy::Count(n), Shape::Mesh(_)) => Some(*n),
+        (Proxy::File(_), _) => None,
+    }
+}
+
+fn triangles(scene: &Scene) -> usize {
+    let count = |shape: &Shape| if let Shape::Mesh(m) = shape { m.triangles.len() } else { 0 };
+    scene.objects.iter().map(|o| count(&o.shape)).sum()
+}
+
+fn memory(scene: &Scene) -> u64 {
+    u64::from(scene.width) * u64::from(scene.height) * POINT_BYTES + triangles(scene) as u64 * TRIANGLE_BYTES
+}
+
+fn requirements(scene: &Scene) -> Value {
+    let materials = scene.materials.iter().map(|m| json!({"model": m.model_name(), "lobes": m.max_lobes()}));
+    let objects = scene.objects.iter().map(|o| {
+        let (kind, primitives) = match &o.shape {
+            Shape::Mesh(m) => ("triangles", m.triangles.len()),
+            Shape::Spheres(s) => ("balls", s.len()),
+        };
+        json!({"name": o.name, "material": o.material, kind: primitives, "spheres": spheres(o), "visible": o.visible})
+    });
+    json!({
+        "width": scene.width,
+        "height": scene.height,
+        "lights": scene.lights.len(),
+        "triangles": triangles(scene),
+        "spheres": scene.objects.iter().filter_map(spheres).sum::<usize>(),
+        "memory_bytes": memory(scene),
+        "materials": materials.collect::<Vec<_>>(),
+        "objects": objects.collect::<Vec<_>>(),
+    })
+}
+
+fn print(scene: &Scene) {
+    say(format_args!("image      {} x {}", scene.width, scene.height));
+    say(format_args!("lights     {}", scene.lights.len()));
+    say(format_args!("triangles  {}", triangles(scene)));
+    for (i, m) in scene.materials.iter().enumerate() {
+        say(format_args!("material   {i}: {}, lobes at most: {}", m.model_name(), m.max_lobes()));
+    }
+    for o in &scene.objects {
+        let shape = match &o.shape {
+            Shape::Mesh(m) => format!("{} triangles", m.triangles.len()),
+            Shape::Spheres(s) => format!("{} balls", s.len()),
+        };
+        let blocks = match (&o.proxy, spheres(o)) {
+            (Proxy::None, _) => "blocks nothing".to_owned(),
+            (Proxy::File(path), _) => format!("blocks with the spheres of {}", path.display()),
+            (Proxy::Count(n), _) if matches!(o.shape, Shape::Mesh(_)) => {
+                format!("blocks with up to {n} spheres, built at every start; `lobes spheres` stores them")
+            }
+            (_, n) => format!("blocks with {} spheres", n.unwrap_or_default()),
+        };
+        let seen = if o.visible { "" } else { ", not seen by the camera" };
+        say(format_args!("object     \"{}\": {shape}, material {}{seen}, {blocks}", o.name, o.material));
+    }
+    let lit = |o: &cosine_lobes::scene::Object| o.proxy != Proxy::None;
+    let advice = match (scene.lights.is_empty(), scene.objects.iter().any(lit)) {
+        (true, _) => "no light: the picture is black",
+        (_, false) => "nothing blocks light: `--visibility none` gives the same picture and costs one integral a lobe",
+        _ => "`--visibility spheres`",
+    };
+    say(format_args!("advice     {advice}"));
+    say(format_args!("memory     about {} MB for a frame", memory(scene).div_ceil(1_000_000)));
+}

@@ -1,0 +1,35 @@
+use std::fmt::Display;
+use std::process::ExitCode;
+
+/// Why a command ends without its result: one line for the user.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    message: String,
+    code: u8,
+}
+
+impl Failure {
+    /// Something the user can put right.
+    pub(crate) fn new(message: impl Display) -> Self {
+        Self { message: message.to_string(), code: 2 }
+    }
+
+    /// Ctrl-C, after everything was put away.
+    pub(crate) fn interrupted(message: impl Display) -> Self {
+        Self { message: message.to_string(), code: 130 }
+    }
+
+    pub(crate) fn report(self) -> ExitCode {
+        // A message that quotes a file or a parser may hold line breaks.
+        let line = self.message.split_whitespace().collect::<Vec<_>>().join(" ");
+        let label = if self.code == 130 { "interrupted" } else { "error" };
+        crate::console::note(format_args!("lobes: {label}: {line}"));
+        ExitCode::from(self.code)
+    }
+}
+
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::new(error)
+    }
+}

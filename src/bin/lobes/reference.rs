@@ -1,0 +1,153 @@
+use crate::args::{Geometry as Choice, ReferenceArgs};
+use crate::console::{self, STOP, note, say};
+use crate::failure::Failure;
+use crate::files::Files;
+use crate::input;
+use cosine_lobes::render_cpu::{CheckpointError, GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
+use cosine_lobes::scene::BlockerSet;
+use cosine_lobes::{ExrLayer, ImageFileError, Output, Picture};
+use glam::Vec3;
+use serde_json::json;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+/// More points than this, at 192 bytes each, are refused.
+const MAX_POINTS: u64 = 1 << 25;
+
+/// How often a checkpoint is written.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
+
+pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
+    let view = &args.view;
+    let scene = input::view(view)?;
+    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples);
+    if points > MAX_POINTS {
+        return Err(Failure::new(format_args!(
+            "{points} camera rays are too many for a reference, at most {MAX_POINTS}"
+        )));
+    }
+    let files = Files::create(&args.output)?;
+    let geometry = match (args.unshadowed, args.geometry) {
+        (true, _) => Geometry::None,
+        (_, Choice::Spheres) => Geometry::Spheres,
+        (_, Choice::Mesh) => Geometry::Mesh,
+    };
+    let blockers = match geometry {
+        Geometry::Spheres => input::make_blockers(&scene, view.quiet)?,
+        Geometry::Mesh | Geometry::None => BlockerSet::default(),
+    };
+    let world = World::new(&scene);
+    let gbuffer = GBuffer::new(&world, scene.width, scene.height, view.samples);
+    let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry, seed: args.seed };
+    let mut reference = Reference::new(job);
+
+    let checkpoint = checkpoint_path(&args.output[0]);
+    resume(&mut reference, &checkpoint, view.quiet)?;
+    let start = Instant::now();
+    let finished = console::stoppable(|| advance(&mut reference, args, &checkpoint))?;
+    let seconds = start.elapsed().as_secs_f64();
+    if !finished {
+        save(&reference, &checkpoint)?;
+        let done = reference.samples();
+        return Err(Failure::interrupted(format_args!(
+            "{done} of {} samples are kept in {}; the same command goes on from there",
+            args.spp,
+            checkpoint.display()
+        )));
+    }
+
+    let estimate = reference.estimate();
+    let resolve = |values: &[Vec3], background| gbuffer.resolve(values, background);
+    let picture = resolve(&estimate.radiance, scene.background);
+    let picture = Picture::new(scene.width as usize, scene.height as usize, picture);
+    // Of independent points variances add up: mean of the variances over their number.
+    let variances: Vec<Vec3> = estimate.std_error.iter().map(|s| *s * *s).collect();
+    let share = 1.0 / gbuffer.samples as f32;
+    let std_error: Vec<Vec3> = resolve(&variances, Vec3::ZERO).iter().map(|v| (*v * share).map(f32::sqrt)).collect();
+    let layers = [
+        ExrLayer::color("unshadowed", &resolve(&estimate.unshadowed, scene.background)),
+        ExrLayer::color("stderr", &std_error),
+    ];
+    files.write(&picture, view.exposure, &layers)?;
+    if args.keep {
+        save(&reference, &checkpoint)?;
+    } else {
+        let _ = std::fs::remove_file(&checkpoint);
+    }
+
+    let mean = |values: &[Vec3]| {
+        values.iter().map(|v| f64::from(v.x + v.y + v.z)).sum::<f64>() / (3.0 * values.len().max(1) as f64)
+    };
+    let samples = args.spp.next_multiple_of(REPLICATES);
+    let (mean_error, mean_radiance) = (mean(&std_error), mean(picture.pixels()));
+    if view.json {
+        say(serde_json::to_string_pretty(&json!({
+            "geometry": format!("{geometry:?}").to_lowercase(),
+            "spp": samples,
+            "points": gbuffer.len(),
+            "spheres": blockers.spheres.len(),
+            "triangles": world.triangle_count(),
+            "lights": scene.lights.len(),
+            "seconds": seconds,
+            "stderr": mean_error,
+            "mean": mean_radiance,
+        }))?);
+    } else if !view.quiet {
+        let relative = if mean_radiance > 0.0 { 100.0 * mean_error / mean_radiance } else { 0.0 };
+        say(format_args!("{samples} samples, {} points, {seconds:.2} s", gbuffer.len()));
+        say(format_args!("standard error {mean_error:.3e}, {relative:.4} % of the mean radiance {mean_radiance:.6}"));
+    }
+    Ok(())
+}
+
+fn checkpoint_path(output: &Path) -> PathBuf {
+    let mut name = output.as_os_str().to_owned();
+    name.push(".checkpoint");
+    name.into()
+}
+
+/// Goes on from the checkpoint if there is one for this job.
+fn resume(reference: &mut Reference<'_>, path: &Path, quiet: bool) -> Result<(), Failure> {
+    let Ok(file) = File::open(path) else { return Ok(()) };
+    let message = match reference.restore(BufReader::new(file)) {
+        Ok(()) => format!("lobes: goes on from {} samples in {}", reference.samples(), path.display()),
+        Err(CheckpointError::OtherJob) => {
+            format!("lobes: warning: {} belongs to another picture and will be replaced", path.display())
+        }
+        Err(error) => return Err(Failure::new(format_args!("{}: {error}", path.display()))),
+    };
+    if !quiet {
+        note(message);
+    }
+    Ok(())
+}
+
+fn save(reference: &Reference<'_>, path: &Path) -> Result<(), Failure> {
+    let output = Output::create(path)?;
+    let failed = |source| ImageFileError::Io { path: path.to_owned(), source };
+    Ok(output.finish(|file| reference.save(file).map_err(failed))?)
+}
+
+/// Samples to the end, with checkpoints on the way; false when Ctrl-C came first.
+fn advance(reference: &mut Reference<'_>, args: &ReferenceArgs, checkpoint: &Path) -> Result<bool, Failure> {
+    let bar = console::progress("sampling", reference.work(args.spp), args.view.quiet);
+    let mut saved = Instant::now();
+    let mut samples = reference.samples();
+    while samples < args.spp {
+        // In steps of about a quarter, at least as long as is worth while.
+        samples = args.spp.min(samples + (samples / 4).next_multiple_of(256).max(256));
+        reference.advance(samples, &STOP, &|n| bar.inc(n));
+        if STOP.load(Ordering::SeqCst) {
+            break;
+        }
+        if samples < args.spp && saved.elapsed() > CHECKPOINT_EVERY {
+            save(reference, checkpoint)?;
+            saved = Instant::now();
+        }
+    }
+    bar.finish_and_clear();
+    Ok(reference.samples() >= args.spp)
+}

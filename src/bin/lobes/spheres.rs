@@ -1,0 +1,87 @@
+use crate::args::SpheresArgs;
+use crate::console::{self, say};
+use crate::failure::Failure;
+use cosine_lobes::scene::{self, Proxy, Shape};
+use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet, preview};
+use cosine_lobes::{ImageFileError, Output, write_png};
+use glam::Vec3;
+use serde_json::json;
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// Side of a panel of the preview in pixels.
+const PANEL: u32 = 512;
+
+/// All triangles of the file's objects that block light.
+fn load(args: &SpheresArgs) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Failure> {
+    let (scene, warnings) = scene::load_with_warnings(&args.mesh)?;
+    if !args.quiet {
+        warnings.iter().for_each(|w| console::note(format_args!("lobes: warning: {w}")));
+    }
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for object in scene.objects.iter().filter(|o| o.proxy != Proxy::None) {
+        if let Shape::Mesh(mesh) = &object.shape {
+            let first = positions.len() as u32;
+            positions.extend_from_slice(&mesh.positions);
+            triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
+        }
+    }
+    if triangles.is_empty() {
+        return Err(Failure::new(format_args!("{}: there are no triangles that block light", args.mesh.display())));
+    }
+    Ok((positions, triangles))
+}
+
+pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
+    let output = args.output.as_ref().map(Output::create).transpose()?;
+    let picture = args.preview.as_ref().map(Output::create).transpose()?;
+    let (positions, triangles) = load(args)?;
+
+    let count = args.count as usize;
+    let options = if args.draft { BuildOptions::draft(count) } else { BuildOptions::new(count) };
+    let options = BuildOptions { seed: args.seed, ..options };
+    let bar = console::progress("spheres", 1000, args.quiet);
+    let start = Instant::now();
+    let set = SphereSet::build_with_progress(&positions, &triangles, &options, &mut |done| {
+        bar.set_position((done * 1000.0) as u64);
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    let set = set.map_err(|e| Failure::new(format_args!("{}: {e}", args.mesh.display())))?;
+    let seconds = start.elapsed().as_secs_f64();
+
+    if let Some(output) = output {
+        let path = output.path().to_owned();
+        output.finish(|file| {
+            file.write_all(set.to_json().as_bytes()).map_err(|source| ImageFileError::Io { path, source })
+        })?;
+    }
+    if let Some(output) = picture {
+        let map = preview(&set, &positions, &triangles, PANEL)?;
+        let rgb: Vec<u8> = map.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        write_png(output, map.width() as usize, map.height() as usize, &rgb)?;
+    }
+    let q = &set.quality;
+    if args.json {
+        say(serde_json::to_string_pretty(&json!({
+            "count": set.spheres.len(),
+            "seconds": seconds,
+            "coverage": q.coverage,
+            "protrusion_volume": q.protrusion_volume,
+            "hausdorff_outside": q.hausdorff_outside,
+            "p95_gap": q.p95_gap,
+            "silhouette_error": q.silhouette_error,
+            "self_distance": set.self_distance,
+            "triangles": triangles.len(),
+        }))?);
+    } else if !args.quiet {
+        say(format_args!("spheres           {} in {seconds:.2} s", set.spheres.len()));
+        say(format_args!("coverage          {:.2} % of the mesh's volume", 100.0 * q.coverage));
+        say(format_args!("protrusion        {:.2} % of it outside", 100.0 * q.protrusion_volume));
+        say(format_args!("silhouette error  {:.2} % of the silhouette's area", 100.0 * q.silhouette_error));
+        say(format_args!("largest overhang  {:.3} % of the diagonal", 100.0 * q.hausdorff_outside));
+        say(format_args!("95 % gap          {:.3} % of the diagonal", 100.0 * q.p95_gap));
+    }
+    Ok(())
+}
