@@ -77,8 +77,8 @@ pub fn blockers(scene: &Scene, progress: &mut BlockersProgress<'_>) -> Result<Bl
             }
             (Proxy::Spheres(spheres), Shape::Mesh(Mesh { positions, triangles, .. })) if object.visible => {
                 // Spheres that stand for a flat or empty mesh: nothing to measure, and no inside to shadow.
-                let measured = SphereSet::measure(positions, triangles, spheres);
-                (spheres.clone(), measured.map_or(0.0, |s| s.self_distance))
+                let measured = SphereSet::self_distance_of(positions, triangles, spheres);
+                (spheres.clone(), measured.unwrap_or(0.0))
             }
             (Proxy::Spheres(spheres), _) => (spheres.clone(), ball_self_distance(spheres)),
         };

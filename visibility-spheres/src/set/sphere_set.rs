@@ -100,4 +100,21 @@ impl SphereSet {
             quality: SetQuality::measure(&surface, &tree, &solid, &unit),
         })
     }
+
+    /// The self-shadow distance τ alone, as [`SphereSet::measure`] finds it, in a fraction of the time.
+    ///
+    /// # Errors
+    /// As [`SphereSet::measure`].
+    pub fn self_distance_of(
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        spheres: &[Sphere],
+    ) -> Result<f32, BuildError> {
+        if spheres.is_empty() {
+            return Err(BuildError::NoSpheres);
+        }
+        let surface = Surface::new(positions, triangles)?;
+        let unit: Vec<Vec4> = spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
+        Ok((f64::from(self_distance(&surface, &unit)) * surface.diagonal) as f32)
+    }
 }
