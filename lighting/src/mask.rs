@@ -128,9 +128,7 @@ impl Mask {
             return;
         }
         if first == last {
-            // Thinner than a cell: takes its length off the cell's left part.
-            let (left, right) = self.open(j, first);
-            self.set_open(j, first, left.saturating_add(after.saturating_sub(before)), right);
+            self.block_inside(j, first, before, after);
             return;
         }
         if before > 0 {
@@ -142,6 +140,21 @@ impl Mask {
         if after > 0 && last < self.side() {
             let (left, right) = self.open(j, last);
             self.set_open(j, last, left.max(after), right);
+        }
+    }
+
+    /// Blocks a part of one cell. Where it leaves something open on either side, as much is taken off the open part's
+    /// left as is hidden if it lies anywhere in the cell: so the order of thin blockers does not matter, and many of
+    /// them darken a cell as their random union does.
+    fn block_inside(&mut self, j: usize, i: usize, from: u8, to: u8) {
+        let (left, right) = self.open(j, i);
+        if from <= left || to >= right {
+            let (left, right) = if from <= left { (left.max(to), right) } else { (left, right.min(from)) };
+            self.set_open(j, i, left, right);
+        } else {
+            let hidden = u32::from(to - from) * u32::from(right - left);
+            let full = u32::from(FULL);
+            self.set_open(j, i, left + ((hidden + full / 2) / full) as u8, right);
         }
     }
 

@@ -81,11 +81,26 @@ pub(crate) enum Part {
     Lit,
 }
 
+/// Whether a block's cells are too far apart, seen from the receiver, to be taken together; only for wide lights.
+fn is_wide(mask: &Mask, x0: usize, y0: usize, size: usize) -> bool {
+    let side = size as f32 * mask.cell();
+    let middle = mask.cell_center(x0, y0) + 0.5 * (side - mask.cell());
+    side * side > 0.06 * (1.0 + middle.length_squared())
+}
+
 /// Moments of a square block of `size` ≤ 8 cells.
 ///
 /// The cells of a block are close together: their solid angle `dA/(1+x²+y²)^{3/2}` and the defect are taken at the mean
 /// of x²+y², their mean vector at the centroid.
 pub(crate) fn block(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> Moments {
+    if size > 1 && is_wide(mask, x0, y0, size) {
+        let half = size / 2;
+        let mut sum = Moments::default();
+        for (dx, dy) in [(0, 0), (half, 0), (0, half), (half, half)] {
+            sum += block(mask, part, x0 + dx, y0 + dy, half);
+        }
+        return sum;
+    }
     let select = if size == 8 { 0xff } else { (1u64 << size) - 1 };
     // Whole cells by integer sums, cells that are cut by their own parts; positions in cells from the block's corner.
     let (mut n, mut sx, mut sy, mut ss) = (0u32, 0u32, 0u32, 0u32);

@@ -4,6 +4,9 @@ use lobe_core::{Cone, Lobe, orthonormal_basis};
 /// Half-angles above this (85°) are treated as if the light were seen up to it: the square faces one hemisphere.
 const WIDEST_TAN: f32 = 11.43;
 
+/// A window is not made smaller than for this exponent: plane coordinates in f32 resolve no more.
+const NARROWEST: f32 = 1e8;
+
 /// The unit square (Fig. 8): the window in the plane facing the light on which visibility is rasterised.
 ///
 /// Coordinates are those of the plane at distance 1 along `axis`: the direction of a point `(x, y)` is
@@ -65,8 +68,9 @@ impl UnitSquare {
             }
             point = point.clamp_length_max(self.disc);
         }
-        // A cone of directions is stretched by 1/cos² across the plane.
-        let half = (sigmas * lobe.exponent.max(1e-6).sqrt().recip() * (1.0 + point.length_squared())).min(self.disc);
+        // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
+        let half = (sigmas * lobe.exponent.clamp(1e-6, NARROWEST).sqrt().recip() * (1.0 + point.length_squared()))
+            .min(self.disc);
         let room = Vec2::splat(self.disc - half);
         Self { center: point.clamp(-room, room), half, ..*self }
     }

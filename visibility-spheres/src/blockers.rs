@@ -55,6 +55,13 @@ pub struct SphereScratch {
     hits: Vec<BlockedCone>,
 }
 
+#[cfg(test)]
+impl SphereScratch {
+    pub(crate) fn candidates(&self) -> usize {
+        self.candidates.len()
+    }
+}
+
 impl Blockers for SphereBlockers {
     type Scratch = SphereScratch;
 
@@ -130,7 +137,7 @@ fn meets(shaft: &Shaft, sphere: &Sphere) -> bool {
     let (from, to) = (shaft.receivers, shaft.light);
     let axis = to.center - from.center;
     let length_sq = axis.length_squared();
-    if length_sq <= 0.0 {
+    if length_sq <= 0.0 || !length_sq.is_finite() {
         return true;
     }
     let length = length_sq.sqrt();

@@ -5,5 +5,7 @@ mod set;
 
 pub use crate::set::{BuildError, BuildOptions, Progress, SetFileError, SetQuality, SphereSet, preview};
 mod splat;
+#[cfg(test)]
+mod tests;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};

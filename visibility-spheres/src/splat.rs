@@ -60,6 +60,15 @@ impl BlockedCone {
             if self.meets_light.is_none() && far_toward > 0.0 && far <= self.tangent_radius {
                 return Coverage::Dark;
             }
+        } else {
+            // Wider than a hemisphere: d cos(γ ∓ θ) against d cos β.
+            let edge = self.cos * self.to.length();
+            if along * sin <= aside * cos && along * cos + aside * sin <= edge {
+                return Coverage::Lit;
+            }
+            if self.meets_light.is_none() && aside * cos + along * sin >= 0.0 && along * cos - aside * sin > edge {
+                return Coverage::Dark;
+            }
         }
         Coverage::Partial
     }
@@ -71,7 +80,13 @@ impl BlockedCone {
 
     /// Whether a unit direction is in the cone.
     pub(crate) fn contains(&self, v: Vec3) -> bool {
-        self.to.dot(v) >= self.cos * self.to.length()
+        let along = self.to.dot(v);
+        if self.cos > 0.0 {
+            // Not by the cosine, which for a small cone has lost its digits.
+            along > 0.0 && (self.to - v * along).length_squared() <= self.tangent_radius * self.tangent_radius
+        } else {
+            self.cos <= -1.0 || along >= self.cos * self.to.length()
+        }
     }
 
     /// Blocks the cells whose centres are in the cone.
@@ -149,7 +164,8 @@ impl BlockedCone {
 pub(crate) fn order_by_ray(v: Vec3, ball: &BlockedCone, light: Vec3, light_radius: f32) -> bool {
     let entry = |center: Vec3, radius: f32| {
         let along = center.dot(v);
-        let half_sq = along * along - (center.length_squared() - radius * radius);
+        // The distance of ray and centre directly: as a difference of squares it drowns a few hundred radii away.
+        let half_sq = radius * radius - (center - v * along).length_squared();
         (along - half_sq.max(0.0).sqrt()).max(0.0)
     };
     entry(ball.to, ball.radius) < entry(light, light_radius)

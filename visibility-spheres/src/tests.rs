@@ -1,0 +1,510 @@
+//! Splatting, selection and culling against rays in f64.
+
+use crate::SphereBlockers;
+use crate::splat::{BlockedCone, order_by_ray};
+use core::f64::consts::PI;
+use glam::{DVec3, Vec3};
+use lighting::{Blockers, Mask, UnitSquare};
+use lobe_core::oracle::Random;
+use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityQuery};
+
+fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
+    Receiver { position, normal, view: normal, object }
+}
+
+/// Entry and exit of a ray from the origin into a ball, both possibly negative.
+fn chord(v: DVec3, center: DVec3, radius: f64) -> Option<(f64, f64)> {
+    let along = center.dot(v);
+    let half_sq = radius * radius - (center - v * along).length_squared();
+    (half_sq > 0.0).then(|| (along - half_sq.sqrt(), along + half_sq.sqrt()))
+}
+
+/// How far outside of a ball's silhouette, seen from the origin, a direction passes, in radians; negative inside.
+fn silhouette_distance(v: DVec3, center: DVec3, cos: f64) -> f64 {
+    let d = center.normalize();
+    v.cross(d).length().atan2(v.dot(d)) - cos.clamp(-1.0, 1.0).acos()
+}
+
+/// Blocked under the rule with τ, and the cosine of the cone that says so, from the definition.
+fn exact_cos(to: DVec3, r: f64, tau: f64) -> Option<f64> {
+    let d = to.length();
+    let k = d * d - r * r;
+    if k > 0.0 && tau * tau <= k {
+        return Some((k / (d * d)).sqrt());
+    }
+    if tau <= 0.0 {
+        return Some(-1.0);
+    }
+    let cos = (tau * tau + k) / (2.0 * tau * d);
+    (cos < 1.0).then_some(cos.max(-1.0))
+}
+
+#[test]
+fn self_distance_is_the_exit_of_the_ray() {
+    let mut random = Random::new(1);
+    let mut compared = 0;
+    for _ in 0..4000 {
+        let r = random.log_uniform(0.01, 2.0);
+        let d = r * random.log_uniform(0.05, 3.0);
+        let tau = random.log_uniform(0.01, 2.0) * r;
+        let center = random.axis() * d;
+        let cone = BlockedCone::new(center.as_vec3(), r as f32, tau as f32);
+        for _ in 0..20 {
+            let v = random.axis();
+            let Some(entry_exit) = chord(v, center, r) else {
+                if let Some(cone) = cone {
+                    let near = silhouette_distance(v, center, exact_cos(center, r, tau).unwrap_or(1.0)).abs() < 2e-3;
+                    assert!(near || !cone.contains(v.as_vec3()), "blocked without a hit");
+                }
+                continue;
+            };
+            let blocked = entry_exit.1 > 0.0 && entry_exit.1 > tau;
+            // Directions on the edge are decided by rounding.
+            let edge = exact_cos(center, r, tau).is_some_and(|cos| silhouette_distance(v, center, cos).abs() < 2e-3);
+            if edge || (entry_exit.1 / tau - 1.0).abs() < 1e-4 {
+                continue;
+            }
+            compared += 1;
+            let got = cone.is_some_and(|c| c.contains(v.as_vec3()));
+            assert_eq!(got, blocked, "r {r} d {d} τ {tau} exit {}", entry_exit.1);
+        }
+    }
+    assert!(compared > 10_000);
+}
+
+#[test]
+fn self_distance_is_continuous_through_the_surface() {
+    for tau in [1e-3_f32, 0.05, 0.5, 1.5] {
+        let mut last: Option<f32> = None;
+        let mut largest = 0.0_f32;
+        for k in 0..40_000 {
+            let d = 0.2 + 2.0 * k as f32 / 40_000.0;
+            let angle = BlockedCone::new(Vec3::new(0.0, 0.0, d), 1.0, tau)
+                .map_or(0.0, |c| (1.0 - c.one_minus_cos()).clamp(-1.0, 1.0).acos());
+            if let Some(last) = last {
+                largest = largest.max((angle - last).abs());
+            }
+            last = Some(angle);
+        }
+        // The angle opens like √(2δ/(τd)) within δ of d = r + τ and of d = r − τ.
+        let (step, d) = (2.0 / 40_000.0, (1.0 - tau).abs().max(0.2));
+        println!("τ {tau}: largest step {largest:.4} rad");
+        assert!(largest < 1.1 * (2.0 * step / (tau * d)).sqrt() + 10.0 * step, "τ {tau}: {largest}");
+    }
+}
+
+#[test]
+fn ellipse_rows_and_rays_agree() {
+    let mut random = Random::new(2);
+    let (mut wrong, mut cells, mut far) = (0, 0, 0.0_f64);
+    for case in 0..3000 {
+        let theta = [1e-3_f64, 0.02, 0.3, 1.0, 1.4][case % 5];
+        let axis = random.axis();
+        let cone = Cone {
+            axis: axis.as_vec3().normalize(),
+            one_minus_cos: (2.0 * (0.5 * theta).sin().powi(2)) as f32,
+            distance: f32::INFINITY,
+        };
+        let square = UnitSquare::facing(&cone, random.axis().as_vec3());
+        let mut mask = Mask::default();
+        mask.reset(&square, 5, cone.axis);
+        // Angular radius from far below the light to beyond a hemisphere, touching the light's cone or not.
+        let d = random.log_uniform(0.01, 100.0);
+        let beta = (theta * random.log_uniform(0.05, 30.0)).min(1.56);
+        let off = random.between((beta - theta).max(0.0), beta + theta).min(PI);
+        let mut center = random.axis_at(axis, off) * d;
+        let mut r = d * beta.sin();
+        match case % 10 {
+            0 => r = 1.2 * d,
+            1 => center = -center,
+            2 => center = random.axis_at(axis, (beta + theta).min(PI)) * d,
+            3 => center = axis * d,
+            // About the plane through the receiver: H = r, H < r.
+            4 => r = center.dot(axis).abs().min(0.99 * d),
+            5 => r = (1.02 * center.dot(axis).abs()).min(0.999 * d),
+            _ => {}
+        }
+        let tau = if case % 3 == 0 { 0.4 * r } else { 0.0 };
+        let (to, r) = (center.as_vec3(), r as f32);
+        let Some(blocked) = BlockedCone::new(to, r, tau as f32) else { continue };
+        let Some(cos) = exact_cos(to.as_dvec3(), f64::from(r), f64::from(tau as f32)) else { continue };
+        blocked.splat(&mut mask);
+        for j in 0..mask.side() {
+            for i in 0..mask.side() {
+                let p = mask.cell_center(i, j);
+                if p.length() > square.disc {
+                    continue;
+                }
+                let v = square.world(p.extend(1.0)).as_dvec3().normalize();
+                let outside = if cos <= -1.0 { -1.0 } else { silhouette_distance(v, to.as_dvec3(), cos) };
+                // The smaller side of a cell in radians.
+                let cell = f64::from(mask.cell()) / (1.0 + f64::from(p.length_squared()));
+                let bit = mask.lit_cells(j) >> i & 1 == 0;
+                cells += 1;
+                if cos <= -1.0 {
+                    assert!(bit);
+                // A bit says blocked from end to end.
+                } else if (outside < -1.6 * f64::from(mask.cell()) - 1e-6 && !bit)
+                    || (outside > 1e-6 + 0.02 * cell && bit)
+                {
+                    wrong += 1;
+                    far = far.max(outside.abs() / cell);
+                    if wrong < 12 {
+                        println!(
+                            "case {case}: r/d {} cos {cos} θ {theta} off {off} cell {i} {j} bit {bit} outside {outside:.3e} = {:.2} cells",
+                            r / to.length(),
+                            outside / cell
+                        );
+                    }
+                }
+            }
+        }
+    }
+    println!("{wrong} of {cells} cells wrong, by up to {far:.2} cells");
+    assert_eq!(wrong, 0);
+}
+
+/// The span of a row, exact in f64, against what the mask holds: lit length per row.
+#[test]
+fn row_spans_are_exact() {
+    let mut random = Random::new(3);
+    for theta in [1e-5_f64, 1e-4, 1e-3, 0.02, 0.3, 1.0] {
+        let (mut worst, mut mean, mut n, mut worst_at) = (0.0_f64, 0.0, 0.0, String::new());
+        for _ in 0..150 {
+            let axis = random.axis();
+            let cone = Cone {
+                axis: axis.as_vec3().normalize(),
+                one_minus_cos: (2.0 * (0.5 * theta).sin().powi(2)) as f32,
+                distance: f32::INFINITY,
+            };
+            let d = random.log_uniform(0.01, 100.0);
+            let beta = random.log_uniform(0.3 * theta, 1.5);
+            let off = random.between((beta - theta).max(0.0), beta + theta).min(1.57);
+            let to = (random.axis_at(axis, off) * d).as_vec3();
+            let r = (d * beta.sin()) as f32;
+            let square = UnitSquare::facing(&cone, to);
+            let mut mask = Mask::default();
+            mask.reset(&square, 5, cone.axis);
+            let Some(blocked) = BlockedCone::new(to, r, 0.0) else { continue };
+            if f64::from(r) >= f64::from(to.length()) * 0.9999 {
+                continue;
+            }
+            blocked.splat(&mut mask);
+            let frame = [square.right, square.up, square.axis].map(|v| v.as_dvec3());
+            let inside = |x: f64, y: f64| {
+                let v = (frame[0] * x + frame[1] * y + frame[2]).normalize();
+                chord(v, to.as_dvec3(), f64::from(r)).is_some_and(|c| c.1 > 0.0)
+            };
+            for j in 0..32 {
+                let y = f64::from(mask.row_y(j));
+                let half = (f64::from(square.disc).powi(2) - y * y).max(0.0).sqrt();
+                const N: usize = 1500;
+                let open = (0..N).filter(|k| !inside(half * (2.0 * (*k as f64 + 0.5) / N as f64 - 1.0), y)).count();
+                let want = open as f64 / N as f64 * 2.0 * half / f64::from(mask.cell());
+                let lit: f64 = lit_row(&mask, j);
+                let error = (lit - want).abs();
+                mean += error;
+                n += 1.0;
+                if error > worst {
+                    worst = error;
+                    worst_at = format!("r/d {} off {off} β {beta} row {j} lit {lit} want {want}", r / to.length());
+                }
+            }
+        }
+        println!("θ {theta:.0e}: rows wrong by mean {:.4}, max {worst:.3} cells; {worst_at}", mean / n);
+        if theta > 1e-4 {
+            assert!(worst < 0.1 && mean / n < 0.01, "{worst_at}");
+        }
+    }
+}
+
+/// Lit cells of a row from a copy of the mask in which all other rows are blocked.
+fn lit_row(mask: &Mask, row: usize) -> f64 {
+    let mut copy = mask.clone();
+    for j in (0..mask.side()).filter(|j| *j != row) {
+        copy.block_span(j, f32::NEG_INFINITY, f32::INFINITY);
+    }
+    f64::from(copy.areas().1)
+}
+
+#[test]
+fn order_is_the_rays() {
+    let mut random = Random::new(4);
+    let mut counts = [0; 2];
+    for case in 0..20_000 {
+        // Light and ball that meet, at all ratios of distance to radius.
+        let light_radius = random.log_uniform(0.05, 1.0);
+        let distance = light_radius * random.log_uniform(1.5, 3000.0);
+        let axis = random.axis();
+        let light = axis * distance;
+        let ball_radius = light_radius * random.log_uniform(0.1, 5.0);
+        let apart = match case % 3 {
+            0 => light_radius + ball_radius * random.between(-1.0, 1.0),
+            1 => (light_radius - ball_radius).abs() * random.uniform(),
+            _ => random.between(0.0, light_radius + ball_radius),
+        };
+        let to = (light + random.axis() * apart).as_vec3();
+        let r = ball_radius as f32;
+        let Some(ball) = BlockedCone::new(to, r, 0.0) else { continue };
+        for _ in 0..8 {
+            let spread = (light_radius / distance).asin() * random.uniform().sqrt();
+            let v = random.axis_at(axis, spread);
+            let Some(hit) = chord(v, to.as_dvec3(), f64::from(r)) else { continue };
+            let Some(shine) = chord(v, light.as_vec3().as_dvec3(), f64::from(light_radius as f32)) else { continue };
+            if hit.1 < 0.0 {
+                continue;
+            }
+            let (entry, bright) = (hit.0.max(0.0), shine.0.max(0.0));
+            if (entry - bright).abs() < 1e-2 * light_radius.min(ball_radius) {
+                continue;
+            }
+            // Grazing rays: the ends of a chord of zero length are ill-conditioned.
+            if hit.1 - hit.0 < 0.1 * ball_radius || shine.1 - shine.0 < 0.1 * light_radius {
+                continue;
+            }
+            let got =
+                ball.contains(v.as_vec3()) && order_by_ray(v.as_vec3(), &ball, light.as_vec3(), light_radius as f32);
+            counts[usize::from(entry < bright)] += 1;
+            assert_eq!(
+                got,
+                entry < bright,
+                "distance {distance} light {light_radius} ball {ball_radius} at {apart}: {entry} {bright}"
+            );
+        }
+    }
+    println!("{counts:?} behind, in front");
+}
+
+/// Share of the light's disc that rays from the receiver see, by the definition; sampled.
+fn brute_share(at: &Receiver, light: Sphere, spheres: &[(Sphere, f64)], n: usize) -> (usize, usize) {
+    let position = at.position.as_dvec3();
+    let to_light = light.center.as_dvec3() - position;
+    let axis = to_light.normalize();
+    let (right, up) = axis.any_orthonormal_pair();
+    let sin = (f64::from(light.radius) / to_light.length()).min(0.996);
+    let disc = sin / (1.0 - sin * sin).sqrt();
+    let (mut lit, mut all) = (0, 0);
+    for j in 0..n {
+        for i in 0..n {
+            let c = |k: usize| disc * (2.0 * (k as f64 + 0.5) / n as f64 - 1.0);
+            if c(i).hypot(c(j)) >= disc {
+                continue;
+            }
+            let v = (right * c(i) + up * c(j) + axis).normalize();
+            if v.dot(at.normal.as_dvec3()) <= 0.0 {
+                continue;
+            }
+            let Some(shine) = chord(v, to_light, f64::from(light.radius)) else { continue };
+            all += 1;
+            let blocked = spheres.iter().any(|(s, tau)| {
+                chord(v, s.center.as_dvec3() - position, f64::from(s.radius))
+                    .is_some_and(|hit| hit.1 > 0.0 && hit.1 > *tau && hit.0 < shine.0)
+            });
+            lit += usize::from(!blocked);
+        }
+    }
+    (lit, all)
+}
+
+#[test]
+fn shares_follow_the_order_of_blocker_and_light() {
+    // Area share of the mask against rays: in front, behind, half-way through, containing, inside the light.
+    let mut random = Random::new(5);
+    let names = [
+        "in front",
+        "behind",
+        "half-way through",
+        "containing the light",
+        "inside the light",
+        "containing the receiver",
+        "own",
+    ];
+    let mut worst = [0.0_f64; 7];
+    for case in 0..350 {
+        let kind = case % 7;
+        let axis = random.axis();
+        let position = random.axis().as_vec3() * 3.0;
+        let at = receiver(position, random.axis_at(axis, 0.4).as_vec3().normalize(), u32::from(kind == 6) * 7);
+        let theta: f64 = random.log_uniform(0.01, 0.5);
+        let distance = 10.0;
+        let light = Sphere { center: position + (axis * distance).as_vec3(), radius: (distance * theta.sin()) as f32 };
+        let big = f64::from(light.radius);
+        let (along, r) = match kind {
+            0 => (random.between(2.0, 7.0), random.between(0.3, 2.0)),
+            1 => (distance + 2.5 * big + 1.0, random.between(0.3, 2.0)),
+            2 => (distance + big * random.between(-0.8, 0.8), random.between(0.3, 1.2)),
+            3 => (distance, 1.5),
+            4 => (distance + 0.2 * big, 0.3),
+            5 => (0.1, 3.0),
+            _ => (1.0, 1.3),
+        };
+        let r = if kind == 5 || kind == 6 { 0.3 * r } else { r * big * if kind == 0 { along / distance } else { 1.0 } };
+        let aside = if kind == 3 || kind == 5 { 0.0 } else { r * random.uniform() };
+        let sideways = random.axis_at(axis, 0.5 * PI);
+        let along = if kind == 6 { 0.3 * along } else { along };
+        let ball = Sphere { center: position + (axis * along + sideways * aside).as_vec3(), radius: r as f32 };
+        let tau = if kind == 6 { 0.25 } else { 0.0 };
+        let blockers = SphereBlockers::new(&[ball], &[7], &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, tau as f32]);
+        let cone = Cone::of_sphere(at.position, light);
+        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let mut scratch = blockers.scratch();
+        let share = match blockers.select(&query, &mut scratch) {
+            Coverage::Lit => 1.0,
+            Coverage::Dark => 0.0,
+            Coverage::Partial => {
+                let mut mask = Mask::default();
+                mask.reset(&UnitSquare::facing(&cone, blockers.across(&query, &scratch)), 6, at.normal);
+                blockers.splat(&query, &mut scratch, &mut mask);
+                let (all, lit) = mask.areas();
+                f64::from(lit / all)
+            }
+        };
+        let (lit, all) = brute_share(&at, light, &[(ball, tau)], 200);
+        let error = (share - lit as f64 / all as f64).abs();
+        worst[kind] = worst[kind].max(error);
+    }
+    for (name, worst) in names.iter().zip(worst) {
+        println!("{name}: share wrong by up to {:.3} %", 100.0 * worst);
+    }
+    assert!(worst.iter().all(|w| *w < 0.02), "{worst:?}");
+}
+
+fn random_scene(random: &mut Random, scale: f64) -> (Sphere, Vec<Sphere>) {
+    let light = Sphere {
+        center: (random.axis() * 6.0 * scale).as_vec3(),
+        radius: (scale * random.log_uniform(0.01, 3.0)) as f32,
+    };
+    let count = 1 + (random.bits() % 30) as usize;
+    let spheres = (0..count)
+        .map(|_| Sphere {
+            center: (random.axis() * random.between(0.0, 8.0) * scale).as_vec3(),
+            radius: (scale * random.log_uniform(0.02, 2.0)) as f32,
+        })
+        .collect();
+    (light, spheres)
+}
+
+#[test]
+fn selection_never_contradicts_the_rays() {
+    let mut random = Random::new(6);
+    let mut counts = [0; 3];
+    for case in 0..3000 {
+        let (light, spheres) = random_scene(&mut random, 1.0);
+        let normal = random.axis().as_vec3().normalize();
+        let at =
+            receiver((random.axis() * random.between(0.0, 4.0)).as_vec3(), normal, if case % 2 == 0 { 0 } else { 1 });
+        let cone = Cone::of_sphere(at.position, light);
+        if cone.one_minus_cos > 1.0 {
+            continue;
+        }
+        let objects: Vec<_> = (0..spheres.len() as u32).map(|i| i % 3).collect();
+        let taus = [0.5, 0.0, 0.0];
+        let blockers = SphereBlockers::new(&spheres, &objects, &taus);
+        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let mut scratch = blockers.scratch();
+        let selected = blockers.select(&query, &mut scratch);
+        counts[selected as usize] += 1;
+        let with_tau: Vec<_> = spheres
+            .iter()
+            .zip(&objects)
+            .map(|(s, o)| (*s, if *o == at.object { f64::from(taus[*o as usize]) } else { 0.0 }))
+            .collect();
+        let (lit, all) = brute_share(&at, light, &with_tau, 48);
+        match selected {
+            Coverage::Lit => assert_eq!(lit, all, "lit, but something is blocked: case {case}"),
+            Coverage::Dark => assert_eq!(lit, 0, "dark, but something is lit: case {case}"),
+            Coverage::Partial => {}
+        }
+    }
+    println!("lit, dark, partial: {counts:?}");
+}
+
+#[test]
+fn culling_never_changes_a_result() {
+    let mut random = Random::new(7);
+    let (mut culled, mut total) = (0, 0);
+    for case in 0..2000 {
+        let scale = [1.0, 1e-4, 1e6][case % 3];
+        let (mut light, spheres) = random_scene(&mut random, scale);
+        let ball = Sphere {
+            center: (random.axis() * random.between(0.0, 4.0) * scale).as_vec3(),
+            radius: (scale * random.log_uniform(1e-3, 2.0)) as f32,
+        };
+        match case % 5 {
+            0 => light.radius = (20.0 * scale) as f32,
+            // Receivers' ball and light touch.
+            1 => light.radius = (light.center - ball.center).length() - ball.radius,
+            2 => light.center = ball.center + (light.center - ball.center) * 1e4,
+            _ => {}
+        }
+        let objects = vec![0; spheres.len()];
+        let blockers = SphereBlockers::new(&spheres, &objects, &[(0.3 * scale) as f32]);
+        let (mut all, mut some) = (blockers.scratch(), blockers.scratch());
+        blockers.enter(&Shaft { receivers: ball, light }, &mut some);
+        for _ in 0..10 {
+            let position =
+                ball.center + (random.axis() * f64::from(ball.radius) * random.uniform().cbrt() * 0.9999).as_vec3();
+            let at = receiver(position, random.axis().as_vec3().normalize(), (case % 2) as u32);
+            let cone = Cone::of_sphere(position, light);
+            if cone.one_minus_cos > 1.0 {
+                continue;
+            }
+            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let (a, b) = (blockers.select(&query, &mut all), blockers.select(&query, &mut some));
+            assert_eq!(a, b, "case {case}");
+            if a == Coverage::Partial {
+                let (x, y) = (blockers.across(&query, &all), blockers.across(&query, &some));
+                assert_eq!(x, y, "case {case}");
+                let fill = |scratch: &mut crate::SphereScratch| {
+                    let mut mask = Mask::default();
+                    mask.reset(&UnitSquare::facing(&cone, x), 5, at.normal);
+                    blockers.splat(&query, scratch, &mut mask);
+                    mask.areas()
+                };
+                assert_eq!(fill(&mut all), fill(&mut some), "case {case}");
+            }
+            let mut none = blockers.scratch();
+            let everywhere = Sphere { center: position, radius: f32::MAX };
+            blockers.enter(&Shaft { receivers: everywhere, light }, &mut none);
+            assert_eq!(blockers.select(&query, &mut none), a);
+        }
+        total += spheres.len();
+        culled += spheres.len() - some.candidates();
+    }
+    println!("{culled} of {total} culled");
+    assert!(culled * 4 > total);
+}
+
+#[test]
+fn shafts_at_infinity_keep_what_they_meet() {
+    let sphere = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
+    let blockers = SphereBlockers::new(&[sphere], &[0], &[]);
+    for distance in [1e3_f32, 1e8, 1e18, 1e20, 1e30] {
+        let light = Sphere { center: Vec3::Z * distance, radius: 0.01 * distance };
+        let mut scratch = blockers.scratch();
+        blockers.enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 1.0 }, light }, &mut scratch);
+        assert_eq!(scratch.candidates(), 1, "distance {distance}");
+    }
+}
+
+#[test]
+fn point_lights_are_hidden_by_what_their_direction_meets() {
+    // A cone wider than a hemisphere (a receiver inside its own object's sphere) does not reach backwards.
+    let blockers = SphereBlockers::new(&[Sphere { center: Vec3::Z * 0.5, radius: 1.0 }], &[0], &[0.8]);
+    let strategy = lighting::MaskVisibility::new(blockers, 5);
+    let at = receiver(Vec3::ZERO, Vec3::NEG_Z, 0);
+    for (axis, hidden) in [(Vec3::Z, true), (Vec3::NEG_Z, false)] {
+        for one_minus_cos in [0.0, 1e-12, 1e-6] {
+            let cone = Cone { axis, one_minus_cos, distance: 10.0 };
+            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            use lobe_core::VisibilityLobes;
+            let mut scratch = strategy.scratch();
+            let coverage = strategy.coverage(&query, &mut scratch);
+            if one_minus_cos == 0.0 {
+                assert_eq!(coverage, if hidden { Coverage::Dark } else { Coverage::Lit }, "{axis}");
+            } else {
+                assert_ne!(coverage, if hidden { Coverage::Lit } else { Coverage::Dark }, "{axis} {one_minus_cos}");
+            }
+        }
+    }
+}
