@@ -44,7 +44,7 @@ fn receiver(normal: Vec3, view: Vec3) -> Receiver {
 fn receivers() -> Vec<Receiver> {
     let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
     let (t, b) = orthonormal_basis(normal);
-    [0.0_f32, 1e-4, 0.5, 1.2, 1.5, 1.570_79, 1.58]
+    [0.0_f32, 1e-4, 0.5, 1.2, 1.5, core::f32::consts::FRAC_PI_2 - 1e-5, 1.58]
         .iter()
         .map(|&angle| receiver(normal, normal * angle.cos() + (0.6 * t + 0.8 * b) * angle.sin()))
         .collect()

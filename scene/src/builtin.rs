@@ -7,41 +7,46 @@ use lobe_core::Sphere;
 
 /// The built-in scene: what is shown when no file is given.
 ///
-/// A still life on a polished floor: a cairn of pebbles that touches it, a knotted tube that hovers low, and a row of
-/// pearls that rises out of the light; a large warm key light and a small cool rim light. Shadows run from contact to
-/// half a metre of penumbra, and the highlights on the floor are cut by them. All blockers are exact balls; those of the
-/// knot lie on its spine and touch its skin from inside.
+/// A still life on a polished floor before a curved wall: balls that rest on the floor, a knotted tube that hovers low, and a trail of
+/// pearls that rises from contact to well above everything; a large warm key light and a small cool one behind. Shadows
+/// run from sharp to nearly gone, and those of the knot cut the cool highlight on the floor. All blockers are exact
+/// balls; the knot's lie on its spine and touch its skin from inside.
 #[must_use]
 pub fn builtin() -> Scene {
     let materials = vec![
         // 0: floor
-        ModifiedPhong { kd: Vec3::new(0.20, 0.21, 0.235), ks: Vec3::splat(0.22), exponent: 60.0 }.into(),
+        ModifiedPhong { kd: Vec3::new(0.34, 0.345, 0.36), ks: Vec3::splat(0.20), exponent: 90.0 }.into(),
         // 1: knot
-        ModifiedPhong { kd: Vec3::new(0.62, 0.155, 0.075), ks: Vec3::splat(0.16), exponent: 50.0 }.into(),
-        // 2: slate pebbles
-        Lambert { albedo: Vec3::new(0.30, 0.34, 0.38) }.into(),
+        ModifiedPhong { kd: Vec3::new(0.66, 0.15, 0.07), ks: Vec3::splat(0.14), exponent: 60.0 }.into(),
+        // 2: slate
+        ModifiedPhong { kd: Vec3::new(0.10, 0.15, 0.19), ks: Vec3::splat(0.16), exponent: 25.0 }.into(),
         // 3: pearls
-        Phong { kd: Vec3::new(0.235, 0.215, 0.18), ks: Vec3::splat(0.35), exponent: 120.0 }.into(),
-        // 4: one pale pebble
-        Lambert { albedo: Vec3::new(0.70, 0.64, 0.52) }.into(),
+        Phong { kd: Vec3::new(0.27, 0.245, 0.20), ks: Vec3::splat(0.35), exponent: 120.0 }.into(),
+        // 4: chalk
+        Lambert { albedo: Vec3::new(0.78, 0.70, 0.56) }.into(),
+        // 5: wall
+        Lambert { albedo: Vec3::new(0.34, 0.345, 0.36) }.into(),
     ];
-    let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 40.0, Vec3::NEG_Z * 40.0);
+    let floor = Mesh::quad(Vec3::new(0.0, 0.0, 4.5), Vec3::X * 20.0, Vec3::NEG_Z * (4.5 - BACK));
     let (knot, spine) = knot();
-    let (slate, pale) = cairn();
+    let on_floor = |x: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, radius, z), radius };
+    let slate = vec![on_floor(-1.75, -0.35, 0.72), on_floor(-0.55, 1.25, 0.13)];
+    let chalk = vec![on_floor(-2.55, 0.62, 0.34), on_floor(-1.13, 0.78, 0.21), on_floor(-2.02, 1.22, 0.15)];
     let objects = vec![
         Object::mesh("floor", floor, 0, Proxy::None),
+        Object::mesh("wall", wall(), 5, Proxy::None),
         Object::mesh("knot", knot, 1, Proxy::Spheres(spine)),
-        Object::spheres("slate pebbles", slate, 2),
-        Object::spheres("pale pebble", pale, 4),
+        Object::spheres("slate balls", slate, 2),
+        Object::spheres("chalk balls", chalk, 4),
         Object::spheres("pearls", pearls(), 3),
     ];
     let light = |center: Vec3, radius: f32, radiance: Vec3| SphereLight::new(Sphere { center, radius }, radiance);
     Scene {
         camera: Camera {
-            eye: Vec3::new(0.4, 2.9, 8.6),
+            eye: Vec3::new(0.3, 2.7, 8.8),
             target: Vec3::new(0.1, 0.95, 0.0),
             up: Vec3::Y,
-            vertical_fov: 30.0_f32.to_radians(),
+            vertical_fov: 28.0_f32.to_radians(),
         },
         width: 960,
         height: 540,
@@ -49,53 +54,67 @@ pub fn builtin() -> Scene {
         materials,
         objects,
         lights: vec![
-            light(Vec3::new(-4.6, 6.2, 2.6), 0.95, Vec3::new(1.0, 0.78, 0.55) * 34.0),
-            light(Vec3::new(3.6, 3.4, -5.2), 0.22, Vec3::new(0.45, 0.68, 1.0) * 420.0),
+            light(Vec3::new(-4.4, 6.4, 3.4), 1.0, Vec3::new(1.0, 0.80, 0.58) * 52.0),
+            light(Vec3::new(1.75, 2.8, -4.2), 0.2, Vec3::new(0.42, 0.66, 1.0) * 310.0),
         ],
     }
 }
 
-/// A (2, 3) torus knot, tilted, its lowest point a little above the floor; and balls along its spine.
+/// Where the floor ends and the wall begins to rise.
+const BACK: f32 = -5.0;
+
+/// A wall that rises from the floor in a smooth bend.
+fn wall() -> Mesh {
+    const BEND: f32 = 3.0;
+    const STEPS: u32 = 24;
+    // Points of the profile and their normals, bottom to top.
+    let mut profile = Vec::new();
+    for i in 0..=STEPS {
+        let (s, c) = (0.25 * TAU * i as f32 / STEPS as f32).sin_cos();
+        profile.push((Vec3::new(0.0, BEND * (1.0 - c), BACK - BEND * s), Vec3::new(0.0, c, s)));
+    }
+    profile.push((Vec3::new(0.0, 12.0, BACK - BEND), Vec3::Z));
+    let mut mesh = Mesh::default();
+    for (i, (point, normal)) in profile.into_iter().enumerate() {
+        mesh.positions.extend([point + 20.0 * Vec3::NEG_X, point + 20.0 * Vec3::X]);
+        mesh.normals.extend([normal.normalize(); 2]);
+        if i > 0 {
+            let k = 2 * i as u32;
+            mesh.triangles.extend([[k - 2, k - 1, k + 1], [k - 2, k + 1, k]]);
+        }
+    }
+    mesh
+}
+
+/// A trefoil knot that leans back, its lowest point a little above the floor; and balls along its spine.
 fn knot() -> (Mesh, Vec<Sphere>) {
-    const TUBE: f32 = 0.23;
-    let tilt = Quat::from_rotation_z(-0.35) * Quat::from_rotation_x(1.15);
-    let curve = |i: usize, n: usize| {
-        let a = TAU * i as f32 / n as f32;
-        let ring = 0.74 + 0.30 * (3.0 * a).cos();
-        tilt * Vec3::new(ring * (2.0 * a).cos(), ring * (2.0 * a).sin(), 0.34 * (3.0 * a).sin())
+    const TUBE: f32 = 0.20;
+    let tilt = Quat::from_rotation_y(-0.35) * Quat::from_rotation_x(-0.5) * Quat::from_rotation_z(0.3);
+    let curve = |i: u32| {
+        let a = TAU * i as f32 / 480.0;
+        let flat = Vec3::new(a.sin() + 2.0 * (2.0 * a).sin(), a.cos() - 2.0 * (2.0 * a).cos(), -1.35 * (3.0 * a).sin());
+        tilt * (0.30 * flat)
     };
-    let points: Vec<Vec3> = (0..480).map(|i| curve(i, 480)).collect();
+    let points: Vec<Vec3> = (0..480).map(curve).collect();
     let lowest = points.iter().fold(f32::INFINITY, |m, p| m.min(p.y)) - TUBE;
-    let place = Vec3::new(1.15, 0.30 - lowest, -0.2);
+    let place = Vec3::new(1.05, 0.24 - lowest, -0.1);
     let spine: Vec<Vec3> = points.into_iter().map(|p| p + place).collect();
     let mesh = Mesh::closed_tube(&spine, TUBE, 48);
-    // A tube of 48 sides lies up to 1 − cos(π/48) = 0.21 % inside its radius, and chords of the spine a little more.
-    let balls = (0..96).map(|i| Sphere { center: spine[5 * i], radius: TUBE * 0.996 }).collect();
+    // The mesh's faces lie up to 0.5 % inside the tube: chords of 48 sides, and of the spine where it bends.
+    let balls = (0..120).map(|i| Sphere { center: spine[4 * i], radius: TUBE * 0.99 }).collect();
     (mesh, balls)
 }
 
-/// Pebbles stacked and strewn, each resting on what is below it: the slate ones, and a pale one.
-fn cairn() -> (Vec<Sphere>, Vec<Sphere>) {
-    let on_floor = |x: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, radius, z), radius };
-    let on_top = |below: Sphere, radius: f32, lean: Vec3| Sphere {
-        center: below.center + (below.radius + radius) * (Vec3::Y + lean).normalize(),
-        radius,
-    };
-    let base = on_floor(-1.55, 0.15, 0.55);
-    let middle = on_top(base, 0.34, Vec3::new(0.12, 0.0, 0.08));
-    let top = on_top(middle, 0.20, Vec3::new(-0.2, 0.0, 0.05));
-    let slate = vec![base, top, on_floor(-0.72, 0.95, 0.17), on_floor(-2.45, 0.8, 0.12), on_floor(0.25, 1.55, 0.10)];
-    (slate, vec![middle])
-}
-
-/// Pearls on a rising curve, the lowest touching the floor.
+/// Pearls on an arc that leaves the floor in front and rises behind the knot.
 fn pearls() -> Vec<Sphere> {
-    (0..8)
+    const COUNT: u32 = 10;
+    (0..COUNT)
         .map(|i| {
-            let t = i as f32 / 7.0;
-            let radius = 0.085 + 0.045 * t;
-            let center = Vec3::new(-0.35 - 1.5 * t + 0.9 * t * t, radius + 2.35 * t * t.sqrt(), 1.35 - 2.2 * t);
-            Sphere { center, radius }
+            let t = i as f32 / (COUNT - 1) as f32;
+            let radius = 0.075 + 0.055 * t;
+            let turn = 0.42 * TAU * t;
+            let across = Vec3::new(0.25 - 1.45 * turn.sin() + 2.0 * t * t, 0.0, 1.75 - 3.1 * t);
+            Sphere { center: across + Vec3::Y * (radius + 2.35 * t.powf(1.6)), radius }
         })
         .collect()
 }
@@ -140,9 +159,9 @@ mod tests {
             o.shape.bounds().min.y
         };
         assert_eq!(lowest("floor"), 0.0);
-        assert!(lowest("slate pebbles").abs() < 1e-6);
-        assert!((lowest("knot") - 0.30).abs() < 0.01);
-        let top = scene.bounds().max.y;
-        assert!(top > 2.0, "{top}");
+        assert!(lowest("slate balls").abs() < 1e-6);
+        assert!((lowest("knot") - 0.24).abs() < 0.01);
+        let pearls = scene.objects.iter().find(|o| o.name == "pearls").unwrap().shape.bounds();
+        assert!(pearls.min.y.abs() < 1e-6 && pearls.max.y > 2.0, "{pearls:?}");
     }
 }

@@ -1,4 +1,36 @@
 //! Scenes: meshes, materials, lights, camera and their loading.
+//!
+//! - [`Scene`] and what it is made of: [`Camera`], [`Object`] ([`Shape`], [`Proxy`]), [`Mesh`], materials of `brdf`,
+//!   lights of `lighting`. [`Scene::validate`] checks all that renderers rely on.
+//! - [`load`]: scene files in TOML (every key, commented: [`SCHEMA_EXAMPLE`]), and `.obj`, `.ply`, `.gltf`, `.glb` meshes,
+//!   to which a floor, a light and a camera are added. [`builtin`]: the scene that needs no file.
+//! - What renderers take and give, the same for CPU and GPU: [`Shade`], [`ShadingPoints`], [`Frame`], [`BlockerSet`].
+//!
+//! ```
+//! let scene = scene::builtin();
+//! scene.validate()?;
+//! assert_eq!(scene.lights.len(), 2);
+//! # Ok::<(), scene::SceneError>(())
+//! ```
+//!
+//! # Conventions
+//! Right-handed world space, linear RGB, y up where a default needs an up. Meshes and sphere sets of a loaded scene are in
+//! world space. Surfaces are two-sided: renderers turn normals to the viewer. Fields of view are full, vertical, and in
+//! radians here but in degrees in files.
+//!
+//! # Files
+//! Whatever a file contains, loading neither panics nor reserves memory that the file's own size does not justify; it
+//! ends in a scene or in a [`SceneError`] of one line. Files that a scene file or a glTF refers to are looked for beside
+//! it; a glTF reads nothing outside its folder. Triangles without an area are left out. Coordinates may be as large as
+//! 1e17; NaN and infinity are refused.
+//!
+//! glTF: triangles (strips and fans too) of the default scene in their rest pose, skins applied; sparse and quantised
+//! accessors; the first perspective camera; base colour, metalness and roughness factors as a modified Phong material.
+//! Not read: textures, animations, morph weights, punctual lights, emission, Draco and meshopt compression
+//! ([`load_with_warnings`] says which of these a file has).
+//!
+//! # Scope
+//! Out of scope here: images, sphere-set construction, threads.
 
 mod bounds;
 mod builtin;
@@ -6,8 +38,12 @@ mod camera;
 mod error;
 mod gltf_buffers;
 mod gltf_file;
+#[cfg(test)]
+mod gltf_tests;
 mod load;
 mod mesh;
+#[cfg(test)]
+mod mesh_tests;
 mod obj;
 mod ply;
 mod scene;

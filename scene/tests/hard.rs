@@ -2,6 +2,8 @@
 //!
 //! The collection lies beside the repository and is not part of it; where it is absent these tests are shown as ignored.
 
+#![expect(clippy::unwrap_used, reason = "a test")]
+
 use std::collections::HashMap;
 use std::fs;
 use std::panic::catch_unwind;

@@ -1,0 +1,95 @@
+use crate::load::{Context, Part};
+use crate::{Camera, gltf_file};
+use brdf::Material;
+use glam::Vec3;
+use std::path::Path;
+
+/// A triangle (0,0,0), (1,0,0), (0,1,0) as f32 positions in a data URI, with more top-level keys.
+fn triangle(nodes: &str, more: &str) -> String {
+    let uri = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    format!(
+        r#"{{"asset": {{"version": "2.0"}},
+"buffers": [{{"byteLength": 36, "uri": "{uri}"}}],
+"bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}],
+"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+"materials": [{{"pbrMetallicRoughness": {{"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}}}}],
+"nodes": {nodes}{more}}}"#
+    )
+}
+
+fn parse(text: &str) -> Result<(Vec<Part>, Option<Camera>), String> {
+    gltf_file::parse(Path::new("m.gltf"), text.as_bytes(), &mut Context::default()).map_err(|e| e.to_string())
+}
+
+#[test]
+fn node_transforms_multiply_from_the_root() {
+    let nodes = r#"[{"children": [1], "translation": [0, 0, 5]}, {"mesh": 0, "scale": [2, 2, 2],
+        "rotation": [0, 0, 0.70710678, 0.70710678]}]"#;
+    let (parts, camera) = parse(&triangle(nodes, "")).unwrap();
+    assert!(camera.is_none());
+    let got = &parts[0].mesh.positions;
+    // Scaled by 2, turned by 90° about z, moved by 5 along z.
+    for (p, want) in got.iter().zip([[0.0, 0.0, 5.0], [0.0, 2.0, 5.0], [-2.0, 0.0, 5.0]]) {
+        assert!((*p - Vec3::from_array(want)).length() < 1e-5, "{p}");
+    }
+    let Some((0, Material::ModifiedPhong(m))) = &parts[0].material else { panic!() };
+    // Roughness 1: e = 0; F0 = 0.04 leaves 96 % of the base colour to the diffuse term.
+    assert_eq!(m.exponent, 0.0);
+    assert!((m.kd - 0.96 * Vec3::new(0.8, 0.4, 0.2)).length() < 1e-6 && (m.ks - Vec3::splat(0.04)).length() < 1e-6);
+}
+
+#[test]
+fn camera_follows_its_node() {
+    let camera = r#", "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]"#;
+    let nodes = r#"[{"mesh": 0}, {"camera": 0, "translation": [0, 3, 0], "rotation": [0, 0.70710678, 0, 0.70710678]}]"#;
+    let camera = parse(&triangle(nodes, camera)).unwrap().1.unwrap();
+    assert_eq!((camera.eye, camera.vertical_fov), (Vec3::new(0.0, 3.0, 0.0), 0.7));
+    // Turned by 90° about y, −z becomes −x.
+    assert!(((camera.target - camera.eye).normalize() - Vec3::NEG_X).length() < 1e-6);
+}
+
+#[test]
+fn faults_are_named() {
+    let with = |nodes: &str, more: &str| parse(&triangle(nodes, more)).err().unwrap();
+    for (nodes, more, words) in [
+        (r#"[{"mesh": 7}]"#, "", "no mesh 7"),
+        (r#"[{"children": [0], "mesh": 0}]"#, "", "cycle"),
+        (r#"[{"children": [2]}, {"children": [2]}, {"mesh": 0}]"#, "", "two parents"),
+        (r#"[{"children": [9]}]"#, "", "no node 9"),
+        (r#"[{"mesh": 0, "skin": 0}]"#, "", "no skin 0"),
+        (r#"[{"mesh": 0}]"#, r#", "scene": 4"#, "no scene 4"),
+        (r#"[{"mesh": 0}]"#, r#", "extensionsRequired": ["KHR_draco_mesh_compression"]"#, "KHR_draco_mesh_compression"),
+    ] {
+        let message = with(nodes, more);
+        assert!(message.starts_with("m.gltf: ") && message.contains(words), "{message}");
+    }
+    let message = parse("{\n\"asset\": {\"version\": \"2.0\"},\n}").err().unwrap();
+    assert!(message.starts_with("m.gltf:3:"), "{message}");
+}
+
+#[test]
+fn no_cut_of_a_document_panics() {
+    let whole = triangle(r#"[{"mesh": 0}]"#, "");
+    for end in 0..whole.len() {
+        assert!(parse(&whole[..end]).is_err());
+    }
+    // A GLB around it, cut everywhere and with every header byte flipped.
+    let mut json = whole.into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut glb = b"glTF\x02\0\0\0".to_vec();
+    glb.extend((20 + json.len() as u32).to_le_bytes());
+    glb.extend((json.len() as u32).to_le_bytes());
+    glb.extend(b"JSON");
+    glb.extend(json);
+    let read = |bytes: &[u8]| gltf_file::parse(Path::new("m.glb"), bytes, &mut Context::default());
+    assert_eq!(read(&glb).unwrap().0.len(), 1);
+    for end in 0..glb.len() {
+        assert!(read(&glb[..end]).is_err());
+    }
+    for i in 0..20 {
+        let mut broken = glb.clone();
+        broken[i] ^= 0xff;
+        assert!(read(&broken).is_err(), "{i}");
+    }
+}

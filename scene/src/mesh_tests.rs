@@ -1,0 +1,165 @@
+use crate::load::Context;
+use crate::{Mesh, obj, ply};
+use core::f32::consts::FRAC_1_SQRT_2;
+use glam::{Mat4, Quat, Vec3};
+use std::path::Path;
+
+fn read_obj(text: &str) -> Result<Mesh, String> {
+    obj::parse(Path::new("m.obj"), text, &mut Context::default()).map(|p| p.mesh).map_err(|e| e.to_string())
+}
+
+fn read_ply(bytes: &[u8]) -> Result<Mesh, String> {
+    ply::parse(Path::new("m.ply"), bytes).map(|p| p.mesh).map_err(|e| e.to_string())
+}
+
+const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
+    f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\nf 2 3 7 6\n";
+
+#[test]
+fn smooth_normals_are_weighted_by_angle_not_by_triangle_count() {
+    // Each face of the cube is cut into two triangles: weights by area or by count would lean toward the faces that
+    // have two triangles at a corner; by angle the corner's normal is its diagonal.
+    let mut mesh = read_obj(CUBE).unwrap();
+    mesh.smooth_normals();
+    for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+        assert!((*n - p.normalize()).length() < 1e-6, "{p} {n}");
+    }
+}
+
+#[test]
+fn seams_are_smoothed_over_and_cancelling_normals_stay_finite() {
+    // The same corner as two vertices, at a seam.
+    let mut mesh = Mesh {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, -Vec3::ZERO, Vec3::Y, Vec3::Z],
+        normals: Vec::new(),
+        triangles: vec![[0, 1, 2], [3, 4, 5]],
+    };
+    mesh.smooth_normals();
+    assert_eq!(mesh.normals[0], mesh.normals[3]);
+    assert!((mesh.normals[2] - Vec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2)).length() < 1e-6);
+    // Two triangles back to back.
+    mesh.positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+    mesh.triangles = vec![[0, 1, 2], [0, 2, 1]];
+    mesh.smooth_normals();
+    assert!(mesh.normals.iter().all(|n| (n.z.abs() - 1.0).abs() < 1e-6), "{:?}", mesh.normals);
+    mesh.validate().unwrap();
+}
+
+#[test]
+fn transforms_keep_normals_perpendicular_and_outward() {
+    let matrices = [
+        Mat4::from_scale_rotation_translation(Vec3::new(1.0, 3.0, 0.2), Quat::from_rotation_x(0.7), Vec3::ONE),
+        Mat4::from_scale(Vec3::new(-1.0, 2.0, 1.0)),
+        Mat4::from_cols_array(&[1., 0., 0., 0., 0.5, 1., 0., 0., 0., 0.3, 1., 0., 0., 0., 0., 1.]),
+    ];
+    for matrix in matrices {
+        let mut mesh = Mesh::cuboid(Vec3::ZERO, Vec3::ONE);
+        // Face normals at split corners.
+        mesh.normals = mesh
+            .triangles
+            .chunks(2)
+            .flat_map(|t| {
+                let [a, b, c] = t[0].map(|i| mesh.positions[i as usize]);
+                [(b - a).cross(c - a).normalize(); 4]
+            })
+            .collect();
+        mesh.transform(&matrix);
+        mesh.validate().unwrap();
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            let face = (b - a).cross(c - a).normalize();
+            assert!(face.dot(mesh.normals[t[0] as usize]) > 0.9999, "{matrix}");
+        }
+        let p = |i: u32| mesh.positions[i as usize].as_dvec3();
+        let volume: f64 = mesh.triangles.iter().map(|&[a, b, c]| p(a).dot(p(b).cross(p(c))) / 6.0).sum();
+        assert!((volume - f64::from(matrix.determinant().abs())).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn a_singular_transform_gives_finite_normals() {
+    let mut mesh = read_obj(CUBE).unwrap();
+    mesh.smooth_normals();
+    for scale in [Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, 0.0, 0.0), Vec3::ZERO] {
+        let mut flat = mesh.clone();
+        flat.transform(&Mat4::from_scale(scale));
+        assert!(flat.normals.iter().all(|n| n.is_finite() && (n.length() - 1.0).abs() < 1e-5), "{scale}");
+    }
+}
+
+#[test]
+fn validation_names_the_fault() {
+    let good = Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], normals: vec![], triangles: vec![[0, 1, 2]] };
+    good.validate().unwrap();
+    let fault = |change: &dyn Fn(&mut Mesh)| {
+        let mut mesh = good.clone();
+        change(&mut mesh);
+        mesh.validate().unwrap_err().to_string()
+    };
+    assert!(fault(&|m| m.triangles.clear()).contains("no triangles"));
+    assert!(fault(&|m| m.triangles[0][2] = 3).contains("vertex 3 of 3"));
+    assert!(fault(&|m| m.positions[1].y = f32::NAN).contains("vertex 1"));
+    assert!(fault(&|m| m.normals.push(Vec3::X)).contains("1 normals for 3"));
+    assert!(fault(&|m| m.normals = vec![Vec3::X, Vec3::X, Vec3::ZERO]).contains("normal 2"));
+}
+
+#[test]
+fn obj_polygons_relative_indices_and_normals() {
+    let mesh = read_obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 2\nf -4//1 -3//1 -2//1 -1//1\n").unwrap();
+    assert_eq!((mesh.triangles.len(), mesh.positions.len()), (2, 4));
+    assert_eq!(mesh.normals, [Vec3::Z; 4]);
+    // An L of area 3: a fan would cover more.
+    let mesh = read_obj("v 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nf 1 2 3 4 5 6\n").unwrap();
+    assert_eq!(mesh.triangles.len(), 4);
+    assert!((mesh.area() - 3.0).abs() < 1e-6);
+}
+
+#[test]
+fn bad_obj_names_its_line() {
+    for (text, line, words) in [
+        ("v 0 0 0\nv 1 0 0\nf 1 2 3\n", 3, "vertex 3, there are 2"),
+        ("v 0 0\n", 1, "three numbers"),
+        ("# x\nv 0,5 0 0\n", 2, "'0,5'"),
+        ("v 0 0 0\nf 0 1 1\n", 2, "vertex 0"),
+        ("v 0 0 0\nf 1//2 1 1\n", 2, "normal 2"),
+        ("v 0 0 0\nf a b c\n", 2, "'a'"),
+    ] {
+        let message = read_obj(text).unwrap_err();
+        assert!(message.starts_with(&format!("m.obj:{line}: ")) && message.contains(words), "{message}");
+    }
+}
+
+#[test]
+fn ply_ascii_and_both_byte_orders_agree() {
+    let head = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    let positions = [0.0_f32, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, -2.5, 0.0];
+    let mut ascii = head("ascii").into_bytes();
+    ascii.extend(b"0 0 0\n1.5 0 0\n0 -2.5 0\n3 0 1 2\n");
+    let (mut little, mut big) = (head("binary_little_endian").into_bytes(), head("binary_big_endian").into_bytes());
+    for x in positions {
+        little.extend(x.to_le_bytes());
+        big.extend(x.to_be_bytes());
+    }
+    little.push(3);
+    big.push(3);
+    for i in 0..3_i32 {
+        little.extend(i.to_le_bytes());
+        big.extend(i.to_be_bytes());
+    }
+    let mesh = read_ply(&ascii).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2]]);
+    assert_eq!(mesh.positions[2], Vec3::new(0.0, -2.5, 0.0));
+    assert_eq!(read_ply(&little).unwrap(), mesh);
+    assert_eq!(read_ply(&big).unwrap(), mesh);
+    // Every cut gives an error, never a panic.
+    for bytes in [&ascii, &little] {
+        for end in 0..bytes.len() - 2 {
+            assert!(read_ply(&bytes[..end]).is_err(), "{end}");
+        }
+    }
+}
