@@ -1,6 +1,7 @@
 //! The `lobes` command, run as a user runs it.
+#![allow(clippy::unwrap_used, reason = "in a test")]
 
-use cosine_lobes::{ExrLayer, Output, Picture, read_exr, read_exr_layer, write_exr};
+use cosine_lobes::{ExrLayer, Output, read_exr, read_exr_layer, write_exr};
 use glam::Vec3;
 use serde_json::Value;
 use std::fs;
@@ -324,5 +325,4 @@ fn sphere_sets_follow_the_contract() {
     fs::write(folder.join("with.toml"), scene).unwrap();
     let stats = json(folder, &["render", "with.toml", "-o", "a.png", "--json"]);
     assert_eq!(stats["spheres"], 5);
-    assert!(Picture::new(0, 0, Vec::new()).pixels().is_empty());
 }

@@ -185,6 +185,8 @@ struct Pair<'a> {
     occluders: &'a Occluders,
     /// The directions below the receiver's horizon, where it cuts the light.
     horizon: Option<Cap>,
+    /// First azimuth at which some of the cone is above the horizon, and how far these azimuths reach.
+    azimuths: (f64, f64),
     /// Where shadow rays in the true geometry start.
     origin: Vec3,
     glossy: bool,
@@ -215,6 +217,7 @@ impl Sampler {
                 let below = -at.normal.as_dvec3().normalize_or_zero();
                 let pair = Pair {
                     horizon: cone.cut_by(below).then(|| Cap::new(&cone, below, 0.0)),
+                    azimuths: cone.azimuths_beside(below),
                     world: job.world,
                     geometry: job.geometry,
                     at,
@@ -267,7 +270,7 @@ impl Pair<'_> {
                 let value = self.light_sample(v);
                 self.add(v, value, sums);
             } else {
-                self.meridian_sample(TAU * x, y, meridian, sums);
+                self.meridian_sample(x, y, meridian, sums);
             }
             if !self.glossy {
                 continue;
@@ -283,9 +286,11 @@ impl Pair<'_> {
         }
     }
 
-    /// Adds a sample at an azimuth of the light's cone: what the horizon and caps hide of the meridian is left out
-    /// exactly, and only the other occluders are asked by a ray.
-    fn meridian_sample(&self, azimuth: f64, y: f64, meridian: &mut Meridian, sums: &mut [DVec3; 2]) {
+    /// Adds a sample at a random meridian of the light's cone: what the horizon and caps hide of it is left out exactly,
+    /// and only the other occluders are asked by a ray.
+    fn meridian_sample(&self, x: f64, y: f64, meridian: &mut Meridian, sums: &mut [DVec3; 2]) {
+        let (start, span) = self.azimuths;
+        let (azimuth, share) = (start + span * x, span / TAU);
         let mut part = |caps: &[Cap]| {
             meridian.set(&self.cone, self.horizon.iter().chain(caps), azimuth);
             let visible = meridian.visible();
@@ -293,12 +298,12 @@ impl Pair<'_> {
             (visible, v)
         };
         let (above, v) = part(&[]);
-        let whole = if above > 0.0 { self.light_sample(v) * above } else { DVec3::ZERO };
+        let whole = if above > 0.0 { self.light_sample(v) * (above * share) } else { DVec3::ZERO };
         sums[1] += whole;
         let caps = self.occluders.caps();
         let (visible, v) = if caps.is_empty() { (above, v) } else { part(caps) };
         if visible > 0.0 && !self.blocked_beside_caps(v) {
-            sums[0] += if visible < above { self.light_sample(v) * visible } else { whole };
+            sums[0] += if visible < above { self.light_sample(v) * (visible * share) } else { whole };
         }
     }
 

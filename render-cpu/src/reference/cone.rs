@@ -54,6 +54,20 @@ impl LightCone {
         elevation.abs() < self.half_angle() + 1e-9
     }
 
+    /// Start and length of the azimuths whose meridians are not wholly in the half-space around the unit vector `below`:
+    /// for a light that has nearly set only a few are left.
+    pub(crate) fn azimuths_beside(&self, below: DVec3) -> (f64, f64) {
+        let b = self.to_frame(below);
+        let (across, cos) = (b.x.hypot(b.y), 1.0 - self.one_minus_cos);
+        if b.z <= 0.0 || cos <= 0.0 || across == 0.0 {
+            return (0.0, TAU);
+        }
+        // The rim rises above the horizon where cos φ > tan(depth of the axis)/tan θ, φ from the upward direction.
+        let sin = (self.one_minus_cos * (2.0 - self.one_minus_cos)).sqrt();
+        let half = (b.z * cos / (across * sin)).clamp(-1.0, 1.0).acos();
+        ((-b.y).atan2(-b.x) - half, 2.0 * half)
+    }
+
     pub(crate) fn contains(&self, v: DVec3) -> bool {
         0.5 * (self.axis - v).length_squared() <= self.one_minus_cos
     }

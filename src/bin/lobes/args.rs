@@ -286,7 +286,7 @@ pub(crate) enum Geometry {
 }
 
 /// The name of a choice, as it is typed.
-pub(crate) fn name(value: impl ValueEnum) -> String {
+pub(crate) fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
 }
 

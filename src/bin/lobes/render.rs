@@ -188,9 +188,9 @@ fn summary(
     runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
     let ShadeStats { seconds, stages, counts } = runs.get(runs.len() / 2).copied().unwrap_or_default();
     json!({
-        "device": name(args.device),
-        "method": name(args.method),
-        "visibility": name(args.visibility),
+        "device": name(&args.device),
+        "method": name(&args.method),
+        "visibility": name(&args.visibility),
         "width": scene.width,
         "height": scene.height,
         "points": points,
