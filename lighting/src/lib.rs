@@ -1,18 +1,26 @@
 //! Sphere lights, and what every visibility strategy shares: the unit square, the mask and the cut.
 //!
 //! A light is seen from a receiver as a cone ([`SphereLight`]). The [`UnitSquare`] faces it; blockers are rasterised on
-//! the square into a [`Mask`], a complete quad-tree as bits. [`MaskVisibility`] turns any [`Blockers`] into lobes.
+//! the square into a [`Mask`], a complete quad-tree as bits. [`MaskVisibility`] turns any [`Blockers`] into lobes;
+//! [`PaperVisibility`] does it as the paper does.
 //!
 //! Out of scope: what blocks (the `visibility-*` crates), scenes, images.
 
 mod cut;
 mod mask;
 mod node;
+mod paper_visibility;
+mod paper_weights;
+mod shadow_tree;
 mod sphere_light;
 mod square;
+#[cfg(test)]
+mod tests;
 mod visibility;
 
 pub use crate::mask::{MAX_DEPTH, Mask};
+pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
+pub use crate::paper_weights::PaperWeights;
 pub use crate::sphere_light::SphereLight;
 pub use crate::square::UnitSquare;
 pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility, depth_for};

@@ -38,7 +38,7 @@ pub trait Probe {
     fn count(&mut self, lobes: usize, integrals: usize) {
         let _ = (lobes, integrals);
     }
-    /// A product of reflectance and light was dropped below the threshold.
+    /// A product was dropped below the threshold: reflectance and light, or (paper) that and a visibility lobe.
     fn prune(&mut self) {}
     /// The receiver sees this much of the light.
     fn coverage(&mut self, coverage: Coverage) {
@@ -71,7 +71,8 @@ pub struct Lit {
 pub struct Integrator<'a> {
     /// How.
     pub method: Method<'a>,
-    /// Reflectance–light products whose radiance (largest channel) is below this are dropped (t_i of §4.3).
+    /// Reflectance–light products whose radiance (largest channel) is below this are dropped (t_i of §4.3); by the paper's
+    /// method also each visibility lobe's product with them, which leaves shadows ragged when it is high (Fig. 5).
     pub threshold: f32,
 }
 
@@ -194,14 +195,22 @@ impl Integrator<'_> {
                 probe.end(Stage::Mask);
                 seen
             });
-            if seen == Coverage::Lit {
-                lit.radiance += unshadowed;
+            if seen != Coverage::Partial {
+                lit.radiance += if seen == Coverage::Lit { unshadowed } else { Vec3::ZERO };
                 continue;
             }
             visibility.visibility_lobes(&query, &f, unshadowed.max_element(), scratch, sum)?;
             probe.end(Stage::VisibilityLobes);
             let lobes = sum.lobes.lobes();
-            let shadow: Vec3 = lobes.iter().map(|c| tables.product(&product, &c).flux).sum();
+            let mut shadow = Vec3::ZERO;
+            for c in lobes.iter() {
+                let taken = tables.product(&product, &c).flux;
+                if taken.abs().max_element() < self.threshold {
+                    probe.prune();
+                } else {
+                    shadow += taken;
+                }
+            }
             lit.radiance += (unshadowed * sum.base + shadow).max(Vec3::ZERO);
             probe.count(lobes.len(), lobes.len());
             probe.end(Stage::Integration);
