@@ -146,7 +146,7 @@ pub(crate) fn default_material() -> Material {
 
 /// Looks at everything from the front, a little from the right and from above.
 pub(crate) fn default_camera(bounds: Bounds, width: u32, height: u32) -> Camera {
-    Camera::framing(bounds, Vec3::new(0.35, 0.45, 1.0), DEFAULT_FOV.to_radians(), width, height)
+    Camera::framing(bounds, Vec3::new(0.35, 0.5, 1.0), DEFAULT_FOV.to_radians(), width, height)
 }
 
 /// A mesh file as a scene of its own.
@@ -168,7 +168,7 @@ fn bare(path: &Path, context: &mut Context) -> Result<Scene, SceneError> {
 
     // A little below the lowest point: a model with a floor of its own must not lie in ours.
     let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
-    let half = 12.0 * radius;
+    let half = 60.0 * radius;
     let floor = Mesh::quad(ground, Vec3::X * half, Vec3::NEG_Z * half);
     let mut objects = vec![Object::mesh("floor", floor, 0, Proxy::None)];
     for (part, count) in parts.into_iter().zip(counts) {
