@@ -36,7 +36,9 @@ radiance = [20.0, 20.0, 20.0]
 "#;
 
 fn lobes(folder: &Path, args: &[&str]) -> Ran {
-    Command::new(env!("CARGO_BIN_EXE_lobes")).current_dir(folder).args(args).output().unwrap()
+    let cache = folder.with_extension("cache");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+    command.current_dir(folder).args(args).env("XDG_CACHE_HOME", cache).output().unwrap()
 }
 
 fn succeed(folder: &Path, args: &[&str]) -> String {
@@ -305,6 +307,30 @@ fn checking_and_help() {
         assert!(!succeed(folder, args).is_empty());
     }
     assert!(succeed(folder, &["render", "--help"]).contains("Examples:"));
+}
+
+/// A mesh's spheres are built once: the second picture is the same and takes them from the cache.
+#[test]
+fn spheres_are_kept_between_runs() {
+    let folder = folder();
+    let folder = folder.path();
+    let cache = folder.with_extension("cache").join("cosine-lobes");
+    let scene =
+        SCENE.to_owned() + "\n[[objects]]\nbox = { center = [0, 1, 2], size = [1, 1, 1] }\nproxy = { spheres = 8 }\n";
+    fs::write(folder.join("box.toml"), scene).unwrap();
+    succeed(folder, &["render", "box.toml", "-o", "a.exr", "-q"]);
+    let kept = names(&cache);
+    assert_eq!(kept.len(), 1);
+    // A spoilt entry is built anew.
+    for spoil in [false, true] {
+        if spoil {
+            fs::write(cache.join(&kept[0]), "{}").unwrap();
+        }
+        succeed(folder, &["render", "box.toml", "-o", "b.exr", "-q"]);
+        assert_eq!(fs::read(folder.join("a.exr")).unwrap(), fs::read(folder.join("b.exr")).unwrap());
+    }
+    assert_eq!(names(&cache), kept);
+    fs::remove_dir_all(folder.with_extension("cache")).unwrap();
 }
 
 #[test]

@@ -81,7 +81,7 @@ fn print(scene: &Scene) {
             (Proxy::None, _) => "blocks nothing".to_owned(),
             (Proxy::File(path), _) => format!("blocks with the spheres of {}", path.display()),
             (Proxy::Count(n), _) if matches!(o.shape, Shape::Mesh(_)) => {
-                format!("blocks with up to {n} spheres, built at every start; `lobes spheres` stores them")
+                format!("blocks with up to {n} spheres, built at the first picture and kept")
             }
             (_, n) => format!("blocks with {} spheres", n.unwrap_or_default()),
         };

@@ -3,6 +3,7 @@
 use crate::args::ViewArgs;
 use crate::console;
 use crate::failure::Failure;
+use crate::sphere_cache;
 use cosine_lobes::render_cpu::blockers;
 use cosine_lobes::scene::{self, BlockerSet, Scene};
 use std::ops::ControlFlow;
@@ -29,7 +30,8 @@ pub(crate) fn view(args: &ViewArgs) -> Result<Scene, Failure> {
 }
 
 /// The blocker spheres of the scene's objects.
-pub(crate) fn make_blockers(scene: &Scene, quiet: bool) -> Result<BlockerSet, Failure> {
+pub(crate) fn make_blockers(scene: &mut Scene, quiet: bool) -> Result<BlockerSet, Failure> {
+    sphere_cache::fill(scene, quiet)?;
     let bar = console::progress("spheres", 1000, quiet);
     let set = blockers(scene, &mut |_, done| {
         bar.set_position((done * 1000.0) as u64);

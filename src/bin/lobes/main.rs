@@ -9,6 +9,7 @@ mod files;
 mod input;
 mod reference;
 mod render;
+mod sphere_cache;
 mod spheres;
 
 use crate::args::{Command, parse};

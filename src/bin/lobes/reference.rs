@@ -22,7 +22,7 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
 
 pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let view = &args.view;
-    let scene = input::view(view)?;
+    let mut scene = input::view(view)?;
     let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples);
     if points > MAX_POINTS {
         return Err(Failure::new(format_args!(
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         (_, Choice::Mesh) => Geometry::Mesh,
     };
     let blockers = match geometry {
-        Geometry::Spheres => input::make_blockers(&scene, view.quiet)?,
+        Geometry::Spheres => input::make_blockers(&mut scene, view.quiet)?,
         Geometry::Mesh | Geometry::None => BlockerSet::default(),
     };
     let world = World::new(&scene);

@@ -51,12 +51,12 @@ fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut clocks = Clocks::default();
-    let scene = seconds(&mut clocks.load, || input::view(&args.view))?;
+    let mut scene = seconds(&mut clocks.load, || input::view(&args.view))?;
     let files = Files::create(&args.output)?;
     let stats_file = args.stats.as_ref().map(Output::create).transpose()?;
     let quiet = args.view.quiet;
     let blockers = match args.visibility {
-        Visibility::Spheres => seconds(&mut clocks.spheres, || input::make_blockers(&scene, quiet))?,
+        Visibility::Spheres => seconds(&mut clocks.spheres, || input::make_blockers(&mut scene, quiet))?,
         Visibility::None => BlockerSet::default(),
     };
     let world = seconds(&mut clocks.hierarchy, || World::new(&scene));
