@@ -18,7 +18,7 @@ mod square;
 mod tests;
 mod visibility;
 
-pub use crate::mask::{MAX_DEPTH, Mask};
+pub use crate::mask::{Covers, MAX_DEPTH, Mask};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
 pub use crate::paper_weights::PaperWeights;
 pub use crate::sphere_light::SphereLight;

@@ -31,6 +31,17 @@ pub struct Mask {
     right: [[u8; SIDE]; SIDE],
 }
 
+/// From which side a shape reaches into a row, for [`Mask::block_area`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Covers {
+    /// It covers the row's lower side (smaller y).
+    FromBelow,
+    /// It covers the row's upper side.
+    FromAbove,
+    /// It ends on both sides.
+    Within,
+}
+
 impl Default for Mask {
     fn default() -> Self {
         Self {
@@ -140,6 +151,43 @@ impl Mask {
         if after > 0 && last < self.side() {
             let (left, right) = self.open(j, last);
             self.set_open(j, last, left.max(after), right);
+        }
+    }
+
+    /// Blocks of row `j` the area that a shape takes of each cell, from eight lines: for shapes whose edge runs along the
+    /// row, which would else enter or leave it all at once. `span` gives plane coordinates x of the shape at a height y.
+    ///
+    /// A cell's open interval stands for its height then: what covers it from below is taken off the left, what covers
+    /// it from above off the right, so that shapes still fuse by union.
+    pub fn block_area(&mut self, j: usize, covers: Covers, span: impl Fn(f32) -> (f32, f32)) {
+        const LINES: usize = 8;
+        let mut area = [0.0_f32; SIDE + 1];
+        let (mut low, mut high) = (self.side(), 0);
+        for k in 0..LINES {
+            let y = self.row_y(j) + self.cell() * ((k as f32 + 0.5) / LINES as f32 - 0.5);
+            let (from, to) = span(y);
+            let (from, to) = self.cells(from, to);
+            if from >= to {
+                continue;
+            }
+            let (first, last) = (from as usize, to as usize);
+            area[first] -= from - first as f32;
+            area[last] -= (last + 1) as f32 - to;
+            area[first..=last].iter_mut().for_each(|a| *a += 1.0);
+            (low, high) = (low.min(first), high.max(last + 1));
+        }
+        for (i, area) in area.iter().enumerate().take(high.min(self.side())).skip(low) {
+            let covered = fraction(area / LINES as f32);
+            if covered == FULL {
+                self.blocked[j] |= 1 << i;
+            } else if covered > 0 {
+                let (left, right) = self.open(j, i);
+                match covers {
+                    Covers::FromBelow => self.set_open(j, i, left.max(covered), right),
+                    Covers::FromAbove => self.set_open(j, i, left, right.min(FULL - covered)),
+                    Covers::Within => self.block_inside(j, i, 0, covered),
+                }
+            }
         }
     }
 

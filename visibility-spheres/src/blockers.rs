@@ -1,4 +1,4 @@
-use crate::splat::{BlockedCone, order_by_ray};
+use crate::splat::BlockedCone;
 use glam::Vec3;
 use lighting::{Blockers, Mask};
 use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
@@ -17,7 +17,7 @@ use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
 /// # Order
 /// A sphere blocks where it is in front of the light. For a sphere that does not meet the light this is the same for
 /// all directions (the one with the smaller power `d² − r²` is in front); where blocker and light intersect it is
-/// decided cell by cell.
+/// decided direction by direction.
 #[derive(Clone, Debug, Default)]
 pub struct SphereBlockers {
     spheres: Vec<Sphere>,
@@ -124,9 +124,7 @@ impl Blockers for SphereBlockers {
         for blocked in &scratch.hits {
             match blocked.meets_light {
                 None => blocked.splat(mask),
-                Some((center, radius)) => {
-                    mask.block_where(|v| blocked.contains(v) && order_by_ray(v, blocked, center, radius));
-                }
+                Some((center, radius)) => blocked.splat_in_front(center, radius, mask),
             }
         }
     }

@@ -1,8 +1,11 @@
 //! One sphere on the mask.
 
 use glam::{DVec3, Vec3};
-use lighting::Mask;
+use lighting::{Covers, Mask};
 use lobe_core::Coverage;
+
+/// An edge that runs along more than so many cells within one row is taken by area.
+const FLAT: f32 = 6.0;
 
 /// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +92,7 @@ impl BlockedCone {
         }
     }
 
-    /// Blocks the cells whose centres are in the cone.
+    /// Blocks what of the mask is in the cone.
     pub(crate) fn splat(&self, mask: &mut Mask) {
         if self.cos <= -1.0 {
             mask.block_all();
@@ -100,6 +103,49 @@ impl BlockedCone {
             self.splat_ellipse(local, mask);
         } else {
             self.splat_rows(local.as_dvec3(), mask);
+        }
+    }
+
+    /// Blocks where the ball is in front of the light that it meets (centre and radius): runs of cell centres, their ends
+    /// found between two centres by bisection.
+    pub(crate) fn splat_in_front(&self, light: Vec3, light_radius: f32, mask: &mut Mask) {
+        let square = *mask.square();
+        for j in 0..mask.side() {
+            if mask.lit_cells(j) == 0 {
+                continue;
+            }
+            let hides = |x: f32| {
+                let v = square.world(Vec3::new(x, mask.row_y(j), 1.0)).normalize();
+                self.contains(v) && order_by_ray(v, self, light, light_radius)
+            };
+            let center = |i: usize| mask.cell_center(i, j).x;
+            let mut spans = [(0.0, 0.0); 2];
+            let (mut count, mut start) = (0, hides(center(0)).then_some(f32::NEG_INFINITY));
+            for i in 1..mask.side() {
+                if hides(center(i)) == start.is_some() {
+                    continue;
+                }
+                let (mut before, mut after) = (center(i - 1), center(i));
+                for _ in 0..8 {
+                    let middle = 0.5 * (before + after);
+                    if hides(middle) == start.is_some() { before = middle } else { after = middle }
+                }
+                let edge = 0.5 * (before + after);
+                match start.take() {
+                    None => start = Some(edge),
+                    Some(from) if count < spans.len() => {
+                        spans[count] = (from, edge);
+                        count += 1;
+                    }
+                    Some(_) => {}
+                }
+            }
+            for &(from, to) in &spans[..count] {
+                mask.block_span(j, from, to);
+            }
+            if let Some(from) = start {
+                mask.block_span(j, from, f32::INFINITY);
+            }
         }
     }
 
@@ -120,12 +166,26 @@ impl BlockedCone {
         let bottom = mask.square().center.y - mask.square().half;
         let row = |y: f32| ((y - bottom) / mask.cell()).clamp(0.0, mask.side() as f32) as usize;
         let (first, end) = (row(y_center - half_height), (row(y_center + half_height) + 1).min(mask.side()));
+        let span = |y: f32| {
+            let t = y - y_center;
+            let (half, middle) = ((k0 - k2 * t * t).max(0.0).sqrt(), x_center + shear * t);
+            (middle - half, middle + half)
+        };
         for j in first..end {
             let t = mask.row_y(j) - y_center;
-            let square = k0 - k2 * t * t;
-            if square > 0.0 {
-                let (half, middle) = (square.sqrt(), x_center + shear * t);
-                mask.block_span(j, middle - half, middle + half);
+            let (from, to) = span(mask.row_y(j));
+            let ends = half_height - t.abs() < 0.5 * mask.cell();
+            if ends || shear.abs() * (to - from) + 2.0 * k2 * t.abs() > FLAT * (to - from) {
+                let covers = if half_height < mask.cell() {
+                    Covers::Within
+                } else if t > 0.0 {
+                    Covers::FromBelow
+                } else {
+                    Covers::FromAbove
+                };
+                mask.block_area(j, covers, span);
+            } else {
+                mask.block_span(j, from, to);
             }
         }
     }

@@ -1,0 +1,550 @@
+//! What must hold whatever the scene: limits, monotony, continuity, invariance, dispatch.
+
+use glam::{DQuat, DVec3, Vec3};
+use lighting::{MaskVisibility, depth_for};
+use lobe_core::oracle::Random;
+use lobe_core::{
+    Cone, Coverage, DynVisibility, Lobe, LobesFull, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum,
+    cap_integral, visible_fraction,
+};
+use visibility_spheres::SphereBlockers;
+
+/// Everything in f64, so that a scene can be turned, scaled and moved before it is rounded.
+#[derive(Clone, Debug)]
+struct Scene {
+    position: DVec3,
+    normal: DVec3,
+    light: (DVec3, f64),
+    spheres: Vec<(DVec3, f64)>,
+    /// Axis, exponent, receiver's cosine; exponent 1 about the normal is Lambert.
+    lobe: (DVec3, f64, bool),
+    tolerance: f32,
+}
+
+fn sphere((center, radius): (DVec3, f64)) -> Sphere {
+    Sphere { center: center.as_vec3(), radius: radius as f32 }
+}
+
+impl Scene {
+    /// Scene with light and blockers at random; the lobe sees the light. Distances of 10.
+    fn random(random: &mut Random, theta: f64, exponent: f64, count: usize, through: bool) -> Self {
+        let axis = random.axis();
+        let quarter = core::f64::consts::FRAC_PI_2;
+        let beta = if through {
+            quarter + random.between(-theta, 0.8 * theta)
+        } else {
+            random.between(0.0, quarter - theta).max(0.0)
+        };
+        let normal = random.axis_at(axis, beta);
+        let position = random.axis();
+        let spheres = (0..count)
+            .map(|_| {
+                // In front of the light, whatever the size.
+                let distance = random.between(1.0, 5.0 * (1.0 - theta.sin()).max(0.25));
+                let angular = (theta * random.log_uniform(0.2, 4.0)).min(1.2);
+                let off = random.between((angular - theta).max(0.0), angular + theta).min(1.5);
+                (position + random.axis_at(axis, off) * distance, distance * angular.sin())
+            })
+            .collect();
+        let off = random.between(0.0, (theta + 1.5 / exponent.sqrt()).min(1.0));
+        let lobe = if exponent == 1.0 {
+            (normal, 1.0, false)
+        } else {
+            (random.axis_at(axis, off), exponent, random.bits().is_multiple_of(2))
+        };
+        Self { position, normal, light: (position + axis * 10.0, 10.0 * theta.sin()), spheres, lobe, tolerance: 0.003 }
+    }
+
+    fn transformed(&self, turn: DQuat, scale: f64, shift: DVec3) -> Self {
+        let point = |p: DVec3| turn * p * scale + shift;
+        Self {
+            position: point(self.position),
+            normal: turn * self.normal,
+            light: (point(self.light.0), self.light.1 * scale),
+            spheres: self.spheres.iter().map(|s| (point(s.0), s.1 * scale)).collect(),
+            lobe: (turn * self.lobe.0, self.lobe.1, self.lobe.2),
+            tolerance: self.tolerance,
+        }
+    }
+
+    fn at(&self) -> Receiver {
+        let normal = self.normal.as_vec3().normalize();
+        Receiver { position: self.position.as_vec3(), normal, view: normal, object: 0 }
+    }
+
+    fn brdf(&self) -> Lobe {
+        let (axis, exponent, cosine) = self.lobe;
+        let axis = if exponent == 1.0 { self.at().normal } else { axis.as_vec3().normalize() };
+        let lobe = Lobe { exponent: exponent as f32, flux: Vec3::ONE, axis, cosine: 0.0 };
+        if cosine { lobe.times_cosine() } else { lobe }
+    }
+
+    fn cone(&self) -> Cone {
+        Cone::of_sphere(self.at().position, sphere(self.light))
+    }
+
+    fn strategy(&self) -> MaskVisibility<SphereBlockers> {
+        let spheres: Vec<_> = self.spheres.iter().copied().map(sphere).collect();
+        MaskVisibility::new(SphereBlockers::new(&spheres, &vec![1; spheres.len()], &[]), depth_for(self.tolerance))
+    }
+
+    fn unshadowed(&self) -> f32 {
+        cap_integral(&self.at(), &self.brdf(), &self.cone())
+    }
+
+    /// Share of the light seen through the lobe.
+    fn share(&self) -> f64 {
+        let strategy = self.strategy();
+        let mut scratch = strategy.scratch();
+        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+        self.share_with(&strategy, &mut scratch, &mut sum)
+    }
+
+    fn share_with<V: VisibilityLobes>(&self, strategy: &V, scratch: &mut V::Scratch, sum: &mut VisibilitySum) -> f64 {
+        let (at, cone, lobe) = (self.at(), self.cone(), self.brdf());
+        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: self.tolerance };
+        let share = match strategy.coverage(&query, scratch) {
+            Coverage::Lit => 1.0,
+            Coverage::Dark => 0.0,
+            Coverage::Partial => {
+                let unshadowed = self.unshadowed();
+                strategy.visibility_lobes(&query, &lobe, unshadowed, scratch, sum).unwrap();
+                visible_fraction(&at, &lobe, unshadowed, sum)
+            }
+        };
+        assert!((0.0..=1.0).contains(&share), "V = {share} in {self:?}");
+        f64::from(share)
+    }
+}
+
+const EXPONENTS: [f64; 6] = [1.0, 3.0, 20.0, 200.0, 2000.0, 50_000.0];
+
+#[test]
+fn nothing_blocked_is_one_and_all_blocked_is_zero() {
+    let mut random = Random::new(1);
+    for case in 0..1500 {
+        let theta = [0.001, 0.02, 0.4, 1.2][case % 4];
+        let e = EXPONENTS[case / 4 % 6];
+        let mut scene = Scene::random(&mut random, theta, e, 0, case % 3 == 0);
+        scene.tolerance = [0.01, 0.003, 0.001][case % 3];
+        let axis = (scene.light.0 - scene.position).normalize();
+        // Beside the light, within its bounding square: selected or not, it hides nothing.
+        let beside = random.axis_at(axis, 1.1 * theta + 1e-3);
+        scene.spheres = vec![(scene.position + beside * 5.0, 5.0 * 0.99 * (0.1 * theta + 1e-3).sin())];
+        assert_eq!(scene.share(), 1.0, "{scene:?}");
+        // Two halves that overlap: neither hides the light alone.
+        let side = random.axis_at(axis, core::f64::consts::FRAC_PI_2);
+        let r = 40.0;
+        scene.spheres = [1.0, -1.0].map(|s| (scene.position + axis * 40.5 / 8.0 + side * (s * 0.97 * r), r)).to_vec();
+        let d = scene.spheres[0].0.distance(scene.position);
+        if d < r + 0.01 || theta > 0.4 {
+            continue;
+        }
+        let two = scene.share();
+        scene.spheres.push((scene.position + axis * 2.0, 2.0 * (1.02 * theta).sin().min(1.0)));
+        assert_eq!(scene.share(), 0.0, "{scene:?}");
+        assert!(two < 1.0);
+    }
+}
+
+#[test]
+fn one_more_blocker_never_brightens() {
+    let mut random = Random::new(2);
+    for (tolerance, through) in [(0.01, false), (0.003, false), (0.001, false), (0.003, true)] {
+        let mut worst = [0.0_f64; 6];
+        for case in 0..3000 {
+            let (k, theta) = (case % 6, [0.003, 0.03, 0.15, 0.43][case / 6 % 4]);
+            let mut scene = Scene::random(&mut random, theta, EXPONENTS[k], 1 + case % 5, through);
+            scene.tolerance = tolerance;
+            let after = scene.share();
+            scene.spheres.pop();
+            // Not the largest: the mask keeps its turn.
+            worst[k] = worst[k].max(after - scene.share());
+        }
+        println!("τ {tolerance} horizon {through}: brightens by up to {}", percent(&worst));
+        assert!(worst.iter().all(|w| *w < 3.0 * f64::from(tolerance)), "{worst:?}");
+    }
+}
+
+fn percent(values: &[f64]) -> String {
+    values.iter().map(|v| format!("{:.3} ", 100.0 * v)).collect::<String>() + "%"
+}
+
+/// The largest step of V beyond its neighbours' along a sweep of `n` steps, and where.
+fn pop(n: usize, scene: impl Fn(f64) -> Scene) -> (f64, f64) {
+    let values: Vec<f64> = (0..n).map(|k| scene(k as f64 / n as f64).share()).collect();
+    let steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
+    let mut largest = (0.0, 0.0);
+    for k in 2..steps.len() - 2 {
+        let around = [k - 2, k - 1, k + 1, k + 2].map(|i| steps[i].abs()).into_iter().fold(0.0, f64::max);
+        let beyond = steps[k].abs() - around;
+        if beyond > largest.0 {
+            largest = (beyond, k as f64 / n as f64);
+        }
+    }
+    largest
+}
+
+/// What moves in a sweep.
+const SWEEPS: [&str; 5] = ["lobe", "blocker", "light", "receiver", "normal"];
+
+fn sweep(scene: &Scene, kind: usize, directions: [DVec3; 2], theta: f64, t: f64) -> Scene {
+    let mut s = scene.clone();
+    let t = 0.3 * (t - 0.5);
+    match kind {
+        0 => s.lobe.0 = (s.lobe.0 + directions[0] * (theta * t)).normalize(),
+        1 => {
+            let d = s.spheres[0].0.distance(s.position);
+            s.spheres[0].0 += directions[0] * (d * theta * t);
+        }
+        2 => s.light.0 += directions[0] * (10.0 * theta * t),
+        3 => s.position += directions[0] * (2.0 * theta * t),
+        _ => {
+            s.normal = (s.normal + directions[0] * (theta * t)).normalize();
+            if s.lobe.1 == 1.0 {
+                s.lobe.0 = s.normal;
+            }
+        }
+    }
+    s
+}
+
+fn pops(tolerance: f32, cases: usize, steps: usize, through: bool, count: usize) -> Vec<(f64, String)> {
+    let mut random = Random::new(3);
+    let mut found = Vec::new();
+    for case in 0..cases {
+        let theta = [0.003, 0.03, 0.15, 0.43][case % 4];
+        let e = EXPONENTS[case / 4 % 6];
+        let mut scene = Scene::random(&mut random, theta, e, count, through);
+        scene.tolerance = tolerance;
+        let directions = [random.axis(), random.axis()];
+        for kind in 0..5 {
+            if kind == 0 && e == 1.0 {
+                continue;
+            }
+            let (size, t) = pop(steps, |t| sweep(&scene, kind, directions, theta, t));
+            found.push((size, format!("case {case} {} θ {theta} e {e} t {t}", SWEEPS[kind])));
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found
+}
+
+#[test]
+fn small_moves_make_small_changes() {
+    for tolerance in [0.003] {
+        for (through, count) in [(false, 1), (false, 3), (true, 2)] {
+            let found = pops(tolerance, 96, 200, through, count);
+            println!("τ {tolerance} horizon {through} blockers {count}:");
+            for (size, what) in &found[..8] {
+                println!("   {:.3} % {what}", 100.0 * size);
+            }
+            let median = found[found.len() / 2].0;
+            println!("   median {:.4} %, 90 % {:.4} %", 100.0 * median, 100.0 * found[found.len() / 10].0);
+        }
+    }
+}
+
+#[test]
+fn turning_everything_changes_nothing() {
+    let mut random = Random::new(4);
+    let (mut worst, mut sum, mut n) = ((0.0_f64, String::new()), 0.0, 0.0);
+    for case in 0..1500 {
+        let theta = [0.003, 0.03, 0.15, 0.43][case % 4];
+        let scene = Scene::random(&mut random, theta, EXPONENTS[case / 4 % 6], 1 + case % 3, case % 5 == 0);
+        let turn = DQuat::from_axis_angle(random.axis(), random.between(0.0, 6.0));
+        let change = (scene.share() - scene.transformed(turn, 1.0, DVec3::ZERO).share()).abs();
+        sum += change;
+        n += 1.0;
+        if change > worst.0 {
+            worst = (change, format!("case {case} θ {theta} e {}", scene.lobe.1));
+        }
+    }
+    println!("turned: mean {:.2e}, max {:.2e} {}", sum / n, worst.0, worst.1);
+    assert!(worst.0 < 3e-3 && sum / n < 2e-5);
+}
+
+#[test]
+fn size_and_place_change_only_the_rounding() {
+    for (scale, shift) in [(1e-4, 0.0), (1e6, 0.0), (1.0, 1e3), (1.0, 1e5), (1e-4, 10.0)] {
+        for theta in [0.003, 0.03, 0.43] {
+            let mut random = Random::new(5);
+            let (mut worst, mut sum, mut n) = (0.0_f64, 0.0, 0.0);
+            for case in 0..400 {
+                let scene = Scene::random(&mut random, theta, EXPONENTS[case % 6], 1 + case % 3, false);
+                let shift = random.axis() * shift;
+                let moved = scene.transformed(DQuat::IDENTITY, scale, shift);
+                let change = (scene.share() - moved.share()).abs();
+                worst = worst.max(change);
+                sum += change;
+                n += 1.0;
+            }
+            // Half an ulp of the coordinates against the width of the penumbra: light and blockers are 10 away or nearer.
+            let ulp = 6e-8 * (shift / scale).max(10.0);
+            let expected = ulp / (1.0 * theta);
+            println!(
+                "scale {scale:.0e} shift {shift:.0e} θ {theta}: mean {:.2e}, max {worst:.2e}; rounding {expected:.1e}",
+                sum / n
+            );
+            assert!(worst < 3e-3 + 20.0 * expected && sum / n < 3e-5 + 2.0 * expected);
+        }
+    }
+}
+
+#[test]
+fn dispatch_and_reuse_are_bit_identical() {
+    let mut random = Random::new(6);
+    let scenes: Vec<_> = (0..200)
+        .map(|k| Scene::random(&mut random, [0.02, 0.4][k % 2], EXPONENTS[k % 6], 1 + k % 4, k % 3 == 0))
+        .collect();
+    let mut partial = 0;
+    // One strategy, one scratch, one sum for receivers in turn against fresh ones each.
+    let strategy = scenes[0].strategy();
+    let boxed: Box<dyn DynVisibility> = Box::new(scenes[0].strategy());
+    let (mut old, mut old_dyn) = (strategy.scratch(), boxed.scratch());
+    let mut old_sum = VisibilitySum::with_capacity(strategy.max_lobes());
+    let mut dyn_sum = VisibilitySum::with_capacity(boxed.max_lobes());
+    assert_eq!(boxed.max_lobes(), strategy.max_lobes());
+    for scene in &scenes {
+        // The same blockers for all: those of the first scene, placed before this scene's receiver.
+        let turn = DQuat::from_rotation_arc(
+            (scenes[0].light.0 - scenes[0].position).normalize(),
+            (scene.light.0 - scene.position).normalize(),
+        );
+        let mut here = scene.clone();
+        here.position = scenes[0].position;
+        here.light.0 = scenes[0].light.0;
+        here.normal = turn.inverse() * scene.normal;
+        here.lobe.0 = turn.inverse() * scene.lobe.0;
+        if here.lobe.1 == 1.0 {
+            here.lobe.0 = here.normal;
+        }
+        let fresh = here.share_with(
+            &strategy,
+            &mut strategy.scratch(),
+            &mut VisibilitySum::with_capacity(strategy.max_lobes()),
+        );
+        assert_eq!(fresh.to_bits(), here.share_with(&strategy, &mut old, &mut old_sum).to_bits());
+        assert_eq!(fresh.to_bits(), here.share_with(&boxed, &mut old_dyn, &mut dyn_sum).to_bits());
+        partial += u32::from(fresh > 0.0 && fresh < 1.0);
+    }
+    assert!(partial > 20, "{partial}");
+}
+
+#[test]
+fn too_small_a_sum_is_an_error() {
+    let mut random = Random::new(7);
+    let mut seen = 0;
+    for _ in 0..60 {
+        let scene = Scene::random(&mut random, 0.4, 200.0, 3, false);
+        let strategy = scene.strategy();
+        let (at, cone, lobe) = (scene.at(), scene.cone(), scene.brdf());
+        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: scene.tolerance };
+        let mut scratch = strategy.scratch();
+        if strategy.coverage(&query, &mut scratch) != Coverage::Partial {
+            continue;
+        }
+        let unshadowed = scene.unshadowed();
+        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+        strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut sum).unwrap();
+        let needed = sum.whole.lobes().len();
+        assert!(needed <= strategy.max_lobes());
+        for capacity in [0, 1, needed / 2, needed - 1] {
+            if capacity >= needed {
+                continue;
+            }
+            let mut small = VisibilitySum::with_capacity(capacity);
+            let result = strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut small);
+            assert_eq!(result, Err(LobesFull));
+            seen += 1;
+        }
+        let mut exact = VisibilitySum::with_capacity(needed);
+        assert_eq!(strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut exact), Ok(()));
+    }
+    assert!(seen > 40);
+}
+
+#[test]
+fn shares_are_shares_at_the_extremes() {
+    let mut random = Random::new(8);
+    let mut partial = 0;
+    for case in 0..40_000 {
+        let theta = [1e-7, 1e-5, 1e-3, 0.1, 0.8, 1.4, 1.55][case % 7];
+        let e = [0.0, 1e-6, 0.5, 1.0, 40.0, 1e5, 1e7, f64::INFINITY][(random.bits() % 8) as usize];
+        let mut scene = Scene::random(&mut random, theta, e.clamp(1.0, 1e7), case % 4, case % 3 == 0);
+        let axis = (scene.light.0 - scene.position).normalize();
+        scene.lobe.1 = if scene.lobe.1 == 1.0 { 1.0 } else { e };
+        match case % 11 {
+            0 => scene.lobe.0 = axis,
+            1 => scene.lobe.0 = -axis,
+            2 => scene.lobe.0 = -scene.normal,
+            3 => scene.normal = axis,
+            4 => scene.normal = -axis,
+            5 => scene.lobe.0 = random.axis(),
+            6 => scene.normal = axis.any_orthonormal_vector(),
+            7 => scene.light.1 = 10.0,
+            8 => scene.light.1 = 11.0,
+            9 => scene.spheres.push(scene.light),
+            _ => {
+                let copies = scene.spheres.clone();
+                (0..3).for_each(|_| scene.spheres.extend_from_slice(&copies));
+            }
+        }
+        if case % 13 == 0 {
+            scene.spheres.push((scene.position + random.axis() * 0.5, 0.5));
+        }
+        if case % 17 == 0 {
+            scene.spheres.push((scene.position, 0.3));
+        }
+        if case % 19 == 0 {
+            scene.spheres.push((scene.position + axis * 3.0, 0.0));
+        }
+        if case % 23 == 0 {
+            scene.light.1 = 0.0;
+        }
+        let share = scene.share();
+        partial += u32::from(share > 0.0 && share < 1.0);
+    }
+    println!("{partial} partial");
+    assert!(partial > 4000);
+}
+
+#[test]
+#[ignore = "diagnostic"]
+fn diagnose() {
+    let case_at = |wanted: usize, kind: usize, t: f64, through: bool, count: usize| {
+        let mut random = Random::new(3);
+        for case in 0..=wanted {
+            let theta = [0.003, 0.03, 0.15, 0.43][case % 4];
+            let e = EXPONENTS[case / 4 % 6];
+            let mut scene = Scene::random(&mut random, theta, e, count, through);
+            scene.tolerance = 0.003;
+            let directions = [random.axis(), random.axis()];
+            if case == wanted {
+                println!("--- case {case} {} θ {theta} e {e} t {t} horizon {through}", SWEEPS[kind]);
+                for k in -3..12 {
+                    let s = sweep(&scene, kind, directions, theta, t + f64::from(k) / 800.0);
+                    let strategy = s.strategy();
+                    let mut scratch = strategy.scratch();
+                    let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+                    let share = s.share_with(&strategy, &mut scratch, &mut sum);
+                    let total = |l: lobe_core::Lobes<'_>| l.iter().map(|c| c.flux.x).sum::<f32>();
+                    println!(
+                        "{share:.5} lobes {} {} flux {:.6} {:.6} unshadowed {:.4e}",
+                        sum.lobes.lobes().len(),
+                        sum.whole.lobes().len(),
+                        total(sum.lobes.lobes()),
+                        total(sum.whole.lobes()),
+                        s.unshadowed()
+                    );
+                }
+            }
+        }
+    };
+    case_at(59, 2, 0.19, false, 1);
+    case_at(59, 1, 0.85, false, 1);
+    case_at(19, 2, 0.015, true, 2);
+    case_at(63, 2, 0.485, true, 2);
+    case_at(63, 0, 0.165, true, 2);
+}
+
+#[test]
+#[ignore = "diagnostic"]
+fn brighten() {
+    let mut random = Random::new(2);
+    let mut found = Vec::new();
+    for case in 0..3000 {
+        let (k, theta) = (case % 6, [0.003, 0.03, 0.15, 0.43][case / 6 % 4]);
+        let mut scene = Scene::random(&mut random, theta, EXPONENTS[k], 1 + case % 5, false);
+        scene.tolerance = 0.003;
+        let after = scene.share();
+        let full = scene.clone();
+        scene.spheres.pop();
+        found.push((after - scene.share(), case, full, scene));
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (size, case, full, less) in &found[..10] {
+        println!(
+            "--- {:.3} % case {case} θ {} e {} {} blockers",
+            size * 100.0,
+            [0.003, 0.03, 0.15, 0.43][case / 6 % 4],
+            full.lobe.1,
+            full.spheres.len()
+        );
+        for s in [full, less] {
+            let strategy = s.strategy();
+            let mut scratch = strategy.scratch();
+            let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+            let (at, cone) = (s.at(), s.cone());
+            let q = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let c = strategy.coverage(&q, &mut scratch);
+            let share = s.share_with(&strategy, &mut scratch, &mut sum);
+            let total = |l: lobe_core::Lobes<'_>| l.iter().map(|c| c.flux.x).sum::<f32>();
+            println!(
+                "{share:.5} {c:?} lobes {} {} flux {:.6} {:.6} unshadowed {:.4e} truth {:.5}",
+                sum.lobes.lobes().len(),
+                sum.whole.lobes().len(),
+                total(sum.lobes.lobes()),
+                total(sum.whole.lobes()),
+                s.unshadowed(),
+                truth(s, 600)
+            );
+        }
+    }
+}
+
+/// Share by a grid in f64 over the whole light.
+fn truth(s: &Scene, n: usize) -> f64 {
+    let to_light = s.light.0 - s.position;
+    let axis = to_light.normalize();
+    let (right, up) = axis.any_orthonormal_pair();
+    let sin = s.light.1 / to_light.length();
+    let disc = sin / (1.0 - sin * sin).sqrt();
+    let (mut lit, mut all) = (0.0, 0.0);
+    for j in 0..n {
+        for i in 0..n {
+            let c = |k: usize| disc * (2.0 * (k as f64 + 0.5) / n as f64 - 1.0);
+            let l2 = c(i).powi(2) + c(j).powi(2);
+            if l2 >= disc * disc {
+                continue;
+            }
+            let v = (right * c(i) + up * c(j) + axis).normalize();
+            let (cos, a) = (v.dot(s.normal), v.dot(s.lobe.0));
+            if cos <= 0.0 || a <= 0.0 {
+                continue;
+            }
+            let w = (s.lobe.1 * a.ln()).exp() * (1.0 + l2).powf(-1.5) * if s.lobe.2 { cos } else { 1.0 };
+            all += w;
+            let hit = |(center, r): &(DVec3, f64)| {
+                let to = *center - s.position;
+                let along = to.dot(v);
+                along > 0.0 && (to - v * along).length() < *r
+            };
+            if !s.spheres.iter().any(hit) {
+                lit += w;
+            }
+        }
+    }
+    lit / all
+}
+
+#[test]
+#[ignore = "timing"]
+fn time() {
+    let mut random = Random::new(9);
+    let scenes: Vec<_> = (0..600)
+        .map(|k| Scene::random(&mut random, [0.02, 0.15][k % 2], [1.0, 200.0][k / 2 % 2], 1 + k % 8, false))
+        .collect();
+    let strategies: Vec<_> = scenes.iter().map(Scene::strategy).collect();
+    let mut scratches: Vec<_> = strategies.iter().map(VisibilityLobes::scratch).collect();
+    let mut sum = VisibilitySum::with_capacity(strategies[0].max_lobes());
+    let mut best = f64::MAX;
+    for _ in 0..12 {
+        let start = std::time::Instant::now();
+        let total: f64 =
+            scenes.iter().zip(&strategies).zip(&mut scratches).map(|((s, v), m)| s.share_with(v, m, &mut sum)).sum();
+        best = best.min(start.elapsed().as_secs_f64());
+        std::hint::black_box(total);
+    }
+    println!("{:.2} us a point", best / 600.0 * 1e6);
+}
