@@ -188,7 +188,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "PNG")]
     pub(crate) diff: Option<PathBuf>,
 
-    /// The difference that has full colour in --diff; the largest one when left out
+    /// The difference that has full colour in --diff; when left out, what 99 % of the pixels that differ stay below
     #[arg(long, value_name = "D", value_parser = positive)]
     pub(crate) diff_scale: Option<f32>,
 

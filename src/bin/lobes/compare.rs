@@ -39,9 +39,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
     let flip = FlipMap::of(&test, &reference, args.exposure)?;
 
     if let Some(output) = diff {
-        let difference = |(a, b): (&glam::Vec3, &glam::Vec3)| (luminance(*a) - luminance(*b)).abs();
-        let largest = test.pixels().iter().zip(reference.pixels()).map(difference).fold(0.0, f64::max);
-        let scale = args.diff_scale.map_or(largest, f64::from);
+        let scale = args.diff_scale.map_or_else(|| usual_difference(&test, &reference), f64::from);
         write_png(output, test.width(), test.height(), &signed_difference(&test, &reference, scale)?)?;
     }
     if let Some(output) = heatmap {
@@ -53,6 +51,15 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
         print(&comparison, flip.mean(), shadows.as_ref());
     }
     Ok(())
+}
+
+/// 99th percentile of the differences of luminance that are not zero.
+fn usual_difference(test: &Picture, reference: &Picture) -> f64 {
+    let difference = |(a, b): (&glam::Vec3, &glam::Vec3)| (luminance(*a) - luminance(*b)).abs();
+    let all = test.pixels().iter().zip(reference.pixels()).map(difference);
+    let mut differences: Vec<f64> = all.filter(|d| *d > 0.0).collect();
+    differences.sort_unstable_by(f64::total_cmp);
+    differences.get(differences.len() * 99 / 100).copied().unwrap_or(1.0)
 }
 
 fn to_json(comparison: &Comparison, flip: f64, shadows: Option<&ShadowErrors>) -> Result<String, Failure> {

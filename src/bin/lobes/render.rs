@@ -15,7 +15,7 @@ use std::io::Write;
 use std::time::Instant;
 
 /// Camera rays in flight: bounds the memory of large pictures.
-const BAND_RAYS: u64 = 1 << 21;
+const BAND_RAYS: u64 = 1 << 19;
 
 /// Seconds outside shading.
 #[derive(Default)]
