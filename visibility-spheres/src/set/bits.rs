@@ -77,11 +77,19 @@ impl BitImage {
 
 /// The pixels whose centres lie in `[lo, hi)`, clipped to the image.
 fn pixels(size: usize, lo: f32, hi: f32) -> core::ops::Range<usize> {
+    round_up(lo - 0.5).min(size)..round_up(hi - 0.5).min(size)
+}
+
+/// `max(⌈x⌉, 0)`, without a call into the mathematics library. NaN gives 0.
+#[inline]
+pub(crate) fn round_up(x: f32) -> usize {
     // A cast from a negative number saturates at 0.
-    ((lo - 0.5).ceil() as usize).min(size)..((hi - 0.5).ceil() as usize).min(size)
+    let below = x as u32;
+    below as usize + usize::from(below as f32 - x < 0.0)
 }
 
 /// Calls `span(row, start, end)` for each row of a disc's pixels.
+#[inline]
 pub(crate) fn for_disc(size: usize, center: Vec2, radius: f32, mut span: impl FnMut(usize, usize, usize)) {
     for row in pixels(size, center.y - radius, center.y + radius) {
         let y = row as f32 + 0.5 - center.y;

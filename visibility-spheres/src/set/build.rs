@@ -16,6 +16,9 @@ use super::view::{View, error};
 /// Directions of the descent, over half the sphere: opposite ones have the same silhouette.
 const VIEWS: usize = 96;
 
+/// Places that each round chooses among.
+const PLACES: usize = 4000;
+
 /// Room around the mesh's silhouette in a view, in units of D: balls do not reach farther out.
 const MARGIN: f32 = 0.04;
 
@@ -40,35 +43,32 @@ pub(crate) fn build(
     let views = views(&surface.triangles, options.count);
     report(0.15)?;
     let mut random = Random::new(options.seed);
-    let places = solid.scatter(tree, 8000, &mut random);
-    descend(&views, &mut spheres, 200, [0.004, 0.0006], &mut random);
+    let places = solid.scatter(tree, 2 * PLACES, &mut random);
+    // Smaller spheres want smaller steps: with 512, steps of the size that is right for 64 double the error.
+    let scale = (64.0 / options.count as f32).min(1.0);
+    let rates = |first: f32, last: f32| [first * scale, last * scale];
+    descend(&views, &mut spheres, 200, rates(0.004, 0.0006), &mut random);
     let mut best = error(&views, &spheres);
     for round in 0..options.rounds {
-        let done = round as f32 / options.rounds as f32;
-        report(0.25 + 0.6 * done)?;
+        let left = 1.0 - round as f32 / options.rounds as f32;
+        report(0.85 - 0.65 * left)?;
         let mut trial = spheres.clone();
-        let moved = ((0.15 - 0.11 * done) * options.count as f32).ceil() as usize;
+        let moved = ((0.04 + 0.11 * left) * options.count as f32 + 2.0 * left).ceil() as usize;
         take_out(&views, &mut trial, moved, &mut random);
         let missing = options.count - trial.len();
-        let from = random.below(places.len() / 2 + 1);
-        insert(&views, &mut trial, &places[from..from + places.len() / 2], missing, &mut random);
-        descend(&views, &mut trial, 120, [0.002, 0.0004], &mut random);
+        let from = random.below(places.len() - PLACES.min(places.len()) + 1);
+        let some = &places[from..(from + PLACES).min(places.len())];
+        insert(&views, &mut trial, some, missing, &mut random);
+        descend(&views, &mut trial, 60, rates(0.002, 0.0004), &mut random);
         let found = error(&views, &trial);
-        if std::env::var_os("SETS_LOG").is_some() {
-            eprintln!("round {round}: {found:.5} against {best:.5}, {} moved, {}", moved, trial.len());
-        }
         if found < best {
             (spheres, best) = (trial, found);
         }
     }
     report(0.85)?;
     let mut trial = spheres.clone();
-    descend(&views, &mut trial, 300, [0.001, 0.0001], &mut random);
-    let found = error(&views, &trial);
-    if std::env::var_os("SETS_LOG").is_some() {
-        eprintln!("final: {found:.5} against {best:.5}");
-    }
-    if found < best {
+    descend(&views, &mut trial, 300, rates(0.001, 0.0001), &mut random);
+    if error(&views, &trial) < best {
         spheres = trial;
     }
     report(0.95)?;
@@ -82,7 +82,10 @@ fn views(triangles: &[[Vec3; 3]], count: usize) -> Vec<View> {
         161..=640 => 256,
         _ => 384,
     };
-    (0..VIEWS).into_par_iter().map(|i| View::new(fibonacci(i, 2 * VIEWS), triangles, MARGIN, size)).collect()
+    let mut views: Vec<View> =
+        (0..VIEWS).into_par_iter().map(|i| View::new(fibonacci(i, 2 * VIEWS), triangles, MARGIN, size)).collect();
+    View::limit_weights(&mut views, 0.3);
+    views
 }
 
 /// Removes about `count` spheres that the silhouettes miss least, no two of them neighbours.

@@ -1,8 +1,8 @@
 use std::collections::BinaryHeap;
 
 use glam::{UVec3, Vec4};
-use rayon::prelude::*;
 
+use super::bits::round_up;
 use super::solid::Solid;
 
 /// How far a ball of the cover reaches through the surface, in units of D.
@@ -18,18 +18,25 @@ pub(crate) fn greedy_cover(solid: &Solid, count: usize) -> Vec<Vec4> {
     for (at, _) in solid.voxels() {
         open.set(at);
     }
+    for &p in solid.isolated() {
+        open.set(solid.voxel_of(p));
+    }
+    // A vertex is less than √3/2 cells from the centre of its voxel.
+    let tiny = solid.isolated().iter().map(|p| p.extend(0.9 * solid.cell()));
     let balls: Vec<Vec4> = solid
         .voxels()
         .map(|voxel| {
             let ball = solid.ball(voxel);
             ball.truncate().extend((ball.w + PROTRUSION).max(0.5 * solid.cell()))
         })
+        .chain(tiny)
         .collect();
     let gain = |open: &Grid, ball: Vec4| open.sum(solid.locate(ball.truncate()).extend(ball.w / solid.cell()));
-    let gains: Vec<u32> = balls.par_iter().map(|ball| gain(&open, *ball)).collect();
+    // To begin with, a bound: no more voxels than fit the ball grown by half a voxel's diagonal.
+    let bound = |ball: &Vec4| (core::f32::consts::PI * 4.0 / 3.0 * (ball.w / solid.cell() + 0.867).powi(3)) as u32 + 1;
     // Equal gains: the earlier voxel first.
     let mut heap: BinaryHeap<(u32, core::cmp::Reverse<usize>)> =
-        gains.into_iter().enumerate().map(|(i, gain)| (gain, core::cmp::Reverse(i))).collect();
+        balls.iter().enumerate().map(|(i, ball)| (bound(ball), core::cmp::Reverse(i))).collect();
     let mut chosen = Vec::with_capacity(count.min(balls.len()));
     while let Some((old, core::cmp::Reverse(i))) = heap.pop() {
         if chosen.len() == count || old == 0 {
@@ -87,7 +94,7 @@ impl Grid {
 /// Calls `span(row, start, end)` for each row of the voxels whose centres a ball holds.
 fn rows(dims: UVec3, ball: Vec4, mut span: impl FnMut(usize, usize, usize)) {
     let range = |center: f32, half: f32, size: u32| {
-        ((center - half - 0.5).ceil() as u32).min(size)..((center + half - 0.5).ceil() as u32).min(size)
+        (round_up(center - half - 0.5) as u32).min(size)..(round_up(center + half - 0.5) as u32).min(size)
     };
     for z in range(ball.z, ball.w, dims.z) {
         let dz = z as f32 + 0.5 - ball.z;

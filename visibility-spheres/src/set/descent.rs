@@ -43,8 +43,7 @@ pub(crate) fn descend(views: &[View], spheres: &mut [Vec4], steps: usize, rates:
         let progress = step as f32 / steps.max(2).saturating_sub(1) as f32;
         let rate = rates[0] * (rates[1] / rates[0]).powf(progress);
         decay = [decay[0] * MEMORY[0], decay[1] * MEMORY[1]];
-        for (i, (sphere, [mean, square])) in
-            spheres.iter_mut().zip(moments.iter_mut().map(|[a, b]| [a, b])).enumerate()
+        for (i, (sphere, [mean, square])) in spheres.iter_mut().zip(moments.iter_mut().map(|[a, b]| [a, b])).enumerate()
         {
             let gradient = partial.iter().map(|p| p.sums[i]).sum::<Vec4>();
             *mean = *mean * MEMORY[0] + gradient * (1.0 - MEMORY[0]);

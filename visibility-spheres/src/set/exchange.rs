@@ -8,6 +8,9 @@ use super::view::View;
 /// Radii tried at a place: depth plus these, in units of D.
 const PROTRUSIONS: [f32; 4] = [0.0, 0.004, 0.01, 0.02];
 
+/// One in so many views judges all places.
+const SPARSE: usize = 8;
+
 /// Candidates that the choice is made among, per sphere to be placed.
 const SHORTLIST: usize = 40;
 
@@ -111,15 +114,15 @@ impl<'a> Gains<'a> {
 }
 
 /// Adds up to `count` spheres where each lowers the silhouette error most, among `places` (centre, depth) with several
-/// radii. All places are judged in every fourth view, the best ones in all. Stops when nothing helps.
+/// radii. All places are judged in every [`SPARSE`]th view, the best ones in all. Stops when nothing helps.
 pub(crate) fn insert(views: &[View], spheres: &mut Vec<Vec4>, places: &[Vec4], count: usize, random: &mut Random) {
     let mut gains: Vec<Gains> = views.par_iter().map(|view| Gains::new(view, spheres)).collect();
-    let first = random.below(4);
+    let first = random.below(SPARSE);
     let mut candidates: Vec<(f32, Vec4)> = places
         .par_iter()
         .flat_map_iter(|place| PROTRUSIONS.iter().map(|out| place.truncate().extend(place.w + out)))
         .filter(|ball| ball.w > 0.0)
-        .map(|ball| (gains.iter().skip(first).step_by(4).map(|view| view.gain(ball)).sum::<f32>(), ball))
+        .map(|ball| (gains.iter().skip(first).step_by(SPARSE).map(|view| view.gain(ball)).sum::<f32>(), ball))
         .collect();
     candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
     candidates.truncate(SHORTLIST * count);

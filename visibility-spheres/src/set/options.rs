@@ -23,7 +23,7 @@ impl BuildOptions {
     /// The full silhouette descent.
     #[must_use]
     pub const fn new(count: usize) -> Self {
-        Self { count, seed: 0, rounds: 10 }
+        Self { count, seed: 0, rounds: 40 }
     }
 
     /// The greedy cover by inner spheres alone: several times faster, about three times the silhouette error.

@@ -24,12 +24,7 @@ const SET_ONLY: Vec3 = Vec3::new(0.16, 0.44, 0.88);
 /// # Errors
 /// [`BuildError`] if the mesh could not have been built from, or [`BuildError::ExtentOutOfRange`] if the picture has no
 /// or too many pixels.
-pub fn preview(
-    set: &SphereSet,
-    positions: &[Vec3],
-    triangles: &[[u32; 3]],
-    size: u32,
-) -> Result<Pixmap, BuildError> {
+pub fn preview(set: &SphereSet, positions: &[Vec3], triangles: &[[u32; 3]], size: u32) -> Result<Pixmap, BuildError> {
     let surface = Surface::new(positions, triangles)?;
     let spheres: Vec<Vec4> = set.spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
     let side = size.clamp(16, 4096) as usize;

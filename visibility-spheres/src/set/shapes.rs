@@ -46,9 +46,8 @@ pub(crate) fn bumpy_ball(n: u32) -> Vec<[Vec3; 3]> {
 
 /// The cube `[−½, ½]³`, outward.
 pub(crate) fn cube() -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let positions = (0..8)
-        .map(|i| Vec3::new((i & 1) as f32 - 0.5, (i >> 1 & 1) as f32 - 0.5, (i >> 2 & 1) as f32 - 0.5))
-        .collect();
+    let positions =
+        (0..8).map(|i| Vec3::new((i & 1) as f32 - 0.5, (i >> 1 & 1) as f32 - 0.5, (i >> 2 & 1) as f32 - 0.5)).collect();
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     (positions, triangles)

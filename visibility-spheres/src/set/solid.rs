@@ -12,13 +12,16 @@ pub(crate) struct Solid {
     dims: UVec3,
     /// Per voxel, at its centre: distance to the surface, positive inside.
     depth: Vec<f32>,
+    /// A vertex of each part so small that it slips between the voxels' centres, at most one a voxel.
+    isolated: Vec<Vec3>,
 }
 
 impl Solid {
     /// Voxels fine enough for a set of `count` spheres.
     pub(crate) fn new(surface: &Surface, tree: &TriangleTree, count: usize) -> Self {
         let resolution = match count {
-            0..=160 => 64,
+            0..=40 => 48,
+            41..=160 => 64,
             161..=640 => 96,
             _ => 128,
         };
@@ -47,7 +50,40 @@ impl Solid {
                 *depth = if last.1 { distance } else { -distance };
             }
         });
-        Self { low, cell, dims, depth }
+        let mut solid = Self { low, cell, dims, depth, isolated: Vec::new() };
+        solid.isolated = solid.find_isolated(surface);
+        solid
+    }
+
+    /// The vertices with no solid voxel around them.
+    fn find_isolated(&self, surface: &Surface) -> Vec<Vec3> {
+        let mut seen = std::collections::HashSet::new();
+        let last = self.dims - 1;
+        let alone = |p: &Vec3| {
+            let at = self.voxel_of(*p);
+            if !seen.insert(at) {
+                return false;
+            }
+            let (from, to) = (at.saturating_sub(UVec3::ONE), (at + 1).min(last));
+            !(from.z..=to.z).any(|z| {
+                (from.y..=to.y)
+                    .any(|y| (from.x..=to.x).any(|x| self.is_solid(self.depth[self.index(UVec3::new(x, y, z))])))
+            })
+        };
+        surface.triangles.iter().flatten().copied().filter(alone).collect()
+    }
+
+    pub(crate) fn isolated(&self) -> &[Vec3] {
+        &self.isolated
+    }
+
+    /// The voxel that holds `p`, or the nearest one.
+    pub(crate) fn voxel_of(&self, p: Vec3) -> UVec3 {
+        self.locate(p).max(Vec3::ZERO).as_uvec3().min(self.dims - 1)
+    }
+
+    fn is_solid(&self, depth: f32) -> bool {
+        depth > -0.5 * self.cell
     }
 
     pub(crate) const fn cell(&self) -> f32 {
@@ -80,7 +116,7 @@ impl Solid {
 
     /// The solid voxels: inside, or with the surface within half a cell.
     pub(crate) fn voxels(&self) -> impl Iterator<Item = (UVec3, f32)> + '_ {
-        self.depth.iter().enumerate().filter(|(_, depth)| **depth > -0.5 * self.cell).map(|(i, depth)| {
+        self.depth.iter().enumerate().filter(|(_, depth)| self.is_solid(**depth)).map(|(i, depth)| {
             let (i, dims) = (i as u32, self.dims);
             (UVec3::new(i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y), *depth)
         })
@@ -94,12 +130,12 @@ impl Solid {
     /// `count` scattered balls that touch the surface from inside: (centre, depth), depth ≥ 0.
     pub(crate) fn scatter(&self, tree: &TriangleTree, count: usize, random: &mut Random) -> Vec<Vec4> {
         let voxels: Vec<_> = self.voxels().collect();
-        if voxels.is_empty() {
-            return Vec::new();
-        }
         let places: Vec<Vec3> = (0..count)
             .map(|_| {
-                let (at, _) = voxels[random.below(voxels.len())];
+                let i = random.below(voxels.len() + self.isolated.len());
+                let Some((at, _)) = voxels.get(i) else {
+                    return self.isolated[i - voxels.len()];
+                };
                 let jitter = Vec3::new(random.unit(), random.unit(), random.unit());
                 self.low + (at.as_vec3() + jitter) * self.cell
             })

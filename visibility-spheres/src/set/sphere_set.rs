@@ -105,11 +105,7 @@ impl SphereSet {
     ///
     /// # Errors
     /// As [`SphereSet::measure`].
-    pub fn self_distance_of(
-        positions: &[Vec3],
-        triangles: &[[u32; 3]],
-        spheres: &[Sphere],
-    ) -> Result<f32, BuildError> {
+    pub fn self_distance_of(positions: &[Vec3], triangles: &[[u32; 3]], spheres: &[Sphere]) -> Result<f32, BuildError> {
         if spheres.is_empty() {
             return Err(BuildError::NoSpheres);
         }

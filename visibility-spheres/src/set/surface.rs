@@ -34,8 +34,11 @@ impl Surface {
         let to_unit = |p: Vec3| ((p.as_dvec3() - center) / diagonal).as_vec3();
 
         let (vertices, welded) = weld(positions.iter().map(|&p| to_unit(p)), &used);
-        let mut faces: Vec<[u32; 3]> =
-            triangles.iter().map(|t| canonical(t.map(|i| welded[i as usize]))).filter(|f| has_area(&vertices, f)).collect();
+        let mut faces: Vec<[u32; 3]> = triangles
+            .iter()
+            .map(|t| canonical(t.map(|i| welded[i as usize])))
+            .filter(|f| has_area(&vertices, f))
+            .collect();
         remove_repeats(&mut faces);
         if faces.is_empty() {
             return Err(BuildError::NoArea);

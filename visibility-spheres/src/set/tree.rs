@@ -71,7 +71,8 @@ impl TriangleTree {
                     }
                 } else {
                     let (left, right) = (number + 1, node.first);
-                    let (dl, dr) = (self.nodes[left as usize].distance_sq(p), self.nodes[right as usize].distance_sq(p));
+                    let (dl, dr) =
+                        (self.nodes[left as usize].distance_sq(p), self.nodes[right as usize].distance_sq(p));
                     let (near, far) = if dl <= dr { ((dl, left), (dr, right)) } else { ((dr, right), (dl, left)) };
                     // The tree halves its triangles, so 64 levels hold more than 2⁶⁴ of them.
                     stack[depth] = far;
@@ -206,7 +207,8 @@ mod tests {
         let tree = TriangleTree::new(&mesh);
         for i in 0..500 {
             let p = shapes::scattered(i) * 1.6;
-            let exact: f64 = mesh.iter().map(|t| f64::from(solid_angle(p, t))).sum::<f64>() / (4.0 * std::f64::consts::PI);
+            let exact: f64 =
+                mesh.iter().map(|t| f64::from(solid_angle(p, t))).sum::<f64>() / (4.0 * std::f64::consts::PI);
             let fast = tree.winding(p);
             assert!((f64::from(fast) - exact).abs() < 0.03, "{p}: {fast} against {exact}");
             assert!((exact - exact.round()).abs() < 1e-3);

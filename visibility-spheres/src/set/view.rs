@@ -77,7 +77,7 @@ pub(crate) struct View {
     pub(crate) frame: Frame,
     /// Pixels a side.
     pub(crate) size: usize,
-    /// 1 / silhouette area, in pixels.
+    /// 1 / silhouette area, in pixels; the weight of a pixel of this view.
     pub(crate) inverse_area: f32,
     /// The silhouette at twice the resolution.
     fine: BitImage,
@@ -104,6 +104,17 @@ impl View {
         Self { frame, size, inverse_area: 1.0 / area, fine, outside, soft }
     }
 
+    /// Weighs the views by at least `share` of their mean silhouette area: a sheet seen from its edge, where any sphere
+    /// is an error of many times the silhouette, must not keep the spheres from covering it face on.
+    pub(crate) fn limit_weights(views: &mut [Self], share: f32) {
+        // In units of D², since the views have scales of their own.
+        let area = |view: &Self| 1.0 / (view.inverse_area * view.frame.scale * view.frame.scale);
+        let least = share * views.iter().map(area).sum::<f32>() / views.len() as f32;
+        for view in views {
+            view.inverse_area /= (least / area(view)).max(1.0);
+        }
+    }
+
     /// Half-way smooth sign at a point of the image: −1 well inside the silhouette, 1 well outside.
     pub(crate) fn sign(&self, p: Vec2) -> f32 {
         let last = (self.size - 2) as f32;
@@ -122,7 +133,7 @@ impl View {
         (top + (bottom - top) * fy) * (1.0 / 64.0)
     }
 
-    /// Area of the difference of the two silhouettes over the area of the mesh's.
+    /// Area of the difference of the two silhouettes, weighted.
     pub(crate) fn error(&self, spheres: &[Vec4], scratch: &mut BitImage) -> f32 {
         scratch.clear();
         self.frame.finer(2.0).draw_spheres(spheres, scratch);
