@@ -22,9 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         triangles.extend(model.mesh.indices.chunks_exact(3).map(|t| [t[0] + first, t[1] + first, t[2] + first]));
     }
 
-    let rounds = std::env::var("ROUNDS").ok().and_then(|rounds| rounds.parse().ok());
-    let mut build = BuildOptions::new(count.parse()?);
-    build.rounds = rounds.unwrap_or(build.rounds);
+    let build = BuildOptions::new(count.parse()?);
     let start = Instant::now();
     let set = SphereSet::build(&positions, &triangles, &build)?;
     let diagonal = set.mesh_bounds[0].distance(set.mesh_bounds[1]);

@@ -132,15 +132,13 @@ pub(crate) fn insert(views: &[View], spheres: &mut Vec<Vec4>, places: &[Vec4], c
         // Gains mostly shrink as spheres are placed, so what was not asked again is mostly below its old gain.
         let mut best = None;
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for i in 0..candidates.len() {
-            let (old, ball) = candidates[i];
-            if best.is_some_and(|(gain, _)| old <= gain) {
+        for (old, ball) in &mut candidates {
+            if best.is_some_and(|(gain, _)| *old <= gain) {
                 break;
             }
-            let now = exact(&gains, ball);
-            candidates[i].0 = now;
-            if now > 0.0 && best.is_none_or(|(gain, _)| now > gain) {
-                best = Some((now, ball));
+            *old = exact(&gains, *ball);
+            if *old > 0.0 && best.is_none_or(|(gain, _)| *old > gain) {
+                best = Some((*old, *ball));
             }
         }
         let Some((_, ball)) = best else { break };
