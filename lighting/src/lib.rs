@@ -6,6 +6,7 @@
 //!
 //! Out of scope: what blocks (the `visibility-*` crates), scenes, images.
 
+mod contour;
 mod cut;
 mod mask;
 mod node;
@@ -18,6 +19,7 @@ mod square;
 mod tests;
 mod visibility;
 
+pub use crate::contour::Contour;
 pub use crate::mask::{Covers, MAX_DEPTH, Mask};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
 pub use crate::paper_weights::PaperWeights;

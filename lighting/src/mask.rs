@@ -289,6 +289,12 @@ impl Mask {
         (0..self.side()).map(row).fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d))
     }
 
+    /// True when nothing that emits is blocked.
+    #[must_use]
+    pub fn is_lit(&self) -> bool {
+        (0..self.side()).all(|j| (self.blocked[j] | self.partial[j]) & self.emitting_cells(j) == 0)
+    }
+
     /// True when every emitting cell is blocked.
     #[must_use]
     pub fn is_dark(&self) -> bool {

@@ -134,6 +134,9 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         scratch.square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers));
         scratch.full.reset(&scratch.square, self.depth, query.at.normal);
         self.blockers.splat(query, &mut scratch.blockers, &mut scratch.full);
+        if scratch.full.is_lit() {
+            return Coverage::Lit;
+        }
         if scratch.full.is_dark() {
             return Coverage::Dark;
         }

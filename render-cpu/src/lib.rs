@@ -2,6 +2,7 @@
 
 mod blockers;
 mod gbuffer;
+mod rays;
 mod reference;
 mod shade;
 #[cfg(test)]
@@ -10,6 +11,7 @@ mod world;
 
 pub use crate::blockers::{BlockersError, BlockersProgress, blockers};
 pub use crate::gbuffer::{GBuffer, TILE};
+pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};
 pub use crate::shade::{CpuShader, Layers};
 pub use crate::world::{Hit, World};

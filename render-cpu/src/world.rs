@@ -1,3 +1,6 @@
+mod query;
+
+pub(crate) use self::query::{Primitive, Region};
 use core::time::Duration;
 use glam::{DVec3, Vec3, Vec3A};
 use lobe_core::Sphere;

@@ -1,0 +1,117 @@
+use crate::World;
+use crate::world::{Primitive, Region};
+use core::sync::atomic::{AtomicU64, Ordering};
+use glam::Vec3;
+use lighting::{Blockers, Contour, Mask};
+use lobe_core::{Cone, Coverage, Shaft, VisibilityQuery};
+
+/// So many primitives in a group's shaft are tested one by one for each receiver; more are left to the hierarchy.
+const LISTED: usize = 48;
+
+/// The `rays` strategy: shadow rays on the true triangles and balls decide the cells of the mask. Wrap it in
+/// [`MaskVisibility`](lighting::MaskVisibility).
+///
+/// # Method
+/// Rays stop at the first thing they meet (any hit), and the [`Contour`] asks for as few of them as a mask takes. No
+/// ray is shot where a plane parts the cone of light from everything that blocks: the plane of the receiver's face, one
+/// through the light, or one that touches the cone; nor where all of the light is below the receiver's face.
+///
+/// Rays start off the surface, moved along the geometric normal as [`World::leave`] does; where the receiver lies on no
+/// surface of its object, along the shading normal. So a surface does not shadow itself by rounding, and what rests on
+/// it casts its shadow down to a distance of 5e-7 of the scene's extent.
+#[derive(Debug)]
+pub struct RayBlockers<'w> {
+    world: &'w World<'w>,
+    start: usize,
+    bisections: u32,
+    rays: AtomicU64,
+}
+
+impl<'w> RayBlockers<'w> {
+    /// Shadow rays in this world, with the default [`Contour`].
+    #[must_use]
+    pub const fn new(world: &'w World<'w>) -> Self {
+        Self::with_detail(world, 8, 2)
+    }
+
+    /// The same with the detail of [`Contour::new`]: coarse blocks a side, bisections.
+    #[must_use]
+    pub const fn with_detail(world: &'w World<'w>, start: usize, bisections: u32) -> Self {
+        Self { world, start, bisections, rays: AtomicU64::new(0) }
+    }
+
+    /// Shadow rays shot so far, by all threads.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.rays.load(Ordering::Relaxed)
+    }
+}
+
+/// Working memory of [`RayBlockers`].
+#[derive(Clone, Debug)]
+pub struct RayScratch {
+    /// Primitives in the current shaft, where they are few.
+    listed: Vec<Primitive>,
+    is_listed: bool,
+    /// Where the current receiver's rays start.
+    origin: Vec3,
+    contour: Contour,
+}
+
+impl Blockers for RayBlockers<'_> {
+    type Scratch = RayScratch;
+
+    fn scratch(&self) -> RayScratch {
+        let contour = Contour::new(self.start, self.bisections);
+        RayScratch { listed: Vec::new(), is_listed: false, origin: Vec3::ZERO, contour }
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut RayScratch) {
+        scratch.is_listed = self.world.in_shaft(shaft, LISTED, &mut scratch.listed);
+    }
+
+    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut RayScratch) -> Coverage {
+        if scratch.is_listed && scratch.listed.is_empty() {
+            return Coverage::Lit;
+        }
+        let (at, cone) = (query.at, query.cone);
+        let face = self.world.face_normal(at);
+        let sin = cone.sin_sq().sqrt();
+        let elevation = face.map(|n| n.dot(cone.axis));
+        if elevation.is_some_and(|e| e <= -sin) {
+            return Coverage::Dark;
+        }
+        scratch.origin = self.world.leave(at.position, face.unwrap_or(at.normal));
+        if cone.one_minus_cos <= 0.0 {
+            self.rays.fetch_add(1, Ordering::Relaxed);
+            let hidden = self.world.occluded(scratch.origin, cone.axis, cone.distance);
+            return if hidden { Coverage::Dark } else { Coverage::Lit };
+        }
+        let above = elevation.is_some_and(|e| e >= sin);
+        let region = Region::new(scratch.origin, cone, if above { face } else { None });
+        let meets = if scratch.is_listed {
+            self.world.meets_any(&region, &scratch.listed)
+        } else {
+            self.world.meets(&region)
+        };
+        if meets { Coverage::Partial } else { Coverage::Lit }
+    }
+
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut RayScratch, mask: &mut Mask) {
+        let RayScratch { origin, contour, .. } = scratch;
+        let hidden = |v: Vec3| self.world.occluded(*origin, v, to_surface(query.cone, v));
+        let asked = contour.block(mask, hidden);
+        self.rays.fetch_add(asked as u64, Ordering::Relaxed);
+    }
+}
+
+/// Distance of the light's near surface along a unit direction inside the cone, or of its middle beside it.
+fn to_surface(cone: &Cone, v: Vec3) -> f32 {
+    if !cone.distance.is_finite() {
+        return f32::INFINITY;
+    }
+    let along = cone.axis.dot(v);
+    // In units of the distance: the ray passes the centre at sin δ, the light's radius is sin θ.
+    let half_sq = cone.sin_sq() - (cone.axis - v * along).length_squared();
+    cone.distance * (along - half_sq.max(0.0).sqrt())
+}

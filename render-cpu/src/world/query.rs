@@ -1,0 +1,174 @@
+//! Which primitives a whole bundle of rays may meet.
+
+use super::{Corners, Tree, World};
+use glam::{Vec3, Vec3A};
+use lobe_core::{Cone, Receiver, Shaft};
+use obvhs::aabb::Aabb;
+use obvhs::ray::Ray;
+
+/// One triangle or ball of a [`World`]; valid for that world only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Primitive {
+    Triangle(u32),
+    Ball(u32),
+}
+
+/// All rays from a point into a cone, up to a light there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Region {
+    origin: Vec3A,
+    axis: Vec3A,
+    sin: f32,
+    cos: f32,
+    /// No ray goes farther along the axis.
+    far: f32,
+    /// No ray goes below the plane with this normal through the origin.
+    face: Option<Vec3A>,
+}
+
+impl Region {
+    /// The rays to the near surface of the light that is seen as `cone`; `face` when all of them are above the surface
+    /// that they leave.
+    pub(crate) fn new(origin: Vec3, cone: &Cone, face: Option<Vec3>) -> Self {
+        let (sin_sq, cos) = (cone.sin_sq(), cone.cos());
+        // Where the tangents touch: d cos²θ along the axis, and all of the near surface is nearer.
+        let far = cone.distance * cos * cos;
+        Self { origin: origin.into(), axis: cone.axis.into(), sin: sin_sq.sqrt(), cos, far, face: face.map(Vec3A::from) }
+    }
+
+    /// True when a plane parts the rays from a convex shape: `center` is a point of it relative to the origin, `support`
+    /// its farthest extent along a direction. May be false although none meets it.
+    #[inline]
+    fn misses(&self, center: Vec3A, support: impl Fn(Vec3A) -> f32) -> bool {
+        if support(self.axis) <= 0.0 || -support(-self.axis) >= self.far {
+            return true;
+        }
+        if self.face.is_some_and(|n| support(n) <= 0.0) {
+            return true;
+        }
+        // The cone's tangent plane on the shape's side, turned outward.
+        let aside = center - self.axis * center.dot(self.axis);
+        let length = aside.length();
+        length > 0.0 && support(self.axis * self.sin - aside * (self.cos / length)) < 0.0
+    }
+
+    fn misses_box(&self, bounds: &Aabb) -> bool {
+        let center = bounds.center() - self.origin;
+        let half = 0.500_001 * bounds.diagonal();
+        self.misses(center, |n| n.dot(center) + n.abs().dot(half))
+    }
+
+    fn misses_triangle(&self, c: &Corners) -> bool {
+        let a = c.v0 - self.origin;
+        let (b, c) = (a + c.e1, a + c.e2);
+        self.misses((a + b + c) * (1.0 / 3.0), |n| n.dot(a).max(n.dot(b)).max(n.dot(c)))
+    }
+}
+
+/// Whether a box is certainly outside the hull of two balls.
+fn outside(shaft: &Shaft, bounds: &Aabb) -> bool {
+    let (from, to) = (Vec3A::from(shaft.receivers.center), Vec3A::from(shaft.light.center));
+    let (center, half) = (bounds.center(), 0.500_01 * bounds.diagonal());
+    let (wide_from, wide_to) = (Vec3A::splat(shaft.receivers.radius), Vec3A::splat(shaft.light.radius));
+    let (low, high) = ((from - wide_from).min(to - wide_to), (from + wide_from).max(to + wide_to));
+    if (bounds.min.cmpgt(high) | bounds.max.cmplt(low)).any() {
+        return true;
+    }
+    let axis = (to - from).normalize_or_zero();
+    let across = center - from - axis * (center - from).dot(axis);
+    let length = across.length();
+    if length.is_nan() || length <= 0.0 {
+        return false;
+    }
+    let n = across / length;
+    let near = n.dot(center - from) - n.abs().dot(half);
+    near > 1.000_01 * shaft.receivers.radius.max(n.dot(to - from) + shaft.light.radius)
+}
+
+impl<T> Tree<T> {
+    /// Calls `found` for primitives in boxes that are not `outside`, until it says true. Returns whether it did.
+    fn visit(&self, outside: &impl Fn(&Aabb) -> bool, found: &mut impl FnMut(u32, &T) -> bool) -> bool {
+        let Some(bvh) = &self.bvh else { return false };
+        // Seven siblings wait on each level; the hierarchy is never deeper than 32.
+        let mut stack = [0u32; 7 * 32 + 1];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let node = &bvh.nodes[stack[count] as usize];
+            for child in 0..8 {
+                if node.is_child_empty(child) || outside(&node.child_aabb(child)) {
+                    continue;
+                }
+                if node.is_leaf(child) {
+                    let (first, n) = node.child_primitives(child);
+                    if (first..first + n).any(|i| found(i, &self.primitives[i as usize])) {
+                        return true;
+                    }
+                } else {
+                    stack[count] = node.child_node_index(child);
+                    count += 1;
+                }
+            }
+        }
+        false
+    }
+}
+
+impl World<'_> {
+    /// Lists the primitives whose boxes meet the shaft, in `out`. False, and an unfinished list, when there are more
+    /// than `limit`.
+    pub(crate) fn in_shaft(&self, shaft: &Shaft, limit: usize, out: &mut Vec<Primitive>) -> bool {
+        out.clear();
+        let outside = |b: &Aabb| outside(shaft, b);
+        let mut add = |blocks: bool, primitive: Primitive| {
+            if blocks {
+                out.push(primitive);
+            }
+            out.len() > limit
+        };
+        !self.triangles.visit(&outside, &mut |i, c| add(c.blocks, Primitive::Triangle(i)))
+            && !self.balls.visit(&outside, &mut |i, b| add(b.blocks, Primitive::Ball(i)))
+    }
+
+    /// False when no ray of the region meets one of the primitives; may be true although none does.
+    pub(crate) fn meets_any(&self, region: &Region, primitives: &[Primitive]) -> bool {
+        primitives.iter().any(|p| match p {
+            Primitive::Triangle(i) => !region.misses_triangle(&self.triangles.primitives[*i as usize]),
+            Primitive::Ball(i) => self.meets_ball(region, *i),
+        })
+    }
+
+    /// The same for all primitives.
+    pub(crate) fn meets(&self, region: &Region) -> bool {
+        let outside = |b: &Aabb| region.misses_box(b);
+        self.triangles.visit(&outside, &mut |_, c| c.blocks && !region.misses_triangle(c))
+            || self.balls.visit(&outside, &mut |i, _| self.meets_ball(region, i))
+    }
+
+    fn meets_ball(&self, region: &Region, i: u32) -> bool {
+        let ball = &self.balls.primitives[i as usize];
+        let (center, radius) = (Vec3A::from(ball.sphere.center) - region.origin, ball.sphere.radius);
+        // All planes' normals have length 1.
+        ball.blocks && !region.misses(center, |n| n.dot(center) + radius)
+    }
+
+    /// The unit geometric normal, on the side of the shading normal, of the surface of its own object that a receiver
+    /// lies on: from a ray of 8e-6 times the larger of the scene's extent and the position's largest coordinate against
+    /// the shading normal. `None` when there is none.
+    #[must_use]
+    pub fn face_normal(&self, at: &Receiver) -> Option<Vec3> {
+        let reach = 4e-6 * self.extent.max(at.position.abs().max_element());
+        let origin = at.position + at.normal * reach;
+        let ray = Ray::new(origin.into(), (-at.normal).into(), 0.0, 2.0 * reach);
+        let own = |object: u32, t: f32| if object == at.object { t } else { f32::INFINITY };
+        let triangle = self.triangles.nearest(ray, |c, r| own(c.object, c.intersect(r)));
+        let limit = Ray { tmax: triangle.map_or(2.0 * reach, |(_, t)| t), ..ray };
+        let normal = match (self.balls.nearest(limit, |b, r| own(b.object, b.intersect(r))), triangle) {
+            (Some((ball, _)), _) => at.position - ball.sphere.center,
+            (None, Some((corners, _))) => corners.e1.cross(corners.e2).into(),
+            (None, None) => return None,
+        };
+        let normal = normal.try_normalize()?;
+        Some(if normal.dot(at.normal) < 0.0 { -normal } else { normal })
+    }
+}
