@@ -269,6 +269,8 @@ pub(crate) enum Visibility {
 pub(crate) enum Method {
     /// Fits that conserve flux and direction, integrals in closed form
     Moments,
+    /// The paper as printed: least-squares lobes, tabulated products, shadow nodes with level weights
+    Paper,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -1,15 +1,17 @@
-use crate::args::{RenderArgs, Visibility, name};
+use crate::args::{Method, RenderArgs, Visibility, name};
 use crate::console::{self, say};
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::input;
-use cosine_lobes::lighting::{MaskVisibility, depth_for};
-use cosine_lobes::lobe_core::{Unshadowed, VisibilityLobes};
+use cosine_lobes::lighting::{Blockers, MaskVisibility, PaperVisibility, depth_for};
+use cosine_lobes::lobe_core::paper::{ProductTable, Resolution, Tables};
+use cosine_lobes::lobe_core::{self, Unshadowed, VisibilityLobes};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, TILE, World};
 use cosine_lobes::scene::{BlockerSet, Frame, Scene, Shade, ShadeStats};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{ExrLayer, ImageFileError, Output, Picture};
 use glam::Vec3;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::time::Instant;
@@ -22,6 +24,7 @@ const BAND_RAYS: u64 = 1 << 19;
 struct Clocks {
     load: f64,
     spheres: f64,
+    tables: f64,
     hierarchy: f64,
     gbuffer: f64,
     write: f64,
@@ -68,12 +71,19 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         depth,
         threshold: args.threshold,
     };
+    let tables = match args.method {
+        Method::Moments => None,
+        Method::Paper => Some(seconds(&mut clocks.tables, || paper_tables(quiet))),
+    };
     let planes = match args.visibility {
         Visibility::Spheres => {
             let spheres = SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances);
-            picture(args, &world, &frame, CpuShader::new(MaskVisibility::new(spheres, depth)), &mut clocks)?
+            masked(args, &world, &frame, spheres, tables.as_ref(), &mut clocks)?
         }
-        Visibility::None => picture(args, &world, &frame, CpuShader::new(Unshadowed), &mut clocks)?,
+        Visibility::None => {
+            let method = tables.as_ref().map_or(lobe_core::Method::Moments, lobe_core::Method::Paper);
+            picture(args, &world, &frame, CpuShader::with_method(Unshadowed, method), &mut clocks)?
+        }
     };
 
     let (width, height) = (scene.width as usize, scene.height as usize);
@@ -93,6 +103,42 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         print(args, &stats);
     }
     Ok(())
+}
+
+/// The picture with any strategy that fills masks, by either method.
+fn masked<B: Blockers>(
+    args: &RenderArgs,
+    world: &World<'_>,
+    frame: &Frame<'_>,
+    blockers: B,
+    tables: Option<&Tables>,
+    clocks: &mut Clocks,
+) -> Result<Planes, Failure> {
+    match tables {
+        None => picture(args, world, frame, CpuShader::new(MaskVisibility::new(blockers, frame.depth)), clocks),
+        Some(tables) => {
+            let visibility = PaperVisibility::new(blockers, frame.depth, tables);
+            let shader = CpuShader::with_method(visibility, lobe_core::Method::Paper(tables));
+            picture(args, world, frame, shader, clocks)
+        }
+    }
+}
+
+/// The paper's tables, row by row on all cores.
+fn paper_tables(quiet: bool) -> Tables {
+    let resolution = Resolution::PAPER;
+    let count = resolution.exponents() as u64;
+    let bar = console::progress("product table", count, quiet);
+    let rows: Vec<_> = (0..count as usize)
+        .into_par_iter()
+        .map(|row| {
+            let row = ProductTable::build_row(resolution, row);
+            bar.inc(1);
+            row
+        })
+        .collect();
+    bar.finish_and_clear();
+    Tables::with_products(ProductTable::from_rows(resolution, rows))
 }
 
 /// Shades the picture in bands.
@@ -220,6 +266,7 @@ fn summary(
         },
         "load_seconds": clocks.load,
         "spheres_seconds": clocks.spheres,
+        "tables_seconds": clocks.tables,
         "hierarchy_seconds": clocks.hierarchy,
         "gbuffer_seconds": clocks.gbuffer,
         "write_seconds": clocks.write,

@@ -1,0 +1,40 @@
+//! A renderer out of the crates, in forty lines: a ball over a floor, lit by a round light.
+//!
+//! `cargo run --release --example compose` writes compose.png. Swap the visibility: `Unshadowed` for no shadows, any
+//! other `VisibilityLobes` for your own.
+
+use cosine_lobes::brdf::Lambert;
+use cosine_lobes::lighting::{MaskVisibility, SphereLight};
+use cosine_lobes::lobe_core::{
+    BrdfLobes, Integrator, LightLobes, LightTerm, LobeBuffer, Receiver, Sphere, VisibilityLobes, VisibilitySum,
+};
+use cosine_lobes::visibility_spheres::SphereBlockers;
+use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
+use glam::Vec3;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (width, height) = (640, 360);
+    let material = Lambert { albedo: Vec3::new(0.8, 0.7, 0.6) };
+    let ball = Sphere { center: Vec3::new(0.0, 0.8, 0.0), radius: 0.5 };
+    let light = SphereLight::new(Sphere { center: Vec3::new(2.0, 4.0, 1.0), radius: 0.6 }, Vec3::splat(60.0));
+    let visibility = MaskVisibility::new(SphereBlockers::new(&[ball], &[1], &[]), 5);
+    let integrator = Integrator::default();
+
+    let mut scratch = visibility.scratch();
+    let mut sum = VisibilitySum::with_capacity(visibility.max_lobes());
+    let mut lobes = LobeBuffer::with_capacity(material.max_lobes());
+    let mut pixels = Vec::new();
+    for i in 0..width * height {
+        // A view from straight above: pixels are points of the floor.
+        let (x, z) = ((i % width) as f32 / 100.0 - 3.2, (i / width) as f32 / 100.0 - 1.8);
+        let at = Receiver { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, view: Vec3::Y, object: 0 };
+        material.brdf_lobes(&at, &mut lobes.writer())?;
+        let term = LightTerm { cone: light.cone(&at), radiance: light.radiance(&at) };
+        let (brdf, tolerance) = (lobes.lobes(), 0.003);
+        let lit = integrator.radiance(&at, brdf, &term, &visibility, tolerance, &mut scratch, &mut sum, &mut ())?;
+        pixels.push(lit.radiance);
+    }
+    let picture = Picture::new(width, height, pixels);
+    write_png(Output::create("compose.png")?, width, height, &srgb_bytes(&picture, 0.0))?;
+    Ok(())
+}
