@@ -1,10 +1,33 @@
 //! The three sources of lobes (reflectance, light, visibility) and what they exchange.
 
-use crate::{Cone, Lobe, LobeBuffer, Lobes, LobesFull, LobesMut, Receiver, Shaft};
+use crate::{Cone, Lobe, LobeBuffer, LobesFull, LobesMut, Receiver, Shaft};
 use core::any::Any;
 use glam::Vec3;
 
 /// Reflectance as a sum of lobes of `f̃ = f_r·(n·v)` (Eq. 6), cosine included.
+///
+/// ```
+/// use glam::Vec3;
+/// use lobe_core::{BrdfLobes, Lobe, LobeBuffer, LobesFull, LobesMut, OWN_NONE, Receiver};
+///
+/// /// Reflects back to where the light came from.
+/// struct Retro;
+///
+/// impl BrdfLobes for Retro {
+///     fn max_lobes(&self) -> usize {
+///         1
+///     }
+///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+///         out.push(Lobe::new(at.view, 40.0, Vec3::splat(2.0)).times_cosine())
+///     }
+/// }
+///
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
+/// let mut buffer = LobeBuffer::with_capacity(Retro.max_lobes());
+/// Retro.brdf_lobes(&at, &mut buffer.writer()).unwrap();
+/// let toward_eye = buffer.lobes().eval(at.normal, at.view).x; // 2·(n·v)
+/// assert!((toward_eye - 1.6).abs() < 1e-5);
+/// ```
 pub trait BrdfLobes {
     /// The largest number of lobes that [`brdf_lobes`](Self::brdf_lobes) writes.
     fn max_lobes(&self) -> usize;
@@ -18,6 +41,34 @@ pub trait BrdfLobes {
 }
 
 /// An area light, seen as a uniformly bright cone of directions.
+///
+/// ```
+/// use glam::Vec3;
+/// use lobe_core::{Cone, LightLobes, LobeBuffer, LobesFull, LobesMut, Lobe, OWN_NONE, Receiver, cone_lobe};
+///
+/// /// A sun of half-angle 0.27°.
+/// struct Sun {
+///     direction: Vec3,
+/// }
+///
+/// impl LightLobes for Sun {
+///     fn cone(&self, _: &Receiver) -> Cone {
+///         Cone { axis: self.direction, one_minus_cos: 1.1e-5, distance: f32::INFINITY }
+///     }
+///     fn radiance(&self, _: &Receiver) -> Vec3 {
+///         Vec3::splat(2e4)
+///     }
+///     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+///         let lobe = cone_lobe(&self.cone(at));
+///         out.push(Lobe { flux: lobe.flux * self.radiance(at), ..lobe })
+///     }
+/// }
+///
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// let mut buffer = LobeBuffer::with_capacity(1);
+/// Sun { direction: Vec3::Z }.light_lobes(&at, &mut buffer.writer()).unwrap();
+/// assert!((buffer.lobes().get(0).flux.x - 1.382).abs() < 1e-3); // 2π·1.1e-5·2e4
+/// ```
 pub trait LightLobes {
     /// The cone in which the light is seen from `at`.
     fn cone(&self, at: &Receiver) -> Cone;
@@ -83,6 +134,51 @@ impl VisibilitySum {
 /// [`Coverage::Partial`], for the lobes of each reflectance lobe. A lit or dark point costs no lobe.
 ///
 /// Static dispatch: use the strategy's type. Dynamic: `Box<dyn DynVisibility>` implements this trait too.
+///
+/// ```
+/// use glam::Vec3;
+/// use lobe_core::*;
+///
+/// /// Frosted glass before every light: half of it comes through.
+/// struct Veil;
+///
+/// impl VisibilityLobes for Veil {
+///     type Scratch = ();
+///     fn scratch(&self) {}
+///     fn max_lobes(&self) -> usize {
+///         0
+///     }
+///     fn coverage(&self, _: &VisibilityQuery<'_>, _: &mut ()) -> Coverage {
+///         Coverage::Partial
+///     }
+///     fn visibility_lobes(
+///         &self,
+///         _: &VisibilityQuery<'_>,
+///         _: &Lobe,
+///         _: f32,
+///         _: &mut (),
+///         out: &mut VisibilitySum,
+///     ) -> Result<(), LobesFull> {
+///         out.base = 0.5;
+///         out.lobes.writer();
+///         out.whole.writer();
+///         Ok(())
+///     }
+/// }
+///
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// let ball = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
+/// let light = LightTerm { cone: Cone::of_sphere(at.position, ball), radiance: Vec3::splat(3.0) };
+/// let mut brdf = LobeBuffer::with_capacity(1);
+/// brdf.writer().push(Lobe::new(at.normal, 1.0, Vec3::ONE)).unwrap();
+///
+/// let boxed: Box<dyn DynVisibility> = Box::new(Veil);
+/// let (mut scratch, mut sum) = (boxed.scratch(), VisibilitySum::default());
+/// let lit = Integrator::default()
+///     .radiance(&at, brdf.lobes(), &light, &boxed, 0.003, &mut scratch, &mut sum, &mut ())
+///     .unwrap();
+/// assert_eq!(lit.radiance, 0.5 * lit.unshadowed);
+/// ```
 pub trait VisibilityLobes: Sync {
     /// Working memory, one a thread.
     type Scratch: Send;
@@ -233,5 +329,5 @@ impl VisibilityLobes for Unshadowed {
     }
 }
 
-#[allow(dead_code, reason = "asserts at compile time that the trait is object-safe")]
-fn object_safe(_: &dyn DynVisibility, _: &dyn BrdfLobes, _: &dyn LightLobes, _: Lobes<'_>) {}
+// The three sources stay object-safe.
+const _: fn(&dyn DynVisibility, &dyn BrdfLobes, &dyn LightLobes) = |_, _, _| {};
