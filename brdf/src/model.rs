@@ -12,6 +12,17 @@ pub struct BrdfSample {
 
 /// A reflectance model: one definition that gives lobes to the integrators and `eval`, `sample`, `pdf` to the
 /// Monte-Carlo reference.
+///
+/// ```
+/// use brdf::{Brdf, Lambert};
+/// use glam::Vec3;
+/// use lobe_core::{OWN_NONE, Receiver};
+/// let paper = Lambert { albedo: Vec3::splat(0.8) };
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// let drawn = paper.sample(&at, [0.1, 0.2, 0.3]).unwrap();
+/// let weight = paper.eval(&at, drawn.direction) / drawn.pdf; // the albedo, for perfect importance sampling
+/// assert!((weight.x - 0.8).abs() < 1e-5);
+/// ```
 pub trait Brdf: BrdfLobes {
     /// `f̃(v) = f_r(v, ω_o)·(n·v)` of Eq. 2, in sr⁻¹; zero where `n·v ≤ 0`.
     fn eval(&self, at: &Receiver, v: Vec3) -> Vec3;

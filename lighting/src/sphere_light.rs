@@ -1,5 +1,5 @@
 use glam::Vec3;
-use lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere};
+use lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere, cone_lobe};
 
 /// A ball that emits the same radiance in all directions from all of its surface.
 ///
@@ -39,8 +39,7 @@ impl LightLobes for SphereLight {
     /// The moment lobe of the cone: exponent `2C/(1−C)`, flux `2π(1−C)·L` with `C = cos θ` (design: total and mean
     /// vector exact, hence Lambert irradiance exact above the horizon).
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        let cone = self.cone(at);
-        let exponent = (2.0 * cone.cos() / cone.one_minus_cos).max(0.0);
-        out.push(Lobe::with_flux(cone.axis, exponent, self.radiance * cone.solid_angle()))
+        let lobe = cone_lobe(&self.cone(at));
+        out.push(Lobe { flux: lobe.flux * self.radiance, ..lobe })
     }
 }

@@ -6,6 +6,31 @@ use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQue
 /// Something that blocks light, rasterised: what a visibility strategy has to provide.
 ///
 /// [`MaskVisibility`] makes a [`VisibilityLobes`] of it: masks, cuts and lobes are the same for all strategies.
+///
+/// ```
+/// use glam::Vec3;
+/// use lighting::{Blockers, Mask, MaskVisibility};
+/// use lobe_core::{Coverage, VisibilityQuery};
+///
+/// /// Hides everything to the left of the light's middle.
+/// struct Curtain;
+///
+/// impl Blockers for Curtain {
+///     type Scratch = ();
+///     fn scratch(&self) {}
+///     fn select(&self, _: &VisibilityQuery<'_>, _: &mut ()) -> Coverage {
+///         Coverage::Partial
+///     }
+///     fn splat(&self, _: &VisibilityQuery<'_>, _: &mut (), mask: &mut Mask) {
+///         for row in 0..mask.side() {
+///             mask.block_span(row, f32::NEG_INFINITY, 0.0);
+///         }
+///     }
+/// }
+///
+/// let strategy = MaskVisibility::new(Curtain, 5); // a lobe_core::VisibilityLobes
+/// # let _ = strategy;
+/// ```
 pub trait Blockers: Sync {
     /// Working memory, one a thread.
     type Scratch: Send;
