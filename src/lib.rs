@@ -22,6 +22,7 @@ pub use visibility_spheres;
 mod comparison;
 mod error_map;
 mod exr_file;
+mod flip;
 mod output;
 mod picture;
 mod png_file;
