@@ -1,7 +1,7 @@
 //! The quad-tree cut: which nodes of the mask become lobes.
 
 use crate::Mask;
-use crate::node::{Moments, Part, Pyramid, block};
+use crate::node::{Discs, Moments, Part, Pyramid, block};
 use glam::Vec3;
 use lobe_core::{Lobe, LobesFull, LobesMut, Receiver, VisibilitySum, is_lambert};
 
@@ -16,13 +16,14 @@ const NARROWEST: f32 = 1e9;
 pub(crate) struct CutScratch {
     lit: Pyramid,
     whole: Pyramid,
+    discs: Discs,
 }
 
 impl CutScratch {
     /// Sums the moments of a filled mask.
     pub(crate) fn build(&mut self, mask: &Mask) {
-        self.lit.build(mask, Part::Lit);
-        self.whole.build(mask, Part::Emitting);
+        self.whole.build_emitting(mask, &mut self.discs);
+        self.lit.build_lit(mask, &self.whole);
     }
 }
 

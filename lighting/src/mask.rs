@@ -21,6 +21,7 @@ const FULL: u8 = u8::MAX;
 pub struct Mask {
     square: UnitSquare,
     depth: u32,
+    whole_disc: bool,
     /// Emitting interval of each row in cells from the window's left side.
     emitting: [(f32, f32); SIDE],
     /// Cells blocked from end to end, and those blocked in part, as bits.
@@ -47,6 +48,7 @@ impl Default for Mask {
         Self {
             square: UnitSquare::default(),
             depth: MAX_DEPTH,
+            whole_disc: false,
             emitting: [(0.0, 0.0); SIDE],
             blocked: [0; SIDE],
             partial: [0; SIDE],
@@ -66,6 +68,8 @@ impl Mask {
         self.depth = depth;
         self.square = *square;
         let n = square.local(normal);
+        let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * n.truncate().length_squared();
+        self.whole_disc = above && square.half == square.disc && square.center == Vec2::ZERO;
         for j in 0..self.side() {
             self.blocked[j] = 0;
             self.partial[j] = 0;
@@ -83,6 +87,16 @@ impl Mask {
             }
             self.emitting[j] = self.cells(from, to);
         }
+    }
+
+    /// Whether the window shows all of the light's disc and the horizon cuts nothing off it.
+    pub(crate) fn is_whole_disc(&self) -> bool {
+        self.whole_disc
+    }
+
+    /// Cells of row `j` that any blocker touches.
+    pub(crate) fn touched_cells(&self, j: usize) -> u64 {
+        self.blocked[j] | self.partial[j]
     }
 
     /// Cells in a row, rows in the mask.

@@ -1,7 +1,7 @@
 //! Moments of quad-tree nodes, from bits.
 
-use crate::Mask;
 use crate::mask::Bits;
+use crate::{MAX_DEPTH, Mask};
 use glam::Vec3;
 use lobe_core::exponent_of_spread;
 
@@ -89,9 +89,6 @@ fn is_wide(mask: &Mask, x0: usize, y0: usize, size: usize) -> bool {
 }
 
 /// Moments of a square block of `size` ≤ 8 cells.
-///
-/// The cells of a block are close together: their solid angle `dA/(1+x²+y²)^{3/2}` and the defect are taken at the mean
-/// of x²+y², their mean vector at the centroid.
 pub(crate) fn block(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> Moments {
     if size > 1 && is_wide(mask, x0, y0, size) {
         let half = size / 2;
@@ -101,50 +98,90 @@ pub(crate) fn block(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) 
         }
         return sum;
     }
-    let select = if size == 8 { 0xff } else { (1u64 << size) - 1 };
-    // Whole cells by integer sums, cells that are cut by their own parts; positions in cells from the block's corner.
-    let (mut n, mut sx, mut sy, mut ss) = (0u32, 0u32, 0u32, 0u32);
-    let (mut area, mut ax, mut ay, mut aa) = (0.0, 0.0, 0.0, 0.0);
-    for dy in 0..size as u32 {
-        let j = y0 + dy as usize;
-        let (whole_emitting, whole_lit) = mask.whole_cells(j);
-        let (whole, any) = match part {
-            Part::Emitting => (whole_emitting, mask.emitting_cells(j)),
-            Part::Lit => (whole_lit, mask.lit_cells(j)),
-        };
-        let byte = whole >> x0 & select;
-        let [count, x, xx] = BYTE[byte as usize].map(u32::from);
-        n += count;
-        sx += x;
-        sy += count * dy;
-        ss += xx + count * dy * dy;
-        for i in Bits((any & !whole) >> x0 & select) {
-            let (start, length) = match part {
-                Part::Emitting => mask.emitting_part(x0 + i, j),
-                Part::Lit => mask.lit_part(x0 + i, j),
+    Sums::new(mask, part, x0, y0, size).moments(mask, x0, y0)
+}
+
+/// Area, first and second moments of a block, in cells from the centre of its first cell: independent of the light's
+/// size.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    area: f32,
+    x: f32,
+    y: f32,
+    squares: f32,
+}
+
+impl Sums {
+    fn new(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> Self {
+        let select = if size == 8 { 0xff } else { (1u64 << size) - 1 };
+        // Whole cells by integer sums, cells that are cut by their own parts.
+        let (mut n, mut sx, mut sy, mut ss) = (0u32, 0u32, 0u32, 0u32);
+        let mut cut = Self::default();
+        for dy in 0..size as u32 {
+            let j = y0 + dy as usize;
+            let (whole_emitting, whole_lit) = mask.whole_cells(j);
+            let (whole, any) = match part {
+                Part::Emitting => (whole_emitting, mask.emitting_cells(j)),
+                Part::Lit => (whole_lit, mask.lit_cells(j)),
             };
-            let (x, y) = (start + 0.5 * length - x0 as f32 - 0.5, dy as f32);
-            area += length;
-            ax += length * x;
-            ay += length * y;
-            aa += length * (x * x + y * y);
+            let byte = whole >> x0 & select;
+            let [count, x, xx] = BYTE[byte as usize].map(u32::from);
+            n += count;
+            sx += x;
+            sy += count * dy;
+            ss += xx + count * dy * dy;
+            for i in Bits((any & !whole) >> x0 & select) {
+                let (start, length) = match part {
+                    Part::Emitting => mask.emitting_part(x0 + i, j),
+                    Part::Lit => mask.lit_part(x0 + i, j),
+                };
+                let (x, y) = (start + 0.5 * length - x0 as f32 - 0.5, dy as f32);
+                cut.area += length;
+                cut.x += length * x;
+                cut.y += length * y;
+                cut.squares += length * (x * x + y * y);
+            }
         }
+        Self { area: cut.area + n as f32, x: cut.x + sx as f32, y: cut.y + sy as f32, squares: cut.squares + ss as f32 }
     }
-    area += n as f32;
-    if area <= 0.0 {
-        return Moments::default();
+
+    /// The cells of a block are close together: their solid angle `dA/(1+x²+y²)^{3/2}` and the defect are taken at the
+    /// mean of x²+y², their mean vector at the centroid.
+    fn moments(&self, mask: &Mask, x0: usize, y0: usize) -> Moments {
+        if self.area <= 0.0 {
+            return Moments::default();
+        }
+        let inverse = 1.0 / self.area;
+        let (mx, my) = (self.x * inverse, self.y * inverse);
+        let variance = (self.squares * inverse - mx * mx - my * my).max(0.0) + 1.0 / 6.0;
+        let cell = mask.cell();
+        let origin = mask.cell_center(x0, y0);
+        let (px, py) = (origin.x + mx * cell, origin.y + my * cell);
+        let s = px * px + py * py + variance * cell * cell;
+        let q_sq = 1.0 / (1.0 + s);
+        let q = q_sq.sqrt();
+        let omega = self.area * cell * cell * q * q_sq;
+        Moments { omega, x: omega * q * px, y: omega * q * py, defect: omega * s * q_sq / (1.0 + q) }
     }
-    let inverse = 1.0 / area;
-    let (mx, my) = ((sx as f32 + ax) * inverse, (sy as f32 + ay) * inverse);
-    let variance = ((ss as f32 + aa) * inverse - mx * mx - my * my).max(0.0) + 1.0 / 6.0;
-    let cell = mask.cell();
-    let origin = mask.cell_center(x0, y0);
-    let (px, py) = (origin.x + mx * cell, origin.y + my * cell);
-    let s = px * px + py * py + variance * cell * cell;
-    let q_sq = 1.0 / (1.0 + s);
-    let q = q_sq.sqrt();
-    let omega = area * cell * cell * q * q_sq;
-    Moments { omega, x: omega * q * px, y: omega * q * py, defect: omega * s * q_sq / (1.0 + q) }
+}
+
+/// The sums of an uncut disc's blocks, once a depth.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Discs {
+    depths: [Vec<Sums>; MAX_DEPTH as usize + 1],
+}
+
+impl Discs {
+    /// The blocks of `size` cells, row by row. `mask` shows a whole disc.
+    fn get(&mut self, mask: &Mask, size: usize) -> &[Sums] {
+        let sums = &mut self.depths[mask.depth() as usize];
+        if sums.is_empty() {
+            let side = mask.side() / size;
+            let blocks = (0..side * side).map(|i| (i % side * size, i / side * size));
+            sums.extend(blocks.map(|(x0, y0)| Sums::new(mask, Part::Emitting, x0, y0, size)));
+        }
+        sums
+    }
 }
 
 /// The upper levels of a mask's quad-tree: level `l` has `4^l` nodes.
@@ -158,8 +195,37 @@ pub(crate) struct Pyramid {
 const LEVELS: usize = 4;
 
 impl Pyramid {
-    /// Sums the moments of a part of the mask, from blocks up.
-    pub(crate) fn build(&mut self, mask: &Mask, part: Part) {
+    /// Sums the moments of what emits, from blocks up.
+    pub(crate) fn build_emitting(&mut self, mask: &Mask, discs: &mut Discs) {
+        self.build(mask, |x0, y0, size, index| {
+            // The disc in its own window looks the same for all lights.
+            if mask.is_whole_disc() && !is_wide(mask, x0, y0, size) {
+                discs.get(mask, size)[index].moments(mask, x0, y0)
+            } else {
+                block(mask, Part::Emitting, x0, y0, size)
+            }
+        });
+    }
+
+    /// Sums the moments of what is lit; a block without blockers is that of `emitting`.
+    pub(crate) fn build_lit(&mut self, mask: &Mask, emitting: &Self) {
+        let finest = &emitting.levels[emitting.top];
+        self.build(mask, |x0, y0, size, index| {
+            let (touched, lit) = (y0..y0 + size)
+                .fold((0, 0), |(touched, lit), j| (touched | mask.touched_cells(j), lit | mask.lit_cells(j)));
+            let select = if size == 8 { 0xff } else { (1u64 << size) - 1 };
+            if touched >> x0 & select == 0 {
+                finest[index]
+            } else if lit >> x0 & select == 0 {
+                Moments::default()
+            } else {
+                block(mask, Part::Lit, x0, y0, size)
+            }
+        });
+    }
+
+    /// `block(x0, y0, size, index)` gives the finest nodes.
+    fn build(&mut self, mask: &Mask, mut block: impl FnMut(usize, usize, usize, usize) -> Moments) {
         self.top = (mask.depth() as usize).min(LEVELS - 1);
         let side = 1usize << self.top;
         let size = mask.side() / side;
@@ -167,7 +233,7 @@ impl Pyramid {
         finest.clear();
         for y in 0..side {
             for x in 0..side {
-                finest.push(block(mask, part, x * size, y * size, size));
+                finest.push(block(x * size, y * size, size, y * side + x));
             }
         }
         for level in (0..self.top).rev() {

@@ -1,6 +1,6 @@
 //! Masks, windows and node moments against brute force in f64.
 
-use crate::node::{Moments, Part, Pyramid, block};
+use crate::node::{Discs, Moments, Part, Pyramid, block};
 use crate::*;
 use core::f64::consts::PI;
 use glam::{DVec3, Vec2, Vec3};
@@ -307,6 +307,7 @@ fn compare(got: Moments, want: [f64; 4], cell: f32) -> Option<[f64; 3]> {
 #[test]
 fn node_moments_are_those_of_the_cells() {
     let mut random = Random::new(5);
+    let mut discs = Discs::default();
     for degrees in [0.01, 1.0, 25.0, 60.0, 85.0_f64] {
         for zoom in [1.0_f32, 0.2, 0.01] {
             let (mut worst, mut root) = ([0.0_f64; 3], [0.0_f64; 3]);
@@ -326,9 +327,10 @@ fn node_moments_are_those_of_the_cells() {
                     let a = square.center.x + square.half * (random.between(-1.0, 0.0) as f32);
                     mask.block_span(j, a, a + square.half * random.uniform() as f32);
                 }
-                for part in [Part::Emitting, Part::Lit] {
-                    let mut pyramid = Pyramid::default();
-                    pyramid.build(&mask, part);
+                let (mut emitting, mut lit) = (Pyramid::default(), Pyramid::default());
+                emitting.build_emitting(&mask, &mut discs);
+                lit.build_lit(&mask, &emitting);
+                for (part, pyramid) in [(Part::Emitting, &emitting), (Part::Lit, &lit)] {
                     for level in 0..=depth as usize {
                         let size = mask.side() >> level;
                         for y in 0..1 << level {
