@@ -1,0 +1,158 @@
+//! Where convex polygons are united before they go to the mask.
+
+use glam::Vec2;
+use lighting::{MAX_DEPTH, Mask};
+
+/// Samples in a cell: columns in a row line, row lines.
+const ACROSS: usize = 16;
+const LINES: usize = 4;
+const SIDE: usize = 1 << MAX_DEPTH;
+/// Cells in a word.
+const CELLS: usize = 64 / ACROSS;
+
+/// Samples of the mask's window as bits: the union of any number of polygons in any order is exact, and polygons with a
+/// common edge leave no gap.
+///
+/// A texel covers a fraction of a cell, and a cell's open part in a [`Mask`] is one interval: many texels would fuse as
+/// if they lay at random. So they fuse here, and the mask gets what they cover.
+#[derive(Clone, Debug)]
+pub(crate) struct Canvas {
+    side: usize,
+    /// Words in a line.
+    words: usize,
+    bits: Vec<u64>,
+    low: Vec2,
+    scale: Vec2,
+    spans: Vec<(f32, f32)>,
+}
+
+impl Default for Canvas {
+    fn default() -> Self {
+        Self {
+            side: 0,
+            words: 0,
+            bits: vec![0; SIDE * LINES * SIDE / CELLS],
+            low: Vec2::ZERO,
+            scale: Vec2::ONE,
+            spans: vec![(0.0, 0.0); SIDE * LINES],
+        }
+    }
+}
+
+impl Canvas {
+    /// Starts anew over a mask's window.
+    pub(crate) fn begin(&mut self, mask: &Mask) {
+        let square = mask.square();
+        self.side = mask.side();
+        self.words = self.side.div_ceil(CELLS);
+        self.low = square.center - square.half;
+        self.scale = Vec2::new(ACROSS as f32, LINES as f32) / mask.cell();
+        self.bits[..self.side * LINES * self.words].fill(0);
+    }
+
+    /// Unites a convex polygon in plane coordinates, moved outward by about `grow` at its corners.
+    pub(crate) fn polygon(&mut self, points: &mut [Vec2], grow: f32) {
+        let count = points.len();
+        if grow > 0.0 {
+            let middle = points.iter().sum::<Vec2>() / count as f32;
+            for p in points.iter_mut() {
+                *p += (*p - middle).normalize_or_zero() * (1.5 * grow);
+            }
+        }
+        let lines = (self.side * LINES) as f32;
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for p in points.iter_mut() {
+            *p = (*p - self.low) * self.scale;
+            (low, high) = (low.min(p.y), high.max(p.y));
+        }
+        // Lines are sampled at their middle: k + ½ in [low, high).
+        let line = |y: f32| (y - 0.5).ceil().clamp(0.0, lines) as usize;
+        let (first, end) = (line(low), line(high));
+        if first >= end {
+            return;
+        }
+        self.spans[first..end].fill((f32::INFINITY, f32::NEG_INFINITY));
+        for k in 0..count {
+            let (a, b) = (points[k], points[if k + 1 < count { k + 1 } else { 0 }]);
+            // The same arithmetic on both sides of an edge.
+            let (a, b) = if (a.y, a.x) <= (b.y, b.x) { (a, b) } else { (b, a) };
+            let (from, to) = (line(a.y), line(b.y));
+            if from >= to {
+                continue;
+            }
+            let slope = (b.x - a.x) / (b.y - a.y);
+            for (k, span) in self.spans[from..to].iter_mut().enumerate() {
+                let x = a.x + ((from + k) as f32 + 0.5 - a.y) * slope;
+                *span = (span.0.min(x), span.1.max(x));
+            }
+        }
+        let columns = (self.side * ACROSS) as f32;
+        for k in first..end {
+            let (from, to) = self.spans[k];
+            let column = |x: f32| (x - 0.5).ceil().clamp(0.0, columns) as usize;
+            let (from, to) = (column(from), column(to));
+            if from < to {
+                set(&mut self.bits[k * self.words..(k + 1) * self.words], from, to);
+            }
+        }
+    }
+
+    /// Blocks what is covered.
+    pub(crate) fn write(&self, mask: &mut Mask) {
+        let cell = mask.cell();
+        for j in 0..self.side {
+            let emitting = mask.emitting_cells(j);
+            if emitting == 0 {
+                continue;
+            }
+            let lines: [&[u64]; LINES] =
+                core::array::from_fn(|k| &self.bits[(j * LINES + k) * self.words..(j * LINES + k + 1) * self.words]);
+            // Start of the run of whole cells.
+            let mut run = None;
+            let x = |i: usize| self.low.x + i as f32 * cell;
+            for i in 0..self.side {
+                let covered = if emitting >> i & 1 == 1 { covered(&lines, i) } else { 0 };
+                let whole = covered.count_ones() as usize == LINES * ACROSS;
+                if whole {
+                    run = run.or(Some(i));
+                    continue;
+                }
+                if let Some(start) = run.take() {
+                    mask.block_span(j, x(start), x(i));
+                }
+                if covered != 0 {
+                    // As much at the side where more of it is.
+                    let part = cell * covered.count_ones() as f32 / (LINES * ACROSS) as f32;
+                    if (covered & 0x00ff_00ff_00ff_00ff).count_ones() * 2 >= covered.count_ones() {
+                        mask.block_span(j, x(i), x(i) + part);
+                    } else {
+                        mask.block_span(j, x(i + 1) - part, x(i + 1));
+                    }
+                }
+            }
+            if let Some(start) = run {
+                mask.block_span(j, x(start), f32::INFINITY);
+            }
+        }
+    }
+}
+
+/// The samples of cell `i` of a row: 16 bits a line.
+fn covered(lines: &[&[u64]; LINES], i: usize) -> u64 {
+    let (word, shift) = (i / CELLS, i % CELLS * ACROSS);
+    lines.iter().enumerate().map(|(k, line)| (line[word] >> shift & 0xffff) << (16 * k)).sum()
+}
+
+/// Sets bits `from..to`, which is not empty.
+fn set(line: &mut [u64], from: usize, to: usize) {
+    let (first, last) = (from / 64, (to - 1) / 64);
+    let head = u64::MAX << (from % 64);
+    let tail = u64::MAX >> (63 - (to - 1) % 64);
+    if first == last {
+        line[first] |= head & tail;
+    } else {
+        line[first] |= head;
+        line[first + 1..last].fill(u64::MAX);
+        line[last] |= tail;
+    }
+}

@@ -1,0 +1,194 @@
+//! One depth layer of a face and its pyramid.
+
+use rayon::prelude::*;
+
+/// The q of a texel without a surface.
+pub(crate) const EMPTY: f32 = f32::NEG_INFINITY;
+
+/// Neighbours belong to one surface when their depths differ by less than so many texel sizes. Measured: 3…6 is a flat
+/// optimum.
+const KAPPA: f32 = 4.0;
+
+/// A depth picture and its pyramid: bounds of q, and how far q is from bilinear between a node's corners.
+#[derive(Clone, Debug)]
+pub(crate) struct Layer {
+    width: usize,
+    height: usize,
+    /// Continuity limit κ·texel.
+    limit: f32,
+    q: Vec<f32>,
+    /// `levels[k]` has nodes of `2^(k+1)` texels a side.
+    levels: Vec<Level>,
+}
+
+#[derive(Clone, Debug)]
+struct Level {
+    width: usize,
+    nodes: Vec<Node>,
+}
+
+/// Part of a layer: `2^level` texels a side, at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Node {
+    /// Bounds of q; `min > max` when there is no surface.
+    pub(crate) min: f32,
+    pub(crate) max: f32,
+    /// Largest difference to the bilinear function of the corners; infinite when a texel is empty.
+    pub(crate) deviation: f32,
+}
+
+impl Node {
+    const NOTHING: Self = Self { min: f32::INFINITY, max: f32::NEG_INFINITY, deviation: f32::INFINITY };
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.min > self.max
+    }
+}
+
+impl Layer {
+    /// `None` when no texel has a surface.
+    pub(crate) fn new(width: usize, height: usize, texel: f64, q: Vec<f32>) -> Option<Self> {
+        if q.iter().all(|q| *q == EMPTY) {
+            return None;
+        }
+        let mut layer = Self { width, height, limit: KAPPA * texel as f32, q, levels: Vec::new() };
+        let (mut w, mut h) = (width, height);
+        // Corner values of the level below, to save working them out twice.
+        let mut below: Vec<[f32; 4]> = (0..height)
+            .into_par_iter()
+            .flat_map_iter(|j| {
+                let layer = &layer;
+                (0..width).map(move |i| layer.corners(0, i, j))
+            })
+            .collect();
+        for level in 1.. {
+            let below_width = w;
+            (w, h) = (w.div_ceil(2), h.div_ceil(2));
+            let nodes: Vec<(Node, [f32; 4])> = (0..h)
+                .into_par_iter()
+                .flat_map_iter(|j| {
+                    let (layer, below) = (&layer, &below);
+                    (0..w).map(move |i| layer.make(level, i, j, below, below_width))
+                })
+                .collect();
+            below = nodes.iter().map(|n| n.1).collect();
+            layer.levels.push(Level { width: w, nodes: nodes.into_iter().map(|n| n.0).collect() });
+            if w * h == 1 {
+                break;
+            }
+        }
+        Some(layer)
+    }
+
+    pub(crate) fn top(&self) -> u32 {
+        self.levels.len() as u32
+    }
+
+    pub(crate) fn node(&self, level: u32, i: usize, j: usize) -> Node {
+        if level == 0 {
+            let q = self.q[j * self.width + i];
+            if q == EMPTY { Node::NOTHING } else { Node { min: q, max: q, deviation: 0.0 } }
+        } else {
+            let level = &self.levels[level as usize - 1];
+            level.nodes[j * level.width + i]
+        }
+    }
+
+    /// Texels of a node: columns from…to, rows from…to.
+    pub(crate) fn texels(&self, level: u32, i: usize, j: usize) -> [usize; 4] {
+        [i << level, ((i + 1) << level).min(self.width), j << level, ((j + 1) << level).min(self.height)]
+    }
+
+    /// Nodes across and along a level.
+    pub(crate) fn size(&self, level: u32) -> (usize, usize) {
+        let up = |n: usize| n.div_ceil(1 << level);
+        (up(self.width), up(self.height))
+    }
+
+    fn make(&self, level: u32, i: usize, j: usize, below: &[[f32; 4]], below_width: usize) -> (Node, [f32; 4]) {
+        let mut node = Node::NOTHING;
+        let (mut whole, mut worst) = (true, 0.0_f32);
+        let (columns, rows) = self.size(level - 1);
+        let children = (0..4).map(|k| (2 * i + (k & 1), 2 * j + (k >> 1))).filter(|(i, j)| *i < columns && *j < rows);
+        for (ci, cj) in children.clone() {
+            let child = self.node(level - 1, ci, cj);
+            node.min = node.min.min(child.min);
+            node.max = node.max.max(child.max);
+            worst = worst.max(child.deviation);
+            whole &= child.deviation.is_finite();
+        }
+        if !whole {
+            return (node, [0.0; 4]);
+        }
+        let corners = self.corners(level, i, j);
+        let [x0, x1, y0, y1] = self.texels(level, i, j);
+        let at = |x: usize, y: usize| {
+            let (s, t) = ((x - x0) as f32 / (x1 - x0) as f32, (y - y0) as f32 / (y1 - y0) as f32);
+            let [a, b, c, d] = corners;
+            (a * (1.0 - s) + b * s) * (1.0 - t) + (d * (1.0 - s) + c * s) * t
+        };
+        let mut between = 0.0_f32;
+        for (ci, cj) in children {
+            let [x0, x1, y0, y1] = self.texels(level - 1, ci, cj);
+            let values = below[cj * below_width + ci];
+            for (q, (x, y)) in values.into_iter().zip([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]) {
+                between = between.max((q - at(x, y)).abs());
+                node.min = node.min.min(q);
+                node.max = node.max.max(q);
+            }
+        }
+        node.deviation = worst + between;
+        (node, corners)
+    }
+
+    /// q at the corners of a node, counter-clockwise from the lower left: the mean of those texels around the corner that
+    /// belong to the surface of the node's own texel there.
+    pub(crate) fn corners(&self, level: u32, i: usize, j: usize) -> [f32; 4] {
+        let [x0, x1, y0, y1] = self.texels(level, i, j);
+        let (x1, y1) = (x1 - 1, y1 - 1);
+        [self.corner(x0, y0, -1, -1), self.corner(x1, y0, 1, -1), self.corner(x1, y1, 1, 1), self.corner(x0, y1, -1, 1)]
+    }
+
+    /// Around a corner that four texels of one surface share, all four find the same mean: no gap between them. On a
+    /// plane it is exact. At an outline nothing moves.
+    fn corner(&self, i: usize, j: usize, dx: isize, dy: isize) -> f32 {
+        let own = self.q[j * self.width + i];
+        if own == EMPTY {
+            return EMPTY;
+        }
+        let at = |dx: isize, dy: isize| {
+            let (i, j) = (i.wrapping_add_signed(dx), j.wrapping_add_signed(dy));
+            if i < self.width && j < self.height { self.q[j * self.width + i] } else { EMPTY }
+        };
+        // |Δz| < κ·size is |Δq| < κ texel (1 + q).
+        let same = |q: f32, factor: f32| (q - own).abs() < factor * self.limit * (1.0 + 0.5 * (q + own));
+        // Summed in an order that does not depend on the texel.
+        let mut values = [own, at(dx, 0), at(0, dy), at(dx, dy)];
+        let mut keep = [true, same(values[1], 1.0), same(values[2], 1.0), same(values[3], 1.5)];
+        if dx < 0 {
+            values = [values[1], values[0], values[3], values[2]];
+            keep = [keep[1], keep[0], keep[3], keep[2]];
+        }
+        if dy < 0 {
+            values = [values[2], values[3], values[0], values[1]];
+            keep = [keep[2], keep[3], keep[0], keep[1]];
+        }
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (q, keep) in values.into_iter().zip(keep) {
+            if keep {
+                sum += q;
+                count += 1.0;
+            }
+        }
+        sum / count
+    }
+
+    /// The largest q: the nearest surface.
+    pub(crate) fn nearest(&self) -> f32 {
+        self.levels.last().map_or(EMPTY, |level| level.nodes[0].max)
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.q.len() * size_of::<f32>() + self.levels.iter().map(|l| l.nodes.len() * size_of::<Node>()).sum::<usize>()
+    }
+}

@@ -1,0 +1,50 @@
+//! Visibility from depth maps around the light: texels as micro-blockers.
+//!
+//! A [`ShadowMap`] is drawn from the centre of a light, on the CPU, from any triangles: no proxies, no preparation of the
+//! mesh. [`ShadowMapBlockers`] fills a receiver's mask from it, the same mask that every strategy fills.
+//!
+//! ```
+//! use glam::{Vec2, Vec3};
+//! use lighting::MaskVisibility;
+//! use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+//! use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
+//!
+//! // A square one above the origin, a light above it.
+//! let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x, 1.0, z));
+//! let light = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };
+//! let map = ShadowMap::build(&corners, &[[0, 1, 2], [0, 2, 3]], light, &MapOptions::default())?;
+//!
+//! let visibility = MaskVisibility::new(ShadowMapBlockers::new(vec![map]), 5);
+//! let mut scratch = visibility.scratch();
+//! let mut coverage = |position: Vec3| {
+//!     let at = Receiver { position, normal: Vec3::Y, view: Vec3::Y, object: 0 };
+//!     let cone = Cone::of_sphere(position, light);
+//!     visibility.coverage(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch)
+//! };
+//! assert_eq!(coverage(Vec3::ZERO), Coverage::Dark);
+//! assert_eq!(coverage(Vec3::new(1.25, 0.0, 0.0)), Coverage::Partial);
+//! assert_eq!(coverage(Vec3::new(3.0, 0.0, 0.0)), Coverage::Lit);
+//! # Ok::<(), visibility_shadowmap::MapError>(())
+//! ```
+//!
+//! # Limits
+//! What is thinner than a texel may be missed. More than three surfaces behind each other, as seen from the light's
+//! centre, can leak: the map knows the first, the next, and the second one that faces the light. Ask
+//! [`ShadowMap::advice`] whether the map is fine enough.
+//!
+//! Out of scope: fitting proxies, deciding what casts shadows.
+
+mod blockers;
+mod canvas;
+mod clip;
+mod face;
+mod fit;
+mod layer;
+mod map;
+mod options;
+mod probe;
+mod raster;
+
+pub use crate::blockers::{ShadowMapBlockers, ShadowMapScratch};
+pub use crate::map::{Advice, Detail, ShadowMap};
+pub use crate::options::{Bounds, MapError, MapOptions};

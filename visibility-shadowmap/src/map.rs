@@ -1,0 +1,160 @@
+use crate::face::Face;
+use crate::fit::{Fit, Triangle, corners};
+use crate::layer::Layer;
+use crate::options::{Bounds, MapError, MapOptions};
+use crate::raster::draw;
+use core::fmt;
+use glam::Vec3;
+use lobe_core::Sphere;
+
+/// Depth maps around one light's centre: what its light meets first, and what is hidden behind that.
+///
+/// One perspective picture where the casters fit into it, else the needed faces of a cube, which overlap at the seams.
+/// Every texel with a surface is a small blocker, see [`ShadowMapBlockers`](crate::ShadowMapBlockers).
+///
+/// # Cost
+/// About 10 ns a texel and layer and 50 ns a triangle to build; 8 bytes a texel and layer.
+#[derive(Clone, Debug)]
+pub struct ShadowMap {
+    pub(crate) light: Sphere,
+    pub(crate) faces: Vec<Face>,
+    resolution: u32,
+}
+
+/// Whether a map is fine enough for the penumbrae of a light, see [`ShadowMap::advice`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Advice {
+    /// Nothing blocks, or the shaft is 32 texels wide or more: mean error over penumbrae about 1 % or less, 2 % for thin
+    /// features.
+    Fine,
+    /// 16 to 32 texels: 1…2 %, more for thin features.
+    Coarse(Detail),
+    /// Fewer than 16 texels: worse than that. Below 8 take another strategy.
+    TooCoarse(Detail),
+}
+
+/// Figures of an [`Advice`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detail {
+    /// The width of the shaft between receivers and light, in texels, where it meets the nearest blocker.
+    pub shaft_texels: f32,
+    /// The resolution at which the shaft would be 32 texels wide; may be above [`MapOptions::MAX_RESOLUTION`].
+    pub wanted_resolution: u32,
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fine => write!(f, "the shadow map is fine enough"),
+            Self::Coarse(d) | Self::TooCoarse(d) => write!(
+                f,
+                "the light is {:.1} texels of the shadow map wide, penumbrae want 32: resolution {}",
+                d.shaft_texels, d.wanted_resolution
+            ),
+        }
+    }
+}
+
+/// The rule's two widths in texels.
+const FINE: f64 = 32.0;
+const COARSE: f64 = 16.0;
+
+impl ShadowMap {
+    /// Draws triangles as seen from a light's centre. Winding does not matter; triangles without area, and what is inside
+    /// of the light, block nothing.
+    ///
+    /// # Errors
+    /// [`MapError`] for options out of range, a corner that does not exist, numbers that are not finite, a negative
+    /// radius.
+    pub fn build(
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        light: Sphere,
+        options: &MapOptions,
+    ) -> Result<Self, MapError> {
+        options.check()?;
+        if !(light.center.is_finite() && light.radius.is_finite()) {
+            return Err(MapError::NotFinite("the light".into()));
+        }
+        if light.radius < 0.0 {
+            return Err(MapError::NegativeRadius);
+        }
+        if let Some(k) = positions.iter().position(|p| !p.is_finite()) {
+            return Err(MapError::NotFinite(format!("vertex {k}")));
+        }
+        let bad = |t: &[u32; 3]| t.iter().copied().find(|v| *v as usize >= positions.len());
+        if let Some((triangle, vertex)) = triangles.iter().enumerate().find_map(|(k, t)| bad(t).map(|v| (k, v))) {
+            return Err(MapError::Index { triangle, vertex, count: positions.len() });
+        }
+
+        let center = light.center.as_dvec3();
+        let radius = f64::from(light.radius);
+        let all = triangles.iter().map(|t| t.map(|v| positions[v as usize].as_dvec3() - center));
+        let receivers = options.receivers.map(|b| corners(&b, center));
+        let largest = positions.iter().chain([&light.center]).map(|p| p.abs().max_element()).fold(0.0, f32::max);
+        let mut fit =
+            Fit { radius, resolution: options.resolution, receivers: receivers.as_ref(), far: f64::from(largest) };
+        let casters: Vec<Triangle> = all.filter(|t| fit.needs(t, f64::from(largest))).collect();
+        fit.far = casters.iter().flatten().map(|p| p.length()).fold(0.0, f64::max);
+        let mut faces = if casters.is_empty() { Vec::new() } else { fit.faces(&casters) };
+        for face in &mut faces {
+            face.layers = draw(face, &casters, fit.near(), radius, options.layers as usize)
+                .into_iter()
+                .filter_map(|q| Layer::new(face.width, face.height, face.texel, q))
+                .collect();
+        }
+        faces.retain(|face| !face.layers.is_empty());
+        Ok(Self { light, faces, resolution: options.resolution })
+    }
+
+    /// The light whose map it is.
+    #[must_use]
+    pub fn light(&self) -> Sphere {
+        self.light
+    }
+
+    /// Pictures: none without casters, one perspective, up to six of a cube.
+    #[must_use]
+    pub fn faces(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Depth layers in use, all faces together.
+    #[must_use]
+    pub fn layers(&self) -> usize {
+        self.faces.iter().map(|f| f.layers.len()).sum()
+    }
+
+    /// Memory in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.faces.iter().flat_map(|f| &f.layers).map(Layer::bytes).sum()
+    }
+
+    /// Whether the map is fine enough for receivers in `bounds`.
+    ///
+    /// The measure is the width in texels of the shaft from the bounds' centre to the light where it meets the blocker
+    /// nearest to the light, `w = 2r(d − z)/(d z t)` with r the light's radius, d and z the distances of receiver and
+    /// blocker from the light, t the texel at distance 1. Measured errors of penumbrae on a floor: 2.2 % at w = 12, 1.1 %
+    /// at 28, 0.6 % at 52, 0.4 % at 99; thin features twice that.
+    #[must_use]
+    pub fn advice(&self, receivers: &Bounds) -> Advice {
+        let middle = 0.5 * (receivers.min.as_dvec3() + receivers.max.as_dvec3());
+        let d = middle.distance(self.light.center.as_dvec3());
+        let width = |face: &Face| {
+            let nearest = face.layers.first().map_or(f32::NEG_INFINITY, Layer::nearest);
+            let z = face.z0 / (1.0 + f64::from(nearest));
+            2.0 * f64::from(self.light.radius) * (d - z) / (d * z * face.texel)
+        };
+        let widest = self.faces.iter().map(width).fold(f64::NEG_INFINITY, f64::max);
+        if self.faces.is_empty() || widest >= FINE {
+            return Advice::Fine;
+        }
+        let widest = widest.max(1e-3);
+        let detail = Detail {
+            shaft_texels: widest as f32,
+            wanted_resolution: (f64::from(self.resolution) * FINE / widest).ceil() as u32,
+        };
+        if widest >= COARSE { Advice::Coarse(detail) } else { Advice::TooCoarse(detail) }
+    }
+}

@@ -1,0 +1,268 @@
+//! What of a face can block one receiver's light.
+
+use crate::face::{Affine, Face};
+use crate::fit::tangents;
+use crate::layer::{Layer, Node};
+use glam::{DVec3, Vec2, Vec3};
+use lighting::UnitSquare;
+use lobe_core::{Shaft, Sphere};
+
+/// A blocker must be above the receiver's tangent plane by so many texels: else a surface shadows itself.
+const BIAS: f64 = 1.0;
+/// A node stands for its texels where no point of it appears farther than this from its place, in cells.
+const SHIFT: f64 = 0.125;
+const LANES: usize = 12;
+
+/// Affine functions that must all be positive where something blocks.
+#[derive(Clone, Debug)]
+pub(crate) struct Tests {
+    a: [f32; LANES],
+    b: [f32; LANES],
+    c: [f32; LANES],
+    d: [f32; LANES],
+}
+
+impl Tests {
+    fn new(functions: &[Affine]) -> Self {
+        let mut tests = Self { a: [0.0; LANES], b: [0.0; LANES], c: [0.0; LANES], d: [1.0; LANES] };
+        for (k, f) in functions.iter().enumerate() {
+            // Only the sign matters: keeps f32 in range.
+            let scale = 1.0 / f.a.abs().max(f.b.abs()).max(f.c.abs()).max(f.d.abs()).max(f64::MIN_POSITIVE);
+            let f = f.times(scale);
+            (tests.a[k], tests.b[k], tests.c[k], tests.d[k]) = (f.a as f32, f.b as f32, f.c as f32, f.d as f32);
+        }
+        tests
+    }
+
+    /// For a box of (i, j, q): whether some function is negative all over it, and whether the first `inner` are positive
+    /// all over it.
+    #[inline]
+    fn bounds(&self, at: &Block, inner: usize) -> (bool, bool) {
+        let (mut outside, mut inside) = (false, true);
+        for k in 0..LANES {
+            let (a, b, c) = (self.a[k], self.b[k], self.c[k]);
+            let middle = self.d[k] + a * at.i + b * at.j + c * at.q;
+            let half = a.abs() * at.half_i + b.abs() * at.half_j + c.abs() * at.half_q;
+            outside |= middle + half <= 0.0;
+            inside &= middle - half > 0.0 || k >= inner;
+        }
+        (outside, inside)
+    }
+}
+
+/// A box of texels and depths: middle and half extents.
+struct Block {
+    i: f32,
+    j: f32,
+    q: f32,
+    half_i: f32,
+    half_j: f32,
+    half_q: f32,
+}
+
+impl Block {
+    fn new(texels: [usize; 4], node: &Node) -> Self {
+        let [x0, x1, y0, y1] = texels.map(|x| x as f32);
+        Self {
+            i: 0.5 * (x0 + x1),
+            j: 0.5 * (y0 + y1),
+            q: 0.5 * (node.min + node.max),
+            half_i: 0.5 * (x1 - x0),
+            half_j: 0.5 * (y1 - y0),
+            half_q: 0.5 * (node.max - node.min),
+        }
+    }
+}
+
+/// A node of a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Item {
+    pub(crate) face: u8,
+    pub(crate) layer: u8,
+    pub(crate) level: u8,
+    pub(crate) i: u16,
+    pub(crate) j: u16,
+}
+
+impl Item {
+    pub(crate) fn root(face: usize, layer: usize, top: u32) -> Self {
+        Self { face: face as u8, layer: layer as u8, level: top as u8, i: 0, j: 0 }
+    }
+
+    pub(crate) fn node(self, layer: &Layer) -> Node {
+        layer.node(self.level.into(), self.i.into(), self.j.into())
+    }
+
+    pub(crate) fn texels(self, layer: &Layer) -> [usize; 4] {
+        layer.texels(self.level.into(), self.i.into(), self.j.into())
+    }
+
+    pub(crate) fn children(self, layer: &Layer) -> impl Iterator<Item = Self> + use<> {
+        let level = self.level - 1;
+        let (columns, rows) = layer.size(level.into());
+        (0..4)
+            .map(move |k| Self { level, i: 2 * self.i + (k & 1), j: 2 * self.j + (k >> 1), ..self })
+            .filter(move |n| usize::from(n.i) < columns && usize::from(n.j) < rows)
+    }
+}
+
+/// What a probe says of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// None of it blocks.
+    No,
+    /// Look at its children.
+    Split,
+    /// It blocks, as one quadrilateral.
+    Blocks,
+}
+
+/// One face as seen from one receiver through one window.
+#[derive(Clone, Debug)]
+pub(crate) struct Probe {
+    /// `INNER` tests that hold for the whole of what blocks, then those that bound the window.
+    tests: Tests,
+    /// Depth toward the light, `(1 + q)·axis·(P − x)`.
+    depth: [f32; 4],
+    /// `deviation·reach ≤ depth` is the merge test.
+    reach: f32,
+}
+
+const INNER: usize = 2;
+
+impl Probe {
+    /// `cell`: side of a mask cell in plane coordinates.
+    pub(crate) fn new(face: &Face, light: &Sphere, x: Vec3, normal: Vec3, square: &UnitSquare, cell: f32) -> Self {
+        let center = light.center.as_dvec3();
+        let to_light = center - x.as_dvec3();
+        let distance = to_light.length();
+        let n = normal.as_dvec3();
+        let above = face.along(n, to_light).minus(face.per_distance(BIAS * face.texel));
+        // On the receiver's side of the circle in which its tangents touch the light.
+        let radius = f64::from(light.radius);
+        let to_receiver = -to_light / distance;
+        let front = face.from_light(to_receiver).minus(Face::constant(radius * radius / distance));
+
+        let axis = square.axis.as_dvec3();
+        let (right, up) = (square.right.as_dvec3(), square.up.as_dvec3());
+        let (middle, half) = (square.center.as_dvec2(), f64::from(square.half));
+        let within = |direction: DVec3, at: f64, half: f64| face.along(axis * (at + half) - direction, to_light);
+        let diagonal = core::f64::consts::FRAC_1_SQRT_2;
+        let disc = f64::from(square.disc);
+        let tests = Tests::new(&[
+            above,
+            front,
+            within(right, middle.x, half),
+            within(-right, -middle.x, half),
+            within(up, middle.y, half),
+            within(-up, -middle.y, half),
+            within((right + up) * diagonal, 0.0, disc),
+            within((-right - up) * diagonal, 0.0, disc),
+            within((right - up) * diagonal, 0.0, disc),
+            within((up - right) * diagonal, 0.0, disc),
+        ]);
+        // Of a point at p on the square, a change δq moves the image by |p|·(axis·(L − x))·δq/depth.
+        let farthest = middle.length() + half;
+        let reach = farthest * axis.dot(to_light) / (SHIFT * f64::from(cell));
+        let depth = face.along(axis, to_light);
+        Self { tests, depth: [depth.a as f32, depth.b as f32, depth.c as f32, depth.d as f32], reach: reach as f32 }
+    }
+
+    #[inline]
+    pub(crate) fn judge(&self, item: Item, layer: &Layer) -> Verdict {
+        let node = item.node(layer);
+        if node.is_empty() {
+            return Verdict::No;
+        }
+        let mut block = Block::new(item.texels(layer), &node);
+        let (outside, inside) = self.tests.bounds(&block, INNER);
+        if outside {
+            return Verdict::No;
+        }
+        if item.level == 0 {
+            // A texel is there with its centre.
+            if inside {
+                return Verdict::Blocks;
+            }
+            (block.half_i, block.half_j) = (0.0, 0.0);
+            return if self.tests.bounds(&block, INNER).1 { Verdict::Blocks } else { Verdict::No };
+        }
+        if inside && node.deviation.is_finite() {
+            let [a, b, c, d] = self.depth;
+            let nearest = d + a * block.i + b * block.j + c * block.q
+                - (a.abs() * block.half_i + b.abs() * block.half_j + c.abs() * block.half_q);
+            if node.deviation * self.reach <= nearest {
+                return Verdict::Blocks;
+            }
+        }
+        Verdict::Split
+    }
+}
+
+/// Whether nodes can matter to a group of receivers.
+#[derive(Clone, Debug)]
+pub(crate) struct TileProbe {
+    tests: Tests,
+}
+
+impl TileProbe {
+    pub(crate) fn new(face: &Face, shaft: &Shaft) -> Self {
+        let (light, receivers) = (shaft.light, shaft.receivers);
+        let radius = f64::from(light.radius);
+        let from_light = face.frame.local(receivers.center.as_dvec3() - light.center.as_dvec3());
+        // A little more than asked for, so that rounding never cuts.
+        let grown = radius * (1.0 + 1e-5) + 1e-6 * from_light.length();
+        let spread = f64::from(receivers.radius) + 1e-6 * from_light.length();
+        let mut functions = Vec::with_capacity(4);
+        for (across, direction) in [(from_light.x, face.frame.right), (from_light.y, face.frame.up)] {
+            for [a, b] in tangents(across, from_light.z, spread, grown).into_iter().flatten() {
+                functions.push(Face::constant(grown).minus(face.from_light(direction * a + face.frame.forward * b)));
+            }
+        }
+        Self { tests: Tests::new(&functions) }
+    }
+
+    pub(crate) fn meets(&self, item: Item, layer: &Layer) -> bool {
+        let node = item.node(layer);
+        !node.is_empty() && !self.tests.bounds(&Block::new(item.texels(layer), &node), 0).0
+    }
+}
+
+/// Images of a face's points on a receiver's square.
+#[derive(Clone, Debug)]
+pub(crate) struct Image {
+    i: Vec3,
+    j: Vec3,
+    q: Vec3,
+    origin: Vec3,
+    size: f32,
+}
+
+impl Image {
+    pub(crate) fn new(face: &Face, light: &Sphere, x: Vec3, square: &UnitSquare) -> Self {
+        let to_light = light.center.as_dvec3() - x.as_dvec3();
+        let rows = [square.right, square.up, square.axis].map(|m| face.along(m.as_dvec3(), to_light));
+        let pick = |f: fn(&Affine) -> f64| Vec3::from_array(rows.map(|r| f(&r) as f32));
+        let (i, j, q, origin) = (pick(|r| r.a), pick(|r| r.b), pick(|r| r.c), pick(|r| r.d));
+        Self { i, j, q, origin, size: to_light.length() as f32 }
+    }
+
+    /// The corners of a node in homogeneous plane coordinates, and how far its texels are from where it puts them.
+    pub(crate) fn corners(&self, item: Item, layer: &Layer) -> [Vec3; 4] {
+        let [x0, x1, y0, y1] = item.texels(layer).map(|x| x as f32);
+        let q = layer.corners(item.level.into(), item.i.into(), item.j.into());
+        let at = |i: f32, j: f32, q: f32| self.origin + self.i * i + self.j * j + self.q * q;
+        [at(x0, y0, q[0]), at(x1, y0, q[1]), at(x1, y1, q[2]), at(x0, y1, q[3])]
+    }
+
+    /// The nearest that a point may be to the receiver's plane, to be seen on the square.
+    pub(crate) fn near(&self) -> f32 {
+        1e-5 * self.size
+    }
+
+    /// About how far, in plane coordinates, a change of q moves an image.
+    pub(crate) fn shift(&self, points: &[Vec2], depth: f32, q: f32) -> f32 {
+        let farthest = points.iter().map(|p| p.length()).fold(0.0, f32::max);
+        farthest * self.q.z * q / depth
+    }
+}
