@@ -10,6 +10,8 @@ use glam::Vec3;
 /// 2 % of the local value (0.2 % of the on-axis one); chords, right there, lose their precision on wide lights instead.
 const SLAB_EXPONENT: f32 = 400.0;
 const SLAB_WIDTH: f32 = 1.5;
+/// Lobes from this exponent on, infinity included, see the one direction of their axis.
+const MIRROR: f32 = 1e9;
 /// Chords above the horizon; in each piece of a disc that the horizon crosses; for lobes with an edge (exponent < 1).
 const CHORDS: usize = 10;
 const CHORDS_AT_HORIZON: usize = 16;
@@ -27,7 +29,7 @@ const CHORDS_WITH_EDGE: usize = 32;
 ///   edges. 10 chords; 16 in each of the pieces into which the horizon cuts the rim; 32 below exponent 1.
 ///
 /// # Domain
-/// Exponents in [0, 1e7], cones from a point (gives 0) to a hemisphere; a receiver inside the light sees it in all
+/// Exponents in [0, 1e7] (from 1e9 on the lobe sees its axis only, and between the two loses precision), cones from a point (gives 0) to a hemisphere; a receiver inside the light sees it in all
 /// directions above its horizon.
 ///
 /// # Accuracy
@@ -55,7 +57,7 @@ pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
     }
     let above = cos_beta >= sin;
     let scale = (lobe.exponent + 1.0) / TAU;
-    let value = if lobe.exponent.is_infinite() {
+    let value = if lobe.exponent >= MIRROR {
         let inside = 0.5 * (lobe.axis - cone.axis).length_squared() <= cone.one_minus_cos;
         let cos = at.normal.dot(lobe.axis);
         let value = if inside && cos > 0.0 { 1.0 } else { 0.0 };

@@ -47,9 +47,10 @@ impl Cone {
     pub fn of_sphere(x: Vec3, ball: Sphere) -> Self {
         let to = ball.center - x;
         let distance = to.length();
-        if distance <= ball.radius {
+        if distance <= ball.radius || distance <= 0.0 {
             let axis = if distance > 0.0 { to / distance } else { Vec3::Z };
-            return Self { axis, one_minus_cos: 2.0, distance };
+            // A point at the receiver is still a point.
+            return Self { axis, one_minus_cos: if ball.radius > 0.0 { 2.0 } else { 0.0 }, distance };
         }
         let sin = ball.radius / distance;
         let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();

@@ -76,5 +76,6 @@ pub fn power(a: Vec3, v: Vec3, exponent: f32) -> f32 {
     if half_chord_sq >= 1.0 {
         return 0.0;
     }
-    (exponent * (-half_chord_sq).ln_1p()).exp()
+    // An infinite exponent is 1 on the axis and 0 beside it.
+    (exponent.min(f32::MAX) * (-half_chord_sq).ln_1p()).exp()
 }

@@ -1,6 +1,6 @@
 //! Moment lobes: the one lobe that keeps a function's total and its mean vector.
 
-use crate::product::Peak;
+use crate::product::{DELTA, Peak};
 use crate::special::cosine_power_arc;
 use crate::{Cone, Lobe, Lobes, product_integral};
 use glam::Vec3;
@@ -39,13 +39,13 @@ pub fn cone_lobe(cone: &Cone) -> Lobe {
 /// same plane integral as [`product_integral`]. For exponents of at least 8 the mean is the saddle point's (peak, skew
 /// and the two curvatures), below it is quadrature.
 ///
-/// An infinite exponent gives a delta function.
+/// An exponent of 1e12 or more, infinity included, gives a delta function; two of them give nothing.
 #[must_use]
 pub fn product_lobe(a: &Lobe, b: &Lobe) -> Lobe {
     let inverse_tau = 1.0 / core::f32::consts::TAU;
     for (delta, other) in [(a, b), (b, a)] {
-        if delta.exponent.is_infinite() {
-            let value = if other.exponent.is_infinite() { Vec3::ZERO } else { other.eval(delta.axis) };
+        if delta.exponent >= DELTA {
+            let value = if other.exponent >= DELTA { Vec3::ZERO } else { other.eval(delta.axis) };
             return Lobe::with_flux(delta.axis, f32::INFINITY, delta.flux * value);
         }
     }
@@ -72,8 +72,8 @@ pub fn product_lobe(a: &Lobe, b: &Lobe) -> Lobe {
     };
     let aside = (b.axis - a.axis * (1.0 - y)).try_normalize().unwrap_or(Vec3::ZERO);
     let axis = (a.axis * angle.cos() + aside * angle.sin()).try_normalize().unwrap_or(a.axis);
-    let scale = (e1 + 1.0) * inverse_tau * ((e2 + 1.0) * inverse_tau);
-    let flux = a.flux * b.flux * (scale * product_integral(e1, e2, a.axis, b.axis));
+    let integral = product_integral(e1, e2, a.axis, b.axis);
+    let flux = a.flux * b.flux * (integral * ((e1 + 1.0) * inverse_tau) * ((e2 + 1.0) * inverse_tau));
     Lobe::with_flux(axis, exponent_of_spread(one_minus_r), flux)
 }
 

@@ -19,7 +19,7 @@ const LOW_EXPONENT: f32 = 8.0;
 /// and `J` is a 24-node quadrature clustered at both ends.
 ///
 /// # Domain
-/// Exponents in [0, 1e6] (finite ones beyond work as well), unit axes; the angle comes from `|a₁−a₂|`, which keeps its
+/// Exponents in [0, 1e6] (up to 1e18 they work as well), unit axes; the angle comes from `|a₁−a₂|`, which keeps its
 /// digits where `a₁·a₂` has none left.
 ///
 /// # Accuracy
@@ -49,6 +49,9 @@ pub fn product_of_angle(e1: f32, e2: f32, one_minus_cos: f32) -> f32 {
     across * in_plane
 }
 
+/// Lobes from this exponent on are deltas beside any other: a millionth of a radian wide.
+pub(crate) const DELTA: f32 = 1e12;
+
 /// Where the product of two lobes peaks in the plane of their axes (Eq. 19), as tangents of the angles from either axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Peak {
@@ -64,16 +67,18 @@ impl Peak {
         let cos = 1.0 - y;
         let sin_sq = y * (2.0 - y);
         let sin = sin_sq.sqrt();
-        let linear = (e1 + e2) * cos;
-        let root = (linear * linear + 4.0 * e1 * e2 * sin_sq).sqrt();
+        // By the exponents' shares of their sum: nothing overflows.
+        let inverse = (e1 + e2).max(f32::MIN_POSITIVE).recip();
+        let (k1, k2) = (e1 * inverse, e2 * inverse);
+        let root = (cos * cos + 4.0 * k1 * k2 * sin_sq).sqrt();
         // tan t = 2 e₂ sin α/(linear + root); for α > 90° by the conjugate, which does not cancel. Beyond the limit the
         // product is below 1e-32 of the coaxial one for any exponent that uses the tangent.
         let tan = |of: f32, other: f32| {
             let (above, below) =
-                if linear >= 0.0 { (2.0 * other * sin, linear + root) } else { (root - linear, 2.0 * of * sin) };
+                if cos >= 0.0 { (2.0 * other * sin, cos + root) } else { (root - cos, 2.0 * of * sin) };
             (above / below.max(f32::MIN_POSITIVE)).min(1e4)
         };
-        Self { cos, sin, tan: [tan(e1, e2), tan(e2, e1)] }
+        Self { cos, sin, tan: [tan(k1, k2), tan(k2, k1)] }
     }
 
     /// `J` by the saddle point.
@@ -187,11 +192,12 @@ pub(crate) fn normalized_product(at: &Receiver, f: &Lobe, c: &Lobe) -> f32 {
         return 2.0 * inverse_tau * mean * at.normal.dot(c.axis).max(0.0);
     }
     let delta = |finite: &Lobe, direction: Vec3| {
-        (finite.exponent + 1.0) * inverse_tau * crate::power(finite.axis, direction, finite.exponent)
+        let exponent = finite.exponent.min(DELTA);
+        (exponent + 1.0) * inverse_tau * crate::power(finite.axis, direction, exponent)
     };
-    let (value, mean) = if c.exponent.is_infinite() {
+    let (value, mean) = if c.exponent >= DELTA {
         (delta(f, c.axis), c.axis)
-    } else if f.exponent.is_infinite() {
+    } else if f.exponent >= DELTA {
         (delta(c, f.axis), f.axis)
     } else {
         let p = product_integral(f.exponent, c.exponent, f.axis, c.axis);

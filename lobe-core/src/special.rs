@@ -1,11 +1,12 @@
 //! The few special functions that lobes need, in f32.
 
-/// `Γ(x+½)/Γ(x+1)` for `x ≥ −¼`, relative error < 2e-6.
+/// `Γ(x+½)/Γ(x+1)` for `−¼ ≤ x ≤ 1e18`, relative error < 2e-6; beyond, its value at 1e18.
 ///
 /// Asymptotic in `1/(x+9/4)²` after two steps of the recurrence; never a difference of two `ln Γ`.
 #[inline]
 #[must_use]
 pub fn gamma_ratio(x: f32) -> f32 {
+    let x = x.min(1e18);
     let y = x + 2.25;
     let i = 1.0 / (y * y);
     (x + 1.0) * (x + 2.0) / ((x + 0.5) * (x + 1.5)) * y.sqrt().recip() * (1.0 + i * (-1.0 / 64.0 + i * (21.0 / 8192.0)))

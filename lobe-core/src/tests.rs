@@ -243,3 +243,145 @@ fn mixtures_keep_total_and_mean() {
     assert!((spread / (1e-6 + 1e-6 / 9.0) - 1.0).abs() < 1e-3, "{spread}");
     assert!(mixture_lobe(LobeBuffer::default().lobes()).is_none());
 }
+
+/// Directions that are exactly, or nearly, along, against and across each other.
+fn awkward(random: &mut Random, from: Vec3) -> Vec3 {
+    let from = from.as_dvec3();
+    let axis = match random.bits() % 8 {
+        0 => return from.as_vec3(),
+        1 => return -from.as_vec3(),
+        2 => random.axis_near(from),
+        3 => -random.axis_near(from),
+        4 => from.any_orthonormal_vector(),
+        5 => random.axis_near(from.any_orthonormal_vector()),
+        _ => random.axis(),
+    };
+    axis.as_vec3().normalize()
+}
+
+const EXTREME: [f32; 12] = [0.0, 1e-30, 1e-6, 0.5, 0.999_999, 1.0, 7.999, 400.0, 1e5, 1e7, 1e20, f32::INFINITY];
+
+#[test]
+fn integrals_are_finite_for_everything() {
+    let mut random = Random::new(21);
+    for case in 0..60_000 {
+        let normal = random.axis().as_vec3().normalize();
+        let at = Receiver { position: Vec3::ZERO, normal, view: normal, object: OWN_NONE };
+        let mut pick = || EXTREME[(random.bits() % 12) as usize];
+        let (e1, e2) = (pick(), pick());
+        let (a, b) = (awkward(&mut random, normal), awkward(&mut random, normal));
+        let b = if case % 3 == 0 { awkward(&mut random, a) } else { b };
+        let f = Lobe { cosine: (random.bits() % 2) as f32, ..Lobe::with_flux(a, e1, Vec3::ONE) };
+        let c = Lobe::with_flux(b, e2, Vec3::ONE);
+        let one_minus_cos = [0.0, f32::MIN_POSITIVE, 1e-14, 1e-7, 1e-3, 0.5, 1.0 - 6e-8, 1.0, 2.0][case % 9];
+        let cone = Cone { axis: b, one_minus_cos, distance: [0.0, 1.0, f32::INFINITY][case % 3] };
+        let cap = cap_integral(&at, &f, &cone);
+        assert!((0.0..1.02).contains(&cap), "cap {cap} {f:?} {cone:?} {normal}");
+        let product = lobe_product(&at, &f, &c).x;
+        assert!(product >= 0.0 && product.is_finite(), "product {product} {f:?} {c:?}");
+        let lobe = product_lobe(&Lobe { cosine: 0.0, ..f }, &c);
+        assert!(!lobe.axis.is_nan() && (lobe.axis.length() - 1.0).abs() < 1e-4, "{lobe:?} {f:?} {c:?}");
+        assert!(lobe.exponent >= 0.0 && !lobe.flux.is_nan(), "{lobe:?} {f:?} {c:?}");
+        let p = product_integral(e1.min(1e18), e2.min(1e18), a, b);
+        assert!((0.0..=2.0 * core::f32::consts::TAU).contains(&p), "P {p} {e1} {e2} {a} {b}");
+        assert!(sphere_light_irradiance(normal.dot(b), cone.sin_sq()) >= 0.0);
+    }
+}
+
+#[test]
+fn narrow_lobes_keep_their_angle() {
+    // A lobe of exponent 1e8…1e18 is a delta to one of exponent 100.
+    let (a, b) = (Vec3::Z, Vec3::new(0.1_f32.sin(), 0.0, 0.1_f32.cos()));
+    let want = crate::power(a, b, 100.0);
+    for e in [1e8_f32, 1e10, 1e12, 1e15, 1e18] {
+        let got = product_integral(100.0, e, a, b) * (e / core::f32::consts::TAU);
+        assert!((got / want - 1.0).abs() < 1e-2, "e {e}: {got} instead of {want}");
+    }
+}
+
+#[test]
+fn cones_of_all_balls() {
+    let x = Vec3::new(1.0, -2.0, 0.5);
+    for d in [0.0_f32, 1e-30, 1e-12, 1e-3, 1.0, 1e6, 1e15] {
+        for ratio in [0.0_f32, 1e-30, 1e-6, 0.5, 1.0 - 6e-8, 1.0, 1.0 + 1e-6, 2.0, 1e6] {
+            for x in [Vec3::ZERO, x] {
+                let center = x + Vec3::new(0.6, 0.0, 0.8) * d;
+                let cone = Cone::of_sphere(x, Sphere { center, radius: d * ratio });
+                assert!((cone.axis.length() - 1.0).abs() < 1e-5, "{d} {ratio}: {cone:?}");
+                assert!((0.0..=2.0).contains(&cone.one_minus_cos) && cone.distance >= 0.0, "{d} {ratio}: {cone:?}");
+                assert!(cone.sin_sq() >= 0.0 && cone.solid_angle() >= 0.0);
+                if ratio == 0.0 {
+                    assert_eq!(cone.one_minus_cos, 0.0, "a point at {d} has no width");
+                }
+                let lobe = cone_lobe(&cone);
+                assert!(lobe.exponent >= 0.0 && !lobe.flux.is_nan(), "{lobe:?}");
+            }
+        }
+    }
+    // sin θ = r/d also where 1 − cos θ is far below an ulp of 1.
+    let cone = Cone::of_sphere(Vec3::ZERO, Sphere { center: Vec3::Z, radius: 1e-6 });
+    assert!((f64::from(cone.one_minus_cos) / 5e-13 - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn fractions_stay_between_zero_and_one() {
+    let mut random = Random::new(22);
+    let mut sum = VisibilitySum::with_capacity(4);
+    for case in 0..30_000 {
+        let normal = random.axis().as_vec3().normalize();
+        let at = Receiver { position: Vec3::ZERO, normal, view: normal, object: OWN_NONE };
+        let pick = |random: &mut Random| EXTREME[(random.bits() % 12) as usize];
+        let e = pick(&mut random);
+        let axis = awkward(&mut random, normal);
+        let f = Lobe { cosine: (case % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+        let mut lit = sum.lobes.writer();
+        let mut whole = sum.whole.writer();
+        for k in 0..case % 4 {
+            let axis = awkward(&mut random, f.axis);
+            let lobe = Lobe::with_flux(axis, pick(&mut random), Vec3::splat(random.log_uniform(1e-30, 1.0) as f32));
+            lit.push(lobe).unwrap();
+            if k < case % 5 {
+                whole.push(lobe).unwrap();
+            }
+        }
+        sum.base = [0.0, 0.5, 1.0][case % 3];
+        let unshadowed = [0.0, f32::MIN_POSITIVE, 1e-3, 1.0][case / 4 % 4];
+        let share = visible_fraction(&at, &f, unshadowed, &sum);
+        assert!((0.0..=1.0).contains(&share), "{share} {f:?} {sum:?} {unshadowed}");
+    }
+}
+
+#[test]
+fn touching_the_horizon_is_seamless() {
+    // The rim of a light goes through the horizon: the forms for "above" and "through" meet there.
+    let mut random = Random::new(23);
+    let (mut worst, mut at_worst) = (0.0_f64, String::new());
+    for _ in 0..4000 {
+        let e = random.log_uniform(1.5, 1e5) as f32;
+        let theta = random.log_uniform(0.3, 40.0).to_radians();
+        let light = random.axis();
+        let near = light.any_orthonormal_vector();
+        let normal = |step: f64| {
+            let beta = core::f64::consts::FRAC_PI_2 - theta - step;
+            (light * beta.cos() + near * beta.sin()).as_vec3().normalize()
+        };
+        let off = random.uniform() * (theta + 1.5 / f64::from(e).sqrt());
+        let axis = random.axis_at(light, off).as_vec3().normalize();
+        let cone = Cone {
+            axis: light.as_vec3().normalize(),
+            one_minus_cos: (2.0 * (0.5 * theta).sin().powi(2)) as f32,
+            distance: 1.0,
+        };
+        let lobe = Lobe { cosine: (random.bits() % 2) as f32, ..Lobe::new(axis, e, Vec3::ONE) };
+        let lobe = Lobe { flux: Vec3::ONE, ..lobe };
+        let value = |step: f64| f64::from(cap_integral(&receiver(normal(step).as_dvec3()), &lobe, &cone));
+        let on_axis = f64::from(cap_integral(&receiver(light), &Lobe { axis: cone.axis, cosine: 0.0, ..lobe }, &cone));
+        let jump = (value(2e-5) - value(-2e-5)).abs() / on_axis;
+        if jump > worst {
+            (worst, at_worst) =
+                (jump, format!("e {e} θ {}° off {}° cosine {}", theta.to_degrees(), off.to_degrees(), lobe.cosine));
+        }
+    }
+    println!("at the horizon: {worst:.2e} of the on-axis value, {at_worst}");
+    assert!(worst < 6e-3);
+}
