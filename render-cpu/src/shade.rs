@@ -61,6 +61,11 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         Self { visibility, method }
     }
 
+    /// The visibility strategy.
+    pub const fn visibility(&self) -> &V {
+        &self.visibility
+    }
+
     /// Shades, and keeps what the picture is made of.
     ///
     /// # Errors
