@@ -9,6 +9,7 @@
 mod contour;
 mod cut;
 mod mask;
+mod mixture;
 mod node;
 mod paper_visibility;
 mod paper_weights;
@@ -21,6 +22,7 @@ mod visibility;
 
 pub use crate::contour::Contour;
 pub use crate::mask::{Covers, MAX_DEPTH, Mask};
+pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
 pub use crate::paper_weights::PaperWeights;
 pub use crate::sphere_light::SphereLight;

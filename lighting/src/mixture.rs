@@ -1,0 +1,92 @@
+use crate::{Blockers, Mask};
+use glam::Vec3;
+use lobe_core::{Coverage, Shaft, VisibilityQuery};
+
+/// Two kinds of blockers in one mask: what either hides is hidden. Pairs of pairs give more.
+///
+/// A strategy per object (walls by rays, characters by spheres) is a mixture of strategies that hold different objects.
+/// Each is asked on its own; only what finds something blocks cells.
+///
+/// ```
+/// use lighting::{Blockers, MaskVisibility, Mixture};
+/// fn mixed<A: Blockers, B: Blockers, C: Blockers>(a: A, b: B, c: C) -> MaskVisibility<Mixture<A, Mixture<B, C>>> {
+///     MaskVisibility::new(Mixture::new(a, Mixture::new(b, c)), 5)
+/// }
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mixture<A, B> {
+    first: A,
+    second: B,
+}
+
+impl<A, B> Mixture<A, B> {
+    /// Both together. The direction across which edges are exact is the first's where it has one.
+    pub const fn new(first: A, second: B) -> Self {
+        Self { first, second }
+    }
+
+    /// The first kind.
+    pub const fn first(&self) -> &A {
+        &self.first
+    }
+
+    /// The second kind.
+    pub const fn second(&self) -> &B {
+        &self.second
+    }
+}
+
+/// Working memory of a [`Mixture`].
+#[derive(Clone, Copy, Debug)]
+pub struct MixtureScratch<A, B> {
+    first: A,
+    second: B,
+    /// Which of the two have found something.
+    partial: (bool, bool),
+}
+
+impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
+    type Scratch = MixtureScratch<A::Scratch, B::Scratch>;
+
+    fn scratch(&self) -> Self::Scratch {
+        MixtureScratch { first: self.first.scratch(), second: self.second.scratch(), partial: (false, false) }
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+        self.first.enter(shaft, &mut scratch.first);
+        self.second.enter(shaft, &mut scratch.second);
+    }
+
+    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+        let first = self.first.select(query, &mut scratch.first);
+        if first == Coverage::Dark {
+            return Coverage::Dark;
+        }
+        let second = self.second.select(query, &mut scratch.second);
+        scratch.partial = (first == Coverage::Partial, second == Coverage::Partial);
+        match (first, second) {
+            (_, Coverage::Dark) => Coverage::Dark,
+            (Coverage::Lit, Coverage::Lit) => Coverage::Lit,
+            _ => Coverage::Partial,
+        }
+    }
+
+    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
+        if scratch.partial.0 {
+            let across = self.first.across(query, &scratch.first);
+            if across != Vec3::ZERO || !scratch.partial.1 {
+                return across;
+            }
+        }
+        self.second.across(query, &scratch.second)
+    }
+
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
+        if scratch.partial.0 {
+            self.first.splat(query, &mut scratch.first, mask);
+        }
+        if scratch.partial.1 {
+            self.second.splat(query, &mut scratch.second, mask);
+        }
+    }
+}
