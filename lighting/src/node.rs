@@ -1,7 +1,7 @@
 //! Moments of quad-tree nodes, from bits.
 
 use crate::mask::Bits;
-use crate::{MAX_DEPTH, Mask};
+use crate::{MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::exponent_of_spread;
 
@@ -176,9 +176,13 @@ impl Discs {
     fn get(&mut self, mask: &Mask, size: usize) -> &[Sums] {
         let sums = &mut self.depths[mask.depth() as usize];
         if sums.is_empty() {
-            let side = mask.side() / size;
+            // Not of the mask that happens to ask first, whose disc is rounded in its own way: no result may depend on
+            // the order of receivers.
+            let mut disc = Mask::default();
+            disc.reset(&UnitSquare::default(), mask.depth(), Vec3::Z);
+            let side = disc.side() / size;
             let blocks = (0..side * side).map(|i| (i % side * size, i / side * size));
-            sums.extend(blocks.map(|(x0, y0)| Sums::new(mask, Part::Emitting, x0, y0, size)));
+            sums.extend(blocks.map(|(x0, y0)| Sums::new(&disc, Part::Emitting, x0, y0, size)));
         }
         sums
     }

@@ -22,6 +22,8 @@
 //! dynamic scenes*, Computers & Graphics 34 (2010) 767–778: "the paper" in every comment here; equation numbers are its.
 
 mod cap;
+#[cfg(any(test, feature = "oracle"))]
+pub mod conformance;
 mod geometry;
 mod integrator;
 mod lobe;

@@ -42,15 +42,17 @@ fn fence() -> Scene {
     let toward = Vec3::new(-0.5, 0.9, 0.55).normalize();
     let radius = 4.0 * 6.0_f32.to_radians().sin();
     Scene {
-        camera: Camera { eye: Vec3::new(1.0, 1.4, 2.6), target: Vec3::new(0.1, 0.2, -0.2), up: Vec3::Y, vertical_fov: 0.6 },
+        camera: Camera {
+            eye: Vec3::new(1.0, 1.4, 2.6),
+            target: Vec3::new(0.1, 0.2, -0.2),
+            up: Vec3::Y,
+            vertical_fov: 0.6,
+        },
         width: 320,
         height: 240,
         background: Vec3::ZERO,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
-        objects: vec![
-            Object::mesh("floor", floor, 0, Proxy::None),
-            Object::mesh("fence", mesh, 0, Proxy::Count(64)),
-        ],
+        objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("fence", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(Sphere { center: 4.0 * toward, radius }, Vec3::splat(90.0))],
     }
 }
@@ -72,27 +74,40 @@ fn run(name: &str, scene: &Scene) {
     let world = World::new(scene);
     let all = GBuffer::new(&world, 320, 240, 1);
     println!("{name}: {} triangles, {} points", world.triangle_count(), all.len());
-    let frame = |depth| Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth, threshold: 0.0 };
+    let frame =
+        |depth| Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth, threshold: 0.0 };
     let shade = |g: &GBuffer, depth: u32, start: usize, bisections: u32| {
         let shader = CpuShader::new(MaskVisibility::new(RayBlockers::with_detail(&world, start, bisections), depth));
         let mut out = vec![Vec3::ZERO; g.len()];
         let (stats, layers) = shader.shade_layers(&g.points, &frame(depth), &mut out).expect("room for all lobes");
-        let shares: Vec<f64> =
-            out.iter().zip(&layers.unshadowed).map(|(a, b)| if b.x > 0.0 { f64::from(a.x / b.x) } else { 0.0 }).collect();
+        let shares: Vec<f64> = out
+            .iter()
+            .zip(&layers.unshadowed)
+            .map(|(a, b)| if b.x > 0.0 { f64::from(a.x / b.x) } else { 0.0 })
+            .collect();
         (shares, stats, shader.visibility().blockers().rays())
     };
     let (coarse, stats, rays) = shade(&all, 5, 8, 2);
     println!(
         "  lit {}, dark {}, part {}; {} rays, {:.0} ms",
-        stats.counts.lit_points, stats.counts.dark_points, stats.counts.penumbra_points, rays, 1e3 * stats.seconds
+        stats.counts.lit_points,
+        stats.counts.dark_points,
+        stats.counts.penumbra_points,
+        rays,
+        1e3 * stats.seconds
     );
     let in_penumbra = |i: &usize| coarse[*i] > 0.005 && coarse[*i] < 0.995;
     for (part, on_floor) in [("floor", true), ("object", false)] {
         let chosen: Vec<usize> =
             (0..all.len()).filter(in_penumbra).filter(|i| (all.points.receivers[*i].object == 0) == on_floor).collect();
         let g = some(&all, &chosen, COUNT);
-        let job =
-            ReferenceJob { world: &world, gbuffer: &g, blockers: &BlockerSet::default(), geometry: Geometry::Mesh, seed: 1 };
+        let job = ReferenceJob {
+            world: &world,
+            gbuffer: &g,
+            blockers: &BlockerSet::default(),
+            geometry: Geometry::Mesh,
+            seed: 1,
+        };
         let mut reference = Reference::new(job);
         reference.advance(SAMPLES, &AtomicBool::new(false), &|_| {});
         let truth = reference.estimate();

@@ -89,11 +89,8 @@ impl Blockers for RayBlockers<'_> {
         }
         let above = elevation.is_some_and(|e| e >= sin);
         let region = Region::new(scratch.origin, cone, if above { face } else { None });
-        let meets = if scratch.is_listed {
-            self.world.meets_any(&region, &scratch.listed)
-        } else {
-            self.world.meets(&region)
-        };
+        let meets =
+            if scratch.is_listed { self.world.meets_any(&region, &scratch.listed) } else { self.world.meets(&region) };
         if meets { Coverage::Partial } else { Coverage::Lit }
     }
 

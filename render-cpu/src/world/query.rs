@@ -33,7 +33,14 @@ impl Region {
         let (sin_sq, cos) = (cone.sin_sq(), cone.cos());
         // Where the tangents touch: d cos²θ along the axis, and all of the near surface is nearer.
         let far = cone.distance * cos * cos;
-        Self { origin: origin.into(), axis: cone.axis.into(), sin: sin_sq.sqrt(), cos, far, face: face.map(Vec3A::from) }
+        Self {
+            origin: origin.into(),
+            axis: cone.axis.into(),
+            sin: sin_sq.sqrt(),
+            cos,
+            far,
+            face: face.map(Vec3A::from),
+        }
     }
 
     /// True when a plane parts the rays from a convex shape: `center` is a point of it relative to the origin, `support`

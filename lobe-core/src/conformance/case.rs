@@ -1,0 +1,268 @@
+//! One receiver, one light, some balls.
+
+use super::{Setting, Subject, Visitor};
+use crate::oracle::Random;
+use crate::{
+    Cone, Coverage, DynVisibility, Lobe, LobesFull, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes,
+    VisibilityQuery, VisibilitySum, cap_integral, visible_fraction,
+};
+use core::f64::consts::{PI, TAU};
+use glam::{DQuat, DVec3, Vec3};
+
+/// The light's distance in random cases.
+pub(super) const FAR: f64 = 10.0;
+
+/// Half-angles of lights in random cases, radians.
+const HALF_ANGLES: [f64; 3] = [0.02, 0.14, 0.44];
+
+/// A ball in f64.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    pub(super) center: DVec3,
+    pub(super) radius: f64,
+}
+
+impl Ball {
+    fn rounded(self) -> Sphere {
+        Sphere { center: self.center.as_vec3(), radius: self.radius as f32 }
+    }
+}
+
+/// Everything in f64, so that it can be turned before it is rounded.
+#[derive(Clone, Debug)]
+pub(super) struct Case {
+    pub(super) position: DVec3,
+    pub(super) normal: DVec3,
+    pub(super) light: Ball,
+    pub(super) balls: Vec<Ball>,
+    /// Axis and exponent of the reflectance lobe; exponent 1 is Lambert.
+    pub(super) lobe: (DVec3, f64),
+}
+
+/// In which way a strategy is used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Use {
+    /// With fresh scratch.
+    Fresh,
+    /// With scratch that the given other case has used.
+    Used,
+    /// After `enter`.
+    Entered,
+    /// As `Box<dyn DynVisibility>`.
+    Boxed,
+}
+
+impl Case {
+    /// No balls yet; the light is above the horizon or, one time in four, crosses it.
+    pub(super) fn random(random: &mut Random) -> Self {
+        let theta = HALF_ANGLES[(random.bits() % 3) as usize];
+        let axis = random.axis();
+        let beta = if random.bits().is_multiple_of(4) {
+            0.5 * PI + random.between(-0.8, 0.5) * theta
+        } else {
+            random.between(0.0, 0.5 * PI - 1.05 * theta)
+        };
+        let normal = random.axis_at(axis, beta);
+        let position = random.axis();
+        let light = Ball { center: position + axis * FAR, radius: FAR * theta.sin() };
+        let exponent = [1.0, 1.0, 20.0, 500.0][(random.bits() % 4) as usize];
+        let off = random.between(0.0, theta);
+        let lobe = if exponent == 1.0 { normal } else { random.axis_at(axis, off) };
+        Self { position, normal, light, balls: Vec::new(), lobe: (lobe, exponent) }
+    }
+
+    /// Direction of the light's centre, half-angle.
+    pub(super) fn cone(&self) -> (DVec3, f64) {
+        let to = self.light.center - self.position;
+        (to.normalize(), (self.light.radius / to.length()).asin())
+    }
+
+    /// A ball of angular radius `size` at the angle `off` from the light's centre.
+    pub(super) fn ball(&self, random: &mut Random, size: f64, off: f64, distance: f64) -> Ball {
+        let center = self.position + random.axis_at(self.cone().0, off) * distance;
+        Ball { center, radius: distance * size.sin() }
+    }
+
+    /// A ball that hides some of the light.
+    pub(super) fn blocker(&self, random: &mut Random) -> Ball {
+        let theta = self.cone().1;
+        let size = (theta * random.log_uniform(0.2, 4.0)).min(1.1);
+        let off = random.between((size - theta).abs(), size + theta).min(1.4);
+        let distance = random.between(1.0, 0.45 * FAR);
+        self.ball(random, size, off, distance)
+    }
+
+    pub(super) fn turned(&self, turn: DQuat) -> Self {
+        let ball = |b: &Ball| Ball { center: turn * b.center, ..*b };
+        Self {
+            position: turn * self.position,
+            normal: turn * self.normal,
+            light: ball(&self.light),
+            balls: self.balls.iter().map(ball).collect(),
+            lobe: (turn * self.lobe.0, self.lobe.1),
+        }
+    }
+
+    /// Visible share of the light's solid angle when the first ball is the only one: two caps overlap (closed; E. Todhunter,
+    /// *Spherical Trigonometry*, 1886, gives the sides' formulas that the segments follow from).
+    pub(super) fn closed(&self) -> f64 {
+        let (axis, theta) = self.cone();
+        let to = self.balls[0].center - self.position;
+        let size = (self.balls[0].radius / to.length()).asin();
+        let off = axis.cross(to / to.length()).length().atan2(axis.dot(to) / to.length());
+        let whole = TAU * 2.0 * (0.5 * theta).sin().powi(2);
+        let hidden = if off >= theta + size {
+            0.0
+        } else if off + size <= theta {
+            TAU * 2.0 * (0.5 * size).sin().powi(2)
+        } else if off + theta <= size {
+            whole
+        } else {
+            let acos = |x: f64| x.clamp(-1.0, 1.0).acos();
+            let ((s1, c1), (s2, c2), (s, c)) = (theta.sin_cos(), size.sin_cos(), off.sin_cos());
+            let corner = acos((c - c1 * c2) / (s1 * s2));
+            2.0 * (PI - corner - c1 * acos((c2 - c * c1) / (s * s1)) - c2 * acos((c1 - c * c2) / (s * s2)))
+        };
+        1.0 - hidden / whole
+    }
+
+    fn at(&self) -> Receiver {
+        let normal = self.normal.as_vec3().normalize();
+        Receiver { position: self.position.as_vec3(), normal, view: normal, object: OWN_NONE }
+    }
+
+    fn brdf(&self) -> Lobe {
+        let (axis, exponent) = self.lobe;
+        let axis = if exponent == 1.0 { self.at().normal } else { axis.as_vec3().normalize() };
+        Lobe { flux: Vec3::ONE, ..Lobe::new(axis, exponent as f32, Vec3::ONE) }
+    }
+
+    /// Coverage, and the visible share of what the lobe reflects.
+    fn ask<V: VisibilityLobes>(
+        &self,
+        strategy: &V,
+        scratch: &mut V::Scratch,
+        sum: &mut VisibilitySum,
+    ) -> Result<(Coverage, f32), LobesFull> {
+        let (at, brdf) = (self.at(), self.brdf());
+        let cone = Cone::of_sphere(at.position, self.light.rounded());
+        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let coverage = strategy.coverage(&query, scratch);
+        let share = match coverage {
+            Coverage::Lit => 1.0,
+            Coverage::Dark => 0.0,
+            Coverage::Partial => {
+                let unshadowed = cap_integral(&at, &brdf, &cone);
+                strategy.visibility_lobes(&query, &brdf, unshadowed, scratch, sum)?;
+                visible_fraction(&at, &brdf, unshadowed, sum)
+            }
+        };
+        Ok((coverage, share))
+    }
+
+    fn with<Q: Visitor>(&self, subject: &impl Subject, visitor: Q) -> Q::Answer {
+        let balls: Vec<Sphere> = self.balls.iter().map(|b| b.rounded()).collect();
+        let (light, receiver) = (self.light.rounded(), self.position.as_vec3());
+        subject.visit(&Setting { balls: &balls, light, receiver }, visitor)
+    }
+
+    /// Coverage and visible share.
+    pub(super) fn share(&self, subject: &impl Subject, how: Use) -> (Coverage, f32) {
+        self.with(subject, Share { case: self, how })
+    }
+
+    /// What comes of buffers without room.
+    pub(super) fn overflow(&self, subject: &impl Subject) -> Result<(Coverage, f32), LobesFull> {
+        self.with(subject, Overflow(self))
+    }
+}
+
+struct Share<'a> {
+    case: &'a Case,
+    how: Use,
+}
+
+impl Visitor for Share<'_> {
+    type Answer = (Coverage, f32);
+
+    fn visit<V>(self, strategy: &V) -> Self::Answer
+    where
+        V: VisibilityLobes,
+        V::Scratch: 'static,
+    {
+        let Self { case, how } = self;
+        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+        let mut scratch = strategy.scratch();
+        let answer = match how {
+            Use::Fresh => case.ask(strategy, &mut scratch, &mut sum),
+            Use::Used => {
+                // Another receiver, another light, another lobe.
+                let mut other = case.clone();
+                other.light.radius *= 1.7;
+                other.position += 0.3 * case.normal;
+                other.lobe = (case.normal, if case.lobe.1 == 1.0 { 100.0 } else { 1.0 });
+                let other = other.ask(strategy, &mut scratch, &mut sum);
+                other.and_then(|_| case.ask(strategy, &mut scratch, &mut sum))
+            }
+            Use::Entered => {
+                let receivers = Sphere { center: case.position.as_vec3() + 0.01, radius: 0.05 };
+                strategy.enter(&Shaft { receivers, light: case.light.rounded() }, &mut scratch);
+                case.ask(strategy, &mut scratch, &mut sum)
+            }
+            Use::Boxed => {
+                let boxed: Box<dyn DynVisibility + '_> = Box::new(ByReference(strategy));
+                case.ask(&boxed, &mut boxed.scratch(), &mut sum)
+            }
+        };
+        // A strategy that needs more lobes than it says has no share.
+        answer.unwrap_or((Coverage::Partial, f32::NAN))
+    }
+}
+
+struct Overflow<'a>(&'a Case);
+
+impl Visitor for Overflow<'_> {
+    type Answer = Result<(Coverage, f32), LobesFull>;
+
+    fn visit<V>(self, strategy: &V) -> Self::Answer
+    where
+        V: VisibilityLobes,
+        V::Scratch: 'static,
+    {
+        self.0.ask(strategy, &mut strategy.scratch(), &mut VisibilitySum::with_capacity(0))
+    }
+}
+
+/// A borrowed strategy, to be boxed.
+struct ByReference<'v, V>(&'v V);
+
+impl<V: VisibilityLobes> VisibilityLobes for ByReference<'_, V> {
+    type Scratch = V::Scratch;
+
+    fn scratch(&self) -> Self::Scratch {
+        self.0.scratch()
+    }
+
+    fn max_lobes(&self) -> usize {
+        self.0.max_lobes()
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+        self.0.enter(shaft, scratch);
+    }
+
+    fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+        self.0.coverage(query, scratch)
+    }
+
+    fn visibility_lobes(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        scratch: &mut Self::Scratch,
+        out: &mut VisibilitySum,
+    ) -> Result<(), LobesFull> {
+        self.0.visibility_lobes(query, brdf, unshadowed, scratch, out)
+    }
+}

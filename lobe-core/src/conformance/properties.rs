@@ -1,0 +1,196 @@
+//! The properties, one function each.
+
+use super::case::{Ball, Case, FAR, Use};
+use super::{Broken, Limits, Measured, Subject};
+use crate::oracle::Random;
+use crate::{Coverage, LobesFull};
+use core::f64::consts::PI;
+use glam::{DQuat, DVec3};
+
+/// Runs the whole suite; deterministic.
+///
+/// # Errors
+/// [`Broken`]: the first property that does not hold, with the case.
+pub fn check(subject: &impl Subject, limits: &Limits) -> Result<Measured, Broken> {
+    let mut random = Random::new(4);
+    nothing_blocks(subject, limits, &mut random)?;
+    full_cover(subject, limits, &mut random)?;
+    let mut measured = Measured::default();
+    overlaps(subject, limits, &mut random, &mut measured)?;
+    many_balls(subject, limits, &mut random, &mut measured)?;
+    motion(subject, limits, &mut random, &mut measured)?;
+    Ok(measured)
+}
+
+fn ensure(holds: bool, property: &'static str, case: impl FnOnce() -> String) -> Result<(), Broken> {
+    if holds { Ok(()) } else { Err(Broken { property, case: case() }) }
+}
+
+/// No balls, and balls that no ray to the light meets.
+fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random) -> Result<(), Broken> {
+    for _ in 0..limits.cases {
+        let mut case = Case::random(random);
+        for how in [Use::Fresh, Use::Entered, Use::Boxed] {
+            let (coverage, _) = case.share(subject, how);
+            ensure(coverage == Coverage::Lit, "no blocker is lit at no cost", || format!("{coverage:?} of {case:?}"))?;
+        }
+        let theta = case.cone().1;
+        for i in 0..4 {
+            let size = random.log_uniform(0.01, 1.2);
+            let distance = random.log_uniform(0.3, 3.0 * FAR);
+            let ball = if i < 3 {
+                // Beside the cone, up to straight behind the receiver.
+                let off = random.between((1.1 * size + theta + 0.02).min(PI), PI);
+                case.ball(random, size, off, distance)
+            } else {
+                let radius = random.log_uniform(0.1, 0.5 * FAR);
+                let off = random.between(0.0, theta);
+                let beyond = case.ball(random, 0.0, off, FAR + case.light.radius + 1.05 * radius);
+                Ball { radius, ..beyond }
+            };
+            case.balls.push(ball);
+        }
+        let (_, share) = case.share(subject, Use::Fresh);
+        ensure(share == 1.0, "what is beside or behind blocks nothing", || format!("V = {share} in {case:?}"))?;
+    }
+    Ok(())
+}
+
+fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random) -> Result<(), Broken> {
+    for _ in 0..limits.cases {
+        let mut case = Case::random(random);
+        let theta = case.cone().1;
+        let off = random.between(0.0, 0.5 * theta);
+        let size = (theta + off) * random.between(1.1, 1.5) + 0.01;
+        let distance = random.between(1.0, 0.3 * FAR);
+        case.balls.push(case.ball(random, size, off, distance));
+        for how in [Use::Fresh, Use::Entered] {
+            let (_, share) = case.share(subject, how);
+            ensure(share == 0.0, "full cover is dark", || format!("V = {share} in {case:?}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// A light of half-angle `theta` straight above a diffuse receiver. What a Lambert lobe weighs differently within it is
+/// less than θ²/4 of V: 3e-4 at the 2° used here.
+fn straight_above(random: &mut Random, theta: f64) -> Case {
+    let mut case = Case::random(random);
+    let (axis, _) = case.cone();
+    case.normal = axis;
+    case.light.radius = FAR * theta.sin();
+    case.lobe = (axis, 1.0);
+    case
+}
+
+/// Angular radii of the ball in closed cases, from a dot to a nearly straight edge, by the light's half-angle.
+fn closed_sizes(theta: f64) -> [f64; 5] {
+    [0.3 * theta, theta, 3.0 * theta, 0.5, 1.2]
+}
+
+fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+    let (mut sum, mut count) = (0.0, 0);
+    for theta in [0.005, 0.035] {
+        for size in closed_sizes(theta) {
+            for _ in 0..limits.cases / 3 {
+                let mut case = straight_above(random, theta);
+                let off = random.between((size - theta).max(0.0), size + theta);
+                let distance = random.between(0.5, 0.4 * FAR);
+                case.balls.push(case.ball(random, size, off, distance));
+                let (_, share) = case.share(subject, Use::Fresh);
+                let error = (f64::from(share) - case.closed()).abs();
+                ensure(error <= limits.overlap, "overlap of two discs", || {
+                    format!("V = {share}, closed {} in {case:?}", case.closed())
+                })?;
+                out.overlap = out.overlap.max(error);
+                (sum, count) = (sum + error, count + 1);
+            }
+        }
+    }
+    out.overlap_mean = sum / f64::from(count.max(1));
+    ensure(out.overlap_mean <= limits.overlap_mean, "mean overlap of two discs", || format!("{}", out.overlap_mean))
+}
+
+/// Range, scratch, dispatch, overflow, monotony, order, rotation: one to five balls at random.
+fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+    for _ in 0..limits.cases {
+        let mut case = Case::random(random);
+        let mut last = 1.0;
+        for _ in 0..1 + random.bits() % 5 {
+            case.balls.push(case.blocker(random));
+            let (coverage, share) = case.share(subject, Use::Fresh);
+            ensure((0.0..=1.0).contains(&share), "V is in [0, 1]", || format!("V = {share} in {case:?}"))?;
+            for (how, property) in [
+                (Use::Used, "used scratch changes nothing"),
+                (Use::Entered, "enter changes nothing"),
+                (Use::Boxed, "a boxed strategy is the same"),
+            ] {
+                let (_, again) = case.share(subject, how);
+                ensure(share == again, property, || format!("V = {share}, then {again} in {case:?}"))?;
+            }
+            if coverage == Coverage::Partial {
+                let full = case.overflow(subject);
+                ensure(matches!(full, Err(LobesFull)), "overflow is an error", || format!("{full:?} in {case:?}"))?;
+            }
+            let brighter = f64::from(share) - last;
+            ensure(brighter <= limits.brighter, "a further blocker never brightens", || {
+                format!("V from {last} to {share} in {case:?}")
+            })?;
+            out.brighter = out.brighter.max(brighter);
+            last = f64::from(share);
+        }
+        let mut reversed = case.clone();
+        reversed.balls.reverse();
+        let (_, share) = reversed.share(subject, Use::Fresh);
+        let change = (f64::from(share) - last).abs();
+        ensure(change <= limits.order, "order does not matter", || {
+            format!("V = {last}, reversed {share} in {case:?}")
+        })?;
+        out.order = out.order.max(change);
+        let turn = DQuat::from_axis_angle(random.axis(), random.between(0.0, PI));
+        let (_, share) = case.turned(turn).share(subject, Use::Fresh);
+        let change = (f64::from(share) - last).abs();
+        ensure(change <= limits.turn, "turning everything changes nothing", || {
+            format!("V = {last}, turned {share} in {case:?}")
+        })?;
+        out.turn = out.turn.max(change);
+    }
+    Ok(())
+}
+
+/// One ball passes the light in small steps, or the light or the receiver moves instead.
+fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+    const STEPS: u32 = 160;
+    let theta = 0.035;
+    for (k, size) in closed_sizes(theta).into_iter().flat_map(|size| [size; 4]).enumerate() {
+        let start = straight_above(random, theta);
+        let (axis, _) = start.cone();
+        // Also along the directions that a mask may lie along.
+        let (u, v) = axis.any_orthonormal_pair();
+        let along = [u, v, random.axis_at(axis, 0.5 * PI), random.axis_at(axis, 0.5 * PI)][k % 4];
+        let distance = 0.4 * FAR;
+        let ball = start.position + (axis * size.cos() + along * size.sin()) * distance;
+        let mut last: Option<(f64, f64)> = None;
+        for step in 0..=STEPS {
+            let way = (f64::from(step) / f64::from(STEPS) * 2.4 - 1.2) * theta;
+            let mut case = start.clone();
+            case.balls.push(Ball { center: ball, radius: distance * size.sin() });
+            let aside: DVec3 = along * way;
+            match (k / 4 + k) % 3 {
+                0 => case.balls[0].center += aside * distance,
+                1 => case.light.center -= aside * FAR,
+                _ => case.position += aside * (distance / (1.0 - distance / FAR)),
+            }
+            let now = (f64::from(case.share(subject, Use::Fresh).1), case.closed());
+            if let Some(last) = last {
+                let jump = ((now.0 - last.0) - (now.1 - last.1)).abs();
+                ensure(jump <= limits.jump, "nothing pops", || {
+                    format!("V from {} to {}, closed from {} to {} in {case:?}", last.0, now.0, last.1, now.1)
+                })?;
+                out.jump = out.jump.max(jump);
+            }
+            last = Some(now);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,26 @@
+//! The suite that all visibility strategies keep.
+
+use lighting::{MaskVisibility, Mixture};
+use lobe_core::conformance::{Limits, Setting, check};
+use visibility_spheres::SphereBlockers;
+
+fn blockers(balls: &[lobe_core::Sphere]) -> SphereBlockers {
+    SphereBlockers::new(balls, &vec![0; balls.len()], &[])
+}
+
+#[test]
+fn spheres() {
+    let measured = check(&|s: &Setting<'_>| MaskVisibility::new(blockers(s.balls), 5), &Limits::default());
+    println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
+}
+
+/// Every other ball in the second half of a mixture: the limits are those of the parts.
+#[test]
+fn mixture() {
+    let mixed = |s: &Setting<'_>| {
+        let half = |k: usize| blockers(&s.balls.iter().skip(k).step_by(2).copied().collect::<Vec<_>>());
+        MaskVisibility::new(Mixture::new(half(0), half(1)), 5)
+    };
+    let measured = check(&mixed, &Limits { order: 0.01, ..Limits::default() });
+    println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
+}
