@@ -142,6 +142,9 @@ impl<'a> Cut<'a> {
         }
         let lobe = moments.lobe(self.mask.cell());
         let axis = self.mask.square().world(lobe.axis).normalize();
-        out.push(Lobe::with_flux(axis, lobe.exponent, Vec3::splat(moments.omega * weight)))
+        // No lobe has a mean vector below half its flux, as a ring of a wide light has: for a Lambert lobe the vector is
+        // what has to be kept.
+        let kept = if lobe.spread > 0.5 && is_lambert(self.at, self.brdf) { 2.0 * (1.0 - lobe.spread) } else { 1.0 };
+        out.push(Lobe::with_flux(axis, lobe.exponent, Vec3::splat(moments.omega * weight * kept)))
     }
 }

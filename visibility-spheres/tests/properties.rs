@@ -108,7 +108,7 @@ impl Scene {
             Coverage::Dark => 0.0,
             Coverage::Partial => {
                 let unshadowed = self.unshadowed();
-                strategy.visibility_lobes(&query, &lobe, unshadowed, scratch, sum).unwrap();
+                strategy.visibility_lobes(&query, &lobe, unshadowed, scratch, sum).expect("room for max_lobes");
                 visible_fraction(&at, &lobe, unshadowed, sum)
             }
         };
@@ -176,17 +176,17 @@ fn percent(values: &[f64]) -> String {
 /// The largest step of V beyond its neighbours' along a sweep of `n` steps, and where; V counts less where less than a
 /// hundredth of the lobe's possible radiance is left.
 fn pop(n: usize, scene: impl Fn(f64) -> Scene) -> (f64, f64) {
-    let value = |s: &Scene| {
+    let weight = |s: &Scene| {
         let cos = (1.0 - (s.light.1 / s.light.0.distance(s.position)).powi(2)).sqrt();
         let on_axis = 1.0 - ((s.lobe.1 + 1.0) * cos.ln()).exp();
-        s.share() * (100.0 * f64::from(s.unshadowed()) / on_axis).min(1.0)
+        (100.0 * f64::from(s.unshadowed()) / on_axis).min(1.0)
     };
-    let values: Vec<f64> = (0..n).map(|k| value(&scene(k as f64 / n as f64))).collect();
+    let values: Vec<f64> = (0..n).map(|k| scene(k as f64 / n as f64).share()).collect();
     let steps: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
     let mut largest = (0.0, 0.0);
     for k in 2..steps.len() - 2 {
         let around = [k - 2, k - 1, k + 1, k + 2].map(|i| steps[i].abs()).into_iter().fold(0.0, f64::max);
-        let beyond = steps[k].abs() - around;
+        let beyond = (steps[k].abs() - around) * weight(&scene(k as f64 / n as f64));
         if beyond > largest.0 {
             largest = (beyond, k as f64 / n as f64);
         }
@@ -227,31 +227,46 @@ fn pops(tolerance: f32, cases: usize, steps: usize, through: bool, count: usize)
         let mut scene = Scene::random(&mut random, theta, e, count, through);
         scene.tolerance = tolerance;
         let directions = [random.axis(), random.axis()];
-        for kind in 0..5 {
+        for (kind, what) in SWEEPS.iter().enumerate() {
             if kind == 0 && e == 1.0 {
                 continue;
             }
             let (size, t) = pop(steps, |t| sweep(&scene, kind, directions, theta, t));
-            found.push((size, format!("case {case} {} θ {theta} e {e} t {t}", SWEEPS[kind])));
+            found.push((size, format!("case {case} {what} θ {theta} e {e} t {t}")));
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     found
 }
 
-#[test]
-fn small_moves_make_small_changes() {
-    for tolerance in [0.003] {
+fn check_pops(cases: usize, steps: usize) {
+    for tolerance in [0.01, 0.003, 0.001] {
         for (through, count) in [(false, 1), (false, 3), (true, 2)] {
-            let found = pops(tolerance, 96, 200, through, count);
-            println!("τ {tolerance} horizon {through} blockers {count}:");
-            for (size, what) in &found[..8] {
-                println!("   {:.3} % {what}", 100.0 * size);
-            }
-            let median = found[found.len() / 2].0;
-            println!("   median {:.4} %, 90 % {:.4} %", 100.0 * median, 100.0 * found[found.len() / 10].0);
+            let found = pops(tolerance, cases, steps, through, count);
+            let largest: Vec<f64> = found.iter().map(|f| f.0).collect();
+            let at = |part: f64| 100.0 * largest[(largest.len() as f64 * part) as usize];
+            println!(
+                "τ {tolerance} horizon {through} blockers {count}: largest {:.3} %, 99 % {:.3} %, 90 % {:.3} %; {}",
+                at(0.0),
+                at(0.01),
+                at(0.1),
+                found[0].1
+            );
+            // Where the mask turns to another blocker its own error shows at once: rare, and up to 3 %.
+            assert!(largest[0] < 0.04 && largest[largest.len() / 20] < f64::from(tolerance), "{}", found[0].1);
         }
     }
+}
+
+#[test]
+fn small_moves_make_small_changes() {
+    check_pops(48, 100);
+}
+
+#[test]
+#[ignore = "a minute: the figures of the documentation"]
+fn small_moves_of_many_scenes() {
+    check_pops(384, 200);
 }
 
 #[test]
@@ -442,139 +457,25 @@ fn a_mirror_sees_the_one_or_the_other() {
 }
 
 #[test]
-#[ignore = "diagnostic"]
-fn diagnose() {
-    let case_at = |wanted: usize, kind: usize, t: f64, through: bool, count: usize| {
-        let mut random = Random::new(3);
-        for case in 0..=wanted {
-            let theta = [0.003, 0.03, 0.15, 0.43][case % 4];
-            let e = EXPONENTS[case / 4 % 6];
-            let mut scene = Scene::random(&mut random, theta, e, count, through);
-            scene.tolerance = 0.003;
-            let directions = [random.axis(), random.axis()];
-            if case == wanted {
-                println!("--- case {case} {} θ {theta} e {e} t {t} horizon {through}", SWEEPS[kind]);
-                for k in -3..12 {
-                    let s = sweep(&scene, kind, directions, theta, t + f64::from(k) / 800.0);
-                    let strategy = s.strategy();
-                    let mut scratch = strategy.scratch();
-                    let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
-                    let share = s.share_with(&strategy, &mut scratch, &mut sum);
-                    let total = |l: lobe_core::Lobes<'_>| l.iter().map(|c| c.flux.x).sum::<f32>();
-                    println!(
-                        "{share:.5} lobes {} {} flux {:.6} {:.6} unshadowed {:.4e}",
-                        sum.lobes.lobes().len(),
-                        sum.whole.lobes().len(),
-                        total(sum.lobes.lobes()),
-                        total(sum.whole.lobes()),
-                        s.unshadowed()
-                    );
-                }
-            }
-        }
-    };
-    case_at(37, 4, 0.51, true, 2);
-    case_at(77, 2, 0.2, true, 2);
-    case_at(43, 0, 0.66, false, 1);
-}
-
-#[test]
-#[ignore = "diagnostic"]
-fn brighten() {
-    let mut random = Random::new(2);
-    let mut found = Vec::new();
-    for case in 0..3000 {
-        let (k, theta) = (case % 6, [0.003, 0.03, 0.15, 0.43][case / 6 % 4]);
-        let mut scene = Scene::random(&mut random, theta, EXPONENTS[k], 1 + case % 5, true);
-        scene.tolerance = 0.003;
-        let after = scene.share();
-        let full = scene.clone();
-        scene.spheres.pop();
-        found.push((after - scene.share(), case, full, scene));
-    }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    for (size, case, full, less) in &found[..10] {
-        println!(
-            "--- {:.3} % case {case} θ {} e {} {} blockers",
-            size * 100.0,
-            [0.003, 0.03, 0.15, 0.43][case / 6 % 4],
-            full.lobe.1,
-            full.spheres.len()
-        );
-        for s in [full, less] {
-            let strategy = s.strategy();
-            let mut scratch = strategy.scratch();
-            let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
-            let (at, cone) = (s.at(), s.cone());
-            let q = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
-            let c = strategy.coverage(&q, &mut scratch);
-            let share = s.share_with(&strategy, &mut scratch, &mut sum);
-            let total = |l: lobe_core::Lobes<'_>| l.iter().map(|c| c.flux.x).sum::<f32>();
-            println!(
-                "{share:.5} {c:?} lobes {} {} flux {:.6} {:.6} unshadowed {:.4e} truth {:.5}",
-                sum.lobes.lobes().len(),
-                sum.whole.lobes().len(),
-                total(sum.lobes.lobes()),
-                total(sum.whole.lobes()),
-                s.unshadowed(),
-                truth(s, 600)
-            );
-        }
-    }
-}
-
-/// Share by a grid in f64 over the whole light.
-fn truth(s: &Scene, n: usize) -> f64 {
-    let to_light = s.light.0 - s.position;
-    let axis = to_light.normalize();
-    let (right, up) = axis.any_orthonormal_pair();
-    let sin = s.light.1 / to_light.length();
-    let disc = sin / (1.0 - sin * sin).sqrt();
-    let (mut lit, mut all) = (0.0, 0.0);
-    for j in 0..n {
-        for i in 0..n {
-            let c = |k: usize| disc * (2.0 * (k as f64 + 0.5) / n as f64 - 1.0);
-            let l2 = c(i).powi(2) + c(j).powi(2);
-            if l2 >= disc * disc {
-                continue;
-            }
-            let v = (right * c(i) + up * c(j) + axis).normalize();
-            let (cos, a) = (v.dot(s.normal), v.dot(s.lobe.0));
-            if cos <= 0.0 || a <= 0.0 {
-                continue;
-            }
-            let w = (s.lobe.1 * a.ln()).exp() * (1.0 + l2).powf(-1.5) * if s.lobe.2 { cos } else { 1.0 };
-            all += w;
-            let hit = |(center, r): &(DVec3, f64)| {
-                let to = *center - s.position;
-                let along = to.dot(v);
-                along > 0.0 && (to - v * along).length() < *r
+fn rings_of_wide_lights() {
+    // A centred blocker leaves a ring of a light that faces a Lambert receiver: sin² of the outer angle minus that of
+    // the inner one. The mean vector of a thin wide ring is shorter than any lobe's.
+    for outer in [0.5_f64, 1.0, 1.3, 1.4] {
+        let mut worst = 0.0_f64;
+        for k in 1..12 {
+            let inner = outer * f64::from(k) / 12.0;
+            let scene = Scene {
+                position: DVec3::ZERO,
+                normal: DVec3::Z,
+                light: (DVec3::Z * 10.0, 10.0 * outer.sin()),
+                spheres: vec![(DVec3::Z * 0.05, 0.05 * inner.sin())],
+                lobe: (DVec3::Z, 1.0, false),
+                tolerance: 0.001,
             };
-            if !s.spheres.iter().any(hit) {
-                lit += w;
-            }
+            let want = 1.0 - (inner.sin() / outer.sin()).powi(2);
+            worst = worst.max((scene.share() - want).abs());
         }
+        println!("θ {outer}: rings wrong by up to {:.3} %", 100.0 * worst);
+        assert!(worst < if outer < 1.2 { 0.003 } else { 0.02 }, "θ {outer}: {worst}");
     }
-    lit / all
-}
-
-#[test]
-#[ignore = "timing"]
-fn time() {
-    let mut random = Random::new(9);
-    let scenes: Vec<_> = (0..600)
-        .map(|k| Scene::random(&mut random, [0.02, 0.15][k % 2], [1.0, 200.0][k / 2 % 2], 1 + k % 8, false))
-        .collect();
-    let strategies: Vec<_> = scenes.iter().map(Scene::strategy).collect();
-    let mut scratches: Vec<_> = strategies.iter().map(VisibilityLobes::scratch).collect();
-    let mut sum = VisibilitySum::with_capacity(strategies[0].max_lobes());
-    let mut best = f64::MAX;
-    for _ in 0..12 {
-        let start = std::time::Instant::now();
-        let total: f64 =
-            scenes.iter().zip(&strategies).zip(&mut scratches).map(|((s, v), m)| s.share_with(v, m, &mut sum)).sum();
-        best = best.min(start.elapsed().as_secs_f64());
-        std::hint::black_box(total);
-    }
-    println!("{:.2} us a point", best / 600.0 * 1e6);
 }
