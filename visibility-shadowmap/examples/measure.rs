@@ -30,9 +30,8 @@ fn boxes(name: &str, elevation: f32, boxes: &[(Vec3, Vec3)]) -> Mesh {
     let mut mesh = Mesh { name: name.into(), positions: Vec::new(), triangles: Vec::new(), elevation };
     for (low, high) in boxes {
         let first = mesh.positions.len() as u32;
-        mesh.positions.extend((0..8).map(|k| {
-            Vec3::select(glam::BVec3::new(k & 1 == 1, k & 2 == 2, k & 4 == 4), *high, *low)
-        }));
+        mesh.positions
+            .extend((0..8).map(|k| Vec3::select(glam::BVec3::new(k & 1 == 1, k & 2 == 2, k & 4 == 4), *high, *low)));
         for [a, b, c, d] in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
             mesh.triangles.extend([[first + a, first + b, first + c], [first + a, first + c, first + d]]);
         }
@@ -213,18 +212,27 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
         .collect();
 
     for degrees in [1.0_f32, 6.0, 15.0] {
-        let light = Sphere { center: center + direction * (4.0 * diagonal), radius: 4.0 * diagonal * degrees.to_radians().sin() };
+        let light = Sphere {
+            center: center + direction * (4.0 * diagonal),
+            radius: 4.0 * diagonal * degrees.to_radians().sin(),
+        };
         for (name, receivers) in [("floor", &on_floor), ("self", &on_mesh)] {
             let chosen: Vec<(&Receiver, f32, bool)> = receivers
                 .iter()
                 .filter_map(|at| {
                     let cone = Cone::of_sphere(at.position, light);
                     let whole = at.normal.dot(cone.axis) > cone.sin_sq().sqrt();
-                    let hidden = name == "floor" && rays.blocked(at.position, Vec3::Y, -1e-4 * diagonal, 0.005 * diagonal);
+                    let hidden =
+                        name == "floor" && rays.blocked(at.position, Vec3::Y, -1e-4 * diagonal, 0.005 * diagonal);
                     let near = (0..48).any(|k| {
                         let (y, a) = ((k as f32 + 0.5) / 48.0, k as f32 * 2.4);
                         let r = (1.0 - y * y).sqrt();
-                        rays.blocked(at.position, Vec3::new(r * a.cos(), y, r * a.sin()), 1e-4 * diagonal, 0.03 * diagonal)
+                        rays.blocked(
+                            at.position,
+                            Vec3::new(r * a.cos(), y, r * a.sin()),
+                            1e-4 * diagonal,
+                            0.03 * diagonal,
+                        )
                     });
                     (whole && !hidden).then(|| (at, truth(&rays, at, light, 2e-6 * diagonal), near))
                 })

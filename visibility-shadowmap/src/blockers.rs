@@ -1,7 +1,7 @@
 use crate::canvas::Canvas;
 use crate::clip::Polygon;
 use crate::map::ShadowMap;
-use crate::probe::{Image, Item, Probe, TileProbe, Verdict};
+use crate::probe::{Image, Item, NEAR, Probe, TileProbe, Verdict};
 use glam::{Vec2, Vec3};
 use lighting::{Blockers, Mask, UnitSquare, depth_for};
 use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
@@ -59,31 +59,9 @@ impl ShadowMapBlockers {
         (off(&self.maps[best]) <= 1e-5 * size).then_some(best)
     }
 
-    /// All nodes that block, by descent from `from`; stops at the first one if `any`.
-    fn descend(map: &ShadowMap, probes: &[Probe], from: &[Item], walk: &mut Walk, any: bool) {
-        walk.found.clear();
-        walk.stack.clear();
-        walk.stack.extend_from_slice(from);
-        while let Some(item) = walk.stack.pop() {
-            walk.visited += 1;
-            let layer = &map.faces[usize::from(item.face)].layers[usize::from(item.layer)];
-            match probes[usize::from(item.face)].judge(item, layer) {
-                Verdict::No => {}
-                Verdict::Split => walk.stack.extend(item.children(layer)),
-                Verdict::Blocks => {
-                    walk.found.push(item);
-                    if any {
-                        return;
-                    }
-                }
-            }
-        }
-    }
-
-    fn probes(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: f32, out: &mut Vec<Probe>) {
+    fn look(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: f32, out: &mut Vec<Probe>) {
         out.clear();
-        let probe =
-            |face| Probe::new(face, &map.light, query.at.position, query.at.normal, square, cell);
+        let probe = |face| Probe::new(face, &map.light, query.at.position, query.at.normal, square, cell);
         out.extend(map.faces.iter().map(probe));
     }
 }
@@ -95,36 +73,28 @@ pub struct ShadowMapScratch {
     entered: Option<Option<usize>>,
     /// The map of the query.
     map: Option<usize>,
-    /// Nodes to start from.
+    /// Nodes to start from, the first layer last.
     frontier: Vec<Item>,
     probes: Vec<Probe>,
-    /// What blocks the whole light.
-    whole: Walk,
-    /// What blocks a part of it.
-    part: Walk,
+    stack: Vec<Item>,
     canvas: Canvas,
+    visited: u64,
+    drawn: u64,
 }
 
 impl ShadowMapScratch {
     /// Nodes of the pyramids looked at, and quadrilaterals drawn, since this scratch was made.
     #[must_use]
     pub fn counts(&self) -> (u64, u64) {
-        (self.whole.visited + self.part.visited, self.whole.drawn + self.part.drawn)
+        (self.visited, self.drawn)
     }
 }
 
-#[derive(Clone, Debug, Default)]
-struct Walk {
-    stack: Vec<Item>,
-    found: Vec<Item>,
-    visited: u64,
-    drawn: u64,
-}
-
 fn roots(map: &ShadowMap) -> impl Iterator<Item = Item> {
-    map.faces.iter().enumerate().flat_map(|(f, face)| {
-        face.layers.iter().enumerate().map(move |(l, layer)| Item::root(f, l, layer.top()))
-    })
+    map.faces
+        .iter()
+        .enumerate()
+        .flat_map(|(f, face)| face.layers.iter().enumerate().map(move |(l, layer)| Item::root(f, l, layer.top())))
 }
 
 impl Blockers for ShadowMapBlockers {
@@ -140,7 +110,7 @@ impl Blockers for ShadowMapBlockers {
         scratch.frontier.clear();
         let Some(map) = index.map(|k| &self.maps[k]) else { return };
         let probes: Vec<TileProbe> = map.faces.iter().map(|face| TileProbe::new(face, shaft)).collect();
-        let layer = |item: Item| &map.faces[usize::from(item.face)].layers[usize::from(item.layer)];
+        let layer = |item: Item| map.layer(item);
         let meets = |item: &Item| probes[usize::from(item.face)].meets(*item, layer(*item));
         let mut nodes: Vec<Item> = roots(map).filter(meets).collect();
         // A node that could be drawn as one must stay: receivers outside of a group would draw it so.
@@ -153,6 +123,7 @@ impl Blockers for ShadowMapBlockers {
             nodes = next;
         }
         scratch.frontier.extend(nodes);
+        first_layer_last(&mut scratch.frontier);
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut ShadowMapScratch) -> Coverage {
@@ -162,6 +133,7 @@ impl Blockers for ShadowMapBlockers {
                 let found = self.map_seen(query);
                 scratch.frontier.clear();
                 scratch.frontier.extend(found.iter().flat_map(|k| roots(&self.maps[*k])));
+                first_layer_last(&mut scratch.frontier);
                 found
             }
         };
@@ -171,41 +143,66 @@ impl Blockers for ShadowMapBlockers {
         }
         let square = UnitSquare::facing(query.cone, Vec3::ZERO);
         let cell = 2.0 * square.half / (1 << depth_for(query.tolerance)) as f32;
-        Self::probes(map, query, &square, cell, &mut scratch.probes);
-        Self::descend(map, &scratch.probes, &scratch.frontier, &mut scratch.whole, square.half <= 0.0);
-        if scratch.whole.found.is_empty() { Coverage::Lit } else { Coverage::Partial }
+        let ShadowMapScratch { frontier, probes, stack, visited, .. } = scratch;
+        Self::look(map, query, &square, cell, probes);
+        stack.clear();
+        stack.extend_from_slice(frontier);
+        while let Some(item) = stack.pop() {
+            *visited += 1;
+            let layer = map.layer(item);
+            match probes[usize::from(item.face)].judge(item, layer) {
+                Verdict::No => {}
+                Verdict::Split => stack.extend(item.children(layer)),
+                Verdict::Blocks | Verdict::Partly => return Coverage::Partial,
+            }
+        }
+        Coverage::Lit
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut ShadowMapScratch, mask: &mut Mask) {
         let Some(map) = scratch.map.map(|k| &self.maps[k]) else { return };
-        let square = *mask.square();
-        let ShadowMapScratch { frontier, probes, whole, part, canvas, .. } = scratch;
-        let walk = if square.half >= square.disc {
-            whole
-        } else {
-            Self::probes(map, query, &square, mask.cell(), probes);
-            Self::descend(map, probes, frontier, part, false);
-            part
-        };
+        let ShadowMapScratch { frontier, probes, stack, canvas, visited, drawn, .. } = scratch;
+        Self::look(map, query, mask.square(), mask.cell(), probes);
         canvas.begin(mask);
-        let mut face = usize::MAX;
-        let mut image = None;
-        for item in &walk.found {
-            if usize::from(item.face) != face || image.is_none() {
-                face = item.face.into();
-                image = Some(Image::new(&map.faces[face], &map.light, query.at.position, &square));
+        stack.clear();
+        stack.extend_from_slice(frontier);
+        while let Some(item) = stack.pop() {
+            *visited += 1;
+            let layer = map.layer(item);
+            let probe = &probes[usize::from(item.face)];
+            let verdict = probe.judge(item, layer);
+            // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
+            if verdict == Verdict::No
+                || probe.image.bounds(item, layer).is_some_and(|[low, high]| canvas.is_covered(low, high))
+            {
+                continue;
             }
-            let Some(image) = &image else { continue };
-            let layer = &map.faces[face].layers[usize::from(item.layer)];
-            draw(image, image.corners(*item, layer), item.node(layer).deviation, canvas);
+            match verdict {
+                Verdict::Split => stack.extend(item.children(layer)),
+                Verdict::Partly => {
+                    *drawn += 1;
+                    let (rectangle, q) = layer.part(item.texels(layer));
+                    draw(&probe.image, rectangle, [q; 4], 0.0, canvas);
+                }
+                _ => {
+                    *drawn += 1;
+                    let q = layer.corners(item.level.into(), item.i.into(), item.j.into());
+                    draw(&probe.image, item.texels(layer).map(|x| x as f32), q, item.node(layer).deviation, canvas);
+                }
+            }
         }
-        walk.drawn += walk.found.len() as u64;
         canvas.write(mask);
     }
 }
 
-fn draw(image: &Image, corners: [Vec3; 4], deviation: f32, canvas: &mut Canvas) {
-    let near = image.near();
+fn first_layer_last(items: &mut [Item]) {
+    items.sort_by_key(|item| core::cmp::Reverse(item.layer));
+}
+
+/// A rectangle of texels with q at its corners.
+fn draw(image: &Image, rectangle: [f32; 4], q: [f32; 4], deviation: f32, canvas: &mut Canvas) {
+    let corners = image.corners(rectangle, q);
+    let near = NEAR * corners.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     let nearest = corners.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
     if nearest >= near {
         let mut points = corners.map(|p| p.truncate() / p.z);

@@ -50,24 +50,29 @@ impl Canvas {
         self.bits[..self.side * LINES * self.words].fill(0);
     }
 
-    /// Unites a convex polygon in plane coordinates, moved outward by about `grow` at its corners.
+    /// Whether every sample between two corners, in plane coordinates, is covered.
+    pub(crate) fn is_covered(&self, low: Vec2, high: Vec2) -> bool {
+        let (low, high) = ((low - self.low) * self.scale, (high - self.low) * self.scale);
+        let (lines, columns) = ((self.side * LINES) as f32, (self.side * ACROSS) as f32);
+        let (first, end) = (low.y.clamp(0.0, lines) as usize, up(high.y.clamp(0.0, lines)));
+        let (from, to) = (low.x.clamp(0.0, columns) as usize, up(high.x.clamp(0.0, columns)));
+        from >= to || (first..end).all(|k| is_set(&self.bits[k * self.words..(k + 1) * self.words], from, to))
+    }
+
+    /// Unites a convex polygon in plane coordinates, its edges moved outward by `grow`.
     pub(crate) fn polygon(&mut self, points: &mut [Vec2], grow: f32) {
         let count = points.len();
-        if grow > 0.0 {
-            let middle = points.iter().sum::<Vec2>() / count as f32;
-            for p in points.iter_mut() {
-                *p += (*p - middle).normalize_or_zero() * (1.5 * grow);
-            }
-        }
         let lines = (self.side * LINES) as f32;
-        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for p in points.iter_mut() {
             *p = (*p - self.low) * self.scale;
-            (low, high) = (low.min(p.y), high.max(p.y));
+            (low, high) = (low.min(*p), high.max(*p));
         }
-        // Lines are sampled at their middle: k + ½ in [low, high).
-        let line = |y: f32| (y - 0.5).ceil().clamp(0.0, lines) as usize;
-        let (first, end) = (line(low), line(high));
+        // Lines are sampled at their middle: k + ½ in (low, high].
+        let line = |y: f32| (y.clamp(0.0, lines) + 0.5) as usize;
+        let grow = grow * self.scale;
+        let (low, high) = (low - grow, high + grow);
+        let (first, end) = (line(low.y), line(high.y));
         if first >= end {
             return;
         }
@@ -81,19 +86,43 @@ impl Canvas {
                 continue;
             }
             let slope = (b.x - a.x) / (b.y - a.y);
+            // The edge moved along its normal, measured along the line.
+            let aside = if grow.x > 0.0 { grow.x.hypot(slope * grow.y) } else { 0.0 };
             for (k, span) in self.spans[from..to].iter_mut().enumerate() {
                 let x = a.x + ((from + k) as f32 + 0.5 - a.y) * slope;
-                *span = (span.0.min(x), span.1.max(x));
+                *span = (span.0.min(x - aside), span.1.max(x + aside));
             }
+        }
+        if grow.x > 0.0 {
+            self.fill_ends(first, end, low.x, high.x);
         }
         let columns = (self.side * ACROSS) as f32;
         for k in first..end {
             let (from, to) = self.spans[k];
-            let column = |x: f32| (x - 0.5).ceil().clamp(0.0, columns) as usize;
+            let column = |x: f32| (x.clamp(0.0, columns) + 0.5) as usize;
             let (from, to) = (column(from), column(to));
             if from < to {
                 set(&mut self.bits[k * self.words..(k + 1) * self.words], from, to);
             }
+        }
+    }
+
+    /// Lines that only the growth reaches take the span of the line next to them, or all there is; none reaches farther
+    /// than from `low` to `high`.
+    fn fill_ends(&mut self, first: usize, end: usize, low: f32, high: f32) {
+        let spans = &mut self.spans[first..end];
+        let whole = |span: &(f32, f32)| span.0 <= span.1;
+        let begin = spans.iter().position(whole);
+        let last = spans.iter().rposition(whole);
+        let (Some(begin), Some(last)) = (begin, last) else {
+            spans.fill((low, high));
+            return;
+        };
+        let (a, b) = (spans[begin], spans[last]);
+        spans[..begin].fill(a);
+        spans[last + 1..].fill(b);
+        for span in spans {
+            *span = (span.0.max(low), span.1.min(high));
         }
     }
 
@@ -143,11 +172,28 @@ fn covered(lines: &[&[u64]; LINES], i: usize) -> u64 {
     lines.iter().enumerate().map(|(k, line)| (line[word] >> shift & 0xffff) << (16 * k)).sum()
 }
 
-/// Sets bits `from..to`, which is not empty.
+/// Rounded up, for x ≥ 0.
+fn up(x: f32) -> usize {
+    let whole = x as usize;
+    whole + usize::from(x > whole as f32)
+}
+
+/// The words of bits `from..to`, which is not empty, and the bits in the first and the last word.
+fn word_range(from: usize, to: usize) -> (usize, usize, u64, u64) {
+    (from / 64, (to - 1) / 64, u64::MAX << (from % 64), u64::MAX >> (63 - (to - 1) % 64))
+}
+
+fn is_set(line: &[u64], from: usize, to: usize) -> bool {
+    let (first, last, head, tail) = word_range(from, to);
+    if first == last {
+        line[first] & head & tail == head & tail
+    } else {
+        line[first] & head == head && line[last] & tail == tail && line[first + 1..last].iter().all(|w| *w == u64::MAX)
+    }
+}
+
 fn set(line: &mut [u64], from: usize, to: usize) {
-    let (first, last) = (from / 64, (to - 1) / 64);
-    let head = u64::MAX << (from % 64);
-    let tail = u64::MAX >> (63 - (to - 1) % 64);
+    let (first, last, head, tail) = word_range(from, to);
     if first == last {
         line[first] |= head & tail;
     } else {

@@ -3,7 +3,9 @@
 use core::ops::{Add, Mul, Sub};
 
 /// What a corner can be.
-pub(crate) trait Point: Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Scalar, Output = Self> {
+pub(crate) trait Point:
+    Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Scalar, Output = Self>
+{
     /// Its scalar.
     type Scalar: Copy + PartialOrd + Default + Sub<Output = Self::Scalar> + core::ops::Div<Output = Self::Scalar>;
 }

@@ -71,8 +71,8 @@ impl Fit<'_> {
         let around_casters = cone(triangles).filter(|(_, cos)| *cos >= WIDEST_COS).map(|(axis, _)| axis);
         let toward_receivers = self.receivers.and_then(|r| r.iter().sum::<DVec3>().try_normalize());
         // Toward the receivers only if nothing that matters is beside the light.
-        let toward_receivers =
-            toward_receivers.filter(|axis| triangles.iter().flatten().all(|p| axis.dot(*p) >= self.near().max(self.radius)));
+        let toward_receivers = toward_receivers
+            .filter(|axis| triangles.iter().flatten().all(|p| axis.dot(*p) >= self.near().max(self.radius)));
         let best = [around_casters, toward_receivers]
             .into_iter()
             .flatten()
@@ -110,7 +110,8 @@ impl Fit<'_> {
                 continue;
             }
             let (near, far) = extremes(corners.iter().map(|p| p.z));
-            let (mut x, mut y) = (extremes(corners.iter().map(|p| p.x / p.z)), extremes(corners.iter().map(|p| p.y / p.z)));
+            let (mut x, mut y) =
+                (extremes(corners.iter().map(|p| p.x / p.z)), extremes(corners.iter().map(|p| p.y / p.z)));
             if let Some(shafts) = &shafts {
                 let (sx, sy) = (shafts.range(0, near), shafts.range(1, near));
                 x = (x.0.max(sx.0), x.1.min(sx.1));
@@ -175,7 +176,9 @@ impl Edges {
             let Some([low, high]) = lines[axis] else { return (f64::NEG_INFINITY, f64::INFINITY) };
             // a u + b ≤ r/z.
             let at = |[a, b]: [f64; 2]| (self.radius / z - b) / a;
-            let bound = |[a, b]: [f64; 2], lower: bool| if (a < 0.0) == lower && a.abs() > 1e-9 { Some(at([a, b])) } else { None };
+            let bound = |[a, b]: [f64; 2], lower: bool| {
+                if (a < 0.0) == lower && a.abs() > 1e-9 { Some(at([a, b])) } else { None }
+            };
             range.0 = range.0.min(bound(low, true).unwrap_or(f64::NEG_INFINITY));
             range.1 = range.1.max(bound(high, false).unwrap_or(f64::INFINITY));
         }
@@ -205,8 +208,8 @@ pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// A cone that has all casters' corners in it: axis and cosine of the half-angle.
 fn cone(triangles: &[Triangle]) -> Option<(DVec3, f64)> {
     let directions = || triangles.iter().flatten().filter_map(|p| p.try_normalize());
-    let (low, high) = directions()
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
+    let (low, high) =
+        directions().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
     let axis = (0.5 * (low + high)).try_normalize()?;
     Some((axis, directions().map(|d| d.dot(axis)).fold(1.0, f64::min)))
 }

@@ -30,7 +30,7 @@ struct Level {
 /// Part of a layer: `2^level` texels a side, at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
-    /// Bounds of q; `min > max` when there is no surface.
+    /// Bounds of q, texels' corners included (but for a texel itself); `min > max` when there is no surface.
     pub(crate) min: f32,
     pub(crate) max: f32,
     /// Largest difference to the bilinear function of the corners; infinite when a texel is empty.
@@ -94,6 +94,11 @@ impl Layer {
         }
     }
 
+    /// How far, about, a texel's corners may be from its q.
+    pub(crate) fn corner_slack(&self, q: f32) -> f32 {
+        0.75 * self.limit * (1.0 + q)
+    }
+
     /// Texels of a node: columns from…to, rows from…to.
     pub(crate) fn texels(&self, level: u32, i: usize, j: usize) -> [usize; 4] {
         [i << level, ((i + 1) << level).min(self.width), j << level, ((j + 1) << level).min(self.height)]
@@ -116,6 +121,11 @@ impl Layer {
             node.max = node.max.max(child.max);
             worst = worst.max(child.deviation);
             whole &= child.deviation.is_finite();
+            if level == 1 && !child.is_empty() {
+                for q in below[cj * below_width + ci] {
+                    (node.min, node.max) = (node.min.min(q), node.max.max(q));
+                }
+            }
         }
         if !whole {
             return (node, [0.0; 4]);
@@ -133,8 +143,6 @@ impl Layer {
             let values = below[cj * below_width + ci];
             for (q, (x, y)) in values.into_iter().zip([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]) {
                 between = between.max((q - at(x, y)).abs());
-                node.min = node.min.min(q);
-                node.max = node.max.max(q);
             }
         }
         node.deviation = worst + between;
@@ -147,6 +155,34 @@ impl Layer {
         let [x0, x1, y0, y1] = self.texels(level, i, j);
         let (x1, y1) = (x1 - 1, y1 - 1);
         [self.corner(x0, y0, -1, -1), self.corner(x1, y0, 1, -1), self.corner(x1, y1, 1, 1), self.corner(x0, y1, -1, 1)]
+    }
+
+    /// A rectangle of the same area as the texels with a surface in the given range, on the side where more of them are,
+    /// and their mean q.
+    pub(crate) fn part(&self, [x0, x1, y0, y1]: [usize; 4]) -> ([f32; 4], f32) {
+        let (mut count, mut sum, mut x_sum, mut y_sum) = (0.0_f32, 0.0, 0.0, 0.0);
+        for y in y0..y1 {
+            for x in x0..x1 {
+                let q = self.q[y * self.width + x];
+                if q != EMPTY {
+                    count += 1.0;
+                    sum += q;
+                    x_sum += x as f32 + 0.5;
+                    y_sum += y as f32 + 0.5;
+                }
+            }
+        }
+        let [x0, x1, y0, y1] = [x0, x1, y0, y1].map(|x| x as f32);
+        let share = count / ((x1 - x0) * (y1 - y0));
+        let (dx, dy) = (x_sum / count - 0.5 * (x0 + x1), y_sum / count - 0.5 * (y0 + y1));
+        let (width, height) = ((x1 - x0) * share, (y1 - y0) * share);
+        let part = match (dx.abs() >= dy.abs(), dx >= 0.0, dy >= 0.0) {
+            (true, true, _) => [x1 - width, x1, y0, y1],
+            (true, false, _) => [x0, x0 + width, y0, y1],
+            (false, _, true) => [x0, x1, y1 - height, y1],
+            (false, _, false) => [x0, x1, y0, y0 + height],
+        };
+        (part, sum / count)
     }
 
     /// Around a corner that four texels of one surface share, all four find the same mean: no gap between them. On a

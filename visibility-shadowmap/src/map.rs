@@ -2,6 +2,7 @@ use crate::face::Face;
 use crate::fit::{Fit, Triangle, corners};
 use crate::layer::Layer;
 use crate::options::{Bounds, MapError, MapOptions};
+use crate::probe::Item;
 use crate::raster::draw;
 use core::fmt;
 use glam::Vec3;
@@ -105,6 +106,10 @@ impl ShadowMap {
         }
         faces.retain(|face| !face.layers.is_empty());
         Ok(Self { light, faces, resolution: options.resolution })
+    }
+
+    pub(crate) fn layer(&self, item: Item) -> &Layer {
+        &self.faces[usize::from(item.face)].layers[usize::from(item.layer)]
     }
 
     /// The light whose map it is.

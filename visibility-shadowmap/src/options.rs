@@ -21,11 +21,7 @@ impl Bounds {
     pub(crate) fn corners(&self) -> [Vec3; 8] {
         core::array::from_fn(|k| {
             let pick = |bit: usize, low: f32, high: f32| if k >> bit & 1 == 0 { low } else { high };
-            Vec3::new(
-                pick(0, self.min.x, self.max.x),
-                pick(1, self.min.y, self.max.y),
-                pick(2, self.min.z, self.max.z),
-            )
+            Vec3::new(pick(0, self.min.x, self.max.x), pick(1, self.min.y, self.max.y), pick(2, self.min.z, self.max.z))
         })
     }
 

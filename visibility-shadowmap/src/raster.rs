@@ -84,12 +84,7 @@ fn project(face: &Face, triangle: &Triangle, near: f64) -> impl Iterator<Item = 
     let points: Vec<(DVec2, f64)> = points.collect();
     (2..points.len()).map(move |k| {
         let fan = [points[0], points[k - 1], points[k]];
-        Flat {
-            points: fan.map(|p| p.0),
-            q: fan.map(|p| p.1),
-            faces_light,
-            rows: extremes(fan.iter().map(|p| p.0.y)),
-        }
+        Flat { points: fan.map(|p| p.0), q: fan.map(|p| p.1), faces_light, rows: extremes(fan.iter().map(|p| p.0.y)) }
     })
 }
 
