@@ -3,6 +3,12 @@ use crate::{MAX_DEPTH, Mask};
 use glam::{Vec2, Vec3};
 
 const SIDE: usize = 1 << MAX_DEPTH;
+/// A whole cell in the units of `Contour::covered`.
+const WHOLE: i8 = i8::MAX;
+/// Cells of the rim that are asked for.
+const RIM: usize = 32;
+/// Columns that share one question about how high the contour runs between two rows.
+const STRIDE: usize = 2;
 
 /// Fills a [`Mask`] from as few answers as possible to one question: *is the light hidden in this direction?* For
 /// strategies that have no spans, such as shadow rays.
@@ -13,18 +19,22 @@ const SIDE: usize = 1 << MAX_DEPTH;
 /// followed: wherever neighbours in a row or column differ, those not asked yet are asked, until both sides of the
 /// whole contour are known. Where that shows a thin shape, the grid is made twice as fine and the contour followed
 /// again. At last the place where the contour crosses each row is found between two cells by bisection, so that spans
-/// end at a fraction of a cell.
+/// end at a fraction of a cell; and where it runs along between two rows, its height.
 ///
 /// It is the working memory, too: keep one a thread.
 #[derive(Clone, Debug)]
 pub struct Contour {
     start: usize,
     bisections: u32,
+    /// Sine and cosine of the directions in which the rim is asked for.
+    rim: [(f32, f32); RIM],
     /// Cells that were asked for.
     known: [u64; SIDE],
     /// Cells that are hidden as far as is known.
     dark: [u64; SIDE],
     emitting: [u64; SIDE],
+    /// What the contour covers more (or less) of a cell than its centre says, in 127ths.
+    covered: [[i8; SIDE]; SIDE],
 }
 
 impl Default for Contour {
@@ -40,7 +50,15 @@ impl Contour {
     #[must_use]
     pub fn new(start: usize, bisections: u32) -> Self {
         let start = start.clamp(1, SIDE).next_power_of_two();
-        Self { start, bisections, known: [0; SIDE], dark: [0; SIDE], emitting: [0; SIDE] }
+        Self {
+            start,
+            bisections,
+            rim: core::array::from_fn(|k| (core::f32::consts::TAU * (k as f32 + 0.5) / RIM as f32).sin_cos()),
+            known: [0; SIDE],
+            dark: [0; SIDE],
+            emitting: [0; SIDE],
+            covered: [[0; SIDE]; SIDE],
+        }
     }
 
     /// Blocks what is hidden, on top of what the mask has already. `hidden` is asked for unit directions in world space,
@@ -55,6 +73,7 @@ impl Contour {
             hidden(square.world(p.extend(1.0)).normalize())
         };
         self.find(mask, &mut ask);
+        self.plateaus(mask, &mut ask);
         self.write(mask, &mut ask);
         asked
     }
@@ -65,10 +84,7 @@ impl Contour {
         for j in 0..side {
             (self.known[j], self.dark[j], self.emitting[j]) = (0, 0, mask.emitting_cells(j));
         }
-        let mut ask = |i: usize, j: usize| {
-            let p = mask.cell_center(i, j);
-            ask(p.x, p.y)
-        };
+        let mut ask = |i: usize, j: usize| ask(sample(mask, i, j), mask.row_y(j));
         let start = self.start.min(side);
         self.rim(side, &mut ask);
         self.coarse(side, start, &mut ask);
@@ -89,17 +105,27 @@ impl Contour {
         self.dark[j] & bit != 0
     }
 
-    /// Asks for every fourth cell of the rim.
+    /// Asks for cells all around the rim, about three cells apart at depth 5.
     fn rim(&mut self, side: usize, ask: &mut impl FnMut(usize, usize) -> bool) {
-        for j in 0..side {
-            let e = self.emitting[j];
-            let above = if j + 1 < side { self.emitting[j + 1] } else { 0 };
-            let below = if j > 0 { self.emitting[j - 1] } else { 0 };
-            for i in Bits(e & !(e << 1 & e >> 1 & above & below)) {
-                // Along rows, columns and both diagonals every second or fourth cell.
-                if (i + 2 * j) % 4 == 0 {
-                    self.cell(i, j, ask);
+        let rows = || (0..side).filter(|j| self.emitting[*j] != 0);
+        let (Some(first), Some(last)) = (rows().next(), rows().next_back()) else { return };
+        let row = self.emitting[(first + last) / 2];
+        let middle = |low: u32, high: u32| 0.5 * (low + high) as f32;
+        let x = middle(row.trailing_zeros(), u64::BITS - row.leading_zeros());
+        let y = middle(first as u32, last as u32 + 1);
+        for k in 0..RIM {
+            let (sin, cos) = self.rim[k];
+            let mut way = 0.75 * side as f32;
+            while way >= 0.0 {
+                let (i, j) = ((x + way * cos).floor(), (y + way * sin).floor());
+                if i >= 0.0 && j >= 0.0 && (j as usize) < side && (i as usize) < side {
+                    let (i, j) = (i as usize, j as usize);
+                    if self.emitting[j] >> i & 1 == 1 {
+                        self.cell(i, j, ask);
+                        break;
+                    }
                 }
+                way -= 0.5;
             }
         }
     }
@@ -164,69 +190,142 @@ impl Contour {
         }
     }
 
-    /// Whether a lit or dark run of at most three cells lies between others in a row or column.
+    /// Whether a single lit or dark cell lies between two others in a row or column.
     fn is_thin(&self, side: usize) -> bool {
-        let mut columns = [0u64; SIDE];
-        for j in 0..side {
-            let e = self.emitting[j];
-            for d in [self.dark[j], !self.dark[j]] {
-                let d = d & e;
-                let ends = !d & e;
-                if (1..=3).any(|n| runs(d, n) & ends << 1 & ends >> n != 0) {
-                    return true;
+        let differ = |d: u64, a: u64, b: u64| (d ^ a) & (d ^ b);
+        (0..side).any(|j| {
+            let (e, d) = (self.emitting[j], self.dark[j]);
+            let in_row = differ(d, d << 1, d >> 1) & e << 1 & e >> 1;
+            let in_column = if j > 0 && j + 1 < side {
+                differ(d, self.dark[j - 1], self.dark[j + 1]) & self.emitting[j - 1] & self.emitting[j + 1]
+            } else {
+                0
+            };
+            (in_row | in_column) & e != 0
+        })
+    }
+
+    /// Cells of row `j` that differ from their left or right neighbour, where both emit.
+    fn steps(&self, j: usize) -> u64 {
+        let (e, d) = (self.emitting[j], self.dark[j]);
+        let right = (d ^ d >> 1) & e & e >> 1;
+        right | right << 1
+    }
+
+    /// Where the contour runs along between two rows, finds its height and with it what it covers of the cells.
+    ///
+    /// Spans count what is dark on the rows' lines. That is right for a contour that crosses the lines, but not where it
+    /// passes between two of them from rim to rim, or turns back. Where it comes through one line and leaves through the
+    /// other, what the lines count too much at one end they count too little at the other.
+    fn plateaus(&mut self, mask: &Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
+        self.covered = [[0; SIDE]; SIDE];
+        for j in 0..mask.side() - 1 {
+            let both = self.emitting[j] & self.emitting[j + 1];
+            let steps = [self.steps(j), self.steps(j + 1)];
+            let mut flat = (self.dark[j] ^ self.dark[j + 1]) & both & !steps[0] & !steps[1];
+            while flat != 0 {
+                let first = flat.trailing_zeros() as usize;
+                let end = first + (flat >> first).trailing_ones() as usize;
+                flat &= u64::MAX.checked_shl(end as u32).unwrap_or(0);
+                let step = |i: usize| [steps[0] & both, steps[1] & both].map(|s| i < SIDE && s >> i & 1 == 1);
+                let (left, right) = (step(first.wrapping_sub(1)), step(end));
+                if matches!((left, right), ([true, false], [false, true]) | ([false, true], [true, false])) {
+                    continue;
+                }
+                for i in (first..end).step_by(STRIDE) {
+                    self.plateau(mask, j, i..(i + STRIDE).min(end), ask);
                 }
             }
-            for i in Bits(self.dark[j] & e) {
-                columns[i] |= 1 << j;
-            }
         }
-        let mut emitting = [0u64; SIDE];
-        for j in 0..side {
-            for i in Bits(self.emitting[j]) {
-                emitting[i] |= 1 << j;
-            }
+    }
+
+    /// The contour between rows `j` and `j + 1` in some columns, as high as in the first of them.
+    fn plateau(
+        &mut self,
+        mask: &Mask,
+        j: usize,
+        columns: core::ops::Range<usize>,
+        ask: &mut impl FnMut(f32, f32) -> bool,
+    ) {
+        let below = self.dark[j] >> columns.start & 1 == 1;
+        let (dark, lit) = if below { (j, j + 1) } else { (j + 1, j) };
+        let x = mask.cell_center(columns.start, j).x;
+        let (from, to) = (mask.row_y(dark), mask.row_y(lit));
+        let height = self.crossing(columns.start / STRIDE, &mut |t| ask(x, from + t * (to - from)));
+        // Beyond half the way it reaches into the lit cells; before, it leaves some of the dark ones.
+        let covered = ((height - 0.5) * f32::from(WHOLE)) as i8;
+        let row = if height < 0.5 { dark } else { lit };
+        for i in columns {
+            self.covered[row][i] = self.covered[row][i].saturating_add(covered);
         }
-        columns.iter().zip(emitting).any(|(dark, e)| {
-            [*dark, !dark & e].into_iter().any(|d| {
-                let ends = !d & e;
-                (1..=3).any(|n| runs(d, n) & ends << 1 & ends >> n != 0)
-            })
-        })
+    }
+
+    /// How far from a dark point (0) to a lit one (1) the contour is, by bisection. The steps are shifted a little from
+    /// line to line: an edge that moves along with many lines moves from step to step in one after the other.
+    fn crossing(&self, line: usize, dark: &mut impl FnMut(f32) -> bool) -> f32 {
+        let step = 0.5_f32.powi(self.bisections as i32);
+        let shift = step * ([0.0, 4.0, 2.0, 6.0, 1.0, 5.0, 3.0, 7.0][line % 8] / 8.0 - 7.0 / 16.0);
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..self.bisections {
+            let middle = 0.5 * (low + high);
+            if dark(middle + shift) { low = middle } else { high = middle }
+        }
+        let low = if low > 0.0 { low + shift } else { 0.0 };
+        let high = if high < 1.0 { high + shift } else { 1.0 };
+        0.5 * (low + high)
     }
 
     /// Blocks the runs of dark cells, their ends found between two centres.
     fn write(&self, mask: &mut Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
         for j in 0..mask.side() {
-            let mut dark = self.dark[j] & self.emitting[j];
-            let y = mask.row_y(j);
-            while dark != 0 {
-                let first = dark.trailing_zeros() as usize;
-                let length = (dark >> first).trailing_ones() as usize;
-                let end = first + length;
-                let mut edge = |dark: usize, lit: usize| {
-                    if self.emitting[j] >> lit & 1 == 0 {
-                        return None;
-                    }
-                    let (mut dark, mut lit) = (mask.cell_center(dark, j).x, mask.cell_center(lit, j).x);
-                    for _ in 0..self.bisections {
-                        let middle = 0.5 * (dark + lit);
-                        if ask(middle, y) { dark = middle } else { lit = middle }
-                    }
-                    Some(0.5 * (dark + lit))
-                };
-                let from = if first == 0 { None } else { edge(first, first - 1) };
-                let to = if end >= mask.side() { None } else { edge(end - 1, end) };
-                mask.block_span(j, from.unwrap_or(f32::NEG_INFINITY), to.unwrap_or(f32::INFINITY));
-                if end >= SIDE {
-                    break;
+            let (e, y, cell) = (self.emitting[j], mask.row_y(j), mask.cell());
+            let mut whole = self.dark[j] & e;
+            for i in Bits(e) {
+                let covered = self.covered[j][i];
+                if covered == 0 {
+                    continue;
                 }
-                dark &= u64::MAX << end;
+                let is_dark = whole >> i & 1 == 1;
+                let share = f32::from(covered) / f32::from(WHOLE) + if is_dark { 1.0 } else { 0.0 };
+                whole &= !(1 << i);
+                let left = mask.cell_center(i, j).x - 0.5 * cell;
+                mask.block_span(j, left, left + share * cell);
+            }
+            while whole != 0 {
+                let first = whole.trailing_zeros() as usize;
+                let end = first + (whole >> first).trailing_ones() as usize;
+                whole &= u64::MAX.checked_shl(end as u32).unwrap_or(0);
+                // The contour beside a dark cell; its border where the next one is covered in part.
+                let mut edge = |dark: usize, next: usize| {
+                    if self.dark[j] >> next & 1 == 1 {
+                        return 0.5 * (mask.cell_center(dark, j).x + mask.cell_center(next, j).x);
+                    }
+                    let (from, to) = (sample(mask, dark, j), sample(mask, next, j));
+                    from + (to - from) * self.crossing(j, &mut |t| ask(from + t * (to - from), y))
+                };
+                let emits = |i: usize| i < SIDE && e >> i & 1 == 1;
+                let before = first.wrapping_sub(1);
+                let from = if emits(before) { edge(first, before) } else { f32::NEG_INFINITY };
+                let to = if emits(end) { edge(end - 1, end) } else { f32::INFINITY };
+                mask.block_span(j, from, to);
             }
         }
     }
 }
 
-/// Bit i: the n cells from i on are set.
-fn runs(d: u64, n: usize) -> u64 {
-    (1..n).fold(d, |all, k| all & d >> k)
+/// Where on its row a cell is asked for: in the middle of what emits of it; in rows of at least four cells the outermost
+/// ones at the ends of the row, so that what moves into the light is met as soon as it does.
+fn sample(mask: &Mask, i: usize, j: usize) -> f32 {
+    let cells = mask.emitting_cells(j);
+    let (start, length) = mask.emitting_part(i, j);
+    let first = cells.trailing_zeros() as usize;
+    let last = (u64::BITS - 1).saturating_sub(cells.leading_zeros()) as usize;
+    let at = if last < first + 3 || (i != first && i != last) {
+        start + 0.5 * length
+    } else if i == first {
+        start
+    } else {
+        start + length
+    };
+    mask.cell_center(0, j).x + (at - 0.5) * mask.cell()
 }

@@ -40,6 +40,12 @@ impl<'w> RayBlockers<'w> {
         Self { world, start, bisections, rays: AtomicU64::new(0) }
     }
 
+    /// The world.
+    #[must_use]
+    pub const fn world(&self) -> &'w World<'w> {
+        self.world
+    }
+
     /// Shadow rays shot so far, by all threads.
     #[must_use]
     pub fn rays(&self) -> u64 {

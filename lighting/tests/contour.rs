@@ -1,0 +1,112 @@
+//! Masks from answers to "is the light hidden in this direction?" against areas that are known.
+
+use glam::{Vec2, Vec3};
+use lighting::{Blockers, Contour, Mask, MaskVisibility, UnitSquare};
+use lobe_core::conformance::{Limits, Setting, check};
+use lobe_core::oracle::Random;
+use lobe_core::{Cone, Coverage, Sphere, VisibilityQuery};
+
+fn square(half_angle: f32) -> UnitSquare {
+    let one_minus_cos = 2.0 * (0.5 * half_angle).sin().powi(2);
+    UnitSquare::facing(&Cone { axis: Vec3::Z, one_minus_cos, distance: 10.0 }, Vec3::X)
+}
+
+/// Blocks the directions whose points on the plane are in a shape; returns the dark share and the number of questions.
+fn dark(square: &UnitSquare, depth: u32, shape: impl Fn(Vec2) -> bool) -> (f64, usize) {
+    let mut mask = Mask::default();
+    mask.reset(square, depth, Vec3::Z);
+    let mut contour = Contour::default();
+    let asked = contour.block(&mut mask, |v| {
+        let v = square.local(v);
+        assert!(v.truncate().length() <= 1.000_01 * square.disc * v.z, "asked outside of the light");
+        shape(v.truncate() / (v.z * square.disc))
+    });
+    let (whole, lit) = mask.areas();
+    (1.0 - f64::from(lit) / f64::from(whole), asked)
+}
+
+#[test]
+fn nothing_and_everything() {
+    for depth in 1..=6 {
+        let (share, asked) = dark(&square(0.1), depth, |_| false);
+        assert_eq!(share, 0.0);
+        assert!(asked <= 100, "{asked} questions about nothing");
+        assert_eq!(dark(&square(0.1), depth, |_| true).0, 1.0);
+    }
+}
+
+/// Half-planes at all angles and offsets; the segment of a disc beyond `c` radii is (acos c − c√(1 − c²))/π of it.
+#[test]
+fn half_planes() {
+    let mut random = Random::new(3);
+    for (depth, mean_limit, worst_limit) in [(4, 0.004, 0.02), (5, 0.0012, 0.008), (6, 0.0005, 0.004)] {
+        let (mut mean, mut worst, mut questions) = (0.0, 0.0_f64, 0);
+        for i in 0..400 {
+            // One in four runs along the rows or columns.
+            let angle = if i % 4 == 0 { (random.bits() % 4) as f64 * 0.25 } else { random.uniform() };
+            let (sin, cos) = (angle * core::f64::consts::TAU).sin_cos();
+            let n = Vec2::new(cos as f32, sin as f32);
+            let c = random.between(-1.0, 1.0);
+            let want = (c.acos() - c * (1.0 - c * c).sqrt()) / core::f64::consts::PI;
+            let (got, asked) = dark(&square(0.05), depth, |p| n.dot(p) > c as f32);
+            mean += (got - want).abs() / 400.0;
+            worst = worst.max((got - want).abs());
+            questions += asked;
+        }
+        println!("depth {depth}: mean {mean:.5}, worst {worst:.5}, {} questions", questions / 400);
+        assert!(mean < mean_limit && worst < worst_limit, "depth {depth}: mean {mean}, worst {worst}");
+        assert!(questions / 400 < 60 << (depth - 3), "{}", questions / 400);
+    }
+}
+
+/// Bars of a few cells, also where the coarse grid sees them only here and there.
+#[test]
+fn thin_bars() {
+    let mut random = Random::new(8);
+    let mut mean = 0.0;
+    for _ in 0..200 {
+        let (sin, cos) = (random.uniform() * core::f64::consts::TAU).sin_cos();
+        let n = Vec2::new(cos as f32, sin as f32);
+        let segment = |c: f64| (c.acos() - c * (1.0 - c * c).sqrt()) / core::f64::consts::PI;
+        let (c, width) = (random.between(-0.8, 0.6), random.between(0.07, 0.3));
+        let want = segment(c) - segment((c + width).min(1.0));
+        let (got, _) = dark(&square(0.05), 5, |p| (c as f32..(c + width) as f32).contains(&n.dot(p)));
+        mean += (got - want).abs() / 200.0;
+        assert!((got - want).abs() < 0.02, "a bar {width} wide at {c}, {n}: {got} for {want}");
+    }
+    assert!(mean < 0.003, "{mean}");
+}
+
+/// A strategy as a user would write it: balls that only answer whether they hide a direction.
+struct Balls(Vec<Sphere>);
+
+impl Blockers for Balls {
+    type Scratch = Contour;
+
+    fn scratch(&self) -> Contour {
+        Contour::default()
+    }
+
+    fn select(&self, _: &VisibilityQuery<'_>, _: &mut Contour) -> Coverage {
+        if self.0.is_empty() { Coverage::Lit } else { Coverage::Partial }
+    }
+
+    fn splat(&self, query: &VisibilityQuery<'_>, contour: &mut Contour, mask: &mut Mask) {
+        let light = query.cone.distance * query.cone.cos();
+        contour.block(mask, |v| {
+            self.0.iter().any(|ball| {
+                let to = ball.center - query.at.position;
+                let along = to.dot(v);
+                let half_sq = ball.radius * ball.radius - (to - v * along).length_squared();
+                half_sq > 0.0 && along > 0.0 && along - half_sq.sqrt() < light
+            })
+        });
+    }
+}
+
+#[test]
+fn a_strategy_of_questions_conforms() {
+    let subject = |s: &Setting<'_>| MaskVisibility::new(Balls(s.balls.to_vec()), 5);
+    let measured = check(&subject, &Limits { jump: 0.01, ..Limits::default() }).unwrap_or_else(|e| panic!("{e}"));
+    println!("{measured:?}");
+}

@@ -1,0 +1,59 @@
+//! The suite that all visibility strategies keep, for shadow rays.
+
+use brdf::Material;
+use glam::Vec3;
+use lighting::{MaskVisibility, Mixture};
+use lobe_core::Sphere;
+use lobe_core::conformance::{Limits, Setting, Subject, Visitor, check};
+use render_cpu::{RayBlockers, World};
+use scene::{Camera, Object, Scene};
+use visibility_spheres::SphereBlockers;
+
+fn scene(balls: &[Sphere]) -> Scene {
+    Scene {
+        camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
+        width: 1,
+        height: 1,
+        background: Vec3::ZERO,
+        materials: vec![Material::lambert(Vec3::splat(0.5))],
+        objects: vec![Object::spheres("balls", balls.to_vec(), 0)],
+        lights: Vec::new(),
+    }
+}
+
+/// Rays that meet the balls themselves.
+struct Rays;
+
+impl Subject for Rays {
+    fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {
+        let scene = scene(setting.balls);
+        let world = World::new(&scene);
+        visitor.visit(&MaskVisibility::new(RayBlockers::new(&world), 5))
+    }
+}
+
+/// The first ball by rays, the others as spheres.
+struct Mixed;
+
+impl Subject for Mixed {
+    fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {
+        let (first, others) = setting.balls.split_at(setting.balls.len().min(1));
+        let scene = scene(first);
+        let world = World::new(&scene);
+        let spheres = SphereBlockers::new(others, &vec![0; others.len()], &[]);
+        visitor.visit(&MaskVisibility::new(Mixture::new(RayBlockers::new(&world), spheres), 5))
+    }
+}
+
+#[test]
+fn rays() {
+    let measured = check(&Rays, &Limits { jump: 0.01, ..Limits::default() }).unwrap_or_else(|e| panic!("{e}"));
+    println!("{measured:?}");
+}
+
+#[test]
+fn mixture_of_rays_and_spheres() {
+    let measured =
+        check(&Mixed, &Limits { order: 0.01, jump: 0.01, ..Limits::default() }).unwrap_or_else(|e| panic!("{e}"));
+    println!("{measured:?}");
+}

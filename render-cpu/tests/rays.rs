@@ -1,0 +1,171 @@
+//! Shadow rays: where they start, when none is shot, how near to Monte Carlo they come.
+
+use brdf::Material;
+use core::sync::atomic::AtomicBool;
+use glam::{Mat4, Vec3};
+use lighting::{MaskVisibility, SphereLight};
+use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
+use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene};
+
+fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
+    let object = |(i, mesh)| Object::mesh(format!("mesh {i}"), mesh, 0, Proxy::None);
+    Scene {
+        camera: Camera { eye: Vec3::new(1.0, 2.0, 4.0), target: Vec3::Y * 0.5, up: Vec3::Y, vertical_fov: 0.6 },
+        width: 64,
+        height: 48,
+        background: Vec3::ZERO,
+        materials: vec![Material::lambert(Vec3::splat(0.5))],
+        objects: meshes.into_iter().enumerate().map(object).collect(),
+        lights: vec![SphereLight::new(light, Vec3::ONE)],
+    }
+}
+
+/// A ball of triangles with smooth normals.
+fn ball(center: Vec3, radius: f32) -> Mesh {
+    let (rings, sides) = (48, 96);
+    let mut mesh = Mesh::default();
+    for i in 0..=rings {
+        let (s, c) = (core::f32::consts::PI * i as f32 / rings as f32).sin_cos();
+        for k in 0..sides {
+            let (x, z) = (core::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
+            mesh.positions.push(center + radius * Vec3::new(s * x, c, s * z));
+        }
+    }
+    for i in 0..rings {
+        for k in 0..sides {
+            let [a, b] = [i * sides + k, i * sides + (k + 1) % sides];
+            mesh.triangles.extend([[a, a + sides, b], [b, a + sides, b + sides]]);
+        }
+    }
+    mesh.remove_degenerate();
+    mesh.smooth_normals();
+    mesh
+}
+
+fn floor(half: f32) -> Mesh {
+    Mesh::quad(Vec3::ZERO, Vec3::X * half, Vec3::NEG_Z * half)
+}
+
+fn coverage(rays: &RayBlockers<'_>, at: &Receiver, light: Sphere, entered: bool) -> Coverage {
+    let visibility = MaskVisibility::new(RayBlockers::new(rays.world()), 5);
+    let mut scratch = visibility.scratch();
+    if entered {
+        let receivers = Sphere { center: at.position, radius: 0.05 };
+        visibility.enter(&Shaft { receivers, light }, &mut scratch);
+    }
+    let cone = Cone::of_sphere(at.position, light);
+    visibility.coverage(&VisibilityQuery { at, cone: &cone, tolerance: 0.003 }, &mut scratch)
+}
+
+/// A convex mesh does not shadow itself where the light is above the face, whatever the scale and place.
+#[test]
+fn no_surface_shadows_itself() {
+    for (scale, shift) in [(1.0, 0.0), (1e-3, 0.0), (1e4, 0.0), (1.0, 1e3)] {
+        let place = Mat4::from_translation(Vec3::splat(shift)) * Mat4::from_scale(Vec3::splat(scale));
+        let mut mesh = ball(Vec3::Y, 0.5);
+        mesh.transform(&place);
+        let center = place.transform_point3(Vec3::new(3.0, 6.0, 4.0));
+        let light = Sphere { center, radius: 0.5 * scale };
+        let mut scene = scene(vec![mesh], light);
+        scene.camera.eye = place.transform_point3(scene.camera.eye);
+        scene.camera.target = place.transform_point3(scene.camera.target + Vec3::Y * 0.5);
+        let world = World::new(&scene);
+        let rays = RayBlockers::new(&world);
+        let g = GBuffer::new(&world, 64, 48, 1);
+        let mut counts = [0; 3];
+        for (at, face) in g.points.receivers.iter().zip(&g.face_normals) {
+            let cone = Cone::of_sphere(at.position, light);
+            let found = world.face_normal(at).unwrap_or_else(|| panic!("no face at {}", at.position));
+            // At an edge it may be the other face.
+            if found.dot(*face) < 0.99 {
+                counts[2] += 1;
+            } else if face.dot(cone.axis) > 1.01 * cone.sin_sq().sqrt() {
+                assert_eq!(coverage(&rays, at, light, counts[0] % 2 == 0), Coverage::Lit, "{at:?} × {scale}");
+                counts[0] += 1;
+            } else if face.dot(cone.axis) < -1.01 * cone.sin_sq().sqrt() {
+                assert_eq!(coverage(&rays, at, light, counts[1] % 2 == 0), Coverage::Dark, "{at:?} × {scale}");
+                counts[1] += 1;
+            }
+        }
+        assert!(counts[0] > 200 && counts[1] > 10 && counts[2] * 100 < g.len(), "{counts:?} of {}", g.len());
+    }
+}
+
+/// No light leaks under a box that stands on the floor, down to 1e-5 of its size.
+#[test]
+fn contact_is_dark() {
+    let light = Sphere { center: Vec3::new(3.0, 3.0, 0.0), radius: 0.2 };
+    let scene = scene(vec![floor(4.0), Mesh::cuboid(Vec3::Y * 0.5, Vec3::ONE)], light);
+    let world = World::new(&scene);
+    let rays = RayBlockers::new(&world);
+    for distance in [1e-5, 1e-4, 1e-3, 1e-2] {
+        let position = Vec3::new(-0.5 - distance, 0.0, 0.1);
+        let at = Receiver { position, normal: Vec3::Y, view: Vec3::Y, object: 0 };
+        assert_eq!(coverage(&rays, &at, light, false), Coverage::Dark, "{distance} from the box");
+    }
+}
+
+/// What no ray can meet costs no ray; a point light costs one.
+#[test]
+fn lit_points_cost_nothing() {
+    let light = Sphere { center: Vec3::new(3.0, 3.0, 0.0), radius: 0.2 };
+    let scene = scene(vec![floor(4.0), Mesh::cuboid(Vec3::Y * 0.5, Vec3::ONE)], light);
+    let world = World::new(&scene);
+    let visibility = MaskVisibility::new(RayBlockers::new(&world), 5);
+    let mut scratch = visibility.scratch();
+    let mut ask = |x: f32, ball: Sphere, entered: bool| {
+        let at = Receiver { position: Vec3::new(x, 0.0, 0.3), normal: Vec3::Y, view: Vec3::Y, object: 0 };
+        if entered {
+            let receivers = Sphere { center: at.position, radius: 0.05 };
+            visibility.enter(&Shaft { receivers, light: ball }, &mut scratch);
+        }
+        let cone = Cone::of_sphere(at.position, ball);
+        let before = visibility.blockers().rays();
+        let coverage = visibility.coverage(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch);
+        (coverage, visibility.blockers().rays() - before)
+    };
+    for entered in [false, true] {
+        assert_eq!(ask(1.0, light, entered), (Coverage::Lit, 0));
+        assert_eq!(ask(-3.0, light, entered), (Coverage::Lit, 0));
+        let (coverage, rays) = ask(-2.25, light, entered);
+        assert!(coverage == Coverage::Partial && (80..300).contains(&rays), "{coverage:?}, {rays} rays");
+        let point = Sphere { radius: 0.0, ..light };
+        assert_eq!(ask(1.0, point, entered).0, Coverage::Lit);
+        assert_eq!(ask(-0.7, point, entered), (Coverage::Dark, 1));
+    }
+}
+
+/// The built-in scene against Monte Carlo of the true geometry, as a share of the unshadowed radiance.
+#[test]
+fn near_monte_carlo() {
+    let scene = scene::builtin();
+    let world = World::new(&scene);
+    let g = GBuffer::new(&world, 72, 40, 1);
+    let none = BlockerSet::default();
+    let job = ReferenceJob { world: &world, gbuffer: &g, blockers: &none, geometry: Geometry::Mesh, seed: 1 };
+    let mut reference = Reference::new(job);
+    reference.advance(1024, &AtomicBool::new(false), &|_| {});
+    let truth = reference.estimate();
+    let frame =
+        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+    let shader = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world), frame.depth));
+    let mut out = vec![Vec3::ZERO; g.len()];
+    let (_, layers) = shader.shade_layers(&g.points, &frame, &mut out).unwrap();
+    let (mut errors, mut noise) = (Vec::new(), 0.0);
+    for i in 0..g.len() {
+        let sum = |v: Vec3| f64::from(v.element_sum());
+        let (want, whole) = (sum(truth.radiance[i]), sum(truth.unshadowed[i]));
+        if whole > 0.0 && (0.01..=0.99).contains(&(want / whole)) {
+            // The lobes' own share of the error is that of the unshadowed radiance.
+            let share = sum(out[i]) / sum(layers.unshadowed[i]);
+            errors.push((share - want / whole).abs());
+            noise += sum(truth.std_error[i]) / whole;
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    let n = errors.len();
+    let mean = errors.iter().sum::<f64>() / n as f64;
+    println!("{n} in penumbra: mean {mean:.5}, p99 {:.5}, reference ± {:.5}", errors[n * 99 / 100], noise / n as f64);
+    assert!(n > 300 && mean < 0.004 && errors[n * 99 / 100] < 0.03);
+}
