@@ -118,8 +118,13 @@ impl Blockers for ShadowMapBlockers {
         while nodes.len() < FRONTIER && nodes.iter().any(splits) {
             let mut next = Vec::with_capacity(4 * nodes.len());
             for item in nodes {
-                if splits(&item) { next.extend(item.children(layer(item)).filter(meets)) } else { next.push(item) }
+                if splits(&item) {
+                    item.split(layer(item), &mut next);
+                } else {
+                    next.push(item);
+                }
             }
+            next.retain(meets);
             nodes = next;
         }
         scratch.frontier.extend(nodes);
@@ -152,7 +157,7 @@ impl Blockers for ShadowMapBlockers {
             let layer = map.layer(item);
             match probes[usize::from(item.face)].judge(item, layer) {
                 Verdict::No => {}
-                Verdict::Split => stack.extend(item.children(layer)),
+                Verdict::Split => item.split(layer, stack),
                 Verdict::Blocks | Verdict::Partly => return Coverage::Partial,
             }
         }
@@ -178,16 +183,18 @@ impl Blockers for ShadowMapBlockers {
                 continue;
             }
             match verdict {
-                Verdict::Split => stack.extend(item.children(layer)),
+                Verdict::Split => item.split(layer, stack),
                 Verdict::Partly => {
                     *drawn += 1;
                     let (rectangle, q) = layer.part(item.texels(layer));
-                    draw(&probe.image, rectangle, [q; 4], 0.0, canvas);
+                    draw(&probe.image, rectangle, [q; 4], [0.0; 4], canvas);
                 }
                 _ => {
                     *drawn += 1;
                     let q = layer.corners(item.level.into(), item.i.into(), item.j.into());
-                    draw(&probe.image, item.texels(layer).map(|x| x as f32), q, item.node(layer).deviation, canvas);
+                    let texels = item.texels(layer);
+                    let deviations = layer.edge_deviations(texels, item.node(layer).deviation);
+                    draw(&probe.image, texels.map(|x| x as f32), q, deviations, canvas);
                 }
             }
         }
@@ -199,14 +206,14 @@ fn first_layer_last(items: &mut [Item]) {
     items.sort_by_key(|item| core::cmp::Reverse(item.layer));
 }
 
-/// A rectangle of texels with q at its corners.
-fn draw(image: &Image, rectangle: [f32; 4], q: [f32; 4], deviation: f32, canvas: &mut Canvas) {
+/// A rectangle of texels with q at its corners, and how far its neighbours' q may be from the edges.
+fn draw(image: &Image, rectangle: [f32; 4], q: [f32; 4], deviations: [f32; 4], canvas: &mut Canvas) {
     let corners = image.corners(rectangle, q);
     let near = NEAR * corners.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     let nearest = corners.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
     if nearest >= near {
         let mut points = corners.map(|p| p.truncate() / p.z);
-        let grow = if deviation > 0.0 { image.shift(&points, nearest, deviation) } else { 0.0 };
+        let grow = if deviations == [0.0; 4] { deviations } else { image.shifts(&points, nearest, deviations) };
         canvas.polygon(&mut points, grow);
     } else {
         let clipped = Polygon::new(&corners).clip(|p: Vec3| p.z - near);
@@ -214,7 +221,7 @@ fn draw(image: &Image, rectangle: [f32; 4], q: [f32; 4], deviation: f32, canvas:
         let count = clipped.corners().len();
         if count >= 3 {
             points.iter_mut().zip(clipped.corners()).for_each(|(to, p)| *to = p.truncate() / p.z);
-            canvas.polygon(&mut points[..count], 0.0);
+            canvas.polygon(&mut points[..count], [0.0; 4]);
         }
     }
 }

@@ -59,19 +59,25 @@ impl Canvas {
         from >= to || (first..end).all(|k| is_set(&self.bits[k * self.words..(k + 1) * self.words], from, to))
     }
 
-    /// Unites a convex polygon in plane coordinates, its edges moved outward by `grow`.
-    pub(crate) fn polygon(&mut self, points: &mut [Vec2], grow: f32) {
+    /// Unites a convex polygon in plane coordinates. Edge k, from corner k to the next one, moves outward by `grow[k]`;
+    /// edges after the fourth do not.
+    pub(crate) fn polygon(&mut self, points: &mut [Vec2], grow: [f32; 4]) {
         let count = points.len();
+        let grows = grow != [0.0; 4];
         let lines = (self.side * LINES) as f32;
         let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for p in points.iter_mut() {
             *p = (*p - self.low) * self.scale;
             (low, high) = (low.min(*p), high.max(*p));
         }
+        if grows {
+            let most = grow.into_iter().fold(0.0, f32::max) * self.scale.x;
+            let (above, below) = (ends(points, grow, high.y), ends(points, grow, low.y));
+            low -= Vec2::new(most, below * self.scale.y);
+            high += Vec2::new(most, above * self.scale.y);
+        }
         // Lines are sampled at their middle: k + ½ in (low, high].
         let line = |y: f32| (y.clamp(0.0, lines) + 0.5) as usize;
-        let grow = grow * self.scale;
-        let (low, high) = (low - grow, high + grow);
         let (first, end) = (line(low.y), line(high.y));
         if first >= end {
             return;
@@ -87,13 +93,19 @@ impl Canvas {
             }
             let slope = (b.x - a.x) / (b.y - a.y);
             // The edge moved along its normal, measured along the line.
-            let aside = if grow.x > 0.0 { grow.x.hypot(slope * grow.y) } else { 0.0 };
+            let aside = match grow.get(k) {
+                Some(&g) if g > 0.0 => {
+                    let g = self.scale * g;
+                    (g.x * g.x + slope * slope * g.y * g.y).sqrt()
+                }
+                _ => 0.0,
+            };
             for (k, span) in self.spans[from..to].iter_mut().enumerate() {
                 let x = a.x + ((from + k) as f32 + 0.5 - a.y) * slope;
                 *span = (span.0.min(x - aside), span.1.max(x + aside));
             }
         }
-        if grow.x > 0.0 {
+        if grows {
             self.fill_ends(first, end, low.x, high.x);
         }
         let columns = (self.side * ACROSS) as f32;
@@ -170,6 +182,13 @@ impl Canvas {
 fn covered(lines: &[&[u64]; LINES], i: usize) -> u64 {
     let (word, shift) = (i / CELLS, i % CELLS * ACROSS);
     lines.iter().enumerate().map(|(k, line)| (line[word] >> shift & 0xffff) << (16 * k)).sum()
+}
+
+/// How far the corner at height `y` moves up or down: as both its edges do.
+fn ends(points: &[Vec2], grow: [f32; 4], y: f32) -> f32 {
+    let corner = points.iter().position(|p| p.y == y).unwrap_or(0);
+    let of = |k: usize| grow.get(k % points.len()).copied().unwrap_or(0.0);
+    of(corner).min(of(corner + points.len() - 1))
 }
 
 /// Rounded up, for x ≥ 0.

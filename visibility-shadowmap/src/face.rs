@@ -73,12 +73,12 @@ impl Face {
     /// `(1 + q) m·(P − x)` of a caster's point P, where `to_light = L − x`: affine, since
     /// `(1 + q)(P − x) = z₀(u R + v U + F) + (1 + q)(L − x)`.
     pub(crate) fn along(&self, m: DVec3, to_light: DVec3) -> Affine {
-        let (from_light, k) = (self.from_light(m), m.dot(to_light));
-        Affine { c: k, d: from_light.d + k, ..from_light }
+        let (relative, k) = (self.relative(m), m.dot(to_light));
+        Affine { c: k, d: relative.d + k, ..relative }
     }
 
     /// `(1 + q) m·(P − L)`.
-    pub(crate) fn from_light(&self, m: DVec3) -> Affine {
+    pub(crate) fn relative(&self, m: DVec3) -> Affine {
         let (right, up) = (self.z0 * m.dot(self.frame.right), self.z0 * m.dot(self.frame.up));
         Affine {
             a: right * self.texel,

@@ -192,7 +192,7 @@ impl Edges {
 pub(crate) fn tangents(across: f64, along: f64, spread: f64, radius: f64) -> Option<[[f64; 2]; 2]> {
     let distance = across.hypot(along);
     let cos = (radius - spread) / distance;
-    if !(cos.abs() < 1.0) {
+    if cos.is_nan() || cos.abs() >= 1.0 {
         return None;
     }
     let sin = (1.0 - cos * cos).sqrt();

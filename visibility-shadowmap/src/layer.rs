@@ -157,6 +157,18 @@ impl Layer {
         [self.corner(x0, y0, -1, -1), self.corner(x1, y0, 1, -1), self.corner(x1, y1, 1, 1), self.corner(x0, y1, -1, 1)]
     }
 
+    /// How far q at the edges of a node may be from where the node puts it: its deviation where there is a neighbour to
+    /// meet, 0 at an outline. Edges as their corners: below, right, above, left.
+    pub(crate) fn edge_deviations(&self, [x0, x1, y0, y1]: [usize; 4], deviation: f32) -> [f32; 4] {
+        if deviation <= 0.0 {
+            return [0.0; 4];
+        }
+        let (x, y) = ((x0 + x1) / 2, (y0 + y1) / 2);
+        let around = [(x, y0.wrapping_sub(1)), (x1, y), (x, y1), (x0.wrapping_sub(1), y)];
+        let there = |(x, y): (usize, usize)| x < self.width && y < self.height && self.q[y * self.width + x] != EMPTY;
+        around.map(|at| if there(at) { deviation } else { 0.0 })
+    }
+
     /// A rectangle of the same area as the texels with a surface in the given range, on the side where more of them are,
     /// and their mean q.
     pub(crate) fn part(&self, [x0, x1, y0, y1]: [usize; 4]) -> ([f32; 4], f32) {
@@ -198,25 +210,10 @@ impl Layer {
         };
         // |Δz| < κ·size is |Δq| < κ texel (1 + q).
         let same = |q: f32, factor: f32| (q - own).abs() < factor * self.limit * (1.0 + 0.5 * (q + own));
-        // Summed in an order that does not depend on the texel.
-        let mut values = [own, at(dx, 0), at(0, dy), at(dx, dy)];
-        let mut keep = [true, same(values[1], 1.0), same(values[2], 1.0), same(values[3], 1.5)];
-        if dx < 0 {
-            values = [values[1], values[0], values[3], values[2]];
-            keep = [keep[1], keep[0], keep[3], keep[2]];
-        }
-        if dy < 0 {
-            values = [values[2], values[3], values[0], values[1]];
-            keep = [keep[2], keep[3], keep[0], keep[1]];
-        }
-        let (mut sum, mut count) = (0.0, 0.0);
-        for (q, keep) in values.into_iter().zip(keep) {
-            if keep {
-                sum += q;
-                count += 1.0;
-            }
-        }
-        sum / count
+        let pick = |q: f32, factor: f32| if same(q, factor) { (q, 1.0) } else { (0.0, 0.0) };
+        let (across, along, diagonal) = (pick(at(dx, 0), 1.0), pick(at(0, dy), 1.0), pick(at(dx, dy), 1.5));
+        // Opposite ones first: the same sum, to the bit, from each of the four.
+        ((own + diagonal.0) + (across.0 + along.0)) / ((1.0 + diagonal.1) + (across.1 + along.1))
     }
 
     /// The largest q: the nearest surface.

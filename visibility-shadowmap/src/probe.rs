@@ -13,7 +13,7 @@ const BIAS: f64 = 0.5;
 /// A node stands for its texels where no point of it appears farther than this from its place, in cells.
 const SHIFT: f64 = 0.125;
 /// A node that shows an outline is not split where it is smaller than this, in cells.
-const SMALL: f64 = 0.25;
+const SMALL: f64 = 0.5;
 /// What is nearer to the receiver's plane than this, relative to its farthest point, is outside of every window.
 pub(crate) const NEAR: f32 = 1e-4;
 const LANES: usize = 12;
@@ -102,12 +102,23 @@ impl Item {
         layer.texels(self.level.into(), self.i.into(), self.j.into())
     }
 
-    pub(crate) fn children(self, layer: &Layer) -> impl Iterator<Item = Self> + use<> {
+    /// Appends the parts of a node that are inside of the layer.
+    #[inline]
+    pub(crate) fn split(self, layer: &Layer, out: &mut Vec<Self>) {
         let level = self.level - 1;
         let (columns, rows) = layer.size(level.into());
-        (0..4)
-            .map(move |k| Self { level, i: 2 * self.i + (k & 1), j: 2 * self.j + (k >> 1), ..self })
-            .filter(move |n| usize::from(n.i) < columns && usize::from(n.j) < rows)
+        let (i, j) = (2 * self.i, 2 * self.j);
+        let (right, up) = (usize::from(i) + 1 < columns, usize::from(j) + 1 < rows);
+        out.push(Self { level, i, j, ..self });
+        if right {
+            out.push(Self { level, i: i + 1, j, ..self });
+        }
+        if up {
+            out.push(Self { level, i, j: j + 1, ..self });
+        }
+        if right && up {
+            out.push(Self { level, i: i + 1, j: j + 1, ..self });
+        }
     }
 }
 
@@ -151,7 +162,7 @@ impl Probe {
         // On the receiver's side of the circle in which its tangents touch the light.
         let radius = f64::from(light.radius);
         let to_receiver = -to_light / distance;
-        let front = face.from_light(to_receiver).minus(Face::constant(radius * radius / distance));
+        let front = face.relative(to_receiver).minus(Face::constant(radius * radius / distance));
 
         let axis = square.axis.as_dvec3();
         let (right, up) = (square.right.as_dvec3(), square.up.as_dvec3());
@@ -238,7 +249,7 @@ impl TileProbe {
         let mut functions = Vec::with_capacity(4);
         for (across, direction) in [(from_light.x, face.frame.right), (from_light.y, face.frame.up)] {
             for [a, b] in tangents(across, from_light.z, spread, grown).into_iter().flatten() {
-                functions.push(Face::constant(grown).minus(face.from_light(direction * a + face.frame.forward * b)));
+                functions.push(Face::constant(grown).minus(face.relative(direction * a + face.frame.forward * b)));
             }
         }
         Self { tests: Tests::new(&functions) }
@@ -294,10 +305,10 @@ impl Image {
         Some([(low * far).min(low * near) - self.slack, (high * far).max(high * near) + self.slack])
     }
 
-    /// About how far, in plane coordinates, a change of q moves an image.
-    pub(crate) fn shift(&self, points: &[Vec2], depth: f32, q: f32) -> f32 {
+    /// About how far, in plane coordinates, changes of q move an image, and what rounding may do to an edge that several
+    /// smaller ones meet.
+    pub(crate) fn shifts(&self, points: &[Vec2], depth: f32, changes: [f32; 4]) -> [f32; 4] {
         let farthest = points.iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt();
-        // And what rounding may do to an edge that several smaller ones meet.
-        farthest * (self.q.z * q / depth + 1e-5)
+        changes.map(|q| if q > 0.0 { farthest * (self.q.z * q / depth + 1e-5) } else { 0.0 })
     }
 }
