@@ -138,10 +138,32 @@ fn unwritable_outputs_are_refused() {
     refuse(folder, &["render", "scene.toml", "-o", "out"], ".png or .exr");
     refuse(folder, &["render", "scene.toml", "-o", "a.png", "-o", "a.png"], "twice");
     refuse(folder, &["render", "scene.toml", "-o", "a.png", "--stats", "no/stats.json"], "no/stats.json");
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "-o", "./a.png"], "twice");
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "--stats", "a.png"], "twice");
     fs::create_dir(folder.join("is.png")).unwrap();
     refuse(folder, &["render", "scene.toml", "-o", "is.png"], "is a folder");
     // Refused at once, and not after hours.
     refuse(folder, &["reference", "scene.toml", "--size", "512x512", "--spp", "1000000", "-o", "no/ref.exr"], "no/ref");
+}
+
+/// What a command reads it does not replace, and a picture gets a picture's name.
+#[test]
+fn inputs_are_not_overwritten() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    picture(folder, "a.exr", 2, &[1.0; 4]);
+    picture(folder, "b.exr", 2, &[0.5; 4]);
+    let before: Vec<_> = names(folder).iter().map(|n| fs::read(folder.join(n)).unwrap()).collect();
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "--stats", "./scene.toml"], "both read and written");
+    refuse(folder, &["spheres", "m.obj", "-o", "m.obj"], "both read and written");
+    refuse(folder, &["spheres", "m.obj", "-o", "s.png", "--preview", "s.png"], "twice");
+    refuse(folder, &["spheres", "m.obj", "--preview", "s.exr"], ".png");
+    refuse(folder, &["compare", "a.exr", "b.exr", "--diff", "a.exr"], "both read and written");
+    refuse(folder, &["compare", "a.exr", "b.exr", "--diff", "d.png", "--heatmap", "d.png"], "twice");
+    refuse(folder, &["compare", "a.exr", "b.exr", "--diff", "d.jpg"], ".png");
+    let after: Vec<_> = names(folder).iter().map(|n| fs::read(folder.join(n)).unwrap()).collect();
+    assert!(before == after);
 }
 
 fn picture(folder: &Path, name: &str, width: usize, values: &[f32]) -> PathBuf {
@@ -218,6 +240,7 @@ fn rendering_writes_pictures_and_figures() {
     for key in ["lobes", "integrals", "pruned", "lit_points", "dark_points", "penumbra_points"] {
         assert!(stats["counts"][key].is_u64(), "{key} in {stats}");
     }
+    assert_eq!(stats["tolerance"], 0.005);
     assert_eq!(
         (&stats["device"], &stats["method"], &stats["visibility"]),
         (&"cpu".into(), &"moments".into(), &"spheres".into())
@@ -301,6 +324,11 @@ fn checking_and_help() {
     let folder = folder.path();
     assert!(succeed(folder, &["check", "scene.toml"]).contains("lights     1"));
     assert_eq!(json(folder, &["check", "scene.toml", "--json"])["spheres"], 1);
+    // Pictures are made in bands: what a large one takes is the picture itself, 15 bytes a pixel, and a little.
+    let large = SCENE.replace("width = 48", "width = 16384").replace("height = 32", "height = 16384");
+    fs::write(folder.join("large.toml"), large).unwrap();
+    let bytes = json(folder, &["check", "large.toml", "--json"])["memory_bytes"].as_u64().unwrap();
+    assert!((15 << 28..16 << 28).contains(&bytes), "{bytes}");
     assert!(succeed(folder, &["check"]).contains("lobes"));
     assert!(succeed(folder, &["check", "--schema"]).contains("[camera]"));
     for args in [&[][..], &["--help"], &["render", "--help"], &["reference", "-h"], &["--version"]] {
@@ -351,4 +379,8 @@ fn sphere_sets_follow_the_contract() {
     fs::write(folder.join("with.toml"), scene).unwrap();
     let stats = json(folder, &["render", "with.toml", "-o", "a.png", "--json"]);
     assert_eq!(stats["spheres"], 5);
+    // And is looked into when the scene is checked.
+    assert_eq!(json(folder, &["check", "with.toml", "--json"])["spheres"], 5);
+    fs::write(folder.join("set.json"), "{}").unwrap();
+    refuse(folder, &["check", "with.toml"], "set.json");
 }

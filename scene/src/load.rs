@@ -86,15 +86,14 @@ fn into_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
 
 /// The meshes of a file, degenerate triangles taken out.
 pub(crate) fn mesh_parts(path: &Path, context: &mut Context) -> Result<Vec<Part>, SceneError> {
-    file_parts(path, context).map(|(parts, _)| parts)
+    file_parts(path, context, ".obj, .ply, .gltf or .glb").map(|(parts, _)| parts)
 }
 
-fn file_parts(path: &Path, context: &mut Context) -> Result<(Vec<Part>, Option<Camera>), SceneError> {
-    const KINDS: &str = "expected .toml, .obj, .ply, .gltf or .glb";
+fn file_parts(path: &Path, context: &mut Context, endings: &str) -> Result<(Vec<Part>, Option<Camera>), SceneError> {
     let extension = extension(path);
     if !["obj", "ply", "gltf", "glb"].contains(&extension.as_str()) {
         read(path)?;
-        return Err(SceneError::file(path, format!("unknown kind of file: {KINDS}")));
+        return Err(SceneError::file(path, format!("unknown kind of file: expected {endings}")));
     }
     let bytes = read(path)?;
     if bytes.is_empty() {
@@ -151,7 +150,7 @@ pub(crate) fn default_camera(bounds: Bounds, width: u32, height: u32) -> Camera 
 
 /// A mesh file as a scene of its own.
 fn bare(path: &Path, context: &mut Context) -> Result<Scene, SceneError> {
-    let (mut parts, camera) = file_parts(path, context)?;
+    let (mut parts, camera) = file_parts(path, context, ".toml, .obj, .ply, .gltf or .glb")?;
     let mut bounds = Bounds::EMPTY;
     for part in &mut parts {
         if part.mesh.normals.is_empty() {

@@ -1,9 +1,10 @@
 use crate::args::CompareArgs;
 use crate::console::say;
 use crate::failure::Failure;
+use crate::files;
 use cosine_lobes::{
-    Comparison, FlipMap, Output, Picture, RegionError, ShadowErrors, luminance, read_exr, read_exr_layer,
-    signed_difference, write_png,
+    Comparison, FlipMap, Picture, RegionError, ShadowErrors, luminance, read_exr, read_exr_layer, signed_difference,
+    write_png,
 };
 use serde_json::{Value, json};
 use std::path::Path;
@@ -21,6 +22,10 @@ fn finite(path: &Path, picture: Picture) -> Result<Picture, Failure> {
 }
 
 pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
+    files::distinct(
+        args.diff.iter().chain(&args.heatmap),
+        [&args.test, &args.reference].into_iter().chain(&args.unshadowed),
+    )?;
     let (test, reference) = (read(&args.test)?, read(&args.reference)?);
     let comparison = Comparison::of(&test, &reference)?;
     let shadows = match &args.unshadowed {
@@ -34,8 +39,8 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
         }
     };
     // Opened before FLIP, which takes a while.
-    let diff = args.diff.as_ref().map(Output::create).transpose()?;
-    let heatmap = args.heatmap.as_ref().map(Output::create).transpose()?;
+    let diff = args.diff.as_ref().map(files::create_png).transpose()?;
+    let heatmap = args.heatmap.as_ref().map(files::create_png).transpose()?;
     let flip = FlipMap::of(&test, &reference, args.exposure)?;
 
     if let Some(output) = diff {

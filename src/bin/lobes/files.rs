@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use cosine_lobes::{ExrLayer, Output, Picture, srgb_bytes, write_exr, write_png};
+use std::fs::canonicalize;
 use std::path::{Path, PathBuf};
 
 enum Format {
@@ -18,6 +19,43 @@ fn format(path: &Path) -> Result<Format, Failure> {
     }
 }
 
+/// The file that a path means, by whatever way it is named; the path itself where there is no such folder.
+fn identity(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let new = || Some(canonicalize(folder).ok()?.join(path.file_name()?));
+    canonicalize(path).ok().or_else(new).unwrap_or_else(|| path.to_owned())
+}
+
+/// Refuses outputs that are the same file twice, or a file that the command reads.
+pub(crate) fn distinct<'a>(
+    outputs: impl IntoIterator<Item = &'a PathBuf>,
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    let inputs: Vec<PathBuf> = inputs.into_iter().map(|p| identity(p)).collect();
+    let mut known = Vec::new();
+    for path in outputs {
+        let file = identity(path);
+        let fault = match (known.contains(&file), inputs.contains(&file)) {
+            (true, _) => "given twice as an output",
+            (_, true) => "both read and written",
+            _ => "",
+        };
+        if !fault.is_empty() {
+            return Err(Failure::new(format_args!("{}: {fault}", path.display())));
+        }
+        known.push(file);
+    }
+    Ok(())
+}
+
+/// Opens an output that can only be a PNG file.
+pub(crate) fn create_png(path: &PathBuf) -> Result<Output, Failure> {
+    match format(path) {
+        Ok(Format::Png) => Ok(Output::create(path)?),
+        _ => Err(Failure::new(format_args!("{}: the name must end in .png", path.display()))),
+    }
+}
+
 /// Outputs that are open and waiting for their picture.
 pub(crate) struct Files {
     list: Vec<(Format, Output)>,
@@ -26,11 +64,6 @@ pub(crate) struct Files {
 impl Files {
     /// Opens all of them: what cannot be written is refused before anything is computed.
     pub(crate) fn create(paths: &[PathBuf]) -> Result<Self, Failure> {
-        for (i, path) in paths.iter().enumerate() {
-            if paths[..i].contains(path) {
-                return Err(Failure::new(format_args!("{}: given twice", path.display())));
-            }
-        }
         let formats: Vec<Format> = paths.iter().map(|p| format(p)).collect::<Result<_, _>>()?;
         let open = |(format, path): (Format, &PathBuf)| Ok((format, Output::create(path)?));
         Ok(Self { list: formats.into_iter().zip(paths).map(open).collect::<Result<_, Failure>>()? })

@@ -1,7 +1,7 @@
 use crate::args::{Geometry as Choice, ReferenceArgs};
 use crate::console::{self, STOP, note, say};
 use crate::failure::Failure;
-use crate::files::Files;
+use crate::files::{self, Files};
 use crate::input;
 use cosine_lobes::render_cpu::{CheckpointError, GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
 use cosine_lobes::scene::BlockerSet;
@@ -22,6 +22,7 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
 
 pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let view = &args.view;
+    files::distinct(&args.output, &view.file)?;
     let mut scene = input::view(view)?;
     let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples);
     if points > MAX_POINTS {
@@ -45,16 +46,17 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let mut reference = Reference::new(job);
 
     let checkpoint = checkpoint_path(&args.output[0]);
-    resume(&mut reference, &checkpoint, view.quiet)?;
+    let all = reference.work(args.spp);
+    let done = |r: &Reference<'_>| 100.0 * (1.0 - r.work(args.spp) as f64 / all.max(1) as f64);
+    resume(&mut reference, &checkpoint, view.quiet, &done)?;
     let start = Instant::now();
     let finished = console::stoppable(|| advance(&mut reference, args, &checkpoint))?;
     let seconds = start.elapsed().as_secs_f64();
     if !finished {
         save(&reference, &checkpoint)?;
-        let done = reference.samples();
         return Err(Failure::interrupted(format_args!(
-            "{done} of {} samples are kept in {}; the same command goes on from there",
-            args.spp,
+            "{:.1} % of the work is kept in {}; the same command goes on from there",
+            done(&reference),
             checkpoint.display()
         )));
     }
@@ -110,10 +112,15 @@ fn checkpoint_path(output: &Path) -> PathBuf {
 }
 
 /// Goes on from the checkpoint if there is one for this job.
-fn resume(reference: &mut Reference<'_>, path: &Path, quiet: bool) -> Result<(), Failure> {
+fn resume(
+    reference: &mut Reference<'_>,
+    path: &Path,
+    quiet: bool,
+    done: &dyn Fn(&Reference<'_>) -> f64,
+) -> Result<(), Failure> {
     let Ok(file) = File::open(path) else { return Ok(()) };
     let message = match reference.restore(BufReader::new(file)) {
-        Ok(()) => format!("lobes: goes on from {} samples in {}", reference.samples(), path.display()),
+        Ok(()) => format!("lobes: goes on from {}, {:.1} % done", path.display(), done(reference)),
         Err(CheckpointError::OtherJob) => {
             format!("lobes: warning: {} belongs to another picture and will be replaced", path.display())
         }

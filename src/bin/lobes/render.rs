@@ -1,7 +1,7 @@
 use crate::args::{Method, RenderArgs, Visibility, name};
 use crate::console::{self, say};
 use crate::failure::Failure;
-use crate::files::Files;
+use crate::files::{self, Files};
 use crate::input;
 use cosine_lobes::lighting::{Blockers, MaskVisibility, PaperVisibility, depth_for};
 use cosine_lobes::lobe_core::paper::{ProductTable, Resolution, Tables};
@@ -53,6 +53,7 @@ fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    files::distinct(args.output.iter().chain(&args.stats), &args.view.file)?;
     let mut clocks = Clocks::default();
     let mut scene = seconds(&mut clocks.load, || input::view(&args.view))?;
     let files = Files::create(&args.output)?;
@@ -155,6 +156,8 @@ fn picture<V: VisibilityLobes>(
     let band = (ray_rows as u32 / TILE * TILE).max(TILE);
     let bar = console::progress("shading", u64::from(scene.height), args.view.quiet);
     let mut planes = Planes { lights: vec![Vec::new(); frame.lights.len()], ..Planes::default() };
+    // At once: a picture that finds no room is refused here, and growing would take twice the memory.
+    planes.beauty.try_reserve_exact(scene.width as usize * scene.height as usize)?;
     planes.stats.resize(args.repeat as usize, ShadeStats::default());
     for top in (0..scene.height).step_by(band as usize) {
         let rows = top..(top + band).min(scene.height);
@@ -244,7 +247,7 @@ fn summary(
         "lights": scene.lights.len(),
         "spheres": blockers.spheres.len(),
         "triangles": world.triangle_count(),
-        "tolerance": args.tolerance,
+        "tolerance": decimal(args.tolerance),
         "depth": args.depth.unwrap_or_else(|| depth_for(args.tolerance)),
         "threads": rayon::current_num_threads(),
         "seconds": seconds,
@@ -271,6 +274,11 @@ fn summary(
         "gbuffer_seconds": clocks.gbuffer,
         "write_seconds": clocks.write,
     })
+}
+
+/// The number as it was typed, not with the digits that f64 adds to an f32.
+fn decimal(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
 }
 
 fn print(args: &RenderArgs, stats: &Value) {

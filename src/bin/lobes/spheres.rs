@@ -1,6 +1,7 @@
 use crate::args::SpheresArgs;
 use crate::console::{self, say};
 use crate::failure::Failure;
+use crate::files;
 use cosine_lobes::scene::{self, Proxy, Shape};
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet, preview};
 use cosine_lobes::{ImageFileError, Output, write_png};
@@ -34,8 +35,9 @@ fn load(args: &SpheresArgs) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Failure> {
 }
 
 pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
+    files::distinct(args.output.iter().chain(&args.preview), [&args.mesh])?;
     let output = args.output.as_ref().map(Output::create).transpose()?;
-    let picture = args.preview.as_ref().map(Output::create).transpose()?;
+    let picture = args.preview.as_ref().map(files::create_png).transpose()?;
     let (positions, triangles) = load(args)?;
 
     let count = args.count as usize;
