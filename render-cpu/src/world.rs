@@ -42,8 +42,17 @@ pub struct World<'s> {
 /// Primitives with their hierarchy; `None` when there are none, which the hierarchy cannot express.
 struct Tree<T> {
     bvh: Option<CwBvh>,
-    /// In the hierarchy's order.
+    /// In the hierarchy's order, in world units.
     primitives: Vec<T>,
+    /// Units of the hierarchy a world unit: a power of two. obvhs never enters a box that ends nearer than 1e-4, so a
+    /// small scene has to be large there.
+    scale: f32,
+}
+
+/// The power of two that brings coordinates up to `size` to about a million.
+fn hierarchy_scale(size: f32) -> f32 {
+    let exponent = (20.0 - size.log2().floor()).clamp(-100.0, 60.0);
+    f32::from_bits(((127.0 + exponent) as u32) << 23)
 }
 
 impl<T> core::fmt::Debug for Tree<T> {
@@ -53,23 +62,47 @@ impl<T> core::fmt::Debug for Tree<T> {
 }
 
 impl<T: Copy> Tree<T> {
-    fn new(primitives: &[T], build: impl FnOnce(&[T]) -> CwBvh) -> Self {
+    fn new(primitives: &[T], scale: f32, build: impl FnOnce(&[T]) -> CwBvh) -> Self {
         if primitives.is_empty() {
-            return Self { bvh: None, primitives: Vec::new() };
+            return Self { bvh: None, primitives: Vec::new(), scale };
         }
         let bvh = build(primitives);
         let primitives = bvh.primitive_indices.iter().map(|i| primitives[*i as usize]).collect();
-        Self { bvh: Some(bvh), primitives }
+        Self { bvh: Some(bvh), primitives, scale }
     }
 
     fn nearest(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> Option<(&T, f32)> {
         let mut hit = RayHit::none();
-        self.bvh.as_ref()?.ray_traverse(ray, &mut hit, |r, i| intersect(&self.primitives[i], r));
-        (hit.t < ray.tmax).then(|| (&self.primitives[hit.primitive_id as usize], hit.t))
+        let scaled = self.scaled(ray);
+        self.bvh.as_ref()?.ray_traverse(scaled, &mut hit, |r, i| self.intersect(&ray, r, i, &intersect));
+        (hit.t < scaled.tmax).then(|| (&self.primitives[hit.primitive_id as usize], hit.t / self.scale))
     }
 
     fn any(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> bool {
-        self.bvh.as_ref().is_some_and(|b| !b.ray_traverse_miss(ray, |r, i| intersect(&self.primitives[i], r)))
+        let meet = |r: &Ray, i| self.intersect(&ray, r, i, &intersect);
+        self.bvh.as_ref().is_some_and(|b| !b.ray_traverse_miss(self.scaled(ray), meet))
+    }
+
+    /// The ray in the hierarchy's units.
+    fn scaled(&self, ray: Ray) -> Ray {
+        let s = self.scale;
+        // obvhs takes −0 for positive in one place and for negative in another, and misses everything.
+        let zero = ray.direction.cmpeq(Vec3A::ZERO);
+        let inv_direction = Vec3A::select(zero, Vec3A::splat(1.0 / f32::EPSILON), ray.inv_direction);
+        Ray { origin: ray.origin * s, inv_direction, tmin: ray.tmin * s, tmax: ray.tmax * s, ..ray }
+    }
+
+    /// Distance in the hierarchy's units to a primitive that is met in world units, on the part that is `left`.
+    #[inline]
+    fn intersect(&self, ray: &Ray, left: &Ray, i: usize, intersect: &impl Fn(&T, &Ray) -> f32) -> f32 {
+        intersect(&self.primitives[i], &Ray { tmax: left.tmax / self.scale, ..*ray }) * self.scale
+    }
+}
+
+impl<T> Tree<T> {
+    /// A box of the hierarchy in world units.
+    fn unscaled(&self, bounds: Aabb) -> Aabb {
+        Aabb::new(bounds.min / self.scale, bounds.max / self.scale)
     }
 }
 
@@ -184,11 +217,17 @@ impl<'s> World<'s> {
         let extent = if empty { 0.0 } else { bounds.diagonal().length() };
 
         let params = BvhBuildParams::medium_build();
-        let triangles = Tree::new(&triangles, |t| {
-            let t: Vec<_> = t.iter().map(|c| Triangle { v0: c.v0, v1: c.v0 + c.e1, v2: c.v0 + c.e2 }).collect();
+        let far = if empty { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
+        let s = hierarchy_scale(extent.max(far));
+        let triangles = Tree::new(&triangles, s, |t| {
+            let corners = |c: &Corners| Triangle { v0: c.v0 * s, v1: (c.v0 + c.e1) * s, v2: (c.v0 + c.e2) * s };
+            let t: Vec<_> = t.iter().map(corners).collect();
             build_cwbvh_from_tris(&t, params, &mut Duration::ZERO.clone())
         });
-        let balls = Tree::new(&balls, |b| build_cwbvh(b, params, &mut Duration::ZERO.clone()));
+        let balls = Tree::new(&balls, s, |b| {
+            let boxes = b.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * s, b.max * s));
+            build_cwbvh(&boxes.collect::<Vec<_>>(), params, &mut Duration::ZERO.clone())
+        });
         Self { scene, triangles, balls, extent }
     }
 
@@ -287,4 +326,54 @@ fn ball_hit(ball: &Ball, origin: Vec3, direction: Vec3, t: f32) -> Hit {
     let normal = if outward.dot(direction.as_dvec3()) > 0.0 { -outward } else { outward };
     let normal = normal.as_vec3().normalize();
     Hit { position: position.as_vec3(), normal, face_normal: normal, object: ball.object, primitive: ball.index }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::GBuffer;
+    use crate::test_scenes::floor_and_ball;
+    use scene::Mesh;
+
+    /// The scene times a power of two, which changes no digit.
+    fn scaled(s: f32) -> Scene {
+        let mut scene = floor_and_ball();
+        scene.camera.eye *= s;
+        scene.camera.target *= s;
+        for object in &mut scene.objects {
+            match &mut object.shape {
+                Shape::Mesh(Mesh { positions, .. }) => positions.iter_mut().for_each(|p| *p *= s),
+                Shape::Spheres(balls) => {
+                    balls.iter_mut().for_each(|b| *b = Sphere { center: b.center * s, radius: b.radius * s });
+                }
+            }
+        }
+        scene
+    }
+
+    /// Points, their faces, and which of them see a point above the scene, to the bit at any scale.
+    #[test]
+    fn the_unit_of_length_does_not_matter() {
+        let look = |exponent: i32| {
+            let s = 2.0_f32.powi(exponent);
+            let scene = scaled(s);
+            let world = World::new(&scene);
+            let g = GBuffer::new(&world, 50, 30, 1);
+            let one = |r: &lobe_core::Receiver| {
+                let face = world.face_normal(r);
+                let from = world.leave(r.position, face.unwrap_or(r.normal));
+                let to = Vec3::new(1.0, 5.0, 0.5) * s - from;
+                (r.position / s, face, world.occluded(from, to.normalize(), to.length()))
+            };
+            g.points.receivers.iter().map(one).collect::<Vec<_>>()
+        };
+        let unit = look(0);
+        assert!(unit.len() > 500 && unit.iter().all(|(_, face, _)| face.is_some()));
+        assert!(unit.iter().any(|(.., hidden)| *hidden) && unit.iter().any(|(.., hidden)| !hidden));
+        for exponent in [-40, -27, -13, 20] {
+            let other = look(exponent);
+            let different = other.iter().zip(&unit).find(|(a, b)| a != b);
+            assert!(other.len() == unit.len() && different.is_none(), "2^{exponent}: {different:?}");
+        }
+    }
 }

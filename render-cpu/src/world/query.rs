@@ -103,7 +103,7 @@ impl<T> Tree<T> {
             count -= 1;
             let node = &bvh.nodes[stack[count] as usize];
             for child in 0..8 {
-                if node.is_child_empty(child) || outside(&node.child_aabb(child)) {
+                if node.is_child_empty(child) || outside(&self.unscaled(node.child_aabb(child))) {
                     continue;
                 }
                 if node.is_leaf(child) {
