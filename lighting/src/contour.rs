@@ -21,7 +21,15 @@ const STRIDE: usize = 2;
 /// again. At last the place where the contour crosses each row is found between two cells by bisection, so that spans
 /// end at a fraction of a cell; and where it runs along between two rows, its height.
 ///
-/// It is the working memory, too: keep one a thread.
+/// # Accuracy
+/// Straight edges at all angles across the light, error of the dark share, mean / worst (questions): depth 4 0.16 / 1.0 %
+/// (120), 5 0.07 / 0.5 % (190), 6 0.03 / 0.3 % (340). The worst are edges along the rows in the first and last of them.
+/// Shapes that fit between four cells of the coarse grid without touching the rim can be missed: up to 2.5 % of the
+/// light at depth 5.
+///
+/// # Cost
+/// Up to 90 questions where nothing is hidden or everything, and about two for each cell of the contour. It is the
+/// working memory, too (9 kB): keep one a thread.
 #[derive(Clone, Debug)]
 pub struct Contour {
     start: usize,

@@ -153,12 +153,12 @@ fn near_monte_carlo() {
     let mut out = vec![Vec3::ZERO; g.len()];
     let (_, layers) = shader.shade_layers(&g.points, &frame, &mut out).unwrap();
     let (mut errors, mut noise) = (Vec::new(), 0.0);
-    for i in 0..g.len() {
+    for (i, out) in out.iter().enumerate() {
         let sum = |v: Vec3| f64::from(v.element_sum());
         let (want, whole) = (sum(truth.radiance[i]), sum(truth.unshadowed[i]));
         if whole > 0.0 && (0.01..=0.99).contains(&(want / whole)) {
             // The lobes' own share of the error is that of the unshadowed radiance.
-            let share = sum(out[i]) / sum(layers.unshadowed[i]);
+            let share = sum(*out) / sum(layers.unshadowed[i]);
             errors.push((share - want / whole).abs());
             noise += sum(truth.std_error[i]) / whole;
         }

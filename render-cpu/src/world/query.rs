@@ -47,16 +47,20 @@ impl Region {
     /// its farthest extent along a direction. May be false although none meets it.
     #[inline]
     fn misses(&self, center: Vec3A, support: impl Fn(Vec3A) -> f32) -> bool {
-        if support(self.axis) <= 0.0 || -support(-self.axis) >= self.far {
-            return true;
-        }
-        if self.face.is_some_and(|n| support(n) <= 0.0) {
-            return true;
-        }
-        // The cone's tangent plane on the shape's side, turned outward.
-        let aside = center - self.axis * center.dot(self.axis);
+        support(self.axis) <= 0.0
+            || -support(-self.axis) >= self.far
+            || self.face.is_some_and(|n| support(n) <= 0.0)
+            || self.tangent(center).is_some_and(|n| support(n) < 0.0)
+    }
+
+    /// Normal of the cone's tangent plane on the side of a point, turned to the cone; `None` on the axis.
+    #[inline]
+    fn tangent(&self, point: Vec3A) -> Option<Vec3A> {
+        // Twice, since what is left of a point near the axis would lie anywhere.
+        let aside = point - self.axis * point.dot(self.axis);
+        let aside = aside - self.axis * aside.dot(self.axis);
         let length = aside.length();
-        length > 0.0 && support(self.axis * self.sin - aside * (self.cos / length)) < 0.0
+        (length > 1e-6 * point.length()).then(|| self.axis * self.sin - aside * (self.cos / length))
     }
 
     fn misses_box(&self, bounds: &Aabb) -> bool {
@@ -65,10 +69,27 @@ impl Region {
         self.misses(center, |n| n.dot(center) + n.abs().dot(half))
     }
 
+    /// Apart from rounding exact for a triangle before the light: two cones are parted by a plane that touches the one
+    /// at an edge or corner, or the other.
     fn misses_triangle(&self, c: &Corners) -> bool {
         let a = c.v0 - self.origin;
         let (b, c) = (a + c.e1, a + c.e2);
-        self.misses((a + b + c) * (1.0 / 3.0), |n| n.dot(a).max(n.dot(b)).max(n.dot(c)))
+        let support = |n: Vec3A| n.dot(a).max(n.dot(b)).max(n.dot(c));
+        if self.misses((a + b + c) * (1.0 / 3.0), support) {
+            return true;
+        }
+        let beside_edge = |p: Vec3A, q: Vec3A, r: Vec3A| {
+            let n = p.cross(q);
+            let toward = n.dot(self.axis) * -n.dot(r).signum();
+            toward > self.sin * n.length()
+        };
+        let beside_corner = |p: Vec3A| self.tangent(p).is_some_and(|n| n.dot(a).max(n.dot(b)).max(n.dot(c)) <= 0.0);
+        beside_edge(a, b, c)
+            || beside_edge(b, c, a)
+            || beside_edge(c, a, b)
+            || beside_corner(a)
+            || beside_corner(b)
+            || beside_corner(c)
     }
 }
 
