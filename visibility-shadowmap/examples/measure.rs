@@ -17,7 +17,7 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use std::time::Instant;
-use visibility_shadowmap::{Advice, Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 
 struct Mesh {
     name: String,
@@ -251,10 +251,7 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                     };
                     let build = start.elapsed().as_secs_f64() * 1e3;
                     let (bytes, count) = (map.bytes(), map.layers());
-                    let width = used.map(|b| map.advice(&b)).map_or(0.0, |advice| match advice {
-                        Advice::Fine => f32::INFINITY,
-                        Advice::Coarse(d) | Advice::TooCoarse(d) => d.shaft_texels,
-                    });
+                    let width = used.map_or(0.0, |b| map.advice(&b).shaft_texels);
                     let blockers = ShadowMapBlockers::new(vec![map]);
                     let (mut scratch, mut mask, mut errors) = (blockers.scratch(), Mask::default(), Errors::default());
                     let (mut lit, mut pen, mut quads, mut time) = ((0, 0), (0, 0), 0, 0.0);

@@ -54,25 +54,21 @@ impl Layer {
         let mut layer = Self { width, height, limit: KAPPA * texel as f32, q, levels: Vec::new() };
         let (mut w, mut h) = (width, height);
         // Corner values of the level below, to save working them out twice.
-        let mut below: Vec<[f32; 4]> = (0..height)
-            .into_par_iter()
-            .flat_map_iter(|j| {
-                let layer = &layer;
-                (0..width).map(move |i| layer.corners(0, i, j))
-            })
-            .collect();
+        let mut below = vec![[0.0; 4]; width * height];
+        below.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
+            row.iter_mut().enumerate().for_each(|(i, corners)| *corners = layer.corners(0, i, j));
+        });
         for level in 1.. {
             let below_width = w;
             (w, h) = (w.div_ceil(2), h.div_ceil(2));
-            let nodes: Vec<(Node, [f32; 4])> = (0..h)
-                .into_par_iter()
-                .flat_map_iter(|j| {
-                    let (layer, below) = (&layer, &below);
-                    (0..w).map(move |i| layer.make(level, i, j, below, below_width))
-                })
-                .collect();
-            below = nodes.iter().map(|n| n.1).collect();
-            layer.levels.push(Level { width: w, nodes: nodes.into_iter().map(|n| n.0).collect() });
+            let (mut nodes, mut corners) = (vec![Node::NOTHING; w * h], vec![[0.0; 4]; w * h]);
+            nodes.par_chunks_mut(w).zip(corners.par_chunks_mut(w)).enumerate().for_each(|(j, (nodes, corners))| {
+                for (i, (node, corners)) in nodes.iter_mut().zip(corners).enumerate() {
+                    (*node, *corners) = layer.make(level, i, j, &below, below_width);
+                }
+            });
+            below = corners;
+            layer.levels.push(Level { width: w, nodes });
             if w * h == 1 {
                 break;
             }

@@ -44,7 +44,9 @@ mod map;
 mod options;
 mod probe;
 mod raster;
+#[cfg(test)]
+mod tests;
 
 pub use crate::blockers::{ShadowMapBlockers, ShadowMapScratch};
-pub use crate::map::{Advice, Detail, ShadowMap};
+pub use crate::map::{Advice, Fineness, ShadowMap};
 pub use crate::options::{Bounds, MapError, MapOptions};

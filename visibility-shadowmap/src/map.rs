@@ -24,33 +24,36 @@ pub struct ShadowMap {
 
 /// Whether a map is fine enough for the penumbrae of a light, see [`ShadowMap::advice`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Advice {
-    /// Nothing blocks, or the shaft is 32 texels wide or more: mean error over penumbrae about 1 % or less, 2 % for thin
-    /// features.
-    Fine,
-    /// 16 to 32 texels: 1…2 %, more for thin features.
-    Coarse(Detail),
-    /// Fewer than 16 texels: worse than that. Below 8 take another strategy.
-    TooCoarse(Detail),
-}
-
-/// Figures of an [`Advice`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Detail {
-    /// The width of the shaft between receivers and light, in texels, where it meets the nearest blocker.
+pub struct Advice {
+    /// The width of the shaft between receivers and light, in texels, where it meets the nearest blocker; infinite when
+    /// nothing blocks.
     pub shaft_texels: f32,
     /// The resolution at which the shaft would be 32 texels wide; may be above [`MapOptions::MAX_RESOLUTION`].
     pub wanted_resolution: u32,
+    /// What that means.
+    pub fineness: Fineness,
+}
+
+/// The 16/32-texel rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fineness {
+    /// 32 texels or more: mean error over penumbrae on floors about 0.5 % or less.
+    Fine,
+    /// 16 to 32 texels: about 1 %, more for thin features and on the objects themselves.
+    Coarse,
+    /// Fewer than 16 texels: worse than that. Below 8 take another strategy.
+    TooCoarse,
 }
 
 impl fmt::Display for Advice {
+    /// One sentence, to be shown as a warning unless the map is fine.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Fine => write!(f, "the shadow map is fine enough"),
-            Self::Coarse(d) | Self::TooCoarse(d) => write!(
+        match self.fineness {
+            Fineness::Fine => write!(f, "the shadow map is fine enough"),
+            _ => write!(
                 f,
                 "the light is {:.1} texels of the shadow map wide, penumbrae want 32: resolution {}",
-                d.shaft_texels, d.wanted_resolution
+                self.shaft_texels, self.wanted_resolution
             ),
         }
     }
@@ -112,6 +115,12 @@ impl ShadowMap {
         &self.faces[usize::from(item.face)].layers[usize::from(item.layer)]
     }
 
+    /// The resolution it was built with.
+    #[must_use]
+    pub fn resolution(&self) -> u32 {
+        self.resolution
+    }
+
     /// The light whose map it is.
     #[must_use]
     pub fn light(&self) -> Sphere {
@@ -152,14 +161,15 @@ impl ShadowMap {
             2.0 * f64::from(self.light.radius) * (d - z) / (d * z * face.texel)
         };
         let widest = self.faces.iter().map(width).fold(f64::NEG_INFINITY, f64::max);
-        if self.faces.is_empty() || widest >= FINE {
-            return Advice::Fine;
-        }
-        let widest = widest.max(1e-3);
-        let detail = Detail {
+        let widest = if self.faces.is_empty() { f64::INFINITY } else { widest.max(1e-3) };
+        Advice {
             shaft_texels: widest as f32,
             wanted_resolution: (f64::from(self.resolution) * FINE / widest).ceil() as u32,
-        };
-        if widest >= COARSE { Advice::Coarse(detail) } else { Advice::TooCoarse(detail) }
+            fineness: match widest {
+                w if w >= FINE => Fineness::Fine,
+                w if w >= COARSE => Fineness::Coarse,
+                _ => Fineness::TooCoarse,
+            },
+        }
     }
 }

@@ -56,20 +56,16 @@ pub(crate) fn draw(face: &Face, triangles: &[Triangle], near: f64, radius: f64, 
     let flat: Vec<Flat> = triangles.par_iter().flat_map_iter(|t| project(face, t, near)).collect();
     let (low, high) = extremes(flat.iter().flat_map(|t| t.q));
     let slack = (SAME * (high - low)) as f32;
-    let bands: Vec<Vec<[f32; 3]>> = (0..face.height.div_ceil(BAND))
-        .into_par_iter()
-        .map(|band| {
-            let rows = band * BAND..((band + 1) * BAND).min(face.height);
-            let mut texels = vec![Nearest { facing: [[EMPTY; 2]; 2] }; face.width * rows.len()];
-            for triangle in &flat {
-                if triangle.rows.1 >= rows.start as f64 && triangle.rows.0 <= rows.end as f64 {
-                    fill(face, triangle, rows.start, radius, slack, &mut texels);
-                }
+    let mut texels = vec![Nearest { facing: [[EMPTY; 2]; 2] }; face.width * face.height];
+    texels.par_chunks_mut(face.width * BAND).enumerate().for_each(|(band, texels)| {
+        let (start, end) = (band * BAND, band * BAND + texels.len() / face.width);
+        for triangle in &flat {
+            if triangle.rows.1 >= start as f64 && triangle.rows.0 <= end as f64 {
+                fill(face, triangle, start, radius, slack, texels);
             }
-            texels.iter().map(|t| t.layers(slack)).collect()
-        })
-        .collect();
-    (0..count).map(|k| bands.iter().flatten().map(|q| q[k]).collect()).collect()
+        }
+    });
+    (0..count).map(|k| texels.par_iter().map(|t| t.layers(slack)[k]).collect()).collect()
 }
 
 fn project(face: &Face, triangle: &Triangle, near: f64) -> impl Iterator<Item = Flat> {

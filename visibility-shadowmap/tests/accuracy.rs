@@ -4,9 +4,13 @@ mod common;
 
 use common::{Errors, Mesh, receiver};
 use glam::Vec3;
+use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
-use lobe_core::{Receiver, Sphere};
-use visibility_shadowmap::MapOptions;
+use lobe_core::{
+    Cone, Coverage, Lobe, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral,
+    visible_fraction,
+};
+use visibility_shadowmap::{MapOptions, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(2.0, 5.0, 1.5), radius: 0.6 };
 
@@ -113,6 +117,45 @@ fn error_falls_with_resolution() {
         [32, 64, 128, 512].map(|r| Errors::of(&ball, &receivers, LIGHT, &options(r)).means()[0]).to_vec();
     println!("{errors:?}");
     assert!(errors.windows(2).all(|e| e[1] < e[0]), "{errors:?}");
+}
+
+/// Narrow lobes have masks of their own over a part of the light, for which the map is asked again.
+#[test]
+fn glossy_lobes_see_what_they_look_at() {
+    let mesh = Mesh::default().cuboid(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)).sphere(
+        Vec3::new(0.3, 1.4, 0.2),
+        0.35,
+        16,
+    );
+    let strategy = MaskVisibility::new(ShadowMapBlockers::new(vec![mesh.map(LIGHT, &options(1024))]), 5);
+    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes()));
+    let mut random = Random::new(5);
+    let outside = |at: &Receiver| at.position.x.abs() > 0.5 || at.position.z.abs() > 0.5;
+    // The narrowest lobe is three texels wide.
+    for (exponent, most) in [(20.0_f32, 0.3), (200.0, 0.3), (2000.0, 0.7), (20_000.0, 1.5)] {
+        let (mut errors, mut count) = (0.0, 0);
+        for at in floor(Vec3::new(-0.6, 0.0, -0.4), 1.0, 22).into_iter().filter(outside) {
+            let cone = Cone::of_sphere(at.position, LIGHT);
+            let off = random.between(0.0, 0.8) * f64::from(cone.tan());
+            let axis = random.axis_at(cone.axis.as_dvec3(), off).as_vec3().normalize();
+            let lobe = Lobe { exponent, flux: Vec3::ONE, axis, cosine: 0.0 };
+            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let truth = mesh.seen_by(&at, LIGHT, 64, |v| {
+                // The square's area as solid angle.
+                axis.as_dvec3().dot(v).powf(f64::from(exponent)) * cone.axis.as_dvec3().dot(v).powi(3)
+            });
+            if !(0.01..0.99).contains(&truth) || strategy.coverage(&query, &mut scratch) != Coverage::Partial {
+                continue;
+            }
+            let unshadowed = cap_integral(&at, &lobe, &cone);
+            strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut sum).expect("room");
+            errors += (f64::from(visible_fraction(&at, &lobe, unshadowed, &sum)) - truth).abs();
+            count += 1;
+        }
+        let mean = 100.0 * errors / f64::from(count);
+        println!("exponent {exponent}: {mean:.2} % of {count}");
+        assert!(count > 20 && mean < most, "{exponent}: {mean}");
+    }
 }
 
 /// Casters on all sides of the light: every edge of the cube's faces is in some shaft.

@@ -65,7 +65,7 @@ impl Mesh {
     }
 
     pub(crate) fn map(&self, light: Sphere, options: &MapOptions) -> ShadowMap {
-        ShadowMap::build(&self.positions, &self.triangles, light, options).unwrap()
+        ShadowMap::build(&self.positions, &self.triangles, light, options).expect("a good mesh")
     }
 
     fn hit(&self, triangle: [u32; 3], origin: DVec3, direction: DVec3, far: f64) -> bool {
@@ -84,6 +84,11 @@ impl Mesh {
 
     /// Share of the light's disc above the horizon that is seen from a point, by `side²` rays in its square.
     pub(crate) fn seen(&self, at: &Receiver, light: Sphere, side: usize) -> f64 {
+        self.seen_by(at, light, side, |_| 1.0)
+    }
+
+    /// The same, weighted by a function of the direction.
+    pub(crate) fn seen_by(&self, at: &Receiver, light: Sphere, side: usize, weight: impl Fn(DVec3) -> f64) -> f64 {
         let cone = Cone::of_sphere(at.position, light);
         let square = UnitSquare::facing(&cone, Vec3::new(0.3, 0.5, -0.8));
         let (origin, normal) = (at.position.as_dvec3(), at.normal.as_dvec3());
@@ -103,7 +108,7 @@ impl Mesh {
                     && along > -size / center.length()
             })
             .collect();
-        let (mut all, mut seen) = (0, 0);
+        let (mut all, mut seen) = (0.0, 0.0);
         for k in 0..side * side {
             let cell = |k: usize| ((k as f64 + 0.5) / side as f64 * 2.0 - 1.0) * f64::from(square.half);
             let (x, y) = (cell(k % side), cell(k / side));
@@ -112,12 +117,15 @@ impl Mesh {
             if x * x + y * y > f64::from(square.disc).powi(2) || direction.dot(normal) <= 0.0 {
                 continue;
             }
-            all += 1;
+            let weight = weight(direction);
+            all += weight;
             let along = center.dot(direction);
             let far = along - (radius * radius - (center - direction * along).length_squared()).max(0.0).sqrt();
-            seen += usize::from(!candidates.iter().any(|t| self.hit(*t, origin, direction, far)));
+            if weight > 0.0 && !candidates.iter().any(|t| self.hit(*t, origin, direction, far)) {
+                seen += weight;
+            }
         }
-        if all == 0 { 0.0 } else { seen as f64 / all as f64 }
+        if all > 0.0 { seen / all } else { 0.0 }
     }
 }
 
