@@ -27,6 +27,8 @@ const LISTED: usize = 48;
 #[derive(Debug)]
 pub struct RayBlockers<'w> {
     world: &'w World<'w>,
+    /// For each object whether it blocks; empty when all do.
+    objects: Vec<bool>,
     start: usize,
     bisections: u32,
     rays: AtomicU64,
@@ -42,7 +44,23 @@ impl<'w> RayBlockers<'w> {
     /// The same with the detail of [`Contour::new`]: coarse blocks a side, bisections.
     #[must_use]
     pub const fn with_detail(world: &'w World<'w>, start: usize, bisections: u32) -> Self {
-        Self { world, start, bisections, rays: AtomicU64::new(0) }
+        Self { world, objects: Vec::new(), start, bisections, rays: AtomicU64::new(0) }
+    }
+
+    /// Only the objects that `blocks` says yes to by their number: a part of a [`Mixture`](lighting::Mixture) whose other
+    /// strategies have the rest.
+    #[must_use]
+    pub fn only(mut self, blocks: impl Fn(u32) -> bool) -> Self {
+        self.objects = (0..self.world.scene().objects.len() as u32).map(blocks).collect();
+        self
+    }
+
+    fn hides(&self, origin: Vec3, v: Vec3, distance: f32) -> bool {
+        self.world.occluded_by(origin, v, distance, |o| self.has(o))
+    }
+
+    fn has(&self, object: u32) -> bool {
+        self.objects.is_empty() || self.objects.get(object as usize).is_some_and(|blocks| *blocks)
     }
 
     /// The world.
@@ -78,7 +96,7 @@ impl Blockers for RayBlockers<'_> {
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut RayScratch) {
-        scratch.is_listed = self.world.in_shaft(shaft, LISTED, &mut scratch.listed);
+        scratch.is_listed = self.world.in_shaft(shaft, |o| self.has(o), LISTED, &mut scratch.listed);
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut RayScratch) -> Coverage {
@@ -89,25 +107,28 @@ impl Blockers for RayBlockers<'_> {
         let face = self.world.face_normal(at);
         let sin = cone.sin_sq().sqrt();
         let elevation = face.map(|n| n.dot(cone.axis));
-        if elevation.is_some_and(|e| e <= -sin) {
+        if elevation.is_some_and(|e| e <= -sin) && self.has(at.object) {
             return Coverage::Dark;
         }
         scratch.origin = self.world.leave(at.position, face.unwrap_or(at.normal));
         if cone.one_minus_cos <= 0.0 {
             self.rays.fetch_add(1, Ordering::Relaxed);
-            let hidden = self.world.occluded(scratch.origin, cone.axis, cone.distance);
+            let hidden = self.hides(scratch.origin, cone.axis, cone.distance);
             return if hidden { Coverage::Dark } else { Coverage::Lit };
         }
         let above = elevation.is_some_and(|e| e >= sin);
         let region = Region::new(scratch.origin, cone, if above { face } else { None });
-        let meets =
-            if scratch.is_listed { self.world.meets_any(&region, &scratch.listed) } else { self.world.meets(&region) };
+        let meets = if scratch.is_listed {
+            self.world.meets_any(&region, &scratch.listed)
+        } else {
+            self.world.meets(&region, |o| self.has(o))
+        };
         if meets { Coverage::Partial } else { Coverage::Lit }
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut RayScratch, mask: &mut Mask) {
         let RayScratch { origin, contour, .. } = scratch;
-        let hidden = |v: Vec3| self.world.occluded(*origin, v, to_surface(query.cone, v));
+        let hidden = |v: Vec3| self.hides(*origin, v, to_surface(query.cone, v));
         let asked = contour.block(mask, hidden);
         self.rays.fetch_add(asked as u64, Ordering::Relaxed);
     }

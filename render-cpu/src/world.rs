@@ -269,10 +269,21 @@ impl<'s> World<'s> {
     /// The true geometry, not the proxies. `origin` is to be off the surface already, see [`World::leave`].
     #[must_use]
     pub fn occluded(&self, origin: Vec3, direction: Vec3, distance: f32) -> bool {
+        self.occluded_by(origin, direction, distance, |_| true)
+    }
+
+    /// The same, with only those objects that `by` says yes to by their number.
+    pub(crate) fn occluded_by(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        by: impl Fn(u32) -> bool,
+    ) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         let blocks = |blocks: bool, t: f32| if blocks { t } else { f32::INFINITY };
-        self.triangles.any(ray, |c, r| blocks(c.blocks, c.intersect(r)))
-            || self.balls.any(ray, |b, r| blocks(b.blocks, b.intersect(r)))
+        self.triangles.any(ray, |c, r| blocks(c.blocks && by(c.object), c.intersect(r)))
+            || self.balls.any(ray, |b, r| blocks(b.blocks && by(b.object), b.intersect(r)))
     }
 
     /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of the larger of the scene's extent

@@ -16,7 +16,7 @@ fn scene(balls: &[Sphere]) -> Scene {
         height: 1,
         background: Vec3::ZERO,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
-        objects: vec![Object::spheres("balls", balls.to_vec(), 0)],
+        objects: balls.iter().map(|ball| Object::spheres("ball", vec![*ball], 0)).collect(),
         lights: Vec::new(),
     }
 }
@@ -32,16 +32,17 @@ impl Subject for Rays {
     }
 }
 
-/// The first ball by rays, the others as spheres.
+/// The first ball by rays, the others as spheres; the world has them all.
 struct Mixed;
 
 impl Subject for Mixed {
     fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {
-        let (first, others) = setting.balls.split_at(setting.balls.len().min(1));
-        let scene = scene(first);
+        let others = setting.balls.get(1..).unwrap_or_default();
+        let scene = scene(setting.balls);
         let world = World::new(&scene);
         let spheres = SphereBlockers::new(others, &vec![0; others.len()], &[]);
-        visitor.visit(&MaskVisibility::new(Mixture::new(RayBlockers::new(&world), spheres), 5))
+        visitor
+            .visit(&MaskVisibility::new(Mixture::new(RayBlockers::new(&world).only(|object| object == 0), spheres), 5))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which primitives a whole bundle of rays may meet.
 
-use super::{Corners, Tree, World};
+use super::{Ball, Corners, Tree, World};
 use glam::{Vec3, Vec3A};
 use lobe_core::{Cone, Receiver, Shaft};
 use obvhs::aabb::Aabb;
@@ -67,6 +67,12 @@ impl Region {
         let center = bounds.center() - self.origin;
         let half = 0.500_001 * bounds.diagonal();
         self.misses(center, |n| n.dot(center) + n.abs().dot(half))
+    }
+
+    fn misses_ball(&self, ball: &Ball) -> bool {
+        let center = Vec3A::from(ball.sphere.center) - self.origin;
+        // All planes' normals have length 1.
+        self.misses(center, |n| n.dot(center) + ball.sphere.radius)
     }
 
     /// Apart from rounding exact for a triangle before the light: two cones are parted by a plane that touches the one
@@ -143,9 +149,15 @@ impl<T> Tree<T> {
 }
 
 impl World<'_> {
-    /// Lists the primitives whose boxes meet the shaft, in `out`. False, and an unfinished list, when there are more
-    /// than `limit`.
-    pub(crate) fn in_shaft(&self, shaft: &Shaft, limit: usize, out: &mut Vec<Primitive>) -> bool {
+    /// Lists the primitives of the objects `of` whose boxes meet the shaft, in `out`. False, and an unfinished list, when
+    /// there are more than `limit`.
+    pub(crate) fn in_shaft(
+        &self,
+        shaft: &Shaft,
+        of: impl Fn(u32) -> bool,
+        limit: usize,
+        out: &mut Vec<Primitive>,
+    ) -> bool {
         out.clear();
         let outside = |b: &Aabb| outside(shaft, b);
         let mut add = |blocks: bool, primitive: Primitive| {
@@ -154,30 +166,23 @@ impl World<'_> {
             }
             out.len() > limit
         };
-        !self.triangles.visit(&outside, &mut |i, c| add(c.blocks, Primitive::Triangle(i)))
-            && !self.balls.visit(&outside, &mut |i, b| add(b.blocks, Primitive::Ball(i)))
+        !self.triangles.visit(&outside, &mut |i, c| add(c.blocks && of(c.object), Primitive::Triangle(i)))
+            && !self.balls.visit(&outside, &mut |i, b| add(b.blocks && of(b.object), Primitive::Ball(i)))
     }
 
     /// False when no ray of the region meets one of the primitives; may be true although none does.
     pub(crate) fn meets_any(&self, region: &Region, primitives: &[Primitive]) -> bool {
         primitives.iter().any(|p| match p {
             Primitive::Triangle(i) => !region.misses_triangle(&self.triangles.primitives[*i as usize]),
-            Primitive::Ball(i) => self.meets_ball(region, *i),
+            Primitive::Ball(i) => !region.misses_ball(&self.balls.primitives[*i as usize]),
         })
     }
 
-    /// The same for all primitives.
-    pub(crate) fn meets(&self, region: &Region) -> bool {
+    /// The same for all primitives of the objects `of`.
+    pub(crate) fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
         let outside = |b: &Aabb| region.misses_box(b);
-        self.triangles.visit(&outside, &mut |_, c| c.blocks && !region.misses_triangle(c))
-            || self.balls.visit(&outside, &mut |i, _| self.meets_ball(region, i))
-    }
-
-    fn meets_ball(&self, region: &Region, i: u32) -> bool {
-        let ball = &self.balls.primitives[i as usize];
-        let (center, radius) = (Vec3A::from(ball.sphere.center) - region.origin, ball.sphere.radius);
-        // All planes' normals have length 1.
-        ball.blocks && !region.misses(center, |n| n.dot(center) + radius)
+        self.triangles.visit(&outside, &mut |_, c| c.blocks && of(c.object) && !region.misses_triangle(c))
+            || self.balls.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_ball(b))
     }
 
     /// The unit geometric normal, on the side of the shading normal, of the surface of its own object that a receiver
