@@ -54,10 +54,7 @@ impl Layer {
         let mut layer = Self { width, height, limit: KAPPA * texel as f32, q, levels: Vec::new() };
         let (mut w, mut h) = (width, height);
         // Corner values of the level below, to save working them out twice.
-        let mut below = vec![[0.0; 4]; width * height];
-        below.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
-            row.iter_mut().enumerate().for_each(|(i, corners)| *corners = layer.corners(0, i, j));
-        });
+        let mut below = Vec::new();
         for level in 1.. {
             let below_width = w;
             (w, h) = (w.div_ceil(2), h.div_ceil(2));
@@ -107,23 +104,33 @@ impl Layer {
     }
 
     fn make(&self, level: u32, i: usize, j: usize, below: &[[f32; 4]], below_width: usize) -> (Node, [f32; 4]) {
-        let mut node = Node::NOTHING;
-        let (mut whole, mut worst) = (true, 0.0_f32);
         let (columns, rows) = self.size(level - 1);
-        let children = (0..4).map(|k| (2 * i + (k & 1), 2 * j + (k >> 1))).filter(|(i, j)| *i < columns && *j < rows);
-        for (ci, cj) in children.clone() {
-            let child = self.node(level - 1, ci, cj);
-            node.min = node.min.min(child.min);
-            node.max = node.max.max(child.max);
-            worst = worst.max(child.deviation);
-            whole &= child.deviation.is_finite();
+        let mut children = [(Node::NOTHING, (0, 0), [0.0; 4]); 4];
+        let mut count = 0;
+        for (ci, cj) in (0..4).map(|k| (2 * i + (k & 1), 2 * j + (k >> 1))) {
+            if ci < columns && cj < rows {
+                let child = self.node(level - 1, ci, cj);
+                let corners = match level {
+                    1 if child.is_empty() => [0.0; 4],
+                    1 => self.corners(0, ci, cj),
+                    _ => below[cj * below_width + ci],
+                };
+                children[count] = (child, (ci, cj), corners);
+                count += 1;
+            }
+        }
+        let children = &children[..count];
+
+        let mut node = Node::NOTHING;
+        for (child, _, corners) in children {
+            (node.min, node.max) = (node.min.min(child.min), node.max.max(child.max));
             if level == 1 && !child.is_empty() {
-                for q in below[cj * below_width + ci] {
-                    (node.min, node.max) = (node.min.min(q), node.max.max(q));
+                for q in corners {
+                    (node.min, node.max) = (node.min.min(*q), node.max.max(*q));
                 }
             }
         }
-        if !whole {
+        if children.iter().any(|(child, ..)| child.deviation.is_infinite()) {
             return (node, [0.0; 4]);
         }
         let corners = self.corners(level, i, j);
@@ -133,15 +140,15 @@ impl Layer {
             let [a, b, c, d] = corners;
             (a * (1.0 - s) + b * s) * (1.0 - t) + (d * (1.0 - s) + c * s) * t
         };
-        let mut between = 0.0_f32;
-        for (ci, cj) in children {
-            let [x0, x1, y0, y1] = self.texels(level - 1, ci, cj);
-            let values = below[cj * below_width + ci];
-            for (q, (x, y)) in values.into_iter().zip([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]) {
+        let (mut within, mut between) = (0.0_f32, 0.0_f32);
+        for (child, (ci, cj), corners) in children {
+            within = within.max(child.deviation);
+            let [x0, x1, y0, y1] = self.texels(level - 1, *ci, *cj);
+            for (q, (x, y)) in corners.iter().zip([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]) {
                 between = between.max((q - at(x, y)).abs());
             }
         }
-        node.deviation = worst + between;
+        node.deviation = within + between;
         (node, corners)
     }
 

@@ -40,7 +40,8 @@ impl Bounds {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapOptions {
     /// Texels along the longer side of the map; of one whole face for a cube. 16…8192. What it takes for a given light
-    /// and distance is told by [`ShadowMap::advice`](crate::ShadowMap::advice). Memory per layer: 8 bytes a texel.
+    /// and distance is told by [`ShadowMap::advice`](crate::ShadowMap::advice). Memory: 8 bytes a texel and layer, 28 bytes
+    /// a texel while it is built.
     pub resolution: u32,
     /// At most so many depth layers, 1…3: the first surface; the next surface behind it, without which the far side of
     /// an object leaks light; the second surface that faces the light, without which an object behind another one does.
