@@ -107,12 +107,14 @@ impl Layer {
         let (columns, rows) = self.size(level - 1);
         let mut children = [(Node::NOTHING, (0, 0), [0.0; 4]); 4];
         let mut count = 0;
+        let quick = if level == 1 { self.smooth_corners(i, j) } else { None };
         for (ci, cj) in (0..4).map(|k| (2 * i + (k & 1), 2 * j + (k >> 1))) {
             if ci < columns && cj < rows {
                 let child = self.node(level - 1, ci, cj);
-                let corners = match level {
-                    1 if child.is_empty() => [0.0; 4],
-                    1 => self.corners(0, ci, cj),
+                let corners = match (level, quick) {
+                    (1, Some(corners)) => corners[count],
+                    (1, None) if child.is_empty() => [0.0; 4],
+                    (1, None) => self.corners(0, ci, cj),
                     _ => below[cj * below_width + ci],
                 };
                 children[count] = (child, (ci, cj), corners);
@@ -133,7 +135,10 @@ impl Layer {
         if children.iter().any(|(child, ..)| child.deviation.is_infinite()) {
             return (node, [0.0; 4]);
         }
-        let corners = self.corners(level, i, j);
+        // The same as `corners(level, i, j)`: a child has the corner of its parent.
+        let (right, up) = (usize::from(2 * i + 1 < columns), usize::from(2 * j + 1 < rows));
+        let of = |i: usize, j: usize, corner: usize| children[j * (1 + right) + i].2[corner];
+        let corners = [of(0, 0, 0), of(right, 0, 1), of(right, up, 2), of(0, up, 3)];
         let [x0, x1, y0, y1] = self.texels(level, i, j);
         let at = |x: usize, y: usize| {
             let (s, t) = ((x - x0) as f32 / (x1 - x0) as f32, (y - y0) as f32 / (y1 - y0) as f32);
@@ -150,6 +155,28 @@ impl Layer {
         }
         node.deviation = within + between;
         (node, corners)
+    }
+
+    /// The corners of the four texels of a node of level 1, where all texels around them are of one surface.
+    fn smooth_corners(&self, i: usize, j: usize) -> Option<[[f32; 4]; 4]> {
+        let (x, y) = ((2 * i).checked_sub(1)?, (2 * j).checked_sub(1)?);
+        if x + 4 > self.width || y + 4 > self.height {
+            return None;
+        }
+        let mut q = [[0.0_f32; 4]; 4];
+        for (k, row) in q.iter_mut().enumerate() {
+            let start = (y + k) * self.width + x;
+            row.copy_from_slice(&self.q[start..start + 4]);
+        }
+        let (low, high) =
+            q.as_flattened().iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+        if high - low >= self.limit * (1.0 + low) || low == EMPTY {
+            return None;
+        }
+        // To the bit what `corner` finds.
+        let mean = |i: usize, j: usize| ((q[j][i] + q[j + 1][i + 1]) + (q[j][i + 1] + q[j + 1][i])) / 4.0;
+        let texel = |i: usize, j: usize| [mean(i, j), mean(i + 1, j), mean(i + 1, j + 1), mean(i, j + 1)];
+        Some([texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)])
     }
 
     /// q at the corners of a node, counter-clockwise from the lower left: the mean of those texels around the corner that

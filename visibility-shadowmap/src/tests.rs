@@ -115,6 +115,46 @@ fn corners_of_a_plane_are_exact_and_its_pyramid_is_flat() {
 }
 
 #[test]
+fn the_pyramid_knows_its_own_corners() {
+    // Smooth, with steps, and with holes: deviations against all texels' corners.
+    let mut random = Random::new(4);
+    let (width, height) = (29, 23);
+    for holes in [0.0, 0.02] {
+        let q: Vec<f32> = (0..width * height)
+            .map(|k| {
+                let (x, y) = ((k % width) as f32, (k / width) as f32);
+                let step = if x + 0.5 * y > 21.0 { 1.5 } else { 0.0 };
+                if random.uniform() < holes { EMPTY } else { (0.2 * x).sin() * 0.3 + 0.01 * y * y * 0.3 + step }
+            })
+            .collect();
+        let layer = Layer::new(width, height, 0.1, q.clone()).expect("a surface");
+        for level in 1..=layer.top() {
+            let (columns, rows) = layer.size(level);
+            for (i, j) in (0..columns * rows).map(|k| (k % columns, k / columns)) {
+                let (node, [x0, x1, y0, y1]) = (layer.node(level, i, j), layer.texels(level, i, j));
+                let own = layer.corners(level, i, j);
+                let mut worst = 0.0_f32;
+                for (x, y) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))) {
+                    if q[y * width + x] == EMPTY {
+                        worst = f32::INFINITY;
+                        continue;
+                    }
+                    let corners = layer.corners(0, x, y);
+                    for (q, (x, y)) in corners.into_iter().zip([(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)]) {
+                        let (s, t) = ((x - x0) as f32 / (x1 - x0) as f32, (y - y0) as f32 / (y1 - y0) as f32);
+                        let at = (own[0] * (1.0 - s) + own[1] * s) * (1.0 - t) + (own[3] * (1.0 - s) + own[2] * s) * t;
+                        worst = worst.max((q - at).abs());
+                        assert!(q >= node.min && q <= node.max);
+                    }
+                }
+                assert!(node.deviation >= worst - 1e-6, "level {level}: {} < {worst}", node.deviation);
+                assert_eq!(node.deviation.is_finite(), worst.is_finite());
+            }
+        }
+    }
+}
+
+#[test]
 fn depth_steps_are_not_bridged() {
     let (width, height) = (8, 8);
     let mut q: Vec<f32> = (0..64).map(|k| if k % width < 4 { 0.0 } else { 1.0 }).collect();
