@@ -133,6 +133,10 @@ fn errors(
         let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
         let query = VisibilityQuery { at: &case.at, cone: &case.cone, tolerance };
         let unshadowed = cap_integral(&case.at, &case.lobe, &case.cone);
+        if unshadowed < 1e-4 {
+            // The horizon leaves less than a ten-thousandth of the lobe: no picture shows a share of that.
+            continue;
+        }
         let share = match strategy.coverage(&query, &mut scratch) {
             Coverage::Lit => 1.0,
             Coverage::Dark => 0.0,
