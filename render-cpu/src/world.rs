@@ -273,13 +273,7 @@ impl<'s> World<'s> {
     }
 
     /// The same, with only those objects that `by` says yes to by their number.
-    pub(crate) fn occluded_by(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        distance: f32,
-        by: impl Fn(u32) -> bool,
-    ) -> bool {
+    pub(crate) fn occluded_by(&self, origin: Vec3, direction: Vec3, distance: f32, by: impl Fn(u32) -> bool) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         let blocks = |blocks: bool, t: f32| if blocks { t } else { f32::INFINITY };
         self.triangles.any(ray, |c, r| blocks(c.blocks && by(c.object), c.intersect(r)))

@@ -105,21 +105,23 @@ impl Layer {
 
     fn make(&self, level: u32, i: usize, j: usize, below: &[[f32; 4]], below_width: usize) -> (Node, [f32; 4]) {
         let (columns, rows) = self.size(level - 1);
+        let around = (0..4).map(|k| (2 * i + (k & 1), 2 * j + (k >> 1))).filter(|(i, j)| *i < columns && *j < rows);
+        if around.clone().all(|(i, j)| self.node(level - 1, i, j).is_empty()) {
+            return (Node::NOTHING, [0.0; 4]);
+        }
         let mut children = [(Node::NOTHING, (0, 0), [0.0; 4]); 4];
         let mut count = 0;
         let quick = if level == 1 { self.smooth_corners(i, j) } else { None };
-        for (ci, cj) in (0..4).map(|k| (2 * i + (k & 1), 2 * j + (k >> 1))) {
-            if ci < columns && cj < rows {
-                let child = self.node(level - 1, ci, cj);
-                let corners = match (level, quick) {
-                    (1, Some(corners)) => corners[count],
-                    (1, None) if child.is_empty() => [0.0; 4],
-                    (1, None) => self.corners(0, ci, cj),
-                    _ => below[cj * below_width + ci],
-                };
-                children[count] = (child, (ci, cj), corners);
-                count += 1;
-            }
+        for (ci, cj) in around {
+            let child = self.node(level - 1, ci, cj);
+            let corners = match (level, quick) {
+                (1, Some(corners)) => corners[count],
+                (1, None) if child.is_empty() => [0.0; 4],
+                (1, None) => self.corners(0, ci, cj),
+                _ => below[cj * below_width + ci],
+            };
+            children[count] = (child, (ci, cj), corners);
+            count += 1;
         }
         let children = &children[..count];
 
