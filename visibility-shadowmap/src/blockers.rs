@@ -15,7 +15,7 @@ const FRONTIER: usize = 48;
 /// # Method (§5.3 of the paper)
 /// A texel with a surface is a small quadrilateral at its depth. Its corners take the mean depth of those neighbours that
 /// belong to the same surface, so that there are no gaps and planes are exact. Seen from the receiver it covers a
-/// quadrilateral of the unit square; all of them are united. A texel counts only if it is more than one texel size above
+/// quadrilateral of the unit square; all of them are united. A texel counts only if it is more than half a texel size above
 /// the receiver's tangent plane, and in front of the light: there is no other depth bias.
 ///
 /// A pyramid over each layer finds what can meet the cone from the receiver to the light. Where the depths of a node are
@@ -61,6 +61,7 @@ impl ShadowMapBlockers {
         (off(&self.maps[best]) <= 1e-5 * size).then_some(best)
     }
 
+    /// The map's faces as a receiver sees them.
     fn look(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: f32, out: &mut Vec<Probe>) {
         out.clear();
         let probe = |face| Probe::new(face, &map.light, query.at.position, query.at.normal, square, cell);
@@ -115,8 +116,8 @@ impl Blockers for ShadowMapBlockers {
         let layer = |item: Item| map.layer(item);
         let meets = |item: &Item| probes[usize::from(item.face)].meets(*item, layer(*item));
         let mut nodes: Vec<Item> = roots(map).filter(meets).collect();
-        // A node that could be drawn as one must stay: receivers outside of a group would draw it so.
-        let splits = |item: &Item| item.level > 0 && !item.node(layer(*item)).deviation.is_finite();
+        // A node that some receiver draws as one must stay: the group must change nothing.
+        let splits = |item: &Item| probes[usize::from(item.face)].splits(*item, layer(*item));
         while nodes.len() < FRONTIER && nodes.iter().any(splits) {
             let mut next = Vec::with_capacity(4 * nodes.len());
             for item in nodes {
