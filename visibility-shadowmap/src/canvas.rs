@@ -142,8 +142,7 @@ impl Canvas {
     pub(crate) fn write(&self, mask: &mut Mask) {
         let cell = mask.cell();
         for j in 0..self.side {
-            let emitting = mask.emitting_cells(j);
-            if emitting == 0 {
+            if mask.emitting_cells(j) == 0 {
                 continue;
             }
             let lines: [&[u64]; LINES] =
@@ -151,23 +150,37 @@ impl Canvas {
             // Start of the run of whole cells.
             let mut run = None;
             let x = |i: usize| self.low.x + i as f32 * cell;
-            for i in 0..self.side {
-                let covered = if emitting >> i & 1 == 1 { covered(&lines, i) } else { 0 };
-                let whole = covered.count_ones() as usize == LINES * ACROSS;
-                if whole {
-                    run = run.or(Some(i));
+            for word in 0..self.words {
+                let (any, all) = lines.iter().fold((0, u64::MAX), |(any, all), l| (any | l[word], all & l[word]));
+                let cells = word * CELLS..((word + 1) * CELLS).min(self.side);
+                if all == u64::MAX {
+                    run = run.or(Some(cells.start));
                     continue;
                 }
-                if let Some(start) = run.take() {
-                    mask.block_span(j, x(start), x(i));
+                if any == 0 {
+                    if let Some(start) = run.take() {
+                        mask.block_span(j, x(start), x(cells.start));
+                    }
+                    continue;
                 }
-                if covered != 0 {
-                    // As much at the side where more of it is.
-                    let part = cell * covered.count_ones() as f32 / (LINES * ACROSS) as f32;
-                    if (covered & 0x00ff_00ff_00ff_00ff).count_ones() * 2 >= covered.count_ones() {
-                        mask.block_span(j, x(i), x(i) + part);
-                    } else {
-                        mask.block_span(j, x(i + 1) - part, x(i + 1));
+                for i in cells {
+                    let covered = covered(&lines, i);
+                    let count = covered.count_ones();
+                    if count as usize == LINES * ACROSS {
+                        run = run.or(Some(i));
+                        continue;
+                    }
+                    if let Some(start) = run.take() {
+                        mask.block_span(j, x(start), x(i));
+                    }
+                    if covered != 0 {
+                        // As much at the side where more of it is.
+                        let part = cell * count as f32 / (LINES * ACROSS) as f32;
+                        if (covered & 0x00ff_00ff_00ff_00ff).count_ones() * 2 >= count {
+                            mask.block_span(j, x(i), x(i) + part);
+                        } else {
+                            mask.block_span(j, x(i + 1) - part, x(i + 1));
+                        }
                     }
                 }
             }
