@@ -49,6 +49,7 @@ pub type BlockersProgress<'a> = dyn FnMut(&str, f32) -> ControlFlow<()> + 'a;
 /// Makes the blocker spheres of all objects from their proxies: builds, reads or copies them.
 ///
 /// An object's self-shadow distance τ is its sphere set's; explicit spheres are measured against a visible mesh for it.
+/// A ball that coincides with a light blocks nothing: it is how a light is made visible.
 /// Exact balls stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
 /// blackening a skin.
 ///
@@ -82,11 +83,18 @@ pub fn blockers(scene: &Scene, progress: &mut BlockersProgress<'_>) -> Result<Bl
             }
             (Proxy::Spheres(spheres), _) => (spheres.clone(), ball_self_distance(spheres)),
         };
-        all.objects.extend(spheres.iter().map(|_| number as u32));
+        let spheres = spheres.into_iter().filter(|s| !scene.lights.iter().any(|l| is_lamp(s, l.ball)));
         all.spheres.extend(spheres);
+        all.objects.resize(all.spheres.len(), number as u32);
         all.self_distances[number] = self_distance;
     }
     Ok(all)
+}
+
+/// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
+fn is_lamp(ball: &Sphere, light: Sphere) -> bool {
+    let slack = 1e-3 * light.radius;
+    (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
 }
 
 fn ball_self_distance(balls: &[Sphere]) -> f32 {
@@ -103,6 +111,17 @@ mod tests {
 
     fn make(scene: &Scene) -> Result<BlockerSet, BlockersError> {
         blockers(scene, &mut |_, _| ControlFlow::Continue(()))
+    }
+
+    #[test]
+    fn a_lamp_does_not_hide_its_light() {
+        let mut scene = floor_and_ball();
+        let blocking = make(&scene).unwrap().spheres.len();
+        scene.objects.push(scene::Object::spheres("lamp", vec![scene.lights[0].ball], 0));
+        assert_eq!(make(&scene).unwrap().spheres.len(), blocking);
+        scene.objects.push(scene::Object::spheres("shell", vec![Sphere { radius: 2.0, ..scene.lights[0].ball }], 0));
+        let set = make(&scene).unwrap();
+        assert_eq!((set.spheres.len(), set.objects.last()), (blocking + 1, Some(&3)));
     }
 
     #[test]
