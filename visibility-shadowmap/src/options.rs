@@ -43,9 +43,9 @@ pub struct MapOptions {
     /// and distance is told by [`ShadowMap::advice`](crate::ShadowMap::advice). Memory: 8 bytes a texel and layer, 28 bytes
     /// a texel while it is built.
     pub resolution: u32,
-    /// At most so many depth layers, 1…3: the first surface; the next surface behind it, without which the far side of
-    /// an object leaks light; the second surface that faces the light, without which an object behind another one does.
-    /// A layer in which the scene has nothing costs nothing.
+    /// At most so many depth layers, 1…4: the first surface; the next surface behind it, without which the far side of
+    /// an object leaks light; the second surface that faces the light, without which an object behind another one does;
+    /// and that one's own far side. A layer in which the scene has nothing costs nothing.
     pub layers: u32,
     /// Where receivers may be. The map is fitted to the casters that can shadow them: others (the floor below, the walls
     /// around receivers and light) take no texels. `None`: anywhere.
@@ -72,7 +72,7 @@ impl MapOptions {
         if !(Self::MIN_RESOLUTION..=Self::MAX_RESOLUTION).contains(&self.resolution) {
             return Err(MapError::Resolution(self.resolution));
         }
-        if !(1..=3).contains(&self.layers) {
+        if !(1..=4).contains(&self.layers) {
             return Err(MapError::Layers(self.layers));
         }
         if self.receivers.is_some_and(|b| !b.is_finite()) {
@@ -90,7 +90,7 @@ pub enum MapError {
     #[error("a shadow map has 16 to 8192 texels a side, not {0}")]
     Resolution(u32),
     /// The number of layers is out of range.
-    #[error("a shadow map has 1 to 3 layers, not {0}")]
+    #[error("a shadow map has 1 to 4 layers, not {0}")]
     Layers(u32),
     /// A triangle has a corner that the mesh does not have.
     #[error("triangle {triangle} refers to vertex {vertex} of {count}")]

@@ -41,17 +41,21 @@ impl Nearest {
         }
     }
 
-    /// First surface, next surface, second one with the first's facing (where that is not the next).
-    fn layers(&self, slack: f32) -> [f32; 3] {
+    /// First surface; next surface; second one with the first's facing, or the other facing's first where that was next;
+    /// second one with the other facing.
+    fn layers(&self, slack: f32) -> [f32; 4] {
         let [front, back] = self.facing;
-        let (own, other) = if front[0] >= back[0] { (front, back) } else { (back, front) };
-        // A sheet with both sides is one surface.
-        let other = if (other[0] - own[0]).abs() <= slack { other[1] } else { other[0] };
-        if own[1] >= other { [own[0], own[1], EMPTY] } else { [own[0], other, own[1]] }
+        let (own, mut other) = if front[0] >= back[0] { (front, back) } else { (back, front) };
+        if (other[0] - own[0]).abs() <= slack {
+            // A sheet with both sides is one surface.
+            other = [other[1], EMPTY];
+        }
+        let (next, third) = if own[1] >= other[0] { (own[1], other[0]) } else { (other[0], own[1]) };
+        [own[0], next, third, other[1]]
     }
 }
 
-/// Draws triangles into at most `count` layers, texel by texel at the centres, 1 to 3.
+/// Draws triangles into at most `count` layers, texel by texel at the centres, 1 to 4.
 pub(crate) fn draw(face: &Face, triangles: &[Triangle], near: f64, radius: f64, count: usize) -> Vec<Vec<f32>> {
     let flat: Vec<Flat> = triangles.par_iter().flat_map_iter(|t| project(face, t, near)).collect();
     let (low, high) = extremes(flat.iter().flat_map(|t| t.q));

@@ -439,7 +439,7 @@ fn bad_input_is_refused() {
         assert_eq!(error, MapError::Resolution(resolution));
         assert!(error.to_string().contains(&resolution.to_string()) && !error.to_string().contains('\n'));
     }
-    for layers in [0, 4] {
+    for layers in [0, 5] {
         assert_eq!(build(LIGHT, &MapOptions { layers, ..options(64) }).unwrap_err(), MapError::Layers(layers));
     }
     let not_finite = Bounds { min: Vec3::NAN, max: Vec3::ONE };
