@@ -238,7 +238,7 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                 })
                 .collect();
             for &resolution in resolutions {
-                for layers in if resolution == 512 && name == "floor" { 1..=4 } else { 3..=4 } {
+                for layers in if resolution == 512 && name == "floor" { 1..=4 } else { 4..=4 } {
                     let used = Bounds::of(receivers.iter().map(|r| r.position));
                     let options = MapOptions { resolution, layers, receivers: used };
                     let start = Instant::now();

@@ -27,8 +27,8 @@ const FRONTIER: usize = 48;
 /// map was built for. A light without a map is not shadowed. Without `enter` the map is found by the query's cone.
 ///
 /// # Cost
-/// Measured on a bunny under a light of 6°, map of 512², three layers: a lit receiver beside the shadow visits no node (one
-/// on the bunny 30), one in the penumbra 570, with 210 quadrilaterals, in 60 µs; of 2048²: 1200, 540. See
+/// Measured on a bunny under a light of 6°, map of 512²: a lit receiver beside the shadow visits no node (one on the
+/// bunny 30), one in the penumbra 600, with 210 quadrilaterals, in 60 µs; of 2048²: 1200, 540, 130 µs. See
 /// `examples/measure.rs`.
 #[derive(Clone, Debug, Default)]
 pub struct ShadowMapBlockers {

@@ -28,9 +28,10 @@
 //! ```
 //!
 //! # Limits
-//! What is thinner than a texel may be missed. More than three surfaces behind each other, as seen from the light's
-//! centre, can leak: the map knows the first, the next, and the second one that faces the light. Ask
-//! [`ShadowMap::advice`] whether the map is fine enough.
+//! What is thinner than a texel may be missed. More than four surfaces behind each other, as seen from the light's
+//! centre, can leak: the map knows the two nearest that face the light and the two nearest that do not. Where an object
+//! touches another, what is within half a texel of the receiver's tangent plane does not block. Ask
+//! [`ShadowMap::advice`] whether the map is fine enough, or let [`ShadowMap::fitted`] choose.
 //!
 //! Out of scope: fitting proxies, deciding what casts shadows.
 

@@ -14,7 +14,8 @@ use lobe_core::Sphere;
 /// Every texel with a surface is a small blocker, see [`ShadowMapBlockers`](crate::ShadowMapBlockers).
 ///
 /// # Cost
-/// About 10 ns a texel and layer and 50 ns a triangle to build; 8 bytes a texel and layer.
+/// Building took 40 ms at 512², 160 ms at 1024² and 700 ms at 2048² (7 k triangles, three layers, two busy cores; a fourth
+/// layer where there is one adds little). 8 bytes a texel and layer.
 #[derive(Clone, Debug)]
 pub struct ShadowMap {
     pub(crate) light: Sphere,

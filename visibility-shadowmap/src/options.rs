@@ -54,7 +54,7 @@ pub struct MapOptions {
 
 impl Default for MapOptions {
     fn default() -> Self {
-        Self { resolution: 1024, layers: 3, receivers: None }
+        Self { resolution: 1024, layers: 4, receivers: None }
     }
 }
 
