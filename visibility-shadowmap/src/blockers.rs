@@ -1,5 +1,5 @@
 use crate::canvas::Canvas;
-use crate::clip::Polygon;
+use crate::clip::{MOST, Polygon};
 use crate::map::ShadowMap;
 use crate::probe::{Image, Item, NEAR, Probe, TileProbe, Verdict};
 use glam::{Vec2, Vec3};
@@ -220,7 +220,7 @@ fn draw(image: &Image, rectangle: [f32; 4], q: [f32; 4], deviations: [f32; 4], c
         canvas.polygon(&mut points, grow);
     } else {
         let clipped = Polygon::new(&corners).clip(|p: Vec3| p.z - near);
-        let mut points = [Vec2::ZERO; 5];
+        let mut points = [Vec2::ZERO; MOST];
         let count = clipped.corners().len();
         if count >= 3 {
             points.iter_mut().zip(clipped.corners()).for_each(|(to, p)| *to = p.truncate() / p.z);

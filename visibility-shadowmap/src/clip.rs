@@ -18,8 +18,8 @@ impl Point for glam::Vec3 {
     type Scalar = f32;
 }
 
-/// A triangle or quadrilateral gains at most one corner from each of five planes.
-const MOST: usize = 10;
+/// A triangle gains at most one corner from each of five planes, a folded quadrilateral two from one.
+pub(crate) const MOST: usize = 10;
 
 /// A convex polygon.
 #[derive(Clone, Copy, Debug)]

@@ -87,9 +87,9 @@ impl Layer {
         }
     }
 
-    /// How far, about, a texel's corners may be from its q.
+    /// How far a texel's corners may be from its q.
     pub(crate) fn corner_slack(&self, q: f32) -> f32 {
-        0.75 * self.limit * (1.0 + q)
+        self.limit * (1.0 + q + self.limit)
     }
 
     /// Texels of a node: columns from…to, rows from…to.

@@ -254,8 +254,8 @@ impl TileProbe {
         let (light, receivers) = (shaft.light, shaft.receivers);
         let radius = f64::from(light.radius);
         let from_light = face.frame.local(receivers.center.as_dvec3() - light.center.as_dvec3());
-        // A little more than asked for, so that rounding never cuts.
-        let grown = radius * (1.0 + 1e-5) + 1e-6 * from_light.length();
+        // As much more as receivers look at: the cells at the rim of masks of depth 4 and more.
+        let grown = 1.2 * radius + 1e-6 * from_light.length();
         let spread = f64::from(receivers.radius) + 1e-6 * from_light.length();
         let mut functions = Vec::with_capacity(4);
         for (across, direction) in [(from_light.x, face.frame.right), (from_light.y, face.frame.up)] {
@@ -335,6 +335,8 @@ impl Image {
     /// smaller ones meet.
     pub(crate) fn shifts(&self, points: &[Vec2], depth: f32, changes: [f32; 4]) -> [f32; 4] {
         let farthest = points.iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt();
-        changes.map(|q| if q > 0.0 { farthest * (self.q.z * q / depth + 1e-5) } else { 0.0 })
+        // Within the window it is no more than what a node is merged for; slack is twice that.
+        let shift = |q: f32| (farthest * (self.q.z * q / depth + 1e-5)).min(0.5 * self.slack);
+        changes.map(|q| if q > 0.0 { shift(q) } else { 0.0 })
     }
 }

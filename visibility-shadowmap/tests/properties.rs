@@ -430,6 +430,72 @@ fn grazing_and_turned_receivers_are_finite() {
     }
 }
 
+/// Triangles of all sizes, lights anywhere, at any scale.
+#[test]
+fn any_scene_is_finite_and_a_group_changes_nothing() {
+    let mut random = Random::new(77);
+    let mut partial = 0;
+    for case in 0..1200_u32 {
+        let scale = random.log_uniform(1e-4, 1e4);
+        let mut mesh = Mesh::default();
+        for _ in 0..1 + case % 40 {
+            let center = random.axis() * scale * random.uniform();
+            let size = scale * random.log_uniform(0.01, 3.0);
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend((0..3).map(|_| (center + random.axis() * size).as_vec3()));
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        let light = Sphere {
+            center: (random.axis() * scale * random.log_uniform(0.01, 30.0)).as_vec3(),
+            radius: (scale * random.log_uniform(0.001, 3.0)) as f32,
+        };
+        let around = Bounds { min: Vec3::splat(-scale as f32), max: Vec3::splat(scale as f32) };
+        let options = MapOptions {
+            resolution: 16 + (random.bits() % 100) as u32,
+            layers: 1 + case % 4,
+            receivers: case.is_multiple_of(3).then_some(around),
+        };
+        let blockers = ShadowMapBlockers::new(vec![mesh.map(light, &options)]);
+        let mut scratch = blockers.scratch();
+        for _ in 0..10 {
+            let position = (random.axis() * scale * random.uniform()).as_vec3();
+            let at = receiver(position, random.axis().as_vec3());
+            if position.distance(light.center) <= light.radius * 1.0001 {
+                continue;
+            }
+            let group = Sphere { center: position, radius: 0.1 * scale as f32 };
+            blockers.enter(&Shaft { receivers: group, light }, &mut scratch);
+            let seen = share(&blockers, &mut scratch, &at, light);
+            let alone = share(&blockers, &mut blockers.scratch(), &at, light);
+            assert!(seen.is_nan() || (0.0..=1.0).contains(&seen), "{case}: {seen}");
+            // The rounding of a mask's area, where one says lit and the other looks and finds nothing.
+            assert!(seen.is_nan() && alone.is_nan() || (seen - alone).abs() < 1e-6, "{case}: {seen} {alone}");
+            partial += u32::from(seen > 0.0 && seen < 1.0);
+        }
+    }
+    assert!(partial > 500, "{partial}");
+}
+
+/// Texels of a coarse map reach behind a receiver that they nearly touch, in every way a quadrilateral can.
+#[test]
+fn touching_receivers_are_finite() {
+    let mesh = Mesh::fence();
+    let mut random = Random::new(16);
+    for (resolution, radius) in [(16, 1.0), (40, 2.5), (120, 1.5), (256, 3.6)] {
+        let light = Sphere { center: Vec3::new(4.0, 6.0, 8.0), radius };
+        let blockers = blockers(&mesh, light, resolution);
+        let mut scratch = blockers.scratch();
+        for k in 0..6000 {
+            let t = mesh.triangles[k % mesh.triangles.len()].map(|v| mesh.positions[v as usize]);
+            let (u, v) = (random.uniform() as f32, random.uniform() as f32);
+            let position = t[0] + (t[1] - t[0]) * u + (t[2] - t[0]) * (v * (1.0 - u));
+            let normal = (t[1] - t[0]).cross(t[2] - t[0]).normalize();
+            let seen = share(&blockers, &mut scratch, &receiver(position, normal), light);
+            assert!(seen.is_nan() || (0.0..=1.0).contains(&seen), "{position}: {seen}");
+        }
+    }
+}
+
 #[test]
 fn bad_input_is_refused() {
     let mesh = Mesh::default().sphere(Vec3::new(0.0, 1.5, 0.0), 0.6, 4);
