@@ -30,7 +30,7 @@ fn nothing_and_everything() {
     for depth in 1..=6 {
         let (share, asked) = dark(&square(0.1), depth, |_| false);
         assert_eq!(share, 0.0);
-        assert!(asked <= 100, "{asked} questions about nothing");
+        assert!(asked <= 140, "{asked} questions about nothing");
         assert_eq!(dark(&square(0.1), depth, |_| true).0, 1.0);
     }
 }
@@ -39,7 +39,7 @@ fn nothing_and_everything() {
 #[test]
 fn half_planes() {
     let mut random = Random::new(3);
-    for (depth, mean_limit, worst_limit) in [(4, 0.004, 0.02), (5, 0.0012, 0.008), (6, 0.0005, 0.004)] {
+    for (depth, mean_limit, worst_limit) in [(4, 0.004, 0.02), (5, 0.001, 0.007), (6, 0.0005, 0.004)] {
         let (mut mean, mut worst, mut questions) = (0.0, 0.0_f64, 0);
         for i in 0..400 {
             // One in four runs along the rows or columns.
@@ -55,7 +55,7 @@ fn half_planes() {
         }
         println!("depth {depth}: mean {mean:.5}, worst {worst:.5}, {} questions", questions / 400);
         assert!(mean < mean_limit && worst < worst_limit, "depth {depth}: mean {mean}, worst {worst}");
-        assert!(questions / 400 < 60 << (depth - 3), "{}", questions / 400);
+        assert!(questions / 400 < 80 << (depth - 3), "{}", questions / 400);
     }
 }
 
@@ -107,6 +107,6 @@ impl Blockers for Balls {
 #[test]
 fn a_strategy_of_questions_conforms() {
     let subject = |s: &Setting<'_>| MaskVisibility::new(Balls(s.balls.to_vec()), 5);
-    let measured = check(&subject, &Limits { jump: 0.01, ..Limits::default() }).unwrap_or_else(|e| panic!("{e}"));
+    let measured = check(&subject, &Limits { jump: 0.007, ..Limits::default() }).unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");
 }
