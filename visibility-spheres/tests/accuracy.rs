@@ -133,8 +133,9 @@ fn errors(
         let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
         let query = VisibilityQuery { at: &case.at, cone: &case.cone, tolerance };
         let unshadowed = cap_integral(&case.at, &case.lobe, &case.cone);
-        if unshadowed < 1e-4 {
-            // The horizon leaves less than a ten-thousandth of the lobe: no picture shows a share of that.
+        let on_axis = -((case.lobe.exponent + 1.0) * (-case.cone.one_minus_cos).ln_1p()).exp_m1();
+        if unshadowed < 1e-4 * on_axis {
+            // Less than a ten-thousandth of what the lobe would see of the light: no picture shows a share of that.
             continue;
         }
         let share = match strategy.coverage(&query, &mut scratch) {
