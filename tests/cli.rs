@@ -275,6 +275,22 @@ fn render_agrees_with_reference() {
     assert_eq!(error["dark_nonzero"], 0, "{error}");
 }
 
+/// Swapping the strategy by one word: shadow rays see the balls that the spheres strategy splats.
+#[test]
+fn rays_see_what_spheres_stand_for() {
+    let folder = folder();
+    let folder = folder.path();
+    succeed(
+        folder,
+        &["render", "scene.toml", "-o", "a.exr", "-o", "a.png", "--visibility", "rays", "--stats", "a.json"],
+    );
+    succeed(folder, &["reference", "scene.toml", "-o", "mesh.exr", "--geometry", "mesh", "--spp", "1024", "-q"]);
+    let error = json(folder, &["compare", "a.exr", "mesh.exr", "--unshadowed", "mesh.exr", "--json"]);
+    assert!(error["penumbra"]["mean"].as_f64().unwrap() < 0.005, "{error}");
+    let stats: Value = serde_json::from_str(&fs::read_to_string(folder.join("a.json")).unwrap()).unwrap();
+    assert_eq!((&stats["visibility"], &stats["spheres"]), (&"rays".into(), &0.into()));
+}
+
 #[test]
 fn references_go_on_where_they_stopped() {
     let folder = folder();

@@ -261,6 +261,8 @@ pub(crate) struct SpheresArgs {
 pub(crate) enum Visibility {
     /// The spheres that stand for the objects
     Spheres,
+    /// Shadow rays on the true triangles and balls: exact, and slower
+    Rays,
     /// Nothing: no shadows
     None,
 }

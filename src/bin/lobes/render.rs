@@ -6,7 +6,7 @@ use crate::input;
 use cosine_lobes::lighting::{Blockers, MaskVisibility, PaperVisibility, depth_for};
 use cosine_lobes::lobe_core::paper::{ProductTable, Resolution, Tables};
 use cosine_lobes::lobe_core::{self, Unshadowed, VisibilityLobes};
-use cosine_lobes::render_cpu::{CpuShader, GBuffer, TILE, World};
+use cosine_lobes::render_cpu::{CpuShader, GBuffer, RayBlockers, TILE, World};
 use cosine_lobes::scene::{BlockerSet, Frame, Scene, Shade, ShadeStats};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{ExrLayer, ImageFileError, Output, Picture};
@@ -61,7 +61,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let quiet = args.view.quiet;
     let blockers = match args.visibility {
         Visibility::Spheres => seconds(&mut clocks.spheres, || input::make_blockers(&mut scene, quiet))?,
-        Visibility::None => BlockerSet::default(),
+        Visibility::Rays | Visibility::None => BlockerSet::default(),
     };
     let world = seconds(&mut clocks.hierarchy, || World::new(&scene));
     let depth = args.depth.unwrap_or_else(|| depth_for(args.tolerance));
@@ -81,6 +81,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             let spheres = SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances);
             masked(args, &world, &frame, spheres, tables.as_ref(), &mut clocks)?
         }
+        Visibility::Rays => masked(args, &world, &frame, RayBlockers::new(&world), tables.as_ref(), &mut clocks)?,
         Visibility::None => {
             let method = tables.as_ref().map_or(lobe_core::Method::Moments, lobe_core::Method::Paper);
             picture(args, &world, &frame, CpuShader::with_method(Unshadowed, method), &mut clocks)?
