@@ -306,7 +306,7 @@ impl Mask {
     /// True when nothing that emits is blocked.
     #[must_use]
     pub fn is_lit(&self) -> bool {
-        (0..self.side()).all(|j| (self.blocked[j] | self.partial[j]) & self.emitting_cells(j) == 0)
+        (0..self.side()).all(|j| self.touched_cells(j) & self.emitting_cells(j) == 0)
     }
 
     /// True when every emitting cell is blocked.
@@ -322,7 +322,7 @@ fn fraction(x: f32) -> u8 {
 }
 
 /// The lowest `n` bits, n ≤ 64.
-fn ones(n: u32) -> u64 {
+pub(crate) fn ones(n: u32) -> u64 {
     if n >= 64 { u64::MAX } else { (1 << n) - 1 }
 }
 

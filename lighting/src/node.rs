@@ -1,6 +1,6 @@
 //! Moments of quad-tree nodes, from bits.
 
-use crate::mask::Bits;
+use crate::mask::{Bits, ones};
 use crate::{MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::exponent_of_spread;
@@ -113,7 +113,7 @@ struct Sums {
 
 impl Sums {
     fn new(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> Self {
-        let select = if size == 8 { 0xff } else { (1u64 << size) - 1 };
+        let select = ones(size as u32);
         // Whole cells by integer sums, cells that are cut by their own parts.
         let (mut n, mut sx, mut sy, mut ss) = (0u32, 0u32, 0u32, 0u32);
         let mut cut = Self::default();
@@ -217,7 +217,7 @@ impl Pyramid {
         self.build(mask, |x0, y0, size, index| {
             let (touched, lit) = (y0..y0 + size)
                 .fold((0, 0), |(touched, lit), j| (touched | mask.touched_cells(j), lit | mask.lit_cells(j)));
-            let select = if size == 8 { 0xff } else { (1u64 << size) - 1 };
+            let select = ones(size as u32);
             if touched >> x0 & select == 0 {
                 finest[index]
             } else if lit >> x0 & select == 0 {

@@ -132,12 +132,7 @@ impl Integrator<'_> {
                 }
                 continue;
             }
-            let seen = *coverage.get_or_insert_with(|| {
-                let seen = visibility.coverage(&query, scratch);
-                probe.coverage(seen);
-                probe.end(Stage::Mask);
-                seen
-            });
+            let seen = *coverage.get_or_insert_with(|| look(visibility, &query, scratch, probe));
             let fraction = match seen {
                 Coverage::Lit => 1.0,
                 Coverage::Dark => 0.0,
@@ -189,12 +184,7 @@ impl Integrator<'_> {
                 probe.prune();
                 continue;
             }
-            let seen = *coverage.get_or_insert_with(|| {
-                let seen = visibility.coverage(&query, scratch);
-                probe.coverage(seen);
-                probe.end(Stage::Mask);
-                seen
-            });
+            let seen = *coverage.get_or_insert_with(|| look(visibility, &query, scratch, probe));
             if seen != Coverage::Partial {
                 lit.radiance += if seen == Coverage::Lit { unshadowed } else { Vec3::ZERO };
                 continue;
@@ -217,6 +207,19 @@ impl Integrator<'_> {
         }
         Ok(lit)
     }
+}
+
+/// Asks the strategy how much of the light is seen, and tells the probe.
+fn look<V: VisibilityLobes + ?Sized>(
+    visibility: &V,
+    query: &VisibilityQuery<'_>,
+    scratch: &mut V::Scratch,
+    probe: &mut impl Probe,
+) -> Coverage {
+    let seen = visibility.coverage(query, scratch);
+    probe.coverage(seen);
+    probe.end(Stage::Mask);
+    seen
 }
 
 /// The share of an unshadowed integral that a visibility sum lets through, for one reflectance lobe.

@@ -93,8 +93,7 @@ impl Blockers for SphereBlockers {
             } else {
                 0.0
             };
-            let Some(blocked) = BlockedCone::new(to, sphere.radius, tau) else { continue };
-            let mut blocked = blocked;
+            let Some(mut blocked) = BlockedCone::new(to, sphere.radius, tau) else { continue };
             if cone.distance.is_finite() {
                 let apart = (to - cone.axis * cone.distance).length();
                 if apart >= sphere.radius + light_radius {
