@@ -264,8 +264,14 @@ mod tests {
         let quads = (0..n).flat_map(|y| (0..n).map(move |x| y * (n + 1) + x));
         let triangles = quads.flat_map(|i| [[i, i + 1, i + n + 2], [i, i + n + 2, i + n + 1]]).collect();
         let mesh = Mesh { positions, normals: Vec::new(), triangles };
-        let grid =
-            Object { name: "grid".into(), shape: Shape::Mesh(mesh), material: 0, proxy: Proxy::None, visible: true };
+        let grid = Object {
+            name: "grid".into(),
+            shape: Shape::Mesh(mesh),
+            material: 0,
+            proxy: Proxy::None,
+            visible: true,
+            strategy: None,
+        };
         // Exactly in front: pixel centres and corners fall on edges and diagonals.
         let camera = Camera { eye: Vec3::Z * 4.0, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.4 };
         let scene = Scene { camera, objects: vec![grid], materials: vec![material()], ..floor_and_ball() };

@@ -20,7 +20,14 @@ pub(crate) fn floor_and_ball() -> Scene {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
     };
     let ball = Sphere { center: Vec3::Y, radius: 0.5 };
-    let object = |name: &str, shape, proxy| Object { name: name.into(), shape, material: 0, proxy, visible: true };
+    let object = |name: &str, shape, proxy| Object {
+        name: name.into(),
+        shape,
+        material: 0,
+        proxy,
+        visible: true,
+        strategy: None,
+    };
     Scene {
         camera: Camera { eye: Vec3::new(0.0, 3.0, 8.0), target: Vec3::Y, up: Vec3::Y, vertical_fov: 0.6 },
         width: 50,

@@ -1,6 +1,6 @@
 //! Scenes: meshes, materials, lights, camera and their loading.
 //!
-//! - [`Scene`] and what it is made of: [`Camera`], [`Object`] ([`Shape`], [`Proxy`]), [`Mesh`], materials of `brdf`,
+//! - [`Scene`] and what it is made of: [`Camera`], [`Object`] ([`Shape`], [`Proxy`], [`Strategy`]), [`Mesh`], materials of `brdf`,
 //!   lights of `lighting`. [`Scene::validate`] checks all that renderers rely on.
 //! - [`load`]: scene files in TOML (every key, commented: [`SCHEMA_EXAMPLE`]), and `.obj`, `.ply`, `.gltf`, `.glb` meshes,
 //!   to which a floor, a light and a camera are added. [`builtin`]: the scene that needs no file.
@@ -61,6 +61,6 @@ pub use crate::camera::Camera;
 pub use crate::error::SceneError;
 pub use crate::load::{load, load_with_warnings};
 pub use crate::mesh::Mesh;
-pub use crate::scene::{Object, Proxy, Scene, Shape};
+pub use crate::scene::{Object, Proxy, Scene, Shape, Strategy};
 pub use crate::scene_file::SCHEMA_EXAMPLE;
 pub use crate::shade::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};

@@ -28,6 +28,41 @@ pub enum Proxy {
     Spheres(Vec<Sphere>),
 }
 
+/// How an object's shadow is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Strategy {
+    /// Its [`Proxy`]: spheres.
+    Spheres,
+    /// Its triangles, through depth maps around the lights.
+    ShadowMap,
+    /// Its triangles, by shadow rays: exact.
+    Rays,
+    /// Not at all: it casts no shadow.
+    None,
+}
+
+impl Strategy {
+    /// All of them, in the order that messages list them in.
+    pub const ALL: [Self; 4] = [Self::Spheres, Self::ShadowMap, Self::Rays, Self::None];
+
+    /// Its name in scene files and on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Spheres => "spheres",
+            Self::ShadowMap => "shadow-map",
+            Self::Rays => "rays",
+            Self::None => "none",
+        }
+    }
+
+    /// The strategy of that [`name`](Self::name).
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|s| s.name() == name)
+    }
+}
+
 /// One thing in the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
@@ -41,6 +76,8 @@ pub struct Object {
     pub proxy: Proxy,
     /// Whether the camera sees it.
     pub visible: bool,
+    /// How it blocks light; none where the renderer's own choice holds.
+    pub strategy: Option<Strategy>,
 }
 
 /// Everything that a picture is made of.
@@ -81,13 +118,13 @@ impl Object {
     #[must_use]
     pub fn spheres(name: impl Into<String>, balls: Vec<Sphere>, material: usize) -> Self {
         let proxy = Proxy::Spheres(balls.clone());
-        Self { name: name.into(), shape: Shape::Spheres(balls), material, proxy, visible: true }
+        Self { name: name.into(), shape: Shape::Spheres(balls), material, proxy, visible: true, strategy: None }
     }
 
     /// A mesh.
     #[must_use]
     pub fn mesh(name: impl Into<String>, mesh: Mesh, material: usize, proxy: Proxy) -> Self {
-        Self { name: name.into(), shape: Shape::Mesh(mesh), material, proxy, visible: true }
+        Self { name: name.into(), shape: Shape::Mesh(mesh), material, proxy, visible: true, strategy: None }
     }
 }
 

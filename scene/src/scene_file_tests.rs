@@ -1,5 +1,5 @@
 use crate::load::Context;
-use crate::{Proxy, SCHEMA_EXAMPLE, Scene, SceneError, Shape, load, load_with_warnings, scene_file};
+use crate::{Proxy, SCHEMA_EXAMPLE, Scene, SceneError, Shape, Strategy, load, load_with_warnings, scene_file};
 use brdf::Material;
 use glam::Vec3;
 use std::path::Path;
@@ -63,6 +63,15 @@ fn defaults() {
 }
 
 #[test]
+fn each_object_names_its_strategy() {
+    for strategy in Strategy::ALL {
+        let scene = parse(&with(&format!("visibility = \"{}\"", strategy.name()))).unwrap();
+        assert_eq!(scene.objects[0].strategy, Some(strategy));
+    }
+    assert_eq!(parse(&with("")).unwrap().objects[0].strategy, None);
+}
+
+#[test]
 fn bad_input_is_refused_in_one_line_with_its_place() {
     refused("a = ", 1, &[]);
     refused("a = 1\na = 2\n", 2, &["duplicate key"]);
@@ -86,6 +95,8 @@ fn bad_input_is_refused_in_one_line_with_its_place() {
     refused(&with("[camera]\neye = [1, 2, 3]"), 3, &["\"target\" is missing"]);
     refused(&with("material = \"brass\""), 3, &["[materials.brass]"]);
     refused(&with("visible = 1"), 3, &["true or false"]);
+    refused(&with("visibility = \"lasers\""), 3, &["lasers", "\"shadow-map\""]);
+    refused(&with("visibility = true"), 3, &["a string"]);
     refused(&with("scale = 0"), 3, &["must not be 0"]);
     refused(&with("scale = [1, 2, 1]"), 3, &["uniformly"]);
     refused(&with("rotate = { axis = [0, 0, 0], degrees = 3 }"), 3, &["length zero"]);

@@ -3,7 +3,7 @@
 use crate::load::{self, Context, Part, share_out};
 use crate::scene_file::{DEFAULT_SPHERES, Materials};
 use crate::toml_reader::{Table, Value};
-use crate::{Mesh, Object, Proxy, SceneError, Shape};
+use crate::{Mesh, Object, Proxy, SceneError, Shape, Strategy};
 use glam::{Mat4, Quat, Vec3};
 use lobe_core::Sphere;
 use std::collections::HashMap;
@@ -41,6 +41,7 @@ pub(crate) fn read_object(
         }
     };
     let visible = t.get("visible").map_or(Ok(true), |v| v.boolean())?;
+    let strategy = t.get("visibility").map(read_strategy).transpose()?;
     let (matrix, place) = transform(&mut t)?;
     let proxy = t.get("proxy").map(|v| read_proxy(v, path)).transpose()?;
     t.finish()?;
@@ -71,7 +72,7 @@ pub(crate) fn read_object(
                 other => other.unwrap_or_else(|| Proxy::Spheres(balls.clone())),
             };
             let material = material.unwrap_or_else(|| materials.fallback());
-            Ok(vec![Object { name, shape: Shape::Spheres(balls), material, proxy, visible }])
+            Ok(vec![Object { name, shape: Shape::Spheres(balls), material, proxy, visible, strategy }])
         }
         Geometry::Flat(mut mesh) => {
             mesh.transform(&matrix);
@@ -79,7 +80,7 @@ pub(crate) fn read_object(
             mesh.validate().map_err(|e| value.error(e))?;
             let material = material.unwrap_or_else(|| materials.fallback());
             let proxy = proxy.unwrap_or(Proxy::None);
-            Ok(vec![Object { name, shape: Shape::Mesh(mesh), material, proxy, visible }])
+            Ok(vec![Object { name, shape: Shape::Mesh(mesh), material, proxy, visible, strategy }])
         }
         Geometry::Solid(parts) => {
             let mut placed = Vec::new();
@@ -124,7 +125,7 @@ pub(crate) fn read_object(
                     Some(other) => other.clone(),
                 };
                 let name = if single { name.clone() } else { format!("{name}/{}", part.name) };
-                out.push(Object { name, shape: Shape::Mesh(part.mesh), material, proxy, visible });
+                out.push(Object { name, shape: Shape::Mesh(part.mesh), material, proxy, visible, strategy });
             }
             Ok(out)
         }
@@ -205,6 +206,13 @@ fn transform<'s>(t: &mut Table<'s>) -> Result<(Mat4, Option<Value<'s>>), SceneEr
     };
     let m = translate.map_or(Ok(Vec3::ZERO), |v| v.vec3())?;
     Ok((Mat4::from_scale_rotation_translation(s, r, m), scale))
+}
+
+fn read_strategy(value: Value<'_>) -> Result<Strategy, SceneError> {
+    let name = value.string()?;
+    Strategy::named(name).ok_or_else(|| {
+        value.error(format!("unknown strategy \"{name}\": expected \"spheres\", \"shadow-map\", \"rays\" or \"none\""))
+    })
 }
 
 fn read_proxy(value: Value<'_>, path: &Path) -> Result<Proxy, SceneError> {

@@ -166,6 +166,7 @@ fn penumbra_of_a_small_light() {
             material: 0,
             proxy: Proxy::Spheres(vec![ball]),
             visible: false,
+            strategy: None,
         }];
         let receiver = Receiver { object: 7, ..at(Vec3::ZERO, Vec3::Y, Vec3::Y) };
         let g = points(vec![receiver]);
