@@ -11,6 +11,7 @@ mod cut;
 mod mask;
 mod mixture;
 mod node;
+mod optional;
 mod paper_visibility;
 mod paper_weights;
 mod shadow_tree;

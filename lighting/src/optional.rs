@@ -1,0 +1,47 @@
+use crate::{Blockers, Mask};
+use glam::Vec3;
+use lobe_core::{Coverage, Shaft, VisibilityQuery};
+
+/// Blockers that a scene may not have: `None` blocks nothing, at the cost of one branch a query.
+///
+/// One [`Mixture`](crate::Mixture) of optional kinds serves every scene, and is compiled once.
+///
+/// ```
+/// use lighting::{Blockers, MaskVisibility, Mixture};
+/// fn either<A: Blockers, B: Blockers>(a: Option<A>, b: Option<B>) -> MaskVisibility<Mixture<Option<A>, Option<B>>> {
+///     MaskVisibility::new(Mixture::new(a, b), 5)
+/// }
+/// ```
+impl<B: Blockers> Blockers for Option<B> {
+    type Scratch = Option<B::Scratch>;
+
+    fn scratch(&self) -> Self::Scratch {
+        self.as_ref().map(B::scratch)
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+        if let (Some(blockers), Some(scratch)) = (self, scratch) {
+            blockers.enter(shaft, scratch);
+        }
+    }
+
+    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+        match (self, scratch) {
+            (Some(blockers), Some(scratch)) => blockers.select(query, scratch),
+            _ => Coverage::Lit,
+        }
+    }
+
+    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
+        match (self, scratch) {
+            (Some(blockers), Some(scratch)) => blockers.across(query, scratch),
+            _ => Vec3::ZERO,
+        }
+    }
+
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
+        if let (Some(blockers), Some(scratch)) = (self, scratch) {
+            blockers.splat(query, scratch, mask);
+        }
+    }
+}
