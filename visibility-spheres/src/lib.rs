@@ -3,7 +3,10 @@
 mod blockers;
 mod set;
 
-pub use crate::set::{BuildError, BuildOptions, Progress, SetFileError, SetQuality, SphereSet, preview};
+pub use crate::set::{
+    BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, SetFileError, SetQuality,
+    SphereSet, preview,
+};
 mod splat;
 #[cfg(test)]
 mod tests;

@@ -35,6 +35,48 @@ pub enum BuildError {
     Cancelled,
 }
 
+/// Why a sphere set could not be bound to bones, or not be posed by them.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BindError {
+    /// Fewer of something than needed.
+    #[error("{found} {what}, but {needed} are needed")]
+    Missing {
+        /// What is missing.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        needed: usize,
+    },
+    /// A weight is negative or not finite.
+    #[error("vertex {vertex} has a joint weight that is negative or not finite")]
+    BadWeight {
+        /// Number of the vertex.
+        vertex: usize,
+    },
+    /// A vertex is carried by a joint that does not exist.
+    #[error("vertex {vertex} is carried by joint {joint}, but there are {joints} joints")]
+    NoSuchJoint {
+        /// Number of the vertex.
+        vertex: usize,
+        /// The joint it asks for.
+        joint: u16,
+        /// Joints there are.
+        joints: usize,
+    },
+    /// The mesh is none that a set could be built from.
+    #[error(transparent)]
+    Mesh(#[from] BuildError),
+}
+
+/// Why a sphere set does not belong to a mesh; the message is one line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("sphere set made for another mesh: {message}")]
+pub struct MisfitError {
+    pub(crate) message: String,
+}
+
 /// Why a sphere-set file was refused; the message is one line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("sphere set: {message}")]

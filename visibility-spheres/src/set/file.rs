@@ -2,6 +2,7 @@ use glam::Vec3;
 use lobe_core::Sphere;
 use serde::{Deserialize, Serialize};
 
+use super::bound_file::Bones;
 use super::error::SetFileError;
 use super::quality::SetQuality;
 use super::sphere_set::SphereSet;
@@ -9,15 +10,15 @@ use super::sphere_set::SphereSet;
 const FORMAT: &str = "cosine-lobes sphere set";
 const VERSION: u32 = 1;
 
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    format: String,
-    version: u32,
     mesh: Mesh,
     self_distance: f32,
-    spheres: Vec<[f32; 4]>,
+    spheres: Vec<[serde_json::Value; 4]>,
     quality: SetQuality,
+    #[serde(default)]
+    bones: Option<Bones>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -34,6 +35,11 @@ impl SphereSet {
     /// [`SphereSet::from_json`] gives the same set back, bit for bit.
     #[must_use]
     pub fn to_json(&self) -> String {
+        self.write(None)
+    }
+
+    pub(crate) fn write(&self, bones: Option<&Bones>) -> String {
+        let bones = bones.map_or_else(String::new, |bones| format!(",\n  \"bones\": {}", json(bones)));
         let rows: Vec<String> = self
             .spheres
             .iter()
@@ -44,7 +50,7 @@ impl SphereSet {
             .collect();
         format!(
             "{{\n  \"format\": {},\n  \"version\": {VERSION},\n  \"mesh\": {},\n  \"self_distance\": {},\n  \
-             \"quality\": {},\n  \"spheres\": [\n{}\n  ]\n}}\n",
+             \"quality\": {},\n  \"spheres\": [\n{}\n  ]{bones}\n}}\n",
             json(FORMAT),
             json(&Mesh { triangles: self.mesh_triangles, bounds: self.mesh_bounds.map(|p| p.to_array()) }),
             json(&self.self_distance),
@@ -53,16 +59,20 @@ impl SphereSet {
         )
     }
 
-    /// Reads what [`SphereSet::to_json`] writes.
+    /// Reads what [`SphereSet::to_json`] writes, and the spheres of what [`BoundSet::to_json`](crate::BoundSet::to_json)
+    /// writes.
     ///
     /// # Errors
     /// One line that names the fault, for anything else: text that is no JSON, missing or unknown keys, wrong types,
     /// another format or version, numbers outside single precision, negative radii or lengths, no spheres.
     pub fn from_json(text: &str) -> Result<Self, SetFileError> {
+        Self::read(text).map(|(set, _)| set)
+    }
+
+    pub(crate) fn read(text: &str) -> Result<(Self, Option<Bones>), SetFileError> {
         let refuse = |message: String| Err(SetFileError { message });
         // First the name of the format, so that other JSON is told what it is not, and not which key it lacks.
-        let value: serde_json::Value =
-            serde_json::from_str(text).map_err(|error| SetFileError { message: format!("not JSON: {error}") })?;
+        let mut value = parse(text).map_err(|error| SetFileError { message: format!("not JSON: {error}") })?;
         match value.get("format").map(|format| format.as_str()) {
             Some(Some(FORMAT)) => {}
             None => return refuse(format!("no \"format\" key; it should be \"{FORMAT}\"")),
@@ -73,13 +83,17 @@ impl SphereSet {
             Some(Some(version)) => return refuse(format!("version {version} is not known, only {VERSION}")),
             _ => return refuse(format!("\"version\" should be {VERSION}")),
         }
-        let file: File = serde_json::from_str(text).map_err(|error| SetFileError { message: error.to_string() })?;
+        if let Some(keys) = value.as_object_mut() {
+            keys.remove("format");
+            keys.remove("version");
+        }
+        let file: File = serde_json::from_value(value).map_err(|error| SetFileError { message: error.to_string() })?;
 
         let length = |what: &str, value: f32| {
             if value.is_finite() && value >= 0.0 {
                 Ok(())
             } else {
-                refuse(format!("{what} is {value}, but should be finite and not negative")).map(|_: Self| ())
+                Err(SetFileError { message: format!("{what} is {value}, but should be finite and not negative") })
             }
         };
         length("self_distance", file.self_distance)?;
@@ -97,7 +111,17 @@ impl SphereSet {
             return refuse("there are no spheres".to_owned());
         }
         let mut spheres = Vec::with_capacity(file.spheres.len());
-        for (i, [x, y, z, radius]) in file.spheres.into_iter().enumerate() {
+        for (i, row) in file.spheres.into_iter().enumerate() {
+            let mut numbers = [0.0_f32; 4];
+            for (number, value) in numbers.iter_mut().zip(&row) {
+                // What JSON calls null is what was no number when it was written.
+                match (value.as_f64(), value.is_null()) {
+                    (Some(value), _) => *number = value as f32,
+                    (None, true) => *number = f32::NAN,
+                    (None, false) => return refuse(format!("sphere {i} should be four numbers, not {value}")),
+                }
+            }
+            let [x, y, z, radius] = numbers;
             let center = Vec3::new(x, y, z);
             if !center.is_finite() {
                 return refuse(format!("the centre of sphere {i} is not finite"));
@@ -105,14 +129,26 @@ impl SphereSet {
             length(&format!("the radius of sphere {i}"), radius)?;
             spheres.push(Sphere { center, radius });
         }
-        Ok(Self {
+        let set = Self {
             spheres,
             self_distance: file.self_distance,
             mesh_triangles: file.mesh.triangles,
             mesh_bounds: bounds,
             quality,
-        })
+        };
+        Ok((set, file.bones))
     }
+}
+
+/// JSON, or what some programs write for it: bare `NaN` and `Infinity` are read as null.
+fn parse(text: &str) -> Result<serde_json::Value, serde_json::Error> {
+    serde_json::from_str(text).or_else(|error| {
+        if !text.contains("NaN") && !text.contains("Infinity") {
+            return Err(error);
+        }
+        let text = text.replace("-Infinity", "null").replace("Infinity", "null").replace("NaN", "null");
+        serde_json::from_str(&text).map_err(|_| error)
+    })
 }
 
 /// JSON of a value that has one: numbers, strings, arrays and structs of them.

@@ -1,6 +1,9 @@
 //! Sphere sets that stand for triangle meshes when shadows are cast: building, measuring, storing, drawing.
 
+mod bind;
 mod bits;
+mod bound_file;
+mod bound_set;
 mod build;
 mod cover;
 mod descent;
@@ -18,11 +21,15 @@ mod tree;
 mod view;
 
 #[cfg(test)]
+mod bind_tests;
+#[cfg(test)]
 mod shapes;
 #[cfg(test)]
 mod tests;
 
-pub use error::{BuildError, SetFileError};
+pub use bind::Carriers;
+pub use bound_set::BoundSet;
+pub use error::{BindError, BuildError, MisfitError, SetFileError};
 pub use options::{BuildOptions, Progress};
 pub use preview::preview;
 pub use quality::SetQuality;

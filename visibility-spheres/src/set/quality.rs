@@ -90,22 +90,13 @@ fn volumes(surface: &Surface, tree: &TriangleTree, solid: &Solid, spheres: &[Vec
 
 /// [`union_distance`] at points spread evenly over the mesh's surface, ascending.
 fn surface_distances(surface: &Surface, spheres: &[Vec4]) -> Vec<f32> {
-    let mut total = 0.0_f64;
-    let upto: Vec<f64> = surface
-        .normals()
-        .map(|normal| {
-            total += f64::from(normal.length());
-            total
-        })
-        .collect();
+    let spread = surface.spread();
     let mut distances: Vec<f32> = (0..SURFACE_POINTS)
         .into_par_iter()
         .map(|i| {
-            let at = quasi_random(i);
-            let t = upto.partition_point(|sum| *sum < f64::from(at.x) * total).min(upto.len() - 1);
+            let (t, [u, v, w]) = spread(quasi_random(i));
             let [a, b, c] = surface.triangles[t];
-            let s = at.y.sqrt();
-            union_distance(spheres, a * (1.0 - s) + b * (s * (1.0 - at.z)) + c * (s * at.z))
+            union_distance(spheres, a * u + b * v + c * w)
         })
         .collect();
     distances.sort_by(f32::total_cmp);

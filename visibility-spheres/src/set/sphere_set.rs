@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 use lobe_core::Sphere;
 
 use super::build::build;
-use super::error::BuildError;
+use super::error::{BuildError, MisfitError};
 use super::options::{BuildOptions, Progress};
 use super::quality::{SetQuality, self_distance};
 use super::solid::Solid;
@@ -113,4 +113,28 @@ impl SphereSet {
         let unit: Vec<Vec4> = spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
         Ok((f64::from(self_distance(&surface, &unit)) * surface.diagonal) as f32)
     }
+
+    /// Whether the set was made for these triangles, as placed: their number and bounding box (to 10⁻³ of its
+    /// diagonal) are the ones it stores.
+    ///
+    /// # Errors
+    /// [`MisfitError`] names the one that differs.
+    pub fn check_fits(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MisfitError> {
+        if triangles.len() != self.mesh_triangles {
+            let message = format!("it had {} triangles, this one has {}", self.mesh_triangles, triangles.len());
+            return Err(MisfitError { message });
+        }
+        let corners = triangles.iter().flatten().filter_map(|i| positions.get(*i as usize));
+        let bounds = corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[lo, hi], p| [lo.min(*p), hi.max(*p)]);
+        let slack = 1e-3 * self.mesh_bounds[0].distance(self.mesh_bounds[1]);
+        if bounds.iter().zip(self.mesh_bounds).all(|(own, stored)| own.distance(stored) <= slack) {
+            return Ok(());
+        }
+        let message = format!("its bounding box was {}, this one's is {}", span(self.mesh_bounds), span(bounds));
+        Err(MisfitError { message })
+    }
+}
+
+fn span([lo, hi]: [Vec3; 2]) -> String {
+    format!("({:.4}, {:.4}, {:.4}) to ({:.4}, {:.4}, {:.4})", lo.x, lo.y, lo.z, hi.x, hi.y, hi.z)
 }

@@ -11,6 +11,8 @@ use super::error::BuildError;
 /// are turned alike with every patch's volume positive, so that the winding of the input does not matter.
 pub(crate) struct Surface {
     pub(crate) triangles: Vec<[Vec3; 3]>,
+    /// Per triangle: the vertices that it came from, corner by corner.
+    pub(crate) sources: Vec<[u32; 3]>,
     pub(crate) center: DVec3,
     pub(crate) diagonal: f64,
     pub(crate) bounds: [Vec3; 2],
@@ -34,9 +36,10 @@ impl Surface {
         let to_unit = |p: Vec3| ((p.as_dvec3() - center) / diagonal).as_vec3();
 
         let (vertices, welded) = weld(positions.iter().map(|&p| to_unit(p)), &used);
-        let mut faces: Vec<[u32; 3]> = triangles
+        // The number of a welded vertex, and of the one that it came from.
+        let mut faces: Vec<[(u32, u32); 3]> = triangles
             .iter()
-            .map(|t| canonical(t.map(|i| welded[i as usize])))
+            .map(|t| canonical(t.map(|i| (welded[i as usize], i))))
             .filter(|f| has_area(&vertices, f))
             .collect();
         remove_repeats(&mut faces);
@@ -44,8 +47,9 @@ impl Surface {
             return Err(BuildError::NoArea);
         }
         turn_alike(&vertices, &mut faces);
-        let triangles = faces.iter().map(|f| f.map(|i| vertices[i as usize])).collect();
-        Ok(Self { triangles, center, diagonal, bounds: [lo, hi] })
+        let triangles = faces.iter().map(|f| f.map(|(i, _)| vertices[i as usize])).collect();
+        let sources = faces.iter().map(|f| f.map(|(_, i)| i)).collect();
+        Ok(Self { triangles, sources, center, diagonal, bounds: [lo, hi] })
     }
 
     /// The bounding box in unit space.
@@ -66,6 +70,23 @@ impl Surface {
         ((ball.center.as_dvec3() - self.center) / self.diagonal)
             .as_vec3()
             .extend((f64::from(ball.radius) / self.diagonal) as f32)
+    }
+
+    /// A map from the unit cube to the surface (triangle, barycentric coordinates) that keeps areas' ratios.
+    pub(crate) fn spread(&self) -> impl Fn(Vec3) -> (usize, [f32; 3]) + Sync + use<> {
+        let mut total = 0.0_f64;
+        let upto: Vec<f64> = self
+            .normals()
+            .map(|normal| {
+                total += f64::from(normal.length());
+                total
+            })
+            .collect();
+        move |at| {
+            let t = upto.partition_point(|sum| *sum < f64::from(at.x) * total).min(upto.len() - 1);
+            let s = at.y.sqrt();
+            (t, [1.0 - s, s * (1.0 - at.z), s * at.z])
+        }
     }
 
     /// Twice the vector area of each triangle.
@@ -115,35 +136,35 @@ fn weld(positions: impl Iterator<Item = Vec3>, used: &[bool]) -> (Vec<Vec3>, Vec
 }
 
 /// The same cyclic order, smallest number first.
-fn canonical([a, b, c]: [u32; 3]) -> [u32; 3] {
-    if a <= b && a <= c {
+fn canonical([a, b, c]: [(u32, u32); 3]) -> [(u32, u32); 3] {
+    if a.0 <= b.0 && a.0 <= c.0 {
         [a, b, c]
-    } else if b <= c {
+    } else if b.0 <= c.0 {
         [b, c, a]
     } else {
         [c, a, b]
     }
 }
 
-fn has_area(vertices: &[Vec3], face: &[u32; 3]) -> bool {
-    let [a, b, c] = face.map(|i| vertices[i as usize]);
+fn has_area(vertices: &[Vec3], face: &[(u32, u32); 3]) -> bool {
+    let [a, b, c] = face.map(|(i, _)| vertices[i as usize]);
     (b - a).cross(c - a).length_squared() > 0.0
 }
 
 /// Keeps the first of the triangles with the same three corners (double-sided sheets are stored twice).
-fn remove_repeats(faces: &mut Vec<[u32; 3]>) {
+fn remove_repeats(faces: &mut Vec<[(u32, u32); 3]>) {
     let mut seen = std::collections::HashSet::new();
-    faces.retain(|&[a, b, c]| seen.insert([a, b.min(c), b.max(c)]));
+    faces.retain(|&[(a, _), (b, _), (c, _)]| seen.insert([a, b.min(c), b.max(c)]));
 }
 
 /// Turns the triangles of each patch (joined by edges that exactly two triangles share) alike, and the patch so that it
 /// encloses a positive volume; a flat patch so that it faces away from the mesh's centre.
-fn turn_alike(vertices: &[Vec3], faces: &mut [[u32; 3]]) {
+fn turn_alike(vertices: &[Vec3], faces: &mut [[(u32, u32); 3]]) {
     // (edge, triangle, whether the triangle runs along the edge from the smaller number to the larger)
     let mut edges: Vec<((u32, u32), usize, bool)> = Vec::with_capacity(faces.len() * 3);
     for (t, face) in faces.iter().enumerate() {
         for k in 0..3 {
-            let (a, b) = (face[k], face[(k + 1) % 3]);
+            let (a, b) = (face[k].0, face[(k + 1) % 3].0);
             edges.push(((a.min(b), a.max(b)), t, a < b));
         }
     }
@@ -160,7 +181,7 @@ fn turn_alike(vertices: &[Vec3], faces: &mut [[u32; 3]]) {
             link(b, a, along_a == along_b);
         }
     }
-    let corners = |face: [u32; 3]| face.map(|i| vertices[i as usize].as_dvec3());
+    let corners = |face: [(u32, u32); 3]| face.map(|(i, _)| vertices[i as usize].as_dvec3());
     let mut mean = DVec3::ZERO;
     for face in faces.iter() {
         mean += corners(*face).iter().sum::<DVec3>();

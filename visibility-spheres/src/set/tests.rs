@@ -250,6 +250,18 @@ fn json_gives_the_same_set_back() {
 }
 
 #[test]
+fn a_set_for_another_mesh_is_told() {
+    let mesh = cube();
+    let set = build(&mesh, &BuildOptions::draft(2));
+    assert_eq!(set.check_fits(&mesh.0, &mesh.1), Ok(()));
+    let told = |mesh: &(Vec<Vec3>, Vec<[u32; 3]>)| set.check_fits(&mesh.0, &mesh.1).expect_err("a misfit").to_string();
+    assert_eq!(told(&ball(2)), "sphere set made for another mesh: it had 12 triangles, this one has 32");
+    assert!(told(&mapped(&mesh, |p| p * 1.01)).contains("bounding box was (-0.5000, -0.5000, -0.5000)"));
+    assert!(told(&mapped(&mesh, |p| p + Vec3::X)).contains("(1.5000, 0.5000, 0.5000)"));
+    assert!(told(&mapped(&mesh, |p| p * f32::NAN)).contains("bounding box"));
+}
+
+#[test]
 fn json_that_is_wrong_is_refused_in_one_line() {
     let good = build(&cube(), &few(2));
     let value: serde_json::Value = serde_json::from_str(&good.to_json()).expect("JSON");
@@ -272,8 +284,11 @@ fn json_that_is_wrong_is_refused_in_one_line() {
         (with("/version", json!(2)), "version 2"),
         (with("/version", json!("1")), "version"),
         (with("/spheres/0/3", json!(-0.5)), "radius of sphere 0"),
-        (with("/spheres/1/0", json!(null)), "null"),
-        (with("/spheres/1/0", json!("1")), "string"),
+        (with("/spheres/1/0", json!(null)), "centre of sphere 1"),
+        (with("/spheres/1/3", json!(null)), "radius of sphere 1"),
+        (with("/spheres/1/0", json!("here")).replace("\"here\"", "NaN"), "centre of sphere 1"),
+        (with("/spheres/1/0", json!("here")).replace("\"here\"", "-Infinity"), "centre of sphere 1"),
+        (with("/spheres/1/0", json!("1")), "sphere 1"),
         (with("/spheres/1/2", json!(1e39)), "centre of sphere 1"),
         (with("/spheres/0", json!([1.0, 2.0, 3.0])), "4"),
         (with("/spheres", json!([])), "no spheres"),
@@ -287,7 +302,7 @@ fn json_that_is_wrong_is_refused_in_one_line() {
         (without("spheres"), "spheres"),
         (without("self_distance"), "self_distance"),
         (without("quality"), "quality"),
-        (good.to_json().replace("\"self_distance\": ", "\"self_distance\": NaN, \"x\": "), "JSON"),
+        (good.to_json().replace("\"self_distance\": ", "\"self_distance\": NaN, \"x\": "), "null"),
         (good.to_json().replacen("\"mesh\"", "\"colour\": 1, \"mesh\"", 1), "colour"),
     ];
     for (text, word) in cases {

@@ -1,0 +1,94 @@
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::bound_set::{BoundSet, BoundSphere, CARRIERS, Morph};
+use super::error::SetFileError;
+use super::sphere_set::SphereSet;
+
+/// What a set file stores of a [`BoundSet`]; one row a sphere.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Bones {
+    joints: Vec<[u16; CARRIERS]>,
+    weights: Vec<[f32; CARRIERS]>,
+    /// `CARRIERS` points, one after the other.
+    points: Vec<[f32; 3 * CARRIERS]>,
+    radii: Vec<f32>,
+    #[serde(default)]
+    targets: Vec<Target>,
+}
+
+/// What a morph target adds.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Target {
+    points: Vec<[f32; 3 * CARRIERS]>,
+    radii: Vec<f32>,
+}
+
+impl BoundSet {
+    /// The set as JSON: what [`SphereSet::to_json`] writes and `"bones": {"joints", "weights", "points", "radii",
+    /// "targets"}`, of which each has a row a sphere, in bind space.
+    ///
+    /// [`BoundSet::from_json`] gives the same set back, bit for bit.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let targets = self.targets.iter().map(|target| Target {
+            points: target.iter().map(|morph| flat(morph.points)).collect(),
+            radii: target.iter().map(|morph| morph.radius).collect(),
+        });
+        self.rest.write(Some(&Bones {
+            joints: self.spheres.iter().map(|sphere| sphere.joints).collect(),
+            weights: self.spheres.iter().map(|sphere| sphere.weights).collect(),
+            points: self.spheres.iter().map(|sphere| flat(sphere.points)).collect(),
+            radii: self.spheres.iter().map(|sphere| sphere.radius).collect(),
+            targets: targets.collect(),
+        }))
+    }
+
+    /// Reads what [`BoundSet::to_json`] writes.
+    ///
+    /// # Errors
+    /// As [`SphereSet::from_json`]; also for a set without bones, or bones that are not those of its spheres.
+    pub fn from_json(text: &str) -> Result<Self, SetFileError> {
+        let refuse = |message: &str| Err(SetFileError { message: message.to_owned() });
+        let (rest, bones) = SphereSet::read(text)?;
+        let Some(bones) = bones else {
+            return refuse("it has no \"bones\": it was built from a mesh without joints");
+        };
+        let count = rest.spheres.len();
+        let target_rows = bones.targets.iter().flat_map(|target| [target.points.len(), target.radii.len()]);
+        let rows = [bones.joints.len(), bones.weights.len(), bones.points.len(), bones.radii.len()];
+        if rows.into_iter().chain(target_rows).any(|rows| rows != count) {
+            return refuse("its \"bones\" have not one row a sphere");
+        }
+        let numbers = bones.weights.as_flattened().iter().chain(bones.points.as_flattened()).chain(&bones.radii);
+        let added = bones.targets.iter().flat_map(|target| target.points.as_flattened().iter().chain(&target.radii));
+        if !numbers.chain(added).all(|number| number.is_finite()) {
+            return refuse("its \"bones\" have a number that is not finite");
+        }
+        if bones.weights.iter().any(|row| row.iter().any(|w| *w < 0.0) || (row.iter().sum::<f32>() - 1.0).abs() > 1e-3)
+        {
+            return refuse("the weights of its \"bones\" are not positive numbers of sum 1");
+        }
+        let spheres = (0..count).map(|i| BoundSphere {
+            joints: bones.joints[i],
+            weights: bones.weights[i],
+            points: points(bones.points[i]),
+            radius: bones.radii[i],
+        });
+        let targets = bones.targets.iter().map(|target| {
+            let rows = target.points.iter().zip(&target.radii);
+            rows.map(|(row, radius)| Morph { points: points(*row), radius: *radius }).collect()
+        });
+        Ok(Self { spheres: spheres.collect(), targets: targets.collect(), rest })
+    }
+}
+
+fn flat(points: [Vec3; CARRIERS]) -> [f32; 3 * CARRIERS] {
+    core::array::from_fn(|i| points[i / 3][i % 3])
+}
+
+fn points(flat: [f32; 3 * CARRIERS]) -> [Vec3; CARRIERS] {
+    core::array::from_fn(|k| Vec3::from_slice(&flat[3 * k..3 * k + 3]))
+}
