@@ -1,3 +1,7 @@
+use crate::block::{Blocks, LANES};
+use crate::cone_test::ConeTest;
+use crate::shaft_test::ShaftTest;
+use crate::sphere_tree::SphereTree;
 use crate::splat::BlockedCone;
 use glam::Vec3;
 use lighting::{Blockers, Mask};
@@ -23,42 +27,101 @@ pub struct SphereBlockers {
     spheres: Vec<Sphere>,
     objects: Vec<u32>,
     self_distances: Vec<f32>,
+    tree: SphereTree,
 }
 
 impl SphereBlockers {
     /// Blockers of several objects: `objects[i]` is the object of `spheres[i]`, `self_distances[object]` its τ (0 where
-    /// missing). Spheres of radius zero or less block nothing and are dropped.
+    /// missing). Spheres of radius zero or less, or with anything infinite or NaN, block nothing.
+    ///
+    /// Orders the spheres for a hierarchy: O(n log n).
     ///
     /// # Panics
     /// When `spheres` and `objects` differ in length.
     #[must_use]
     pub fn new(spheres: &[Sphere], objects: &[u32], self_distances: &[f32]) -> Self {
         assert_eq!(spheres.len(), objects.len(), "each sphere belongs to an object");
-        let solid = |s: &Sphere| s.radius > 0.0 && s.radius.is_finite() && s.center.is_finite();
-        let (spheres, objects) = spheres.iter().zip(objects).filter(|(s, _)| solid(s)).map(|(s, o)| (*s, *o)).unzip();
-        Self { spheres, objects, self_distances: self_distances.to_vec() }
+        Self {
+            spheres: spheres.to_vec(),
+            objects: objects.to_vec(),
+            self_distances: self_distances.to_vec(),
+            tree: SphereTree::new(spheres),
+        }
     }
 
-    /// The spheres that block.
+    /// Moves the spheres, and makes them larger or smaller, for another pose; their objects stay. What follows is as if
+    /// made by [`new`](Self::new), bit for bit.
+    ///
+    /// The hierarchy is refitted, O(n), or made anew where that pays: when its nodes have grown by half in area since
+    /// it was made, or other spheres block than before. `true` says that it was made anew. Working memory made
+    /// before keeps its meaning only after the next [`enter`](Blockers::enter).
+    ///
+    /// # Panics
+    /// When there are more or fewer spheres than before.
+    pub fn update(&mut self, spheres: &[Sphere]) -> bool {
+        self.spheres.copy_from_slice(spheres);
+        self.tree.update(spheres)
+    }
+
+    /// The spheres, as given.
     #[must_use]
     pub fn spheres(&self) -> &[Sphere] {
         &self.spheres
+    }
+
+    /// τ of an object.
+    fn self_distance(&self, object: u32) -> f32 {
+        self.self_distances.get(object as usize).copied().unwrap_or(0.0)
+    }
+
+    /// Brings the candidates in the order of their numbers, so that a mask does not depend on the hierarchy.
+    fn list(&self, scratch: &mut SphereScratch) {
+        scratch.candidates.sort_unstable();
+        scratch.blocks.clear();
+        scratch.candidates.iter().for_each(|i| scratch.blocks.push(&self.spheres[*i as usize]));
     }
 }
 
 /// Working memory of [`SphereBlockers`].
 #[derive(Clone, Debug, Default)]
 pub struct SphereScratch {
-    /// Spheres in the current shaft.
+    /// Spheres in the current shaft, ascending, and the same again to be tested eight at once.
     candidates: Vec<u32>,
+    blocks: Blocks,
+    /// One sphere hides the whole light from the whole shaft.
+    dark: bool,
+    stack: Vec<(u32, u32)>,
     /// What meets the current receiver's light cone.
     hits: Vec<BlockedCone>,
 }
 
 #[cfg(test)]
 impl SphereScratch {
-    pub(crate) fn candidates(&self) -> usize {
-        self.candidates.len()
+    pub(crate) fn candidates(&self) -> &[u32] {
+        &self.candidates
+    }
+
+    pub(crate) fn is_dark(&self) -> bool {
+        self.dark
+    }
+
+    pub(crate) fn hits(&self) -> &[BlockedCone] {
+        &self.hits
+    }
+}
+
+#[cfg(test)]
+impl SphereBlockers {
+    /// `select` without any culling: the same exact question to every sphere.
+    pub(crate) fn select_flat(&self, query: &VisibilityQuery<'_>) -> (Coverage, Vec<BlockedCone>) {
+        let light = LightBall::new(query);
+        let solid = (0..self.spheres.len()).filter(|i| self.tree.order().contains(&(*i as u32)));
+        let seen: Vec<_> = solid.filter_map(|i| self.look(i, query, &light)).collect();
+        if seen.iter().any(|s| s.1 == Coverage::Dark) {
+            return (Coverage::Dark, Vec::new());
+        }
+        let coverage = if seen.is_empty() { Coverage::Lit } else { Coverage::Partial };
+        (coverage, seen.into_iter().map(|s| s.0).collect())
     }
 }
 
@@ -66,48 +129,39 @@ impl Blockers for SphereBlockers {
     type Scratch = SphereScratch;
 
     fn scratch(&self) -> SphereScratch {
-        SphereScratch { candidates: (0..self.spheres.len() as u32).collect(), hits: Vec::new() }
+        let mut scratch = SphereScratch { candidates: self.tree.order().to_vec(), ..SphereScratch::default() };
+        self.list(&mut scratch);
+        scratch
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut SphereScratch) {
+        let test = ShaftTest::new(shaft);
         scratch.candidates.clear();
-        scratch
-            .candidates
-            .extend(self.spheres.iter().enumerate().filter(|(_, sphere)| meets(shaft, sphere)).map(|(i, _)| i as u32));
+        self.tree.find(&test, &mut scratch.stack, &mut scratch.candidates);
+        self.list(scratch);
+        scratch.dark = scratch.candidates.iter().any(|i| {
+            let i = *i as usize;
+            test.darkens(&self.spheres[i], self.self_distance(self.objects[i]))
+        });
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch) -> Coverage {
         scratch.hits.clear();
-        let cone = query.cone;
-        let sin_sq = cone.sin_sq();
-        let (sin, cos) = (sin_sq.sqrt(), cone.cos());
-        // Power of the receiver with respect to the light.
-        let light_power = cone.distance * cone.distance * (cos * cos);
-        let light_radius = cone.distance * sin;
-        for &index in &scratch.candidates {
-            let sphere = &self.spheres[index as usize];
-            let object = self.objects[index as usize];
-            let to = sphere.center - query.at.position;
-            let tau = if object == query.at.object {
-                self.self_distances.get(object as usize).copied().unwrap_or(0.0)
-            } else {
-                0.0
-            };
-            let Some(mut blocked) = BlockedCone::new(to, sphere.radius, tau) else { continue };
-            if cone.distance.is_finite() {
-                let apart = (to - cone.axis * cone.distance).length();
-                if apart >= sphere.radius + light_radius {
-                    if to.length_squared() - sphere.radius * sphere.radius >= light_power {
-                        continue;
-                    }
-                } else {
-                    blocked.meets_light = Some((cone.axis * cone.distance, light_radius));
+        if scratch.dark {
+            return Coverage::Dark;
+        }
+        let light = LightBall::new(query);
+        let test = ConeTest::new(query);
+        for (number, block) in scratch.blocks.blocks().iter().enumerate() {
+            let mut maybe = test.meets(block) & ((1 << scratch.blocks.lanes(number)) - 1);
+            while maybe != 0 {
+                let index = scratch.candidates[number * LANES + maybe.trailing_zeros() as usize] as usize;
+                maybe &= maybe - 1;
+                match self.look(index, query, &light) {
+                    Some((_, Coverage::Dark)) => return Coverage::Dark,
+                    Some((blocked, Coverage::Partial)) => scratch.hits.push(blocked),
+                    _ => {}
                 }
-            }
-            match blocked.cover(cone.axis, sin, cos) {
-                Coverage::Lit => {}
-                Coverage::Dark => return Coverage::Dark,
-                Coverage::Partial => scratch.hits.push(blocked),
             }
         }
         if scratch.hits.is_empty() { Coverage::Lit } else { Coverage::Partial }
@@ -129,33 +183,41 @@ impl Blockers for SphereBlockers {
     }
 }
 
-/// Whether a sphere meets the convex hull of the shaft's two balls; conservative.
-fn meets(shaft: &Shaft, sphere: &Sphere) -> bool {
-    let (from, to) = (shaft.receivers, shaft.light);
-    let axis = to.center - from.center;
-    let length_sq = axis.length_squared();
-    if length_sq <= 0.0 || !length_sq.is_finite() {
-        return true;
+/// The light of a query as a ball.
+struct LightBall {
+    sin: f32,
+    cos: f32,
+    radius: f32,
+    /// Power of the receiver with respect to it.
+    power: f32,
+}
+
+impl LightBall {
+    fn new(query: &VisibilityQuery<'_>) -> Self {
+        let cone = query.cone;
+        let (sin, cos) = (cone.sin_sq().sqrt(), cone.cos());
+        Self { sin, cos, radius: cone.distance * sin, power: cone.distance * cone.distance * (cos * cos) }
     }
-    let length = length_sq.sqrt();
-    let w: Vec3 = sphere.center - from.center;
-    let t = w.dot(axis) / length_sq;
-    let reach = sphere.radius / length;
-    if t + reach < -from.radius / length || t - reach > 1.0 + to.radius / length {
-        return false;
+}
+
+impl SphereBlockers {
+    /// What one sphere hides of a light; `None` when nothing.
+    fn look(&self, index: usize, query: &VisibilityQuery<'_>, light: &LightBall) -> Option<(BlockedCone, Coverage)> {
+        let (sphere, object, cone) = (self.spheres[index], self.objects[index], query.cone);
+        let to = sphere.center - query.at.position;
+        let tau = if object == query.at.object { self.self_distance(object) } else { 0.0 };
+        let mut blocked = BlockedCone::new(to, sphere.radius, tau)?;
+        if cone.distance.is_finite() {
+            let apart = (to - cone.axis * cone.distance).length();
+            if apart >= sphere.radius + light.radius {
+                if to.length_squared() - sphere.radius * sphere.radius >= light.power {
+                    return None;
+                }
+            } else {
+                blocked.meets_light = Some((cone.axis * cone.distance, light.radius));
+            }
+        }
+        let coverage = blocked.cover(cone.axis, light.sin, light.cos);
+        (coverage != Coverage::Lit).then_some((blocked, coverage))
     }
-    let grow = to.radius - from.radius;
-    let slope = grow / length;
-    if slope.abs() >= 1.0 {
-        return true;
-    }
-    let secant = 1.0 / (1.0 - slope * slope).sqrt();
-    let distance = (w - axis * t).length();
-    // A ball beyond either end is measured against the widest part.
-    let width = (from.radius + grow * t).max(0.0).max(if t < 0.0 { from.radius } else { 0.0 }).max(if t > 1.0 {
-        to.radius
-    } else {
-        0.0
-    });
-    distance * 0.999_9 <= width * secant + sphere.radius * secant
 }

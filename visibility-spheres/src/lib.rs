@@ -1,14 +1,17 @@
 //! Visibility from sphere sets: building, culling and splatting.
 
+mod block;
 mod blockers;
+mod cone_test;
 mod set;
-
-pub use crate::set::{
-    BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, SetFileError, SetQuality,
-    SphereSet, preview,
-};
+mod shaft_test;
+mod sphere_tree;
 mod splat;
-#[cfg(test)]
-mod tests;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
+pub use crate::set::{BuildError, BuildOptions, Progress, SetFileError, SetQuality, SphereSet, preview};
+
+#[cfg(test)]
+mod culling_tests;
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,7 @@ use lobe_core::Coverage;
 const FLAT: f32 = 4.0;
 
 /// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BlockedCone {
     /// From the receiver to the sphere's centre.
     pub(crate) to: Vec3,

@@ -1,0 +1,226 @@
+//! The hierarchy and the cheap tests against a loop over everything.
+
+use crate::SphereBlockers;
+use glam::{DVec3, Vec3};
+use lighting::Blockers;
+use lobe_core::oracle::Random;
+use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityQuery};
+
+/// Spheres in clusters and strays, with all sizes, some repeated.
+fn cloud(random: &mut Random, count: usize, scale: f64) -> Vec<Sphere> {
+    let mut spheres: Vec<Sphere> = Vec::new();
+    let mut home = DVec3::ZERO;
+    for i in 0..count {
+        if i % 50 == 0 {
+            home = random.axis() * random.between(0.0, 6.0) * scale;
+        }
+        let center = match i % 7 {
+            0 => random.axis() * random.between(0.0, 12.0) * scale,
+            _ => home + random.axis() * random.uniform().cbrt() * scale,
+        };
+        let sphere = Sphere { center: center.as_vec3(), radius: (scale * random.log_uniform(0.01, 0.5)) as f32 };
+        spheres.push(if i % 31 == 30 { spheres[i - 1] } else { sphere });
+    }
+    spheres
+}
+
+fn shaft(random: &mut Random, case: usize, scale: f64) -> Shaft {
+    let mut ball = Sphere {
+        center: (random.axis() * random.between(0.0, 5.0) * scale).as_vec3(),
+        radius: (scale * random.log_uniform(1e-3, 1.0)) as f32,
+    };
+    let mut light = Sphere {
+        center: (random.axis() * random.between(4.0, 9.0) * scale).as_vec3(),
+        radius: (scale * random.log_uniform(1e-3, 3.0)) as f32,
+    };
+    match case % 9 {
+        0 => light.radius = 0.0,
+        1 => ball.radius = 0.0,
+        2 => light.radius = (20.0 * scale) as f32,
+        3 => light.center = ball.center + (light.center - ball.center) * 1e5,
+        4 => ball.radius = (light.center - ball.center).length() - light.radius.min(1e-3 * scale as f32),
+        _ => {}
+    }
+    Shaft { receivers: Sphere { radius: ball.radius.max(0.0), ..ball }, light }
+}
+
+/// Distance from a point to the convex hull of two balls: the nearest ball of all between them, by golden section (the
+/// distance to a ball that moves and grows along a line is convex).
+fn hull_distance(shaft: &Shaft, p: DVec3) -> f64 {
+    let (a, b) = (shaft.receivers, shaft.light);
+    let (from, to) = (a.center.as_dvec3(), b.center.as_dvec3());
+    let at = |t: f64| p.distance(from.lerp(to, t)) - (f64::from(a.radius) * (1.0 - t) + f64::from(b.radius) * t);
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..200 {
+        let third = (high - low) / 3.0;
+        if at(low + third) < at(high - third) { high -= third } else { low += third }
+    }
+    at(low).min(at(0.0)).min(at(1.0))
+}
+
+#[test]
+fn candidates_are_what_meets_the_shaft() {
+    let mut random = Random::new(11);
+    let (mut met, mut extra, mut all) = (0, 0, 0);
+    for case in 0..200 {
+        let scale = [1.0, 1e-4, 1e6][case % 3];
+        let spheres = cloud(&mut random, [1, 7, 8, 9, 64, 65, 300, 1000][case % 8], scale);
+        let blockers = SphereBlockers::new(&spheres, &vec![0; spheres.len()], &[]);
+        let shaft = shaft(&mut random, case, scale);
+        let mut scratch = blockers.scratch();
+        blockers.enter(&shaft, &mut scratch);
+        assert!(scratch.candidates().is_sorted_by(|a, b| a < b));
+        for (i, sphere) in spheres.iter().enumerate() {
+            let gap = hull_distance(&shaft, sphere.center.as_dvec3()) - f64::from(sphere.radius);
+            let found = scratch.candidates().binary_search(&(i as u32)).is_ok();
+            all += 1;
+            met += usize::from(gap <= 0.0);
+            extra += usize::from(found && gap > 0.0);
+            assert!(found || gap > 0.0, "case {case}: sphere {i} meets the shaft by {gap:e}");
+            // What is kept for its rounding alone is next to the shaft.
+            let distance = f64::from(sphere.center.distance(shaft.receivers.center));
+            let slack = 1e-4 * (distance + f64::from(sphere.radius + shaft.receivers.radius + shaft.light.radius));
+            assert!(!found || gap < slack, "case {case}: sphere {i} is {gap:e} away, {distance}");
+        }
+    }
+    println!("{met} of {all} meet the shaft, {extra} more are kept");
+    assert!(met > 1000 && met * 4 < all);
+}
+
+#[test]
+fn selection_is_that_of_the_flat_loop() {
+    let mut random = Random::new(12);
+    let (mut counts, mut dark) = ([0; 3], 0);
+    for case in 0..900 {
+        let scale = [1.0, 1e-4, 1e6][case % 3];
+        let count = 1 + (random.bits() % 400) as usize;
+        let spheres = cloud(&mut random, count, scale);
+        let objects: Vec<u32> = (0..spheres.len() as u32).map(|i| i / 50 % 3).collect();
+        let mut blockers = SphereBlockers::new(&spheres, &objects, &[(0.1 * scale) as f32, (2.0 * scale) as f32]);
+        if case % 2 == 1 {
+            // The same spheres by another hierarchy: fitted to other places.
+            let turned: Vec<Sphere> = spheres
+                .iter()
+                .map(|s| Sphere { center: Vec3::new(s.center.z, s.center.x, s.center.y), ..*s })
+                .collect();
+            blockers = SphereBlockers::new(&turned, &objects, &[(0.1 * scale) as f32, (2.0 * scale) as f32]);
+            blockers.update(&spheres);
+        }
+        let mut shaft = shaft(&mut random, case, scale);
+        if case % 4 == 3 {
+            // Small shafts, wholly hidden ones among them.
+            shaft.receivers.radius *= 0.01;
+            shaft.light.radius *= 0.01;
+        }
+        let (mut culled, mut whole) = (blockers.scratch(), blockers.scratch());
+        blockers.enter(&shaft, &mut culled);
+        dark += usize::from(culled.is_dark());
+        for _ in 0..8 {
+            let ball = shaft.receivers;
+            let offset = random.axis() * f64::from(ball.radius) * random.uniform().cbrt() * 0.9999;
+            let at = Receiver {
+                position: ball.center + offset.as_vec3(),
+                normal: random.axis().as_vec3().normalize(),
+                view: Vec3::Z,
+                object: (case % 4) as u32,
+            };
+            let cone = Cone::of_sphere(at.position, shaft.light);
+            if cone.one_minus_cos > 1.0 {
+                continue;
+            }
+            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let (want, hits) = blockers.select_flat(&query);
+            counts[want as usize] += 1;
+            for scratch in [&mut culled, &mut whole] {
+                assert_eq!(blockers.select(&query, scratch), want, "case {case}");
+                assert!(want == Coverage::Dark || scratch.hits() == hits, "case {case}");
+            }
+        }
+    }
+    println!("lit, dark, partial: {counts:?}; {dark} shafts wholly dark");
+    assert!(counts.iter().all(|n| *n > 200) && dark > 20);
+}
+
+#[test]
+fn light_of_more_than_a_hemisphere_keeps_everything() {
+    let ball = Sphere { center: Vec3::new(0.0, 0.0, -1.0), radius: 0.5 };
+    let blockers = SphereBlockers::new(&[ball], &[0], &[]);
+    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: 1 };
+    for one_minus_cos in [1.0, 1.5, 2.0] {
+        let cone = Cone { axis: Vec3::Z, one_minus_cos, distance: f32::INFINITY };
+        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let mut scratch = blockers.scratch();
+        let (want, hits) = blockers.select_flat(&query);
+        assert_eq!(blockers.select(&query, &mut scratch), want);
+        assert_eq!(scratch.hits(), hits);
+    }
+}
+
+#[test]
+fn updates_follow_the_spheres_and_renew_what_is_worn() {
+    let mut random = Random::new(13);
+    let spheres = cloud(&mut random, 500, 1.0);
+    let objects = vec![0; spheres.len()];
+    let mut blockers = SphereBlockers::new(&spheres, &objects, &[]);
+    let shifted: Vec<Sphere> =
+        spheres.iter().map(|s| Sphere { center: s.center + Vec3::new(3.0, 0.5, 0.0), ..*s }).collect();
+    assert!(!blockers.update(&shifted), "moved as a whole");
+    // All mixed: every node spans everything.
+    let mixed: Vec<Sphere> = (0..500).map(|i| spheres[i * 237 % 500]).collect();
+    assert!(blockers.update(&mixed), "mixed");
+    assert!(!blockers.update(&mixed));
+    // Spheres that come and go.
+    let mut gone = mixed.clone();
+    gone[17].radius = 0.0;
+    assert!(blockers.update(&gone));
+    assert!(blockers.update(&mixed));
+    let shaft = shaft(&mut random, 5, 1.0);
+    let mut got = blockers.scratch();
+    blockers.enter(&shaft, &mut got);
+    let new = SphereBlockers::new(&mixed, &objects, &[]);
+    let mut want = new.scratch();
+    new.enter(&shaft, &mut want);
+    assert_eq!(got.candidates(), want.candidates());
+    assert_eq!(blockers.spheres(), mixed);
+}
+
+#[test]
+fn what_is_not_a_sphere_blocks_nothing() {
+    let good = Sphere { center: Vec3::Z * 5.0, radius: 0.1 };
+    let bad = [
+        Sphere { radius: f32::NAN, ..good },
+        Sphere { radius: f32::INFINITY, ..good },
+        Sphere { radius: 0.0, ..good },
+        Sphere { radius: -1.0, ..good },
+        Sphere { center: Vec3::new(f32::NAN, 0.0, 5.0), ..good },
+        Sphere { center: Vec3::new(0.0, f32::NEG_INFINITY, 5.0), ..good },
+    ];
+    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: 1 };
+    let light = Sphere { center: Vec3::Z * 10.0, radius: 1.0 };
+    let cone = Cone::of_sphere(at.position, light);
+    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+    let check = |blockers: &SphereBlockers, want: &[u32]| {
+        let mut scratch = blockers.scratch();
+        assert_eq!(scratch.candidates(), want);
+        let lit = if want.is_empty() { Coverage::Lit } else { Coverage::Partial };
+        assert_eq!(blockers.select(&query, &mut scratch), lit);
+        blockers.enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light }, &mut scratch);
+        assert_eq!(scratch.candidates(), want);
+        assert_eq!(blockers.select(&query, &mut scratch), lit);
+    };
+    check(&SphereBlockers::new(&[], &[], &[]), &[]);
+    check(&SphereBlockers::new(&bad, &[0; 6], &[]), &[]);
+    let mut mixed = bad.to_vec();
+    mixed.insert(3, good);
+    check(&SphereBlockers::new(&mixed, &[0; 7], &[]), &[3]);
+    let mut blockers = SphereBlockers::new(&[good; 6], &[0; 6], &[]);
+    assert!(blockers.update(&bad));
+    check(&blockers, &[]);
+    // Numbers at the end of what f32 holds.
+    let huge =
+        [good, Sphere { center: Vec3::splat(3e38), radius: 3e38 }, Sphere { center: Vec3::splat(-3e38), radius: 1.0 }];
+    let blockers = SphereBlockers::new(&huge, &[0; 3], &[]);
+    let mut scratch = blockers.scratch();
+    blockers.enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light }, &mut scratch);
+    assert!(scratch.candidates().contains(&0));
+}
