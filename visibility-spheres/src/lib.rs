@@ -9,7 +9,10 @@ mod sphere_tree;
 mod splat;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
-pub use crate::set::{BuildError, BuildOptions, Progress, SetFileError, SetQuality, SphereSet, preview};
+pub use crate::set::{
+    BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, SetFileError, SetQuality,
+    SphereSet, preview,
+};
 
 #[cfg(test)]
 mod culling_tests;
