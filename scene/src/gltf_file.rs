@@ -1,5 +1,6 @@
 //! glTF 2.0: triangle meshes of the shown scene in their rest pose, base materials, perspective camera.
 
+use crate::animation::CameraMover;
 use crate::gltf_buffers::Buffers;
 use crate::load::{Context, Part};
 use crate::{Camera, Mesh, SceneError};
@@ -21,11 +22,10 @@ const KNOWN_EXTENSIONS: [&str; 6] = [
     "KHR_lights_punctual",
 ];
 
-pub(crate) fn parse(
-    path: &Path,
-    bytes: &[u8],
-    context: &mut Context,
-) -> Result<(Vec<Part>, Option<Camera>), SceneError> {
+/// The meshes of a file, its camera, and what moves that.
+type Read = (Vec<Part>, Option<Camera>, Option<CameraMover>);
+
+pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut Context) -> Result<Read, SceneError> {
     let is_glb = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
     let (json, chunk) = if is_glb || bytes.starts_with(b"glTF") {
         chunks(bytes).map_err(|message| SceneError::file(path, message))?
@@ -86,12 +86,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     Ok((json, binary))
 }
 
-fn document(
-    path: &Path,
-    root: &Root,
-    chunk: Option<&[u8]>,
-    context: &mut Context,
-) -> Result<(Vec<Part>, Option<Camera>), String> {
+fn document(path: &Path, root: &Root, chunk: Option<&[u8]>, context: &mut Context) -> Result<Read, String> {
     let asset = &root.asset;
     if !asset.version.starts_with("2.") || asset.min_version.as_deref().is_some_and(|v| v != "2.0") {
         let version = asset.min_version.as_deref().unwrap_or(&asset.version);
@@ -140,7 +135,7 @@ fn document(
                 Some(index) => Some((index.value(), read_material(root, index.value())?)),
             };
             let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
-            parts.push(Part { name, mesh: triangles, material });
+            parts.push(Part::fixed(name, triangles, material));
         }
     }
     if skipped > 0 {
@@ -158,7 +153,7 @@ fn document(
     if root.extensions_used.iter().any(|e| e == "KHR_lights_punctual") {
         context.warn(path, "punctual lights are not read: a default light is used");
     }
-    Ok((parts, camera))
+    Ok((parts, camera, None))
 }
 
 /// World matrices of all nodes.

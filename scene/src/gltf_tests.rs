@@ -19,7 +19,9 @@ fn triangle(nodes: &str, more: &str) -> String {
 }
 
 fn parse(text: &str) -> Result<(Vec<Part>, Option<Camera>), String> {
-    gltf_file::parse(Path::new("m.gltf"), text.as_bytes(), &mut Context::default()).map_err(|e| e.to_string())
+    gltf_file::parse(Path::new("m.gltf"), text.as_bytes(), None, &mut Context::default())
+        .map(|(parts, camera, _)| (parts, camera))
+        .map_err(|e| e.to_string())
 }
 
 #[test]
@@ -82,7 +84,7 @@ fn no_cut_of_a_document_panics() {
     glb.extend((json.len() as u32).to_le_bytes());
     glb.extend(b"JSON");
     glb.extend(json);
-    let read = |bytes: &[u8]| gltf_file::parse(Path::new("m.glb"), bytes, &mut Context::default());
+    let read = |bytes: &[u8]| gltf_file::parse(Path::new("m.glb"), bytes, None, &mut Context::default());
     assert_eq!(read(&glb).unwrap().0.len(), 1);
     for end in 0..glb.len() {
         assert!(read(&glb[..end]).is_err());

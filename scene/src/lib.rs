@@ -32,19 +32,25 @@
 //! # Scope
 //! Out of scope here: images, sphere-set construction, threads.
 
+mod animation;
 mod bounds;
 mod builtin;
 mod camera;
+mod deformer;
 mod error;
 mod gltf_buffers;
 mod gltf_file;
 #[cfg(test)]
 mod gltf_tests;
+mod keys;
 mod load;
 mod mesh;
 #[cfg(test)]
 mod mesh_tests;
+#[cfg(test)]
+mod motion_tests;
 mod obj;
+mod placement;
 mod ply;
 mod scene;
 mod scene_file;
@@ -53,13 +59,16 @@ mod scene_file_tests;
 mod scene_object;
 mod shade;
 mod shapes;
+mod skeleton;
 mod toml_reader;
+mod track;
 
+pub use crate::animation::{Animation, Pose, Rig};
 pub use crate::bounds::Bounds;
 pub use crate::builtin::builtin;
 pub use crate::camera::Camera;
 pub use crate::error::SceneError;
-pub use crate::load::{load, load_with_warnings};
+pub use crate::load::{load, load_animated, load_clip, load_with_warnings};
 pub use crate::mesh::Mesh;
 pub use crate::scene::{Object, Proxy, Scene, Shape, Strategy};
 pub use crate::scene_file::SCHEMA_EXAMPLE;

@@ -1,9 +1,13 @@
 //! Files of all kinds to scenes.
 
+use crate::animation::{Body, CameraMover, Mover};
+use crate::deformer::{BoundBall, Deformer};
+use crate::placement::Placement;
 use crate::scene_file::{DEFAULT_FOV, DEFAULT_SIZE, DEFAULT_SPHERES};
-use crate::{Bounds, Camera, Mesh, Object, Proxy, Scene, SceneError, gltf_file, obj, ply, scene_file};
+use crate::skeleton::{Carrier, Skeleton};
+use crate::{Animation, Bounds, Camera, Mesh, Object, Pose, Proxy, Scene, SceneError, gltf_file, obj, ply, scene_file};
 use brdf::{Lambert, Material, ModifiedPhong};
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use lighting::SphereLight;
 use lobe_core::Sphere;
 use std::path::Path;
@@ -13,9 +17,29 @@ use std::path::Path;
 pub(crate) struct Context {
     /// Things that were left out or replaced, one line each.
     pub(crate) warnings: Vec<String>,
+    /// The nodes of the glTF files with a clip that moves.
+    pub(crate) skeletons: Vec<Skeleton>,
+    /// Names of all clips.
+    pub(crate) clips: Vec<String>,
 }
 
 impl Context {
+    /// The animation of what was read.
+    pub(crate) fn animation(&mut self) -> Animation {
+        let (skeletons, clips) = (std::mem::take(&mut self.skeletons), std::mem::take(&mut self.clips));
+        Animation { skeletons, clips, ..Animation::default() }
+    }
+
+    /// Binds the spheres of an explicit proxy to a mesh at its first moment.
+    pub(crate) fn bind_proxy(&self, mover: &Mover, mesh: &Mesh, proxy: &Proxy) -> Vec<BoundBall> {
+        let (Proxy::Spheres(balls), Body::Mesh(deformer, carrier)) = (proxy, &mover.body) else { return Vec::new() };
+        let skeleton = carrier.as_ref().map(|c| &self.skeletons[c.skeleton]);
+        let worlds = skeleton.map_or_else(Vec::new, |s| s.worlds(0.0));
+        let mut pose = Pose::default();
+        mover.pose(0.0, skeleton, &worlds, &mut pose);
+        balls.iter().map(|&b| deformer.bind_ball(b, &mesh.positions, &pose.joints)).collect()
+    }
+
     pub(crate) fn warn(&mut self, path: &Path, message: impl std::fmt::Display) {
         self.warnings.push(SceneError::file(path, message.to_string()).to_string());
     }
@@ -26,10 +50,70 @@ pub(crate) struct Part {
     pub(crate) name: String,
     pub(crate) mesh: Mesh,
     pub(crate) material: Option<(usize, Material)>,
+    /// What its file moves it with.
+    pub(crate) rig: Option<(Deformer, Carrier)>,
+}
+
+/// Which normals a mesh is to have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Normals {
+    /// The file's; smooth ones where it has none.
+    File,
+    Face,
+    Smooth,
+}
+
+impl Part {
+    pub(crate) fn fixed(name: String, mesh: Mesh, material: Option<(usize, Material)>) -> Self {
+        Self { name, mesh, material, rig: None }
+    }
+
+    /// Takes out the triangles that never have an area and tells how many there were.
+    fn clean(&mut self) -> usize {
+        match self.rig {
+            None => self.mesh.remove_degenerate(),
+            // What is flat at the first moment may open later.
+            Some(_) => self.mesh.remove_repeated(),
+        }
+    }
+
+    /// Gives the mesh its normals and puts it where it stands first; what moves it then, if anything does.
+    pub(crate) fn place(&mut self, normals: Normals, placement: &Placement) -> Option<Mover> {
+        let smooth = match normals {
+            Normals::File => self.mesh.normals.is_empty(),
+            Normals::Face => {
+                self.mesh.normals.clear();
+                false
+            }
+            Normals::Smooth => true,
+        };
+        if smooth {
+            self.mesh.smooth_normals();
+        }
+        let body = match self.rig.take() {
+            Some((mut deformer, carrier)) => {
+                match normals {
+                    Normals::Face => deformer.drop_normals(),
+                    _ if smooth => deformer.smooth_normals(&self.mesh),
+                    _ => {}
+                }
+                Some(Body::Mesh(Box::new(deformer), Some(carrier)))
+            }
+            None if placement.is_fixed() => None,
+            None => Some(Body::Mesh(Box::new(Deformer::rigid(&self.mesh)), None)),
+        };
+        self.mesh.transform(&placement.at(0.0));
+        let fixed = body.is_none();
+        if fixed {
+            self.mesh.remove_degenerate();
+        }
+        body.map(|body| Mover { placement: placement.clone(), body, proxy: Vec::new() })
+    }
 }
 
 /// Loads a scene: a scene file (`.toml`; keys in [`SCHEMA_EXAMPLE`](crate::SCHEMA_EXAMPLE)), or a mesh (`.obj`, `.ply`,
-/// `.gltf`, `.glb`) to which a floor, a light and, where the file has none, a camera are added.
+/// `.gltf`, `.glb`) to which a floor, a light and, where the file has none, a camera are added. What moves is as at its
+/// first moment: [`load_animated`] gives the others.
 ///
 /// # Errors
 /// [`SceneError`], one line with the file and, for text files, the line.
@@ -48,15 +132,44 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
 /// # Errors
 /// As [`load`].
 pub fn load_with_warnings(path: impl AsRef<Path>) -> Result<(Scene, Vec<String>), SceneError> {
-    let path = path.as_ref();
+    load_animated(path).map(|(scene, _, warnings)| (scene, warnings))
+}
+
+/// As [`load_with_warnings`], with what moves. The scene is as [`Animation::seek`] to 0 leaves it.
+///
+/// Of a glTF file without a scene file the first clip is played.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_animated(path: impl AsRef<Path>) -> Result<(Scene, Animation, Vec<String>), SceneError> {
+    load_any(path.as_ref(), None)
+}
+
+/// As [`load_animated`], of a glTF file with the clip of that name, or of that number from 0 when no clip has the name.
+/// A scene file names the clips of its objects itself.
+///
+/// # Errors
+/// As [`load`], and when there is no such clip or it is broken.
+pub fn load_clip(path: impl AsRef<Path>, clip: &str) -> Result<(Scene, Animation, Vec<String>), SceneError> {
+    load_any(path.as_ref(), Some(clip))
+}
+
+fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<String>), SceneError> {
     let mut context = Context::default();
-    let scene = if extension(path) == "toml" {
+    let (mut scene, animation) = if extension(path) == "toml" {
+        if clip.is_some() {
+            return Err(SceneError::file(path, "a scene file names the clips of its objects itself"));
+        }
         let text = read_text(path)?;
         scene_file::parse(path, &text, &mut context)?
     } else {
-        bare(path, &mut context)?
+        bare(path, clip, &mut context)?
     };
-    Ok((scene, context.warnings))
+    if !animation.is_still() {
+        animation.seek(0.0, &mut scene);
+        scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
+    }
+    Ok((scene, animation, context.warnings))
 }
 
 fn extension(path: &Path) -> String {
@@ -84,12 +197,19 @@ fn into_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
     })
 }
 
-/// The meshes of a file, degenerate triangles taken out.
-pub(crate) fn mesh_parts(path: &Path, context: &mut Context) -> Result<Vec<Part>, SceneError> {
-    file_parts(path, context, ".obj, .ply, .gltf or .glb").map(|(parts, _)| parts)
+/// What a mesh file has.
+struct File {
+    parts: Vec<Part>,
+    camera: Option<Camera>,
+    moving_camera: Option<CameraMover>,
 }
 
-fn file_parts(path: &Path, context: &mut Context, endings: &str) -> Result<(Vec<Part>, Option<Camera>), SceneError> {
+/// The meshes of a file, degenerate triangles taken out; of a glTF with the clip of that name or number.
+pub(crate) fn mesh_parts(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<Vec<Part>, SceneError> {
+    file_parts(path, clip, context, ".obj, .ply, .gltf or .glb").map(|file| file.parts)
+}
+
+fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &str) -> Result<File, SceneError> {
     let extension = extension(path);
     if !["obj", "ply", "gltf", "glb"].contains(&extension.as_str()) {
         read(path)?;
@@ -100,14 +220,17 @@ fn file_parts(path: &Path, context: &mut Context, endings: &str) -> Result<(Vec<
         return Err(SceneError::file(path, "file is empty"));
     }
     let is = |magic: &[u8]| bytes.starts_with(magic);
-    let (mut parts, camera) = match extension.as_str() {
+    if clip.is_some() && ["obj", "ply"].contains(&extension.as_str()) {
+        return Err(SceneError::file(path, "only glTF files have clips"));
+    }
+    let (mut parts, camera, moving_camera) = match extension.as_str() {
         "obj" if is(b"ply\n") || is(b"ply\r") => {
             return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
         }
-        "obj" => (vec![obj::parse(path, &into_text(path, bytes)?, context)?], None),
-        "ply" => (vec![ply::parse(path, &bytes)?], None),
+        "obj" => (vec![obj::parse(path, &into_text(path, bytes)?, context)?], None, None),
+        "ply" => (vec![ply::parse(path, &bytes)?], None, None),
         "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
-        _ => gltf_file::parse(path, &bytes, context)?,
+        _ => gltf_file::parse(path, &bytes, clip, context)?,
     };
     let mut dropped = 0;
     for part in &mut parts {
@@ -115,7 +238,7 @@ fn file_parts(path: &Path, context: &mut Context, endings: &str) -> Result<(Vec<
         if !part.mesh.triangles.is_empty() {
             part.mesh.validate().map_err(|e| SceneError::file(path, format!("{}: {e}", part.name)))?;
         }
-        dropped += part.mesh.remove_degenerate();
+        dropped += part.clean();
     }
     if dropped > 0 {
         context.warn(path, format!("{dropped} triangles without an area were left out"));
@@ -124,7 +247,7 @@ fn file_parts(path: &Path, context: &mut Context, endings: &str) -> Result<(Vec<
     if parts.is_empty() {
         return Err(SceneError::file(path, "no triangles"));
     }
-    Ok((parts, camera))
+    Ok(File { parts, camera, moving_camera })
 }
 
 /// Shares a number of spheres out among parts in proportion to their areas, at least four each (fewer when fewer were
@@ -148,28 +271,32 @@ pub(crate) fn default_camera(bounds: Bounds, width: u32, height: u32) -> Camera 
     Camera::framing(bounds, Vec3::new(0.35, 0.5, 1.0), DEFAULT_FOV.to_radians(), width, height)
 }
 
-/// A mesh file as a scene of its own.
-fn bare(path: &Path, context: &mut Context) -> Result<Scene, SceneError> {
-    let (mut parts, camera) = file_parts(path, context, ".toml, .obj, .ply, .gltf or .glb")?;
+/// The box that holds the objects at all times, near enough: at so many moments.
+fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
+    const MOMENTS: u32 = 16;
+    let moments = if animation.is_still() { 1 } else { MOMENTS };
     let mut bounds = Bounds::EMPTY;
-    for part in &mut parts {
-        if part.mesh.normals.is_empty() {
-            part.mesh.smooth_normals();
-        }
-        bounds = bounds.union(part.mesh.bounds());
+    // The first moment last: it is what remains.
+    for i in (0..moments).rev() {
+        let time = animation.duration() * i as f32 / MOMENTS as f32;
+        animation.move_objects(time, &animation.worlds(time), objects);
+        bounds = objects.iter().fold(bounds, |b, o| b.union(o.shape.bounds()));
     }
-    let radius = bounds.radius();
-    let (width, height) = DEFAULT_SIZE;
+    bounds
+}
+
+/// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
+fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
+    let File { mut parts, camera, moving_camera } =
+        file_parts(path, clip, context, ".toml, .obj, .ply, .gltf or .glb")?;
+    let mut animation = Animation { camera: moving_camera, ..context.animation() };
+    let here = Placement::Fixed(Mat4::IDENTITY);
+    animation.movers = parts.iter_mut().map(|part| part.place(Normals::File, &here)).collect();
     let mut materials: Vec<Material> =
         vec![ModifiedPhong { kd: Vec3::splat(0.32), ks: Vec3::splat(0.18), exponent: 50.0 }.into(), default_material()];
     let mut keys: Vec<(usize, usize)> = Vec::new();
     let counts = share_out(DEFAULT_SPHERES, &parts);
-
-    // A little below the lowest point: a model with a floor of its own must not lie in ours.
-    let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
-    let half = 60.0 * radius;
-    let floor = Mesh::quad(ground, Vec3::X * half, Vec3::NEG_Z * half);
-    let mut objects = vec![Object::mesh("floor", floor, 0, Proxy::None)];
+    let mut objects = Vec::new();
     for (part, count) in parts.into_iter().zip(counts) {
         let material = match part.material {
             None => 1,
@@ -184,6 +311,15 @@ fn bare(path: &Path, context: &mut Context) -> Result<Scene, SceneError> {
         };
         objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
     }
+    let bounds = swept_bounds(&animation, &mut objects);
+    let radius = bounds.radius();
+    let (width, height) = DEFAULT_SIZE;
+    // A little below the lowest point: a model with a floor of its own must not lie in ours.
+    let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
+    let half = 60.0 * radius;
+    let floor = Mesh::quad(ground, Vec3::X * half, Vec3::NEG_Z * half);
+    objects.insert(0, Object::mesh("floor", floor, 0, Proxy::None));
+    animation.movers.insert(0, None);
     // Half-angle 6° from the middle of the model, and an irradiance of π there.
     let distance = 5.0 * radius;
     let sin = 6.0_f32.to_radians().sin();
@@ -192,5 +328,5 @@ fn bare(path: &Path, context: &mut Context) -> Result<Scene, SceneError> {
     let camera = camera.unwrap_or_else(|| default_camera(bounds, width, height));
     let scene = Scene { camera, width, height, background: Vec3::ZERO, materials, objects, lights };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
-    Ok(scene)
+    Ok((scene, animation))
 }

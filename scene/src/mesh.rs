@@ -82,6 +82,13 @@ impl Mesh {
         before - self.triangles.len()
     }
 
+    /// Takes out the triangles with a vertex twice and tells how many there were.
+    pub(crate) fn remove_repeated(&mut self) -> usize {
+        let before = self.triangles.len();
+        self.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
+        before - self.triangles.len()
+    }
+
     /// Replaces the normals by smooth ones: at each position the mean of the adjoining faces' normals, weighted by their
     /// angles there. Vertices with the same position (texture seams) get the same normal.
     ///
@@ -90,16 +97,26 @@ impl Mesh {
     /// # Panics
     /// When a triangle refers to a vertex that does not exist.
     pub fn smooth_normals(&mut self) {
+        let groups = self.same_places();
+        self.smooth_normals_in(&groups);
+    }
+
+    /// For each vertex the number of its place: the same for vertices with the same position.
+    pub(crate) fn same_places(&self) -> Vec<u32> {
         let mut first: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
-        let mut group = Vec::with_capacity(self.positions.len());
-        for p in &self.positions {
+        let number = |p: &Vec3| {
             // −0 and 0 are the same place.
             let key = (*p + 0.0).to_array().map(f32::to_bits);
             let next = first.len() as u32;
-            group.push(*first.entry(key).or_insert(next));
-        }
-        let mut sums = vec![DVec3::ZERO; first.len()];
-        let mut some_face = vec![DVec3::Y; first.len()];
+            *first.entry(key).or_insert(next)
+        };
+        self.positions.iter().map(number).collect()
+    }
+
+    /// Smooth normals, shared by the vertices of a group: numbers from 0, each less than the number of vertices.
+    pub(crate) fn smooth_normals_in(&mut self, groups: &[u32]) {
+        let mut sums = vec![DVec3::ZERO; groups.iter().map(|&g| g as usize + 1).max().unwrap_or(0)];
+        let mut some_face = vec![DVec3::Y; sums.len()];
         for &t in &self.triangles {
             let normal = self.face_cross(t).normalize_or_zero();
             if normal == DVec3::ZERO {
@@ -109,20 +126,19 @@ impl Mesh {
                 let p = |i: usize| self.positions[t[(k + i) % 3] as usize].as_dvec3();
                 let (to_next, to_last) = (p(1) - p(0), p(2) - p(0));
                 let angle = to_next.cross(to_last).length().atan2(to_next.dot(to_last));
-                let g = group[t[k] as usize] as usize;
+                let g = groups[t[k] as usize] as usize;
                 sums[g] += angle * normal;
                 some_face[g] = normal;
             }
         }
-        self.normals = group
-            .iter()
-            .map(|&g| {
-                let (sum, face) = (sums[g as usize], some_face[g as usize]);
-                // Below 1e-6 the sum is what rounding left of normals that cancel.
-                if sum.length() > 1e-6 { sum.normalize().as_vec3() } else { face.as_vec3() }
-            })
-            .map(Vec3::normalize)
-            .collect();
+        let normal = |&g: &u32| {
+            let (sum, face) = (sums[g as usize], some_face[g as usize]);
+            // Below 1e-6 the sum is what rounding left of normals that cancel.
+            let normal = if sum.length() > 1e-6 { sum.normalize().as_vec3() } else { face.as_vec3() };
+            normal.normalize()
+        };
+        self.normals.clear();
+        self.normals.extend(groups.iter().map(normal));
     }
 
     /// Makes given normals unit vectors; those of length 0 or not finite become what smooth normals would be there.

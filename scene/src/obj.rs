@@ -58,7 +58,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
         return Err(SceneError::file(path, "no triangles"));
     }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Part { name, mesh: assemble(&positions, &normals, &corners), material: None })
+    Ok(Part::fixed(name, assemble(&positions, &normals, &corners), None))
 }
 
 /// One vertex for each pair of position and normal in use.

@@ -154,7 +154,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Part, SceneError> {
         mesh.normals.clear();
     }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Part { name, mesh, material: None })
+    Ok(Part::fixed(name, mesh, None))
 }
 
 fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Vec<Element>), String> {

@@ -1,9 +1,11 @@
 //! The scene file.
 
+use crate::animation::{CameraMover, LightMover};
+use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
 use crate::load::{self, Context};
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
-use crate::{Camera, Scene, SceneError};
+use crate::{Animation, Camera, Scene, SceneError};
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
 use glam::Vec3;
 use lighting::SphereLight;
@@ -20,7 +22,7 @@ pub(crate) const DEFAULT_FOV: f32 = 35.0;
 pub(crate) const DEFAULT_SIZE: (u32, u32) = (960, 540);
 
 /// Reads the text of a scene file; `path` is what messages name and what relative paths start from.
-pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Scene, SceneError> {
+pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let source = Source { path, text };
     let root = DeTable::parse(text)
         .map_err(|e| source.error(e.span().map_or(text.len(), |s| s.start), e.message().to_owned()))?;
@@ -48,16 +50,37 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Sc
         }
     }
 
-    let mut objects = Vec::new();
+    let (duration, fps) = match root.get("animation") {
+        None => (None, Animation::DEFAULT_FPS),
+        Some(value) => {
+            let mut t = value.table()?;
+            let seconds = |v: Value<'_>| match v.positive()? {
+                s if s <= MAX_SECONDS => Ok(s),
+                s => Err(v.error(format!("{s} is more than {MAX_SECONDS} seconds"))),
+            };
+            let duration = t.get("duration").map(seconds).transpose()?;
+            let fps = t.get("fps").map_or(Ok(Animation::DEFAULT_FPS), |v| match v.positive()? {
+                fps if (1e-3..=1e4).contains(&fps) => Ok(fps),
+                fps => Err(v.error(format!("{fps} must lie between 0.001 and 10000"))),
+            })?;
+            t.finish()?;
+            (duration, fps)
+        }
+    };
+
+    let (mut objects, mut movers) = (Vec::new(), Vec::new());
     if let Some(value) = root.get("objects") {
         for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
-            objects.extend(read_object(entry.table()?, i, path, &mut materials, context)?);
+            for (object, mover) in read_object(entry.table()?, i, path, &mut materials, context)? {
+                objects.push(object);
+                movers.push(mover);
+            }
         }
     }
-    let mut lights = Vec::new();
+    let (mut lights, mut light_movers) = (Vec::new(), Vec::new());
     if let Some(value) = root.get("lights") {
         for entry in value.elements("[[lights]]")? {
-            light(entry.table()?, &mut lights)?;
+            light_movers.extend(light(entry.table()?, &mut lights)?);
         }
     }
     let camera = root.get("camera");
@@ -66,13 +89,21 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Sc
         return Err(source.error(text.len(), "scene has no objects: expected [[objects]]"));
     }
     let bounds = objects.iter().fold(crate::Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
-    let camera = match camera {
+    let (camera, camera_keys) = match camera {
         Some(value) => read_camera(value)?,
-        None => load::default_camera(bounds, width, height),
+        None => (load::default_camera(bounds, width, height), None),
+    };
+    let animation = Animation {
+        duration,
+        fps,
+        movers,
+        lights: light_movers,
+        camera: camera_keys.map(CameraMover::Keys),
+        ..context.animation()
     };
     let scene = Scene { camera, width, height, background, materials: materials.all, objects, lights };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
-    Ok(scene)
+    Ok((scene, animation))
 }
 
 /// The materials so far, by number and by name.
@@ -98,7 +129,7 @@ impl Materials {
     }
 }
 
-fn read_camera(value: Value<'_>) -> Result<Camera, SceneError> {
+fn read_camera(value: Value<'_>) -> Result<(Camera, Option<CameraKeys>), SceneError> {
     let mut t = value.table()?;
     let (eye, target) = (t.require("eye")?, t.require("target")?);
     let up = t.get("up");
@@ -110,6 +141,7 @@ fn read_camera(value: Value<'_>) -> Result<Camera, SceneError> {
         up: up.map_or(Ok(Vec3::Y), |v| v.nonzero_vec3())?,
         vertical_fov: degrees.to_radians(),
     };
+    let keys = Keys::read(&mut t)?;
     t.finish()?;
     if !(degrees > 0.0 && degrees < 180.0) {
         let place = fov.unwrap_or(value);
@@ -117,7 +149,7 @@ fn read_camera(value: Value<'_>) -> Result<Camera, SceneError> {
     }
     let place = if camera.eye == camera.target { target } else { up.unwrap_or(value) };
     camera.validate().map_err(|e| place.error(e))?;
-    Ok(camera)
+    Ok((camera, keys.map(|keys| keys.camera(camera)).transpose()?))
 }
 
 fn material(mut t: Table<'_>) -> Result<Material, SceneError> {
@@ -161,7 +193,8 @@ fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {
     Ok(lobe)
 }
 
-fn light(mut t: Table<'_>, lights: &mut Vec<SphereLight>) -> Result<(), SceneError> {
+/// Appends a light; what moves it, if anything does.
+fn light(mut t: Table<'_>, lights: &mut Vec<SphereLight>) -> Result<Option<LightMover>, SceneError> {
     let kind = t.require("kind")?;
     let balls = match kind.string()? {
         "sphere" => vec![Sphere { center: t.require("center")?.vec3()?, radius: t.require("radius")?.positive()? }],
@@ -172,6 +205,7 @@ fn light(mut t: Table<'_>, lights: &mut Vec<SphereLight>) -> Result<(), SceneErr
     };
     let (unit, value) = t.one_of(&["radiance", "flux"])?;
     let mut radiance = value.color()?;
+    let keys = Keys::read(&mut t)?;
     t.finish()?;
     if unit == "flux" {
         // L = Φ/(4π²·Σr²), in f64 since squares of small radii leave f32.
@@ -181,6 +215,7 @@ fn light(mut t: Table<'_>, lights: &mut Vec<SphereLight>) -> Result<(), SceneErr
     if !radiance.is_finite() {
         return Err(value.error("the light's radiance is too large for single precision"));
     }
-    lights.extend(balls.into_iter().map(|ball| SphereLight::new(ball, radiance)));
-    Ok(())
+    let first = lights.len();
+    lights.extend(balls.iter().map(|&ball| SphereLight::new(ball, radiance)));
+    keys.map(|keys| Ok(LightMover { first, balls, placement: keys.rigid_placement()? })).transpose()
 }

@@ -1,10 +1,14 @@
 //! The objects of a scene file.
 
-use crate::load::{self, Context, Part, share_out};
+use crate::animation::{Body, Mover};
+use crate::deformer::BoundBall;
+use crate::keys::{Keys, Stand, read_rotation, read_scale};
+use crate::load::{self, Context, Normals, Part, share_out};
+use crate::placement::Placement;
 use crate::scene_file::{DEFAULT_SPHERES, Materials};
 use crate::toml_reader::{Table, Value};
 use crate::{Mesh, Object, Proxy, SceneError, Shape, Strategy};
-use glam::{Mat4, Quat, Vec3};
+use glam::Mat4;
 use lobe_core::Sphere;
 use std::collections::HashMap;
 use std::path::Path;
@@ -16,6 +20,8 @@ enum Geometry {
     Solid(Vec<Part>),
 }
 
+const UNEVEN: &str = "spheres can only be scaled uniformly";
+
 /// Reads one of `[[objects]]`: several objects where a glTF file has several parts.
 pub(crate) fn read_object(
     mut t: Table<'_>,
@@ -23,16 +29,25 @@ pub(crate) fn read_object(
     path: &Path,
     materials: &mut Materials,
     context: &mut Context,
-) -> Result<Vec<Object>, SceneError> {
+) -> Result<Vec<(Object, Option<Mover>)>, SceneError> {
     let name = t.get("name").map_or(Ok(format!("object {index}")), |v| v.string().map(str::to_owned))?;
     let normals = t.get("normals");
-    let kind = normals.map_or(Ok("file"), |v| v.string())?;
-    if !["file", "face", "smooth"].contains(&kind) {
-        let place = normals.map_or_else(|| t.error(""), |v| v.error("expected \"file\", \"face\" or \"smooth\""));
-        return Err(place);
-    }
+    let normals = match normals.map_or(Ok("file"), |v| v.string())? {
+        "file" => Normals::File,
+        "face" => Normals::Face,
+        "smooth" => Normals::Smooth,
+        _ => {
+            let expected = "expected \"file\", \"face\" or \"smooth\"";
+            return Err(normals.map_or_else(|| t.error(expected), |v| v.error(expected)));
+        }
+    };
     let (shape, value) = t.one_of(&["quad", "plane", "box", "sphere", "spheres", "mesh"])?;
-    let geometry = geometry(shape, value, path, context)?;
+    let clip = t.get("clip").map(|v| read_clip(v).map(|name| (v, name))).transpose()?;
+    let first_clip = context.clips.len();
+    let geometry = geometry(shape, value, path, clip, context)?;
+    for clip in &mut context.clips[first_clip..] {
+        *clip = format!("{name}/{clip}");
+    }
     let material = match t.get("material") {
         None => None,
         Some(v) => {
@@ -42,9 +57,24 @@ pub(crate) fn read_object(
     };
     let visible = t.get("visible").map_or(Ok(true), |v| v.boolean())?;
     let strategy = t.get("visibility").map(read_strategy).transpose()?;
-    let (matrix, place) = transform(&mut t)?;
+    let (stand, place) = transform(&mut t)?;
     let proxy = t.get("proxy").map(|v| read_proxy(v, path)).transpose()?;
+    let keys = Keys::read(&mut t)?;
     t.finish()?;
+
+    let round = matches!(geometry, Geometry::Spheres(_)) || matches!(proxy, Some(Proxy::Spheres(_)));
+    let placement = match (keys, stand) {
+        (None, stand) => Placement::Fixed(stand.matrix()),
+        (Some(keys), Stood::Matrix(_)) => {
+            return Err(keys.error("an object with a matrix takes no keys: give scale, rotate and translate"));
+        }
+        (Some(keys), Stood::Parts(own)) => keys.placement(own, |v, s| {
+            let even = (s - s.x).abs().max_element() <= 1e-4 * s.x.abs();
+            if round && !even { Err(v.error(UNEVEN)) } else { Ok(()) }
+        })?,
+    };
+    let matrix = placement.at(0.0);
+    let moves = !placement.is_fixed();
 
     // A uniform scale, where there is one: all that spheres can follow.
     let move_balls = |balls: &[Sphere]| -> Result<Vec<Sphere>, SceneError> {
@@ -54,7 +84,7 @@ pub(crate) fn read_object(
             .any(|&(i, j)| matrix.col(i).truncate().dot(matrix.col(j).truncate()).abs() > 1e-4 * scales[i] * scales[j]);
         let uneven = scales.iter().any(|s| (s - scales[0]).abs() > 1e-4 * scales[0]);
         if let (true, Some(place)) = (skew || uneven, place) {
-            return Err(place.error("spheres can only be scaled uniformly"));
+            return Err(place.error(UNEVEN));
         }
         let moved = |b: &Sphere| Sphere { center: matrix.transform_point3(b.center), radius: b.radius * scales[0] };
         Ok(balls.iter().map(moved).collect())
@@ -65,36 +95,36 @@ pub(crate) fn read_object(
     };
 
     match geometry {
-        Geometry::Spheres(balls) => {
-            let balls = move_balls(&balls)?;
+        Geometry::Spheres(own) => {
+            let balls = move_balls(&own)?;
             let proxy = match proxy {
                 Some(Proxy::Count(_)) => return Err(value.error("exact spheres need no built proxy")),
                 other => other.unwrap_or_else(|| Proxy::Spheres(balls.clone())),
             };
             let material = material.unwrap_or_else(|| materials.fallback());
-            Ok(vec![Object { name, shape: Shape::Spheres(balls), material, proxy, visible, strategy }])
+            let mover = moves.then(|| Mover { placement, body: Body::Balls(own), proxy: bind(&proxy, &matrix) });
+            Ok(vec![(Object { name, shape: Shape::Spheres(balls), material, proxy, visible, strategy }, mover)])
         }
-        Geometry::Flat(mut mesh) => {
-            mesh.transform(&matrix);
-            mesh.remove_degenerate();
-            mesh.validate().map_err(|e| value.error(e))?;
+        Geometry::Flat(mesh) => {
+            let mut part = Part::fixed(name, mesh, None);
+            let mover = part.place(Normals::Face, &placement);
+            part.mesh.validate().map_err(|e| value.error(e))?;
             let material = material.unwrap_or_else(|| materials.fallback());
             let proxy = proxy.unwrap_or(Proxy::None);
-            Ok(vec![Object { name, shape: Shape::Mesh(mesh), material, proxy, visible, strategy }])
+            let mover = mover.map(|m| Mover { proxy: bind(&proxy, &matrix), ..m });
+            let shape = Shape::Mesh(part.mesh);
+            Ok(vec![(Object { name: part.name, shape, material, proxy, visible, strategy }, mover)])
         }
         Geometry::Solid(parts) => {
+            let normals = if shape == "box" && normals == Normals::File { Normals::Face } else { normals };
             let mut placed = Vec::new();
+            let mut movers = Vec::new();
             for mut part in parts {
-                match kind {
-                    "face" => part.mesh.normals.clear(),
-                    "file" if !part.mesh.normals.is_empty() || shape == "box" => {}
-                    _ => part.mesh.smooth_normals(),
-                }
-                part.mesh.transform(&matrix);
-                part.mesh.remove_degenerate();
+                let mover = part.place(normals, &placement);
                 if !part.mesh.triangles.is_empty() {
                     part.mesh.validate().map_err(|e| value.error(e))?;
                     placed.push(part);
+                    movers.push(mover);
                 }
             }
             if placed.is_empty() {
@@ -114,7 +144,7 @@ pub(crate) fn read_object(
             }
             let mut own: HashMap<usize, usize> = HashMap::new();
             let mut out = Vec::new();
-            for (part, count) in placed.into_iter().zip(counts) {
+            for ((part, mover), count) in placed.into_iter().zip(movers).zip(counts) {
                 let material = match (material, part.material) {
                     (Some(index), _) => index,
                     (None, Some((key, m))) => *own.entry(key).or_insert_with(|| materials.push(m)),
@@ -125,20 +155,45 @@ pub(crate) fn read_object(
                     Some(other) => other.clone(),
                 };
                 let name = if single { name.clone() } else { format!("{name}/{}", part.name) };
-                out.push(Object { name, shape: Shape::Mesh(part.mesh), material, proxy, visible, strategy });
+                let mover = mover.map(|mover| {
+                    let proxy = context.bind_proxy(&mover, &part.mesh, &proxy);
+                    Mover { proxy, ..mover }
+                });
+                out.push((Object { name, shape: Shape::Mesh(part.mesh), material, proxy, visible, strategy }, mover));
             }
             Ok(out)
         }
     }
 }
 
-fn geometry(shape: &str, value: Value<'_>, path: &Path, context: &mut Context) -> Result<Geometry, SceneError> {
+/// The spheres of an explicit proxy, carried by a placement that is `matrix` now.
+fn bind(proxy: &Proxy, matrix: &Mat4) -> Vec<BoundBall> {
+    let Proxy::Spheres(balls) = proxy else { return Vec::new() };
+    balls.iter().map(|&b| BoundBall::new(b, [0; 4], [1.0, 0.0, 0.0, 0.0], std::slice::from_ref(matrix))).collect()
+}
+
+/// The name or number of a clip.
+fn read_clip(v: Value<'_>) -> Result<String, SceneError> {
+    if v.is_string() { v.string().map(str::to_owned) } else { v.whole(0, u32::MAX).map(|n| n.to_string()) }
+}
+
+fn geometry(
+    shape: &str,
+    value: Value<'_>,
+    path: &Path,
+    clip: Option<(Value<'_>, String)>,
+    context: &mut Context,
+) -> Result<Geometry, SceneError> {
+    if let (Some((place, _)), true) = (&clip, shape != "mesh") {
+        return Err(place.error("only meshes of glTF files have clips"));
+    }
     if shape == "spheres" {
         return Ok(Geometry::Spheres(value.spheres()?));
     }
     if shape == "mesh" {
         let file = path.with_file_name("").join(value.string()?);
-        return load::mesh_parts(&file, context).map(Geometry::Solid).map_err(|e| value.error(e));
+        let (place, clip) = clip.map_or((value, None), |(place, name)| (place, Some(name)));
+        return load::mesh_parts(&file, clip.as_deref(), context).map(Geometry::Solid).map_err(|e| place.error(e));
     }
     let mut t = value.table()?;
     let geometry = match shape {
@@ -167,7 +222,7 @@ fn geometry(shape: &str, value: Value<'_>, path: &Path, context: &mut Context) -
                 return Err(size.error("all edges must be greater than 0"));
             }
             let mesh = Mesh::cuboid(center, edges);
-            Geometry::Solid(vec![Part { name: "box".to_owned(), mesh, material: None }])
+            Geometry::Solid(vec![Part::fixed("box".to_owned(), mesh, None)])
         }
         _ => {
             let center = t.require("center")?.vec3()?;
@@ -178,34 +233,39 @@ fn geometry(shape: &str, value: Value<'_>, path: &Path, context: &mut Context) -
     Ok(geometry)
 }
 
-/// The object's matrix, and the key to blame when it doesn't suit the shape.
-fn transform<'s>(t: &mut Table<'s>) -> Result<(Mat4, Option<Value<'s>>), SceneError> {
+/// How an object is placed at rest.
+enum Stood {
+    Matrix(Mat4),
+    Parts(Stand),
+}
+
+impl Stood {
+    fn matrix(&self) -> Mat4 {
+        match self {
+            Self::Matrix(matrix) => *matrix,
+            Self::Parts(stand) => stand.matrix(),
+        }
+    }
+}
+
+/// Where the object stands, and the key to blame when that doesn't suit the shape.
+fn transform<'s>(t: &mut Table<'s>) -> Result<(Stood, Option<Value<'s>>), SceneError> {
     let (scale, rotate, translate, matrix) = (t.get("scale"), t.get("rotate"), t.get("translate"), t.get("matrix"));
     if let Some(m) = matrix {
         if scale.or(rotate).or(translate).is_some() {
             return Err(m.error("either a matrix or scale, rotate and translate, not both"));
         }
-        return Ok((m.mat4()?, Some(m)));
+        return Ok((Stood::Matrix(m.mat4()?), Some(m)));
     }
-    let s = match scale {
-        None => Vec3::ONE,
-        Some(v) => {
-            let s = v.number().map(Vec3::splat).or_else(|_| v.vec3())?;
-            if s.abs().min_element() > 0.0 { s } else { return Err(v.error("a scale must not be 0")) }
-        }
+    let own = Stand::ORIGIN;
+    let (axis, degrees) = rotate.map_or(Ok((own.axis, own.degrees)), read_rotation)?;
+    let stand = Stand {
+        scale: scale.map_or(Ok(own.scale), read_scale)?,
+        axis,
+        degrees,
+        translation: translate.map_or(Ok(own.translation), |v| v.vec3())?,
     };
-    let r = match rotate {
-        None => Quat::IDENTITY,
-        Some(v) => {
-            let mut t = v.table()?;
-            let axis = t.require("axis")?.nonzero_vec3()?.normalize();
-            let degrees = t.require("degrees")?.number()?;
-            t.finish()?;
-            Quat::from_axis_angle(axis, degrees.to_radians())
-        }
-    };
-    let m = translate.map_or(Ok(Vec3::ZERO), |v| v.vec3())?;
-    Ok((Mat4::from_scale_rotation_translation(s, r, m), scale))
+    Ok((Stood::Parts(stand), scale))
 }
 
 fn read_strategy(value: Value<'_>) -> Result<Strategy, SceneError> {

@@ -1,0 +1,287 @@
+use crate::deformer::{BoundBall, Deformer, scaled};
+use crate::keys::CameraKeys;
+use crate::placement::Placement;
+use crate::skeleton::{Carrier, Skeleton};
+use crate::{Camera, Object, Proxy, Scene, Shape};
+use glam::{Mat4, Vec3};
+use lobe_core::Sphere;
+
+/// What of a loaded scene moves, and how: key frames of a scene file, clips of glTF files.
+///
+/// A vertex of a moving mesh is at `p(t) = Σ_j w_j J_j(t) (p_bind + Σ_k m_k(t) Δ_k)` (glTF 2.0, §3.7.2.2 and §3.7.3.3, in
+/// world space): [`Animation::rig`] gives its weights `w` and displacements `Δ`, [`Animation::pose`] the joint matrices
+/// `J` and morph weights `m` of a time, [`Animation::seek`] applies them. A rigid object hangs on one joint.
+///
+/// Any moment may be asked for, in any order: nothing is precomputed per pose. A clip and keys with `loop` start again
+/// after their end; what else is at its end stays there. [`load_animated`](crate::load_animated) makes one.
+///
+/// ```
+/// # let folder = std::env::temp_dir().join("cosine-lobes-doc-animation");
+/// # std::fs::create_dir_all(&folder)?;
+/// # let file = folder.join("ball.toml");
+/// # std::fs::write(&file, "[[objects]]\nsphere = { center = [0, 1, 0], radius = 1 }\n\
+/// # keys = [{ time = 0, translate = [0, 0, 0] }, { time = 2, translate = [4, 0, 0] }]\n")?;
+/// let (mut scene, animation, _warnings) = scene::load_animated(&file)?;
+/// assert_eq!(animation.duration(), 2.0);
+/// animation.seek(0.5, &mut scene);
+/// assert_eq!(scene.bounds().center().x, 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Animation {
+    pub(crate) duration: Option<f32>,
+    pub(crate) fps: f32,
+    pub(crate) clips: Vec<String>,
+    pub(crate) skeletons: Vec<Skeleton>,
+    /// For each object what moves it.
+    pub(crate) movers: Vec<Option<Mover>>,
+    pub(crate) lights: Vec<LightMover>,
+    pub(crate) camera: Option<CameraMover>,
+}
+
+/// What carries the points of a moving mesh; one entry a vertex in all of its slices.
+#[derive(Clone, Copy, Debug)]
+pub struct Rig<'a> {
+    /// Joint numbers.
+    pub joints: &'a [[u16; 4]],
+    /// How much each of these joints counts: not negative, of sum 1; 0 where there are fewer than four.
+    pub weights: &'a [[f32; 4]],
+    /// For each morph target the displacements at weight 1, in bind space.
+    pub targets: &'a [Vec<Vec3>],
+}
+
+/// Where joints and morph weights are at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// From bind space to the world.
+    pub joints: Vec<Mat4>,
+    /// The weight of each morph target.
+    pub morph: Vec<f32>,
+}
+
+/// What moves one object.
+#[derive(Clone, Debug)]
+pub(crate) struct Mover {
+    /// From the file's (or the shape's own) space to the world.
+    pub(crate) placement: Placement,
+    pub(crate) body: Body,
+    /// The spheres of an explicit proxy.
+    pub(crate) proxy: Vec<BoundBall>,
+}
+
+/// What a mover moves.
+#[derive(Clone, Debug)]
+pub(crate) enum Body {
+    /// Balls in own coordinates.
+    Balls(Vec<Sphere>),
+    /// A mesh; without a carrier the placement is its only joint.
+    Mesh(Box<Deformer>, Option<Carrier>),
+}
+
+/// Lights in a row that move as one.
+#[derive(Clone, Debug)]
+pub(crate) struct LightMover {
+    pub(crate) first: usize,
+    /// In own coordinates.
+    pub(crate) balls: Vec<Sphere>,
+    pub(crate) placement: Placement,
+}
+
+/// What moves the camera.
+#[derive(Clone, Debug)]
+pub(crate) enum CameraMover {
+    Keys(CameraKeys),
+    /// A node of a glTF file, and the field of view.
+    Node {
+        skeleton: usize,
+        node: usize,
+        vertical_fov: f32,
+    },
+}
+
+impl Animation {
+    /// Frames a second where a file does not say.
+    pub const DEFAULT_FPS: f32 = 24.0;
+
+    /// Whether nothing moves.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.camera.is_none() && self.lights.is_empty() && self.movers.iter().all(Option::is_none)
+    }
+
+    /// Seconds: what the scene file says, else until the last key and the end of the longest clip; 0 when nothing moves.
+    #[must_use]
+    pub fn duration(&self) -> f32 {
+        if self.is_still() {
+            return 0.0;
+        }
+        let placements = self.movers.iter().flatten().map(|m| &m.placement);
+        let ends = placements.chain(self.lights.iter().map(|l| &l.placement)).map(Placement::end);
+        let camera = match &self.camera {
+            Some(CameraMover::Keys(keys)) => keys.clock.last,
+            _ => 0.0,
+        };
+        let longest = ends.chain(self.skeletons.iter().map(Skeleton::end)).fold(camera, f32::max);
+        self.duration.unwrap_or(longest)
+    }
+
+    /// Frames a second: what the scene file says, else [`Self::DEFAULT_FPS`].
+    #[must_use]
+    pub const fn fps(&self) -> f32 {
+        self.fps
+    }
+
+    /// The clips that the glTF files of the scene have, by name, or by number where they have none; for a scene file
+    /// with the object's name and a slash before each.
+    #[must_use]
+    pub fn clips(&self) -> &[String] {
+        &self.clips
+    }
+
+    /// What carries the points of a mesh that moves; none for objects that stand still and for exact balls.
+    #[must_use]
+    pub fn rig(&self, object: usize) -> Option<Rig<'_>> {
+        match &self.movers.get(object)?.as_ref()?.body {
+            Body::Balls(_) => None,
+            Body::Mesh(d, _) => Some(Rig { joints: &d.joints, weights: &d.weights, targets: &d.targets }),
+        }
+    }
+
+    /// The joint matrices and morph weights of an object at a time in seconds; one identity for what stands still.
+    ///
+    /// Cost: one matrix for each node of the glTF file.
+    #[must_use]
+    pub fn pose(&self, object: usize, time: f32) -> Pose {
+        let time = tamed(time);
+        let mut pose = Pose::default();
+        match self.movers.get(object).and_then(Option::as_ref) {
+            None => pose.joints.push(Mat4::IDENTITY),
+            Some(mover) => {
+                let skeleton = match &mover.body {
+                    Body::Mesh(_, Some(carrier)) => Some(&self.skeletons[carrier.skeleton]),
+                    _ => None,
+                };
+                let worlds = skeleton.map_or_else(Vec::new, |s| s.worlds(time));
+                mover.pose(time, skeleton, &worlds, &mut pose);
+            }
+        }
+        pose
+    }
+
+    /// Poses a scene: positions, normals, balls, explicit proxy spheres, lights and the camera are written in place.
+    /// Topology and counts never change. The scene is the one that came with this animation; objects that were added
+    /// to its end stay as they are.
+    ///
+    /// `time` in seconds. Before 0 (and for NaN) it is as at 0.
+    ///
+    /// Between two camera keys whose views would meet where there is none (eye on target, `up` along the view) the
+    /// camera stays as it was.
+    ///
+    /// Cost: linear in the vertices that move: per vertex one matrix product for a rigid object, up to four for a
+    /// skinned one, one addition for each morph target in use, and with normals that follow from the triangles those.
+    /// It allocates the joint matrices, and for such normals one vector a vertex.
+    pub fn seek(&self, time: f32, scene: &mut Scene) {
+        let time = tamed(time);
+        let worlds = self.worlds(time);
+        self.move_objects(time, &worlds, &mut scene.objects);
+        for mover in &self.lights {
+            let matrix = mover.placement.at(time);
+            for (light, ball) in scene.lights.iter_mut().skip(mover.first).zip(&mover.balls) {
+                light.ball.center = scaled(*ball, &matrix).center;
+            }
+        }
+        let camera = match &self.camera {
+            None => return,
+            Some(CameraMover::Keys(keys)) => keys.at(time),
+            &Some(CameraMover::Node { skeleton, node, vertical_fov }) => {
+                node_camera(&worlds[skeleton][node], vertical_fov)
+            }
+        };
+        if camera.validate().is_ok() {
+            scene.camera = camera;
+        }
+    }
+
+    /// World matrices of all nodes of all skeletons.
+    pub(crate) fn worlds(&self, time: f32) -> Vec<Vec<Mat4>> {
+        self.skeletons.iter().map(|s| s.worlds(time)).collect()
+    }
+
+    pub(crate) fn move_objects(&self, time: f32, worlds: &[Vec<Mat4>], objects: &mut [Object]) {
+        let mut pose = Pose::default();
+        for (object, mover) in objects.iter_mut().zip(&self.movers) {
+            let Some(mover) = mover else { continue };
+            let (skeleton, worlds) = match &mover.body {
+                Body::Mesh(_, Some(carrier)) => (Some(&self.skeletons[carrier.skeleton]), &*worlds[carrier.skeleton]),
+                _ => (None, &[][..]),
+            };
+            mover.pose(time, skeleton, worlds, &mut pose);
+            match (&mover.body, &mut object.shape) {
+                (Body::Balls(own), Shape::Spheres(balls)) => place(own, &pose.joints[0], balls),
+                (Body::Mesh(deformer, _), Shape::Mesh(mesh)) if mesh.positions.len() == deformer.positions.len() => {
+                    deformer.pose(&pose.joints, &pose.morph, mesh);
+                }
+                _ => {}
+            }
+            if let Proxy::Spheres(balls) = &mut object.proxy {
+                for (ball, bound) in balls.iter_mut().zip(&mover.proxy) {
+                    *ball = bound.at(&pose.joints);
+                }
+            }
+        }
+    }
+}
+
+impl Default for Animation {
+    /// Nothing moves.
+    fn default() -> Self {
+        Self {
+            duration: None,
+            fps: Self::DEFAULT_FPS,
+            clips: Vec::new(),
+            skeletons: Vec::new(),
+            movers: Vec::new(),
+            lights: Vec::new(),
+            camera: None,
+        }
+    }
+}
+
+impl Mover {
+    /// Joint matrices from bind space to the world, and morph weights.
+    pub(crate) fn pose(&self, time: f32, skeleton: Option<&Skeleton>, worlds: &[Mat4], out: &mut Pose) {
+        out.joints.clear();
+        out.morph.clear();
+        let placement = self.placement.at(time);
+        match (&self.body, skeleton) {
+            (Body::Mesh(_, Some(carrier)), Some(skeleton)) => {
+                out.joints.extend(carrier.joints(worlds).map(|joint| placement * joint));
+                if let Some(node) = carrier.morph {
+                    skeleton.morph_weights(node, time, &mut out.morph);
+                }
+            }
+            _ => out.joints.push(placement),
+        }
+    }
+}
+
+fn place(own: &[Sphere], matrix: &Mat4, out: &mut [Sphere]) {
+    for (ball, own) in out.iter_mut().zip(own) {
+        *ball = scaled(*own, matrix);
+    }
+}
+
+/// A time that keys can be looked up at.
+fn tamed(time: f32) -> f32 {
+    if time.is_nan() { 0.0 } else { time.clamp(0.0, 1e9) }
+}
+
+/// The view of a glTF camera whose node has that world matrix.
+pub(crate) fn node_camera(world: &Mat4, vertical_fov: f32) -> Camera {
+    let eye = world.transform_point3(Vec3::ZERO);
+    let forward = world.transform_vector3(Vec3::NEG_Z).normalize_or_zero();
+    let up = world.transform_vector3(Vec3::Y).normalize_or_zero();
+    // Far enough for the direction to survive f32.
+    let target = eye + forward * eye.length().max(1.0);
+    Camera { eye, target, up, vertical_fov }
+}

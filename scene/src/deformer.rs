@@ -1,0 +1,172 @@
+//! Meshes carried by joints.
+
+use crate::Mesh;
+use crate::mesh::MAX_COORDINATE;
+use glam::{Mat3, Mat4, Vec3};
+use lobe_core::Sphere;
+
+/// A mesh in bind space and what its vertices hang on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Deformer {
+    pub(crate) positions: Vec<Vec3>,
+    /// One a vertex; none where the mesh has none or they are `smooth`.
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) joints: Vec<[u16; 4]>,
+    /// Not negative, of sum 1.
+    pub(crate) weights: Vec<[f32; 4]>,
+    /// Displacements at weight 1, one a vertex.
+    pub(crate) targets: Vec<Vec<Vec3>>,
+    /// The same of the normals; empty for targets without.
+    pub(crate) normal_targets: Vec<Vec<Vec3>>,
+    /// Which vertices share a normal, where normals follow from the triangles in every pose.
+    pub(crate) smooth: Option<Vec<u32>>,
+}
+
+impl Deformer {
+    /// All of a mesh on joint 0.
+    pub(crate) fn rigid(mesh: &Mesh) -> Self {
+        let n = mesh.positions.len();
+        Self {
+            positions: mesh.positions.clone(),
+            normals: mesh.normals.clone(),
+            joints: vec![[0; 4]; n],
+            weights: vec![[1.0, 0.0, 0.0, 0.0]; n],
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn drop_normals(&mut self) {
+        self.normals.clear();
+        self.normal_targets.clear();
+    }
+
+    /// Takes smooth normals instead of those of the file; `mesh` has the triangles.
+    pub(crate) fn smooth_normals(&mut self, mesh: &Mesh) {
+        self.drop_normals();
+        let triangles = mesh.triangles.clone();
+        let mut bind = Mesh { positions: self.positions.clone(), normals: Vec::new(), triangles };
+        if self.is_rigid() && self.targets.is_empty() {
+            bind.smooth_normals();
+            self.normals = bind.normals;
+        } else {
+            self.smooth = Some(bind.same_places());
+        }
+    }
+
+    /// Whether one matrix carries all vertices.
+    pub(crate) fn is_rigid(&self) -> bool {
+        self.joints.iter().flatten().all(|&j| j == 0)
+    }
+
+    /// What carries a vertex: Σ w·J.
+    fn blended(&self, vertex: usize, joints: &[Mat4]) -> Mat4 {
+        blend(self.joints[vertex], self.weights[vertex], joints)
+    }
+
+    /// Poses the mesh, which has this one's vertices: `p = Σ_j w_j J_j (p_bind + Σ_k m_k Δ_k)`. Normals go with the
+    /// inverse transpose of the blended matrix. Nothing is allocated, but for `smooth` normals one vector a vertex.
+    pub(crate) fn pose(&self, joints: &[Mat4], morph: &[f32], mesh: &mut Mesh) {
+        mesh.positions.copy_from_slice(&self.positions);
+        if self.smooth.is_none() {
+            mesh.normals.copy_from_slice(&self.normals);
+        }
+        for (k, &amount) in morph.iter().enumerate().filter(|&(_, &m)| m != 0.0) {
+            let add = |to: &mut [Vec3], by: &[Vec3]| to.iter_mut().zip(by).for_each(|(p, d)| *p += amount * *d);
+            add(&mut mesh.positions, &self.targets[k]);
+            if let (None, Some(normals)) = (&self.smooth, self.normal_targets.get(k)) {
+                add(&mut mesh.normals, normals);
+            }
+        }
+        let limit = Vec3::splat(MAX_COORDINATE);
+        let place = |matrix: &Mat4, p: Vec3| matrix.transform_point3(p.clamp(-limit, limit)).clamp(-limit, limit);
+        let turn = |cofactors: &Mat3, n: Vec3| (*cofactors * n).try_normalize().unwrap_or(Vec3::Y);
+        let rigid = self.is_rigid();
+        if rigid {
+            let (matrix, cofactors) = (joints[0], cofactors(&joints[0]));
+            mesh.positions.iter_mut().for_each(|p| *p = place(&matrix, *p));
+            if self.smooth.is_none() {
+                mesh.normals.iter_mut().for_each(|n| *n = turn(&cofactors, *n));
+            }
+        } else if self.smooth.is_some() || mesh.normals.is_empty() {
+            for (i, p) in mesh.positions.iter_mut().enumerate() {
+                *p = place(&self.blended(i, joints), *p);
+            }
+        } else {
+            for (i, (p, n)) in mesh.positions.iter_mut().zip(&mut mesh.normals).enumerate() {
+                let matrix = self.blended(i, joints);
+                *p = place(&matrix, *p);
+                *n = turn(&cofactors(&matrix), *n);
+            }
+        }
+        if let Some(groups) = &self.smooth {
+            mesh.smooth_normals_in(groups);
+        }
+    }
+
+    /// Whether the first pose turns most vertices inside out.
+    pub(crate) fn mirrors(&self, joints: &[Mat4]) -> bool {
+        let inside_out = |i: usize| Mat3::from_mat4(self.blended(i, joints)).determinant() < 0.0;
+        2 * (0..self.positions.len()).filter(|&i| inside_out(i)).count() > self.positions.len()
+    }
+
+    /// A ball of the posed mesh, bound to the vertex nearest to its centre.
+    pub(crate) fn bind_ball(&self, ball: Sphere, posed: &[Vec3], joints: &[Mat4]) -> BoundBall {
+        let far = |&i: &usize| posed[i].as_dvec3().distance_squared(ball.center.as_dvec3());
+        let nearest = (0..posed.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0);
+        BoundBall::new(ball, self.joints[nearest], self.weights[nearest], joints)
+    }
+}
+
+/// A ball that joints carry; its radius goes with the cube root of the determinant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoundBall {
+    bind: Sphere,
+    joints: [u16; 4],
+    weights: [f32; 4],
+}
+
+impl BoundBall {
+    /// Binds a ball of the posed scene.
+    pub(crate) fn new(ball: Sphere, on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Self {
+        let matrix = blend(on, weights, joints);
+        let inverse = matrix.inverse();
+        // Joints that flatten space have no bind space: the ball keeps its size and goes with what they do to a point.
+        let bind = if inverse.is_finite() { scaled(ball, &inverse) } else { ball };
+        Self { bind, joints: on, weights }
+    }
+
+    pub(crate) fn at(&self, joints: &[Mat4]) -> Sphere {
+        scaled(self.bind, &blend(self.joints, self.weights, joints))
+    }
+}
+
+/// A ball moved by a matrix; the radius is never 0.
+pub(crate) fn scaled(ball: Sphere, matrix: &Mat4) -> Sphere {
+    let limit = Vec3::splat(MAX_COORDINATE);
+    let center = matrix.transform_point3(ball.center).clamp(-limit, limit);
+    let size = Mat3::from_mat4(*matrix).determinant().abs().cbrt();
+    Sphere { center, radius: (ball.radius * size).clamp(f32::MIN_POSITIVE, MAX_COORDINATE) }
+}
+
+fn blend(on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Mat4 {
+    let mut sum = joints[usize::from(on[0])] * weights[0];
+    for k in 1..4 {
+        if weights[k] > 0.0 {
+            sum += joints[usize::from(on[k])] * weights[k];
+        }
+    }
+    sum
+}
+
+/// The inverse transpose but for a positive factor, for singular matrices as well; largest entry about 1.
+fn cofactors(matrix: &Mat4) -> Mat3 {
+    let linear = Mat3::from_mat4(*matrix);
+    let largest = linear.x_axis.abs().max(linear.y_axis.abs()).max(linear.z_axis.abs()).max_element();
+    if largest <= 0.0 || !largest.is_finite() {
+        return Mat3::IDENTITY;
+    }
+    let linear = linear * (1.0 / largest.max(f32::MIN_POSITIVE));
+    let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
+    let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
+}

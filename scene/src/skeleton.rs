@@ -1,0 +1,113 @@
+//! The nodes of a glTF file, moved by a clip.
+
+use crate::placement::{Clock, sample};
+use crate::track::Track;
+use glam::{Mat4, Quat, Vec3};
+
+/// A node's matrix to its parent.
+#[derive(Clone, Debug)]
+pub(crate) enum Local {
+    Matrix(Mat4),
+    Parts { scale: Vec3, rotation: Quat, translation: Vec3 },
+}
+
+/// One node.
+#[derive(Clone, Debug)]
+pub(crate) struct Bone {
+    pub(crate) parent: Option<usize>,
+    pub(crate) local: Local,
+    /// The world matrix at rest: finite.
+    pub(crate) rest: Mat4,
+    pub(crate) scale: Option<Track>,
+    pub(crate) rotation: Option<Track>,
+    pub(crate) translation: Option<Track>,
+    pub(crate) weights: Option<Track>,
+    /// Morph weights at rest.
+    pub(crate) rest_weights: Vec<f32>,
+}
+
+/// All nodes of a file and the clip that moves them.
+#[derive(Clone, Debug)]
+pub(crate) struct Skeleton {
+    /// By the file's numbers.
+    pub(crate) bones: Vec<Bone>,
+    /// Parents before their children.
+    pub(crate) order: Vec<usize>,
+    pub(crate) clock: Clock,
+}
+
+/// What of a skeleton carries a mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct Carrier {
+    /// Which skeleton of the animation.
+    pub(crate) skeleton: usize,
+    /// Each joint's node and inverse bind matrix; no node for vertices that stay where they are.
+    pub(crate) joints: Vec<(Option<usize>, Mat4)>,
+    /// The node whose weights morph the mesh.
+    pub(crate) morph: Option<usize>,
+}
+
+impl Bone {
+    pub(crate) fn moves(&self) -> bool {
+        [&self.scale, &self.rotation, &self.translation].into_iter().flatten().any(|t| !t.is_constant())
+    }
+
+    fn local(&self, time: f32) -> Mat4 {
+        let (scale, rotation, translation) = match self.local {
+            // glTF 2.0 allows no channels on a node with a matrix.
+            Local::Matrix(matrix) => return matrix,
+            Local::Parts { scale, rotation, translation } => (scale, rotation, translation),
+        };
+        let vector = |track: &Option<Track>, rest| track.as_ref().map_or(rest, |t| Vec3::from_array(sample(t, time)));
+        let rotation = self.rotation.as_ref().map_or(rotation, |t| Quat::from_array(sample(t, time)));
+        let (scale, translation) = (vector(&self.scale, scale), vector(&self.translation, translation));
+        Mat4::from_scale_rotation_translation(scale, rotation, translation)
+    }
+}
+
+impl Skeleton {
+    /// World matrices of all nodes; what leaves single precision is as at rest.
+    pub(crate) fn worlds(&self, time: f32) -> Vec<Mat4> {
+        let time = self.clock.local(time);
+        let mut worlds = vec![Mat4::IDENTITY; self.bones.len()];
+        for &i in &self.order {
+            let bone = &self.bones[i];
+            let local = bone.local(time);
+            let world = bone.parent.map_or(local, |p| worlds[p] * local);
+            let usable = world.to_cols_array().iter().all(|v| v.abs() <= crate::mesh::MAX_COORDINATE);
+            worlds[i] = if usable { world } else { bone.rest };
+        }
+        worlds
+    }
+
+    /// Appends the morph weights of a node.
+    pub(crate) fn morph_weights(&self, node: usize, time: f32, out: &mut Vec<f32>) {
+        let bone = &self.bones[node];
+        let start = out.len();
+        out.extend(&bone.rest_weights);
+        if let Some(track) = &bone.weights {
+            track.sample(self.clock.local(time), &mut out[start..]);
+        }
+    }
+
+    /// For each node whether the clip moves it or a node above it.
+    pub(crate) fn moving(&self) -> Vec<bool> {
+        let mut moving = vec![false; self.bones.len()];
+        for &i in &self.order {
+            moving[i] = self.bones[i].moves() || self.bones[i].parent.is_some_and(|p| moving[p]);
+        }
+        moving
+    }
+
+    /// Seconds until the clip's last key.
+    pub(crate) const fn end(&self) -> f32 {
+        self.clock.last
+    }
+}
+
+impl Carrier {
+    /// From bind space to the file's world.
+    pub(crate) fn joints(&self, worlds: &[Mat4]) -> impl Iterator<Item = Mat4> {
+        self.joints.iter().map(|&(node, bind)| node.map_or(bind, |n| worlds[n] * bind))
+    }
+}
