@@ -17,6 +17,7 @@ pub use lighting;
 pub use lobe_core;
 pub use render_cpu;
 pub use scene;
+pub use visibility_shadowmap;
 pub use visibility_spheres;
 
 mod comparison;

@@ -243,7 +243,7 @@ fn rendering_writes_pictures_and_figures() {
     assert_eq!(stats["tolerance"], 0.005);
     assert_eq!(
         (&stats["device"], &stats["method"], &stats["visibility"]),
-        (&"cpu".into(), &"moments".into(), &"spheres".into())
+        (&"cpu".into(), &"moments".into(), &"scene".into())
     );
 
     let beauty = read_exr(&folder.join("a.exr")).unwrap();
@@ -289,6 +289,67 @@ fn rays_see_what_spheres_stand_for() {
     assert!(error["penumbra"]["mean"].as_f64().unwrap() < 0.005, "{error}");
     let stats: Value = serde_json::from_str(&fs::read_to_string(folder.join("a.json")).unwrap()).unwrap();
     assert_eq!((&stats["visibility"], &stats["spheres"]), (&"rays".into(), &0.into()));
+}
+
+/// A table's top over the floor, as triangles.
+const TABLE: &str = r#"
+[[objects]]
+name = "table"
+box = { center = [-1.5, 0.9, 0.5], size = [1.2, 0.1, 0.8] }
+proxy = { spheres = 8 }
+"#;
+
+/// The third strategy: a depth map of the triangles, the same balls, no sphere set built.
+#[test]
+fn shadow_maps_see_the_true_triangles() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), SCENE.to_owned() + TABLE).unwrap();
+    let render = |name: &str, further: &[&str]| {
+        let args = ["render", "table.toml", "-o", name, "--json", "--visibility"];
+        json(folder, &[&args, further].concat())
+    };
+    let stats = render("map.exr", &["shadow-map"]);
+    assert_eq!((&stats["visibility"], &stats["spheres"]), (&"shadow-map".into(), &1.into()), "{stats}");
+    assert_eq!(stats["map_resolutions"].as_array().unwrap().len(), 1, "{stats}");
+    assert!(stats["map_bytes"].as_u64().unwrap() > 0 && stats["map_seconds"].as_f64().unwrap() > 0.0, "{stats}");
+    assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
+    let unshadowed = render("none.exr", &["none"]);
+    assert_eq!((&unshadowed["map_bytes"], &unshadowed["spheres"]), (&0.into(), &0.into()));
+    render("rays.exr", &["rays"]);
+    let error = json(folder, &["compare", "map.exr", "rays.exr", "--unshadowed", "none.exr", "--json"]);
+    assert!(error["penumbra"]["pixels"].as_u64().unwrap() > 40, "{error}");
+    // On floors 1 % is what the strategy promises.
+    assert!(error["penumbra"]["mean"].as_f64().unwrap() < 0.01, "{error}");
+
+    // A resolution that is asked for is taken; too coarse a one is told, with the way out.
+    let coarse = ["render", "table.toml", "-o", "c.exr", "--visibility", "shadow-map", "--map-resolution", "16"];
+    let ran = lobes(folder, &coarse);
+    let told = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && told.contains("light 0") && told.contains("--visibility rays"), "{told}");
+    assert_eq!(json(folder, &[&coarse[..], &["--json", "-q"]].concat())["map_resolutions"][0], 16);
+    for bad in ["0", "100000", "15", "8193", "1.5", "x"] {
+        let args = ["render", "table.toml", "--visibility", "shadow-map", "--map-resolution", bad];
+        refuse(folder, &args, "16 to 8192");
+    }
+    refuse(folder, &["render", "table.toml", "--visibility", "rays", "--map-resolution", "512"], "no shadow map");
+    // The floor alone shadows nothing: an empty map, and no fault.
+    assert_eq!(json(folder, &["render", "scene.toml", "--visibility", "shadow-map", "--json"])["map_bytes"], 0);
+}
+
+/// By the paper's method too.
+#[test]
+fn shadow_maps_by_the_paper_s_method() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), SCENE.to_owned() + TABLE).unwrap();
+    let args = ["render", "table.toml", "-q", "--visibility", "shadow-map", "-o"];
+    succeed(folder, &[&args[..], &["paper.exr", "--method", "paper"]].concat());
+    succeed(folder, &[&args[..], &["moments.exr"]].concat());
+    let error = json(folder, &["compare", "paper.exr", "moments.exr", "--json"]);
+    let relative = error["mae"].as_f64().unwrap() / error["reference_mean"].as_f64().unwrap();
+    // The paper's light lobe has up to 13.8 % too much flux; the shadows are the same.
+    assert!((0.01..0.2).contains(&relative), "{error}");
 }
 
 #[test]

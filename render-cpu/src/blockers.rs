@@ -1,6 +1,6 @@
 use core::ops::ControlFlow;
 use lobe_core::Sphere;
-use scene::{BlockerSet, Mesh, Proxy, Scene, Shape};
+use scene::{BlockerSet, Mesh, Object, Proxy, Scene, Shape};
 use std::path::PathBuf;
 use visibility_spheres::{BuildError, BuildOptions, SetFileError, SphereSet};
 
@@ -46,6 +46,17 @@ impl core::error::Error for BlockersError {}
 /// Hears of an object's name and how much of its spheres is done, in [0, 1], and may stop the work.
 pub type BlockersProgress<'a> = dyn FnMut(&str, f32) -> ControlFlow<()> + 'a;
 
+/// Where an object's blocker spheres come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SphereSource {
+    /// It has none: it blocks nothing, or another strategy has it.
+    Nothing,
+    /// Its [`Proxy`]: built, read or copied.
+    Proxy,
+    /// The exact balls that it is; nothing when it is a mesh.
+    Shape,
+}
+
 /// Makes the blocker spheres of all objects from their proxies: builds, reads or copies them.
 ///
 /// An object's self-shadow distance τ is its sphere set's; explicit spheres are measured against a visible mesh for it.
@@ -56,32 +67,25 @@ pub type BlockersProgress<'a> = dyn FnMut(&str, f32) -> ControlFlow<()> + 'a;
 /// # Errors
 /// [`BlockersError`]; a build that `progress` breaks off is [`BuildError::Cancelled`].
 pub fn blockers(scene: &Scene, progress: &mut BlockersProgress<'_>) -> Result<BlockerSet, BlockersError> {
+    blockers_from(scene, |_| SphereSource::Proxy, progress)
+}
+
+/// The same with the source of each object by its number: a part of a [`Mixture`](lighting::Mixture) whose other
+/// strategies have the rest.
+///
+/// # Errors
+/// As [`blockers`].
+pub fn blockers_from(
+    scene: &Scene,
+    source: impl Fn(usize) -> SphereSource,
+    progress: &mut BlockersProgress<'_>,
+) -> Result<BlockerSet, BlockersError> {
     let mut all = BlockerSet { self_distances: vec![0.0; scene.objects.len()], ..BlockerSet::default() };
     for (number, object) in scene.objects.iter().enumerate() {
-        let failed = |source| BlockersError::Build { object: object.name.clone(), source };
-        let (spheres, self_distance) = match (&object.proxy, &object.shape) {
-            (Proxy::None, _) => continue,
-            (Proxy::Count(_), Shape::Spheres(balls)) => (balls.clone(), ball_self_distance(balls)),
-            (Proxy::Count(count), Shape::Mesh(Mesh { positions, triangles, .. })) => {
-                let mut report = |done| progress(&object.name, done);
-                let options = BuildOptions::new(*count);
-                let set = SphereSet::build_with_progress(positions, triangles, &options, &mut report);
-                let set = set.map_err(failed)?;
-                (set.spheres, set.self_distance)
-            }
-            (Proxy::File(path), _) => {
-                let text = std::fs::read_to_string(path);
-                let text = text.map_err(|source| BlockersError::Read { path: path.clone(), source })?;
-                let set = SphereSet::from_json(&text);
-                let set = set.map_err(|source| BlockersError::Set { path: path.clone(), source })?;
-                (set.spheres, set.self_distance)
-            }
-            (Proxy::Spheres(spheres), Shape::Mesh(Mesh { positions, triangles, .. })) if object.visible => {
-                // Spheres that stand for a flat or empty mesh: nothing to measure, and no inside to shadow.
-                let measured = SphereSet::self_distance_of(positions, triangles, spheres);
-                (spheres.clone(), measured.unwrap_or(0.0))
-            }
-            (Proxy::Spheres(spheres), _) => (spheres.clone(), ball_self_distance(spheres)),
+        let (spheres, self_distance) = match (source(number), &object.shape) {
+            (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_)) => continue,
+            (SphereSource::Shape, Shape::Spheres(balls)) => (balls.clone(), ball_self_distance(balls)),
+            (SphereSource::Proxy, _) => proxy(object, progress)?,
         };
         let spheres = spheres.into_iter().filter(|s| !scene.lights.iter().any(|l| is_lamp(s, l.ball)));
         all.spheres.extend(spheres);
@@ -89,6 +93,35 @@ pub fn blockers(scene: &Scene, progress: &mut BlockersProgress<'_>) -> Result<Bl
         all.self_distances[number] = self_distance;
     }
     Ok(all)
+}
+
+/// The spheres of an object's proxy and their τ.
+fn proxy(object: &Object, progress: &mut BlockersProgress<'_>) -> Result<(Vec<Sphere>, f32), BlockersError> {
+    let failed = |source| BlockersError::Build { object: object.name.clone(), source };
+    Ok(match (&object.proxy, &object.shape) {
+        (Proxy::None, _) => (Vec::new(), 0.0),
+        (Proxy::Count(_), Shape::Spheres(balls)) => (balls.clone(), ball_self_distance(balls)),
+        (Proxy::Count(count), Shape::Mesh(Mesh { positions, triangles, .. })) => {
+            let mut report = |done| progress(&object.name, done);
+            let options = BuildOptions::new(*count);
+            let set = SphereSet::build_with_progress(positions, triangles, &options, &mut report);
+            let set = set.map_err(failed)?;
+            (set.spheres, set.self_distance)
+        }
+        (Proxy::File(path), _) => {
+            let text = std::fs::read_to_string(path);
+            let text = text.map_err(|source| BlockersError::Read { path: path.clone(), source })?;
+            let set = SphereSet::from_json(&text);
+            let set = set.map_err(|source| BlockersError::Set { path: path.clone(), source })?;
+            (set.spheres, set.self_distance)
+        }
+        (Proxy::Spheres(spheres), Shape::Mesh(Mesh { positions, triangles, .. })) if object.visible => {
+            // Spheres that stand for a flat or empty mesh: nothing to measure, and no inside to shadow.
+            let measured = SphereSet::self_distance_of(positions, triangles, spheres);
+            (spheres.clone(), measured.unwrap_or(0.0))
+        }
+        (Proxy::Spheres(spheres), _) => (spheres.clone(), ball_self_distance(spheres)),
+    })
 }
 
 /// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.

@@ -9,7 +9,7 @@ mod shade;
 mod test_scenes;
 mod world;
 
-pub use crate::blockers::{BlockersError, BlockersProgress, blockers};
+pub use crate::blockers::{BlockersError, BlockersProgress, SphereSource, blockers, blockers_from};
 pub use crate::gbuffer::{GBuffer, TILE};
 pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};

@@ -21,6 +21,8 @@ pub struct ShadowMap {
     pub(crate) light: Sphere,
     pub(crate) faces: Vec<Face>,
     resolution: u32,
+    /// What is drawn; `None` when nothing is.
+    casters: Option<Bounds>,
 }
 
 /// Whether a map is fine enough for the penumbrae of a light, see [`ShadowMap::advice`].
@@ -112,12 +114,13 @@ impl ShadowMap {
                 .collect();
         }
         faces.retain(|face| !face.layers.is_empty());
-        Ok(Self { light, faces, resolution: options.resolution })
+        let casters = Bounds::of(casters.iter().flatten().map(|p| (*p + center).as_vec3()));
+        Ok(Self { light, faces, resolution: options.resolution, casters })
     }
 
     /// The coarsest map that is fine enough: draws a rough one first and takes the resolution, from 256 to the one in the
-    /// options, at which the light is 64 texels wide (see [`advice`](Self::advice)), which is enough on the casters
-    /// themselves as well. Receivers that the options don't bound are taken to be on the casters.
+    /// options, at which the light is 64 texels wide (see [`advice`](Self::advice)) for receivers in the middle of the
+    /// options' bounds, and for those in the middle of the casters that are drawn, which are nearer to what shadows them.
     ///
     /// ```
     /// # use visibility_shadowmap::{MapOptions, ShadowMap};
@@ -143,8 +146,8 @@ impl ShadowMap {
         options.check()?;
         let rough = MapOptions { resolution: options.resolution.min(ROUGH), layers: 1, ..*options };
         let rough = Self::build(positions, triangles, light, &rough)?;
-        let receivers = options.receivers.or_else(|| Bounds::of(positions.iter().copied()));
-        let wanted = receivers.map_or(0, |b| rough.advice(&b).wanted_resolution).saturating_mul(2);
+        let wanted = |b: Option<Bounds>| b.map_or(0, |b| rough.advice(&b).wanted_resolution);
+        let wanted = wanted(options.receivers).max(wanted(rough.casters)).saturating_mul(2);
         let resolution = wanted.max(256).min(options.resolution);
         Self::build(positions, triangles, light, &MapOptions { resolution, ..*options })
     }
@@ -169,6 +172,12 @@ impl ShadowMap {
     #[must_use]
     pub fn faces(&self) -> usize {
         self.faces.len()
+    }
+
+    /// The box of the triangles that are drawn, those that can shadow a receiver; `None` when nothing can.
+    #[must_use]
+    pub fn casters(&self) -> Option<Bounds> {
+        self.casters
     }
 
     /// Depth layers in use, all faces together.

@@ -3,6 +3,8 @@
 use crate::console;
 use crate::failure::Failure;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use cosine_lobes::scene::Strategy;
+use cosine_lobes::visibility_shadowmap::MapOptions;
 use std::path::PathBuf;
 
 /// Soft shadows and glossy light from area lights, without noise.
@@ -70,7 +72,8 @@ pub(crate) struct ViewArgs {
   lobes render
   lobes render scene.toml -o a.png -o a.exr --tolerance 0.003
   lobes render scene.toml -o a.exr --layers --stats a.json
-  lobes render scene.toml -o unshadowed.exr --visibility none")]
+  lobes render scene.toml -o unshadowed.exr --visibility none
+  lobes render model.glb --visibility shadow-map        shadows of the true triangles")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) view: ViewArgs,
@@ -79,9 +82,13 @@ pub(crate) struct RenderArgs {
     #[arg(long, short, value_name = "FILE", default_value = "lobes.png")]
     pub(crate) output: Vec<PathBuf>,
 
-    /// What blocks light
-    #[arg(long, value_enum, default_value_t = Visibility::Spheres)]
+    /// How objects block light
+    #[arg(long, value_enum, default_value_t = Visibility::Scene)]
     pub(crate) visibility: Visibility,
+
+    /// Texels a side of each light's shadow map, 16 to 8192; when left out, what the light's width takes, 256 to 2048
+    #[arg(long, value_name = "N", value_parser = map_resolution)]
+    pub(crate) map_resolution: Option<u32>,
 
     /// How lobes are fitted and integrated
     #[arg(long, value_enum, default_value_t = Method::Moments)]
@@ -259,8 +266,12 @@ pub(crate) struct SpheresArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Visibility {
+    /// Each object as the scene file says (its key `visibility`), by spheres where it says nothing
+    Scene,
     /// The spheres that stand for the objects
     Spheres,
+    /// Depth maps around the lights, of the true triangles: no spheres to build; balls stay exact
+    ShadowMap,
     /// Shadow rays on the true triangles and balls: exact, and slower
     Rays,
     /// Nothing: no shadows
@@ -289,6 +300,19 @@ pub(crate) enum Geometry {
     Mesh,
 }
 
+impl Visibility {
+    /// The strategy that all objects take; none where each has its own.
+    pub(crate) fn strategy(self) -> Option<Strategy> {
+        match self {
+            Self::Scene => None,
+            Self::Spheres => Some(Strategy::Spheres),
+            Self::ShadowMap => Some(Strategy::ShadowMap),
+            Self::Rays => Some(Strategy::Rays),
+            Self::None => Some(Strategy::None),
+        }
+    }
+}
+
 /// The name of a choice, as it is typed.
 pub(crate) fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
@@ -315,6 +339,12 @@ fn exposure(text: &str) -> Result<f32, String> {
 
 fn positive(text: &str) -> Result<f32, String> {
     number(text, "above 0", |x| x > 0.0 && x.is_finite())
+}
+
+fn map_resolution(text: &str) -> Result<u32, String> {
+    let (least, most) = (MapOptions::MIN_RESOLUTION, MapOptions::MAX_RESOLUTION);
+    let good = text.parse::<u32>().ok().filter(|n| (least..=most).contains(n));
+    good.ok_or_else(|| format!("a shadow map has {least} to {most} texels a side"))
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {

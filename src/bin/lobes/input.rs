@@ -4,7 +4,8 @@ use crate::args::ViewArgs;
 use crate::console;
 use crate::failure::Failure;
 use crate::sphere_cache;
-use cosine_lobes::render_cpu::blockers;
+use crate::strategy::Plan;
+use cosine_lobes::render_cpu::blockers_from;
 use cosine_lobes::scene::{self, BlockerSet, Scene};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -29,11 +30,12 @@ pub(crate) fn view(args: &ViewArgs) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-/// The blocker spheres of the scene's objects.
-pub(crate) fn make_blockers(scene: &mut Scene, quiet: bool) -> Result<BlockerSet, Failure> {
-    sphere_cache::fill(scene, quiet)?;
+/// The blocker spheres of those objects that the plan gives some.
+pub(crate) fn make_blockers(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<BlockerSet, Failure> {
+    sphere_cache::fill(scene, plan, quiet)?;
     let bar = console::progress("spheres", 1000, quiet);
-    let set = blockers(scene, &mut |_, done| {
+    let source = |object| plan.spheres(scene, object);
+    let set = blockers_from(scene, source, &mut |_, done| {
         bar.set_position((done * 1000.0) as u64);
         ControlFlow::Continue(())
     });

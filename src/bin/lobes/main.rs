@@ -7,10 +7,13 @@ mod console;
 mod failure;
 mod files;
 mod input;
+mod picture;
 mod reference;
 mod render;
 mod sphere_cache;
 mod spheres;
+mod stats;
+mod strategy;
 
 use crate::args::{Command, parse};
 use crate::failure::Failure;

@@ -1,8 +1,9 @@
-use crate::args::{Geometry as Choice, ReferenceArgs};
+use crate::args::{Geometry as Choice, ReferenceArgs, Visibility};
 use crate::console::{self, STOP, note, say};
 use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
+use crate::strategy::Plan;
 use cosine_lobes::render_cpu::{CheckpointError, GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
 use cosine_lobes::scene::BlockerSet;
 use cosine_lobes::{ExrLayer, ImageFileError, Output, Picture};
@@ -36,8 +37,9 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         (_, Choice::Spheres) => Geometry::Spheres,
         (_, Choice::Mesh) => Geometry::Mesh,
     };
+    let plan = Plan::new(Visibility::Spheres, &scene);
     let blockers = match geometry {
-        Geometry::Spheres => input::make_blockers(&mut scene, view.quiet)?,
+        Geometry::Spheres => input::make_blockers(&mut scene, &plan, view.quiet)?,
         Geometry::Mesh | Geometry::None => BlockerSet::default(),
     };
     let world = World::new(&scene);

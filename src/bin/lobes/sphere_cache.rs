@@ -2,7 +2,8 @@
 
 use crate::console;
 use crate::failure::Failure;
-use cosine_lobes::render_cpu::BlockersError;
+use crate::strategy::Plan;
+use cosine_lobes::render_cpu::{BlockersError, SphereSource};
 use cosine_lobes::scene::{Mesh, Object, Proxy, Scene, Shape};
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet};
 use cosine_lobes::{ImageFileError, Output};
@@ -14,13 +15,16 @@ use std::time::UNIX_EPOCH;
 
 /// Builds the sphere sets that the scene's objects ask for, or finds them among those of earlier runs, and lets the
 /// objects refer to their files. Where nothing can be stored the scene is left as it is.
-pub(crate) fn fill(scene: &mut Scene, quiet: bool) -> Result<(), Failure> {
-    let wanted = |o: &Object| matches!((&o.proxy, &o.shape), (Proxy::Count(_), Shape::Mesh(_)));
-    if !scene.objects.iter().any(wanted) {
+pub(crate) fn fill(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<(), Failure> {
+    let built = |o: &Object| matches!((&o.proxy, &o.shape), (Proxy::Count(_), Shape::Mesh(_)));
+    let by_proxy = |number: usize| plan.spheres(scene, number) == SphereSource::Proxy;
+    let wanted: Vec<usize> = (0..scene.objects.len()).filter(|n| by_proxy(*n) && built(&scene.objects[*n])).collect();
+    if wanted.is_empty() {
         return Ok(());
     }
     let Some(folder) = folder() else { return Ok(()) };
-    for object in scene.objects.iter_mut().filter(|o| wanted(o)) {
+    for number in wanted {
+        let object = &mut scene.objects[number];
         let (Proxy::Count(count), Shape::Mesh(mesh)) = (&object.proxy, &object.shape) else { continue };
         let path = folder.join(format!("{:016x}{:016x}.json", key(mesh, *count, 0), key(mesh, *count, 1)));
         let known = fs::read_to_string(&path).is_ok_and(|text| SphereSet::from_json(&text).is_ok());

@@ -1,0 +1,173 @@
+//! A picture, shaded in bands.
+
+use crate::args::RenderArgs;
+use crate::failure::Failure;
+use crate::strategy::Work;
+use cosine_lobes::ExrLayer;
+use cosine_lobes::lobe_core::VisibilityLobes;
+use cosine_lobes::render_cpu::{CpuShader, GBuffer, TILE, World};
+use cosine_lobes::scene::{Frame, Shade, ShadeStats};
+use cosine_lobes::visibility_shadowmap::Bounds;
+use glam::Vec3;
+use std::ops::Range;
+use std::time::Instant;
+
+/// Camera rays in flight: bounds the memory of large pictures.
+const BAND_RAYS: u64 = 1 << 19;
+
+/// Runs `work` and adds what it takes to a clock in seconds.
+pub(crate) fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *clock += start.elapsed().as_secs_f64();
+    result
+}
+
+/// The visible points, band by band of rows.
+pub(crate) struct Bands<'w> {
+    world: &'w World<'w>,
+    samples: u32,
+    rows: u32,
+    /// The picture's only band, where it has been looked at before it is shaded.
+    kept: Option<GBuffer>,
+    /// Seconds of finding visible points.
+    pub(crate) seconds: f64,
+}
+
+impl<'w> Bands<'w> {
+    pub(crate) fn new(world: &'w World<'w>, samples: u32) -> Self {
+        let rows = BAND_RAYS / (u64::from(world.scene().width) * u64::from(samples));
+        let rows = (rows as u32 / TILE * TILE).max(TILE);
+        Self { world, samples, rows, kept: None, seconds: 0.0 }
+    }
+
+    fn ranges(&self) -> impl Iterator<Item = Range<u32>> + use<> {
+        let (height, rows) = (self.world.scene().height, self.rows);
+        (0..height).step_by(rows as usize).map(move |top| top..(top + rows).min(height))
+    }
+
+    fn points(&mut self, rows: Range<u32>) -> GBuffer {
+        let (world, samples) = (self.world, self.samples);
+        let scene = world.scene();
+        match self.kept.take() {
+            Some(g) => g,
+            None => seconds(&mut self.seconds, || GBuffer::rows(world, scene.width, scene.height, samples, rows)),
+        }
+    }
+
+    /// The box of all visible points; `None` when the camera sees nothing. Costs nothing where one band is the whole
+    /// picture, since its points are kept; else all points are found twice.
+    pub(crate) fn bounds(&mut self) -> Option<Bounds> {
+        let mut all: Option<Bounds> = None;
+        let ranges: Vec<_> = self.ranges().collect();
+        let whole = ranges.len() == 1;
+        for rows in ranges {
+            let g = self.points(rows);
+            if let Some(b) = Bounds::of(g.points.receivers.iter().map(|r| r.position)) {
+                all = Some(all.map_or(b, |a| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) }));
+            }
+            self.kept = whole.then_some(g);
+        }
+        all
+    }
+}
+
+/// The picture and what it is made of, row by row as bands are finished.
+#[derive(Default)]
+pub(crate) struct Planes {
+    pub(crate) beauty: Vec<Vec3>,
+    unshadowed: Vec<Vec3>,
+    lights: Vec<Vec<Vec3>>,
+    normals: Vec<Vec3>,
+    depths: Vec<f32>,
+    lobes: Vec<f32>,
+    products: Vec<f32>,
+    pub(crate) points: usize,
+    /// One entry a repetition.
+    pub(crate) stats: Vec<ShadeStats>,
+}
+
+/// Shades a picture; the work that a strategy is chosen for.
+pub(crate) struct Shading<'a, 'w> {
+    pub(crate) args: &'a RenderArgs,
+    pub(crate) frame: &'a Frame<'a>,
+    pub(crate) bands: &'a mut Bands<'w>,
+    /// Told how many rows are done.
+    pub(crate) progress: &'a dyn Fn(u32),
+}
+
+impl Work for Shading<'_, '_> {
+    type Result = Result<Planes, Failure>;
+
+    fn with<V: VisibilityLobes>(self, mut shader: CpuShader<'_, V>) -> Self::Result {
+        let Self { args, frame, bands, progress } = self;
+        let scene = bands.world.scene();
+        let mut planes = Planes { lights: vec![Vec::new(); frame.lights.len()], ..Planes::default() };
+        // At once: a picture that finds no room is refused here, and growing would take twice the memory.
+        planes.beauty.try_reserve_exact(scene.width as usize * scene.height as usize)?;
+        planes.stats.resize(args.repeat as usize, ShadeStats::default());
+        for rows in bands.ranges() {
+            progress(rows.start);
+            let g = bands.points(rows);
+            let mut radiance = vec![Vec3::ZERO; g.len()];
+            for (repetition, total) in planes.stats.iter_mut().enumerate() {
+                let stats = if args.layers {
+                    let (stats, layers) = shader.shade_layers(&g.points, frame, &mut radiance)?;
+                    if repetition == 0 {
+                        let count = frame.lights.len();
+                        planes.unshadowed.extend(g.resolve(&layers.unshadowed, scene.background));
+                        for (l, plane) in planes.lights.iter_mut().enumerate() {
+                            let part: Vec<Vec3> = layers.lights.iter().skip(l).step_by(count).copied().collect();
+                            plane.extend(g.resolve(&part, Vec3::ZERO));
+                        }
+                        let numbers = |n: &[u32]| n.iter().map(|n| *n as f32).collect::<Vec<f32>>();
+                        planes.lobes.extend(g.resolve(&numbers(&layers.lobes), 0.0));
+                        planes.products.extend(g.resolve(&numbers(&layers.integrals), 0.0));
+                    }
+                    stats
+                } else {
+                    shader.shade(&g.points, frame, &mut radiance)?
+                };
+                add(total, &stats);
+            }
+            if args.layers {
+                let normals: Vec<Vec3> = g.points.receivers.iter().map(|r| r.normal).collect();
+                planes.normals.extend(g.resolve(&normals, Vec3::ZERO));
+                planes.depths.extend(g.resolve(&g.depths, f32::INFINITY));
+            }
+            planes.beauty.extend(g.resolve(&radiance, scene.background));
+            planes.points += g.len();
+        }
+        Ok(planes)
+    }
+}
+
+fn add(total: &mut ShadeStats, band: &ShadeStats) {
+    total.seconds += band.seconds;
+    let (a, b) = (&mut total.stages, &band.stages);
+    a.reflectance += b.reflectance;
+    a.lighting += b.lighting;
+    a.mask += b.mask;
+    a.visibility_lobes += b.visibility_lobes;
+    a.integration += b.integration;
+    let (a, b) = (&mut total.counts, &band.counts);
+    a.lobes += b.lobes;
+    a.integrals += b.integrals;
+    a.pruned += b.pruned;
+    a.lit_points += b.lit_points;
+    a.dark_points += b.dark_points;
+    a.penumbra_points += b.penumbra_points;
+}
+
+impl Planes {
+    /// The layers that `--layers` asks for.
+    pub(crate) fn layers(&self) -> Vec<ExrLayer> {
+        let mut layers = vec![ExrLayer::color("unshadowed", &self.unshadowed)];
+        layers.extend(self.lights.iter().enumerate().map(|(i, l)| ExrLayer::color(&format!("light{i}"), l)));
+        layers.push(ExrLayer::vector("normal", &self.normals));
+        layers.push(ExrLayer::scalar("depth", 'Z', self.depths.clone()));
+        layers.push(ExrLayer::scalar("lobes", 'N', self.lobes.clone()));
+        layers.push(ExrLayer::scalar("products", 'N', self.products.clone()));
+        layers
+    }
+}

@@ -1,0 +1,114 @@
+//! The figures of `render`.
+
+use crate::args::{RenderArgs, name};
+use crate::console::say;
+use cosine_lobes::lighting::depth_for;
+use cosine_lobes::scene::{Scene, ShadeStats};
+use serde_json::{Value, json};
+
+/// Seconds outside shading and per-frame updates.
+#[derive(Default)]
+pub(crate) struct Clocks {
+    pub(crate) load: f64,
+    pub(crate) spheres: f64,
+    pub(crate) tables: f64,
+    pub(crate) hierarchy: f64,
+    pub(crate) maps: f64,
+    pub(crate) gbuffer: f64,
+    pub(crate) write: f64,
+}
+
+/// What was rendered.
+#[derive(Default)]
+pub(crate) struct Figures {
+    /// Shading of each frame or repetition.
+    pub(crate) runs: Vec<ShadeStats>,
+    pub(crate) points: usize,
+    pub(crate) spheres: usize,
+    pub(crate) triangles: usize,
+    /// Resolution of each light's shadow map, and bytes of all.
+    pub(crate) map_resolutions: Vec<u32>,
+    pub(crate) map_bytes: usize,
+}
+
+pub(crate) fn summary(args: &RenderArgs, scene: &Scene, figures: &Figures, clocks: &Clocks) -> Value {
+    let mut runs = figures.runs.clone();
+    runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let ShadeStats { seconds, stages, counts } = runs.get(runs.len() / 2).copied().unwrap_or_default();
+    let points = figures.points;
+    json!({
+        "device": name(&args.device),
+        "method": name(&args.method),
+        "visibility": name(&args.visibility),
+        "width": scene.width,
+        "height": scene.height,
+        "points": points,
+        "frames": runs.len(),
+        "lights": scene.lights.len(),
+        "spheres": figures.spheres,
+        "triangles": figures.triangles,
+        "tolerance": decimal(args.tolerance),
+        "depth": args.depth.unwrap_or_else(|| depth_for(args.tolerance)),
+        "threads": rayon::current_num_threads(),
+        "map_resolutions": figures.map_resolutions,
+        "map_bytes": figures.map_bytes,
+        "seconds": seconds,
+        "points_per_second": if seconds > 0.0 { points as f64 / seconds } else { 0.0 },
+        "stages": {
+            "reflectance": stages.reflectance,
+            "lighting": stages.lighting,
+            "mask": stages.mask,
+            "visibility_lobes": stages.visibility_lobes,
+            "integration": stages.integration,
+        },
+        "counts": {
+            "lobes": counts.lobes,
+            "integrals": counts.integrals,
+            "pruned": counts.pruned,
+            "lit_points": counts.lit_points,
+            "dark_points": counts.dark_points,
+            "penumbra_points": counts.penumbra_points,
+        },
+        "load_seconds": clocks.load,
+        "spheres_seconds": clocks.spheres,
+        "tables_seconds": clocks.tables,
+        "hierarchy_seconds": clocks.hierarchy,
+        "map_seconds": clocks.maps,
+        "gbuffer_seconds": clocks.gbuffer,
+        "write_seconds": clocks.write,
+    })
+}
+
+/// The number as it was typed, not with the digits that f64 adds to an f32.
+fn decimal(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+pub(crate) fn print(args: &RenderArgs, stats: &Value) {
+    let names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
+    let number = |key: &str| stats[key].as_f64().unwrap_or_default();
+    let milliseconds = |key: &str| format!("{:.1} ms", 1e3 * number(key));
+    let counts = &stats["counts"];
+    let count = |key: &str| counts[key].as_u64().unwrap_or_default();
+    let pairs = count("lit_points") + count("dark_points") + count("penumbra_points");
+    let share = 100.0 * count("penumbra_points") as f64 / pairs.max(1) as f64;
+    say(format_args!("{}: {} x {}", names.join(", "), stats["width"], stats["height"]));
+    let maps = match stats["map_resolutions"].as_array() {
+        Some(list) if !list.is_empty() => {
+            let sides: Vec<String> = list.iter().map(|n| format!("{n}²")).collect();
+            format!(", shadow maps {} in {}", sides.join(" "), milliseconds("map_seconds"))
+        }
+        _ => String::new(),
+    };
+    say(format_args!(
+        "shading {} ({} points, {} spheres, {} lights, {share:.1} % in penumbra), G-buffer {}, spheres {}{maps}, \
+         writing {}",
+        milliseconds("seconds"),
+        stats["points"],
+        stats["spheres"],
+        stats["lights"],
+        milliseconds("gbuffer_seconds"),
+        milliseconds("spheres_seconds"),
+        milliseconds("write_seconds"),
+    ));
+}

@@ -1,0 +1,144 @@
+//! Which strategy each object's shadow takes, and the visibility that this makes.
+
+use crate::args::Visibility;
+use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
+use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::lobe_core::{Method, Unshadowed, VisibilityLobes};
+use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SphereSource, World};
+use cosine_lobes::scene::{BlockerSet, Object, Proxy, Scene, Shape, Strategy};
+use cosine_lobes::visibility_shadowmap::{Bounds, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
+use cosine_lobes::visibility_spheres::SphereBlockers;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// The finest map that is taken unless asked for.
+const FITTED: u32 = 2048;
+
+/// One strategy for each object; [`Strategy::None`] for those that block nothing.
+pub(crate) struct Plan {
+    objects: Vec<Strategy>,
+}
+
+impl Plan {
+    /// One strategy for all objects, or each object's own.
+    pub(crate) fn new(word: Visibility, scene: &Scene) -> Self {
+        let of = |o: &Object| {
+            let strategy = word.strategy().or(o.strategy).unwrap_or(Strategy::Spheres);
+            let blocks = match strategy {
+                Strategy::Spheres => o.proxy != Proxy::None,
+                // The true geometry also of things that nobody gave a proxy.
+                Strategy::ShadowMap | Strategy::Rays => o.visible || o.proxy != Proxy::None,
+                Strategy::None => false,
+            };
+            if blocks { strategy } else { Strategy::None }
+        };
+        Self { objects: scene.objects.iter().map(of).collect() }
+    }
+
+    /// The strategy of an object.
+    pub(crate) fn of(&self, object: usize) -> Strategy {
+        self.objects[object]
+    }
+
+    /// Whether any object takes this strategy.
+    pub(crate) fn uses(&self, strategy: Strategy) -> bool {
+        self.objects.contains(&strategy)
+    }
+
+    /// The spheres that an object blocks with: those of its proxy, or the balls that it is. A map has triangles only, so
+    /// the balls of an object in it are spheres.
+    pub(crate) fn spheres(&self, scene: &Scene, object: usize) -> SphereSource {
+        match (self.objects[object], &scene.objects[object].shape) {
+            (Strategy::Spheres, _) => SphereSource::Proxy,
+            (Strategy::ShadowMap, Shape::Spheres(_)) => SphereSource::Shape,
+            _ => SphereSource::Nothing,
+        }
+    }
+
+    /// Whether an object's triangles are in the shadow maps.
+    fn in_maps(&self, scene: &Scene, object: usize) -> bool {
+        self.objects[object] == Strategy::ShadowMap && matches!(scene.objects[object].shape, Shape::Mesh(_))
+    }
+
+    /// Whether there are any triangles for shadow maps.
+    pub(crate) fn wants_maps(&self, scene: &Scene) -> bool {
+        (0..self.objects.len()).any(|o| self.in_maps(scene, o))
+    }
+
+    /// A map for each light, for receivers in `bounds`; `resolution` as asked for, else as each light requires.
+    pub(crate) fn maps(
+        &self,
+        scene: &Scene,
+        receivers: Bounds,
+        resolution: Option<u32>,
+    ) -> Result<Vec<ShadowMap>, MapError> {
+        let (mut positions, mut triangles) = (Vec::<Vec3>::new(), Vec::<[u32; 3]>::new());
+        for (_, object) in scene.objects.iter().enumerate().filter(|(o, _)| self.in_maps(scene, *o)) {
+            if let Shape::Mesh(mesh) = &object.shape {
+                let first = positions.len() as u32;
+                positions.extend_from_slice(&mesh.positions);
+                triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
+            }
+        }
+        let options = MapOptions { receivers: Some(receivers), ..MapOptions::default() };
+        let map = |light| match resolution {
+            Some(resolution) => ShadowMap::build(&positions, &triangles, light, &MapOptions { resolution, ..options }),
+            None => ShadowMap::fitted(&positions, &triangles, light, &MapOptions { resolution: FITTED, ..options }),
+        };
+        scene.lights.par_iter().map(|l| map(l.ball)).collect()
+    }
+}
+
+/// What blocks light in one frame, by strategy.
+pub(crate) struct Occlusion<'a> {
+    spheres: Option<SphereBlockers>,
+    maps: Option<ShadowMapBlockers>,
+    rays: Option<RayBlockers<'a>>,
+}
+
+impl<'a> Occlusion<'a> {
+    /// Gathers what the plan asks for, and leaves out what turned out empty.
+    pub(crate) fn new(plan: &'a Plan, world: &'a World<'a>, set: &'a BlockerSet, mut maps: Vec<ShadowMap>) -> Self {
+        maps.retain(|map| map.faces() > 0);
+        let spheres =
+            (!set.spheres.is_empty()).then(|| SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances));
+        let by_rays = |o: u32| plan.of(o as usize) == Strategy::Rays;
+        let all = plan.objects.iter().all(|s| *s == Strategy::Rays);
+        let rays = plan.uses(Strategy::Rays).then(|| match all {
+            true => RayBlockers::new(world),
+            false => RayBlockers::new(world).only(by_rays),
+        });
+        Self { spheres, maps: (!maps.is_empty()).then(|| ShadowMapBlockers::new(maps)), rays }
+    }
+
+    /// Does the work with the shader that these blockers make by the paper's method, where its tables are given, or by
+    /// moments. What is not there is not in the shader; mixtures of any kinds share one.
+    pub(crate) fn shade<W: Work>(self, depth: u32, tables: Option<&Tables>, work: W) -> W::Result {
+        match (self.spheres, self.maps, self.rays) {
+            (None, None, None) => {
+                work.with(CpuShader::with_method(Unshadowed, tables.map_or(Method::Moments, Method::Paper)))
+            }
+            (Some(spheres), None, None) => masked(spheres, depth, tables, work),
+            (spheres, maps, rays) => masked(Mixture::new(spheres, Mixture::new(maps, rays)), depth, tables, work),
+        }
+    }
+}
+
+/// Something to be done with a shader of whatever visibility.
+pub(crate) trait Work {
+    /// What comes of it.
+    type Result;
+
+    /// Does it.
+    fn with<V: VisibilityLobes>(self, shader: CpuShader<'_, V>) -> Self::Result;
+}
+
+fn masked<B: Blockers, W: Work>(blockers: B, depth: u32, tables: Option<&Tables>, work: W) -> W::Result {
+    match tables {
+        None => work.with(CpuShader::new(MaskVisibility::new(blockers, depth))),
+        Some(tables) => {
+            let visibility = PaperVisibility::new(blockers, depth, tables);
+            work.with(CpuShader::with_method(visibility, Method::Paper(tables)))
+        }
+    }
+}
