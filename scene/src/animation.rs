@@ -1,5 +1,6 @@
 use crate::deformer::{BoundBall, Deformer, scaled};
 use crate::keys::CameraKeys;
+use crate::mesh::MAX_COORDINATE;
 use crate::placement::Placement;
 use crate::skeleton::{Carrier, Skeleton};
 use crate::{Camera, Object, Proxy, Scene, Shape};
@@ -255,7 +256,9 @@ impl Mover {
         let placement = self.placement.at(time);
         match (&self.body, skeleton) {
             (Body::Mesh(_, Some(carrier)), Some(skeleton)) => {
-                out.joints.extend(carrier.joints(worlds).map(|joint| placement * joint));
+                let usable = |m: &Mat4| m.to_cols_array().iter().all(|v| v.abs() <= MAX_COORDINATE);
+                let joints = carrier.joints(worlds).map(|joint| placement * joint);
+                out.joints.extend(joints.map(|m| if usable(&m) { m } else { placement }));
                 if let Some(node) = carrier.morph {
                     skeleton.morph_weights(node, time, &mut out.morph);
                 }

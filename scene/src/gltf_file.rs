@@ -1,15 +1,18 @@
-//! glTF 2.0: triangle meshes of the shown scene in their rest pose, base materials, perspective camera.
+//! glTF 2.0: triangle meshes of the shown scene, moved by a clip, with base materials and a perspective camera.
 
 use crate::animation::CameraMover;
+use crate::deformer::Deformer;
+use crate::gltf_animation::{clip_names, find_clip, play};
 use crate::gltf_buffers::Buffers;
+use crate::gltf_material::read_material;
+use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
+use crate::gltf_nodes::{read_camera, shown_nodes, skeleton};
 use crate::load::{Context, Part};
+use crate::mesh::MAX_COORDINATE;
+use crate::skeleton::{Carrier, Skeleton};
 use crate::{Camera, Mesh, SceneError};
-use brdf::{Material, ModifiedPhong};
-use glam::{Mat4, Quat, Vec3};
-use gltf::json::accessor::Type;
-use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::validation::Checked;
-use gltf::json::{Index, Node, Root};
+use glam::Mat4;
+use gltf::json::Root;
 use std::path::Path;
 
 /// Extensions that may be required: their data is either read or only changes how a surface looks.
@@ -32,21 +35,39 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut
     } else {
         (bytes, None)
     };
-    let root = match gltf::json::deserialize::from_slice::<Root>(json) {
-        Ok(root) => root,
-        Err(e) => without_animations(json).ok_or_else(|| {
+    let (root, fault) = match gltf::json::deserialize::from_slice::<Root>(json) {
+        Ok(root) => (root, None),
+        Err(e) => without_faulty_animations(path, json, context).ok_or_else(|| {
             // In a binary file a line means nothing.
             if is_glb { SceneError::file(path, e.to_string()) } else { json_error(path, &e) }
         })?,
     };
-    document(path, &root, chunk, context).map_err(|message| SceneError::file(path, message))
+    document(path, &root, chunk, clip.map(|clip| (clip, fault)), context)
+        .map_err(|message| SceneError::file(path, message))
 }
 
-/// The document read again without its animations: nothing here uses them, so a fault in them is none.
-fn without_animations(json: &[u8]) -> Option<Root> {
+/// The document read again without what its animations aim at that is no node, or else without them, and why.
+fn without_faulty_animations(path: &Path, json: &[u8], context: &mut Context) -> Option<(Root, Option<String>)> {
     let mut value: gltf::json::Value = gltf::json::deserialize::from_slice(json).ok()?;
-    value.as_object_mut()?.remove("animations")?;
-    gltf::json::deserialize::from_value(value).ok()
+    let mut pruned = 0;
+    for animation in value.get_mut("animations")?.as_array_mut().into_iter().flatten() {
+        if let Some(channels) = animation.get_mut("channels").and_then(|c| c.as_array_mut()) {
+            let before = channels.len();
+            channels.retain(|channel| channel.pointer("/target/node").is_some());
+            pruned += before - channels.len();
+        }
+    }
+    let fault = match gltf::json::deserialize::from_value(value.clone()) {
+        Ok(root) => {
+            context.warn(path, format!("{pruned} animation channels without a node were left out"));
+            return Some((root, None));
+        }
+        Err(e) => e.to_string(),
+    };
+    value.as_object_mut()?.remove("animations");
+    let root = gltf::json::deserialize::from_value(value).ok()?;
+    context.warn(path, format!("animations are not read: {fault}"));
+    Some((root, Some(fault)))
 }
 
 fn json_error(path: &Path, e: &gltf::json::Error) -> SceneError {
@@ -86,7 +107,13 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     Ok((json, binary))
 }
 
-fn document(path: &Path, root: &Root, chunk: Option<&[u8]>, context: &mut Context) -> Result<Read, String> {
+fn document(
+    path: &Path,
+    root: &Root,
+    chunk: Option<&[u8]>,
+    wanted: Option<(&str, Option<String>)>,
+    context: &mut Context,
+) -> Result<Read, String> {
     let asset = &root.asset;
     if !asset.version.starts_with("2.") || asset.min_version.as_deref().is_some_and(|v| v != "2.0") {
         let version = asset.min_version.as_deref().unwrap_or(&asset.version);
@@ -96,56 +123,46 @@ fn document(path: &Path, root: &Root, chunk: Option<&[u8]>, context: &mut Contex
         return Err(format!("requires the extension {name}, which is not supported"));
     }
     let buffers = Buffers::load(path, root, chunk)?;
-    let worlds = world_matrices(root)?;
     let shown = shown_nodes(root)?;
+    let skeleton = animated(path, root, &buffers, wanted, context)?;
+    let mut reader = Reader {
+        root,
+        buffers,
+        worlds: skeleton.worlds(0.0),
+        moving: skeleton.moving(),
+        skeleton,
+        notes: Notes::default(),
+    };
+    let index = context.skeletons.len();
 
-    let (mut parts, mut camera, mut skipped) = (Vec::new(), None, 0);
+    let (mut parts, mut camera, mut moving_camera) = (Vec::new(), None, None);
     for &n in &shown {
-        let node = &root.nodes[n];
-        if let Some(index) = node.camera {
-            let read = read_camera(root, index.value(), &worlds[n])?;
-            match read {
-                Some(found) => camera = camera.or(Some(found)),
+        if let Some(which) = root.nodes[n].camera {
+            match read_camera(root, which.value(), &reader.worlds[n])? {
+                Some(found) if camera.is_none() => {
+                    let vertical_fov = found.vertical_fov;
+                    moving_camera =
+                        reader.moving[n].then_some(CameraMover::Node { skeleton: index, node: n, vertical_fov });
+                    camera = Some(found);
+                }
+                Some(_) => {}
                 None => context.warn(path, "orthographic cameras are not supported"),
             }
         }
-        let Some(index) = node.mesh else { continue };
-        let m = index.value();
-        let mesh = root.meshes.get(m).ok_or_else(|| format!("node {n}: there is no mesh {m}"))?;
-        let pose = match node.skin {
-            Some(skin) => Some(joint_matrices(root, &buffers, skin.value(), &worlds)?),
-            None => None,
-        };
-        let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {n}"));
-        for (p, primitive) in mesh.primitives.iter().enumerate() {
-            let fault = |e: String| format!("mesh {m}, primitive {p}: {e}");
-            let Some(mut triangles) = read_primitive(&buffers, primitive).map_err(fault)? else {
-                skipped += 1;
-                continue;
-            };
-            let skinned = match &pose {
-                Some(pose) => skin(&buffers, primitive, pose, &mut triangles).map_err(fault)?,
-                None => false,
-            };
-            if !skinned {
-                triangles.transform(&worlds[n]);
-            }
-            let material = match primitive.material {
-                None => None,
-                Some(index) => Some((index.value(), read_material(root, index.value())?)),
-            };
-            let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
-            parts.push(Part::fixed(name, triangles, material));
-        }
+        reader.parts_of(n, index, &mut parts)?;
     }
+    let Notes { skipped, reduced, uneven } = reader.notes;
     if skipped > 0 {
         context.warn(path, format!("{skipped} primitives that are points or lines were left out"));
     }
+    if reduced > 0 {
+        context.warn(path, format!("{reduced} vertices have more than 4 joints: those that count most are kept"));
+    }
+    if uneven > 0 {
+        context.warn(path, format!("joint weights of {uneven} vertices do not add up to 1: they are made to"));
+    }
     if !root.textures.is_empty() {
         context.warn(path, "textures are not read: materials have their base factors");
-    }
-    if !root.animations.is_empty() {
-        context.warn(path, "animations are not read: the rest pose is shown");
     }
     if root.materials.iter().any(|m| m.emissive_factor.0 != [0.0; 3]) {
         context.warn(path, "emissive materials are not lights yet");
@@ -153,230 +170,145 @@ fn document(path: &Path, root: &Root, chunk: Option<&[u8]>, context: &mut Contex
     if root.extensions_used.iter().any(|e| e == "KHR_lights_punctual") {
         context.warn(path, "punctual lights are not read: a default light is used");
     }
-    Ok((parts, camera, None))
+    if moving_camera.is_some() || parts.iter().any(|p: &Part| p.rig.is_some()) {
+        context.skeletons.push(reader.skeleton);
+    }
+    Ok((parts, camera, moving_camera))
 }
 
-/// World matrices of all nodes.
-fn world_matrices(root: &Root) -> Result<Vec<Mat4>, String> {
-    let n = root.nodes.len();
-    let mut has_parent = vec![false; n];
-    for (i, node) in root.nodes.iter().enumerate() {
-        for child in node.children.iter().flatten().map(Index::value) {
-            let slot = has_parent.get_mut(child).ok_or_else(|| format!("node {i}: there is no node {child}"))?;
-            if std::mem::replace(slot, true) {
-                return Err(format!("node {child} has two parents: nodes must form a tree"));
+/// The nodes with the clip that was asked for, else with the first one. A fault in the latter is told and leaves them at
+/// rest.
+fn animated(
+    path: &Path,
+    root: &Root,
+    buffers: &Buffers<'_>,
+    wanted: Option<(&str, Option<String>)>,
+    context: &mut Context,
+) -> Result<Skeleton, String> {
+    let rest = skeleton(root)?;
+    let names = clip_names(root);
+    let clip = match &wanted {
+        Some((_, Some(fault))) => return Err(format!("animations cannot be read: {fault}")),
+        Some((name, None)) => Some(find_clip(&names, name)?),
+        None if names.is_empty() => None,
+        None => Some(0),
+    };
+    context.clips.extend(names);
+    let Some(clip) = clip else { return Ok(rest) };
+    let mut moved = rest.clone();
+    match play(root, buffers, clip, &mut moved) {
+        Ok(notes) => {
+            notes.iter().for_each(|note| context.warn(path, note));
+            Ok(moved)
+        }
+        Err(fault) if wanted.is_some() => Err(fault),
+        Err(fault) => {
+            context.warn(path, format!("the rest pose is shown: {fault}"));
+            Ok(rest)
+        }
+    }
+}
+
+/// What is told once a file.
+#[derive(Default)]
+struct Notes {
+    skipped: usize,
+    reduced: usize,
+    uneven: usize,
+}
+
+struct Reader<'a> {
+    root: &'a Root,
+    buffers: Buffers<'a>,
+    skeleton: Skeleton,
+    /// Of all nodes at the first moment.
+    worlds: Vec<Mat4>,
+    /// For each node whether the clip moves it.
+    moving: Vec<bool>,
+    notes: Notes,
+}
+
+impl Reader<'_> {
+    /// Appends the meshes of a node, as they are at the first moment.
+    fn parts_of(&mut self, n: usize, skeleton: usize, parts: &mut Vec<Part>) -> Result<(), String> {
+        let node = &self.root.nodes[n];
+        let Some(index) = node.mesh else { return Ok(()) };
+        let m = index.value();
+        let mesh = self.root.meshes.get(m).ok_or_else(|| format!("node {n}: there is no mesh {m}"))?;
+        let skin = node.skin.map(|skin| read_skin(self.root, &self.buffers, skin.value())).transpose()?;
+        let name = node.name.clone().or_else(|| mesh.name.clone()).unwrap_or_else(|| format!("node {n}"));
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let fault = |e: String| format!("mesh {m}, primitive {p}: {e}");
+            let Some(shapes) = read_primitive(&self.buffers, primitive).map_err(fault)? else {
+                self.notes.skipped += 1;
+                continue;
+            };
+            let vertices = shapes.mesh.positions.len();
+            let influences = match &skin {
+                Some(skin) => read_influences(&self.buffers, primitive, vertices, skin.len()).map_err(fault)?,
+                None => None,
+            };
+            let material = match primitive.material {
+                None => None,
+                Some(index) => Some((index.value(), read_material(self.root, index.value())?)),
+            };
+            let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
+            let joints = skin.as_deref().filter(|_| influences.is_some());
+            let (mesh, rig) = self.pose(n, skeleton, shapes, joints, influences).map_err(fault)?;
+            parts.push(Part { name, mesh, material, rig });
+        }
+        Ok(())
+    }
+
+    /// A primitive at the first moment, and what moves it if it moves.
+    fn pose(
+        &mut self,
+        n: usize,
+        skeleton: usize,
+        shapes: Shapes,
+        joints: Option<&[(usize, Mat4)]>,
+        influences: Option<Influences>,
+    ) -> Result<(Mesh, Option<(Deformer, Carrier)>), String> {
+        let bone = &self.skeleton.bones[n];
+        let Shapes { mut mesh, targets, normal_targets } = shapes;
+        if targets.len() != bone.rest_weights.len() {
+            let (k, first) = (targets.len(), bone.rest_weights.len());
+            return Err(format!("{k} morph targets, the first primitive has {first}"));
+        }
+        let morphing = bone.weights.as_ref().is_some_and(|w| !w.is_constant());
+        let morphed = morphing || bone.weights.is_some() || bone.rest_weights.iter().any(|&w| w != 0.0);
+        if influences.is_none() && !morphed && !self.moving[n] {
+            mesh.transform(&self.worlds[n]);
+            return Ok((mesh, None));
+        }
+        let mut deformer = Deformer::rigid(&mesh);
+        let mut carrier = Carrier { skeleton, joints: vec![(Some(n), Mat4::IDENTITY)], morph: morphed.then_some(n) };
+        if morphed {
+            (deformer.targets, deformer.normal_targets) = (targets, normal_targets);
+        }
+        let mut moves = morphing || self.moving[n];
+        if let (Some(joints), Some(influences)) = (joints, influences) {
+            carrier.joints = joints.iter().map(|&(node, bind)| (Some(node), bind)).collect();
+            if influences.unbound {
+                carrier.joints.push((None, Mat4::IDENTITY));
             }
+            moves = morphing || joints.iter().any(|&(node, _)| self.moving[node]);
+            self.notes.reduced += influences.reduced;
+            self.notes.uneven += influences.uneven;
+            (deformer.joints, deformer.weights) = (influences.joints, influences.weights);
         }
-    }
-    let mut worlds = vec![Mat4::NAN; n];
-    let mut open: Vec<(usize, Mat4)> = (0..n).filter(|&i| !has_parent[i]).map(|i| (i, Mat4::IDENTITY)).collect();
-    let mut reached = 0;
-    while let Some((i, parent)) = open.pop() {
-        let world = parent * local_matrix(&root.nodes[i]);
-        if !world.is_finite() {
-            return Err(format!("node {i}: the transform is not finite in single precision"));
+        let now: Vec<Mat4> = carrier.joints(&self.worlds).collect();
+        if now.iter().any(|m| !m.to_cols_array().iter().all(|v| v.abs() <= MAX_COORDINATE)) {
+            return Err("the matrix of a joint leaves ±1e17".to_owned());
         }
-        worlds[i] = world;
-        reached += 1;
-        open.extend(root.nodes[i].children.iter().flatten().map(|c| (c.value(), world)));
-    }
-    // With at most one parent each, what no root reaches hangs on a cycle.
-    if reached < n {
-        let lost = worlds.iter().position(|w| w.is_nan()).unwrap_or(0);
-        return Err(format!("node cycle at node {lost}"));
-    }
-    Ok(worlds)
-}
-
-fn local_matrix(node: &Node) -> Mat4 {
-    if let Some(m) = &node.matrix {
-        let mut m = Mat4::from_cols_array(m);
-        // Affine: the last row is (0, 0, 0, 1).
-        (m.x_axis.w, m.y_axis.w, m.z_axis.w, m.w_axis.w) = (0.0, 0.0, 0.0, 1.0);
-        return m;
-    }
-    let q = Quat::from_array(node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |r| r.0));
-    let rotation = if q.length() > 1e-10 { q.normalize() } else { Quat::IDENTITY };
-    let scale = Vec3::from_array(node.scale.unwrap_or([1.0; 3]));
-    Mat4::from_scale_rotation_translation(scale, rotation, Vec3::from_array(node.translation.unwrap_or([0.0; 3])))
-}
-
-/// Nodes of the default scene, of the first one where none is named, or all where there is no scene; in document order.
-fn shown_nodes(root: &Root) -> Result<Vec<usize>, String> {
-    let scene = match root.scene {
-        Some(index) => {
-            let i = index.value();
-            Some(root.scenes.get(i).ok_or_else(|| format!("there is no scene {i}"))?)
+        let mut morph = Vec::new();
+        if morphed {
+            self.skeleton.morph_weights(n, 0.0, &mut morph);
         }
-        None => root.scenes.first(),
-    };
-    let Some(scene) = scene else { return Ok((0..root.nodes.len()).collect()) };
-    let mut shown = vec![false; root.nodes.len()];
-    let mut open: Vec<usize> = scene.nodes.iter().map(Index::value).collect();
-    while let Some(i) = open.pop() {
-        let slot = shown.get_mut(i).ok_or_else(|| format!("the scene names node {i}, which does not exist"))?;
-        if !std::mem::replace(slot, true) {
-            open.extend(root.nodes[i].children.iter().flatten().map(Index::value));
+        if deformer.mirrors(&now) {
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
+        deformer.pose(&now, &morph, &mut mesh);
+        Ok((mesh, moves.then_some((deformer, carrier))))
     }
-    Ok((0..shown.len()).filter(|&i| shown[i]).collect())
-}
-
-/// The triangles of a primitive; none for points, lines and primitives without positions.
-fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Result<Option<Mesh>, String> {
-    let Checked::Valid(mode) = primitive.mode else { return Err("unknown mode".to_owned()) };
-    let attribute = |s| primitive.attributes.get(&Checked::Valid(s)).copied();
-    let Some(positions) = attribute(Semantic::Positions) else { return Ok(None) };
-    if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-        return Ok(None);
-    }
-    let vectors = |v: Vec<f32>| v.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
-    let positions = vectors(buffers.floats(positions, Type::Vec3)?);
-    let vertices = positions.len();
-    let normals = match attribute(Semantic::Normals) {
-        Some(index) => vectors(buffers.floats(index, Type::Vec3)?),
-        None => Vec::new(),
-    };
-    if !normals.is_empty() && normals.len() != vertices {
-        return Err(format!("{} normals for {vertices} positions", normals.len()));
-    }
-    for target in primitive.targets.iter().flatten() {
-        if let Some(moved) = target.positions {
-            let moved = buffers.floats(moved, Type::Vec3)?.len() / 3;
-            if moved != vertices {
-                return Err(format!("morph target of {moved} positions for {vertices}"));
-            }
-        }
-    }
-    let indices = match primitive.indices {
-        Some(index) => buffers.integers(index, Type::Scalar)?,
-        None => (0..vertices as u32).collect(),
-    };
-    if let Some(i) = indices.iter().find(|&&i| i as usize >= vertices) {
-        return Err(format!("uses vertex {i} of {vertices}"));
-    }
-    let triangles = match mode {
-        Mode::TriangleStrip => indices
-            .windows(3)
-            .enumerate()
-            .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })
-            .collect(),
-        Mode::TriangleFan => indices.get(1..).unwrap_or(&[]).windows(2).map(|w| [indices[0], w[0], w[1]]).collect(),
-        _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-    };
-    let mut mesh = Mesh { positions, normals, triangles };
-    if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
-        return Err(format!("position {bad} is not finite"));
-    }
-    if !mesh.normals.is_empty() {
-        mesh.repair_normals();
-    }
-    Ok(Some(mesh))
-}
-
-/// Joint world matrices times inverse bind matrices, in the rest pose.
-fn joint_matrices(root: &Root, buffers: &Buffers<'_>, skin: usize, worlds: &[Mat4]) -> Result<Vec<Mat4>, String> {
-    let fault = |e: String| format!("skin {skin}: {e}");
-    let data = root.skins.get(skin).ok_or_else(|| format!("there is no skin {skin}"))?;
-    if data.joints.is_empty() {
-        return Err(fault("has no joints".to_owned()));
-    }
-    let inverse = match data.inverse_bind_matrices {
-        None => vec![Mat4::IDENTITY; data.joints.len()],
-        Some(index) => {
-            let values = buffers.floats(index, Type::Mat4).map_err(fault)?;
-            values.chunks_exact(16).map(Mat4::from_cols_slice).collect()
-        }
-    };
-    if inverse.len() < data.joints.len() {
-        return Err(fault(format!("{} inverse bind matrices for {} joints", inverse.len(), data.joints.len())));
-    }
-    let pose = |(joint, inverse): (&Index<Node>, Mat4)| {
-        let j = joint.value();
-        let world = *worlds.get(j).ok_or_else(|| fault(format!("there is no node {j}")))?;
-        let matrix = world * inverse;
-        if matrix.is_finite() { Ok(matrix) } else { Err(fault(format!("the matrix of joint {j} is not finite"))) }
-    };
-    data.joints.iter().zip(inverse).map(pose).collect()
-}
-
-/// Poses a mesh by its joints; tells whether it has weights at all. Vertices without usable weights stay where they are.
-fn skin(buffers: &Buffers<'_>, primitive: &Primitive, pose: &[Mat4], mesh: &mut Mesh) -> Result<bool, String> {
-    let attribute = |s| primitive.attributes.get(&Checked::Valid(s)).copied();
-    let n = mesh.positions.len();
-    let mut blended = vec![Mat4::ZERO; n];
-    let mut sums = vec![0.0_f32; n];
-    let mut any = false;
-    for set in 0.. {
-        let pair = (attribute(Semantic::Joints(set)), attribute(Semantic::Weights(set)));
-        let (Some(joints), Some(weights)) = pair else { break };
-        let (joints, weights) = (buffers.integers(joints, Type::Vec4)?, buffers.floats(weights, Type::Vec4)?);
-        if joints.len() != 4 * n || weights.len() != 4 * n {
-            return Err(format!("{} joints and {} weights for {n} positions", joints.len() / 4, weights.len() / 4));
-        }
-        any = true;
-        for (i, (&joint, &weight)) in joints.iter().zip(&weights).enumerate() {
-            if !weight.is_finite() || weight < 0.0 {
-                return Err(format!("vertex {} has the joint weight {weight}", i / 4));
-            }
-            if weight > 0.0 {
-                let matrix = pose.get(joint as usize);
-                let matrix = matrix.ok_or_else(|| format!("vertex {} uses joint {joint} of {}", i / 4, pose.len()))?;
-                blended[i / 4] += *matrix * weight;
-                sums[i / 4] += weight;
-            }
-        }
-    }
-    if !any {
-        return Ok(false);
-    }
-    for i in 0..n {
-        if sums[i] <= 0.0 {
-            continue;
-        }
-        let matrix = blended[i] * (1.0 / sums[i]);
-        mesh.positions[i] = matrix.transform_point3(mesh.positions[i]);
-        if let Some(normal) = mesh.normals.get_mut(i) {
-            // Joints turn and scale evenly in all but odd cases: no inverse transpose a vertex.
-            *normal = matrix.transform_vector3(*normal);
-        }
-    }
-    mesh.repair_normals();
-    Ok(true)
-}
-
-/// Base colour, metalness and roughness as a diffuse and a modified Phong term: an approximation. Schlick's normal
-/// reflectance `F0 = lerp(0.04, base, metallic)` goes into the highlight, whose exponent has the curvature that a
-/// Beckmann half-vector lobe of width `roughness²` has about the mirror direction: `e = (2/α² − 2)/4`.
-fn read_material(root: &Root, index: usize) -> Result<Material, String> {
-    let material = root.materials.get(index).ok_or_else(|| format!("there is no material {index}"))?;
-    if matches!(material.alpha_mode, Checked::Invalid) {
-        return Err(format!("material {index}: unknown alphaMode"));
-    }
-    let pbr = &material.pbr_metallic_roughness;
-    let [r, g, b, _] = pbr.base_color_factor.0;
-    let unit = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
-    let base = Vec3::new(unit(r), unit(g), unit(b));
-    let (metallic, roughness) = (unit(pbr.metallic_factor.0), unit(pbr.roughness_factor.0));
-    let f0 = Vec3::splat(0.04).lerp(base, metallic);
-    let alpha = (roughness * roughness).max(1e-3);
-    let exponent = (0.5 / (alpha * alpha) - 0.5).max(0.0);
-    Ok(ModifiedPhong { kd: base * (1.0 - metallic) * (1.0 - f0), ks: f0, exponent }.into())
-}
-
-fn read_camera(root: &Root, index: usize, world: &Mat4) -> Result<Option<Camera>, String> {
-    let camera = root.cameras.get(index).ok_or_else(|| format!("there is no camera {index}"))?;
-    let Some(p) = &camera.perspective else { return Ok(None) };
-    let planes_fit = p.znear > 0.0 && p.zfar.is_none_or(|far| far > p.znear);
-    if !planes_fit || p.aspect_ratio.is_some_and(|a| a.is_nan() || a <= 0.0) {
-        return Err(format!("camera {index}: planes and aspect ratio must be positive, and far beyond near"));
-    }
-    let eye = world.transform_point3(Vec3::ZERO);
-    let forward = world.transform_vector3(Vec3::NEG_Z).normalize_or_zero();
-    let up = world.transform_vector3(Vec3::Y).normalize_or_zero();
-    // Far enough for the direction to survive f32.
-    let target = eye + forward * eye.length().max(1.0);
-    let camera = Camera { eye, target, up, vertical_fov: p.yfov };
-    camera.validate().map_err(|e| format!("camera {index}: {e}"))?;
-    Ok(Some(camera))
 }

@@ -38,8 +38,12 @@ mod builtin;
 mod camera;
 mod deformer;
 mod error;
+mod gltf_animation;
 mod gltf_buffers;
 mod gltf_file;
+mod gltf_material;
+mod gltf_mesh;
+mod gltf_nodes;
 #[cfg(test)]
 mod gltf_tests;
 mod keys;

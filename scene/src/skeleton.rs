@@ -52,7 +52,7 @@ impl Bone {
         [&self.scale, &self.rotation, &self.translation].into_iter().flatten().any(|t| !t.is_constant())
     }
 
-    fn local(&self, time: f32) -> Mat4 {
+    pub(crate) fn local(&self, time: f32) -> Mat4 {
         let (scale, rotation, translation) = match self.local {
             // glTF 2.0 allows no channels on a node with a matrix.
             Local::Matrix(matrix) => return matrix,

@@ -108,11 +108,6 @@ impl Track {
         }
     }
 
-    /// How many numbers a value has.
-    pub(crate) const fn width(&self) -> usize {
-        self.width
-    }
-
     /// Writes the value at a time, `width` numbers.
     pub(crate) fn sample(&self, time: f32, out: &mut [f32]) {
         let next = self.times.partition_point(|&k| k <= time);
@@ -179,7 +174,7 @@ mod tests {
     use super::*;
 
     fn at(track: &Track, time: f32) -> Vec<f32> {
-        let mut out = vec![0.0; track.width()];
+        let mut out = vec![0.0; track.width];
         track.sample(time, &mut out);
         out
     }

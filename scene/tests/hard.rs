@@ -56,7 +56,7 @@ fn verdicts() -> HashMap<String, String> {
 #[test]
 #[cfg_attr(not(shared_assets), ignore = "needs ../shared/assets beside the repository")]
 fn difficult_files_get_the_verdict_of_their_index() {
-    // Not read at all yet, so their faults go unnoticed: animations, images, punctual lights.
+    // Not read at all yet, so their faults go unnoticed: images, punctual lights. Broken animations: below.
     let unseen =
         |name: &str| ["gltf_anim_", "gltf_png_", "gltf_image_", "gltf_light_"].iter().any(|p| name.starts_with(p));
     let verdicts = verdicts();
@@ -81,6 +81,33 @@ fn difficult_files_get_the_verdict_of_their_index() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A broken clip is told and the rest pose shown, but refused when it was asked for.
+#[test]
+#[cfg_attr(not(shared_assets), ignore = "needs ../shared/assets beside the repository")]
+fn broken_clips_are_told_or_refused() {
+    let mut files = 0;
+    for (name, verdict) in verdicts().iter().filter(|(name, _)| name.starts_with("gltf_anim_")) {
+        let path = Path::new(SHARED).join("hard").join(name);
+        let (mut scene, animation, warnings) = scene::load_animated(&path).unwrap();
+        let asked = scene::load_clip(&path, "0");
+        println!(
+            "{name}: {warnings:?}; {:?}",
+            asked.as_ref().map(|(_, a, _)| a.duration()).map_err(ToString::to_string)
+        );
+        if verdict == "refuse" {
+            assert!(animation.is_still() && warnings.len() == 1, "{name}: {warnings:?}");
+            let message = asked.unwrap_err().to_string();
+            assert!(message.contains(name) && !message.contains('\n'), "{message}");
+        }
+        for i in -2..20 {
+            animation.seek(0.1 * i as f32, &mut scene);
+            scene.validate().unwrap();
+        }
+        files += 1;
+    }
+    assert_eq!(files, 15);
 }
 
 #[test]

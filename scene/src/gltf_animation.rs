@@ -1,0 +1,117 @@
+//! Clips of a glTF document.
+
+use crate::gltf_buffers::Buffers;
+use crate::keys::MAX_SECONDS;
+use crate::mesh::MAX_COORDINATE;
+use crate::placement::Clock;
+use crate::skeleton::{Local, Skeleton};
+use crate::track::{Interpolation, Meaning, Track};
+use gltf::json::accessor::Type;
+use gltf::json::animation::{Channel, Property, Sampler};
+use gltf::json::validation::Checked;
+use gltf::json::{Animation, Root, animation};
+
+/// The names of all clips: numbers where they have none.
+pub(crate) fn clip_names(root: &Root) -> Vec<String> {
+    let name = |(i, a): (usize, &Animation)| a.name.clone().unwrap_or_else(|| i.to_string());
+    root.animations.iter().enumerate().map(name).collect()
+}
+
+/// The clip of that name, else of that number.
+pub(crate) fn find_clip(names: &[String], wanted: &str) -> Result<usize, String> {
+    let number = || wanted.parse().ok().filter(|&i: &usize| i < names.len());
+    names.iter().position(|n| n == wanted).or_else(number).ok_or_else(|| {
+        if names.is_empty() {
+            return format!("there is no clip \"{wanted}\": the file has no animations");
+        }
+        let list: Vec<String> = names.iter().map(|n| format!("\"{n}\"")).collect();
+        format!("there is no clip \"{wanted}\": expected one of {}", list.join(", "))
+    })
+}
+
+/// Gives the nodes the tracks of a clip. What the clip asks for that is not supported is told in lines; a fault leaves
+/// the nodes in an unspecified state.
+pub(crate) fn play(
+    root: &Root,
+    buffers: &Buffers<'_>,
+    clip: usize,
+    skeleton: &mut Skeleton,
+) -> Result<Vec<String>, String> {
+    let animation = &root.animations[clip];
+    if animation.channels.is_empty() {
+        return Err(format!("animation {clip} has no channels"));
+    }
+    let mut notes = Vec::new();
+    let (mut first, mut last) = (f32::INFINITY, 0.0_f32);
+    for (c, channel) in animation.channels.iter().enumerate() {
+        let fault = |e: String| format!("animation {clip}, channel {c}: {e}");
+        let s = channel.sampler.value();
+        let sampler = animation.samplers.get(s).ok_or_else(|| fault(format!("there is no sampler {s}")))?;
+        match add(buffers, channel, sampler, skeleton).map_err(fault)? {
+            Ok((start, end)) => (first, last) = (first.min(start), last.max(end)),
+            Err(note) => notes.push(fault(note)),
+        }
+    }
+    skeleton.clock = Clock { first: first.clamp(0.0, last), last, repeats: true };
+    Ok(notes)
+}
+
+/// The first and the last key's time of the channel, or why it is left out.
+fn add(
+    buffers: &Buffers<'_>,
+    channel: &Channel,
+    sampler: &Sampler,
+    skeleton: &mut Skeleton,
+) -> Result<Result<(f32, f32), String>, String> {
+    let node = channel.target.node.value();
+    let bone = skeleton.bones.get_mut(node).ok_or_else(|| format!("there is no node {node}"))?;
+    let (kind, width, meaning) = match &channel.target.path {
+        Checked::Invalid => return Ok(Err("unknown path: left out".to_owned())),
+        Checked::Valid(Property::Rotation) => (Type::Vec4, 4, Meaning::Rotation),
+        Checked::Valid(Property::Translation | Property::Scale) => (Type::Vec3, 3, Meaning::Numbers),
+        Checked::Valid(Property::MorphTargetWeights) => (Type::Scalar, bone.rest_weights.len(), Meaning::Numbers),
+    };
+    if width == 0 {
+        return Ok(Err(format!("node {node} has no morph targets: left out")));
+    }
+    let interpolation = match sampler.interpolation {
+        Checked::Valid(animation::Interpolation::Linear) => Interpolation::Linear,
+        Checked::Valid(animation::Interpolation::Step) => Interpolation::Step,
+        Checked::Valid(animation::Interpolation::CubicSpline) => Interpolation::Cubic,
+        Checked::Invalid => return Err("unknown interpolation".to_owned()),
+    };
+    let times = buffers.floats(sampler.input, Type::Scalar)?;
+    if let Some(t) = times.iter().find(|t| t.is_nan() || t.abs() > MAX_SECONDS) {
+        return Err(format!("key at {t:e} s: times must lie within ±{MAX_SECONDS} s"));
+    }
+    // Equal times are a jump, which does no harm.
+    if let Some(pair) = times.windows(2).find(|pair| pair[1] < pair[0]) {
+        return Err(format!("key times are not in order: {} s after {} s", pair[1], pair[0]));
+    }
+    let values = buffers.floats(sampler.output, kind)?;
+    let rows = if interpolation == Interpolation::Cubic { 3 } else { 1 };
+    if values.len() != times.len() * width * rows {
+        let (n, keys) = (values.len() / kind.multiplicity(), times.len());
+        return Err(format!("{n} values for {keys} keys: expected {}", keys * rows * width / kind.multiplicity()));
+    }
+    if let Some(v) = values.iter().find(|v| v.is_nan() || v.abs() > MAX_COORDINATE) {
+        return Err(format!("value {v}: keys must lie within ±1e17"));
+    }
+    let track = Track::new(times, values, width, interpolation, meaning);
+    let span = (track.start(), track.end());
+    if let (Local::Matrix(m), true) = (&bone.local, kind != Type::Scalar) {
+        let (scale, rotation, translation) = m.to_scale_rotation_translation();
+        if !(scale.is_finite() && rotation.is_finite() && translation.is_finite()) {
+            return Err(format!("node {node} has a matrix that is no scale, rotation and translation"));
+        }
+        bone.local = Local::Parts { scale, rotation, translation };
+    }
+    let slot = match channel.target.path {
+        Checked::Valid(Property::Rotation) => &mut bone.rotation,
+        Checked::Valid(Property::Translation) => &mut bone.translation,
+        Checked::Valid(Property::Scale) => &mut bone.scale,
+        _ => &mut bone.weights,
+    };
+    *slot = Some(track);
+    Ok(Ok(span))
+}

@@ -1,0 +1,118 @@
+//! The nodes of a glTF document: their tree, what of it is shown, their cameras.
+
+use crate::Camera;
+use crate::animation::node_camera;
+use crate::placement::Clock;
+use crate::skeleton::{Bone, Local, Skeleton};
+use glam::{Mat4, Quat, Vec3};
+use gltf::json::{Index, Node, Root};
+
+/// All nodes, at rest.
+pub(crate) fn skeleton(root: &Root) -> Result<Skeleton, String> {
+    let n = root.nodes.len();
+    let mut parents = vec![None; n];
+    for (i, node) in root.nodes.iter().enumerate() {
+        for child in node.children.iter().flatten().map(Index::value) {
+            let slot = parents.get_mut(child).ok_or_else(|| format!("node {i}: there is no node {child}"))?;
+            if slot.replace(i).is_some() {
+                return Err(format!("node {child} has two parents: nodes must form a tree"));
+            }
+        }
+    }
+    let mut bones = Vec::with_capacity(n);
+    for (node, parent) in root.nodes.iter().zip(&parents) {
+        bones.push(Bone {
+            parent: *parent,
+            local: local(node),
+            rest: Mat4::NAN,
+            scale: None,
+            rotation: None,
+            translation: None,
+            weights: None,
+            rest_weights: rest_weights(root, node)?,
+        });
+    }
+    let mut order = Vec::with_capacity(n);
+    let mut open: Vec<usize> = (0..n).filter(|&i| parents[i].is_none()).collect();
+    while let Some(i) = open.pop() {
+        let local = bones[i].local(0.0);
+        let world = parents[i].map_or(local, |p| bones[p].rest * local);
+        if !world.is_finite() {
+            return Err(format!("node {i}: the transform is not finite in single precision"));
+        }
+        bones[i].rest = world;
+        order.push(i);
+        open.extend(root.nodes[i].children.iter().flatten().map(Index::value));
+    }
+    // With at most one parent each, what no root reaches hangs on a cycle.
+    if order.len() < n {
+        let lost = bones.iter().position(|b| b.rest.is_nan()).unwrap_or(0);
+        return Err(format!("node cycle at node {lost}"));
+    }
+    Ok(Skeleton { bones, order, clock: Clock { first: 0.0, last: 0.0, repeats: true } })
+}
+
+fn local(node: &Node) -> Local {
+    if let Some(m) = &node.matrix {
+        let mut m = Mat4::from_cols_array(m);
+        // Affine: the last row is (0, 0, 0, 1).
+        (m.x_axis.w, m.y_axis.w, m.z_axis.w, m.w_axis.w) = (0.0, 0.0, 0.0, 1.0);
+        return Local::Matrix(m);
+    }
+    let q = Quat::from_array(node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |r| r.0));
+    let rotation = if q.length() > 1e-10 { q.normalize() } else { Quat::IDENTITY };
+    let scale = Vec3::from_array(node.scale.unwrap_or([1.0; 3]));
+    Local::Parts { scale, rotation, translation: Vec3::from_array(node.translation.unwrap_or([0.0; 3])) }
+}
+
+/// The morph weights of a node: its own, else its mesh's, else zeros, one for each target of its first primitive.
+fn rest_weights(root: &Root, node: &Node) -> Result<Vec<f32>, String> {
+    // A mesh that does not exist is refused where it is drawn.
+    let Some((m, mesh)) = node.mesh.and_then(|m| Some((m.value(), root.meshes.get(m.value())?))) else {
+        return Ok(Vec::new());
+    };
+    let targets = mesh.primitives.first().and_then(|p| p.targets.as_ref()).map_or(0, Vec::len);
+    let weights = node.weights.as_ref().or(mesh.weights.as_ref());
+    match weights {
+        None => Ok(vec![0.0; targets]),
+        Some(w) if w.len() != targets => Err(format!("mesh {m}: {} morph weights for {targets} targets", w.len())),
+        Some(w) if w.iter().any(|w| w.is_nan() || w.abs() > crate::mesh::MAX_COORDINATE) => {
+            Err(format!("mesh {m}: morph weights must lie within ±1e17"))
+        }
+        Some(w) => Ok(w.clone()),
+    }
+}
+
+/// Nodes of the default scene, of the first one where none is named, or all where there is no scene; in document order.
+pub(crate) fn shown_nodes(root: &Root) -> Result<Vec<usize>, String> {
+    let scene = match root.scene {
+        Some(index) => {
+            let i = index.value();
+            Some(root.scenes.get(i).ok_or_else(|| format!("there is no scene {i}"))?)
+        }
+        None => root.scenes.first(),
+    };
+    let Some(scene) = scene else { return Ok((0..root.nodes.len()).collect()) };
+    let mut shown = vec![false; root.nodes.len()];
+    let mut open: Vec<usize> = scene.nodes.iter().map(Index::value).collect();
+    while let Some(i) = open.pop() {
+        let slot = shown.get_mut(i).ok_or_else(|| format!("the scene names node {i}, which does not exist"))?;
+        if !std::mem::replace(slot, true) {
+            open.extend(root.nodes[i].children.iter().flatten().map(Index::value));
+        }
+    }
+    Ok((0..shown.len()).filter(|&i| shown[i]).collect())
+}
+
+/// A perspective camera at a node with that world matrix.
+pub(crate) fn read_camera(root: &Root, index: usize, world: &Mat4) -> Result<Option<Camera>, String> {
+    let camera = root.cameras.get(index).ok_or_else(|| format!("there is no camera {index}"))?;
+    let Some(p) = &camera.perspective else { return Ok(None) };
+    let planes_fit = p.znear > 0.0 && p.zfar.is_none_or(|far| far > p.znear);
+    if !planes_fit || p.aspect_ratio.is_some_and(|a| a.is_nan() || a <= 0.0) {
+        return Err(format!("camera {index}: planes and aspect ratio must be positive, and far beyond near"));
+    }
+    let camera = node_camera(world, p.yfov);
+    camera.validate().map_err(|e| format!("camera {index}: {e}"))?;
+    Ok(Some(camera))
+}
