@@ -230,14 +230,19 @@ pub(crate) struct CheckArgs {
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   lobes spheres bunny.obj --count 64 -o bunny.json
-  lobes spheres bunny.obj --count 256 -o bunny.json --preview bunny.png --json")]
+  lobes spheres bunny.obj --count 256 -o bunny.json --preview bunny.png --json
+  lobes spheres bunny.obj --tolerance 0.02 -o bunny.json     as many as a 2 % error takes")]
 pub(crate) struct SpheresArgs {
     /// Mesh (.obj, .ply, .gltf, .glb); several parts are taken together
     pub(crate) mesh: PathBuf,
 
-    /// Spheres at most
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(crate) count: u32,
+    /// Spheres at most: 64 when left out, with --tolerance 1024
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) count: Option<u32>,
+
+    /// As few spheres as have this silhouette error, a fraction of the silhouette's area, above 0, at most 1
+    #[arg(long, value_name = "T", value_parser = share, conflicts_with = "draft")]
+    pub(crate) tolerance: Option<f32>,
 
     /// File to write, JSON
     #[arg(long, short, value_name = "FILE")]
@@ -335,6 +340,10 @@ fn threshold(text: &str) -> Result<f32, String> {
 
 fn exposure(text: &str) -> Result<f32, String> {
     number(text, "from -32 to 32", |x| x.abs() <= 32.0)
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    number(text, "above 0, at most 1", |x| x > 0.0 && x <= 1.0)
 }
 
 fn positive(text: &str) -> Result<f32, String> {

@@ -40,18 +40,30 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
     let picture = args.preview.as_ref().map(files::create_png).transpose()?;
     let (positions, triangles) = load(args)?;
 
-    let count = args.count as usize;
+    let count = args.count.unwrap_or(if args.tolerance.is_some() { 1024 } else { 64 }) as usize;
     let options = if args.draft { BuildOptions::draft(count) } else { BuildOptions::new(count) };
     let options = BuildOptions { seed: args.seed, ..options };
     let bar = console::progress("spheres", 1000, args.quiet);
     let start = Instant::now();
-    let set = SphereSet::build_with_progress(&positions, &triangles, &options, &mut |done| {
+    let mut report = |done: f32| {
         bar.set_position((done * 1000.0) as u64);
         ControlFlow::Continue(())
-    });
+    };
+    let set = match args.tolerance {
+        Some(tolerance) => SphereSet::build_to_tolerance(&positions, &triangles, tolerance, &options, &mut report),
+        None => SphereSet::build_with_progress(&positions, &triangles, &options, &mut report),
+    };
     bar.finish_and_clear();
     let set = set.map_err(|e| Failure::new(format_args!("{}: {e}", args.mesh.display())))?;
     let seconds = start.elapsed().as_secs_f64();
+    if !args.quiet && !set.quality.suits() {
+        console::note(format_args!(
+            "lobes: warning: {}: spheres do not suit this mesh (silhouette error {:.0} %): render it with --visibility rays \
+             or shadow-map",
+            args.mesh.display(),
+            100.0 * set.quality.silhouette_error
+        ));
+    }
 
     if let Some(output) = output {
         let path = output.path().to_owned();

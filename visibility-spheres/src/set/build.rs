@@ -22,66 +22,89 @@ const PLACES: usize = 4000;
 /// Room around the mesh's silhouette in a view, in units of D: balls do not reach farther out.
 const MARGIN: f32 = 0.04;
 
-/// Builds the spheres in unit space.
-pub(crate) fn build(
-    surface: &Surface,
-    tree: &TriangleTree,
-    solid: &Solid,
-    options: &BuildOptions,
-    progress: &mut Progress,
-) -> Result<Vec<Vec4>, BuildError> {
-    let mut report = |done: f32| match progress(done) {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(BuildError::Cancelled),
-    };
-    report(0.02)?;
-    let mut spheres = greedy_cover(solid, options.count);
-    report(0.05)?;
-    if options.rounds == 0 {
-        return Ok(spheres);
-    }
-    let views = views(&surface.triangles, options.count);
-    report(0.15)?;
-    let mut random = Random::new(options.seed);
-    let places = solid.scatter(tree, 2 * PLACES, &mut random);
-    // Smaller spheres want smaller steps: with 512, steps of the size that is right for 64 double the error.
-    let scale = (64.0 / options.count as f32).min(1.0);
-    let rates = |first: f32, last: f32| [first * scale, last * scale];
-    descend(&views, &mut spheres, 200, rates(0.004, 0.0006), &mut random);
-    let mut best = error(&views, &spheres);
-    for round in 0..options.rounds {
-        let left = 1.0 - round as f32 / options.rounds as f32;
-        report(0.85 - 0.65 * left)?;
-        let mut trial = spheres.clone();
-        let moved = ((0.04 + 0.11 * left) * options.count as f32 + 2.0 * left).ceil() as usize;
-        take_out(&views, &mut trial, moved, &mut random);
-        let missing = options.count - trial.len();
-        let from = random.below(places.len() - PLACES.min(places.len()) + 1);
-        let some = &places[from..(from + PLACES).min(places.len())];
-        insert(&views, &mut trial, some, missing, &mut random);
-        descend(&views, &mut trial, 60, rates(0.002, 0.0004), &mut random);
-        let found = error(&views, &trial);
-        if found < best {
-            (spheres, best) = (trial, found);
-        }
-    }
-    report(0.85)?;
-    let mut trial = spheres.clone();
-    descend(&views, &mut trial, 300, rates(0.001, 0.0001), &mut random);
-    if error(&views, &trial) < best {
-        spheres = trial;
-    }
-    report(0.95)?;
-    Ok(spheres)
+/// A mesh as the builder sees it, for any number of spheres.
+pub(crate) struct Builder<'a> {
+    surface: &'a Surface,
+    tree: &'a TriangleTree,
+    solid: Solid,
+    /// Directions and their pixels a side; none until something descends.
+    views: (Vec<View>, usize),
 }
 
-fn views(triangles: &[[Vec3; 3]], count: usize) -> Vec<View> {
-    use rayon::prelude::*;
-    let size = match count {
+impl<'a> Builder<'a> {
+    pub(crate) fn new(surface: &'a Surface, tree: &'a TriangleTree, count: usize) -> Self {
+        Self { surface, tree, solid: Solid::new(surface, tree, Solid::resolution_for(count)), views: (Vec::new(), 0) }
+    }
+
+    pub(crate) const fn solid(&self) -> &Solid {
+        &self.solid
+    }
+
+    /// Builds the spheres in unit space.
+    pub(crate) fn build(&mut self, options: &BuildOptions, progress: &mut Progress) -> Result<Vec<Vec4>, BuildError> {
+        let mut report = |done: f32| match progress(done) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(BuildError::Cancelled),
+        };
+        report(0.02)?;
+        if self.solid.resolution() != Solid::resolution_for(options.count) {
+            self.solid = Solid::new(self.surface, self.tree, Solid::resolution_for(options.count));
+        }
+        let mut spheres = greedy_cover(&self.solid, options.count);
+        report(0.05)?;
+        if options.rounds == 0 {
+            return Ok(spheres);
+        }
+        let size = pixels_for(options.count);
+        if self.views.1 != size {
+            self.views = (views(&self.surface.triangles, size), size);
+        }
+        let views = &self.views.0;
+        report(0.15)?;
+        let mut random = Random::new(options.seed);
+        let places = self.solid.scatter(self.tree, 2 * PLACES, &mut random);
+        // Smaller spheres want smaller steps: with 512, steps of the size that is right for 64 double the error.
+        let scale = (64.0 / options.count as f32).min(1.0);
+        let rates = |first: f32, last: f32| [first * scale, last * scale];
+        descend(views, &mut spheres, 200, rates(0.004, 0.0006), &mut random);
+        let mut best = error(views, &spheres);
+        for round in 0..options.rounds {
+            let left = 1.0 - round as f32 / options.rounds as f32;
+            report(0.85 - 0.65 * left)?;
+            let mut trial = spheres.clone();
+            let moved = ((0.04 + 0.11 * left) * options.count as f32 + 2.0 * left).ceil() as usize;
+            take_out(views, &mut trial, moved, &mut random);
+            let missing = options.count - trial.len();
+            let from = random.below(places.len() - PLACES.min(places.len()) + 1);
+            let some = &places[from..(from + PLACES).min(places.len())];
+            insert(views, &mut trial, some, missing, &mut random);
+            descend(views, &mut trial, 60, rates(0.002, 0.0004), &mut random);
+            let found = error(views, &trial);
+            if found < best {
+                (spheres, best) = (trial, found);
+            }
+        }
+        report(0.85)?;
+        let mut trial = spheres.clone();
+        descend(views, &mut trial, 300, rates(0.001, 0.0001), &mut random);
+        if error(views, &trial) < best {
+            spheres = trial;
+        }
+        report(0.95)?;
+        Ok(spheres)
+    }
+}
+
+const fn pixels_for(count: usize) -> usize {
+    match count {
         0..=160 => 192,
         161..=640 => 256,
         _ => 384,
-    };
+    }
+}
+
+fn views(triangles: &[[Vec3; 3]], size: usize) -> Vec<View> {
+    use rayon::prelude::*;
     let mut views: Vec<View> =
         (0..VIEWS).into_par_iter().map(|i| View::new(fibonacci(i, 2 * VIEWS), triangles, MARGIN, size)).collect();
     View::limit_weights(&mut views, 0.3);

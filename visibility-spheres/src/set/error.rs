@@ -1,5 +1,5 @@
 /// Why no sphere set could be built from a mesh.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
     /// No spheres were asked for.
@@ -30,13 +30,29 @@ pub enum BuildError {
     /// The mesh is larger or smaller than single precision can hold.
     #[error("the mesh's extent is outside the range of single precision")]
     ExtentOutOfRange,
+    /// The most spheres allowed do not bring the silhouette error down to what was asked.
+    #[error(
+        "{count} spheres leave a silhouette error of {:.2} %, but {:.2} % is asked: allow more spheres or a larger error",
+        .reached * 100.0, .asked * 100.0
+    )]
+    ToleranceNotReached {
+        /// Spheres that were allowed.
+        count: usize,
+        /// The error that they leave.
+        reached: f32,
+        /// The error asked for.
+        asked: f32,
+    },
+    /// The tolerance is not a number between 0 and 1.
+    #[error("the tolerance of a sphere set should be above 0 and at most 1")]
+    BadTolerance,
     /// The progress callback asked to stop.
     #[error("the sphere set was cancelled")]
     Cancelled,
 }
 
 /// Why a sphere set could not be bound to bones, or not be posed by them.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BindError {
     /// Fewer of something than needed.

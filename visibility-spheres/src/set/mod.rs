@@ -17,6 +17,7 @@ mod random;
 mod solid;
 mod sphere_set;
 mod surface;
+mod tolerance;
 mod tree;
 mod view;
 

@@ -37,6 +37,36 @@ const PIXELS: usize = 768;
 const DEEPER: f32 = 0.05;
 
 impl SetQuality {
+    /// Silhouette error above which spheres do not suit a mesh: its shadows are better cast by its triangles.
+    pub const UNSUITABLE: f32 = 0.15;
+
+    /// Whether spheres stand well enough for the mesh to be used: `silhouette_error` ≤ [`Self::UNSUITABLE`].
+    #[must_use]
+    pub fn suits(&self) -> bool {
+        self.silhouette_error <= Self::UNSUITABLE
+    }
+
+    /// The silhouette error alone, of spheres in unit space.
+    pub(crate) fn silhouette_error_of(surface: &Surface, spheres: &[Vec4]) -> f32 {
+        let errors: Vec<f64> = (0..DIRECTIONS)
+            .into_par_iter()
+            .map_init(
+                || (BitImage::new(PIXELS), BitImage::new(PIXELS)),
+                |(mesh, set), i| {
+                    let corners = surface.triangles.iter().flatten().map(|p| (*p, 0.0));
+                    let balls = spheres.iter().map(|ball| (ball.truncate(), ball.w));
+                    let frame = Frame::new(fibonacci(i, DIRECTIONS), corners.chain(balls), 1e-3, PIXELS);
+                    mesh.clear();
+                    set.clear();
+                    frame.draw_mesh(&surface.triangles, mesh);
+                    frame.draw_spheres(spheres, set);
+                    f64::from(mesh.differences(set)) / f64::from(mesh.count().max(1))
+                },
+            )
+            .collect();
+        (errors.iter().sum::<f64>() / DIRECTIONS as f64) as f32
+    }
+
     /// Measures spheres in unit space.
     pub(crate) fn measure(surface: &Surface, tree: &TriangleTree, solid: &Solid, spheres: &[Vec4]) -> Self {
         let (mesh, both, alone, domain) = volumes(surface, tree, solid, spheres);
@@ -51,7 +81,7 @@ impl SetQuality {
             protrusion_volume: if hollow { alone as f32 * point } else { alone as f32 / mesh as f32 },
             hausdorff_outside: protrusion(tree, solid, spheres),
             p95_gap: gaps[(n * 95 / 100).min(n - 1)].max(0.0),
-            silhouette_error: silhouette_error(surface, spheres),
+            silhouette_error: Self::silhouette_error_of(surface, spheres),
         }
     }
 }
@@ -123,24 +153,4 @@ fn protrusion(tree: &TriangleTree, solid: &Solid, spheres: &[Vec4]) -> f32 {
             most
         })
         .reduce(|| 0.0, f32::max)
-}
-
-fn silhouette_error(surface: &Surface, spheres: &[Vec4]) -> f32 {
-    let errors: Vec<f64> = (0..DIRECTIONS)
-        .into_par_iter()
-        .map_init(
-            || (BitImage::new(PIXELS), BitImage::new(PIXELS)),
-            |(mesh, set), i| {
-                let corners = surface.triangles.iter().flatten().map(|p| (*p, 0.0));
-                let balls = spheres.iter().map(|ball| (ball.truncate(), ball.w));
-                let frame = Frame::new(fibonacci(i, DIRECTIONS), corners.chain(balls), 1e-3, PIXELS);
-                mesh.clear();
-                set.clear();
-                frame.draw_mesh(&surface.triangles, mesh);
-                frame.draw_spheres(spheres, set);
-                f64::from(mesh.differences(set)) / f64::from(mesh.count().max(1))
-            },
-        )
-        .collect();
-    (errors.iter().sum::<f64>() / DIRECTIONS as f64) as f32
 }

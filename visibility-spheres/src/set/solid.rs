@@ -10,6 +10,7 @@ pub(crate) struct Solid {
     low: Vec3,
     cell: f32,
     dims: UVec3,
+    resolution: u32,
     /// Per voxel, at its centre: distance to the surface, positive inside.
     depth: Vec<f32>,
     /// A vertex of each part so small that it slips between the voxels' centres, at most one a voxel.
@@ -17,19 +18,18 @@ pub(crate) struct Solid {
 }
 
 impl Solid {
-    /// Voxels fine enough for a set of `count` spheres.
-    pub(crate) fn new(surface: &Surface, tree: &TriangleTree, count: usize) -> Self {
-        let resolution = match count {
+    /// Voxels along the longest side that are fine enough for a set of `count` spheres.
+    pub(crate) const fn resolution_for(count: usize) -> u32 {
+        match count {
             0..=40 => 48,
             41..=160 => 64,
             161..=640 => 96,
             _ => 128,
-        };
-        Self::with_resolution(surface, tree, resolution)
+        }
     }
 
     /// `resolution` voxels along the longest side.
-    fn with_resolution(surface: &Surface, tree: &TriangleTree, resolution: u32) -> Self {
+    pub(crate) fn new(surface: &Surface, tree: &TriangleTree, resolution: u32) -> Self {
         let [lo, hi] = surface.unit_bounds();
         let cell = (hi - lo).max_element() / resolution as f32;
         let dims = ((hi - lo) / cell).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(resolution));
@@ -50,7 +50,7 @@ impl Solid {
                 *depth = if last.1 { distance } else { -distance };
             }
         });
-        let mut solid = Self { low, cell, dims, depth, isolated: Vec::new() };
+        let mut solid = Self { low, cell, dims, resolution, depth, isolated: Vec::new() };
         solid.isolated = solid.find_isolated(surface);
         solid
     }
@@ -88,6 +88,10 @@ impl Solid {
 
     pub(crate) const fn cell(&self) -> f32 {
         self.cell
+    }
+
+    pub(crate) const fn resolution(&self) -> u32 {
+        self.resolution
     }
 
     pub(crate) const fn dims(&self) -> UVec3 {

@@ -3,7 +3,7 @@ use core::ops::ControlFlow;
 use glam::{Vec3, Vec4};
 use lobe_core::Sphere;
 
-use super::build::build;
+use super::build::Builder;
 use super::error::{BuildError, MisfitError};
 use super::options::{BuildOptions, Progress};
 use super::quality::{SetQuality, self_distance};
@@ -68,16 +68,26 @@ impl SphereSet {
         }
         let surface = Surface::new(positions, triangles)?;
         let tree = TriangleTree::new(&surface.triangles);
-        let solid = Solid::new(&surface, &tree, options.count);
-        let unit = build(&surface, &tree, &solid, options, progress)?;
-        let set = Self {
+        let mut builder = Builder::new(&surface, &tree, options.count);
+        let unit = builder.build(options, progress)?;
+        Ok(Self::judge(&surface, &tree, builder.solid(), triangles.len(), &unit))
+    }
+
+    /// The set of balls in unit space, with its figures.
+    pub(crate) fn judge(
+        surface: &Surface,
+        tree: &TriangleTree,
+        solid: &Solid,
+        triangles: usize,
+        unit: &[Vec4],
+    ) -> Self {
+        Self {
             spheres: unit.iter().map(|ball| surface.to_world(*ball)).collect(),
-            self_distance: (f64::from(self_distance(&surface, &unit)) * surface.diagonal) as f32,
-            mesh_triangles: triangles.len(),
+            self_distance: (f64::from(self_distance(surface, unit)) * surface.diagonal) as f32,
+            mesh_triangles: triangles,
             mesh_bounds: surface.bounds,
-            quality: SetQuality::measure(&surface, &tree, &solid, &unit),
-        };
-        Ok(set)
+            quality: SetQuality::measure(surface, tree, solid, unit),
+        }
     }
 
     /// Measures any spheres against a mesh: how a set made elsewhere, or by hand, is judged and gets its τ.
@@ -90,15 +100,10 @@ impl SphereSet {
         }
         let surface = Surface::new(positions, triangles)?;
         let tree = TriangleTree::new(&surface.triangles);
-        let solid = Solid::new(&surface, &tree, spheres.len());
+        let solid = Solid::new(&surface, &tree, Solid::resolution_for(spheres.len()));
         let unit: Vec<Vec4> = spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
-        Ok(Self {
-            spheres: spheres.to_vec(),
-            self_distance: (f64::from(self_distance(&surface, &unit)) * surface.diagonal) as f32,
-            mesh_triangles: triangles.len(),
-            mesh_bounds: surface.bounds,
-            quality: SetQuality::measure(&surface, &tree, &solid, &unit),
-        })
+        let set = Self::judge(&surface, &tree, &solid, triangles.len(), &unit);
+        Ok(Self { spheres: spheres.to_vec(), ..set })
     }
 
     /// The self-shadow distance τ alone, as [`SphereSet::measure`] finds it, in a fraction of the time.
