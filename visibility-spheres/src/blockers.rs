@@ -108,6 +108,12 @@ impl SphereScratch {
     pub(crate) fn hits(&self) -> &[BlockedCone] {
         &self.hits
     }
+
+    /// How many candidates meet a shaft: one by one.
+    pub(crate) fn meets(&self, test: &ShaftTest) -> u32 {
+        let blocks = self.blocks.blocks().iter().enumerate();
+        blocks.map(|(i, b)| (test.meets(b) & ((1 << self.blocks.lanes(i)) - 1)).count_ones()).sum()
+    }
 }
 
 #[cfg(test)]
@@ -115,8 +121,9 @@ impl SphereBlockers {
     /// `select` without any culling: the same exact question to every sphere.
     pub(crate) fn select_flat(&self, query: &VisibilityQuery<'_>) -> (Coverage, Vec<BlockedCone>) {
         let light = LightBall::new(query);
-        let solid = (0..self.spheres.len()).filter(|i| self.tree.order().contains(&(*i as u32)));
-        let seen: Vec<_> = solid.filter_map(|i| self.look(i, query, &light)).collect();
+        let mut solid = self.tree.order().to_vec();
+        solid.sort_unstable();
+        let seen: Vec<_> = solid.iter().filter_map(|i| self.look(*i as usize, query, &light)).collect();
         if seen.iter().any(|s| s.1 == Coverage::Dark) {
             return (Coverage::Dark, Vec::new());
         }
@@ -174,7 +181,10 @@ impl Blockers for SphereBlockers {
     }
 
     fn splat(&self, _: &VisibilityQuery<'_>, scratch: &mut SphereScratch, mask: &mut Mask) {
-        for blocked in &scratch.hits {
+        for (number, blocked) in scratch.hits.iter().enumerate() {
+            if number % LANES == LANES - 1 && mask.is_dark() {
+                return;
+            }
             match blocked.meets_light {
                 None => blocked.splat(mask),
                 Some((center, radius)) => blocked.splat_in_front(center, radius, mask),

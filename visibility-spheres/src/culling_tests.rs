@@ -224,3 +224,137 @@ fn what_is_not_a_sphere_blocks_nothing() {
     blockers.enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light }, &mut scratch);
     assert!(scratch.candidates().contains(&0));
 }
+
+/// Median time of one call in ns, over calls that together take some milliseconds.
+fn nanoseconds(calls: usize, mut f: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = (0..7)
+        .map(|_| {
+            let start = std::time::Instant::now();
+            f();
+            start.elapsed().as_secs_f64() * 1e9 / calls as f64
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[3]
+}
+
+/// A blob of as much volume whatever the count, or as many blobs of 64 as it takes, over a floor.
+fn over_a_floor(count: usize, grows: bool) -> (Vec<Sphere>, f32) {
+    let mut random = Random::new(21);
+    let side = if grows { (count as f64 / 64.0).sqrt().ceil() } else { 1.0 };
+    let each = if grows { 64.0 } else { count as f64 };
+    let spheres = (0..count)
+        .map(|i| {
+            let blob = (i / 64) as f64;
+            let home = if grows {
+                DVec3::new(blob % side - 0.5 * (side - 1.0), 0.0, (blob / side).floor() - 0.5 * (side - 1.0)) * 3.0
+            } else {
+                DVec3::ZERO
+            };
+            let center = home + DVec3::Y * 1.2 + random.axis() * random.uniform().cbrt() * 0.9;
+            Sphere { center: center.as_vec3(), radius: (0.9 * each.powf(-1.0 / 3.0)) as f32 }
+        })
+        .collect();
+    (spheres, (2.0 + 1.5 * (side - 1.0)) as f32)
+}
+
+#[test]
+#[ignore = "timings: in release, on a quiet machine"]
+fn timings() {
+    use lighting::{Mask, UnitSquare};
+    println!(
+        "spheres       build  refit | enter a tile (flat) candidates | select a point (no enter) hits | splat | all, a point"
+    );
+    println!(
+        "                   µs     µs |            ns                  |          ns                    |    ns |  ns"
+    );
+    for grows in [false, true] {
+        for count in [64, 512, 3578, 100_000] {
+            let (spheres, half) = over_a_floor(count, grows);
+            let objects = vec![0; count];
+            let rounds = (200_000 / count).max(1);
+            let build = nanoseconds(rounds, || {
+                (0..rounds).for_each(|_| drop(SphereBlockers::new(&spheres, &objects, &[])));
+            });
+            let mut blockers = SphereBlockers::new(&spheres, &objects, &[]);
+            let refit = nanoseconds(rounds, || (0..rounds).for_each(|_| assert!(!blockers.update(&spheres))));
+            let light = Sphere { center: Vec3::new(0.5, 8.0, 0.3), radius: 0.5 };
+            // 16 × 16 tiles of 8 × 8 points, of the size of a picture of 256 points across 4 units.
+            let point = |tile: usize, i: usize| {
+                let corner = |k: usize| half * (2.0 * (k as f32 + 0.5) / 16.0 - 1.0) - 0.0625;
+                let at = |k: usize| (k as f32 + 0.5) / 64.0;
+                Vec3::new(corner(tile % 16) + at(i % 8), 0.0, corner(tile / 16) + at(i / 8))
+            };
+            let shafts: Vec<(Shaft, Vec<Vec3>)> = (0..256)
+                .map(|tile| {
+                    let points: Vec<Vec3> = (0..64).map(|i| point(tile, i)).collect();
+                    let center = 0.5 * (points[0] + points[63]);
+                    (
+                        Shaft { receivers: Sphere { center, radius: 1.00001 * center.distance(points[0]) }, light },
+                        points,
+                    )
+                })
+                .collect();
+            let mut scratch = blockers.scratch();
+            let enter = nanoseconds(256, || {
+                for (shaft, _) in &shafts {
+                    blockers.enter(std::hint::black_box(shaft), &mut scratch);
+                }
+            });
+            let everything = blockers.scratch();
+            let flat_enter = nanoseconds(256, || {
+                for (shaft, _) in &shafts {
+                    std::hint::black_box(everything.meets(&crate::shaft_test::ShaftTest::new(shaft)));
+                }
+            });
+            let (mut candidates, mut hits, mut partial) = (0, 0, 0_usize);
+            let mut mask = Mask::default();
+            // Stage by stage: 0 enter, 1 and select, 2 and splat.
+            let mut frame = |stage: usize| {
+                (candidates, hits, partial) = (0, 0, 0);
+                for (shaft, points) in &shafts {
+                    blockers.enter(shaft, &mut scratch);
+                    candidates += scratch.candidates().len();
+                    for position in points.iter().filter(|_| stage > 0) {
+                        let at = Receiver { position: *position, normal: Vec3::Y, view: Vec3::Y, object: 1 };
+                        let cone = Cone::of_sphere(at.position, light);
+                        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+                        if blockers.select(&query, &mut scratch) == Coverage::Partial {
+                            hits += scratch.hits().len();
+                            partial += 1;
+                            if stage > 1 {
+                                mask.reset(&UnitSquare::facing(&cone, blockers.across(&query, &scratch)), 5, at.normal);
+                                blockers.splat(&query, &mut scratch, &mut mask);
+                                std::hint::black_box(mask.is_dark());
+                            }
+                        }
+                    }
+                }
+            };
+            let stages = [0, 1, 2].map(|stage| nanoseconds(256 * 64, || frame(stage)));
+            let mut whole = blockers.scratch();
+            let few = if count > 10_000 { 64 } else { 4 };
+            let flat_select = nanoseconds(256 * 64 / few, || {
+                for (_, points) in &shafts {
+                    for position in points.iter().step_by(few) {
+                        let at = Receiver { position: *position, normal: Vec3::Y, view: Vec3::Y, object: 1 };
+                        let cone = Cone::of_sphere(at.position, light);
+                        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+                        std::hint::black_box(blockers.select(&query, &mut whole));
+                    }
+                }
+            });
+            println!(
+                "{count:6} {} {:8.1} {:6.1} | {enter:6.0} {flat_enter:8.0} {:6.0} | {:6.0} {flat_select:8.0} {:6.1} | {:5.0} | {:5.0}",
+                if grows { "spread" } else { "blob  " },
+                build / 1e3,
+                refit / 1e3,
+                candidates as f64 / 256.0,
+                stages[1] - stages[0],
+                hits as f64 / partial.max(1) as f64,
+                (stages[2] - stages[1]) * (256.0 * 64.0) / hits.max(1) as f64,
+                stages[2],
+            );
+        }
+    }
+}

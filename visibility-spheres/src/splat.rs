@@ -174,11 +174,21 @@ impl BlockedCone {
         // A row's mean span is shorter than that at its centre by the second derivative.
         let bend = k0 * k2 * mask.cell() * mask.cell() / 24.0;
         for j in first..end {
+            let lit = mask.lit_cells(j);
+            if lit == 0 {
+                continue;
+            }
             let t = mask.row_y(j) - y_center;
             let square = k0 - k2 * t * t;
             let half = square.max(0.0).sqrt();
             let ends = half_height - t.abs() < 0.5 * mask.cell();
             if ends || shear.abs() * half + k2 * t.abs() > FLAT * half {
+                // The widest that it is within the row.
+                let inner = (t.abs() - 0.5 * mask.cell()).max(0.0);
+                let reach = (k0 - k2 * inner * inner).max(0.0).sqrt() + 0.5 * shear.abs() * mask.cell();
+                if !meets_cells(mask, lit, x_center + shear * t, reach) {
+                    continue;
+                }
                 let covers = if half_height < mask.cell() {
                     Covers::Within
                 } else if t > 0.0 {
@@ -221,6 +231,17 @@ impl BlockedCone {
             }
         }
     }
+}
+
+/// Whether the interval of plane coordinates x from `middle − reach` to `middle + reach` meets one of a row's cells.
+fn meets_cells(mask: &Mask, cells: u64, middle: f32, reach: f32) -> bool {
+    let left = mask.square().center.x - mask.square().half;
+    let side = mask.side() as f32;
+    let at = |x: f32| ((x - left) / mask.cell()).clamp(0.0, side) as u32;
+    let (first, last) = (at(middle - reach), at(middle + reach));
+    // Bits first…last, one more on either side for the rounding of the ends.
+    let upto = |n: u32| if n >= 64 { u64::MAX } else { (1 << n) - 1 };
+    cells & upto(last + 2) & !upto(first.saturating_sub(1)) != 0
 }
 
 /// Whether, along the unit direction `v`, the ball is entered before the light (both seen from the origin). Inside the
