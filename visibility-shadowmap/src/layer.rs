@@ -9,6 +9,10 @@ pub(crate) const EMPTY: f32 = f32::NEG_INFINITY;
 /// optimum.
 const KAPPA: f32 = 4.0;
 
+/// Two steps in a line are of one steep surface when they differ by less than this factor: the last two before a ball's
+/// outline do by 2.41 at most.
+const LIKE: f32 = 2.5;
+
 /// A depth picture and its pyramid: bounds of q, and how far q is from bilinear between a node's corners.
 #[derive(Clone, Debug)]
 pub(crate) struct Layer {
@@ -85,11 +89,6 @@ impl Layer {
             let level = &self.levels[level as usize - 1];
             level.nodes[j * level.width + i]
         }
-    }
-
-    /// How far a texel's corners may be from its q.
-    pub(crate) fn corner_slack(&self, q: f32) -> f32 {
-        self.limit * (1.0 + q + self.limit)
     }
 
     /// Texels of a node: columns from…to, rows from…to.
@@ -229,23 +228,99 @@ impl Layer {
         (part, sum / count)
     }
 
-    /// Around a corner that four texels of one surface share, all four find the same mean: no gap between them. On a
-    /// plane it is exact. At an outline nothing moves.
+    /// q at a corner of texel `(i, j)`, in the direction `(dx, dy)` of ±1. The texels around a corner that belong to one
+    /// surface all find the same value: no gap between them. On a plane it is exact, at an outline too: there it is where
+    /// the surface would go on to.
     fn corner(&self, i: usize, j: usize, dx: isize, dy: isize) -> f32 {
         let own = self.q[j * self.width + i];
         if own == EMPTY {
             return EMPTY;
         }
-        let at = |dx: isize, dy: isize| {
-            let (i, j) = (i.wrapping_add_signed(dx), j.wrapping_add_signed(dy));
-            if i < self.width && j < self.height { self.q[j * self.width + i] } else { EMPTY }
+        let (x, y) = (i as isize + dx.min(0), j as isize + dy.min(0));
+        let at = |x: isize, y: isize| {
+            let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
+            if inside { self.q[y as usize * self.width + x as usize] } else { EMPTY }
         };
-        // |Δz| < κ·size is |Δq| < κ texel (1 + q).
-        let same = |q: f32, factor: f32| (q - own).abs() < factor * self.limit * (1.0 + 0.5 * (q + own));
-        let pick = |q: f32, factor: f32| if same(q, factor) { (q, 1.0) } else { (0.0, 0.0) };
-        let (across, along, diagonal) = (pick(at(dx, 0), 1.0), pick(at(0, dy), 1.0), pick(at(dx, dy), 1.5));
-        // Opposite ones first: the same sum, to the bit, from each of the four.
-        ((own + diagonal.0) + (across.0 + along.0)) / ((1.0 + diagonal.1) + (across.1 + along.1))
+        // The four around the corner: lower left, lower right, upper left, upper right.
+        let q = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
+        let all = ((q[0] + q[3]) + (q[1] + q[2])) * 0.25;
+        let (low, high) = q.iter().fold((f32::INFINITY, EMPTY), |(low, high), q| (low.min(*q), high.max(*q)));
+        if low > EMPTY && high - low < self.limit * (1.0 + low) {
+            return all;
+        }
+        let columns = [y, y + 1].map(|y| self.joined([at(x - 1, y), at(x, y), at(x + 1, y), at(x + 2, y)]));
+        let rows = [x, x + 1].map(|x| self.joined([at(x, y - 1), at(x, y), at(x, y + 1), at(x, y + 2)]));
+        let diagonal = |a: usize, b: usize| self.near(q[a], q[b], 1.5);
+        let joins = [
+            (columns[0], 0b0011),
+            (columns[1], 0b1100),
+            (rows[0], 0b0101),
+            (rows[1], 0b1010),
+            (diagonal(0, 3), 0b1001),
+            (diagonal(1, 2), 0b0110),
+        ];
+        let mut set = 1_u32 << (usize::from(dx < 0) + 2 * usize::from(dy < 0));
+        for _ in 0..3 {
+            for (_, pair) in joins.iter().filter(|(is, _)| *is) {
+                if set & pair != 0 {
+                    set |= pair;
+                }
+            }
+        }
+        let has = |k: usize| set >> k & 1 == 1;
+        // How much q grows from the texel before to the k-th of the four, outward along an axis.
+        let outward = |k: usize, along_x: bool| {
+            let (x, y) = (x + (k & 1) as isize, y + (k >> 1) as isize);
+            let (dx, dy) = if along_x { (2 * (k & 1) as isize - 1, 0) } else { (0, 2 * (k >> 1) as isize - 1) };
+            let (before, further) = (at(x + dx, y + dy), at(x + 2 * dx, y + 2 * dy));
+            self.joined([further, before, q[k], EMPTY]).then(|| q[k] - before)
+        };
+        // Faces overlap: nothing is to be continued at a picture's border.
+        let border = x < 0 || y < 0 || x as usize + 1 == self.width || y as usize + 1 == self.height;
+        let outward = |k: usize, along_x: bool| if border { None } else { outward(k, along_x) };
+        let half_mean = |a: Option<f32>, b: Option<f32>| match (a, b) {
+            (Some(a), Some(b)) => 0.25 * (a + b),
+            (Some(a), None) | (None, Some(a)) => 0.5 * a,
+            (None, None) => 0.0,
+        };
+        match set.count_ones() {
+            4 => all,
+            3 if has(0) && has(3) => 0.5 * (q[0] + q[3]),
+            3 => 0.5 * (q[1] + q[2]),
+            2 => {
+                let first = set.trailing_zeros() as usize;
+                let last = (31 - set.leading_zeros()) as usize;
+                let mean = 0.5 * (q[first] + q[last]);
+                match last - first {
+                    // Side by side: on along y; one above the other: on along x.
+                    1 if first != 1 => mean + half_mean(outward(first, false), outward(last, false)),
+                    2 => mean + half_mean(outward(first, true), outward(last, true)),
+                    _ => mean,
+                }
+            }
+            _ => {
+                let k = set.trailing_zeros() as usize;
+                own + half_mean(outward(k, true), None) + half_mean(outward(k, false), None)
+            }
+        }
+    }
+
+    fn near(&self, a: f32, b: f32, factor: f32) -> bool {
+        // |Δz| < κ·size is |Δq| < κ texel (1 + q); never where one is empty.
+        (a - b).abs() < factor * self.limit * (1.0 + 0.5 * (a + b))
+    }
+
+    /// Whether the middle two of four texels in a line belong to one surface: they are near to each other, or the surface
+    /// is steep, as it is before it or after it.
+    fn joined(&self, [before, a, b, after]: [f32; 4]) -> bool {
+        let step = b - a;
+        let like = |other: f32| {
+            other.is_finite()
+                && step * other > 0.0
+                && step.abs() < LIKE * other.abs()
+                && other.abs() < LIKE * step.abs()
+        };
+        self.near(a, b, 1.0) || step.is_finite() && (like(a - before) || like(after - b))
     }
 
     /// The largest q: the nearest surface.

@@ -7,10 +7,13 @@ use glam::{DVec3, Vec2, Vec3};
 use lighting::UnitSquare;
 use lobe_core::{Shaft, Sphere};
 
-/// A blocker must be above the receiver's tangent plane by so many texels: else a surface shadows itself. Measured on a
-/// bunny's own surface, map of 512²: 0.5 leaves 0.9 % of the light in its umbra and darkens lit skin by 0.04 %; 1 texel
-/// leaves 1.0 %, on a fence three times as much as 0.5, and darkens by 0.03 %.
+/// A blocker near the receiver must be above its tangent plane by so many texels: else a surface shadows itself. One
+/// farther than `BIAS/TILT` texels toward the light must only be above the plane, by a rounding: else light leaks along
+/// the horizon however far the blocker is. Measured on a bunny's own surface, map of 512², light of 1°: lit skin darkened
+/// by 0.10 %, 2.1 % of the light in its umbra; without the tilt 0.06 % and 4.1 %, without bias 1.9 % and 2.1 %.
 const BIAS: f64 = 0.5;
+const TILT: f64 = 1.0 / 16.0;
+const ROUNDING: f64 = 0.02;
 /// A node stands for its texels where no point of it appears farther than this from its place, in cells.
 const SHIFT: f64 = 0.125;
 /// A node that shows an outline is not split where it is smaller than this, in cells.
@@ -70,14 +73,21 @@ impl Block {
     /// All of a node's texels, corners included.
     fn around(item: Item, layer: &Layer, node: &Node) -> Self {
         let [x0, x1, y0, y1] = item.texels(layer).map(|x| x as f32);
-        let q = 0.5 * (node.min + node.max);
+        // A texel's own bounds don't have its corners in them, those of the node above do.
+        let (min, max) = match item.level {
+            0 => {
+                let above = layer.node(1, usize::from(item.i) / 2, usize::from(item.j) / 2);
+                (above.min, above.max)
+            }
+            _ => (node.min, node.max),
+        };
         Self {
             i: 0.5 * (x0 + x1),
             j: 0.5 * (y0 + y1),
-            q,
+            q: 0.5 * (min + max),
             half_i: 0.5 * (x1 - x0),
             half_j: 0.5 * (y1 - y0),
-            half_q: if item.level == 0 { layer.corner_slack(q) } else { 0.5 * (node.max - node.min) },
+            half_q: 0.5 * (max - min),
         }
     }
 }
@@ -152,7 +162,7 @@ pub(crate) struct Probe {
     small: f32,
 }
 
-const INNER: usize = 2;
+const INNER: usize = 3;
 
 impl Probe {
     /// `cell`: side of a mask cell in plane coordinates.
@@ -161,13 +171,14 @@ impl Probe {
         let to_light = center - x.as_dvec3();
         let distance = to_light.length();
         let n = normal.as_dvec3();
-        let above = face.along(n, to_light).minus(face.per_distance(BIAS * face.texel));
+        let axis = square.axis.as_dvec3();
+        let above = face.along(n, to_light).minus(face.per_distance(ROUNDING * face.texel));
+        let clear = face.along(n + axis * TILT, to_light).minus(face.per_distance(BIAS * face.texel));
         // On the receiver's side of the circle in which its tangents touch the light.
         let radius = f64::from(light.radius);
         let to_receiver = -to_light / distance;
         let front = face.relative(to_receiver).minus(Face::constant(radius * radius / distance));
 
-        let axis = square.axis.as_dvec3();
         let (right, up) = (square.right.as_dvec3(), square.up.as_dvec3());
         let (middle, half) = (square.center.as_dvec2(), f64::from(square.half));
         let within = |direction: DVec3, at: f64, half: f64| face.along(axis * (at + half) - direction, to_light);
@@ -176,6 +187,7 @@ impl Probe {
         let disc = f64::from(square.disc) + 1.5 * f64::from(cell);
         let tests = Tests::new(&[
             above,
+            clear,
             front,
             within(right, middle.x, half),
             within(-right, -middle.x, half),
@@ -212,7 +224,7 @@ impl Probe {
                 return Verdict::No;
             }
             // A texel is there with its centre.
-            (block.half_i, block.half_j, block.half_q) = (0.0, 0.0, 0.0);
+            (block.q, block.half_i, block.half_j, block.half_q) = (node.min, 0.0, 0.0, 0.0);
             return if self.tests.bounds(&block, INNER).1 { Verdict::Blocks } else { Verdict::No };
         }
         let (outside, inside) = self.tests.bounds(&block, INNER);

@@ -50,7 +50,12 @@ pub(super) enum Use {
     Entered,
     /// As `Box<dyn DynVisibility>`.
     Boxed,
+    /// By several threads at once, each with scratch of its own.
+    Threads,
 }
+
+/// Threads of [`Use::Threads`].
+const THREADS: usize = 3;
 
 impl Case {
     /// No balls yet; the light is above the horizon or, one time in four, crosses it.
@@ -213,6 +218,17 @@ impl Visitor for Share<'_> {
                 let boxed: Box<dyn DynVisibility + '_> = Box::new(ByReference(strategy));
                 case.ask(&boxed, &mut boxed.scratch(), &mut sum)
             }
+            Use::Threads => std::thread::scope(|scope| {
+                let one = || {
+                    let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+                    case.ask(strategy, &mut strategy.scratch(), &mut sum)
+                };
+                let all: Vec<_> = (0..THREADS).map(|_| scope.spawn(one)).collect();
+                let mut answers = all.into_iter().map(|t| t.join().unwrap_or(Err(LobesFull)));
+                // Where one differs from the first there is no answer.
+                let first = answers.next().unwrap_or(Err(LobesFull))?;
+                if answers.all(|other| other == Ok(first)) { Ok(first) } else { Err(LobesFull) }
+            }),
         };
         // A strategy that needs more lobes than it says has no share.
         answer.unwrap_or((Coverage::Partial, f32::NAN))

@@ -1,22 +1,108 @@
 //! What every visibility strategy has to keep, as a suite that anyone can run on their own (feature `oracle`).
 //!
 //! [`check`] asks a [`Subject`] for strategies whose blockers are given balls and tries them:
-//! - no blocker, and blockers beside the light, behind it or behind the receiver: [`Coverage::Lit`](crate::Coverage) or
-//!   V = 1 exactly; a blocker that hides the light: V = 0 exactly; V in [0, 1] always;
-//! - one ball before the light, from a dot to a straight edge, against the closed overlap of two caps;
+//! - no blocker: [`Coverage::Lit`](crate::Coverage), without a lobe; blockers behind the receiver or the light: V = 1
+//!   exactly; beside the light: V = 1; a blocker that hides the light: V = 0; V in [0, 1] always;
+//! - one ball before the light, from a dot to a half-plane, against the closed overlap of two caps; several balls, lights
+//!   through the horizon and glossy lobes against quadrature;
 //! - a further blocker never brightens; the order of blockers does not matter; nor does turning everything;
-//! - nothing pops while blocker, light or receiver moves by small steps;
-//! - an overflowing buffer is an error value; used scratch, `enter` and `dyn` change no bit.
+//! - nothing pops while blocker, light or receiver moves by small steps, with one ball and with several;
+//! - an overflowing buffer is an error value; used scratch, `enter`, `dyn` and threads change no bit.
+//!
+//! A strategy without shadows breaks it:
 //!
 //! ```
 //! use lobe_core::conformance::{Limits, Setting, check};
 //! use lobe_core::Unshadowed;
-//! // A strategy without shadows breaks the suite.
 //! let broken = check(&|_: &Setting<'_>| Unshadowed, &Limits::default()).unwrap_err();
 //! assert_eq!(broken.property, "full cover is dark");
 //! ```
+//!
+//! A strategy of one's own passes it, within limits that its kind allows:
+//!
+//! ```
+//! use glam::Vec3;
+//! use lobe_core::conformance::{Limits, Setting, check};
+//! use lobe_core::*;
+//!
+//! /// 1024 shadow rays a light, the same pattern always.
+//! struct Rays(Vec<Sphere>);
+//!
+//! impl Rays {
+//!     fn hides(&self, x: Vec3, v: Vec3, far: f32) -> bool {
+//!         self.0.iter().any(|ball| {
+//!             let to = ball.center - x;
+//!             let along = to.dot(v);
+//!             along > 0.0 && along < far && (to - v * along).length() < ball.radius
+//!         })
+//!     }
+//! }
+//!
+//! impl VisibilityLobes for Rays {
+//!     /// Directions, and whether they are open.
+//!     type Scratch = Vec<(Vec3, bool)>;
+//!     fn scratch(&self) -> Self::Scratch {
+//!         Vec::new()
+//!     }
+//!     fn max_lobes(&self) -> usize {
+//!         1024
+//!     }
+//!     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+//!         let (right, up) = orthonormal_basis(query.cone.axis);
+//!         scratch.clear();
+//!         scratch.extend((0..1024).map(|k| {
+//!             // Equal solid angles along a spiral.
+//!             let defect = query.cone.one_minus_cos * (k as f32 + 0.5) / 1024.0;
+//!             let (sin, cos) = (2.399_963 * k as f32).sin_cos();
+//!             let v = (right * cos + up * sin) * (defect * (2.0 - defect)).sqrt() + query.cone.axis * (1.0 - defect);
+//!             let below = query.at.normal.dot(v) <= 0.0;
+//!             (v, !below && !self.hides(query.at.position, v, query.cone.distance))
+//!         }));
+//!         scratch.retain(|(v, _)| query.at.normal.dot(*v) > 0.0);
+//!         match scratch.iter().filter(|(_, open)| *open).count() {
+//!             0 => Coverage::Dark,
+//!             open if open == scratch.len() => Coverage::Lit,
+//!             _ => Coverage::Partial,
+//!         }
+//!     }
+//!     fn visibility_lobes(
+//!         &self,
+//!         _: &VisibilityQuery<'_>,
+//!         _: &Lobe,
+//!         _: f32,
+//!         scratch: &mut Self::Scratch,
+//!         out: &mut VisibilitySum,
+//!     ) -> Result<(), LobesFull> {
+//!         let (mut open, mut whole) = (out.lobes.writer(), out.whole.writer());
+//!         for (v, is_open) in scratch {
+//!             let ray = Lobe::with_flux(*v, f32::INFINITY, Vec3::ONE);
+//!             whole.push(ray)?;
+//!             if *is_open {
+//!                 open.push(ray)?;
+//!             }
+//!         }
+//!         Ok(())
+//!     }
+//! }
+//!
+//! // 32 rays lie across a light: edges are off by a part of the space between two.
+//! let limits = Limits {
+//!     overlap_mean: 0.005,
+//!     overlap: 0.03,
+//!     several_mean: 0.02,
+//!     several: 0.2,
+//!     jump: 0.03,
+//!     turn: 0.15,
+//!     cases: 6,
+//!     ..Limits::default()
+//! };
+//! let measured = check(&|s: &Setting<'_>| Rays(s.balls.to_vec()), &limits)?;
+//! assert_eq!((measured.cover, measured.order), (0.0, 0.0));
+//! # Ok::<(), lobe_core::conformance::Broken>(())
+//! ```
 
 mod case;
+mod exact;
 mod properties;
 
 pub use self::properties::check;
@@ -68,35 +154,63 @@ where
 /// How far a strategy may be off; all in units of V. The defaults suit exact balls in masks of depth 5.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
+    /// How much a blocker beside the cone of light may darken: 0 for exact shapes.
+    pub beside: f64,
+    /// How much light a blocker that hides all of it may let through: 0 unless blockers are discrete.
+    pub cover: f64,
     /// Mean error against closed overlaps.
     pub overlap_mean: f64,
     /// Largest error against closed overlaps.
     pub overlap: f64,
+    /// Mean error with several balls, any light and lobe, against quadrature.
+    pub several_mean: f64,
+    /// Largest error of those.
+    pub several: f64,
     /// How much a further blocker may brighten.
     pub brighter: f64,
     /// Largest change when the order of the blockers changes.
     pub order: f64,
     /// Largest change when everything is turned.
     pub turn: f64,
-    /// Largest change in a small step that the closed overlap does not make.
+    /// Largest change in a small step, a hundredth of the light's half-angle or so, that the exact share does not make.
     pub jump: f64,
-    /// Tries of each random kind.
+    /// Tries of each random kind; a third as many sweeps.
     pub cases: usize,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { overlap_mean: 0.002, overlap: 0.01, brighter: 0.01, order: 0.002, turn: 0.02, jump: 0.005, cases: 60 }
+        Self {
+            beside: 0.0,
+            cover: 0.0,
+            overlap_mean: 0.002,
+            overlap: 0.01,
+            several_mean: 0.003,
+            several: 0.03,
+            brighter: 0.01,
+            order: 0.002,
+            turn: 0.02,
+            jump: 0.005,
+            cases: 60,
+        }
     }
 }
 
 /// What [`check`] measured; the fields are those of [`Limits`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
+    /// See [`Limits::beside`].
+    pub beside: f64,
+    /// See [`Limits::cover`].
+    pub cover: f64,
     /// See [`Limits::overlap_mean`].
     pub overlap_mean: f64,
     /// See [`Limits::overlap`].
     pub overlap: f64,
+    /// See [`Limits::several_mean`].
+    pub several_mean: f64,
+    /// See [`Limits::several`].
+    pub several: f64,
     /// See [`Limits::brighter`].
     pub brighter: f64,
     /// See [`Limits::order`].

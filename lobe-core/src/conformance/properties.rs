@@ -13,12 +13,14 @@ use glam::{DQuat, DVec3};
 /// [`Broken`]: the first property that does not hold, with the case.
 pub fn check(subject: &impl Subject, limits: &Limits) -> Result<Measured, Broken> {
     let mut random = Random::new(4);
-    nothing_blocks(subject, limits, &mut random)?;
-    full_cover(subject, limits, &mut random)?;
     let mut measured = Measured::default();
+    nothing_blocks(subject, limits, &mut random, &mut measured)?;
+    full_cover(subject, limits, &mut random, &mut measured)?;
     overlaps(subject, limits, &mut random, &mut measured)?;
+    several(subject, limits, &mut random, &mut measured)?;
     many_balls(subject, limits, &mut random, &mut measured)?;
     motion(subject, limits, &mut random, &mut measured)?;
+    motion_of_several(subject, limits, &mut random, &mut measured)?;
     Ok(measured)
 }
 
@@ -27,7 +29,12 @@ fn ensure(holds: bool, property: &'static str, case: impl FnOnce() -> String) ->
 }
 
 /// No balls, and balls that no ray to the light meets.
-fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random) -> Result<(), Broken> {
+fn nothing_blocks(
+    subject: &impl Subject,
+    limits: &Limits,
+    random: &mut Random,
+    out: &mut Measured,
+) -> Result<(), Broken> {
     for _ in 0..limits.cases {
         let mut case = Case::random(random);
         for how in [Use::Fresh, Use::Entered, Use::Boxed] {
@@ -38,9 +45,11 @@ fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random) 
         for i in 0..4 {
             let size = random.log_uniform(0.01, 1.2);
             let distance = random.log_uniform(0.3, 3.0 * FAR);
-            let ball = if i < 3 {
-                // Beside the cone, up to straight behind the receiver.
-                let off = random.between((1.1 * size + theta + 0.02).min(PI), PI);
+            let beside = (1.1 * size + theta + 0.02).min(PI);
+            let ball = if i < 2 {
+                // Anywhere beside, then straight behind the receiver.
+                let from = if i == 0 { beside } else { beside.max(0.5 * PI + size) };
+                let off = random.between(from, PI);
                 case.ball(random, size, off, distance)
             } else {
                 let radius = random.log_uniform(0.1, 0.5 * FAR);
@@ -50,13 +59,18 @@ fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random) 
             };
             case.balls.push(ball);
         }
+        let beside = case.balls.remove(0);
         let (_, share) = case.share(subject, Use::Fresh);
-        ensure(share == 1.0, "what is beside or behind blocks nothing", || format!("V = {share} in {case:?}"))?;
+        ensure(share == 1.0, "what is behind receiver or light blocks nothing", || format!("V = {share} in {case:?}"))?;
+        case.balls = vec![beside];
+        let dark = 1.0 - f64::from(case.share(subject, Use::Fresh).1);
+        ensure(dark <= limits.beside, "what is beside blocks nothing", || format!("1 - V = {dark} in {case:?}"))?;
+        out.beside = out.beside.max(dark);
     }
     Ok(())
 }
 
-fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random) -> Result<(), Broken> {
+fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
     for _ in 0..limits.cases {
         let mut case = Case::random(random);
         let theta = case.cone().1;
@@ -64,9 +78,10 @@ fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random) -> R
         let size = (theta + off) * random.between(1.1, 1.5) + 0.01;
         let distance = random.between(1.0, 0.3 * FAR);
         case.balls.push(case.ball(random, size, off, distance));
-        for how in [Use::Fresh, Use::Entered] {
-            let (_, share) = case.share(subject, how);
-            ensure(share == 0.0, "full cover is dark", || format!("V = {share} in {case:?}"))?;
+        for how in [Use::Fresh, Use::Entered, Use::Boxed] {
+            let share = f64::from(case.share(subject, how).1);
+            ensure(share <= limits.cover, "full cover is dark", || format!("V = {share} in {case:?}"))?;
+            out.cover = out.cover.max(share);
         }
     }
     Ok(())
@@ -83,9 +98,10 @@ fn straight_above(random: &mut Random, theta: f64) -> Case {
     case
 }
 
-/// Angular radii of the ball in closed cases, from a dot to a nearly straight edge, by the light's half-angle.
-fn closed_sizes(theta: f64) -> [f64; 5] {
-    [0.3 * theta, theta, 3.0 * theta, 0.5, 1.2]
+/// Angular radii of the ball in closed cases, from a dot to a half-plane, by the light's half-angle. The last one's edge
+/// is off a straight line by 0.1 % of the light's radius.
+fn closed_sizes(theta: f64) -> [f64; 6] {
+    [0.3 * theta, theta, 3.0 * theta, 0.5, 1.2, 1.5]
 }
 
 fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
@@ -111,6 +127,26 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
     ensure(out.overlap_mean <= limits.overlap_mean, "mean overlap of two discs", || format!("{}", out.overlap_mean))
 }
 
+/// Two to five balls, any light, any lobe, also through the horizon.
+fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+    let mut sum = 0.0;
+    for _ in 0..limits.cases {
+        let mut case = Case::random(random);
+        for _ in 0..2 + random.bits() % 4 {
+            case.balls.push(case.blocker(random));
+        }
+        let (share, exact) = (f64::from(case.share(subject, Use::Fresh).1), case.exact());
+        let error = (share - exact).abs();
+        ensure(error <= limits.several, "several balls against quadrature", || {
+            format!("V = {share}, exactly {exact} in {case:?}")
+        })?;
+        out.several = out.several.max(error);
+        sum += error;
+    }
+    out.several_mean = sum / limits.cases.max(1) as f64;
+    ensure(out.several_mean <= limits.several_mean, "mean of several balls", || format!("{}", out.several_mean))
+}
+
 /// Range, scratch, dispatch, overflow, monotony, order, rotation: one to five balls at random.
 fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
     for _ in 0..limits.cases {
@@ -124,6 +160,7 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
                 (Use::Used, "used scratch changes nothing"),
                 (Use::Entered, "enter changes nothing"),
                 (Use::Boxed, "a boxed strategy is the same"),
+                (Use::Threads, "threads change nothing"),
             ] {
                 let (_, again) = case.share(subject, how);
                 ensure(share == again, property, || format!("V = {share}, then {again} in {case:?}"))?;
@@ -158,39 +195,87 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
     Ok(())
 }
 
+/// What moves in a sweep.
+#[derive(Clone, Copy, Debug)]
+enum Moves {
+    Ball,
+    Light,
+    Receiver,
+}
+
 /// One ball passes the light in small steps, or the light or the receiver moves instead.
 fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
-    const STEPS: u32 = 160;
     let theta = 0.035;
-    for (k, size) in closed_sizes(theta).into_iter().flat_map(|size| [size; 4]).enumerate() {
-        let start = straight_above(random, theta);
+    for k in 0..limits.cases / 3 {
+        let size = closed_sizes(theta)[k / 4 % 6];
+        let mut start = straight_above(random, theta);
         let (axis, _) = start.cone();
         // Also along the directions that a mask may lie along.
         let (u, v) = axis.any_orthonormal_pair();
         let along = [u, v, random.axis_at(axis, 0.5 * PI), random.axis_at(axis, 0.5 * PI)][k % 4];
         let distance = 0.4 * FAR;
-        let ball = start.position + (axis * size.cos() + along * size.sin()) * distance;
-        let mut last: Option<(f64, f64)> = None;
-        for step in 0..=STEPS {
-            let way = (f64::from(step) / f64::from(STEPS) * 2.4 - 1.2) * theta;
-            let mut case = start.clone();
-            case.balls.push(Ball { center: ball, radius: distance * size.sin() });
-            let aside: DVec3 = along * way;
-            match (k / 4 + k) % 3 {
-                0 => case.balls[0].center += aside * distance,
-                1 => case.light.center -= aside * FAR,
-                _ => case.position += aside * (distance / (1.0 - distance / FAR)),
-            }
-            let now = (f64::from(case.share(subject, Use::Fresh).1), case.closed());
-            if let Some(last) = last {
-                let jump = ((now.0 - last.0) - (now.1 - last.1)).abs();
-                ensure(jump <= limits.jump, "nothing pops", || {
-                    format!("V from {} to {}, closed from {} to {} in {case:?}", last.0, now.0, last.1, now.1)
-                })?;
-                out.jump = out.jump.max(jump);
-            }
-            last = Some(now);
-        }
+        let center = start.position + (axis * size.cos() + along * size.sin()) * distance;
+        start.balls.push(Ball { center, radius: distance * size.sin() });
+        let moves = [Moves::Ball, Moves::Light, Moves::Receiver][(k / 4 + k) % 3];
+        let jump = sweep(subject, &start, moves, along, 1.2, limits.jump, Case::closed)?;
+        out.jump = out.jump.max(jump);
     }
     Ok(())
+}
+
+/// The same with two or three balls, any light and lobe: they take turns at being the largest.
+fn motion_of_several(
+    subject: &impl Subject,
+    limits: &Limits,
+    random: &mut Random,
+    out: &mut Measured,
+) -> Result<(), Broken> {
+    for k in 0..limits.cases / 3 {
+        let mut start = Case::random(random);
+        for _ in 0..2 + k % 2 {
+            start.balls.push(start.blocker(random));
+        }
+        let along = random.axis_at(start.cone().0, 0.5 * PI);
+        let moves = [Moves::Ball, Moves::Light, Moves::Receiver][k % 3];
+        let jump = sweep(subject, &start, moves, along, 0.4, limits.jump, Case::exact)?;
+        out.jump = out.jump.max(jump);
+    }
+    Ok(())
+}
+
+/// Largest change of V in a step that the exact one does not make, while something moves by `± reach` half-angles of the
+/// light in steps of a hundredth of one.
+fn sweep(
+    subject: &impl Subject,
+    start: &Case,
+    moves: Moves,
+    along: DVec3,
+    reach: f64,
+    limit: f64,
+    exact: impl Fn(&Case) -> f64,
+) -> Result<f64, Broken> {
+    let theta = start.cone().1;
+    let distance = start.balls[0].center.distance(start.position);
+    let steps = (200.0 * reach * 2.0 / 3.0) as u32;
+    let (mut last, mut largest) = (None::<(f64, f64)>, 0.0_f64);
+    for step in 0..=steps {
+        let way = (f64::from(step) / f64::from(steps) * 2.0 - 1.0) * reach * theta;
+        let mut case = start.clone();
+        let aside = along * way;
+        match moves {
+            Moves::Ball => case.balls[0].center += aside * distance,
+            Moves::Light => case.light.center -= aside * FAR,
+            Moves::Receiver => case.position += aside * (distance / (1.0 - distance / FAR)),
+        }
+        let now = (f64::from(case.share(subject, Use::Fresh).1), exact(&case));
+        if let Some((share, truth)) = last {
+            let jump = ((now.0 - share) - (now.1 - truth)).abs();
+            ensure(jump <= limit, "nothing pops", || {
+                format!("V from {share} to {}, exactly from {truth} to {} as {moves:?} moves in {case:?}", now.0, now.1)
+            })?;
+            largest = largest.max(jump);
+        }
+        last = Some(now);
+    }
+    Ok(largest)
 }

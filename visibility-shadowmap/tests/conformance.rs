@@ -1,0 +1,75 @@
+//! The suite that all visibility strategies keep, for shadow maps.
+
+use glam::Vec3;
+use lighting::MaskVisibility;
+use lobe_core::conformance::{Limits, Setting, check};
+use lobe_core::{DynVisibility, Sphere};
+use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+
+/// Corners around a rim: the chord of the largest ball (1.5 rad) is off its rim by 0.1 % of the smallest light (0.005).
+const CORNERS: u32 = 1024;
+
+/// A closed double cone that hides from `eye` just what the ball does: its rim is the circle in which tangents from there
+/// touch the ball, its tips are the ball's nearest and farthest points. The rim's polygon has the circle's area.
+fn add(ball: &Sphere, eye: Vec3, positions: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
+    let to = (ball.center - eye).as_dvec3();
+    let (distance, radius) = (to.length(), f64::from(ball.radius));
+    if radius <= 0.0 || distance <= radius {
+        return;
+    }
+    let axis = to / distance;
+    let (u, v) = axis.any_orthonormal_pair();
+    let sin = radius / distance;
+    let (along, across) = (distance * (1.0 - sin * sin), radius * (1.0 - sin * sin).sqrt());
+    let step = core::f64::consts::TAU / f64::from(CORNERS);
+    let across = across * (step / step.sin()).sqrt();
+    let first = positions.len() as u32;
+    let mut push = |p: glam::DVec3| positions.push((eye.as_dvec3() + p).as_vec3());
+    push(axis * (distance - radius));
+    push(axis * (distance + radius));
+    for k in 0..CORNERS {
+        let (sin, cos) = (step * f64::from(k)).sin_cos();
+        push(axis * along + (u * cos + v * sin) * across);
+    }
+    for k in 0..CORNERS {
+        let [a, b] = [k, (k + 1) % CORNERS].map(|k| first + 2 + k);
+        triangles.extend([[first, a, b], [first + 1, b, a]]);
+    }
+}
+
+/// A map of the balls, fitted to what may shadow the receiver.
+fn blockers(setting: &Setting<'_>, resolution: u32) -> ShadowMapBlockers {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    setting.balls.iter().for_each(|ball| add(ball, setting.receiver, &mut positions, &mut triangles));
+    let receivers = Some(Bounds { min: setting.receiver - 1e-3, max: setting.receiver + 1e-3 });
+    let options = MapOptions { resolution, receivers, ..MapOptions::default() };
+    let map = ShadowMap::build(&positions, &triangles, setting.light, &options).expect("finite balls");
+    ShadowMapBlockers::new(vec![map])
+}
+
+/// What texels allow; a light is about 150 of them wide here.
+fn limits() -> Limits {
+    Limits {
+        // Along the horizon the texel's own rounding does not block: next to nothing of the radiance comes from there.
+        cover: 1e-3,
+        overlap_mean: 0.001,
+        // Texels are there or not: an outline is off by up to half of one.
+        overlap: 0.015,
+        // A lobe of exponent 500 sees a tenth of the widest light, that is 15 texels.
+        several_mean: 0.006,
+        several: 0.06,
+        // The map is drawn anew in each setting: its texels lie elsewhere.
+        turn: 0.02,
+        jump: 0.02,
+        cases: 12,
+        ..Limits::default()
+    }
+}
+
+/// Used as `Box<dyn …>`; the suite itself compares that with the static one.
+#[test]
+fn shadow_map() {
+    let boxed = |s: &Setting<'_>| -> Box<dyn DynVisibility> { Box::new(MaskVisibility::new(blockers(s, 192), 5)) };
+    let measured = check(&boxed, &limits());
+    println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
+}
