@@ -91,7 +91,7 @@ pub(crate) struct LightMover {
 /// What moves the camera.
 #[derive(Clone, Debug)]
 pub(crate) enum CameraMover {
-    Keys(CameraKeys),
+    Keys(Box<CameraKeys>),
     /// A node of a glTF file, and the field of view.
     Node {
         skeleton: usize,

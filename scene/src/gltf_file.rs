@@ -42,8 +42,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut
             if is_glb { SceneError::file(path, e.to_string()) } else { json_error(path, &e) }
         })?,
     };
-    document(path, &root, chunk, clip.map(|clip| (clip, fault)), context)
-        .map_err(|message| SceneError::file(path, message))
+    document(path, &root, chunk, clip, fault.as_deref(), context).map_err(|message| SceneError::file(path, message))
 }
 
 /// The document read again without what its animations aim at that is no node, or else without them, and why.
@@ -111,7 +110,8 @@ fn document(
     path: &Path,
     root: &Root,
     chunk: Option<&[u8]>,
-    wanted: Option<(&str, Option<String>)>,
+    wanted: Option<&str>,
+    unreadable: Option<&str>,
     context: &mut Context,
 ) -> Result<Read, String> {
     let asset = &root.asset;
@@ -124,7 +124,7 @@ fn document(
     }
     let buffers = Buffers::load(path, root, chunk)?;
     let shown = shown_nodes(root)?;
-    let skeleton = animated(path, root, &buffers, wanted, context)?;
+    let skeleton = animated(path, root, &buffers, wanted, unreadable, context)?;
     let mut reader = Reader {
         root,
         buffers,
@@ -182,16 +182,17 @@ fn animated(
     path: &Path,
     root: &Root,
     buffers: &Buffers<'_>,
-    wanted: Option<(&str, Option<String>)>,
+    wanted: Option<&str>,
+    unreadable: Option<&str>,
     context: &mut Context,
 ) -> Result<Skeleton, String> {
     let rest = skeleton(root)?;
     let names = clip_names(root);
-    let clip = match &wanted {
-        Some((_, Some(fault))) => return Err(format!("animations cannot be read: {fault}")),
-        Some((name, None)) => Some(find_clip(&names, name)?),
-        None if names.is_empty() => None,
-        None => Some(0),
+    let clip = match (wanted, unreadable) {
+        (Some(_), Some(fault)) => return Err(format!("animations cannot be read: {fault}")),
+        (Some(name), None) => Some(find_clip(&names, name)?),
+        (None, _) if names.is_empty() => None,
+        (None, _) => Some(0),
     };
     context.clips.extend(names);
     let Some(clip) = clip else { return Ok(rest) };

@@ -1,7 +1,7 @@
 //! Scenes: meshes, materials, lights, camera and their loading.
 //!
 //! - [`Scene`] and what it is made of: [`Camera`], [`Object`] ([`Shape`], [`Proxy`], [`Strategy`]), [`Mesh`], materials of `brdf`,
-//!   lights of `lighting`. [`Scene::validate`] checks all that renderers rely on.
+//!   lights of `lighting`. [`Scene::validate`] checks all that renderers rely on. [`Animation`]: what of it moves.
 //! - [`load`]: scene files in TOML (every key, commented: [`SCHEMA_EXAMPLE`]), and `.obj`, `.ply`, `.gltf`, `.glb` meshes,
 //!   to which a floor, a light and a camera are added. [`builtin`]: the scene that needs no file.
 //! - What renderers take and give, the same for CPU and GPU: [`Shade`], [`ShadingPoints`], [`Frame`], [`BlockerSet`].
@@ -24,10 +24,22 @@
 //! it; a glTF reads nothing outside its folder. Triangles without an area are left out. Coordinates may be as large as
 //! 1e17; NaN and infinity are refused.
 //!
-//! glTF: triangles (strips and fans too) of the default scene in their rest pose, skins applied; sparse and quantised
+//! glTF: triangles (strips and fans too) of the default scene, with skins and morph targets; sparse and quantised
 //! accessors; the first perspective camera; base colour, metalness and roughness factors as a modified Phong material.
-//! Not read: textures, animations, morph weights, punctual lights, emission, Draco and meshopt compression
-//! ([`load_with_warnings`] says which of these a file has).
+//! Not read: textures, punctual lights, emission, Draco and meshopt compression ([`load_with_warnings`] says which of these
+//! a file has).
+//!
+//! # Motion
+//! [`load_animated`] gives an [`Animation`] with the scene: key frames of objects, lights and the camera of a scene file, and
+//! one clip of each glTF file (node transforms, skins, morph weights; steps, lines and cubic splines). A mesh file alone
+//! plays its first clip, or the one that [`load_clip`] names, a scene file what it says, else the first one too. A skinned
+//! vertex keeps its four largest weights. Normals go with the inverse transpose of what carries them; where the file has
+//! none, smooth ones follow from the triangles of each pose.
+//!
+//! A clip that is broken (times not in order, NaN, too few values, nodes that do not exist, no channels …) is refused when it
+//! was asked for by name or number; otherwise a warning says so and the rest pose is shown. Channels that aim at what is not
+//! supported (pointers of extensions, weights without targets) are left out with a warning. A skin that is broken is always
+//! refused.
 //!
 //! # Scope
 //! Out of scope here: images, sphere-set construction, threads.

@@ -9,7 +9,7 @@ fn parse(text: &str) -> (Scene, Animation) {
 
 fn refused(text: &str, line: usize, words: &[&str]) {
     let result = scene_file::parse(Path::new("test.toml"), text, &mut Context::default());
-    let message = result.err().expect(text).to_string();
+    let message = result.map(|(scene, _)| scene).expect_err(text).to_string();
     assert!(message.starts_with(&format!("test.toml:{line}:")), "{message}\nfor\n{text}");
     for word in words {
         assert!(message.contains(word), "{message} lacks {word:?}");
@@ -73,7 +73,8 @@ fn normals_follow_the_inverse_transpose() {
     let text = "[[objects]]\nmesh = \"ball.obj\"\nkeys = [{ time = 0 }, { time = 1, scale = [1, 3, 0.5], \
         rotate = { axis = [1, 1, 0], degrees = 70 } }]";
     let folder = tempfile::tempdir().unwrap();
-    let spine: Vec<Vec3> = (0..12).map(|i| Quat::from_rotation_y(0.5236 * i as f32) * Vec3::X).collect();
+    let spine: Vec<Vec3> =
+        (0..12).map(|i| Quat::from_rotation_y(core::f32::consts::FRAC_PI_6 * i as f32) * Vec3::X).collect();
     let torus = crate::Mesh::closed_tube(&spine, 0.3, 8);
     let mut obj = String::new();
     for (p, n) in torus.positions.iter().zip(&torus.normals) {

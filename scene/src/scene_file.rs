@@ -98,7 +98,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
         fps,
         movers,
         lights: light_movers,
-        camera: camera_keys.map(CameraMover::Keys),
+        camera: camera_keys.map(|keys| CameraMover::Keys(Box::new(keys))),
         ..context.animation()
     };
     let scene = Scene { camera, width, height, background, materials: materials.all, objects, lights };

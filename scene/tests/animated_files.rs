@@ -2,18 +2,18 @@
 //!
 //! The collection lies beside the repository and is not part of it; where it is absent these tests are shown as ignored.
 
-#![expect(clippy::unwrap_used, reason = "a test")]
-
 use glam::{DVec3, Vec3};
 use scene::{Scene, Shape};
 use std::path::Path;
 
 const SHARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/gltf");
 
+type Expected = (&'static str, usize, f32, [f32; 3], [f32; 3], [f32; 3]);
+
 /// File, clip, time; smallest and largest corner and the mean of all vertices, vertex i weighted with i + 1 so that their
 /// order counts. From a program of its own in f64 that shares nothing with this crate.
 #[rustfmt::skip]
-const EXPECTED: &[(&str, usize, f32, [f32; 3], [f32; 3], [f32; 3])] = &[
+const EXPECTED: &[Expected] = &[
         ("SimpleSkin/SimpleSkin.gltf", 0, 0.7, [-1.118, 0.0, 0.0], [0.543108, 1.8993, 0.0], [-0.351771, 1.148, 0.0]),
         ("RiggedSimple.glb", 0, 1.3, [-1.0, -4.57508, -1.0], [2.40204, 4.32548, 1.0], [1.09023, 0.68647, -0.000911589]),
         ("RiggedFigure.glb", 0, 0.9, [-0.522675, -5.9435e-08, -0.12662], [0.516897, 1.46051, 0.207374], [0.001677, 0.606681, 0.0495592]),
