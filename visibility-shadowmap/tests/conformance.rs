@@ -60,7 +60,8 @@ fn limits() -> Limits {
         several: 0.06,
         // The map is drawn anew in each setting: its texels lie elsewhere.
         turn: 0.02,
-        jump: 0.02,
+        jump: 0.015,
+        jump_several: 0.02,
         cases: 12,
         ..Limits::default()
     }

@@ -174,6 +174,8 @@ pub struct Limits {
     pub turn: f64,
     /// Largest change in a small step, a hundredth of the light's half-angle or so, that the exact share does not make.
     pub jump: f64,
+    /// The same with several balls, any light and lobe.
+    pub jump_several: f64,
     /// Tries of each random kind; a third as many sweeps.
     pub cases: usize,
 }
@@ -191,6 +193,7 @@ impl Default for Limits {
             order: 0.002,
             turn: 0.02,
             jump: 0.005,
+            jump_several: 0.01,
             cases: 60,
         }
     }
@@ -219,6 +222,8 @@ pub struct Measured {
     pub turn: f64,
     /// See [`Limits::jump`].
     pub jump: f64,
+    /// See [`Limits::jump_several`].
+    pub jump_several: f64,
 }
 
 /// The first property that a strategy does not keep.

@@ -237,8 +237,8 @@ fn motion_of_several(
         }
         let along = random.axis_at(start.cone().0, 0.5 * PI);
         let moves = [Moves::Ball, Moves::Light, Moves::Receiver][k % 3];
-        let jump = sweep(subject, &start, moves, along, 0.4, limits.jump, Case::exact)?;
-        out.jump = out.jump.max(jump);
+        let jump = sweep(subject, &start, moves, along, 0.4, limits.jump_several, Case::exact)?;
+        out.jump_several = out.jump_several.max(jump);
     }
     Ok(())
 }
