@@ -4,14 +4,16 @@ mod blockers;
 mod gbuffer;
 mod rays;
 mod reference;
+mod scene_spheres;
 mod shade;
 #[cfg(test)]
 mod test_scenes;
 mod world;
 
-pub use crate::blockers::{BlockersError, BlockersProgress, SphereSource, blockers, blockers_from};
+pub use crate::blockers::{BlockersError, BlockersProgress, blockers};
 pub use crate::gbuffer::{GBuffer, TILE};
 pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};
+pub use crate::scene_spheres::{SceneSpheres, SphereSource};
 pub use crate::shade::{CpuShader, Layers};
-pub use crate::world::{Hit, World};
+pub use crate::world::{Hierarchy, Hit, World};

@@ -36,13 +36,23 @@ const GLOSSY: f64 = 2.0;
 
 /// What casts shadows in a [`Reference`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Geometry {
+pub enum Geometry<'a> {
     /// The same blocker spheres that the lobes see, with the same rule for an object's own ones.
     Spheres,
     /// The true geometry: triangles and balls.
     Mesh,
+    /// The true geometry of the objects that the list says yes to, by number, and all blocker spheres: the truth beside a
+    /// [`Mixture`](lighting::Mixture) of strategies.
+    Mixed(&'a [bool]),
     /// Nothing.
     None,
+}
+
+impl Geometry<'_> {
+    /// Whether the blocker spheres matter.
+    const fn has_spheres(self) -> bool {
+        matches!(self, Self::Spheres | Self::Mixed(_))
+    }
 }
 
 /// What a [`Reference`] is computed for.
@@ -52,10 +62,10 @@ pub struct ReferenceJob<'a> {
     pub world: &'a World<'a>,
     /// The visible points.
     pub gbuffer: &'a GBuffer,
-    /// Blocker spheres, for [`Geometry::Spheres`].
+    /// Blocker spheres, for [`Geometry::Spheres`] and [`Geometry::Mixed`].
     pub blockers: &'a BlockerSet,
     /// What casts shadows.
-    pub geometry: Geometry,
+    pub geometry: Geometry<'a>,
     /// Chooses the randomisations.
     pub seed: u64,
 }
@@ -177,7 +187,7 @@ struct Sampler {
 /// One point and one light.
 struct Pair<'a> {
     world: &'a World<'a>,
-    geometry: Geometry,
+    geometry: Geometry<'a>,
     at: &'a Receiver,
     material: &'a Material,
     light: &'a SphereLight,
@@ -200,7 +210,7 @@ impl Sampler {
         let receivers = &points.receivers[first..first + tallies.len()];
         let mut sums = vec![[[DVec3::ZERO; 2]; REPLICATES as usize]; tallies.len()];
         for (number, light) in scene.lights.iter().enumerate() {
-            if job.geometry == Geometry::Spheres {
+            if job.geometry.has_spheres() {
                 tile_candidates(receivers, light.ball, job.blockers, &mut self.candidates);
             }
             for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
@@ -208,9 +218,10 @@ impl Sampler {
                 if cone.one_minus_cos() <= 0.0 {
                     continue;
                 }
-                match job.geometry {
-                    Geometry::Spheres => self.occluders.select(at, &cone, &self.candidates, job.blockers),
-                    Geometry::Mesh | Geometry::None => self.occluders.none(),
+                if job.geometry.has_spheres() {
+                    self.occluders.select(at, &cone, &self.candidates, job.blockers);
+                } else {
+                    self.occluders.none();
                 }
                 let material = &scene.materials[points.materials[first + i] as usize];
                 let sharpest = self.sharpest(material, at);
@@ -337,22 +348,27 @@ impl Pair<'_> {
 
     #[inline]
     fn blocked(&self, v: DVec3) -> bool {
-        match self.geometry {
-            Geometry::Spheres => self.occluders.block(v, self.cone.surface(v)),
-            Geometry::Mesh | Geometry::None => self.blocked_beside_caps(v),
-        }
+        (self.geometry.has_spheres() && self.occluders.block(v, self.cone.surface(v))) || self.blocked_by_surfaces(v)
     }
 
     #[inline]
     fn blocked_beside_caps(&self, v: DVec3) -> bool {
-        match self.geometry {
-            Geometry::None => false,
-            Geometry::Spheres => self.occluders.block_beside_caps(v, self.cone.surface(v)),
-            Geometry::Mesh => {
-                let distance = self.cone.surface(v);
-                distance > 0.0 && self.world.occluded(self.origin, v.as_vec3(), distance as f32)
-            }
+        let by_spheres = self.geometry.has_spheres() && self.occluders.block_beside_caps(v, self.cone.surface(v));
+        by_spheres || self.blocked_by_surfaces(v)
+    }
+
+    /// Whether the true geometry hides a direction, where it counts.
+    #[inline]
+    fn blocked_by_surfaces(&self, v: DVec3) -> bool {
+        if !matches!(self.geometry, Geometry::Mesh | Geometry::Mixed(_)) {
+            return false;
         }
+        let counts = |object: u32| match self.geometry {
+            Geometry::Mixed(objects) => objects.get(object as usize).is_some_and(|solid| *solid),
+            _ => true,
+        };
+        let distance = self.cone.surface(v);
+        distance > 0.0 && self.world.occluded_by(self.origin, v.as_vec3(), distance as f32, counts)
     }
 }
 

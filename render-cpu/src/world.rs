@@ -1,13 +1,16 @@
 mod query;
+#[cfg(test)]
+mod refit_tests;
+mod tree;
 
 pub(crate) use self::query::{Primitive, Region};
+use self::tree::Tree;
 use core::time::Duration;
 use glam::{DVec3, Vec3, Vec3A};
 use lobe_core::Sphere;
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
-use obvhs::ray::{Ray, RayHit};
+use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
 use scene::{Proxy, Scene, Shape};
@@ -39,75 +42,15 @@ pub struct World<'s> {
     extent: f32,
 }
 
-/// Primitives with their hierarchy; `None` when there are none, which the hierarchy cannot express.
-struct Tree<T> {
-    bvh: Option<CwBvh>,
-    /// In the hierarchy's order, in world units.
-    primitives: Vec<T>,
-    /// Units of the hierarchy a world unit: a power of two. obvhs never enters a box that ends nearer than 1e-4, so a
-    /// small scene has to be large there.
-    scale: f32,
-}
-
-/// The power of two that brings coordinates up to `size` to about a million.
-fn hierarchy_scale(size: f32) -> f32 {
-    let exponent = (20.0 - size.log2().floor()).clamp(-100.0, 60.0);
-    f32::from_bits(((127.0 + exponent) as u32) << 23)
-}
-
-impl<T> core::fmt::Debug for Tree<T> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Tree").field("primitives", &self.primitives.len()).finish_non_exhaustive()
-    }
-}
-
-impl<T: Copy> Tree<T> {
-    fn new(primitives: &[T], scale: f32, build: impl FnOnce(&[T]) -> CwBvh) -> Self {
-        if primitives.is_empty() {
-            return Self { bvh: None, primitives: Vec::new(), scale };
-        }
-        let bvh = build(primitives);
-        let primitives = bvh.primitive_indices.iter().map(|i| primitives[*i as usize]).collect();
-        Self { bvh: Some(bvh), primitives, scale }
-    }
-
-    fn nearest(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> Option<(&T, f32)> {
-        let mut hit = RayHit::none();
-        let scaled = self.scaled(ray);
-        self.bvh.as_ref()?.ray_traverse(scaled, &mut hit, |r, i| self.intersect(&ray, r, i, &intersect));
-        (hit.t < scaled.tmax).then(|| (&self.primitives[hit.primitive_id as usize], hit.t / self.scale))
-    }
-
-    fn any(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> bool {
-        let meet = |r: &Ray, i| self.intersect(&ray, r, i, &intersect);
-        self.bvh.as_ref().is_some_and(|b| !b.ray_traverse_miss(self.scaled(ray), meet))
-    }
-
-    /// The ray in the hierarchy's units.
-    fn scaled(&self, ray: Ray) -> Ray {
-        let s = self.scale;
-        // obvhs takes −0 for positive in one place and for negative in another, and misses everything.
-        let zero = ray.direction.cmpeq(Vec3A::ZERO);
-        let inv_direction = Vec3A::select(zero, Vec3A::splat(1.0 / f32::EPSILON), ray.inv_direction);
-        Ray { origin: ray.origin * s, inv_direction, tmin: ray.tmin * s, tmax: ray.tmax * s, ..ray }
-    }
-
-    /// Distance in the hierarchy's units to a primitive that is met in world units, on the part that is `left`.
-    #[inline]
-    fn intersect(&self, ray: &Ray, left: &Ray, i: usize, intersect: &impl Fn(&T, &Ray) -> f32) -> f32 {
-        intersect(&self.primitives[i], &Ray { tmax: left.tmax / self.scale, ..*ray }) * self.scale
-    }
-}
-
-impl<T> Tree<T> {
-    /// A box of the hierarchy in world units.
-    fn unscaled(&self, bounds: Aabb) -> Aabb {
-        Aabb::new(bounds.min / self.scale, bounds.max / self.scale)
-    }
+/// The two hierarchies of a [`World`], kept to be refitted to the next frame: [`World::refit`].
+#[derive(Debug)]
+pub struct Hierarchy {
+    triangles: Tree<Corners>,
+    balls: Tree<Ball>,
 }
 
 #[derive(Clone, Copy)]
-struct Corners {
+pub(crate) struct Corners {
     v0: Vec3A,
     e1: Vec3A,
     e2: Vec3A,
@@ -115,6 +58,12 @@ struct Corners {
     index: u32,
     visible: bool,
     blocks: bool,
+}
+
+/// The power of two that brings coordinates up to `size` to about a million.
+fn hierarchy_scale(size: f32) -> f32 {
+    let exponent = (20.0 - size.log2().floor()).clamp(-100.0, 60.0);
+    f32::from_bits(((127.0 + exponent) as u32) << 23)
 }
 
 /// How far outside a triangle, in barycentric units, a ray still hits: closes the cracks that rounding leaves along
@@ -144,7 +93,7 @@ impl Corners {
 }
 
 #[derive(Clone, Copy)]
-struct Ball {
+pub(crate) struct Ball {
     sphere: Sphere,
     object: u32,
     index: u32,
@@ -173,6 +122,13 @@ impl Ball {
     }
 }
 
+impl Boundable for Corners {
+    fn aabb(&self) -> Aabb {
+        let (b, c) = (self.v0 + self.e1, self.v0 + self.e2);
+        Aabb::new(self.v0.min(b).min(c), self.v0.max(b).max(c))
+    }
+}
+
 impl Boundable for Ball {
     fn aabb(&self) -> Aabb {
         let (c, r) = (Vec3A::from(self.sphere.center), Vec3A::splat(self.sphere.radius));
@@ -180,53 +136,68 @@ impl Boundable for Ball {
     }
 }
 
+/// What tells that two primitives are the same one of the same object.
+pub(crate) trait Named {
+    fn name(&self) -> (u32, u32);
+}
+
+impl Named for Corners {
+    fn name(&self) -> (u32, u32) {
+        (self.object, self.index)
+    }
+}
+
+impl Named for Ball {
+    fn name(&self) -> (u32, u32) {
+        (self.object, self.index)
+    }
+}
+
 impl<'s> World<'s> {
     /// Prepares the scene's objects. Triangles without area are left out.
     #[must_use]
     pub fn new(scene: &'s Scene) -> Self {
-        let (mut triangles, mut balls) = (Vec::new(), Vec::new());
-        for (number, object) in scene.objects.iter().enumerate() {
-            let (visible, blocks) = (object.visible, object.visible || object.proxy != Proxy::None);
-            if !blocks {
-                continue;
-            }
-            match &object.shape {
-                Shape::Mesh(mesh) => {
-                    for (index, corners) in mesh.triangles.iter().enumerate() {
-                        let [a, b, c] = corners.map(|i| Vec3A::from(mesh.positions[i as usize]));
-                        let (e1, e2) = (b - a, c - a);
-                        if e1.cross(e2) != Vec3A::ZERO {
-                            let (object, index) = (number as u32, index as u32);
-                            triangles.push(Corners { v0: a, e1, e2, object, index, visible, blocks });
-                        }
-                    }
-                }
-                Shape::Spheres(spheres) => {
-                    balls.extend(spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0).map(|(index, sphere)| {
-                        Ball { sphere: *sphere, object: number as u32, index: index as u32, visible, blocks }
-                    }));
-                }
-            }
-        }
+        Self::make(scene, None)
+    }
+
+    /// The same for a scene whose objects have moved: boxes are refitted, and hierarchies built anew only where that
+    /// pays, when they have grown to twice their area, or when other triangles have an area.
+    ///
+    /// The same rays meet the same surfaces as in a new world. Linear in the primitives, about a tenth of a new one.
+    #[must_use]
+    pub fn refit(scene: &'s Scene, hierarchy: Hierarchy) -> Self {
+        Self::make(scene, Some(hierarchy))
+    }
+
+    /// What [`refit`](Self::refit) takes.
+    #[must_use]
+    pub fn into_hierarchy(self) -> Hierarchy {
+        Hierarchy { triangles: self.triangles, balls: self.balls }
+    }
+
+    fn make(scene: &'s Scene, old: Option<Hierarchy>) -> Self {
+        let (triangles, balls) = gather(scene);
         let mut bounds = Aabb::empty();
-        triangles.iter().for_each(|t| {
-            bounds.extend(t.v0).extend(t.v0 + t.e1).extend(t.v0 + t.e2);
-        });
+        triangles.iter().for_each(|t| bounds = bounds.union(&t.aabb()));
         balls.iter().for_each(|b| bounds = bounds.union(&b.aabb()));
         let empty = triangles.is_empty() && balls.is_empty();
         let extent = if empty { 0.0 } else { bounds.diagonal().length() };
-
-        let params = BvhBuildParams::medium_build();
         let far = if empty { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
         let s = hierarchy_scale(extent.max(far));
-        let triangles = Tree::new(&triangles, s, |t| {
-            let corners = |c: &Corners| Triangle { v0: c.v0 * s, v1: (c.v0 + c.e1) * s, v2: (c.v0 + c.e2) * s };
-            let t: Vec<_> = t.iter().map(corners).collect();
-            build_cwbvh_from_tris(&t, params, &mut Duration::ZERO.clone())
+        let (old_triangles, old_balls) = old.map(|h| (h.triangles, h.balls)).unzip();
+        let params = BvhBuildParams::medium_build();
+        let triangles = Tree::refitted(old_triangles, &triangles, s).unwrap_or_else(|| {
+            Tree::new(&triangles, s, |t| {
+                let corners = |c: &Corners| Triangle { v0: c.v0 * s, v1: (c.v0 + c.e1) * s, v2: (c.v0 + c.e2) * s };
+                let t: Vec<_> = t.iter().map(corners).collect();
+                build_cwbvh_from_tris(&t, params, &mut Duration::ZERO.clone())
+            })
         });
-        let balls = Tree::new(&balls, s, |b| {
-            let boxes = b.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * s, b.max * s));
-            build_cwbvh(&boxes.collect::<Vec<_>>(), params, &mut Duration::ZERO.clone())
+        let balls = Tree::refitted(old_balls, &balls, s).unwrap_or_else(|| {
+            Tree::new(&balls, s, |b| {
+                let boxes = b.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * s, b.max * s));
+                build_cwbvh(&boxes.collect::<Vec<_>>(), params, &mut Duration::ZERO.clone())
+            })
         });
         Self { scene, triangles, balls, extent }
     }
@@ -321,6 +292,39 @@ impl<'s> World<'s> {
             primitive: corners.index,
         }
     }
+}
+
+/// The triangles with an area and the balls with a radius of all objects that are seen or block.
+fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
+    let (mut triangles, mut balls) = (Vec::new(), Vec::new());
+    for (number, object) in scene.objects.iter().enumerate() {
+        let (visible, blocks) = (object.visible, object.visible || object.proxy != Proxy::None);
+        if !blocks {
+            continue;
+        }
+        match &object.shape {
+            Shape::Mesh(mesh) => {
+                for (index, corners) in mesh.triangles.iter().enumerate() {
+                    let [a, b, c] = corners.map(|i| Vec3A::from(mesh.positions[i as usize]));
+                    let (e1, e2) = (b - a, c - a);
+                    if e1.cross(e2) != Vec3A::ZERO {
+                        let (object, index) = (number as u32, index as u32);
+                        triangles.push(Corners { v0: a, e1, e2, object, index, visible, blocks });
+                    }
+                }
+            }
+            Shape::Spheres(spheres) => {
+                balls.extend(spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0).map(|(index, sphere)| Ball {
+                    sphere: *sphere,
+                    object: number as u32,
+                    index: index as u32,
+                    visible,
+                    blocks,
+                }));
+            }
+        }
+    }
+    (triangles, balls)
 }
 
 fn ball_hit(ball: &Ball, origin: Vec3, direction: Vec3, t: f32) -> Hit {

@@ -41,7 +41,13 @@ impl From<io::Error> for CheckpointError {
 impl ReferenceJob<'_> {
     /// Identifies the job: equal for equal points, materials, lights, geometry and seed.
     fn fingerprint(&self) -> u64 {
-        let mut hash = mix(self.seed, self.geometry as u64);
+        let kind = match self.geometry {
+            Geometry::Spheres => 0,
+            Geometry::Mesh => 1,
+            Geometry::None => 2,
+            Geometry::Mixed(_) => 3,
+        };
+        let mut hash = mix(self.seed, kind);
         let mut word = |w: u32| hash = mix(hash, u64::from(w));
         let scene = self.world.scene();
         word(self.gbuffer.width);
@@ -61,30 +67,30 @@ impl ReferenceJob<'_> {
             floats.iter().for_each(|x| word(x.to_bits()));
         }
         format!("{:?}", scene.materials).bytes().for_each(|b| word(u32::from(b)));
-        match self.geometry {
-            Geometry::None => {}
-            Geometry::Spheres => {
-                for (s, object) in self.blockers.spheres.iter().zip(&self.blockers.objects) {
-                    s.center.to_array().iter().for_each(|x| word(x.to_bits()));
-                    word(s.radius.to_bits());
-                    word(*object);
-                }
-                self.blockers.self_distances.iter().for_each(|x| word(x.to_bits()));
+        if let Geometry::Mixed(objects) = self.geometry {
+            objects.iter().for_each(|solid| word(u32::from(*solid)));
+        }
+        if self.geometry.has_spheres() {
+            for (s, object) in self.blockers.spheres.iter().zip(&self.blockers.objects) {
+                s.center.to_array().iter().for_each(|x| word(x.to_bits()));
+                word(s.radius.to_bits());
+                word(*object);
             }
-            Geometry::Mesh => {
-                for object in &scene.objects {
-                    word(u32::from(object.visible));
-                    word(u32::from(object.proxy != scene::Proxy::None));
-                    match &object.shape {
-                        scene::Shape::Mesh(mesh) => {
-                            mesh.positions.iter().flat_map(|p| p.to_array()).for_each(|x| word(x.to_bits()));
-                            mesh.triangles.iter().flatten().for_each(|i| word(*i));
-                        }
-                        scene::Shape::Spheres(spheres) => spheres.iter().for_each(|s| {
-                            s.center.to_array().iter().for_each(|x| word(x.to_bits()));
-                            word(s.radius.to_bits());
-                        }),
+            self.blockers.self_distances.iter().for_each(|x| word(x.to_bits()));
+        }
+        if matches!(self.geometry, Geometry::Mesh | Geometry::Mixed(_)) {
+            for object in &scene.objects {
+                word(u32::from(object.visible));
+                word(u32::from(object.proxy != scene::Proxy::None));
+                match &object.shape {
+                    scene::Shape::Mesh(mesh) => {
+                        mesh.positions.iter().flat_map(|p| p.to_array()).for_each(|x| word(x.to_bits()));
+                        mesh.triangles.iter().flatten().for_each(|i| word(*i));
                     }
+                    scene::Shape::Spheres(spheres) => spheres.iter().for_each(|s| {
+                        s.center.to_array().iter().for_each(|x| word(x.to_bits()));
+                        word(s.radius.to_bits());
+                    }),
                 }
             }
         }

@@ -51,6 +51,18 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
     pub(crate) exposure: f32,
 
+    /// The animation's frame N: the moment N / fps, from 0 (its state as loaded)
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) frame: Option<u32>,
+
+    /// The animation's moment in seconds, from 0
+    #[arg(long, value_name = "T", conflicts_with = "frame", value_parser = time)]
+    pub(crate) time: Option<f32>,
+
+    /// Frames a second, instead of the file's (24 where it does not say)
+    #[arg(long, value_name = "F", value_parser = fps)]
+    pub(crate) fps: Option<f32>,
+
     /// Threads to use, instead of one a core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) threads: Option<u32>,
@@ -73,7 +85,8 @@ pub(crate) struct ViewArgs {
   lobes render scene.toml -o a.png -o a.exr --tolerance 0.003
   lobes render scene.toml -o a.exr --layers --stats a.json
   lobes render scene.toml -o unshadowed.exr --visibility none
-  lobes render model.glb --visibility shadow-map        shadows of the true triangles")]
+  lobes render model.glb --visibility shadow-map        shadows of the true triangles
+  lobes render walk.glb -o walk.png --frames 0..24      walk.0000.png to walk.0023.png")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) view: ViewArgs,
@@ -116,6 +129,12 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     pub(crate) layers: bool,
 
+    /// Render the animation's frames A to B, B not included, each to a file of its own: -o out.png gives out.0007.png.
+    /// Frames whose files are all there are not rendered again (files appear whole or not at all), so the same command
+    /// goes on where it was interrupted; delete them after a change of the scene or of options
+    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "time", "repeat"])]
+    pub(crate) frames: Option<(u32, u32)>,
+
     /// Write times and counts of each stage to this file, as JSON: what --json prints
     #[arg(long, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
@@ -148,8 +167,8 @@ pub(crate) struct ReferenceArgs {
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub(crate) spp: u32,
 
-    /// What casts shadows: the blocker spheres that `render` uses, or the true geometry
-    #[arg(long, value_enum, default_value_t = Geometry::Spheres)]
+    /// What casts shadows
+    #[arg(long, value_enum, default_value_t = Geometry::Scene)]
     pub(crate) geometry: Geometry,
 
     /// Without shadows
@@ -299,9 +318,11 @@ pub(crate) enum Device {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Geometry {
+    /// What `render` uses: spheres for objects that block by spheres, the true geometry of the others
+    Scene,
     /// The spheres that stand for the objects
     Spheres,
-    /// Triangles and balls
+    /// The true geometry of all objects: triangles and balls
     Mesh,
 }
 
@@ -348,6 +369,23 @@ fn share(text: &str) -> Result<f32, String> {
 
 fn positive(text: &str) -> Result<f32, String> {
     number(text, "above 0", |x| x > 0.0 && x.is_finite())
+}
+
+fn time(text: &str) -> Result<f32, String> {
+    number(text, "of at least 0", |x| x >= 0.0 && x.is_finite())
+}
+
+fn fps(text: &str) -> Result<f32, String> {
+    number(text, "above 0 and at most 10000", |x| x > 0.0 && x <= 1e4)
+}
+
+fn frames(text: &str) -> Result<(u32, u32), String> {
+    let ends = text.split_once("..").map(|(a, b)| (a.parse::<u32>(), b.parse::<u32>()));
+    match ends {
+        Some((Ok(a), Ok(b))) if a < b => Ok((a, b)),
+        Some((Ok(a), Ok(b))) => Err(format!("there are no frames from {a} to before {b}")),
+        _ => Err("expected A..B, such as 0..24".to_owned()),
+    }
 }
 
 fn map_resolution(text: &str) -> Result<u32, String> {

@@ -21,7 +21,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
         say(SCHEMA_EXAMPLE.trim_end());
         return Ok(());
     }
-    let scene = input::load(args.file.as_deref(), false)?;
+    let (scene, _animation) = input::load(args.file.as_deref(), false)?;
     let spheres = scene.objects.iter().map(spheres).collect::<Result<Vec<_>, _>>()?;
     if args.json {
         say(serde_json::to_string_pretty(&requirements(&scene, &spheres))?);

@@ -48,6 +48,17 @@ pub(crate) fn distinct<'a>(
     Ok(())
 }
 
+/// The path of one frame: its number, of four digits at least, before the ending. `out.png` gives `out.0007.png`.
+pub(crate) fn numbered(path: &Path, frame: u32) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!(".{frame:04}"));
+    if let Some(ending) = path.extension() {
+        name.push(".");
+        name.push(ending);
+    }
+    path.with_file_name(name)
+}
+
 /// Opens an output that can only be a PNG file.
 pub(crate) fn create_png(path: &PathBuf) -> Result<Output, Failure> {
     match format(path) {

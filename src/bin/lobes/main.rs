@@ -7,6 +7,7 @@ mod console;
 mod failure;
 mod files;
 mod input;
+mod moment;
 mod picture;
 mod reference;
 mod render;

@@ -1,8 +1,9 @@
-use crate::args::{Geometry as Choice, ReferenceArgs, Visibility};
+use crate::args::{Geometry as Choice, ReferenceArgs, Visibility, name};
 use crate::console::{self, STOP, note, say};
 use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
+use crate::moment;
 use crate::strategy::Plan;
 use cosine_lobes::render_cpu::{CheckpointError, GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
 use cosine_lobes::scene::BlockerSet;
@@ -24,7 +25,8 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
 pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let view = &args.view;
     files::distinct(&args.output, &view.file)?;
-    let mut scene = input::view(view)?;
+    let (mut scene, animation) = input::view(view)?;
+    let moment = moment::single(view, &animation)?;
     let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples);
     if points > MAX_POINTS {
         return Err(Failure::new(format_args!(
@@ -32,16 +34,23 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         )));
     }
     let files = Files::create(&args.output)?;
-    let geometry = match (args.unshadowed, args.geometry) {
-        (true, _) => Geometry::None,
-        (_, Choice::Spheres) => Geometry::Spheres,
-        (_, Choice::Mesh) => Geometry::Mesh,
+    let plan = Plan::new(if args.geometry == Choice::Scene { Visibility::Scene } else { Visibility::Spheres }, &scene);
+    let solid = plan.by_surfaces(&scene);
+    let geometry = match args.geometry {
+        _ if args.unshadowed => Geometry::None,
+        Choice::Mesh => Geometry::Mesh,
+        Choice::Scene if solid.contains(&true) => Geometry::Mixed(&solid),
+        Choice::Scene | Choice::Spheres => Geometry::Spheres,
     };
-    let plan = Plan::new(Visibility::Spheres, &scene);
-    let blockers = match geometry {
-        Geometry::Spheres => input::make_blockers(&mut scene, &plan, view.quiet)?,
-        Geometry::Mesh | Geometry::None => BlockerSet::default(),
+    let mut blockers = BlockerSet::default();
+    let spheres = match geometry {
+        Geometry::Spheres | Geometry::Mixed(_) => Some(input::make_spheres(&mut scene, &animation, &plan, view.quiet)?),
+        Geometry::Mesh | Geometry::None => None,
     };
+    animation.seek(moment.time, &mut scene);
+    if let Some(spheres) = spheres {
+        spheres.pose(&scene, Some((&animation, moment.time)), &mut blockers)?;
+    }
     let world = World::new(&scene);
     let gbuffer = GBuffer::new(&world, scene.width, scene.height, view.samples);
     let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry, seed: args.seed };
@@ -89,7 +98,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let (mean_error, mean_radiance) = (mean(&std_error), mean(picture.pixels()));
     if view.json {
         say(serde_json::to_string_pretty(&json!({
-            "geometry": format!("{geometry:?}").to_lowercase(),
+            "geometry": if args.unshadowed { "none".to_owned() } else { name(&args.geometry) },
             "spp": samples,
             "points": gbuffer.len(),
             "spheres": blockers.spheres.len(),

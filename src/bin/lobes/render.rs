@@ -3,41 +3,77 @@ use crate::console::{self, note, say};
 use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
+use crate::moment::{self, Moment};
 use crate::picture::{Bands, Planes, Shading, seconds};
-use crate::stats::{self, Clocks, Figures};
+use crate::stats::{self, Clocks, Figures, FrameClocks};
 use crate::strategy::{Occlusion, Plan};
 use cosine_lobes::lighting::depth_for;
 use cosine_lobes::lobe_core::paper::{ProductTable, Resolution, Tables};
 use cosine_lobes::render_cpu::World;
-use cosine_lobes::scene::{BlockerSet, Frame, Scene};
+use cosine_lobes::scene::{BlockerSet, Frame};
 use cosine_lobes::visibility_shadowmap::{Bounds, Fineness, ShadowMap};
 use cosine_lobes::{ImageFileError, Output, Picture};
 use rayon::prelude::*;
 use std::io::Write;
+use std::path::PathBuf;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     files::distinct(args.output.iter().chain(&args.stats), &args.view.file)?;
     let mut clocks = Clocks::default();
-    let mut scene = seconds(&mut clocks.load, || input::view(&args.view))?;
-    let files = Files::create(&args.output)?;
-    let stats_file = args.stats.as_ref().map(Output::create).transpose()?;
-    let quiet = args.view.quiet;
+    let (mut scene, animation) = seconds(&mut clocks.load, || input::view(&args.view))?;
+    let moments = match args.frames {
+        Some(ends) => moment::sequence(&args.view, ends, &animation)?,
+        None => vec![moment::single(&args.view, &animation)?],
+    };
     let plan = Plan::new(args.visibility, &scene);
     if args.map_resolution.is_some() && !plan.wants_maps(&scene) {
         let word = name(&args.visibility);
         return Err(Failure::new(format_args!("--map-resolution: no shadow map is made with --visibility {word}")));
     }
-    let blockers = seconds(&mut clocks.spheres, || input::make_blockers(&mut scene, &plan, quiet))?;
-    let tables = match args.method {
-        Method::Moments => None,
-        Method::Paper => Some(seconds(&mut clocks.tables, || paper_tables(quiet))),
+    let all = moments.len();
+    let paths = |moment: &Moment| -> Vec<PathBuf> {
+        let of = |path: &PathBuf| moment.frame.map_or(path.clone(), |frame| files::numbered(path, frame));
+        args.output.iter().map(of).collect()
     };
-    let mut figures = Figures::default();
-    let planes = picture(args, &scene, &plan, &blockers, tables.as_ref(), &mut figures, &mut clocks)?;
+    let there = |moment: &Moment| moment.frame.is_some() && paths(moment).iter().all(|p| p.is_file());
+    let moments: Vec<Moment> = moments.into_iter().filter(|m| !there(m)).collect();
+    // Before the long work: what cannot be written is refused at once.
+    let mut opened = moments.first().map(|m| Files::create(&paths(m))).transpose()?;
+    let stats_file = args.stats.as_ref().map(Output::create).transpose()?;
+    let quiet = args.view.quiet;
 
-    let layers = if args.layers { planes.layers() } else { Vec::new() };
-    let image = Picture::new(scene.width as usize, scene.height as usize, planes.beauty);
-    seconds(&mut clocks.write, || files.write(&image, args.view.exposure, &layers))?;
+    let mut figures = Figures { skipped: all - moments.len(), ..Figures::default() };
+    if !moments.is_empty() {
+        let spheres = seconds(&mut clocks.spheres, || input::make_spheres(&mut scene, &animation, &plan, quiet))?;
+        let tables = match args.method {
+            Method::Moments => None,
+            Method::Paper => Some(seconds(&mut clocks.tables, || paper_tables(quiet))),
+        };
+        let bar = console::progress("shading", moments.len() as u64 * u64::from(scene.height), quiet);
+        let mut blockers = BlockerSet::default();
+        let mut hierarchy = None;
+        for (index, moment) in moments.iter().enumerate() {
+            let files = opened.take().map_or_else(|| Files::create(&paths(moment)), Ok)?;
+            let mut clocks = FrameClocks::default();
+            seconds(&mut clocks.pose, || animation.seek(moment.time, &mut scene));
+            let at = Some((&animation, moment.time));
+            seconds(&mut clocks.spheres, || spheres.pose(&scene, at, &mut blockers))?;
+            let world = seconds(&mut clocks.hierarchy, || match hierarchy.take() {
+                Some(hierarchy) => World::refit(&scene, hierarchy),
+                None => World::new(&scene),
+            });
+            let done = index as u64 * u64::from(scene.height);
+            let progress = |row: u32| bar.set_position(done + u64::from(row));
+            let job = Job { args, plan: &plan, blockers: &blockers, tables: tables.as_ref(), progress: &progress };
+            let planes = job.picture(&world, &mut figures, &mut clocks)?;
+            hierarchy = Some(world.into_hierarchy());
+            let layers = if args.layers { planes.layers() } else { Vec::new() };
+            let image = Picture::new(scene.width as usize, scene.height as usize, planes.beauty);
+            seconds(&mut clocks.write, || files.write(&image, args.view.exposure, &layers))?;
+            figures.frames.push(clocks);
+        }
+        bar.finish_and_clear();
+    }
 
     let stats = stats::summary(args, &scene, &figures, &clocks);
     if let Some(output) = stats_file {
@@ -53,49 +89,46 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// One picture of the scene as it is now.
-fn picture(
-    args: &RenderArgs,
-    scene: &Scene,
-    plan: &Plan,
-    blockers: &BlockerSet,
-    tables: Option<&Tables>,
-    figures: &mut Figures,
-    clocks: &mut Clocks,
-) -> Result<Planes, Failure> {
-    let depth = args.depth.unwrap_or_else(|| depth_for(args.tolerance));
-    let frame = Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        tolerance: args.tolerance,
-        depth,
-        threshold: args.threshold,
-    };
-    let world = seconds(&mut clocks.hierarchy, || World::new(scene));
-    let mut bands = Bands::new(&world, args.view.samples);
-    let maps = match plan.wants_maps(scene).then(|| bands.bounds()).flatten() {
-        Some(receivers) => {
-            let maps = seconds(&mut clocks.maps, || plan.maps(scene, receivers, args.map_resolution))?;
-            if !args.view.quiet {
+/// What is the same for the pictures of all frames, and the spheres of this one.
+struct Job<'a> {
+    args: &'a RenderArgs,
+    plan: &'a Plan,
+    blockers: &'a BlockerSet,
+    tables: Option<&'a Tables>,
+    progress: &'a dyn Fn(u32),
+}
+
+impl Job<'_> {
+    /// One picture of a world.
+    fn picture(&self, world: &World<'_>, figures: &mut Figures, clocks: &mut FrameClocks) -> Result<Planes, Failure> {
+        let Self { args, plan, blockers, tables, progress } = *self;
+        let scene = world.scene();
+        let depth = args.depth.unwrap_or_else(|| depth_for(args.tolerance));
+        let frame = Frame {
+            materials: &scene.materials,
+            lights: &scene.lights,
+            tolerance: args.tolerance,
+            depth,
+            threshold: args.threshold,
+        };
+        let mut bands = Bands::new(world, args.view.samples);
+        let mut maps = Vec::new();
+        if let Some(receivers) = plan.wants_maps(scene).then(|| bands.bounds()).flatten() {
+            maps = seconds(&mut clocks.maps, || plan.maps(scene, receivers, args.map_resolution))?;
+            if figures.frames.is_empty() && !args.view.quiet {
                 advise(&maps, &receivers);
             }
-            maps
         }
-        None => Vec::new(),
-    };
-    figures.spheres = blockers.spheres.len();
-    figures.triangles = world.triangle_count();
-    figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
-    figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-    let bar = console::progress("shading", u64::from(scene.height), args.view.quiet);
-    let progress = |row: u32| bar.set_position(u64::from(row));
-    let shading = Shading { args, frame: &frame, bands: &mut bands, progress: &progress };
-    let planes = Occlusion::new(plan, &world, blockers, maps).shade(depth, tables, shading)?;
-    bar.finish_and_clear();
-    clocks.gbuffer += bands.seconds;
-    figures.points = planes.points;
-    figures.runs.extend_from_slice(&planes.stats);
-    Ok(planes)
+        figures.spheres = blockers.spheres.len();
+        figures.triangles = world.triangle_count();
+        figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
+        figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
+        let occlusion = seconds(&mut clocks.spheres, || Occlusion::new(plan, world, blockers, maps));
+        let planes = occlusion.shade(depth, tables, Shading { args, frame: &frame, bands: &mut bands, progress })?;
+        clocks.gbuffer = bands.seconds;
+        figures.runs.extend(planes.stats.iter().map(|stats| (*stats, planes.points)));
+        Ok(planes)
+    }
 }
 
 /// Says which maps are too coarse for their lights.

@@ -2,16 +2,27 @@
 
 use crate::args::{RenderArgs, name};
 use crate::console::say;
+use crate::files::numbered;
 use cosine_lobes::lighting::depth_for;
 use cosine_lobes::scene::{Scene, ShadeStats};
 use serde_json::{Value, json};
 
-/// Seconds outside shading and per-frame updates.
+/// Seconds that are spent once.
 #[derive(Default)]
 pub(crate) struct Clocks {
     pub(crate) load: f64,
     pub(crate) spheres: f64,
     pub(crate) tables: f64,
+}
+
+/// Seconds of one frame, outside shading.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct FrameClocks {
+    /// Positions, normals, lights and camera of the moment.
+    pub(crate) pose: f64,
+    /// Spheres carried there, and the hierarchy over them.
+    pub(crate) spheres: f64,
+    /// Boxes of the hierarchy over triangles and balls: built for the first frame, refitted for others.
     pub(crate) hierarchy: f64,
     pub(crate) maps: f64,
     pub(crate) gbuffer: f64,
@@ -21,9 +32,12 @@ pub(crate) struct Clocks {
 /// What was rendered.
 #[derive(Default)]
 pub(crate) struct Figures {
-    /// Shading of each frame or repetition.
-    pub(crate) runs: Vec<ShadeStats>,
-    pub(crate) points: usize,
+    /// Shading of each frame or repetition, and its points.
+    pub(crate) runs: Vec<(ShadeStats, usize)>,
+    /// One entry a frame.
+    pub(crate) frames: Vec<FrameClocks>,
+    /// Frames that were there already.
+    pub(crate) skipped: usize,
     pub(crate) spheres: usize,
     pub(crate) triangles: usize,
     /// Resolution of each light's shadow map, and bytes of all.
@@ -31,11 +45,19 @@ pub(crate) struct Figures {
     pub(crate) map_bytes: usize,
 }
 
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
+}
+
 pub(crate) fn summary(args: &RenderArgs, scene: &Scene, figures: &Figures, clocks: &Clocks) -> Value {
     let mut runs = figures.runs.clone();
-    runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    let ShadeStats { seconds, stages, counts } = runs.get(runs.len() / 2).copied().unwrap_or_default();
-    let points = figures.points;
+    runs.sort_by(|a, b| a.0.seconds.total_cmp(&b.0.seconds));
+    let (ShadeStats { seconds, stages, counts }, points) = runs.get(runs.len() / 2).copied().unwrap_or_default();
+    let of = |clock: fn(&FrameClocks) -> f64| median(figures.frames.iter().map(clock).collect());
+    // The first frame is built and not updated.
+    let updates = || figures.frames.iter().skip(1);
+    let update = |clock: fn(&FrameClocks) -> f64| median(updates().map(clock).collect());
     json!({
         "device": name(&args.device),
         "method": name(&args.method),
@@ -44,6 +66,7 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, figures: &Figures, clock
         "height": scene.height,
         "points": points,
         "frames": runs.len(),
+        "skipped_frames": figures.skipped,
         "lights": scene.lights.len(),
         "spheres": figures.spheres,
         "triangles": figures.triangles,
@@ -69,13 +92,20 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, figures: &Figures, clock
             "dark_points": counts.dark_points,
             "penumbra_points": counts.penumbra_points,
         },
+        "update_seconds": median(updates().map(|f| f.pose + f.spheres + f.hierarchy + f.maps).collect()),
+        "update": {
+            "pose": update(|f| f.pose),
+            "spheres": update(|f| f.spheres),
+            "hierarchy": update(|f| f.hierarchy),
+            "maps": update(|f| f.maps),
+        },
         "load_seconds": clocks.load,
         "spheres_seconds": clocks.spheres,
         "tables_seconds": clocks.tables,
-        "hierarchy_seconds": clocks.hierarchy,
-        "map_seconds": clocks.maps,
-        "gbuffer_seconds": clocks.gbuffer,
-        "write_seconds": clocks.write,
+        "hierarchy_seconds": figures.frames.first().map_or(0.0, |f| f.hierarchy),
+        "map_seconds": of(|f| f.maps),
+        "gbuffer_seconds": of(|f| f.gbuffer),
+        "write_seconds": of(|f| f.write),
     })
 }
 
@@ -85,7 +115,15 @@ fn decimal(x: f32) -> f64 {
 }
 
 pub(crate) fn print(args: &RenderArgs, stats: &Value) {
-    let names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
+    let mut names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
+    if let Some((from, to)) = args.frames {
+        names = args.output.iter().map(|p| numbered(p, from).display().to_string()).collect();
+        let (done, skipped) = (&stats["frames"], &stats["skipped_frames"]);
+        say(format_args!("frames {from} to {}: {done} rendered, {skipped} were there", to - 1));
+        if *done == 0 {
+            return;
+        }
+    }
     let number = |key: &str| stats[key].as_f64().unwrap_or_default();
     let milliseconds = |key: &str| format!("{:.1} ms", 1e3 * number(key));
     let counts = &stats["counts"];
@@ -111,4 +149,7 @@ pub(crate) fn print(args: &RenderArgs, stats: &Value) {
         milliseconds("spheres_seconds"),
         milliseconds("write_seconds"),
     ));
+    if number("update_seconds") > 0.0 {
+        say(format_args!("each frame after the first: {} to update", milliseconds("update_seconds")));
+    }
 }

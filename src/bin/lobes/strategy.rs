@@ -55,6 +55,11 @@ impl Plan {
         }
     }
 
+    /// For each object whether it blocks by its true surface, as rays and maps see it, and not by spheres.
+    pub(crate) fn by_surfaces(&self, scene: &Scene) -> Vec<bool> {
+        (0..self.objects.len()).map(|o| self.objects[o] == Strategy::Rays || self.in_maps(scene, o)).collect()
+    }
+
     /// Whether an object's triangles are in the shadow maps.
     fn in_maps(&self, scene: &Scene, object: usize) -> bool {
         self.objects[object] == Strategy::ShadowMap && matches!(scene.objects[object].shape, Shape::Mesh(_))

@@ -1,0 +1,164 @@
+use crate::blockers::{BlockersError, BlockersProgress};
+use lobe_core::Sphere;
+use scene::{Animation, BlockerSet, Mesh, Object, Proxy, Scene, Shape};
+use visibility_spheres::{BoundSet, BuildOptions, Carriers, SphereSet};
+
+/// Where an object's blocker spheres come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SphereSource {
+    /// It has none: it blocks nothing, or another strategy has it.
+    Nothing,
+    /// Its [`Proxy`]: built, read or copied.
+    Proxy,
+    /// The exact balls that it is; nothing when it is a mesh.
+    Shape,
+}
+
+/// The blocker spheres of a scene's objects, made once and posed for every frame.
+///
+/// A sphere set is built or read for the scene as it was loaded, and follows what carries its mesh's points
+/// ([`BoundSet`]): nothing is fitted per pose. Exact balls and explicit spheres are where the scene says they are.
+///
+/// An object's self-shadow distance τ is its sphere set's; explicit spheres are measured against a visible mesh for it.
+/// Exact balls stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
+/// blackening a skin. A ball that coincides with a light blocks nothing: it is how a light is made visible.
+///
+/// # Cost of a pose
+/// One to four matrix products a sphere that follows bones, a copy of the others.
+#[derive(Clone, Debug)]
+pub struct SceneSpheres {
+    /// For each object its spheres and their τ.
+    objects: Vec<(Spheres, f32)>,
+}
+
+#[derive(Clone, Debug)]
+enum Spheres {
+    Nothing,
+    /// The balls that the object is.
+    Shape,
+    /// The spheres that its proxy lists.
+    Listed,
+    /// Those of a mesh that stands still.
+    Still(Vec<Sphere>),
+    /// Those of a mesh that moves.
+    Bound(Box<BoundSet>),
+}
+
+impl SceneSpheres {
+    /// Builds, reads or takes over the spheres of those objects to which `source` gives some, by number. The scene is as
+    /// it was loaded, with the animation that it came with.
+    ///
+    /// # Errors
+    /// [`BlockersError`]; a build that `progress` breaks off is `BuildError::Cancelled`.
+    pub fn new(
+        scene: &Scene,
+        animation: Option<&Animation>,
+        source: impl Fn(usize) -> SphereSource,
+        progress: &mut BlockersProgress<'_>,
+    ) -> Result<Self, BlockersError> {
+        let of = |(number, object): (usize, &Object)| match (source(number), &object.shape) {
+            (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_)) => Ok((Spheres::Nothing, 0.0)),
+            (SphereSource::Shape, Shape::Spheres(balls)) => Ok((Spheres::Shape, ball_self_distance(balls))),
+            (SphereSource::Proxy, _) => from_proxy(number, object, animation, progress),
+        };
+        Ok(Self { objects: scene.objects.iter().enumerate().map(of).collect::<Result<_, _>>()? })
+    }
+
+    /// Writes the spheres to `out` as they are in a scene that was posed ([`Animation::seek`]) at a time: the same
+    /// animation as in [`new`](Self::new), or none when nothing moves.
+    ///
+    /// # Errors
+    /// [`BlockersError::Bind`] for another animation than the one that the spheres were bound to.
+    pub fn pose(
+        &self,
+        scene: &Scene,
+        at: Option<(&Animation, f32)>,
+        out: &mut BlockerSet,
+    ) -> Result<(), BlockersError> {
+        out.spheres.clear();
+        out.objects.clear();
+        out.self_distances.clear();
+        let mut posed = Vec::new();
+        for (number, (object, (spheres, self_distance))) in scene.objects.iter().zip(&self.objects).enumerate() {
+            let spheres = match (spheres, &object.shape, &object.proxy) {
+                (Spheres::Shape, Shape::Spheres(list), _) | (Spheres::Listed, _, Proxy::Spheres(list)) => list,
+                (Spheres::Still(list), ..) => list,
+                (Spheres::Bound(set), ..) => {
+                    let pose = at.map(|(animation, time)| animation.pose(number, time)).unwrap_or_default();
+                    let failed = |source| BlockersError::Bind { object: object.name.clone(), source };
+                    set.pose(&pose.joints, &pose.morph, &mut posed).map_err(failed)?;
+                    &posed
+                }
+                _ => &Vec::new(),
+            };
+            out.spheres.extend(spheres.iter().filter(|s| !scene.lights.iter().any(|l| is_lamp(s, l.ball))));
+            out.objects.resize(out.spheres.len(), number as u32);
+            out.self_distances.push(*self_distance);
+        }
+        Ok(())
+    }
+}
+
+/// The spheres of an object's proxy and their τ.
+fn from_proxy(
+    number: usize,
+    object: &Object,
+    animation: Option<&Animation>,
+    progress: &mut BlockersProgress<'_>,
+) -> Result<(Spheres, f32), BlockersError> {
+    let name = || object.name.clone();
+    let set = match (&object.proxy, &object.shape) {
+        (Proxy::None, _) => return Ok((Spheres::Nothing, 0.0)),
+        (Proxy::Count(_), Shape::Spheres(balls)) => return Ok((Spheres::Shape, ball_self_distance(balls))),
+        (Proxy::Spheres(list), Shape::Mesh(Mesh { positions, triangles, .. })) if object.visible => {
+            // Spheres that stand for a flat or empty mesh: nothing to measure, and no inside to shadow.
+            let measured = SphereSet::self_distance_of(positions, triangles, list);
+            return Ok((Spheres::Listed, measured.unwrap_or(0.0)));
+        }
+        (Proxy::Spheres(list), _) => return Ok((Spheres::Listed, ball_self_distance(list))),
+        (Proxy::Count(count), Shape::Mesh(Mesh { positions, triangles, .. })) => {
+            let mut report = |done| progress(&object.name, done);
+            let options = BuildOptions::new(*count);
+            let set = SphereSet::build_with_progress(positions, triangles, &options, &mut report);
+            set.map_err(|source| BlockersError::Build { object: name(), source })?
+        }
+        (Proxy::File(path), shape) => {
+            let path = || path.clone();
+            let text = std::fs::read_to_string(path());
+            let text = text.map_err(|source| BlockersError::Read { path: path(), source })?;
+            let set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
+            if let Shape::Mesh(mesh) = shape {
+                let fits = set.check_fits(&mesh.positions, &mesh.triangles);
+                fits.map_err(|source| BlockersError::Misfit { path: path(), object: name(), source })?;
+            }
+            set
+        }
+    };
+    let self_distance = set.self_distance;
+    let rig = animation.and_then(|a| Some((a.rig(number)?, a.pose(number, 0.0))));
+    let (Some((rig, rest)), Shape::Mesh(mesh)) = (rig, &object.shape) else {
+        return Ok((Spheres::Still(set.spheres), self_distance));
+    };
+    let carriers = Carriers {
+        joints: rig.joints,
+        weights: rig.weights,
+        targets: rig.targets,
+        rest_joints: &rest.joints,
+        rest_morph: &rest.morph,
+    };
+    let bound = set.bind(&mesh.positions, &mesh.triangles, &carriers);
+    let bound = bound.map_err(|source| BlockersError::Bind { object: name(), source })?;
+    Ok((Spheres::Bound(Box::new(bound)), self_distance))
+}
+
+/// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
+fn is_lamp(ball: &Sphere, light: Sphere) -> bool {
+    let slack = 1e-3 * light.radius;
+    (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
+}
+
+fn ball_self_distance(balls: &[Sphere]) -> f32 {
+    let total: f32 = balls.iter().map(|b| b.radius).sum();
+    let far = balls.iter().map(|b| b.center.abs().max_element() + b.radius).fold(0.0, f32::max);
+    (1e-3 * total / balls.len().max(1) as f32).max(1e-6 * far)
+}

@@ -1,0 +1,72 @@
+//! The moments of an animation that are asked for.
+
+use crate::args::ViewArgs;
+use crate::failure::Failure;
+use cosine_lobes::scene::Animation;
+
+/// A moment of the animation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Moment {
+    /// Its frame, where it is one of a sequence.
+    pub(crate) frame: Option<u32>,
+    /// Seconds.
+    pub(crate) time: f32,
+}
+
+/// Number of the animation's last frame: the last one that is not after its end.
+pub(crate) fn last_frame(animation: &Animation, fps: f32) -> u32 {
+    // What rounding takes from a whole number of frames.
+    (f64::from(animation.duration()) * f64::from(fps) + 1e-3) as u32
+}
+
+fn at(frame: u32, fps: f32) -> f32 {
+    (f64::from(frame) / f64::from(fps)) as f32
+}
+
+/// The one moment that a view asks for; the first one when it asks for none.
+pub(crate) fn single(args: &ViewArgs, animation: &Animation) -> Result<Moment, Failure> {
+    let fps = args.fps.unwrap_or(animation.fps());
+    match (args.frame, args.time) {
+        (Some(frame), _) => {
+            check(animation, fps, frame, "--frame")?;
+            Ok(Moment { frame: None, time: at(frame, fps) })
+        }
+        (None, Some(time)) => {
+            moving(animation, "--time")?;
+            let end = animation.duration();
+            if time > end {
+                let message = format_args!("--time {time}: the animation ends at {end} s");
+                return Err(Failure::new(message));
+            }
+            Ok(Moment { frame: None, time })
+        }
+        (None, None) if args.fps.is_some() => Err(Failure::new("--fps: neither --frame nor --frames is given")),
+        (None, None) => Ok(Moment::default()),
+    }
+}
+
+/// The frames from the first to before the second.
+pub(crate) fn sequence(args: &ViewArgs, ends: (u32, u32), animation: &Animation) -> Result<Vec<Moment>, Failure> {
+    let fps = args.fps.unwrap_or(animation.fps());
+    check(animation, fps, ends.1 - 1, "--frames")?;
+    Ok((ends.0..ends.1).map(|frame| Moment { frame: Some(frame), time: at(frame, fps) }).collect())
+}
+
+fn check(animation: &Animation, fps: f32, frame: u32, option: &str) -> Result<(), Failure> {
+    moving(animation, option)?;
+    let last = last_frame(animation, fps);
+    if frame <= last {
+        return Ok(());
+    }
+    let seconds = animation.duration();
+    Err(Failure::new(format_args!(
+        "{option}: there is no frame {frame}: the animation has frames 0 to {last} ({seconds} s at {fps} a second)"
+    )))
+}
+
+fn moving(animation: &Animation, option: &str) -> Result<(), Failure> {
+    if animation.is_still() {
+        return Err(Failure::new(format_args!("{option}: nothing moves in this scene, it has no animation")));
+    }
+    Ok(())
+}
