@@ -13,6 +13,29 @@ fn self_contained_scenes_load() {
 }
 
 #[test]
+fn animated_scenes_move_and_stay_valid() {
+    for (name, duration, moving) in [("walk", 2.125, 1), ("toys", 4.0, 7), ("tentacles", 4.0, 4)] {
+        let (mut scene, animation, warnings) =
+            scene::load_animated(Path::new(SCENES).join(name).with_extension("toml")).unwrap();
+        assert!(warnings.is_empty(), "{name}: {warnings:?}");
+        assert_eq!((animation.duration(), animation.fps()), (duration, 24.0), "{name}");
+        let first = scene.clone();
+        let mut moved = vec![false; scene.objects.len()];
+        for i in 1..20 {
+            animation.seek(duration * i as f32 / 20.0, &mut scene);
+            scene.validate().unwrap();
+            for (moved, (a, b)) in moved.iter_mut().zip(scene.objects.iter().zip(&first.objects)) {
+                *moved |= a.shape != b.shape;
+            }
+            assert_ne!(scene.lights, first.lights, "{name}");
+            // Nothing sinks into the floor by more than a paw's pad.
+            assert!(scene.bounds().min.y > -0.03, "{name}: {}", scene.bounds().min.y);
+        }
+        assert_eq!(moved.iter().filter(|m| **m).count(), moving, "{name}");
+    }
+}
+
+#[test]
 #[cfg_attr(not(shared_assets), ignore = "needs ../shared/assets beside the repository")]
 fn mesh_scenes_load_and_stand_on_their_floor() {
     for (name, triangles) in [("bunny", 6_966), ("armadillo", 86_482)] {
