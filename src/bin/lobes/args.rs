@@ -271,6 +271,10 @@ pub(crate) struct SpheresArgs {
     #[arg(long, value_name = "PNG")]
     pub(crate) preview: Option<PathBuf>,
 
+    /// Let every point of the surface be in a sphere: a bound, whose shadow is a little too large
+    #[arg(long, conflicts_with = "tolerance")]
+    pub(crate) bounding: bool,
+
     /// Several times faster, with about three times the silhouette error
     #[arg(long)]
     pub(crate) draft: bool,

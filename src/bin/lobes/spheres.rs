@@ -42,7 +42,7 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
 
     let count = args.count.unwrap_or(if args.tolerance.is_some() { 1024 } else { 64 }) as usize;
     let options = if args.draft { BuildOptions::draft(count) } else { BuildOptions::new(count) };
-    let options = BuildOptions { seed: args.seed, ..options };
+    let options = BuildOptions { seed: args.seed, bounding: args.bounding, ..options };
     let bar = console::progress("spheres", 1000, args.quiet);
     let start = Instant::now();
     let mut report = |done: f32| {
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
     bar.finish_and_clear();
     let set = set.map_err(|e| Failure::new(format_args!("{}: {e}", args.mesh.display())))?;
     let seconds = start.elapsed().as_secs_f64();
-    if !args.quiet && !set.quality.suits() {
+    if !(args.quiet || args.bounding || set.quality.suits()) {
         console::note(format_args!(
             "lobes: warning: {}: spheres do not suit this mesh (silhouette error {:.0} %): render it with --visibility rays \
              or shadow-map",
@@ -80,6 +80,7 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
     if args.json {
         say(serde_json::to_string_pretty(&json!({
             "count": set.spheres.len(),
+            "bounding": args.bounding,
             "seconds": seconds,
             "coverage": q.coverage,
             "protrusion_volume": q.protrusion_volume,

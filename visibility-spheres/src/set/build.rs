@@ -2,6 +2,7 @@ use core::ops::ControlFlow;
 
 use glam::{Vec3, Vec4};
 
+use super::bounding::bound;
 use super::cover::greedy_cover;
 use super::descent::descend;
 use super::error::BuildError;
@@ -42,6 +43,17 @@ impl<'a> Builder<'a> {
 
     /// Builds the spheres in unit space.
     pub(crate) fn build(&mut self, options: &BuildOptions, progress: &mut Progress) -> Result<Vec<Vec4>, BuildError> {
+        if !options.bounding {
+            return self.shadow(options, progress);
+        }
+        let mut spheres = self.shadow(options, &mut |done| progress(0.6 * done))?;
+        let mut random = Random::new(options.seed);
+        bound(self.surface, &self.solid, &mut spheres, &mut random, &mut |done| progress(0.6 + 0.35 * done))?;
+        Ok(spheres)
+    }
+
+    /// The spheres with the mesh's silhouette.
+    fn shadow(&mut self, options: &BuildOptions, progress: &mut Progress) -> Result<Vec<Vec4>, BuildError> {
         let mut report = |done: f32| match progress(done) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(BuildError::Cancelled),

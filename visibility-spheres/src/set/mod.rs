@@ -4,6 +4,7 @@ mod bind;
 mod bits;
 mod bound_file;
 mod bound_set;
+mod bounding;
 mod build;
 mod cover;
 mod descent;

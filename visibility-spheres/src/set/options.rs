@@ -17,19 +17,21 @@ pub struct BuildOptions {
     /// Rounds of taking out the least useful spheres, putting them where they help most, and descending again.
     /// With 0 the set is the greedy cover alone, which never follows the silhouette.
     pub rounds: u32,
+    /// Whether every point of the surface is to be in a sphere: a bound of the mesh, whose shadow is somewhat too large.
+    pub bounding: bool,
 }
 
 impl BuildOptions {
     /// The full silhouette descent.
     #[must_use]
     pub const fn new(count: usize) -> Self {
-        Self { count, seed: 0, rounds: 40 }
+        Self { count, seed: 0, rounds: 40, bounding: false }
     }
 
     /// The greedy cover by inner spheres alone: several times faster, about three times the silhouette error.
     #[must_use]
     pub const fn draft(count: usize) -> Self {
-        Self { count, seed: 0, rounds: 0 }
+        Self { count, seed: 0, rounds: 0, bounding: false }
     }
 }
 

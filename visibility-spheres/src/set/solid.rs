@@ -114,6 +114,20 @@ impl Solid {
         if depth.abs() > 0.867 * self.cell { depth > 0.0 } else { tree.contains(p) }
     }
 
+    /// Depth of a point below the surface, negative outside: interpolated between voxels; off the grid, what its edge has.
+    pub(crate) fn depth_near(&self, p: Vec3) -> f32 {
+        let last = (self.dims - 1).as_vec3();
+        let q = (self.locate(p) - 0.5).clamp(Vec3::ZERO, last);
+        let low = q.floor();
+        let part = q - low;
+        let (low, high) = (low.as_uvec3(), (low + 1.0).min(last).as_uvec3());
+        let at = |x, y, z| self.depth[self.index(UVec3::new(x, y, z))];
+        let row = |y, z| at(low.x, y, z) * (1.0 - part.x) + at(high.x, y, z) * part.x;
+        let plane = |z| row(low.y, z) * (1.0 - part.y) + row(high.y, z) * part.y;
+        let beyond = (self.locate(p) - 0.5 - q).abs().max_element() * self.cell;
+        plane(low.z) * (1.0 - part.z) + plane(high.z) * part.z - beyond
+    }
+
     fn index(&self, at: UVec3) -> usize {
         ((at.z * self.dims.y + at.y) * self.dims.x + at.x) as usize
     }

@@ -77,6 +77,36 @@ fn a_cube_is_followed() {
     assert!(draft.quality.silhouette_error > set.quality.silhouette_error, "{:?}", draft.quality);
 }
 
+/// Barycentric samples of all triangles, corners and edges among them: no code of the builder's.
+fn surface_points(mesh: &(Vec<Vec3>, Vec<[u32; 3]>), n: u32) -> Vec<Vec3> {
+    let steps = (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i as f32 / n as f32, j as f32 / n as f32)));
+    let corners = |t: &[u32; 3]| t.map(|i| mesh.0[i as usize]);
+    let each = |[a, b, c]: [Vec3; 3]| steps.clone().map(move |(u, v)| a + (b - a) * u + (c - a) * v);
+    mesh.1.iter().flat_map(|t| each(corners(t))).collect()
+}
+
+#[test]
+fn a_bounding_set_holds_every_point() {
+    let options = |count| BuildOptions { bounding: true, ..few(count) };
+    let two = joined(&[cube(), mapped(&cube(), |p| p * 0.3 + Vec3::new(2.0, 1.0, 0.0))]);
+    let far = mapped(&cube(), |p| p * Vec3::new(3.0, 1.0, 0.2) + 1e4);
+    let sheet = (vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], vec![[0, 1, 2], [0, 2, 3]]);
+    for (mesh, count) in [(mapped(&ball(8), |p| p * Vec3::new(1.0, 0.5, 0.3)), 24), (two, 16), (far, 12), (sheet, 9)] {
+        let set = build(&mesh, &options(count));
+        assert!(set.spheres.len() <= count);
+        for p in surface_points(&mesh, 40) {
+            // The sample's own rounding.
+            let gap =
+                set.spheres.iter().map(|ball| ball.center.distance(p) - ball.radius).fold(f32::INFINITY, f32::min);
+            assert!(gap <= 2e-7 * p.abs().max_element(), "{p} is {gap} outside");
+        }
+    }
+    // Of 24 spheres for the ellipsoid, against the one that bounds it: (1/0.15 − 1) = 5.7.
+    let ellipsoid = mapped(&ball(8), |p| p * Vec3::new(1.0, 0.5, 0.3));
+    let excess = build(&ellipsoid, &options(24)).quality.protrusion_volume;
+    assert!(excess < 0.4, "{excess}");
+}
+
 #[test]
 fn more_spheres_are_better() {
     let errors = [4, 16, 64].map(|count| build(&cube(), &few(count)).quality.silhouette_error);
