@@ -26,6 +26,18 @@ pub struct Sphere {
     pub radius: f32,
 }
 
+/// How a blocker sphere is seen by receivers of its own object, in units of its radius, so that it follows a sphere that
+/// grows: smaller, and blocking a direction only if the ray leaves it farther than `distance` from the receiver.
+///
+/// A set of spheres bulges out of the mesh that it stands for; what bulges must not blacken the skin around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SelfShadow {
+    /// Radius for receivers of the sphere's own object, in `[0, 1]`.
+    pub radius: f32,
+    /// τ: how far from the receiver a ray must leave that ball to be blocked, ≥ 0.
+    pub distance: f32,
+}
+
 /// The directions in which a light is seen from a receiver: all `v` with `axis·v ≥ cos θ`.
 ///
 /// Carries `1 − cos θ` and never `cos θ`, which for a small light has lost all its digits.

@@ -39,7 +39,7 @@ pub mod special;
 mod tests;
 
 pub use crate::cap::{cap_integral, sphere_light_irradiance};
-pub use crate::geometry::{Cone, OWN_NONE, Receiver, Shaft, Sphere, orthonormal_basis};
+pub use crate::geometry::{Cone, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
 pub use crate::integrator::{Integrator, LightTerm, Lit, Method, Probe, Stage, visible_fraction};
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};

@@ -5,7 +5,7 @@ use crate::sphere_tree::SphereTree;
 use crate::splat::BlockedCone;
 use glam::Vec3;
 use lighting::{Blockers, Mask};
-use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 
 /// Spheres that block light, as the `spheres` strategy sees them: wrap it in
 /// [`MaskVisibility`](lighting::MaskVisibility).
@@ -15,8 +15,10 @@ use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
 /// inside a sphere of its own object. The rule: *a sphere of the receiver's own object blocks a direction only if the
 /// ray leaves it farther than τ from the receiver*. The blocked directions are again a cone about the sphere's centre,
 /// with `d` the distance of the centre and `k = d² − r²`: the tangent cone if `k > 0` and `τ² ≤ k`, else
-/// `cos β = (τ² + k)/(2τd)`, and it is continuous as the receiver moves through the sphere's surface. Spheres of other
-/// objects have τ = 0: what contains the receiver hides everything from it.
+/// `cos β = (τ² + k)/(2τd)`, and it is continuous as the receiver moves through the sphere's surface. τ is one length for
+/// an object or, better, one for each sphere, together with a smaller radius for the object's own receivers
+/// ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. Spheres of other
+/// objects are whole and have τ = 0: what contains the receiver hides everything from it.
 ///
 /// # Order
 /// A sphere blocks where it is in front of the light. For a sphere that does not meet the light this is the same for
@@ -27,6 +29,8 @@ pub struct SphereBlockers {
     spheres: Vec<Sphere>,
     objects: Vec<u32>,
     self_distances: Vec<f32>,
+    /// For each sphere, or empty.
+    self_shadows: Vec<SelfShadow>,
     tree: SphereTree,
 }
 
@@ -45,8 +49,22 @@ impl SphereBlockers {
             spheres: spheres.to_vec(),
             objects: objects.to_vec(),
             self_distances: self_distances.to_vec(),
+            self_shadows: Vec::new(),
             tree: SphereTree::new(spheres),
         }
+    }
+
+    /// How receivers of its own object see each sphere, instead of the object's τ; nothing changes for none.
+    ///
+    /// # Panics
+    /// When it is not one for each sphere, or none.
+    #[must_use]
+    pub fn with_self_shadows(mut self, self_shadows: &[SelfShadow]) -> Self {
+        assert!(self_shadows.is_empty() || self_shadows.len() == self.spheres.len(), "one for each sphere");
+        // A radius above 1 would reach out of what the hierarchy bounds.
+        let sound = |s: &SelfShadow| SelfShadow { radius: s.radius.min(1.0).max(0.0), distance: s.distance.max(0.0) };
+        self.self_shadows = self_shadows.iter().map(sound).collect();
+        self
     }
 
     /// Moves the spheres, and makes them larger or smaller, for another pose; their objects stay. What follows is as if
@@ -69,9 +87,13 @@ impl SphereBlockers {
         &self.spheres
     }
 
-    /// τ of an object.
-    fn self_distance(&self, object: u32) -> f32 {
-        self.self_distances.get(object as usize).copied().unwrap_or(0.0)
+    /// A sphere as receivers of its own object see it, and its τ.
+    fn own(&self, index: usize) -> (Sphere, f32) {
+        let sphere = self.spheres[index];
+        match self.self_shadows.get(index) {
+            Some(s) => (Sphere { radius: sphere.radius * s.radius, ..sphere }, sphere.radius * s.distance),
+            None => (sphere, self.self_distances.get(self.objects[index] as usize).copied().unwrap_or(0.0)),
+        }
     }
 
     /// Brings the candidates in the order of their numbers, so that a mask does not depend on the hierarchy.
@@ -147,8 +169,9 @@ impl Blockers for SphereBlockers {
         self.tree.find(&test, &mut scratch.stack, &mut scratch.candidates);
         self.list(scratch);
         scratch.dark = scratch.candidates.iter().any(|i| {
-            let i = *i as usize;
-            test.darkens(&self.spheres[i], self.self_distance(self.objects[i]))
+            // Whose receivers they are is not known: what the smaller sphere hides, the whole one hides too.
+            let (sphere, tau) = self.own(*i as usize);
+            test.darkens(&sphere, tau)
         });
     }
 
@@ -213,9 +236,10 @@ impl LightBall {
 impl SphereBlockers {
     /// What one sphere hides of a light; `None` when nothing.
     fn look(&self, index: usize, query: &VisibilityQuery<'_>, light: &LightBall) -> Option<(BlockedCone, Coverage)> {
-        let (sphere, object, cone) = (self.spheres[index], self.objects[index], query.cone);
+        let cone = query.cone;
+        let own = self.objects[index] == query.at.object;
+        let (sphere, tau) = if own { self.own(index) } else { (self.spheres[index], 0.0) };
         let to = sphere.center - query.at.position;
-        let tau = if object == query.at.object { self.self_distance(object) } else { 0.0 };
         let mut blocked = BlockedCone::new(to, sphere.radius, tau)?;
         if cone.distance.is_finite() {
             let apart = (to - cone.axis * cone.distance).length();

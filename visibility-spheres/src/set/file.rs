@@ -1,5 +1,5 @@
 use glam::Vec3;
-use lobe_core::Sphere;
+use lobe_core::{SelfShadow, Sphere};
 use serde::{Deserialize, Serialize};
 
 use super::bound_file::Bones;
@@ -15,6 +15,8 @@ const VERSION: u32 = 1;
 struct File {
     mesh: Mesh,
     self_distance: f32,
+    #[serde(default)]
+    self_shadows: Vec<[f32; 2]>,
     spheres: Vec<[serde_json::Value; 4]>,
     quality: SetQuality,
     #[serde(default)]
@@ -30,7 +32,8 @@ struct Mesh {
 
 impl SphereSet {
     /// The set as JSON, one sphere `[x, y, z, r]` a line:
-    /// `{"format", "version", "mesh": {"triangles", "bounds"}, "self_distance", "quality", "spheres"}`.
+    /// `{"format", "version", "mesh": {"triangles", "bounds"}, "self_distance", "self_shadows", "quality", "spheres"}`,
+    /// `self_shadows` one `[radius, distance]` for each sphere, in its radii, or left out.
     ///
     /// [`SphereSet::from_json`] gives the same set back, bit for bit.
     #[must_use]
@@ -40,6 +43,8 @@ impl SphereSet {
 
     pub(crate) fn write(&self, bones: Option<&Bones>) -> String {
         let bones = bones.map_or_else(String::new, |bones| format!(",\n  \"bones\": {}", json(bones)));
+        let own: Vec<[f32; 2]> = self.self_shadows.iter().map(|s| [s.radius, s.distance]).collect();
+        let own = if own.is_empty() { String::new() } else { format!("  \"self_shadows\": {},\n", json(&own)) };
         let rows: Vec<String> = self
             .spheres
             .iter()
@@ -49,7 +54,7 @@ impl SphereSet {
             })
             .collect();
         format!(
-            "{{\n  \"format\": {},\n  \"version\": {VERSION},\n  \"mesh\": {},\n  \"self_distance\": {},\n  \
+            "{{\n  \"format\": {},\n  \"version\": {VERSION},\n  \"mesh\": {},\n  \"self_distance\": {},\n{own}  \
              \"quality\": {},\n  \"spheres\": [\n{}\n  ]{bones}\n}}\n",
             json(FORMAT),
             json(&Mesh { triangles: self.mesh_triangles, bounds: self.mesh_bounds.map(|p| p.to_array()) }),
@@ -129,9 +134,21 @@ impl SphereSet {
             length(&format!("the radius of sphere {i}"), radius)?;
             spheres.push(Sphere { center, radius });
         }
+        if !file.self_shadows.is_empty() && file.self_shadows.len() != spheres.len() {
+            return refuse(format!("there are {} self_shadows for {} spheres", file.self_shadows.len(), spheres.len()));
+        }
+        let mut self_shadows = Vec::with_capacity(file.self_shadows.len());
+        for (i, [radius, distance]) in file.self_shadows.into_iter().enumerate() {
+            if !(0.0..=1.0).contains(&radius) {
+                return refuse(format!("the radius of self_shadow {i} is {radius}, but should be 0 to 1"));
+            }
+            length(&format!("the distance of self_shadow {i}"), distance)?;
+            self_shadows.push(SelfShadow { radius, distance });
+        }
         let set = Self {
             spheres,
             self_distance: file.self_distance,
+            self_shadows,
             mesh_triangles: file.mesh.triangles,
             mesh_bounds: bounds,
             quality,

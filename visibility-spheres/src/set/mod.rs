@@ -15,6 +15,7 @@ mod options;
 mod preview;
 mod quality;
 mod random;
+mod self_shadow;
 mod solid;
 mod sphere_set;
 mod surface;

@@ -1,12 +1,13 @@
 use core::ops::ControlFlow;
 
 use glam::{Vec3, Vec4};
-use lobe_core::Sphere;
+use lobe_core::{SelfShadow, Sphere};
 
 use super::build::Builder;
 use super::error::{BuildError, MisfitError};
 use super::options::{BuildOptions, Progress};
 use super::quality::{SetQuality, self_distance};
+use super::self_shadow::self_shadows;
 use super::solid::Solid;
 use super::surface::Surface;
 use super::tree::TriangleTree;
@@ -32,6 +33,9 @@ pub struct SphereSet {
     /// from the receiver. `τ = √(2 r̄ h)`, `r̄ = Σr³/Σr²`, h the depth below the union's surface that 5 % of the mesh's
     /// surface exceeds.
     pub self_distance: f32,
+    /// The same sphere by sphere, fitted to shadow rays on the mesh, with a smaller radius for receivers of the own
+    /// object; empty where nothing was fitted.
+    pub self_shadows: Vec<SelfShadow>,
     /// Triangles of the mesh that the set was made from.
     pub mesh_triangles: usize,
     /// Lowest and highest corner of the mesh's bounding box.
@@ -84,6 +88,7 @@ impl SphereSet {
         Self {
             spheres: unit.iter().map(|ball| surface.to_world(*ball)).collect(),
             self_distance: (f64::from(self_distance(surface, unit)) * surface.diagonal) as f32,
+            self_shadows: self_shadows(surface, tree, unit),
             mesh_triangles: triangles,
             mesh_bounds: surface.bounds,
             quality: SetQuality::measure(surface, tree, solid, unit),

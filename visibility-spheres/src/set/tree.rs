@@ -89,6 +89,34 @@ impl TriangleTree {
         best.sqrt()
     }
 
+    /// Whether a ray meets a triangle; one that runs in the plane of a node's face may miss it. O(log n) typically.
+    pub(crate) fn blocks(&self, from: Vec3, toward: Vec3) -> bool {
+        let inverse = toward.recip();
+        let mut stack = [0_u32; 64];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let number = stack[depth];
+            let node = &self.nodes[number as usize];
+            let (a, b) = ((node.lo - from) * inverse, (node.hi - from) * inverse);
+            let (enter, leave) = (a.min(b).max_element().max(0.0), a.max(b).min_element() * 1.000_01);
+            if enter > leave {
+                continue;
+            }
+            if node.count > 0 {
+                let triangles = &self.triangles[node.first as usize..(node.first + node.count) as usize];
+                if triangles.iter().any(|t| ray_meets(from, toward, t)) {
+                    return true;
+                }
+            } else {
+                stack[depth] = node.first;
+                stack[depth + 1] = number + 1;
+                depth += 2;
+            }
+        }
+        false
+    }
+
     /// Generalised winding number of the triangles around `p`: 1 inside a closed mesh, 0 outside, fractions near the
     /// holes of an open one.
     ///
@@ -149,6 +177,18 @@ impl Node {
     }
 }
 
+/// By Cramer's rule (T. Möller, B. Trumbore, *Fast, Minimum Storage Ray-Triangle Intersection*, 1997).
+fn ray_meets(from: Vec3, toward: Vec3, &[a, b, c]: &[Vec3; 3]) -> bool {
+    let (e1, e2) = (b - a, c - a);
+    let p = toward.cross(e2);
+    let scale = 1.0 / e1.dot(p);
+    let s = from - a;
+    let u = s.dot(p) * scale;
+    let q = s.cross(e1);
+    let v = toward.dot(q) * scale;
+    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && e2.dot(q) * scale > 0.0
+}
+
 /// Signed solid angle of a triangle seen from `p`, in (−2π, 2π) (A. van Oosterom, J. Strackee, *The Solid Angle of a
 /// Plane Triangle*, IEEE Trans. Biomed. Eng. 30 (2), 1983).
 fn solid_angle(p: Vec3, triangle: &[Vec3; 3]) -> f32 {
@@ -179,6 +219,23 @@ fn distance_sq(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> f32 {
 mod tests {
     use super::*;
     use crate::set::shapes;
+
+    #[test]
+    fn rays_agree_with_brute_force() {
+        let mesh = shapes::bumpy_ball(12);
+        let tree = TriangleTree::new(&mesh);
+        let mut blocked = 0;
+        for i in 0..2000 {
+            let (from, mut toward) = (shapes::scattered(i) * 1.6, shapes::scattered(i + 5000));
+            if i % 4 == 0 {
+                toward.y = 0.0;
+            }
+            let want = mesh.iter().any(|t| ray_meets(from, toward, t));
+            assert_eq!(tree.blocks(from, toward), want);
+            blocked += usize::from(want);
+        }
+        assert!((200..1800).contains(&blocked), "{blocked}");
+    }
 
     #[test]
     fn distance_agrees_with_brute_force() {
