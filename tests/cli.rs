@@ -352,6 +352,210 @@ fn shadow_maps_by_the_paper_s_method() {
     assert!((0.01..0.2).contains(&relative), "{error}");
 }
 
+/// The ball of [`SCENE`] rolls for one second, the light goes with it: 11 frames at 10 a second.
+fn rolling() -> String {
+    let moved = "\nkeys = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]";
+    let (ball, light) = ("radius = 0.6 }", "radiance = [20.0, 20.0, 20.0]");
+    let scene = SCENE.replace(ball, &format!("{ball}{moved}")).replace(light, &format!("{light}{moved}"));
+    format!("[animation]\nfps = 10\n{scene}{TABLE}")
+}
+
+#[test]
+fn a_sequence_is_one_file_a_frame() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let args = ["render", "roll.toml", "-o", "r.exr", "-o", "r.png", "--frames", "2..5", "--stats", "r.json", "-q"];
+    succeed(folder, &args);
+    let files = ["r.0002.exr", "r.0002.png", "r.0003.exr", "r.0003.png", "r.0004.exr", "r.0004.png", "r.json"];
+    assert_eq!(names(folder), [&files[..], &["roll.toml", "scene.toml"]].concat());
+    let stats: Value = serde_json::from_str(&fs::read_to_string(folder.join("r.json")).unwrap()).unwrap();
+    assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&3.into(), &0.into()));
+    assert!(stats["seconds"].as_f64().unwrap() > 0.0 && stats["update_seconds"].as_f64().unwrap() > 0.0, "{stats}");
+    for key in ["pose", "spheres", "hierarchy", "maps"] {
+        assert!(stats["update"][key].is_number(), "{key} in {stats}");
+    }
+
+    // A frame of a sequence is the frame alone and the moment alone, whatever was rendered before it, by any strategy.
+    let same =
+        |a: &str, b: &str| assert_eq!(fs::read(folder.join(a)).unwrap(), fs::read(folder.join(b)).unwrap(), "{a}");
+    succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--frame", "4", "-q"]);
+    same("one.exr", "r.0004.exr");
+    succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--time", "0.4", "-q"]);
+    same("one.exr", "r.0004.exr");
+    succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--frame", "8", "--fps", "20", "-q"]);
+    same("one.exr", "r.0004.exr");
+    for word in ["rays", "shadow-map"] {
+        let sequence = format!("{word}.exr");
+        succeed(folder, &["render", "roll.toml", "-o", &sequence, "--frames", "2..5", "--visibility", word, "-q"]);
+        succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--frame", "4", "--visibility", word, "-q"]);
+        same("one.exr", &format!("{word}.0004.exr"));
+    }
+    assert_ne!(fs::read(folder.join("r.0002.png")).unwrap(), fs::read(folder.join("r.0004.png")).unwrap());
+
+    // Finished frames are left alone, also if one of two files is missing that one frame is made again.
+    let written = |name: &str| fs::metadata(folder.join(name)).unwrap().modified().unwrap();
+    let before = [written("r.0002.png"), written("r.0003.png")];
+    fs::remove_file(folder.join("r.0003.exr")).unwrap();
+    let stats = json(folder, &[&args[..], &["--json"]].concat());
+    assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&1.into(), &2.into()));
+    let after = [written("r.0002.png"), written("r.0003.png")];
+    assert!(after[0] == before[0] && after[1] > before[1]);
+    let stats = json(folder, &[&args[..], &["--json"]].concat());
+    assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&0.into(), &3.into()));
+}
+
+#[test]
+fn frames_that_there_are_not_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let frames = |scene: &str, text: &str, what: &str| {
+        refuse(folder, &["render", scene, "-o", "r.png", "--frames", text], what);
+    };
+    frames("roll.toml", "0..12", "no frame 11: the animation has frames 0 to 10 (1 s at 10 a second)");
+    frames("roll.toml", "11..12", "no frame 11");
+    frames("roll.toml", "4000000000..4000000001", "no frame 4000000000");
+    frames("roll.toml", "5..2", "no frames from 5 to before 2");
+    frames("roll.toml", "3..3", "no frames from 3 to before 3");
+    for bad in ["", "3", "..", "1..", "..2", "-1..2", "a..b", "0..=3", "1.5..2", "0..5000000000"] {
+        let given = format!("--frames={bad}");
+        refuse(folder, &["render", "roll.toml", "-o", "r.png", &given], "--frames");
+    }
+    frames("scene.toml", "0..2", "nothing moves");
+    refuse(folder, &["render", "roll.toml", "--frame", "11"], "no frame 11");
+    refuse(folder, &["render", "roll.toml", "--time", "1.01"], "ends at 1 s");
+    refuse(folder, &["render", "roll.toml", "--time", "nan"], "--time");
+    refuse(folder, &["render", "roll.toml", "--fps", "0", "--frame", "1"], "--fps");
+    refuse(folder, &["render", "roll.toml", "--fps", "12"], "--fps");
+    refuse(folder, &["render", "roll.toml", "--frame", "1", "--frames", "0..2"], "--frame");
+    refuse(folder, &["render", "scene.toml", "--time", "0.5"], "nothing moves");
+    refuse(folder, &["render", "--frame", "1"], "nothing moves");
+    refuse(folder, &["reference", "roll.toml", "--frame", "11"], "no frame 11");
+    refuse(folder, &["render", "roll.toml", "-o", "no/r.png", "--frames", "0..2"], "no/r.0000.png");
+    // A glTF file whose animation is empty.
+    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "animations": [{"name": "none", "channels": [], "samplers": []}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+            "min": [0, 0, 0], "max": [1, 1, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "t.bin"}]}"#;
+    fs::write(folder.join("t.gltf"), gltf).unwrap();
+    let corners = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    fs::write(folder.join("t.bin"), corners.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()).unwrap();
+    let ran = lobes(folder, &["render", "t.gltf", "-o", "r.png", "--frames", "0..1"]);
+    let stderr = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.code() == Some(2) && stderr.contains("lobes: error: "), "{stderr}");
+    assert!(!folder.join("r.0000.png").exists());
+}
+
+/// Ctrl-C between and within frames: whole files only, and the same command goes on.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sequence_leaves_whole_frames() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let args =
+        ["render", "roll.toml", "-o", "r.exr", "--frames", "0..11", "--size", "1600x900", "--visibility", "rays"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lobes"))
+        .current_dir(folder)
+        .args(args)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !folder.join("r.0000.exr").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended early");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let left = names(folder);
+    let whole: Vec<_> = left.iter().filter(|n| n.ends_with(".exr")).collect();
+    assert_eq!(left.len(), whole.len() + 2, "{left:?}");
+    assert!((1..11).contains(&whole.len()) && whole.iter().all(|n| read_exr(&folder.join(n)).is_ok()), "{left:?}");
+}
+
+/// A strategy for each object, in the picture and in the reference.
+#[test]
+fn objects_take_their_own_strategies() {
+    let folder = folder();
+    let folder = folder.path();
+    let with = |ball: &str, table: &str| {
+        let ball = format!("radius = 0.6 }}\nvisibility = \"{ball}\"");
+        let table = format!("proxy = {{ spheres = 8 }}\nvisibility = \"{table}\"");
+        let scene = SCENE.replace("radius = 0.6 }", &ball) + &TABLE.replace("proxy = { spheres = 8 }", &table);
+        fs::write(folder.join("mixed.toml"), scene).unwrap();
+    };
+    let render = |name: &str, further: &[&str]| {
+        json(folder, &[&["render", "mixed.toml", "-o", name, "--json"], further].concat())
+    };
+    let error = |a: &str, b: &str| {
+        let e = json(folder, &["compare", a, b, "--unshadowed", "none.exr", "--json"]);
+        assert!(e["penumbra"]["pixels"].as_u64().unwrap() > 40, "{e}");
+        e["penumbra"]["mean"].as_f64().unwrap()
+    };
+    with("spheres", "rays");
+    render("none.exr", &["--visibility", "none"]);
+    for table in ["rays", "shadow-map"] {
+        with("spheres", table);
+        let stats = render("mixed.exr", &[]);
+        assert_eq!((&stats["visibility"], &stats["spheres"]), (&"scene".into(), &1.into()));
+        assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
+        succeed(folder, &["reference", "mixed.toml", "-o", "ref.exr", "--spp", "1024", "-q"]);
+        succeed(folder, &["reference", "mixed.toml", "-o", "mesh.exr", "--spp", "1024", "--geometry", "mesh", "-q"]);
+        let limit = if table == "rays" { 0.005 } else { 0.01 };
+        assert!(error("mixed.exr", "ref.exr") < limit, "{}", error("mixed.exr", "ref.exr"));
+        // Balls as spheres and the table as it is: nothing is approximated.
+        assert!(error("ref.exr", "mesh.exr") < 0.002, "{}", error("ref.exr", "mesh.exr"));
+    }
+    // An object can be told to cast no shadow; a word for all overrides it.
+    with("none", "none");
+    render("mixed.exr", &[]);
+    assert_eq!(read_exr(&folder.join("mixed.exr")).unwrap(), read_exr(&folder.join("none.exr")).unwrap());
+    assert_eq!(render("all.exr", &["--visibility", "spheres"])["spheres"], 9);
+    fs::remove_dir_all(folder.with_extension("cache")).unwrap();
+}
+
+/// Sphere files that are none, or another mesh's: named, with the object.
+#[test]
+fn wrong_sphere_files_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    fs::write(folder.join("m.obj"), obj).unwrap();
+    fs::write(folder.join("larger.obj"), obj.replace("v 1 0 0", "v 3 0 0")).unwrap();
+    fs::write(folder.join("other.obj"), obj.replace("f 2 3 4\n", "")).unwrap();
+    succeed(folder, &["spheres", "m.obj", "--count", "4", "--draft", "-o", "set.json", "-q"]);
+    let scene = |mesh: &str, set: &str| {
+        let object = format!("\n[[objects]]\nname = \"thing\"\nmesh = \"{mesh}\"\nproxy = {{ file = \"{set}\" }}\n");
+        fs::write(folder.join("with.toml"), SCENE.to_owned() + &object).unwrap();
+    };
+    scene("m.obj", "set.json");
+    succeed(folder, &["render", "with.toml", "-q"]);
+    fs::remove_file(folder.join("lobes.png")).unwrap();
+    let set = fs::read_to_string(folder.join("set.json")).unwrap();
+    let first = set.find("    [").unwrap();
+    let (start, rest) = set.split_at(first);
+    let row = rest.lines().next().unwrap();
+    for bad in ["[NaN, 0, 0, 1],", "[1e99, 0, 0, 1],", "[0, 0, 0, -1],", "[null, 0, 0, 1],"] {
+        fs::write(folder.join("bad.json"), format!("{start}    {bad}{}", &rest[row.len()..])).unwrap();
+        scene("m.obj", "bad.json");
+        refuse(folder, &["render", "with.toml"], "bad.json");
+        refuse(folder, &["check", "with.toml"], "bad.json");
+    }
+    for (mesh, what) in [("larger.obj", "bounding box"), ("other.obj", "triangles")] {
+        scene(mesh, "set.json");
+        for command in ["render", "reference", "check"] {
+            refuse(folder, &[command, "with.toml"], what);
+        }
+    }
+    // Nobody who takes the true triangles reads the set.
+    succeed(folder, &["render", "with.toml", "-q", "--visibility", "rays"]);
+}
+
 #[test]
 fn references_go_on_where_they_stopped() {
     let folder = folder();
@@ -407,11 +611,97 @@ fn checking_and_help() {
     let bytes = json(folder, &["check", "large.toml", "--json"])["memory_bytes"].as_u64().unwrap();
     assert!((15 << 28..16 << 28).contains(&bytes), "{bytes}");
     assert!(succeed(folder, &["check"]).contains("lobes"));
-    assert!(succeed(folder, &["check", "--schema"]).contains("[camera]"));
+    let schema = succeed(folder, &["check", "--schema"]);
+    assert!(schema.contains("[camera]"));
+    // A scene but for the files that it names, and its first line names them.
+    let first = schema.lines().next().unwrap();
+    assert!(first.contains("example.obj") && first.contains("example.spheres.json"), "{first}");
+    fs::write(folder.join("schema.toml"), &schema).unwrap();
+    refuse(folder, &["check", "schema.toml"], "example.obj");
     for args in [&[][..], &["--help"], &["render", "--help"], &["reference", "-h"], &["--version"]] {
         assert!(!succeed(folder, args).is_empty());
     }
     assert!(succeed(folder, &["render", "--help"]).contains("Examples:"));
+}
+
+/// Each object gets a strategy and a reason that follows from its shape.
+#[test]
+fn checking_advises_for_each_object() {
+    let folder = folder();
+    let folder = folder.path();
+    // A bowl, open above, of 8 × 16 quads; and a pole of as many triangles.
+    let (mut bowl, mut pole) = (String::new(), String::new());
+    for ring in 0..=8 {
+        for step in 0..16 {
+            let (a, b) = (ring as f64 / 8.0 * 1.5, step as f64 / 16.0 * std::f64::consts::TAU);
+            bowl += &format!("v {} {} {}\n", a.sin() * b.cos(), 1.0 - a.cos(), a.sin() * b.sin());
+            let (y, r) = (ring as f64 * 0.5, if ring % 8 == 0 { 0.0 } else { 0.02 });
+            pole += &format!("v {} {y} {}\n", r * b.cos(), r * b.sin());
+        }
+    }
+    for ring in 0..8 {
+        for step in 0..16 {
+            let at = |r: usize, s: usize| r * 16 + s % 16 + 1;
+            let (a, b, c, d) = (at(ring, step), at(ring, step + 1), at(ring + 1, step + 1), at(ring + 1, step));
+            let faces = format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+            bowl += &faces;
+            pole += &faces;
+        }
+    }
+    fs::write(folder.join("bowl.obj"), bowl).unwrap();
+    fs::write(folder.join("pole.obj"), pole).unwrap();
+    let meshes = "\n[[objects]]\nmesh = \"bowl.obj\"\ntranslate = [2, 0, 0]\n\n[[objects]]\nmesh = \"pole.obj\"\n\
+                  translate = [-3, 0, 0]\nvisibility = \"rays\"\n";
+    fs::write(folder.join("all.toml"), SCENE.to_owned() + TABLE + meshes).unwrap();
+    let all = json(folder, &["check", "all.toml", "--json"]);
+    let advice = |n: usize| {
+        let advice = &all["objects"][n]["advice"];
+        (advice["visibility"].as_str().unwrap(), advice["reason"].as_str().unwrap())
+    };
+    for (n, (word, reason)) in [
+        ("none", "backdrop"),
+        ("spheres", "balls are exact"),
+        ("rays", "12 triangles"),
+        ("shadow-map", "open"),
+        ("shadow-map", "thin"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert!(advice(n).0 == word && advice(n).1.contains(reason), "{n}: {:?}", advice(n));
+    }
+    assert_eq!(all["objects"][4]["visibility"], "rays");
+    assert!(all["animation"].is_null());
+    assert!(succeed(folder, &["check", "all.toml"]).contains("advice: visibility = \"rays\""));
+    // Seen from below, the floor hides the ball: it is no backdrop any more.
+    fs::write(folder.join("below.toml"), SCENE.replace("eye = [0.0, 3.0, 8.0]", "eye = [0.0, -3.0, 8.0]")).unwrap();
+    assert_eq!(json(folder, &["check", "below.toml", "--json"])["objects"][0]["advice"]["visibility"], "rays");
+
+    // What moves is told.
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let roll = json(folder, &["check", "roll.toml", "--json"]);
+    assert_eq!((&roll["animation"]["duration"], &roll["animation"]["frames"]), (&1.0.into(), &11.into()));
+    assert!(succeed(folder, &["check", "roll.toml"]).contains("frames 0 to 10"));
+}
+
+/// A material that gives more than it gets is taken, and told.
+#[test]
+fn too_bright_materials_are_told() {
+    let folder = folder();
+    let folder = folder.path();
+    for (model, told) in [
+        ("model = \"lambert\"\nalbedo = [0.2, 1.5, 0.2]", true),
+        ("model = \"lambert\"\nalbedo = 1.0", false),
+        ("model = \"modified-phong\"\nkd = 0.7\nks = 0.7\nexponent = 50", true),
+        ("model = \"modified-phong\"\nkd = 0.6\nks = 0.4\nexponent = 50", false),
+    ] {
+        let scene = SCENE.replace("[[lights]]", &format!("[materials.m]\n{model}\n\n[[lights]]"));
+        let scene = scene.replace("radius = 0.6 }", "radius = 0.6 }\nmaterial = \"m\"");
+        fs::write(folder.join("m.toml"), scene).unwrap();
+        let ran = lobes(folder, &["check", "m.toml"]);
+        let stderr = String::from_utf8(ran.stderr).unwrap();
+        assert!(ran.status.success() && stderr.contains("times the light it gets") == told, "{model}: {stderr}");
+    }
 }
 
 /// A mesh's spheres are built once: the second picture is the same and takes them from the cache.

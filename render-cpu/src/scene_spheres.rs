@@ -27,8 +27,22 @@ pub enum SphereSource {
 /// One to four matrix products a sphere that follows bones, a copy of the others.
 #[derive(Clone, Debug)]
 pub struct SceneSpheres {
-    /// For each object its spheres and their τ.
-    objects: Vec<(Spheres, f32)>,
+    objects: Vec<ObjectSpheres>,
+}
+
+/// Those of one object.
+#[derive(Clone, Debug)]
+struct ObjectSpheres {
+    spheres: Spheres,
+    self_distance: f32,
+    /// Of a sphere set, as it was measured when it was built.
+    silhouette_error: Option<f32>,
+}
+
+impl ObjectSpheres {
+    const fn new(spheres: Spheres, self_distance: f32) -> Self {
+        Self { spheres, self_distance, silhouette_error: None }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -57,11 +71,20 @@ impl SceneSpheres {
         progress: &mut BlockersProgress<'_>,
     ) -> Result<Self, BlockersError> {
         let of = |(number, object): (usize, &Object)| match (source(number), &object.shape) {
-            (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_)) => Ok((Spheres::Nothing, 0.0)),
-            (SphereSource::Shape, Shape::Spheres(balls)) => Ok((Spheres::Shape, ball_self_distance(balls))),
+            (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_)) => {
+                Ok(ObjectSpheres::new(Spheres::Nothing, 0.0))
+            }
+            (SphereSource::Shape, Shape::Spheres(balls)) => {
+                Ok(ObjectSpheres::new(Spheres::Shape, ball_self_distance(balls)))
+            }
             (SphereSource::Proxy, _) => from_proxy(number, object, animation, progress),
         };
         Ok(Self { objects: scene.objects.iter().enumerate().map(of).collect::<Result<_, _>>()? })
+    }
+
+    /// Which objects block by a sphere set, and the share of their silhouettes that it misses.
+    pub fn silhouette_errors(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.objects.iter().enumerate().filter_map(|(object, own)| Some((object, own.silhouette_error?)))
     }
 
     /// Writes the spheres to `out` as they are in a scene that was posed ([`Animation::seek`]) at a time: the same
@@ -79,8 +102,8 @@ impl SceneSpheres {
         out.objects.clear();
         out.self_distances.clear();
         let mut posed = Vec::new();
-        for (number, (object, (spheres, self_distance))) in scene.objects.iter().zip(&self.objects).enumerate() {
-            let spheres = match (spheres, &object.shape, &object.proxy) {
+        for (number, (object, own)) in scene.objects.iter().zip(&self.objects).enumerate() {
+            let spheres = match (&own.spheres, &object.shape, &object.proxy) {
                 (Spheres::Shape, Shape::Spheres(list), _) | (Spheres::Listed, _, Proxy::Spheres(list)) => list,
                 (Spheres::Still(list), ..) => list,
                 (Spheres::Bound(set), ..) => {
@@ -93,7 +116,7 @@ impl SceneSpheres {
             };
             out.spheres.extend(spheres.iter().filter(|s| !scene.lights.iter().any(|l| is_lamp(s, l.ball))));
             out.objects.resize(out.spheres.len(), number as u32);
-            out.self_distances.push(*self_distance);
+            out.self_distances.push(own.self_distance);
         }
         Ok(())
     }
@@ -105,17 +128,19 @@ fn from_proxy(
     object: &Object,
     animation: Option<&Animation>,
     progress: &mut BlockersProgress<'_>,
-) -> Result<(Spheres, f32), BlockersError> {
+) -> Result<ObjectSpheres, BlockersError> {
     let name = || object.name.clone();
     let set = match (&object.proxy, &object.shape) {
-        (Proxy::None, _) => return Ok((Spheres::Nothing, 0.0)),
-        (Proxy::Count(_), Shape::Spheres(balls)) => return Ok((Spheres::Shape, ball_self_distance(balls))),
+        (Proxy::None, _) => return Ok(ObjectSpheres::new(Spheres::Nothing, 0.0)),
+        (Proxy::Count(_), Shape::Spheres(balls)) => {
+            return Ok(ObjectSpheres::new(Spheres::Shape, ball_self_distance(balls)));
+        }
         (Proxy::Spheres(list), Shape::Mesh(Mesh { positions, triangles, .. })) if object.visible => {
             // Spheres that stand for a flat or empty mesh: nothing to measure, and no inside to shadow.
             let measured = SphereSet::self_distance_of(positions, triangles, list);
-            return Ok((Spheres::Listed, measured.unwrap_or(0.0)));
+            return Ok(ObjectSpheres::new(Spheres::Listed, measured.unwrap_or(0.0)));
         }
-        (Proxy::Spheres(list), _) => return Ok((Spheres::Listed, ball_self_distance(list))),
+        (Proxy::Spheres(list), _) => return Ok(ObjectSpheres::new(Spheres::Listed, ball_self_distance(list))),
         (Proxy::Count(count), Shape::Mesh(Mesh { positions, triangles, .. })) => {
             let mut report = |done| progress(&object.name, done);
             let options = BuildOptions::new(*count);
@@ -134,10 +159,11 @@ fn from_proxy(
             set
         }
     };
-    let self_distance = set.self_distance;
+    let (self_distance, silhouette_error) = (set.self_distance, Some(set.quality.silhouette_error));
+    let made = |spheres| Ok(ObjectSpheres { spheres, self_distance, silhouette_error });
     let rig = animation.and_then(|a| Some((a.rig(number)?, a.pose(number, 0.0))));
     let (Some((rig, rest)), Shape::Mesh(mesh)) = (rig, &object.shape) else {
-        return Ok((Spheres::Still(set.spheres), self_distance));
+        return made(Spheres::Still(set.spheres));
     };
     let carriers = Carriers {
         joints: rig.joints,
@@ -148,7 +174,7 @@ fn from_proxy(
     };
     let bound = set.bind(&mesh.positions, &mesh.triangles, &carriers);
     let bound = bound.map_err(|source| BlockersError::Bind { object: name(), source })?;
-    Ok((Spheres::Bound(Box::new(bound)), self_distance))
+    made(Spheres::Bound(Box::new(bound)))
 }
 
 /// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.

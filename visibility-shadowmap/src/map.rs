@@ -202,10 +202,14 @@ impl ShadowMap {
     #[must_use]
     pub fn advice(&self, receivers: &Bounds) -> Advice {
         let middle = 0.5 * (receivers.min.as_dvec3() + receivers.max.as_dvec3());
-        let d = middle.distance(self.light.center.as_dvec3());
+        let light = self.light.center.as_dvec3();
+        let farthest = receivers.corners().iter().map(|p| p.as_dvec3().distance(light)).fold(0.0, f64::max);
         let width = |face: &Face| {
             let nearest = face.layers.first().map_or(f32::NEG_INFINITY, Layer::nearest);
             let z = face.z0 / (1.0 + f64::from(nearest));
+            // Where the middle is before the blocker, only what is farther can be in its shadow.
+            let middle = middle.distance(light);
+            let d = if middle > z { middle } else { farthest };
             2.0 * f64::from(self.light.radius) * (d - z) / (d * z * face.texel)
         };
         let widest = self.faces.iter().map(width).fold(f64::NEG_INFINITY, f64::max);

@@ -5,8 +5,13 @@ use crate::console;
 use crate::failure::Failure;
 use crate::sphere_cache;
 use crate::strategy::Plan;
+use cosine_lobes::brdf::Material;
+use cosine_lobes::lobe_core::{BrdfLobes, LobeBuffer, Receiver};
 use cosine_lobes::render_cpu::SceneSpheres;
 use cosine_lobes::scene::{self, Animation, Scene};
+use cosine_lobes::visibility_spheres::SetQuality;
+use glam::Vec3;
+use std::f32::consts::TAU;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -15,9 +20,22 @@ pub(crate) fn load(file: Option<&Path>, quiet: bool) -> Result<(Scene, Animation
     let Some(file) = file else { return Ok((scene::builtin(), Animation::default())) };
     let (scene, animation, warnings) = scene::load_animated(file)?;
     if !quiet {
-        warnings.iter().for_each(|w| console::note(format_args!("lobes: warning: {w}")));
+        let own = scene.materials.iter().enumerate().filter_map(|(i, m)| too_bright(i, m));
+        warnings.into_iter().chain(own).for_each(|w| console::note(format_args!("lobes: warning: {w}")));
     }
     Ok((scene, animation))
+}
+
+/// A line about a material that reflects more than it receives, seen and lit from straight above.
+fn too_bright(number: usize, material: &Material) -> Option<String> {
+    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: 0 };
+    let mut lobes = LobeBuffer::with_capacity(material.max_lobes());
+    material.brdf_lobes(&at, &mut lobes.writer()).ok()?;
+    let all: Vec3 = lobes.lobes().iter().map(|l| l.scale() * (TAU / (l.exponent + 1.0))).sum();
+    let most = all.max_element();
+    // Lobes reach below the horizon by a little, and numbers are rounded.
+    (most > 1.01)
+        .then(|| format!("material {number} ({}) reflects {most:.2} times the light it gets", material.model_name()))
 }
 
 /// The scene of a view, with the size that was asked for.
@@ -45,5 +63,14 @@ pub(crate) fn make_spheres(
         ControlFlow::Continue(())
     });
     bar.finish_and_clear();
-    Ok(set?)
+    let set = set?;
+    for (object, error) in set.silhouette_errors().filter(|(_, e)| !quiet && *e > SetQuality::UNSUITABLE) {
+        let name = &scene.objects[object].name;
+        let percent = 100.0 * error;
+        console::note(format_args!(
+            "lobes: warning: object \"{name}\": its spheres miss {percent:.0} % of its silhouette: rays or shadow-map \
+             suit it better (its key `visibility`)"
+        ));
+    }
+    Ok(set)
 }

@@ -1,5 +1,6 @@
 //! The `lobes` command.
 
+mod advice;
 mod args;
 mod check;
 mod compare;

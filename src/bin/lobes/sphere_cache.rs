@@ -26,7 +26,7 @@ pub(crate) fn fill(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<(), Fa
     for number in wanted {
         let object = &mut scene.objects[number];
         let (Proxy::Count(count), Shape::Mesh(mesh)) = (&object.proxy, &object.shape) else { continue };
-        let path = folder.join(format!("{:016x}{:016x}.json", key(mesh, *count, 0), key(mesh, *count, 1)));
+        let path = path(&folder, mesh, *count);
         let known = fs::read_to_string(&path).is_ok_and(|text| SphereSet::from_json(&text).is_ok());
         if !known {
             let set = build(&object.name, mesh, *count, quiet)?;
@@ -38,6 +38,15 @@ pub(crate) fn fill(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<(), Fa
         object.proxy = Proxy::File(path);
     }
     Ok(())
+}
+
+/// The set of an earlier run, if there is one.
+pub(crate) fn known(mesh: &Mesh, count: usize) -> Option<SphereSet> {
+    SphereSet::from_json(&fs::read_to_string(path(&folder()?, mesh, count)).ok()?).ok()
+}
+
+fn path(folder: &Path, mesh: &Mesh, count: usize) -> PathBuf {
+    folder.join(format!("{:016x}{:016x}.json", key(mesh, count, 0), key(mesh, count, 1)))
 }
 
 /// `$XDG_CACHE_HOME/cosine-lobes`, or the system's equivalent.

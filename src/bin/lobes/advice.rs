@@ -1,0 +1,176 @@
+//! Which strategy suits an object, and why.
+
+use cosine_lobes::scene::{Bounds, Mesh, Object, Proxy, Scene, Shape, Strategy};
+use cosine_lobes::visibility_spheres::SetQuality;
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+/// A strategy for an object, with the reason.
+pub(crate) struct Advice {
+    pub(crate) strategy: Strategy,
+    pub(crate) reason: String,
+}
+
+/// Thinner solids, as a share of their diagonal, take many spheres: 2V/A over the diagonal is 0.19 for a ball, 0.11 for
+/// the Stanford bunny, 0.05 for the armadillo, 0.01 for a fence.
+const THIN: f64 = 0.04;
+/// Meshes of fewer triangles are boxes and the like.
+const FEW: usize = 100;
+/// Texels a side of the finest shadow map that is fitted.
+const TEXELS: f64 = 2048.0;
+
+/// Counts and sizes of a mesh.
+pub(crate) struct MeshFacts {
+    /// Share of the edges that only one triangle has.
+    pub(crate) open: f64,
+    /// Share of the edges whose two triangles wind against each other.
+    twisted: f64,
+    /// 2V/A, the thickness of a slab of the same volume and area.
+    pub(crate) thickness: f64,
+    pub(crate) diagonal: f64,
+    /// Whether all triangles are in one plane.
+    flat: bool,
+}
+
+impl MeshFacts {
+    /// Linear in the triangles.
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        // Corners that are in the same place are the same, however often a file lists them.
+        let mut places: HashMap<[u32; 3], u32> = HashMap::new();
+        let mut place = |i: u32| {
+            let key = (mesh.positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
+            let next = places.len() as u32;
+            *places.entry(key).or_insert(next)
+        };
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(&mut place)).collect();
+        // For each edge how many triangles have it, and how many of them run along it upward less those downward.
+        let mut edges: HashMap<(u32, u32), (u32, i32)> = HashMap::new();
+        for t in &triangles {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                let edge = edges.entry((a.min(b), a.max(b))).or_default();
+                *edge = (edge.0 + 1, edge.1 + if a < b { 1 } else { -1 });
+            }
+        }
+        let share = |of: &dyn Fn(&(u32, i32)) -> bool| {
+            edges.values().filter(|e| of(e)).count() as f64 / edges.len().max(1) as f64
+        };
+        let bounds = mesh.bounds();
+        let middle = bounds.center().as_dvec3();
+        let (mut area, mut volume, mut flat) = (0.0, 0.0, None::<DVec3>);
+        let mut is_flat = true;
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize].as_dvec3() - middle);
+            let cross = (b - a).cross(c - a);
+            area += 0.5 * cross.length();
+            volume += a.dot(cross) / 6.0;
+            let Some(normal) = cross.try_normalize() else { continue };
+            is_flat &= flat.is_none_or(|n| n.cross(normal).length() < 1e-3);
+            flat = flat.or(Some(normal));
+        }
+        // Parallel faces of a box are not one plane.
+        let level = |n: DVec3| {
+            let heights = mesh.triangles.iter().flatten().map(|i| n.dot(mesh.positions[*i as usize].as_dvec3()));
+            let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            high - low <= 1e-4 * area.sqrt()
+        };
+        Self {
+            open: share(&|e| e.0 == 1),
+            twisted: share(&|e| e.0 == 2 && e.1 != 0),
+            thickness: if area > 0.0 { 2.0 * volume.abs() / area } else { 0.0 },
+            diagonal: f64::from((bounds.max - bounds.min).length()),
+            flat: is_flat && flat.is_some_and(level),
+        }
+    }
+}
+
+/// What suits an object of a scene; `set` is how well its sphere set stands for it, where it is known.
+pub(crate) fn advise(scene: &Scene, number: usize, set: Option<&SetQuality>) -> Advice {
+    let object = &scene.objects[number];
+    let advice = |strategy, reason: String| Advice { strategy, reason };
+    let mesh = match &object.shape {
+        Shape::Spheres(_) => return advice(Strategy::Spheres, "balls are exact as spheres, and cheapest".to_owned()),
+        Shape::Mesh(mesh) => mesh,
+    };
+    let facts = MeshFacts::of(mesh);
+    if is_backdrop(scene, number, mesh) {
+        let reason = "a backdrop: lights, camera and all that casts shadows are in front of it";
+        return advice(Strategy::None, reason.to_owned());
+    }
+    if mesh.triangles.len() < FEW {
+        let count = mesh.triangles.len();
+        let reason =
+            format!("{count} triangles: rays are exact and cheap where few are met, spheres would round its edges");
+        return advice(Strategy::Rays, reason);
+    }
+    if facts.flat {
+        return surfaces(scene, f64::INFINITY, "flat: it has no inside that spheres could fill");
+    }
+    if let Some(quality) = set {
+        let percent = 100.0 * quality.silhouette_error;
+        if !quality.suits() {
+            return surfaces(scene, facts.thickness, &format!("its spheres miss {percent:.0} % of its silhouette"));
+        }
+        return advice(Strategy::Spheres, format!("its spheres miss only {percent:.1} % of its silhouette"));
+    }
+    let thin = facts.thickness / facts.diagonal.max(f64::MIN_POSITIVE);
+    if facts.open > 0.02 {
+        let reason =
+            format!("open: {:.0} % of its edges have one triangle, so its inside is not clear", 100.0 * facts.open);
+        surfaces(scene, f64::INFINITY, &reason)
+    } else if facts.twisted > 0.02 {
+        surfaces(scene, f64::INFINITY, "its triangles wind both ways, so its inside is not clear")
+    } else if thin < THIN {
+        let reason = format!("closed but thin, {:.1} % of its diagonal: spheres would be many or bulge", 100.0 * thin);
+        surfaces(scene, facts.thickness, &reason)
+    } else {
+        advice(Strategy::Spheres, format!("closed and compact, {:.0} % of its diagonal thick", 100.0 * thin))
+    }
+}
+
+/// The true triangles: by rays what a map would miss, else by maps.
+fn surfaces(scene: &Scene, thickness: f64, reason: &str) -> Advice {
+    let texel = f64::from(casters(scene).size().length()) / TEXELS;
+    if thickness < 2.0 * texel {
+        let texels = thickness / texel;
+        let reason = format!("{reason}; {texels:.1} texels of a shadow map thick, which wants 2");
+        return Advice { strategy: Strategy::Rays, reason };
+    }
+    Advice { strategy: Strategy::ShadowMap, reason: reason.to_owned() }
+}
+
+/// The box of what blocks light, wide floors and walls that block nothing left out.
+fn casters(scene: &Scene) -> Bounds {
+    let blocks = |o: &&Object| o.proxy != Proxy::None && o.strategy != Some(Strategy::None);
+    let bounds = scene.objects.iter().filter(blocks).map(|o| o.shape.bounds());
+    bounds.reduce(Bounds::union).unwrap_or_else(|| scene.bounds())
+}
+
+/// Whether camera, lights, and the boxes of all that casts shadows are in front of every triangle of an object, and the
+/// object itself bends that way only: a floor, a wall, a cove, the inside of a room.
+fn is_backdrop(scene: &Scene, number: usize, mesh: &Mesh) -> bool {
+    let casts = |(n, o): &(usize, &Object)| *n != number && o.proxy != Proxy::None;
+    let boxes = scene.objects.iter().enumerate().filter(casts).map(|(_, o)| o.shape.bounds());
+    let corners = boxes.flat_map(|b| {
+        let pick = move |k: usize| {
+            let high = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32);
+            b.min + (b.max - b.min) * high
+        };
+        (0..8).map(pick)
+    });
+    let mut points: Vec<(DVec3, f64)> = corners.map(|p| (p.as_dvec3(), 0.0)).collect();
+    points.extend(scene.lights.iter().map(|l| (l.ball.center.as_dvec3(), f64::from(l.ball.radius))));
+    let own = mesh.bounds();
+    let slack = 1e-4 * f64::from((own.max - own.min).length());
+    let eye = scene.camera.eye.as_dvec3();
+    // Few large triangles look at all of the mesh; many small ones are no backdrop.
+    if mesh.triangles.len() * (points.len() + mesh.positions.len()) > 10_000_000 {
+        return false;
+    }
+    points.extend(mesh.positions.iter().map(|p| (p.as_dvec3(), 0.0)));
+    mesh.triangles.iter().all(|t| {
+        let [a, b, c] = t.map(|i| mesh.positions[i as usize].as_dvec3());
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return true };
+        let normal = if normal.dot(eye - a) < 0.0 { -normal } else { normal };
+        points.iter().all(|(p, radius)| normal.dot(*p - a) - radius >= -slack)
+    })
+}
