@@ -45,3 +45,28 @@ impl<B: Blockers> Blockers for Option<B> {
         }
     }
 }
+
+/// Blockers that are somebody else's: kept from frame to frame.
+impl<B: Blockers> Blockers for &B {
+    type Scratch = B::Scratch;
+
+    fn scratch(&self) -> Self::Scratch {
+        B::scratch(self)
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+        B::enter(self, shaft, scratch);
+    }
+
+    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+        B::select(self, query, scratch)
+    }
+
+    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
+        B::across(self, query, scratch)
+    }
+
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
+        B::splat(self, query, scratch, mask);
+    }
+}
