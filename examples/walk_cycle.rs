@@ -1,0 +1,221 @@
+//! What sphere sets that follow bones cost in accuracy, over a cycle of an animation: 24 moments of a clip, the set fitted
+//! once at its first moment and posed, beside one that is fitted anew at the moment, both against the deformed triangles.
+//! Then how much a point's radiance changes from frame to frame, and whether it still jumps in finer steps.
+//!
+//! `cargo run --release --example walk_cycle [-- FILE CLIP [SPHERES]]` prints tables in Markdown; without arguments the fox
+//! and the tentacle of `scenes/assets`. Light of half-angle 6°, mask of depth 5, a floor of 96 × 96 points.
+
+use cosine_lobes::lighting::MaskVisibility;
+use cosine_lobes::lobe_core::{Receiver, VisibilityLobes};
+use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSpheres, SphereSource, World, blockers};
+use cosine_lobes::scene::{self, Animation, BlockerSet, Frame, Proxy, Scene, ShadingPoints, Shape};
+use cosine_lobes::visibility_spheres::{SphereBlockers, SphereSet};
+use glam::Vec3;
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+const MOMENTS: usize = 24;
+/// Every so many moments a set is fitted anew.
+const EVERY: usize = 4;
+const FLOOR: usize = 96;
+const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/");
+
+type Fallible<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Fallible<()> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    match &args[..] {
+        [] => {
+            study(&format!("{ASSETS}fox.glb"), "Walk", 64)?;
+            study(&format!("{ASSETS}fox.glb"), "Walk", 128)?;
+            study(&format!("{ASSETS}tentacle.glb"), "wave", 32)
+        }
+        [file, clip] => study(file, clip, 64),
+        [file, clip, count] => study(file, clip, count.parse()?),
+        _ => Err("expected nothing or FILE CLIP [SPHERES]".into()),
+    }
+}
+
+/// The mesh of object 1; object 0 is the floor.
+fn mesh(scene: &Scene) -> &scene::Mesh {
+    match &scene.objects[1].shape {
+        Shape::Mesh(mesh) => mesh,
+        Shape::Spheres(_) => unreachable!("a mesh file gives meshes"),
+    }
+}
+
+fn study(file: &str, clip: &str, count: usize) -> Fallible<()> {
+    let (mut scene, animation, _) = scene::load_clip(file, clip)?;
+    scene.objects[1].proxy = Proxy::Count(count);
+    let mut go_on = |_: &str, _| ControlFlow::Continue(());
+    let spheres = SceneSpheres::new(&scene, Some(&animation), |_| SphereSource::Proxy, &mut go_on)?;
+    let name = file.rsplit('/').next().unwrap_or(file);
+    println!("\n{name}, {clip}, {count} spheres, {:.3} s", animation.duration());
+    println!("\n| moment | silhouette, posed | silhouette, fitted anew | floor, posed | floor, fitted anew |");
+    println!("|---|---|---|---|---|");
+
+    let mut set = BlockerSet::default();
+    let (mut silhouettes, mut floors) = (Errors::default(), Errors::default());
+    let mut pose_seconds = 0.0;
+    for moment in 0..MOMENTS {
+        let time = animation.duration() * moment as f32 / MOMENTS as f32;
+        animation.seek(time, &mut scene);
+        let start = Instant::now();
+        spheres.pose(&scene, Some((&animation, time)), &mut set)?;
+        pose_seconds += start.elapsed().as_secs_f64();
+        let points = floor(&scene);
+        let world = World::new(&scene);
+        let truth = visible(&scene, &points, MaskVisibility::new(RayBlockers::new(&world).only(|o| o > 0), 5))?;
+        let posed = errors(&scene, &points, &truth, &set)?;
+        silhouettes.posed.push(posed.0);
+        floors.posed.push(posed.1);
+        if moment % EVERY == 0 {
+            let anew = errors(&scene, &points, &truth, &blockers(&scene, &mut go_on)?)?;
+            silhouettes.anew.push(anew.0);
+            floors.anew.push(anew.1);
+            let [a, b, c, d] = [posed.0, anew.0, posed.1, anew.1].map(|e| 100.0 * e);
+            println!("| {moment} | {a:.2} % | {b:.2} % | {c:.2} % | {d:.2} % |");
+        }
+    }
+    println!(
+        "| mean of all {MOMENTS} | {} | {} | {} | {} |",
+        silhouettes.mean().0,
+        silhouettes.mean().1,
+        floors.mean().0,
+        floors.mean().1
+    );
+    println!(
+        "| worst | {} | {} | {} | {} |",
+        silhouettes.worst().0,
+        silhouettes.worst().1,
+        floors.worst().0,
+        floors.worst().1
+    );
+    println!("\nPosing takes {:.1} µs.\n", 1e6 * pose_seconds / MOMENTS as f64);
+    pops(&mut scene, &animation, &spheres)
+}
+
+/// Errors of all moments, of posed and of new sets.
+#[derive(Default)]
+struct Errors {
+    posed: Vec<f64>,
+    anew: Vec<f64>,
+}
+
+impl Errors {
+    fn mean(&self) -> (String, String) {
+        let mean = |v: &[f64]| format!("{:.2} %", 100.0 * v.iter().sum::<f64>() / v.len() as f64);
+        (mean(&self.posed), mean(&self.anew))
+    }
+
+    fn worst(&self) -> (String, String) {
+        let worst = |v: &[f64]| format!("{:.2} %", 100.0 * v.iter().copied().fold(0.0, f64::max));
+        (worst(&self.posed), worst(&self.anew))
+    }
+}
+
+/// Silhouette error (mean over 64 directions of the area that differs over the mesh's) and floor error (mean |ΔV| where
+/// the mesh casts umbra or penumbra).
+fn errors(scene: &Scene, points: &ShadingPoints, truth: &[f32], set: &BlockerSet) -> Fallible<(f64, f64)> {
+    let mesh = mesh(scene);
+    let quality = SphereSet::measure(&mesh.positions, &mesh.triangles, &set.spheres)?.quality;
+    let shadowed = truth.iter().filter(|v| **v < 0.995).count().max(1);
+    let got = visible(scene, points, by_spheres(set))?;
+    let difference: f64 = truth.iter().zip(&got).map(|(a, b)| f64::from((a - b).abs())).sum();
+    Ok((f64::from(quality.silhouette_error), difference / shadowed as f64))
+}
+
+fn by_spheres(set: &BlockerSet) -> MaskVisibility<SphereBlockers> {
+    let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
+    MaskVisibility::new(spheres.with_self_shadows(&set.self_shadows), 5)
+}
+
+/// A square of the floor that holds the shadow.
+fn floor(scene: &Scene) -> ShadingPoints {
+    let bounds = scene.objects[1].shape.bounds();
+    let (light, ground) = (scene.lights[0].ball.center, scene.objects[0].shape.bounds().max.y);
+    // Where the light's centre projects the corners to.
+    let mut region = scene::Bounds::EMPTY;
+    for i in 0..8 {
+        let corner = Vec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 0 { bounds.min[k] } else { bounds.max[k] }));
+        region = region.with_point(corner + (corner - light) * ((corner.y - ground) / (light.y - corner.y)));
+    }
+    let (middle, half) = (region.center(), 0.6 * region.size().max_element());
+    let at = |i: usize| half * (2.0 * (i as f32 + 0.5) / FLOOR as f32 - 1.0);
+    let receiver = |(x, z)| {
+        let position = Vec3::new(middle.x + x, ground, middle.z + z);
+        Receiver { position, normal: Vec3::Y, view: Vec3::Y, object: 0 }
+    };
+    let receivers: Vec<_> = (0..FLOOR).flat_map(|z| (0..FLOOR).map(move |x| (at(x), at(z)))).map(receiver).collect();
+    ShadingPoints { materials: vec![1; receivers.len()], receivers }
+}
+
+/// The mesh's own vertices, as receivers that go with it.
+fn skin(scene: &Scene) -> ShadingPoints {
+    let mesh = mesh(scene);
+    let vertex = |(p, n): (&Vec3, &Vec3)| Receiver { position: *p, normal: *n, view: *n, object: 1 };
+    let receivers: Vec<_> = mesh.positions.iter().zip(&mesh.normals).map(vertex).collect();
+    ShadingPoints { materials: vec![1; receivers.len()], receivers }
+}
+
+/// V of each point, weighted with the cosine: its radiance as a diffuse surface over that without blockers.
+fn visible<V: VisibilityLobes>(scene: &Scene, points: &ShadingPoints, visibility: V) -> Fallible<Vec<f32>> {
+    let share = |(lit, all): (&f32, &f32)| if *all > 0.0 { lit / all } else { 0.0 };
+    let (lit, all) = shade(scene, points, visibility)?;
+    Ok(lit.iter().zip(&all).map(share).collect())
+}
+
+/// The red radiance of each point, and that without blockers.
+fn shade<V: VisibilityLobes>(scene: &Scene, points: &ShadingPoints, visibility: V) -> Fallible<(Vec<f32>, Vec<f32>)> {
+    let frame =
+        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+    let mut out = vec![Vec3::ZERO; points.receivers.len()];
+    let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out)?;
+    Ok((out.iter().map(|l| l.x).collect(), layers.unshadowed.iter().map(|l| l.x).collect()))
+}
+
+/// The largest change of a point's radiance in a step of one frame, of 1/8, and of 1/64 and 1/512 where the step before
+/// changes most, as a share of the brightest point's without blockers. Smooth motion divides it by 8 each time, once a step
+/// is shorter than the penumbra is wide; a jump stays.
+fn pops(scene: &mut Scene, animation: &Animation, spheres: &SceneSpheres) -> Fallible<()> {
+    println!("| points | largest change in a frame | in 1/8 frame | in 1/64, there | in 1/512, there |");
+    println!("|---|---|---|---|---|");
+    animation.seek(0.0, scene);
+    let ground = floor(scene);
+    for (name, moving) in [("floor", false), ("skin", true)] {
+        let mut at = |time: f32| -> Fallible<Vec<f32>> {
+            animation.seek(time, scene);
+            let mut set = BlockerSet::default();
+            spheres.pose(scene, Some((animation, time)), &mut set)?;
+            let points = if moving { skin(scene) } else { ground.clone() };
+            let (mut lit, all) = shade(scene, &points, by_spheres(&set))?;
+            let brightest = all.iter().copied().fold(0.0, f32::max);
+            lit.iter_mut().for_each(|l| *l /= brightest);
+            Ok(lit)
+        };
+        let step = animation.duration() / MOMENTS as f32;
+        let mut steps = |from: f32, step: f32, count: usize| -> Fallible<(f32, f32)> {
+            let mut before = at(from)?;
+            let mut worst = (0.0_f32, from);
+            for i in 1..=count {
+                let start = from + step * (i - 1) as f32;
+                let now = at(start + step)?;
+                let change = before.iter().zip(&now).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                if change > worst.0 {
+                    worst = (change, start);
+                }
+                before = now;
+            }
+            Ok(worst)
+        };
+        // A clip starts again after its last key, where its pose may jump: not past that.
+        let (frame, _) = steps(0.0, step, MOMENTS)?;
+        let (eighth, worst) = steps(0.0, step / 8.0, 8 * MOMENTS)?;
+        let (fine, finest) = steps(worst, step / 64.0, 8)?;
+        let (last, _) = steps(finest, step / 512.0, 8)?;
+        let [a, b, c, d] = [frame, eighth, fine, last].map(|v| 100.0 * v);
+        println!("| {name} | {a:.1} % | {b:.2} % | {c:.2} % | {d:.2} % |");
+    }
+    Ok(())
+}
