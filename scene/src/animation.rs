@@ -179,8 +179,10 @@ impl Animation {
     /// camera stays as it was.
     ///
     /// Cost: linear in the vertices that move: per vertex one matrix product for a rigid object, up to four for a
-    /// skinned one, one addition for each morph target in use, and with normals that follow from the triangles those.
-    /// It allocates the joint matrices, and for such normals one vector a vertex.
+    /// skinned one, and one addition for each morph target in use.
+    /// Measured on one core: for 1000 vertices 10 µs (rigid, or with up to 8 morph targets), 38 µs (skinned), 57 µs (skinned,
+    /// normals from the triangles); 1 µs for each node of a file. It allocates the matrices of nodes and joints, and for
+    /// normals from the triangles two vectors a vertex.
     pub fn seek(&self, time: f32, scene: &mut Scene) {
         let time = tamed(time);
         let worlds = self.worlds(time);

@@ -76,6 +76,7 @@ mod scene_object;
 mod shade;
 mod shapes;
 mod skeleton;
+mod strategy;
 mod toml_reader;
 mod track;
 
@@ -86,6 +87,7 @@ pub use crate::camera::Camera;
 pub use crate::error::SceneError;
 pub use crate::load::{load, load_animated, load_clip, load_with_warnings};
 pub use crate::mesh::Mesh;
-pub use crate::scene::{Object, Proxy, Scene, Shape, Strategy};
+pub use crate::scene::{Object, Proxy, Scene, Shape};
 pub use crate::scene_file::SCHEMA_EXAMPLE;
 pub use crate::shade::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
+pub use crate::strategy::Strategy;

@@ -1,5 +1,5 @@
 use crate::mesh::MAX_COORDINATE;
-use crate::{Bounds, Camera, Mesh, SceneError};
+use crate::{Bounds, Camera, Mesh, SceneError, Strategy};
 use brdf::Material;
 use glam::Vec3;
 use lighting::SphereLight;
@@ -22,45 +22,10 @@ pub enum Proxy {
     None,
     /// So many inner spheres built from the mesh.
     Count(usize),
-    /// A sphere set in a file, in world space.
+    /// A sphere set in a file, in world space as at the first moment.
     File(PathBuf),
     /// These spheres, in world space.
     Spheres(Vec<Sphere>),
-}
-
-/// How an object's shadow is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Strategy {
-    /// Its [`Proxy`]: spheres.
-    Spheres,
-    /// Its triangles, through depth maps around the lights.
-    ShadowMap,
-    /// Its triangles, by shadow rays: exact.
-    Rays,
-    /// Not at all: it casts no shadow.
-    None,
-}
-
-impl Strategy {
-    /// All of them, in the order that messages list them in.
-    pub const ALL: [Self; 4] = [Self::Spheres, Self::ShadowMap, Self::Rays, Self::None];
-
-    /// Its name in scene files and on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Spheres => "spheres",
-            Self::ShadowMap => "shadow-map",
-            Self::Rays => "rays",
-            Self::None => "none",
-        }
-    }
-
-    /// The strategy of that [`name`](Self::name).
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|s| s.name() == name)
-    }
 }
 
 /// One thing in the scene.
