@@ -448,6 +448,12 @@ fn frames_that_there_are_not_are_refused() {
     let stderr = String::from_utf8(ran.stderr).unwrap();
     assert!(ran.status.code() == Some(2) && stderr.contains("lobes: error: "), "{stderr}");
     assert!(!folder.join("r.0000.png").exists());
+    // One whose skin has bones that are not there.
+    let gltf = gltf
+        .replace(r#"{"mesh": 0}"#, r#"{"mesh": 0, "skin": 0}"#)
+        .replace(r#""meshes":"#, r#""skins": [{"joints": [99]}], "meshes":"#);
+    fs::write(folder.join("t.gltf"), gltf).unwrap();
+    refuse(folder, &["render", "t.gltf", "-o", "r.png", "--frames", "0..1"], "t.gltf");
 }
 
 /// Ctrl-C between and within frames: whole files only, and the same command goes on.

@@ -163,7 +163,8 @@ impl<'s> World<'s> {
     /// The same for a scene whose objects have moved: boxes are refitted, and hierarchies built anew only where that
     /// pays, when they have grown to twice their area, or when other triangles have an area.
     ///
-    /// The same rays meet the same surfaces as in a new world. Linear in the primitives, about a tenth of a new one.
+    /// The same rays meet the same surfaces as in a new world. Cost: linear in the primitives, 0.02 to 0.19 ms a 1000
+    /// triangles (500 to 500 000 of them), 8 to 20 times less than a new one (`examples/refit.rs`).
     #[must_use]
     pub fn refit(scene: &'s Scene, hierarchy: Hierarchy) -> Self {
         Self::make(scene, Some(hierarchy))

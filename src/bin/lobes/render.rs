@@ -6,12 +6,13 @@ use crate::input;
 use crate::moment::{self, Moment};
 use crate::picture::{Bands, Planes, Shading, seconds};
 use crate::stats::{self, Clocks, Figures, FrameClocks};
-use crate::strategy::{Occlusion, Plan};
+use crate::strategy::{KeptSpheres, Occlusion, Plan};
 use cosine_lobes::lighting::depth_for;
 use cosine_lobes::lobe_core::paper::{ProductTable, Resolution, Tables};
-use cosine_lobes::render_cpu::World;
+use cosine_lobes::render_cpu::{BlockersError, World};
 use cosine_lobes::scene::{BlockerSet, Frame};
 use cosine_lobes::visibility_shadowmap::{Bounds, Fineness, ShadowMap};
+use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{ImageFileError, Output, Picture};
 use rayon::prelude::*;
 use std::io::Write;
@@ -50,21 +51,25 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             Method::Paper => Some(seconds(&mut clocks.tables, || paper_tables(quiet))),
         };
         let bar = console::progress("shading", moments.len() as u64 * u64::from(scene.height), quiet);
-        let mut blockers = BlockerSet::default();
+        let (mut set, mut blockers) = (BlockerSet::default(), KeptSpheres::default());
         let mut hierarchy = None;
         for (index, moment) in moments.iter().enumerate() {
             let files = opened.take().map_or_else(|| Files::create(&paths(moment)), Ok)?;
             let mut clocks = FrameClocks::default();
             seconds(&mut clocks.pose, || animation.seek(moment.time, &mut scene));
             let at = Some((&animation, moment.time));
-            seconds(&mut clocks.spheres, || spheres.pose(&scene, at, &mut blockers))?;
+            seconds(&mut clocks.spheres, || {
+                spheres.pose(&scene, at, &mut set)?;
+                blockers.update(&set);
+                Ok::<(), BlockersError>(())
+            })?;
             let world = seconds(&mut clocks.hierarchy, || match hierarchy.take() {
                 Some(hierarchy) => World::refit(&scene, hierarchy),
                 None => World::new(&scene),
             });
             let done = index as u64 * u64::from(scene.height);
             let progress = |row: u32| bar.set_position(done + u64::from(row));
-            let job = Job { args, plan: &plan, blockers: &blockers, tables: tables.as_ref(), progress: &progress };
+            let job = Job { args, plan: &plan, spheres: blockers.get(), tables: tables.as_ref(), progress: &progress };
             let planes = job.picture(&world, &mut figures, &mut clocks)?;
             hierarchy = Some(world.into_hierarchy());
             let layers = if args.layers { planes.layers() } else { Vec::new() };
@@ -93,7 +98,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 struct Job<'a> {
     args: &'a RenderArgs,
     plan: &'a Plan,
-    blockers: &'a BlockerSet,
+    spheres: Option<&'a SphereBlockers>,
     tables: Option<&'a Tables>,
     progress: &'a dyn Fn(u32),
 }
@@ -101,7 +106,7 @@ struct Job<'a> {
 impl Job<'_> {
     /// One picture of a world.
     fn picture(&self, world: &World<'_>, figures: &mut Figures, clocks: &mut FrameClocks) -> Result<Planes, Failure> {
-        let Self { args, plan, blockers, tables, progress } = *self;
+        let Self { args, plan, spheres, tables, progress } = *self;
         let scene = world.scene();
         let depth = args.depth.unwrap_or_else(|| depth_for(args.tolerance));
         let frame = Frame {
@@ -119,12 +124,15 @@ impl Job<'_> {
                 advise(&maps, &receivers);
             }
         }
-        figures.spheres = blockers.spheres.len();
+        figures.spheres = spheres.map_or(0, |s| s.spheres().len());
         figures.triangles = world.triangle_count();
         figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let occlusion = seconds(&mut clocks.spheres, || Occlusion::new(plan, world, blockers, maps));
-        let planes = occlusion.shade(depth, tables, Shading { args, frame: &frame, bands: &mut bands, progress })?;
+        let planes = Occlusion::new(plan, world, spheres, maps).shade(
+            depth,
+            tables,
+            Shading { args, frame: &frame, bands: &mut bands, progress },
+        )?;
         clocks.gbuffer = bands.seconds;
         figures.runs.extend(planes.stats.iter().map(|stats| (*stats, planes.points)));
         Ok(planes)

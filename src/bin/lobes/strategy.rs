@@ -94,19 +94,52 @@ impl Plan {
     }
 }
 
+/// The spheres of the frames that follow each other, under one hierarchy.
+#[derive(Default)]
+pub(crate) struct KeptSpheres {
+    blockers: Option<SphereBlockers>,
+    objects: Vec<u32>,
+}
+
+impl KeptSpheres {
+    /// Takes over the spheres of the next frame. The hierarchy is refitted as long as they are the same ones.
+    pub(crate) fn update(&mut self, set: &BlockerSet) {
+        let old = self.blockers.take().filter(|_| self.objects == set.objects);
+        self.objects.clone_from(&set.objects);
+        self.blockers = (!set.spheres.is_empty()).then(|| {
+            let blockers = match old {
+                Some(mut blockers) => {
+                    blockers.update(&set.spheres);
+                    blockers
+                }
+                None => SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances),
+            };
+            blockers
+        });
+    }
+
+    /// What blocks, where there is anything.
+    pub(crate) fn get(&self) -> Option<&SphereBlockers> {
+        self.blockers.as_ref()
+    }
+}
+
 /// What blocks light in one frame, by strategy.
 pub(crate) struct Occlusion<'a> {
-    spheres: Option<SphereBlockers>,
+    spheres: Option<&'a SphereBlockers>,
     maps: Option<ShadowMapBlockers>,
     rays: Option<RayBlockers<'a>>,
 }
 
 impl<'a> Occlusion<'a> {
     /// Gathers what the plan asks for, and leaves out what turned out empty.
-    pub(crate) fn new(plan: &'a Plan, world: &'a World<'a>, set: &'a BlockerSet, mut maps: Vec<ShadowMap>) -> Self {
+    pub(crate) fn new(
+        plan: &'a Plan,
+        world: &'a World<'a>,
+        spheres: Option<&'a SphereBlockers>,
+        mut maps: Vec<ShadowMap>,
+    ) -> Self {
         maps.retain(|map| map.faces() > 0);
-        let spheres =
-            (!set.spheres.is_empty()).then(|| SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances));
         let by_rays = |o: u32| plan.of(o as usize) == Strategy::Rays;
         let all = plan.objects.iter().all(|s| *s == Strategy::Rays);
         let rays = plan.uses(Strategy::Rays).then(|| match all {
