@@ -72,7 +72,7 @@ fn measure(scene: &Scene, samples: u32, tolerance: f32) -> Cell {
             _ => Vec::new(),
         })
         .collect();
-    let blockers = BlockerSet { objects: vec![1; balls.len()], spheres: balls, self_distances: vec![0.0; 2] };
+    let blockers = BlockerSet { objects: vec![1; balls.len()], spheres: balls, ..BlockerSet::default() };
 
     let spheres = SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances);
     let mut shader = CpuShader::new(MaskVisibility::new(spheres, depth_for(tolerance)));

@@ -23,7 +23,7 @@ fn posed(scene: &Scene) -> BlockerSet {
 }
 
 fn spheres(set: &BlockerSet) -> SphereBlockers {
-    SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances)
+    SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances).with_self_shadows(&set.self_shadows)
 }
 
 fn picture(g: &GBuffer, values: &[Vec3]) -> Picture {

@@ -1,5 +1,5 @@
 use crate::blockers::{BlockersError, BlockersProgress};
-use lobe_core::Sphere;
+use lobe_core::{SelfShadow, Sphere};
 use scene::{Animation, BlockerSet, Mesh, Object, Proxy, Scene, Shape};
 use visibility_spheres::{BoundSet, BuildOptions, Carriers, SphereSet};
 
@@ -19,7 +19,8 @@ pub enum SphereSource {
 /// A sphere set is built or read for the scene as it was loaded, and follows what carries its mesh's points
 /// ([`BoundSet`]): nothing is fitted per pose. Exact balls and explicit spheres are where the scene says they are.
 ///
-/// An object's self-shadow distance τ is its sphere set's; explicit spheres are measured against a visible mesh for it.
+/// How an object shadows itself is fitted with its sphere set, sphere by sphere, and follows the spheres' radii; explicit
+/// spheres are measured against a visible mesh for one distance τ.
 /// Exact balls stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
 /// blackening a skin. A ball that coincides with a light blocks nothing: it is how a light is made visible.
 ///
@@ -35,13 +36,15 @@ pub struct SceneSpheres {
 struct ObjectSpheres {
     spheres: Spheres,
     self_distance: f32,
+    /// One a sphere, fitted with a sphere set; else empty.
+    self_shadows: Vec<SelfShadow>,
     /// Of a sphere set, as it was measured when it was built.
     silhouette_error: Option<f32>,
 }
 
 impl ObjectSpheres {
     const fn new(spheres: Spheres, self_distance: f32) -> Self {
-        Self { spheres, self_distance, silhouette_error: None }
+        Self { spheres, self_distance, self_shadows: Vec::new(), silhouette_error: None }
     }
 }
 
@@ -101,6 +104,7 @@ impl SceneSpheres {
         out.spheres.clear();
         out.objects.clear();
         out.self_distances.clear();
+        out.self_shadows.clear();
         let mut posed = Vec::new();
         for (number, (object, own)) in scene.objects.iter().zip(&self.objects).enumerate() {
             let spheres = match (&own.spheres, &object.shape, &object.proxy) {
@@ -114,7 +118,15 @@ impl SceneSpheres {
                 }
                 _ => &Vec::new(),
             };
-            out.spheres.extend(spheres.iter().filter(|s| !scene.lights.iter().any(|l| is_lamp(s, l.ball))));
+            for (i, ball) in spheres.iter().enumerate() {
+                if scene.lights.iter().any(|l| is_lamp(ball, l.ball)) {
+                    continue;
+                }
+                out.spheres.push(*ball);
+                let whole =
+                    || SelfShadow { radius: 1.0, distance: own.self_distance / ball.radius.max(f32::MIN_POSITIVE) };
+                out.self_shadows.push(own.self_shadows.get(i).copied().unwrap_or_else(whole));
+            }
             out.objects.resize(out.spheres.len(), number as u32);
             out.self_distances.push(own.self_distance);
         }
@@ -160,7 +172,8 @@ fn from_proxy(
         }
     };
     let (self_distance, silhouette_error) = (set.self_distance, Some(set.quality.silhouette_error));
-    let made = |spheres| Ok(ObjectSpheres { spheres, self_distance, silhouette_error });
+    let self_shadows = set.self_shadows.clone();
+    let made = |spheres| Ok(ObjectSpheres { spheres, self_distance, self_shadows, silhouette_error });
     let rig = animation.and_then(|a| Some((a.rig(number)?, a.pose(number, 0.0))));
     let (Some((rig, rest)), Shape::Mesh(mesh)) = (rig, &object.shape) else {
         return made(Spheres::Still(set.spheres));

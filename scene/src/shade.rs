@@ -3,7 +3,7 @@
 use brdf::Material;
 use glam::Vec3;
 use lighting::SphereLight;
-use lobe_core::{Receiver, Sphere};
+use lobe_core::{Receiver, SelfShadow, Sphere};
 
 /// The visible points of one frame, in any order; neighbours in the list should be neighbours in space.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +24,20 @@ pub struct BlockerSet {
     /// For each object number the self-shadow distance τ: its own spheres block a direction only if the ray leaves
     /// them farther than τ away.
     pub self_distances: Vec<f32>,
+    /// For each sphere how receivers of its own object see it, instead of the object's τ; or empty.
+    pub self_shadows: Vec<SelfShadow>,
+}
+
+impl BlockerSet {
+    /// A sphere as receivers of its own object see it, and its τ.
+    #[must_use]
+    pub fn own(&self, sphere: usize) -> (Sphere, f32) {
+        let (ball, object) = (self.spheres[sphere], self.objects[sphere]);
+        match self.self_shadows.get(sphere) {
+            Some(own) => (Sphere { radius: ball.radius * own.radius, ..ball }, ball.radius * own.distance),
+            None => (ball, self.self_distances.get(object as usize).copied().unwrap_or(0.0)),
+        }
+    }
 }
 
 /// What is constant over one frame.

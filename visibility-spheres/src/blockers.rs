@@ -3,8 +3,7 @@ use crate::cone_test::ConeTest;
 use crate::shaft_test::ShaftTest;
 use crate::sphere_tree::SphereTree;
 use crate::splat::BlockedCone;
-use glam::Vec3;
-use lighting::{Blockers, Mask};
+use lighting::{Blockers, Edges, Mask};
 use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 
 /// Spheres that block light, as the `spheres` strategy sees them: wrap it in
@@ -62,7 +61,10 @@ impl SphereBlockers {
     pub fn with_self_shadows(mut self, self_shadows: &[SelfShadow]) -> Self {
         assert!(self_shadows.is_empty() || self_shadows.len() == self.spheres.len(), "one for each sphere");
         // A radius above 1 would reach out of what the hierarchy bounds.
-        let sound = |s: &SelfShadow| SelfShadow { radius: s.radius.min(1.0).max(0.0), distance: s.distance.max(0.0) };
+        let sound = |s: &SelfShadow| SelfShadow {
+            radius: if s.radius >= 0.0 { s.radius.min(1.0) } else { 1.0 },
+            distance: s.distance.max(0.0),
+        };
         self.self_shadows = self_shadows.iter().map(sound).collect();
         self
     }
@@ -197,10 +199,12 @@ impl Blockers for SphereBlockers {
         if scratch.hits.is_empty() { Coverage::Lit } else { Coverage::Partial }
     }
 
-    /// Toward the centre of the sphere that looks largest: its rim is the straightest edge on the square.
-    fn across(&self, _: &VisibilityQuery<'_>, scratch: &SphereScratch) -> Vec3 {
-        let size = |b: &&BlockedCone| b.one_minus_cos();
-        scratch.hits.iter().max_by(|a, b| size(a).total_cmp(&size(b))).map_or(Vec3::ZERO, |b| b.to)
+    /// The spheres' rims.
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &SphereScratch, edges: &mut Edges) {
+        let tan = query.cone.tan();
+        for blocked in &scratch.hits {
+            blocked.add_edge(query.cone.axis, tan, edges);
+        }
     }
 
     fn splat(&self, _: &VisibilityQuery<'_>, scratch: &mut SphereScratch, mask: &mut Mask) {

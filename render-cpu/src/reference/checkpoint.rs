@@ -77,6 +77,8 @@ impl ReferenceJob<'_> {
                 word(*object);
             }
             self.blockers.self_distances.iter().for_each(|x| word(x.to_bits()));
+            let own = self.blockers.self_shadows.iter().flat_map(|s| [s.radius, s.distance]);
+            own.for_each(|x| word(x.to_bits()));
         }
         if matches!(self.geometry, Geometry::Mesh | Geometry::Mixed(_)) {
             for object in &scene.objects {

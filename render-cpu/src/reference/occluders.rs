@@ -55,11 +55,9 @@ impl Occluders {
         let (nearest, farthest) = cone.surface_range();
         let half_angle = cone.half_angle();
         for &i in candidates {
-            let s = blockers.spheres[i as usize];
-            let object = blockers.objects[i as usize];
-            let own = object == at.object;
-            let min_exit =
-                if own { blockers.self_distances.get(object as usize).map_or(0.0, |t| f64::from(*t)) } else { 0.0 };
+            let own = blockers.objects[i as usize] == at.object;
+            let (s, tau) = if own { blockers.own(i as usize) } else { (blockers.spheres[i as usize], 0.0) };
+            let min_exit = f64::from(tau);
             let to_center = s.center.as_dvec3() - at.position.as_dvec3();
             let (d, r) = (to_center.length(), f64::from(s.radius));
             if d + r <= min_exit || d - r >= farthest {
@@ -136,6 +134,7 @@ fn angle(a: DVec3, b: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lobe_core::SelfShadow;
 
     fn rng(state: &mut u64) -> f32 {
         *state = super::super::sobol::mix(*state, 1);
@@ -149,7 +148,7 @@ mod tests {
         let mut seed = 11;
         let mut r = || rng(&mut seed);
         let (mut blocked, mut free) = (0, 0);
-        for _ in 0..600 {
+        for case in 0..600 {
             let mut p = || Vec3::new(r(), r(), r()) * 2.0 - 1.0;
             let tile = p();
             let receivers: Vec<Receiver> = (0..4)
@@ -161,7 +160,12 @@ mod tests {
             let spheres: Vec<Sphere> =
                 centers.into_iter().map(|center| Sphere { center, radius: 0.5 * r() * r() }).collect();
             let objects = (0..12).map(|i| i % 3).collect();
-            let blockers = BlockerSet { spheres, objects, self_distances: vec![0.0, 0.3, 0.1] };
+            let self_distances = vec![0.0, 0.3, 0.1];
+            let mut blockers = BlockerSet { spheres, objects, self_distances, ..BlockerSet::default() };
+            if case % 2 == 1 {
+                let own = |_| SelfShadow { radius: 0.5 + 0.5 * r(), distance: 2.0 * r() };
+                blockers.self_shadows = (0..12).map(own).collect();
+            }
             let mut candidates = Vec::new();
             tile_candidates(&receivers, light, &blockers, &mut candidates);
             let mut some = Occluders::default();
@@ -171,8 +175,9 @@ mod tests {
                 for _ in 0..50 {
                     let v = cone.sample(f64::from(r()), f64::from(r()));
                     let limit = cone.surface(v);
-                    let naive = blockers.spheres.iter().zip(&blockers.objects).any(|(s, object)| {
-                        let tau = if *object == at.object { blockers.self_distances[*object as usize] } else { 0.0 };
+                    let naive = (0..12).any(|i| {
+                        let own = blockers.objects[i] == at.object;
+                        let (s, tau) = if own { blockers.own(i) } else { (blockers.spheres[i], 0.0) };
                         let to = s.center.as_dvec3() - at.position.as_dvec3();
                         let b = to.dot(v);
                         let h = b * b - to.length_squared() + f64::from(s.radius).powi(2);

@@ -114,7 +114,7 @@ impl KeptSpheres {
                 }
                 None => SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances),
             };
-            blockers
+            blockers.with_self_shadows(&set.self_shadows)
         });
     }
 
