@@ -8,6 +8,9 @@ use lobe_core::{Lobe, LobesFull, LobesMut, Receiver, VisibilitySum, is_lambert};
 /// Calibration of the error estimate against measured errors: a cut is refined while `E > CUT·τ²·U`.
 const CUT: f32 = 40.0;
 
+/// A node counts as partly lit in full when its lesser part is a share of 1/PARTLY.
+const PARTLY: f32 = 20.0;
+
 /// Exponents beyond are refined like this one, infinite ones included.
 const NARROWEST: f32 = 1e9;
 
@@ -124,8 +127,10 @@ impl<'a> Cut<'a> {
         // A node behind the lobe still reaches in front by its own width.
         let log_cos = (-one_minus_cos.min(0.999_9)).ln_1p();
         let envelope = (e * log_cos / (1.0 + r)).exp();
-        let partly = lit > 1e-4 * all.omega && lit < 0.9999 * all.omega;
-        let relative = if partly { 0.4 * r + 0.3 * r * r } else { 0.1 * r * r };
+        // Without a step where the last bit of a node is hidden, or lit: what is left of it is its error.
+        let share = lit / all.omega;
+        let partly = (PARTLY * share.min(1.0 - share)).clamp(0.0, 1.0);
+        let relative = 0.1 * r * r + partly * (0.4 * r + 0.2 * r * r);
         let cosine = if self.brdf.cosine > 0.0 {
             (self.normal.dot(node.axis) + (2.0 * node.spread).sqrt()).clamp(0.0, 1.0)
         } else {

@@ -8,6 +8,7 @@
 
 mod contour;
 mod cut;
+mod edges;
 mod mask;
 mod mixture;
 mod node;
@@ -22,6 +23,7 @@ mod tests;
 mod visibility;
 
 pub use crate::contour::Contour;
+pub use crate::edges::Edges;
 pub use crate::mask::{Covers, MAX_DEPTH, Mask};
 pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};

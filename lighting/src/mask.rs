@@ -30,6 +30,10 @@ pub struct Mask {
     /// A partly blocked cell is open between these fractions.
     left: [[u8; SIDE]; SIDE],
     right: [[u8; SIDE]; SIDE],
+    /// Of those, the ones that edges along the row cut, and between which heights they are open.
+    flat: [u64; SIDE],
+    low: [[u8; SIDE]; SIDE],
+    high: [[u8; SIDE]; SIDE],
 }
 
 /// From which side a shape reaches into a row, for [`Mask::block_area`].
@@ -54,6 +58,9 @@ impl Default for Mask {
             partial: [0; SIDE],
             left: [[0; SIDE]; SIDE],
             right: [[0; SIDE]; SIDE],
+            flat: [0; SIDE],
+            low: [[0; SIDE]; SIDE],
+            high: [[0; SIDE]; SIDE],
         }
     }
 }
@@ -73,6 +80,7 @@ impl Mask {
         for j in 0..self.side() {
             self.blocked[j] = 0;
             self.partial[j] = 0;
+            self.flat[j] = 0;
             let y = self.row_y(j);
             let half = (square.disc * square.disc - y * y).max(0.0).sqrt();
             // Above the horizon: n.x x + n.y y + n.z > 0.
@@ -171,8 +179,8 @@ impl Mask {
     /// Blocks of row `j` the area that a shape takes of each cell, from eight lines: for shapes whose edge runs along the
     /// row, which would else enter or leave it all at once. `span` gives plane coordinates x of the shape at a height y.
     ///
-    /// A cell's open interval stands for its height then: what covers it from below is taken off the left, what covers
-    /// it from above off the right, so that shapes still fuse by union.
+    /// A cell is then open between two heights, as well as between two points along the row: what is open is taken to be
+    /// the product of both.
     pub fn block_area(&mut self, j: usize, covers: Covers, span: impl Fn(f32) -> (f32, f32)) {
         const LINES: usize = 8;
         let mut area = [0.0_f32; SIDE + 1];
@@ -195,11 +203,18 @@ impl Mask {
             if covered == FULL {
                 self.blocked[j] |= 1 << i;
             } else if covered > 0 {
+                let (low, high) = self.heights(j, i);
+                let (low, high) = match covers {
+                    Covers::FromBelow => (low.max(covered), high),
+                    Covers::FromAbove => (low, high.min(FULL - covered)),
+                    Covers::Within => (low + hidden(covered, low, high), high),
+                };
                 let (left, right) = self.open(j, i);
-                match covers {
-                    Covers::FromBelow => self.set_open(j, i, left.max(covered), right),
-                    Covers::FromAbove => self.set_open(j, i, left, right.min(FULL - covered)),
-                    Covers::Within => self.block_inside(j, i, 0, covered),
+                self.set_open(j, i, left, right);
+                self.flat[j] |= 1 << i;
+                (self.low[j][i], self.high[j][i]) = (low, high);
+                if low >= high {
+                    self.blocked[j] |= 1 << i;
                 }
             }
         }
@@ -214,9 +229,7 @@ impl Mask {
             let (left, right) = if from <= left { (left.max(to), right) } else { (left, right.min(from)) };
             self.set_open(j, i, left, right);
         } else {
-            let hidden = u32::from(to - from) * u32::from(right - left);
-            let full = u32::from(FULL);
-            self.set_open(j, i, left + ((hidden + full / 2) / full) as u8, right);
+            self.set_open(j, i, left + hidden(to - from, left, right), right);
         }
     }
 
@@ -240,6 +253,10 @@ impl Mask {
 
     fn open(&self, j: usize, i: usize) -> (u8, u8) {
         if self.partial[j] >> i & 1 == 1 { (self.left[j][i], self.right[j][i]) } else { (0, FULL) }
+    }
+
+    fn heights(&self, j: usize, i: usize) -> (u8, u8) {
+        if self.flat[j] >> i & 1 == 1 { (self.low[j][i], self.high[j][i]) } else { (0, FULL) }
     }
 
     fn set_open(&mut self, j: usize, i: usize, left: u8, right: u8) {
@@ -290,7 +307,13 @@ impl Mask {
         let (left, right) = self.open(j, i);
         let at = |x: u8| i as f32 + f32::from(x) * (1.0 / f32::from(FULL));
         let (from, to) = (from.max(at(left)), to.min(at(right)));
-        (from, (to - from).max(0.0))
+        let length = (to - from).max(0.0);
+        if self.flat[j] >> i & 1 == 0 {
+            return (from, length);
+        }
+        // As much along the row, about the same middle.
+        let share = f32::from(self.high[j][i] - self.low[j][i]) * (1.0 / f32::from(FULL));
+        (from + 0.5 * (1.0 - share) * length, share * length)
     }
 
     /// Emitting and lit area in cells.
@@ -314,6 +337,12 @@ impl Mask {
     pub fn is_dark(&self) -> bool {
         (0..self.side()).all(|j| self.lit_cells(j) == 0)
     }
+}
+
+/// As much as a part hides of an open interval if it lies anywhere in the cell.
+fn hidden(part: u8, from: u8, to: u8) -> u8 {
+    let full = u32::from(FULL);
+    ((u32::from(part) * u32::from(to - from) + full / 2) / full) as u8
 }
 
 /// A fraction of a cell in 255ths, rounded.

@@ -1,5 +1,4 @@
-use crate::{Blockers, Mask};
-use glam::Vec3;
+use crate::{Blockers, Edges, Mask};
 use lobe_core::{Coverage, Shaft, VisibilityQuery};
 
 /// Two kinds of blockers in one mask: what either hides is hidden. Pairs of pairs give more.
@@ -20,7 +19,7 @@ pub struct Mixture<A, B> {
 }
 
 impl<A, B> Mixture<A, B> {
-    /// Both together. The direction across which edges are exact is the first's where it has one.
+    /// Both together.
     pub const fn new(first: A, second: B) -> Self {
         Self { first, second }
     }
@@ -71,14 +70,13 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         }
     }
 
-    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
         if scratch.partial.0 {
-            let across = self.first.across(query, &scratch.first);
-            if across != Vec3::ZERO || !scratch.partial.1 {
-                return across;
-            }
+            self.first.edges(query, &scratch.first, edges);
         }
-        self.second.across(query, &scratch.second)
+        if scratch.partial.1 {
+            self.second.edges(query, &scratch.second, edges);
+        }
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {

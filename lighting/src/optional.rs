@@ -1,5 +1,4 @@
-use crate::{Blockers, Mask};
-use glam::Vec3;
+use crate::{Blockers, Edges, Mask};
 use lobe_core::{Coverage, Shaft, VisibilityQuery};
 
 /// Blockers that a scene may not have: `None` blocks nothing, at the cost of one branch a query.
@@ -32,10 +31,9 @@ impl<B: Blockers> Blockers for Option<B> {
         }
     }
 
-    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
-        match (self, scratch) {
-            (Some(blockers), Some(scratch)) => blockers.across(query, scratch),
-            _ => Vec3::ZERO,
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
+        if let (Some(blockers), Some(scratch)) = (self, scratch) {
+            blockers.edges(query, scratch, edges);
         }
     }
 
@@ -62,8 +60,8 @@ impl<B: Blockers> Blockers for &B {
         B::select(self, query, scratch)
     }
 
-    fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
-        B::across(self, query, scratch)
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
+        B::edges(self, query, scratch, edges);
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {

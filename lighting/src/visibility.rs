@@ -1,7 +1,10 @@
 use crate::cut::{Cut, CutScratch};
-use crate::{MAX_DEPTH, Mask, UnitSquare};
+use crate::{Edges, MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert};
+
+/// How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
+const HORIZON: f32 = 4.0;
 
 /// Something that blocks light, rasterised: what a visibility strategy has to provide.
 ///
@@ -47,11 +50,17 @@ pub trait Blockers: Sync {
     /// [`Coverage::Dark`] when one alone hides the whole light; no mask is made in either case.
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
 
-    /// The world direction across which the most important edges run, any length; zero when there is none. Only after
-    /// [`select`](Self::select) of the same query. Masks are turned so that such edges are exact.
+    /// Adds the edges that run across the light, so that masks are turned to where most of them are exact; none when their
+    /// directions don't matter to [`splat`](Self::splat). Only after [`select`](Self::select) of the same query.
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
+        let _ = (query, scratch, edges);
+    }
+
+    /// The direction across which most of these edges run. Provided.
     fn across(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch) -> Vec3 {
-        let _ = (query, scratch);
-        Vec3::ZERO
+        let mut edges = Edges::new(query.cone);
+        self.edges(query, scratch, &mut edges);
+        edges.across()
     }
 
     /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Only after
@@ -83,10 +92,17 @@ impl<B: Blockers> MaskVisibility<B> {
         Self { blockers, depth: depth.clamp(1, MAX_DEPTH) }
     }
 
-    /// Where the light crosses the horizon that edge is the sharpest, else what the blockers say.
+    /// Across the edges of the blockers and, where it cuts the light, the horizon.
     fn across(&self, query: &VisibilityQuery<'_>, scratch: &B::Scratch) -> Vec3 {
+        let mut edges = Edges::new(query.cone);
+        self.blockers.edges(query, scratch, &mut edges);
         let cos = query.at.normal.dot(query.cone.axis);
-        if cos * cos < query.cone.sin_sq() { query.at.normal } else { self.blockers.across(query, scratch) }
+        // The horizon's chord: its distance from the middle is cos β/(sin β tan θ).
+        let off_sq = cos * cos / ((1.0 - cos * cos) * query.cone.tan().powi(2));
+        if off_sq < 1.0 {
+            edges.add(query.at.normal, HORIZON * 2.0 * (1.0 - off_sq).sqrt());
+        }
+        edges.across()
     }
 
     /// The blockers.

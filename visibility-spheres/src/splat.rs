@@ -1,7 +1,7 @@
 //! One sphere on the mask.
 
 use glam::{DVec3, Vec3};
-use lighting::{Covers, Mask};
+use lighting::{Covers, Edges, Mask};
 use lobe_core::Coverage;
 
 /// An edge that runs along more than so many cells within one row is taken by area.
@@ -77,8 +77,18 @@ impl BlockedCone {
     }
 
     /// `1 − cos β`.
+    #[cfg(test)]
     pub(crate) fn one_minus_cos(&self) -> f32 {
         1.0 - self.cos
+    }
+
+    /// Adds its rim where that crosses the light's disc, as if the sphere were small and far: the turn of a mask need not be
+    /// exact, only without steps.
+    pub(crate) fn add_edge(&self, axis: Vec3, tan: f32, edges: &mut Edges) {
+        let along = self.to.dot(axis);
+        let aside = self.to - axis * along;
+        let disc = (along * tan).abs().max(f32::MIN_POSITIVE);
+        edges.add_circle(aside, self.tangent_radius / disc, aside.length() / disc);
     }
 
     /// Whether a unit direction is in the cone.
@@ -208,28 +218,61 @@ impl BlockedCone {
     fn splat_rows(&self, c: DVec3, mask: &mut Mask) {
         let d = c.length();
         let (m, cos) = (c / d.max(f64::MIN_POSITIVE), f64::from(self.cos));
+        let flat = FLAT * mask.cell();
+        let mut below = row_spans(m, cos, mask.row_y(0) - 0.5 * mask.cell());
         for j in 0..mask.side() {
-            let y = f64::from(mask.row_y(j));
-            let (along, e) = (m.y * y + m.z, y * y + 1.0);
-            let inside = |x: f64| m.x * x + along >= cos * (x * x + e).sqrt();
-            // (m·p)² = cos²|p|² as a x² + 2b x + c = 0.
-            let (a, b, c) = (m.x * m.x - cos * cos, m.x * along, along * along - cos * cos * e);
-            let mut roots = [f64::NEG_INFINITY, f64::INFINITY];
-            let discriminant = b * b - a * c;
-            if discriminant > 0.0 {
-                let q = -(b + discriminant.sqrt().copysign(b));
-                let (r1, r2) = (q / a, if q == 0.0 { f64::NAN } else { c / q });
-                let finite = |r: f64| if r.is_nan() { f64::INFINITY } else { r };
-                roots = [finite(r1).min(finite(r2)), finite(r1).max(finite(r2))];
+            let above = row_spans(m, cos, mask.row_y(j) + 0.5 * mask.cell());
+            let lower = core::mem::replace(&mut below, above);
+            let changes = |k: usize| (lower[k].0 - above[k].0).abs() > flat || (lower[k].1 - above[k].1).abs() > flat;
+            if mask.lit_cells(j) == 0 {
+                continue;
             }
-            let limit = 1e9;
-            let edges = [-limit, roots[0].clamp(-limit, limit), roots[1].clamp(-limit, limit), limit];
-            for pair in edges.windows(2) {
-                if pair[1] > pair[0] && inside(0.5 * (pair[0] + pair[1])) {
-                    mask.block_span(j, pair[0] as f32, pair[1] as f32);
+            for k in 0..2 {
+                // An edge that is farther than the window on both borders of the row moves there unseen.
+                if changes(k) {
+                    mask.block_area(j, grows(lower[k], above[k]), |y| row_spans(m, cos, y)[k]);
+                } else {
+                    let span = row_spans(m, cos, mask.row_y(j))[k];
+                    mask.block_span(j, span.0, span.1);
                 }
             }
         }
+    }
+}
+
+/// From which side a span that differs between a row's borders covers it.
+fn grows(lower: (f32, f32), above: (f32, f32)) -> Covers {
+    if above.1 - above.0 > lower.1 - lower.0 { Covers::FromAbove } else { Covers::FromBelow }
+}
+
+/// The one or two spans of the row `y` in which `m·p ≥ cos|p|`, `p = (x, y, 1)`, from left to right; empty ones else.
+fn row_spans(m: DVec3, cos: f64, y: f32) -> [(f32, f32); 2] {
+    const LIMIT: f64 = 1e9;
+    let y = f64::from(y);
+    let (along, e) = (m.y * y + m.z, y * y + 1.0);
+    let inside = |x: f64| m.x * x + along >= cos * (x * x + e).sqrt();
+    // (m·p)² = cos²|p|² as a x² + 2b x + c = 0.
+    let (a, b, c) = (m.x * m.x - cos * cos, m.x * along, along * along - cos * cos * e);
+    let mut roots = [-LIMIT, LIMIT];
+    let discriminant = b * b - a * c;
+    if discriminant > 0.0 {
+        let q = -(b + discriminant.sqrt().copysign(b));
+        let (r1, r2) = (q / a, if q == 0.0 { f64::NAN } else { c / q });
+        let finite = |r: f64| if r.is_nan() { LIMIT } else { r.clamp(-LIMIT, LIMIT) };
+        roots = [finite(r1).min(finite(r2)), finite(r1).max(finite(r2))];
+    }
+    let [left, right] = roots;
+    let span =
+        |from: f64, to: f64| if to > from && inside(0.5 * (from + to)) { Some((from as f32, to as f32)) } else { None };
+    let empty = (0.0, 0.0);
+    match (span(-LIMIT, left), span(left, right), span(right, LIMIT)) {
+        (Some(a), None, c) => [a, c.unwrap_or(empty)],
+        (None, None, Some(c)) => [empty, c],
+        (None, Some(b), None) => [b, empty],
+        (Some(a), Some(_), None) => [(a.0, right as f32), empty],
+        (None, Some(b), Some(_)) => [empty, (b.0, LIMIT as f32)],
+        (Some(_), Some(_), Some(_)) => [(-LIMIT as f32, LIMIT as f32), empty],
+        (None, None, None) => [empty; 2],
     }
 }
 

@@ -1,0 +1,77 @@
+use core::f32::consts::FRAC_1_SQRT_2;
+use glam::{Vec2, Vec3};
+use lobe_core::Cone;
+
+/// Share of the light's radius that an edge of no direction is worth: what a mask is turned to where no edge says more.
+const NOTHING: f32 = 1e-3;
+
+/// The directions of all edges across a light: by their sum a [`Mask`](crate::Mask) is turned, so that its rows run
+/// across most of them.
+///
+/// A sum of `length·(cos 2φ, sin 2φ)` over the edges, φ the direction across an edge in the plane that faces the light: an
+/// edge and its opposite are the same, and two at right angles cancel. Lengths are in radii of the light's disc, and zero
+/// where an edge leaves the light: so the turn follows whatever moves without a step, except where the sum vanishes.
+///
+/// ```
+/// use glam::Vec3;
+/// use lighting::Edges;
+/// let cone = lobe_core::Cone { axis: Vec3::Y, one_minus_cos: 0.01, distance: 5.0 };
+/// let mut edges = Edges::new(&cone);
+/// edges.add(Vec3::new(1.0, 0.3, 1.0), 2.0); // of any length; what is along the axis does not matter
+/// edges.add(Vec3::new(-1.0, 0.0, 1.0), 0.5);
+/// assert!(edges.across().dot(Vec3::new(1.0, 0.0, 1.0).normalize()).abs() > 0.999);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Edges {
+    right: Vec3,
+    up: Vec3,
+    sum: Vec2,
+}
+
+impl Edges {
+    /// No edges across this light.
+    #[must_use]
+    pub fn new(cone: &Cone) -> Self {
+        let (right, up) = frame(cone.axis);
+        Self { right, up, sum: Vec2::new(NOTHING, 0.0) }
+    }
+
+    /// An edge with `across` (world space, any length) at right angles to it, `length` radii of the light's disc long.
+    pub fn add(&mut self, across: Vec3, length: f32) {
+        let d = Vec2::new(self.right.dot(across), self.up.dot(across));
+        let square = d.length_squared();
+        if square > 0.0 && length.is_finite() {
+            self.sum += Vec2::new(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * (length / square);
+        }
+    }
+
+    /// What of a circle's rim lies on the light's disc: radius and distance of the centre in radii of the disc, the centre
+    /// in the world direction `to`. With α half the arc: `∫ ρ cos 2t dt = ρ sin 2α` over ±α, in direction of the centre.
+    pub fn add_circle(&mut self, to: Vec3, radius: f32, distance: f32) {
+        let cos = ((distance * distance + radius * radius - 1.0) / (2.0 * distance * radius)).clamp(-1.0, 1.0);
+        self.add(to, 2.0 * radius * (1.0 - cos * cos).sqrt() * cos);
+    }
+
+    /// The unit direction, at right angles to the light's axis, across which most edges run.
+    #[must_use]
+    pub fn across(&self) -> Vec3 {
+        // Half the angle of the sum.
+        let d = self.sum.normalize_or(Vec2::X);
+        let half = if d.x >= 0.0 {
+            let cos = ((1.0 + d.x) * 0.5).sqrt();
+            Vec2::new(cos, 0.5 * d.y / cos)
+        } else {
+            let sin = ((1.0 - d.x) * 0.5).sqrt();
+            Vec2::new(0.5 * d.y / sin, sin)
+        };
+        debug_assert!(half.max_element() >= 0.99 * FRAC_1_SQRT_2 || half.min_element() <= -0.5);
+        self.right * half.x + self.up * half.y
+    }
+}
+
+/// Two unit vectors that complete an axis to a basis, without a step except where it points straight down.
+fn frame(axis: Vec3) -> (Vec3, Vec3) {
+    let Vec3 { x, y, z } = axis;
+    let a = 1.0 / (1.0 + y).max(1e-6);
+    (Vec3::new(1.0 - x * x * a, -x, -x * z * a).normalize(), Vec3::new(-x * z * a, -z, 1.0 - z * z * a).normalize())
+}
