@@ -177,10 +177,12 @@ fn shade<V: VisibilityLobes>(scene: &Scene, points: &ShadingPoints, visibility: 
 
 /// The largest change of a point's radiance in a step of one frame, of 1/8, and of 1/64 and 1/512 where the step before
 /// changes most, as a share of the brightest point's without blockers. Smooth motion divides it by 8 each time, once a step
-/// is shorter than the penumbra is wide; a jump stays.
+/// is shorter than the penumbra is wide; a jump stays. Distances below 0 are inside a sphere.
 fn pops(scene: &mut Scene, animation: &Animation, spheres: &SceneSpheres) -> Fallible<()> {
-    println!("| points | largest change in a frame | in 1/8 frame | in 1/64, there | in 1/512, there |");
-    println!("|---|---|---|---|---|");
+    println!(
+        "| points | largest change in a frame | in 1/8 frame | in 1/64, there | in 1/512, there | from the nearest sphere |"
+    );
+    println!("|---|---|---|---|---|---|");
     animation.seek(0.0, scene);
     let ground = floor(scene);
     for (name, moving) in [("floor", false), ("skin", true)] {
@@ -195,27 +197,34 @@ fn pops(scene: &mut Scene, animation: &Animation, spheres: &SceneSpheres) -> Fal
             Ok(lit)
         };
         let step = animation.duration() / MOMENTS as f32;
-        let mut steps = |from: f32, step: f32, count: usize| -> Fallible<(f32, f32)> {
+        let mut steps = |from: f32, step: f32, count: usize| -> Fallible<(f32, f32, usize)> {
             let mut before = at(from)?;
-            let mut worst = (0.0_f32, from);
+            let mut worst = (0.0_f32, from, 0);
             for i in 1..=count {
                 let start = from + step * (i - 1) as f32;
                 let now = at(start + step)?;
-                let change = before.iter().zip(&now).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-                if change > worst.0 {
-                    worst = (change, start);
+                for (point, (a, b)) in before.iter().zip(&now).enumerate() {
+                    if (a - b).abs() > worst.0 {
+                        worst = ((a - b).abs(), start, point);
+                    }
                 }
                 before = now;
             }
             Ok(worst)
         };
         // A clip starts again after its last key, where its pose may jump: not past that.
-        let (frame, _) = steps(0.0, step, MOMENTS)?;
-        let (eighth, worst) = steps(0.0, step / 8.0, 8 * MOMENTS)?;
-        let (fine, finest) = steps(worst, step / 64.0, 8)?;
-        let (last, _) = steps(finest, step / 512.0, 8)?;
+        let (frame, ..) = steps(0.0, step, MOMENTS)?;
+        let (eighth, worst, _) = steps(0.0, step / 8.0, 8 * MOMENTS)?;
+        let (fine, finest, _) = steps(worst, step / 64.0, 8)?;
+        let (last, moment, point) = steps(finest, step / 512.0, 8)?;
+        animation.seek(moment, scene);
+        let mut set = BlockerSet::default();
+        spheres.pose(scene, Some((animation, moment)), &mut set)?;
+        let place = if moving { skin(scene) } else { ground.clone() }.receivers[point].position;
+        let far = set.spheres.iter().map(|s| place.distance(s.center) - s.radius).fold(f32::INFINITY, f32::min);
+        let far = far / scene.objects[1].shape.bounds().radius();
         let [a, b, c, d] = [frame, eighth, fine, last].map(|v| 100.0 * v);
-        println!("| {name} | {a:.1} % | {b:.2} % | {c:.2} % | {d:.2} % |");
+        println!("| {name} | {a:.1} % | {b:.2} % | {c:.2} % | {d:.2} % | {far:.4} of the mesh's radius |");
     }
     Ok(())
 }
