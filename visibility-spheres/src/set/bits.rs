@@ -32,6 +32,15 @@ impl BitImage {
         self.data.iter().zip(&other.data).map(|(a, b)| (a ^ b).count_ones()).sum()
     }
 
+    /// Calls `each(cell, pixels set)` for the cells of four pixels of a row that have any.
+    pub(crate) fn count_cells(&self, row: usize, mut each: impl FnMut(usize, u32)) {
+        for (i, word) in self.data[row * self.words..(row + 1) * self.words].iter().enumerate() {
+            if *word != 0 {
+                (0..16).for_each(|k| each(16 * i + k, (word >> (4 * k) & 15).count_ones()));
+            }
+        }
+    }
+
     /// Sets pixels `start..end` of a row.
     pub(crate) fn fill(&mut self, row: usize, start: usize, end: usize) {
         if start >= end {

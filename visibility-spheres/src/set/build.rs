@@ -7,12 +7,13 @@ use super::cover::greedy_cover;
 use super::descent::descend;
 use super::error::BuildError;
 use super::exchange::{insert, removal_costs};
+use super::goal::Goal;
 use super::options::{BuildOptions, Progress};
 use super::random::{Random, fibonacci};
 use super::solid::Solid;
 use super::surface::Surface;
 use super::tree::TriangleTree;
-use super::view::{View, error};
+use super::view::View;
 
 /// Directions of the descent, over half the sphere: opposite ones have the same silhouette.
 const VIEWS: usize = 96;
@@ -78,8 +79,11 @@ impl<'a> Builder<'a> {
         // Smaller spheres want smaller steps: with 512, steps of the size that is right for 64 double the error.
         let scale = (64.0 / options.count as f32).min(1.0);
         let rates = |first: f32, last: f32| [first * scale, last * scale];
-        descend(views, &mut spheres, 200, rates(0.004, 0.0006), &mut random);
-        let mut best = error(views, &spheres);
+        let goal = Goal::new(views, &self.solid, options.count);
+        // Few rounds are asked for where time matters: 200 and 300 steps with 40.
+        let effort = options.rounds.min(40) as usize;
+        descend(&goal, &mut spheres, 80 + 3 * effort, rates(0.004, 0.0006), &mut random);
+        let mut best = goal.error(&spheres);
         for round in 0..options.rounds {
             let left = 1.0 - round as f32 / options.rounds as f32;
             report(0.85 - 0.65 * left)?;
@@ -90,16 +94,16 @@ impl<'a> Builder<'a> {
             let from = random.below(places.len() - PLACES.min(places.len()) + 1);
             let some = &places[from..(from + PLACES).min(places.len())];
             insert(views, &mut trial, some, missing, &mut random);
-            descend(views, &mut trial, 60, rates(0.002, 0.0004), &mut random);
-            let found = error(views, &trial);
+            descend(&goal, &mut trial, 60, rates(0.002, 0.0004), &mut random);
+            let found = goal.error(&trial);
             if found < best {
                 (spheres, best) = (trial, found);
             }
         }
         report(0.85)?;
         let mut trial = spheres.clone();
-        descend(views, &mut trial, 300, rates(0.001, 0.0001), &mut random);
-        if error(views, &trial) < best {
+        descend(&goal, &mut trial, 60 + 6 * effort, rates(0.001, 0.0001), &mut random);
+        if goal.error(&trial) < best {
             spheres = trial;
         }
         report(0.95)?;

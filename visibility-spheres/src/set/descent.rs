@@ -1,9 +1,12 @@
 use core::f32::consts::TAU;
 
-use glam::{Vec2, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::random::Random;
+use super::balance::Balance;
+use super::goal::Goal;
+use super::random::{Random, fibonacci};
+use super::solid::Solid;
 use super::view::View;
 
 /// Points on the boundary of each projected disc.
@@ -15,18 +18,25 @@ const BATCH: usize = 16;
 /// Smallest radius, in units of D.
 const LEAST_RADIUS: f32 = 1e-3;
 
+/// Points on each sphere that feel the mesh's surface.
+const BULGE_POINTS: usize = 64;
+
+/// Height above the surface from which a bulge counts fully, in units of D.
+const BULGE_HEIGHT: f32 = 0.01;
+
 /// Moves and resizes spheres (centre, radius; unit space) so that their silhouettes follow the mesh's.
 ///
-/// Minimises the mean over the views of area(S_mesh xor S_set)/area(S_mesh). Its gradient is an integral over the
-/// exposed boundary of the set's silhouette: a piece ds that moves outward by δ adds ±δ ds, + outside the mesh's
-/// silhouette and − inside. Steps are Adam's (D. Kingma, J. Ba, *Adam: A Method for Stochastic Optimization*, ICLR 2015)
-/// on a few random views at a time; `rates` are the lengths of the first and the last step.
-pub(crate) fn descend(views: &[View], spheres: &mut [Vec4], steps: usize, rates: [f32; 2], random: &mut Random) {
+/// The gradient of the first part of the [`Goal`] is an integral over the exposed boundary of the set's silhouette: a
+/// piece ds that moves outward by δ adds ±δ ds, + outside the mesh's silhouette and − inside. Steps are Adam's
+/// (D. Kingma, J. Ba, *Adam: A Method for Stochastic Optimization*, ICLR 2015) on a few random views at a time; `rates`
+/// are the lengths of the first and the last step.
+pub(crate) fn descend(goal: &Goal<'_>, spheres: &mut [Vec4], steps: usize, rates: [f32; 2], random: &mut Random) {
     const MEMORY: [f32; 2] = [0.9, 0.98];
+    let views = goal.views;
     let batch = BATCH.min(views.len());
     let mut order: Vec<usize> = (0..views.len()).collect();
     let mut next = order.len();
-    let mut partial: Vec<Gradient> = (0..batch).map(|_| Gradient::new(spheres.len())).collect();
+    let mut partial: Vec<Gradient> = (0..batch).map(|_| Gradient::new(spheres.len(), views[0].size)).collect();
     let mut moments = vec![[Vec4::ZERO; 2]; spheres.len()];
     let mut decay = [1.0_f32; 2];
     for step in 0..steps {
@@ -38,14 +48,25 @@ pub(crate) fn descend(views: &[View], spheres: &mut [Vec4], steps: usize, rates:
         next += batch;
         let turn = random.unit() * TAU;
         let current = &*spheres;
-        partial.par_iter_mut().zip(chosen).for_each(|(partial, &i)| partial.compute(&views[i], current, turn));
+        partial
+            .par_iter_mut()
+            .zip(chosen)
+            .for_each(|(partial, &i)| partial.compute(&views[i], goal.soft, current, turn));
+
+        // The silhouettes' gradient is a sum over the batch.
+        let weight = goal.bulge * batch as f32;
+        let bulges: Vec<Vec4> = (0..current.len())
+            .into_par_iter()
+            .with_min_len(8)
+            .map(|i| bulging(current, i, goal.solid) * weight)
+            .collect();
 
         let progress = step as f32 / steps.max(2).saturating_sub(1) as f32;
         let rate = rates[0] * (rates[1] / rates[0]).powf(progress);
         decay = [decay[0] * MEMORY[0], decay[1] * MEMORY[1]];
         for (i, (sphere, [mean, square])) in spheres.iter_mut().zip(moments.iter_mut().map(|[a, b]| [a, b])).enumerate()
         {
-            let gradient = partial.iter().map(|p| p.sums[i]).sum::<Vec4>();
+            let gradient = partial.iter().map(|p| p.sums[i]).sum::<Vec4>() + bulges[i];
             *mean = *mean * MEMORY[0] + gradient * (1.0 - MEMORY[0]);
             *square = *square * MEMORY[1] + gradient * gradient * (1.0 - MEMORY[1]);
             let width = (*square / (1.0 - decay[1])).map(f32::sqrt) + 1e-6;
@@ -60,15 +81,22 @@ struct Gradient {
     sums: Vec<Vec4>,
     discs: Vec<(Vec2, f32)>,
     near: Vec<(Vec2, f32)>,
+    balance: Balance,
 }
 
 impl Gradient {
-    fn new(spheres: usize) -> Self {
-        Self { sums: vec![Vec4::ZERO; spheres], discs: Vec::with_capacity(spheres), near: Vec::with_capacity(spheres) }
+    fn new(spheres: usize, size: usize) -> Self {
+        Self {
+            sums: vec![Vec4::ZERO; spheres],
+            discs: Vec::with_capacity(spheres),
+            near: Vec::with_capacity(spheres),
+            balance: Balance::new(size),
+        }
     }
 
     /// O(n²) tests for overlap, then the points of each disc against the discs that meet it.
-    fn compute(&mut self, view: &View, spheres: &[Vec4], turn: f32) {
+    fn compute(&mut self, view: &View, soft: f32, spheres: &[Vec4], turn: f32) {
+        self.balance.weigh(view, spheres);
         self.discs.clear();
         self.discs.extend(spheres.iter().map(|sphere| view.frame.disc(*sphere)));
         let mut circle = [Vec2::ZERO; POINTS];
@@ -95,7 +123,8 @@ impl Gradient {
             let (mut grow, mut shift) = (0.0, Vec2::ZERO);
             for k in 0..POINTS {
                 if free[k] >= 0.0 {
-                    let sign = view.sign(center + Vec2::new(xs[k], ys[k]));
+                    let at = center + Vec2::new(xs[k], ys[k]);
+                    let sign = view.sign(at) + soft * self.balance.force(at);
                     grow += sign;
                     shift += circle[k] * sign;
                 }
@@ -104,6 +133,27 @@ impl Gradient {
             *sum = (view.frame.lift(shift) * weight).extend(grow * weight);
         }
     }
+}
+
+/// How the set's volume outside the mesh changes with sphere `i` (centre, radius): the integral over its exposed surface
+/// there.
+fn bulging(spheres: &[Vec4], i: usize, solid: &Solid) -> Vec4 {
+    let ball = spheres[i];
+    let center = ball.truncate();
+    let hides = |p: Vec3| {
+        let holds = |(j, other): (usize, &Vec4)| j != i && p.distance_squared(other.truncate()) < other.w * other.w;
+        spheres.iter().enumerate().any(holds)
+    };
+    let mut sum = Vec4::ZERO;
+    for k in 0..BULGE_POINTS {
+        let out = fibonacci(k, BULGE_POINTS);
+        let p = center + out * ball.w;
+        let height = (-solid.depth_near(p) / BULGE_HEIGHT).clamp(0.0, 1.0);
+        if height > 0.0 && !hides(p) {
+            sum += out.extend(1.0) * height;
+        }
+    }
+    sum * (2.0 * TAU * ball.w * ball.w / BULGE_POINTS as f32)
 }
 
 /// Collects the discs that may hide a part of disc `i`'s boundary, relative to its centre. False if one hides all of it.

@@ -1,5 +1,6 @@
 //! Sphere sets that stand for triangle meshes when shadows are cast: building, measuring, storing, drawing.
 
+mod balance;
 mod bind;
 mod bits;
 mod bound_file;
@@ -11,6 +12,7 @@ mod descent;
 mod error;
 mod exchange;
 mod file;
+mod goal;
 mod options;
 mod preview;
 mod quality;

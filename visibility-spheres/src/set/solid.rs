@@ -82,6 +82,13 @@ impl Solid {
         self.locate(p).max(Vec3::ZERO).as_uvec3().min(self.dims - 1)
     }
 
+    /// Which part of the solid voxels is inside the mesh: 0 for a sheet, nearly 1 for a ball.
+    pub(crate) fn fullness(&self) -> f32 {
+        let inside = self.depth.iter().filter(|depth| **depth > 0.0).count();
+        let all = self.depth.iter().filter(|depth| self.is_solid(**depth)).count();
+        inside as f32 / all.max(1) as f32
+    }
+
     fn is_solid(&self, depth: f32) -> bool {
         depth > -0.5 * self.cell
     }

@@ -163,7 +163,7 @@ fn an_open_bowl_is_followed() {
 fn a_sheet_without_volume_is_followed() {
     let sheet = (vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], vec![[0, 1, 2], [0, 2, 3]]);
     for mesh in [sheet.clone(), (sheet.0.clone(), vec![[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]])] {
-        let set = build(&mesh, &few(40));
+        let set = build(&mesh, &BuildOptions { rounds: 8, ..few(40) });
         assert!(set.quality.coverage > 0.7, "{:?}", set.quality);
         assert!(set.spheres.iter().all(|ball| ball.radius < 0.3));
     }

@@ -1,6 +1,6 @@
 use glam::{Vec2, Vec3, Vec4};
-use rayon::prelude::*;
 
+use super::balance::CELL;
 use super::bits::BitImage;
 
 /// A parallel projection of unit space onto a square image.
@@ -81,6 +81,8 @@ pub(crate) struct View {
     pub(crate) inverse_area: f32,
     /// The silhouette at twice the resolution.
     fine: BitImage,
+    /// The share of each cell of [`CELL`]² pixels that is in the silhouette.
+    pub(crate) cells: Vec<f32>,
     /// Per pixel: subpixels (of 4) outside the silhouette minus those inside.
     pub(crate) outside: Vec<i8>,
     /// `outside`, smoothed over 3×3 pixels and scaled to −64 … 64: the sign that a moving boundary feels.
@@ -101,18 +103,31 @@ impl View {
         }
         let soft = smooth(&outside, size);
         let area = fine.count().max(1) as f32 * 0.25;
-        Self { frame, size, inverse_area: 1.0 / area, fine, outside, soft }
+        let side = size / CELL;
+        let mut cells = vec![0.0; side * side];
+        for (i, outside) in outside.iter().enumerate() {
+            let inside = (4 - i32::from(*outside)) as f32 / 8.0;
+            cells[i / size / CELL * side + i % size / CELL] += inside / (CELL * CELL) as f32;
+        }
+        Self { frame, size, inverse_area: 1.0 / area, fine, cells, outside, soft }
     }
 
     /// Weighs the views by at least `share` of their mean silhouette area: a sheet seen from its edge, where any sphere
     /// is an error of many times the silhouette, must not keep the spheres from covering it face on.
     pub(crate) fn limit_weights(views: &mut [Self], share: f32) {
-        // In units of D², since the views have scales of their own.
-        let area = |view: &Self| 1.0 / (view.inverse_area * view.frame.scale * view.frame.scale);
-        let least = share * views.iter().map(area).sum::<f32>() / views.len() as f32;
+        let least = share * Self::mean_area(views);
         for view in views {
-            view.inverse_area /= (least / area(view)).max(1.0);
+            view.inverse_area /= (least / view.area()).max(1.0);
         }
+    }
+
+    /// Area of the silhouette in units of D², or what its weight takes for it.
+    fn area(&self) -> f32 {
+        1.0 / (self.inverse_area * self.frame.scale * self.frame.scale)
+    }
+
+    pub(crate) fn mean_area(views: &[Self]) -> f32 {
+        views.iter().map(Self::area).sum::<f32>() / views.len().max(1) as f32
     }
 
     /// Half-way smooth sign at a point of the image: −1 well inside the silhouette, 1 well outside.
@@ -133,21 +148,12 @@ impl View {
         (top + (bottom - top) * fy) * (1.0 / 64.0)
     }
 
-    /// Area of the difference of the two silhouettes, weighted.
-    pub(crate) fn error(&self, spheres: &[Vec4], scratch: &mut BitImage) -> f32 {
+    /// Area of the difference of the two silhouettes in pixels; `scratch` has twice the view's side.
+    pub(crate) fn difference(&self, spheres: &[Vec4], scratch: &mut BitImage) -> f32 {
         scratch.clear();
         self.frame.finer(2.0).draw_spheres(spheres, scratch);
-        self.fine.differences(scratch) as f32 * 0.25 * self.inverse_area
+        self.fine.differences(scratch) as f32 * 0.25
     }
-}
-
-/// Mean silhouette error over the views.
-pub(crate) fn error(views: &[View], spheres: &[Vec4]) -> f32 {
-    let errors: Vec<f32> = views
-        .par_iter()
-        .map_init(|| BitImage::new(2 * views[0].size), |scratch, view| view.error(spheres, scratch))
-        .collect();
-    errors.iter().sum::<f32>() / views.len() as f32
 }
 
 /// 16 × the (1 2 1)/4 tent in both directions.
