@@ -5,7 +5,8 @@
 //! same as signed differences (red too bright, blue too dark, full colour from a tenth of the mean radiance on).
 //!
 //! Errors are fractions of the unshadowed radiance over points in penumbra (the reference between 1 % and 99 % of it),
-//! apart for points on what casts shadows and for all others ("floor"). `umbra`: light where there is none; `lit`: mean
+//! apart for points on what casts shadows ("object"; "terminator" where their facet's plane cuts a light or is turned away
+//! from it, which smooth normals hide) and for all others ("floor"). `umbra`: light where there is none; `lit`: mean
 //! darkening where nothing blocks. For spheres, `proxy` is Monte Carlo of the spheres against that of the mesh, `lobes` the
 //! strategy against Monte Carlo of the same spheres. Scenes whose meshes are not there are left out.
 
@@ -171,11 +172,8 @@ fn measure(
             _ => format!("{:.0}", 1e3 * seconds[seconds.len() / 2]),
         };
         let split = of_spheres.as_ref().filter(|_| strategy == Strategy::Spheres);
-        for (part, of_casters) in [("floor", false), ("object", true)] {
-            let chosen = |k: usize| {
-                let object = points.points.receivers[k].object;
-                scene.objects.get(object as usize).is_some_and(casts) == of_casters
-            };
+        for part in Part::ALL {
+            let chosen = |k: usize| Part::of(&scene, &points, k) == part;
             let errors = Errors::of(&radiance, &truth, chosen);
             if errors.penumbra.is_empty() {
                 continue;
@@ -185,8 +183,9 @@ fn measure(
                 (percent(Errors::of(&s.radiance, &truth, chosen)), percent(Errors::of(&radiance, s, chosen)))
             });
             println!(
-                "| {name} | {} | {part} | {} | {} | {proxy} | {lobes} | {time} | {memory} |",
+                "| {name} | {} | {} | {} | {} | {proxy} | {lobes} | {time} | {memory} |",
                 strategy.name(),
+                part.name(),
                 errors.penumbra.len(),
                 errors.print()
             );
@@ -252,6 +251,32 @@ impl Errors {
     }
 }
 
+/// Where a point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Floor,
+    Object,
+    Terminator,
+}
+
+impl Part {
+    const ALL: [Self; 3] = [Self::Floor, Self::Object, Self::Terminator];
+
+    fn of(scene: &Scene, points: &GBuffer, k: usize) -> Self {
+        let at = &points.points.receivers[k];
+        let whole = |l: &SphereLight| points.face_normals[k].dot(l.ball.center - at.position) > l.ball.radius;
+        match scene.objects.get(at.object as usize) {
+            Some(object) if !casts(object) => Self::Floor,
+            _ if scene.lights.iter().all(whole) => Self::Object,
+            _ => Self::Terminator,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        ["floor", "object", "terminator"][self as usize]
+    }
+}
+
 /// Whether an object is there for its shadow: has a proxy or a strategy.
 fn casts(object: &Object) -> bool {
     object.proxy != Proxy::None || object.strategy.is_some_and(|s| s != Strategy::None)
@@ -265,9 +290,17 @@ fn maps(scene: &Scene, points: &GBuffer) -> Result<Vec<ShadowMap>, Box<dyn Error
             all.append(mesh);
         }
     }
-    let receivers = Bounds::of(points.points.receivers.iter().map(|r| r.position));
-    let options = MapOptions { resolution: TEXELS, receivers, ..MapOptions::default() };
-    let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options);
+    let bounds = |casters: bool| {
+        let chosen = points.points.receivers.iter().filter(|r| !casters || casts(&scene.objects[r.object as usize]));
+        Bounds::of(chosen.map(|r| r.position))
+    };
+    // As fine as the objects themselves require; a floor that reaches to the horizon would ask for less.
+    let fine = MapOptions { resolution: TEXELS, receivers: bounds(true), ..MapOptions::default() };
+    let map = |l: &SphereLight| {
+        let resolution = ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &fine)?.resolution();
+        let options = MapOptions { resolution, receivers: bounds(false), ..fine };
+        ShadowMap::build(&all.positions, &all.triangles, l.ball, &options)
+    };
     Ok(scene.lights.iter().map(map).collect::<Result<_, _>>()?)
 }
 
