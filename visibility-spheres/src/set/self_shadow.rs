@@ -125,14 +125,18 @@ fn rays(surface: &Surface, tree: &TriangleTree) -> Vec<(Vec3, Vec3, bool)> {
         let triangle = surface.triangles[t];
         let p = triangle[0] * a + triangle[1] * b + triangle[2] * c;
         // Sheets are seen from both sides, solids from outside.
-        let normal = if i % 2 == 0 { normals[t] } else { -normals[t] };
+        let normal = if i.is_multiple_of(2) { normals[t] } else { -normals[t] };
         let inside = |n: Vec3| tree.contains(p + n * 1e-4);
         let normal = if inside(normal) { -normal } else { normal };
         let seen = normal != Vec3::ZERO && !inside(normal);
         // The spiral turned by as much as the point's number says.
         let turn = quasi_random(i + POINTS);
-        let turn =
-            glam::Quat::from_euler(glam::EulerRot::ZYZ, 6.283 * turn.x, (2.0 * turn.y - 1.0).acos(), 6.283 * turn.z);
+        let turn = glam::Quat::from_euler(
+            glam::EulerRot::ZYZ,
+            core::f32::consts::TAU * turn.x,
+            (2.0 * turn.y - 1.0).acos(),
+            core::f32::consts::TAU * turn.z,
+        );
         (0..if seen { DIRECTIONS } else { 0 })
             .map(move |k| turn * fibonacci(k, DIRECTIONS))
             .filter(move |v| v.dot(normal) > LOWEST)
