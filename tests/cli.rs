@@ -668,8 +668,8 @@ fn checking_advises_for_each_object() {
         ("none", "backdrop"),
         ("spheres", "balls are exact"),
         ("rays", "12 triangles"),
-        ("shadow-map", "open"),
-        ("shadow-map", "thin"),
+        ("rays", "open"),
+        ("rays", "thin"),
     ]
     .into_iter()
     .enumerate()
