@@ -123,6 +123,26 @@ fn every_part_gets_spheres() {
     assert!(set.quality.silhouette_error < 0.15, "{:?}", set.quality);
 }
 
+/// Seat, back and four legs: slabs and thin parts get their share, and the air under the seat none.
+#[test]
+fn a_chair_keeps_its_legs() {
+    let part = |size: Vec3, at: Vec3| mapped(&cube(), |p| p * size + at);
+    let legs = [(-0.23, -0.23), (-0.23, 0.23), (0.23, -0.23), (0.23, 0.23)];
+    let mut parts: Vec<_> =
+        legs.iter().map(|&(x, z)| part(Vec3::new(0.04, 0.42, 0.04), Vec3::new(x, 0.21, z))).collect();
+    parts.push(part(Vec3::new(0.5, 0.04, 0.5), Vec3::new(0.0, 0.44, 0.0)));
+    parts.push(part(Vec3::new(0.5, 0.5, 0.04), Vec3::new(0.0, 0.7, -0.23)));
+    let set = build(&joined(&parts), &BuildOptions { rounds: 4, ..few(64) });
+    for (x, z) in legs {
+        let heights = (1..=40).map(|i| Vec3::new(x, 0.01 * i as f32, z));
+        let held = heights.filter(|p| holds(&set, *p)).count();
+        assert!(held >= 26, "{held} of 40 heights of the leg at {x}, {z}");
+    }
+    let under = (0..100).map(|i| scattered(i) * Vec3::new(0.3, 0.3, 0.3) + Vec3::new(0.0, 0.18, 0.0));
+    assert_eq!(under.filter(|p| holds(&set, *p)).count(), 0);
+    assert!(set.quality.silhouette_error < 0.15, "{:?}", set.quality);
+}
+
 #[test]
 fn parts_smaller_than_a_voxel_are_found() {
     let speck = |at: Vec3| mapped(&cube(), |p| p * 0.004 + at);
