@@ -4,7 +4,7 @@ use crate::SphereBlockers;
 use glam::{DVec3, Vec3};
 use lighting::Blockers;
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Coverage, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 
 /// Spheres in clusters and strays, with all sizes, some repeated.
 fn cloud(random: &mut Random, count: usize, scale: f64) -> Vec<Sphere> {
@@ -106,6 +106,17 @@ fn selection_is_that_of_the_flat_loop() {
             blockers = SphereBlockers::new(&turned, &objects, &[(0.1 * scale) as f32, (2.0 * scale) as f32]);
             blockers.update(&spheres);
         }
+        if case % 5 < 2 {
+            // Each sphere smaller for its own object, with a distance of its own; what is out of range is put right.
+            let own: Vec<SelfShadow> = spheres
+                .iter()
+                .map(|_| SelfShadow {
+                    radius: random.between(-0.1, 1.2) as f32,
+                    distance: random.log_uniform(0.01, 3.0) as f32,
+                })
+                .collect();
+            blockers = blockers.with_self_shadows(&own);
+        }
         let mut shaft = shaft(&mut random, case, scale);
         if case % 4 == 3 {
             // Small shafts, wholly hidden ones among them.
@@ -139,6 +150,32 @@ fn selection_is_that_of_the_flat_loop() {
     }
     println!("lit, dark, partial: {counts:?}; {dark} shafts wholly dark");
     assert!(counts.iter().all(|n| *n > 200) && dark > 20);
+}
+
+/// A receiver of the sphere's own object sees the smaller ball and its distance, others the whole one.
+#[test]
+fn own_receivers_see_the_smaller_ball() {
+    let ball = Sphere { center: Vec3::Z * 3.0, radius: 1.0 };
+    let light = Sphere { center: Vec3::Z * 20.0, radius: 4.0 };
+    let cone = Cone::of_sphere(Vec3::ZERO, light);
+    let seen = |blockers: &SphereBlockers, object| {
+        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object };
+        let mut scratch = blockers.scratch();
+        let coverage = blockers.select(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch);
+        (coverage, scratch.hits().to_vec())
+    };
+    let plain = |radius| SphereBlockers::new(&[Sphere { radius, ..ball }], &[7], &[]);
+    let own = |radius, distance| plain(1.0).with_self_shadows(&[SelfShadow { radius, distance }]);
+    assert_eq!(seen(&plain(1.0), 8).0, Coverage::Dark);
+    assert_eq!(seen(&own(0.5, 1.0), 8).0, Coverage::Dark, "another object's receiver");
+    assert_eq!(seen(&plain(0.5), 8).0, Coverage::Partial);
+    assert_eq!(seen(&own(0.5, 1.0), 7), seen(&plain(0.5), 8), "farther than the distance");
+    assert_eq!(seen(&own(0.5, 3.6), 7).0, Coverage::Lit, "left before the distance");
+    // Twice the sphere: radius and distance grow with it.
+    let mut grown = own(0.5, 3.4);
+    assert_eq!(seen(&grown, 7).0, Coverage::Partial);
+    grown.update(&[Sphere { radius: 0.5, ..ball }]);
+    assert_eq!(seen(&grown, 7), seen(&plain(0.25), 8));
 }
 
 #[test]
