@@ -16,7 +16,7 @@ const FRONTIER: usize = 48;
 /// A texel with a surface is a small quadrilateral at its depth. Its corners take the mean depth of those neighbours that
 /// belong to the same surface, so that there are no gaps and planes are exact. Seen from the receiver it covers a
 /// quadrilateral of the unit square; all of them are united. A texel counts only if it is in front of the light and above
-/// the receiver's tangent plane, within eight texels of it by more than half a texel's size: there is no other depth bias.
+/// the receiver's tangent plane, within sixteen texels of it by more than half a texel's size: there is no other depth bias.
 ///
 /// A pyramid over each layer finds what can meet the cone from the receiver to the light. Where the depths of a node are
 /// bilinear to within an eighth of a mask cell, the node is drawn as one quadrilateral: cost follows the mask and the
