@@ -79,7 +79,11 @@ impl<'a> Builder<'a> {
         // Smaller spheres want smaller steps: with 512, steps of the size that is right for 64 double the error.
         let scale = (64.0 / options.count as f32).min(1.0);
         let rates = |first: f32, last: f32| [first * scale, last * scale];
-        let goal = Goal::new(views, &self.solid, options.count);
+        let mut goal = Goal::new(views, &self.solid, options.count);
+        if options.bounding {
+            // Outlines alone are the better start for what is to hold them.
+            (goal.soft, goal.bulge) = (0.0, 0.0);
+        }
         // Few rounds are asked for where time matters: 200 and 300 steps with 40.
         let effort = options.rounds.min(40) as usize;
         descend(&goal, &mut spheres, 80 + 3 * effort, rates(0.004, 0.0006), &mut random);
