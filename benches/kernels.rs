@@ -14,7 +14,7 @@ use glam::Vec3;
 use std::hint::black_box;
 
 fn receiver(position: Vec3) -> Receiver {
-    Receiver { position, normal: Vec3::Y, view: Vec3::new(0.0, 0.8, 0.6), object: OWN_NONE }
+    Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::new(0.0, 0.8, 0.6), object: OWN_NONE }
 }
 
 /// `P(e₁, e₂, α)`: the saddle-point form, and the low one.

@@ -141,7 +141,8 @@ fn measure(
                 let megabytes = maps.iter().map(ShadowMap::bytes).sum::<usize>() as f64 / 1e6;
                 let texels: Vec<String> = maps.iter().map(|m| m.resolution().to_string()).collect();
                 let memory = format!("{megabytes:.1} MB ({}²)", texels.join(", "));
-                (Box::new(MaskVisibility::new(ShadowMapBlockers::new(maps), depth_for(TOLERANCE))), memory)
+                let blockers = ShadowMapBlockers::new(maps).with_casters(vec![true; scene.objects.len()]);
+                (Box::new(MaskVisibility::new(blockers, depth_for(TOLERANCE))), memory)
             }
             Strategy::Rays => {
                 let memory = format!("{} triangles", world.triangle_count());
@@ -264,7 +265,7 @@ impl Part {
 
     fn of(scene: &Scene, points: &GBuffer, k: usize) -> Self {
         let at = &points.points.receivers[k];
-        let whole = |l: &SphereLight| points.face_normals[k].dot(l.ball.center - at.position) > l.ball.radius;
+        let whole = |l: &SphereLight| points.points.receivers[k].face.dot(l.ball.center - at.position) > l.ball.radius;
         match scene.objects.get(at.object as usize) {
             Some(object) if !casts(object) => Self::Floor,
             _ if scene.lights.iter().all(whole) => Self::Object,

@@ -16,7 +16,7 @@
 //! use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver};
 //!
 //! let gloss = ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.3), exponent: 60.0 };
-//! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
+//! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
 //! let mut buffer = LobeBuffer::with_capacity(gloss.max_lobes());
 //! gloss.brdf_lobes(&at, &mut buffer.writer()).unwrap();
 //!

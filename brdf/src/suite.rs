@@ -35,6 +35,7 @@ fn receiver(normal: Vec3, view: Vec3) -> Receiver {
     Receiver {
         position: Vec3::new(1.0, 2.0, 3.0),
         normal: normal.normalize(),
+        face: normal.normalize(),
         view: view.normalize(),
         object: OWN_NONE,
     }

@@ -88,7 +88,7 @@ impl Blockers for &Shapes {
 }
 
 fn receiver(normal: Vec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal, view: normal, object: OWN_NONE }
+    Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE }
 }
 
 fn cone(axis: Vec3, theta: f64) -> Cone {

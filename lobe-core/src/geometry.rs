@@ -10,6 +10,9 @@ pub struct Receiver {
     pub position: Vec3,
     /// Shading normal, unit, on the viewer's side of the surface.
     pub normal: Vec3,
+    /// Geometric normal of the surface, unit, on the viewer's side: where light can come from at all. The shading normal
+    /// of a curved surface, else of a smoothed mesh its face's.
+    pub face: Vec3,
     /// Unit direction toward the eye (ω_o of the paper).
     pub view: Vec3,
     /// Number of the object that the point lies on, or [`OWN_NONE`]: a visibility strategy must not let an object's

@@ -22,7 +22,7 @@ use glam::Vec3;
 ///     }
 /// }
 ///
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
 /// let mut buffer = LobeBuffer::with_capacity(Retro.max_lobes());
 /// Retro.brdf_lobes(&at, &mut buffer.writer()).unwrap();
 /// let toward_eye = buffer.lobes().eval(at.normal, at.view).x; // 2·(n·v)
@@ -64,7 +64,7 @@ pub trait BrdfLobes {
 ///     }
 /// }
 ///
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
 /// let mut buffer = LobeBuffer::with_capacity(1);
 /// Sun { direction: Vec3::Z }.light_lobes(&at, &mut buffer.writer()).unwrap();
 /// assert!((buffer.lobes().get(0).flux.x - 1.382).abs() < 1e-3); // 2π·1.1e-5·2e4
@@ -166,7 +166,7 @@ impl VisibilitySum {
 ///     }
 /// }
 ///
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
 /// let ball = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
 /// let light = LightTerm { cone: Cone::of_sphere(at.position, ball), radiance: Vec3::splat(3.0) };
 /// let mut brdf = LobeBuffer::with_capacity(1);

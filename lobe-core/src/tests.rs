@@ -6,7 +6,13 @@ use core::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec3};
 
 fn receiver(normal: DVec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal: normal.as_vec3(), view: normal.as_vec3(), object: OWN_NONE }
+    Receiver {
+        position: Vec3::ZERO,
+        normal: normal.as_vec3(),
+        face: normal.as_vec3(),
+        view: normal.as_vec3(),
+        object: OWN_NONE,
+    }
 }
 
 /// Axes whose angle survives rounding to f32: one minus cosine as given.
@@ -266,7 +272,7 @@ fn integrals_are_finite_for_everything() {
     let mut random = Random::new(21);
     for case in 0..60_000 {
         let normal = random.axis().as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, view: normal, object: OWN_NONE };
+        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
         let mut pick = || EXTREME[(random.bits() % 12) as usize];
         let (e1, e2) = (pick(), pick());
         let (a, b) = (awkward(&mut random, normal), awkward(&mut random, normal));
@@ -329,7 +335,7 @@ fn fractions_stay_between_zero_and_one() {
     let mut sum = VisibilitySum::with_capacity(4);
     for case in 0..30_000 {
         let normal = random.axis().as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, view: normal, object: OWN_NONE };
+        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
         let pick = |random: &mut Random| EXTREME[(random.bits() % 12) as usize];
         let e = pick(&mut random);
         let axis = awkward(&mut random, normal);

@@ -63,7 +63,6 @@ fn some(all: &GBuffer, chosen: &[usize], count: usize) -> GBuffer {
     for &i in chosen.iter().step_by(chosen.len().div_ceil(count).max(1)) {
         g.points.receivers.push(all.points.receivers[i]);
         g.points.materials.push(all.points.materials[i]);
-        g.face_normals.push(all.face_normals[i]);
         g.pixels.push(0);
         g.depths.push(all.depths[i]);
     }

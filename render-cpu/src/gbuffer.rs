@@ -24,8 +24,6 @@ pub struct GBuffer {
     pub points: ShadingPoints,
     /// For each point the number of its pixel, `row·width + column`.
     pub pixels: Vec<u32>,
-    /// For each point the geometric normal, on the viewer's side.
-    pub face_normals: Vec<Vec3>,
     /// For each point the distance from the plane of the eye, along the view direction.
     pub depths: Vec<f32>,
 }
@@ -36,7 +34,6 @@ struct Tile {
     receivers: Vec<Receiver>,
     materials: Vec<u32>,
     pixels: Vec<u32>,
-    face_normals: Vec<Vec3>,
     depths: Vec<f32>,
 }
 
@@ -87,13 +84,11 @@ impl GBuffer {
         all.points.receivers.reserve_exact(count);
         all.points.materials.reserve_exact(count);
         all.pixels.reserve_exact(count);
-        all.face_normals.reserve_exact(count);
         all.depths.reserve_exact(count);
         for tile in &tiles {
             all.points.receivers.extend_from_slice(&tile.receivers);
             all.points.materials.extend_from_slice(&tile.materials);
             all.pixels.extend_from_slice(&tile.pixels);
-            all.face_normals.extend_from_slice(&tile.face_normals);
             all.depths.extend_from_slice(&tile.depths);
         }
         all
@@ -139,13 +134,12 @@ impl GBuffer {
 impl Tile {
     fn shoot(&mut self, world: &World<'_>, rays: &Rays, direction: Vec3, pixel: u32) {
         let Some(hit) = world.hit(rays.eye, direction) else { return };
-        let normal = hit.normal;
+        let (normal, face) = (hit.normal, hit.face_normal);
         // The view from the rounded position, not the ray's: consistent with what shading sees.
         let view = (rays.eye - hit.position).try_normalize().unwrap_or(-direction);
-        self.receivers.push(Receiver { position: hit.position, normal, view, object: hit.object });
+        self.receivers.push(Receiver { position: hit.position, normal, face, view, object: hit.object });
         self.materials.push(world.scene().objects[hit.object as usize].material as u32);
         self.pixels.push(pixel);
-        self.face_normals.push(hit.face_normal);
         self.depths.push((hit.position - rays.eye).dot(rays.forward));
     }
 }
@@ -224,8 +218,8 @@ mod tests {
         let g = GBuffer::new(&world, 50, 30, 1);
         assert!(g.len() > 500 && g.len() < 1500, "{}", g.len());
         let (mut floor, mut ball) = (0, 0);
-        for (r, n) in g.points.receivers.iter().zip(&g.face_normals) {
-            assert!(r.view.dot(r.normal) > 0.0 && r.view.dot(*n) > 0.0);
+        for r in &g.points.receivers {
+            assert!(r.view.dot(r.normal) > 0.0 && r.view.dot(r.face) > 0.0);
             if r.object == 0 {
                 floor += 1;
                 assert!(r.position.y.abs() < 1e-7, "{}", r.position);

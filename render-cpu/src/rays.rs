@@ -3,7 +3,7 @@ use crate::world::{Primitive, Region};
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
 use lighting::{Blockers, Contour, Mask};
-use lobe_core::{Cone, Coverage, Shaft, VisibilityQuery};
+use lobe_core::{Cone, Coverage, OWN_NONE, Shaft, VisibilityQuery};
 
 /// So many primitives in a group's shaft are tested one by one for each receiver; more are left to the hierarchy.
 const LISTED: usize = 48;
@@ -104,20 +104,19 @@ impl Blockers for RayBlockers<'_> {
             return Coverage::Lit;
         }
         let (at, cone) = (query.at, query.cone);
-        let face = self.world.face_normal(at);
         let sin = cone.sin_sq().sqrt();
-        let elevation = face.map(|n| n.dot(cone.axis));
-        if elevation.is_some_and(|e| e <= -sin) && self.has(at.object) {
+        let elevation = at.face.dot(cone.axis);
+        if elevation <= -sin && at.object != OWN_NONE && self.has(at.object) {
             return Coverage::Dark;
         }
-        scratch.origin = self.world.leave(at.position, face.unwrap_or(at.normal));
+        scratch.origin = self.world.leave(at.position, at.face);
         if cone.one_minus_cos <= 0.0 {
             self.rays.fetch_add(1, Ordering::Relaxed);
             let hidden = self.hides(scratch.origin, cone.axis, cone.distance);
             return if hidden { Coverage::Dark } else { Coverage::Lit };
         }
-        let above = elevation.is_some_and(|e| e >= sin);
-        let region = Region::new(scratch.origin, cone, if above { face } else { None });
+        let above = elevation >= sin;
+        let region = Region::new(scratch.origin, cone, above.then_some(at.face));
         let meets = if scratch.is_listed {
             self.world.meets_any(&region, &scratch.listed)
         } else {

@@ -236,7 +236,7 @@ impl Sampler {
                     light,
                     cone,
                     occluders: &self.occluders,
-                    origin: job.world.leave(at.position, job.gbuffer.face_normals[first + i]),
+                    origin: job.world.leave(at.position, at.face),
                     glossy: sharpest * cone.one_minus_cos() > GLOSSY,
                 };
                 for (replicate, sum) in sums.iter_mut().enumerate() {

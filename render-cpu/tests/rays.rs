@@ -73,14 +73,10 @@ fn no_surface_shadows_itself() {
         let world = World::new(&scene);
         let rays = RayBlockers::new(&world);
         let g = GBuffer::new(&world, 64, 48, 1);
-        let mut counts = [0; 3];
-        for (at, face) in g.points.receivers.iter().zip(&g.face_normals) {
-            let cone = Cone::of_sphere(at.position, light);
-            let found = world.face_normal(at).unwrap_or_else(|| panic!("no face at {}", at.position));
-            // At an edge it may be the other face.
-            if found.dot(*face) < 0.99 {
-                counts[2] += 1;
-            } else if face.dot(cone.axis) > 1.01 * cone.sin_sq().sqrt() {
+        let mut counts = [0; 2];
+        for at in &g.points.receivers {
+            let (face, cone) = (at.face, Cone::of_sphere(at.position, light));
+            if face.dot(cone.axis) > 1.01 * cone.sin_sq().sqrt() {
                 assert_eq!(coverage(&rays, at, light, counts[0] % 2 == 0), Coverage::Lit, "{at:?} × {scale}");
                 counts[0] += 1;
             } else if face.dot(cone.axis) < -1.01 * cone.sin_sq().sqrt() {
@@ -88,7 +84,7 @@ fn no_surface_shadows_itself() {
                 counts[1] += 1;
             }
         }
-        assert!(counts[0] > 200 && counts[1] > 10 && counts[2] * 100 < g.len(), "{counts:?} of {}", g.len());
+        assert!(counts[0] > 200 && counts[1] > 10, "{counts:?} of {}", g.len());
     }
 }
 
@@ -101,7 +97,7 @@ fn contact_is_dark() {
     let rays = RayBlockers::new(&world);
     for distance in [1e-5, 1e-4, 1e-3, 1e-2] {
         let position = Vec3::new(-0.5 - distance, 0.0, 0.1);
-        let at = Receiver { position, normal: Vec3::Y, view: Vec3::Y, object: 0 };
+        let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
         assert_eq!(coverage(&rays, &at, light, false), Coverage::Dark, "{distance} from the box");
     }
 }
@@ -115,7 +111,8 @@ fn lit_points_cost_nothing() {
     let visibility = MaskVisibility::new(RayBlockers::new(&world), 5);
     let mut scratch = visibility.scratch();
     let mut ask = |x: f32, ball: Sphere, entered: bool| {
-        let at = Receiver { position: Vec3::new(x, 0.0, 0.3), normal: Vec3::Y, view: Vec3::Y, object: 0 };
+        let at =
+            Receiver { position: Vec3::new(x, 0.0, 0.3), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
         if entered {
             let receivers = Sphere { center: at.position, radius: 0.05 };
             visibility.enter(&Shaft { receivers, light: ball }, &mut scratch);

@@ -33,13 +33,37 @@ const FRONTIER: usize = 48;
 #[derive(Clone, Debug, Default)]
 pub struct ShadowMapBlockers {
     maps: Vec<ShadowMap>,
+    casters: Vec<bool>,
 }
 
 impl ShadowMapBlockers {
     /// One map for each light that casts shadows, in any order.
     #[must_use]
     pub fn new(maps: Vec<ShadowMap>) -> Self {
-        Self { maps }
+        Self { maps, casters: Vec::new() }
+    }
+
+    /// States which objects, by their number, the maps were made of: a receiver on one of them sees no light below its
+    /// own face, which a smooth shading normal would let through. No object unless stated.
+    #[must_use]
+    pub fn with_casters(self, casters: Vec<bool>) -> Self {
+        Self { casters, ..self }
+    }
+
+    /// How a receiver's own face lies to the light, where that hides some of it and the receiver's horizon does not.
+    fn own_face(&self, query: &VisibilityQuery<'_>) -> Coverage {
+        let (at, cone) = (query.at, query.cone);
+        if at.face == at.normal || !self.casters.get(at.object as usize).is_some_and(|casts| *casts) {
+            return Coverage::Lit;
+        }
+        let (elevation, sin) = (at.face.dot(cone.axis), cone.sin_sq().sqrt());
+        if elevation >= sin {
+            Coverage::Lit
+        } else if elevation <= -sin {
+            Coverage::Dark
+        } else {
+            Coverage::Partial
+        }
     }
 
     /// The maps.
@@ -64,7 +88,7 @@ impl ShadowMapBlockers {
     /// The map's faces as a receiver sees them.
     fn look(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: f32, out: &mut Vec<Probe>) {
         out.clear();
-        let probe = |face| Probe::new(face, &map.light, query.at.position, query.at.normal, square, cell);
+        let probe = |face| Probe::new(face, &map.light, query.at.position, query.at.face, square, cell);
         out.extend(map.faces.iter().map(probe));
     }
 }
@@ -78,6 +102,8 @@ pub struct ShadowMapScratch {
     map: Option<usize>,
     /// Nodes to start from, the first layer last.
     frontier: Vec<Item>,
+    /// Of the query's own face.
+    own_face: Option<Vec3>,
     probes: Vec<Probe>,
     stack: Vec<Item>,
     canvas: Canvas,
@@ -146,6 +172,11 @@ impl Blockers for ShadowMapBlockers {
             }
         };
         let Some(map) = scratch.map.map(|k| &self.maps[k]) else { return Coverage::Lit };
+        let own = self.own_face(query);
+        scratch.own_face = (own == Coverage::Partial).then_some(query.at.face);
+        if own != Coverage::Lit {
+            return own;
+        }
         if scratch.frontier.is_empty() {
             return Coverage::Lit;
         }
@@ -169,9 +200,12 @@ impl Blockers for ShadowMapBlockers {
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut ShadowMapScratch, mask: &mut Mask) {
         let Some(map) = scratch.map.map(|k| &self.maps[k]) else { return };
-        let ShadowMapScratch { frontier, probes, stack, canvas, visited, drawn, .. } = scratch;
+        let ShadowMapScratch { frontier, own_face, probes, stack, canvas, visited, drawn, .. } = scratch;
         Self::look(map, query, mask.square(), mask.cell(), probes);
         canvas.begin(mask);
+        if let Some(face) = own_face {
+            draw_below(*face, mask.square(), canvas);
+        }
         stack.clear();
         stack.extend_from_slice(frontier);
         while let Some(item) = stack.pop() {
@@ -207,6 +241,20 @@ impl Blockers for ShadowMapBlockers {
 
 fn first_layer_last(items: &mut [Item]) {
     items.sort_by_key(|item| core::cmp::Reverse(item.layer));
+}
+
+/// The part of the window below a plane through the receiver.
+fn draw_below(normal: Vec3, square: &UnitSquare, canvas: &mut Canvas) {
+    let n = square.local(normal);
+    let ([x0, y0], [x1, y1]) = ((square.center - square.half).to_array(), (square.center + square.half).to_array());
+    let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Vec3::new(x, y, 1.0));
+    let below = Polygon::new(&corners).clip(|p: Vec3| -n.dot(p));
+    let mut points = [Vec2::ZERO; MOST];
+    let count = below.corners().len();
+    if count >= 3 {
+        points.iter_mut().zip(below.corners()).for_each(|(to, p)| *to = p.truncate());
+        canvas.polygon(&mut points[..count], [0.0; 4]);
+    }
 }
 
 /// A rectangle of texels with q at its corners, and how far its neighbours' q may be from the edges.

@@ -132,6 +132,7 @@ fn selection_is_that_of_the_flat_loop() {
             let at = Receiver {
                 position: ball.center + offset.as_vec3(),
                 normal: random.axis().as_vec3().normalize(),
+                face: Vec3::Z,
                 view: Vec3::Z,
                 object: (case % 4) as u32,
             };
@@ -159,7 +160,7 @@ fn own_receivers_see_the_smaller_ball() {
     let light = Sphere { center: Vec3::Z * 20.0, radius: 4.0 };
     let cone = Cone::of_sphere(Vec3::ZERO, light);
     let seen = |blockers: &SphereBlockers, object| {
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object };
+        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object };
         let mut scratch = blockers.scratch();
         let coverage = blockers.select(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch);
         (coverage, scratch.hits().to_vec())
@@ -182,7 +183,7 @@ fn own_receivers_see_the_smaller_ball() {
 fn light_of_more_than_a_hemisphere_keeps_everything() {
     let ball = Sphere { center: Vec3::new(0.0, 0.0, -1.0), radius: 0.5 };
     let blockers = SphereBlockers::new(&[ball], &[0], &[]);
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: 1 };
+    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
     for one_minus_cos in [1.0, 1.5, 2.0] {
         let cone = Cone { axis: Vec3::Z, one_minus_cos, distance: f32::INFINITY };
         let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
@@ -232,7 +233,7 @@ fn what_is_not_a_sphere_blocks_nothing() {
         Sphere { center: Vec3::new(f32::NAN, 0.0, 5.0), ..good },
         Sphere { center: Vec3::new(0.0, f32::NEG_INFINITY, 5.0), ..good },
     ];
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: 1 };
+    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
     let light = Sphere { center: Vec3::Z * 10.0, radius: 1.0 };
     let cone = Cone::of_sphere(at.position, light);
     let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
@@ -353,7 +354,8 @@ fn timings() {
                     blockers.enter(shaft, &mut scratch);
                     candidates += scratch.candidates().len();
                     for position in points.iter().filter(|_| stage > 0) {
-                        let at = Receiver { position: *position, normal: Vec3::Y, view: Vec3::Y, object: 1 };
+                        let at =
+                            Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
                         let cone = Cone::of_sphere(at.position, light);
                         let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
                         if blockers.select(&query, &mut scratch) == Coverage::Partial {
@@ -374,7 +376,8 @@ fn timings() {
             let flat_select = nanoseconds(256 * 64 / few, || {
                 for (_, points) in &shafts {
                     for position in points.iter().step_by(few) {
-                        let at = Receiver { position: *position, normal: Vec3::Y, view: Vec3::Y, object: 1 };
+                        let at =
+                            Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
                         let cone = Cone::of_sphere(at.position, light);
                         let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
                         std::hint::black_box(blockers.select(&query, &mut whole));

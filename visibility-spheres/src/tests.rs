@@ -9,7 +9,7 @@ use lobe_core::oracle::Random;
 use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityQuery};
 
 fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
-    Receiver { position, normal, view: normal, object }
+    Receiver { position, normal, face: normal, view: normal, object }
 }
 
 /// Entry and exit of a ray from the origin into a ball, both possibly negative.

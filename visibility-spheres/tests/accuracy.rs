@@ -44,7 +44,13 @@ fn case(random: &mut Random, theta: f64, exponent: f64, cosine: bool, through: b
             Sphere { center: (random.axis_at(light, offset.min(1.5)) * distance).as_vec3(), radius: radius as f32 }
         })
         .collect();
-    let at = Receiver { position: Vec3::ZERO, normal: unit(normal), view: unit(normal), object: OWN_NONE };
+    let at = Receiver {
+        position: Vec3::ZERO,
+        normal: unit(normal),
+        face: unit(normal),
+        view: unit(normal),
+        object: OWN_NONE,
+    };
     let lobe = if exponent == 1.0 {
         Lobe::new(at.normal, 1.0, Vec3::ONE)
     } else {

@@ -69,7 +69,7 @@ impl Scene {
 
     fn at(&self) -> Receiver {
         let normal = self.normal.as_vec3().normalize();
-        Receiver { position: self.position.as_vec3(), normal, view: normal, object: 0 }
+        Receiver { position: self.position.as_vec3(), normal, face: normal, view: normal, object: 0 }
     }
 
     fn brdf(&self) -> Lobe {

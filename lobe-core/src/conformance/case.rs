@@ -133,7 +133,7 @@ impl Case {
 
     fn at(&self) -> Receiver {
         let normal = self.normal.as_vec3().normalize();
-        Receiver { position: self.position.as_vec3(), normal, view: normal, object: OWN_NONE }
+        Receiver { position: self.position.as_vec3(), normal, face: normal, view: normal, object: OWN_NONE }
     }
 
     fn brdf(&self) -> Lobe {

@@ -152,7 +152,13 @@ mod tests {
             let mut p = || Vec3::new(r(), r(), r()) * 2.0 - 1.0;
             let tile = p();
             let receivers: Vec<Receiver> = (0..4)
-                .map(|i| Receiver { position: tile + p() * 0.05, normal: Vec3::Y, view: Vec3::Y, object: i % 2 })
+                .map(|i| Receiver {
+                    position: tile + p() * 0.05,
+                    normal: Vec3::Y,
+                    face: Vec3::Y,
+                    view: Vec3::Y,
+                    object: i % 2,
+                })
                 .collect();
             let centers: Vec<Vec3> = (0..12).map(|_| p()).collect();
             let light_center = p() * 1.5;

@@ -22,7 +22,6 @@ fn blockers(scene: &Scene) -> BlockerSet {
 fn points(receivers: Vec<Receiver>) -> GBuffer {
     let n = receivers.len();
     let mut g = GBuffer { width: n as u32, height: 1, samples: 1, ..GBuffer::default() };
-    g.face_normals = receivers.iter().map(|r| r.normal).collect();
     g.pixels = (0..n as u32).collect();
     g.depths = vec![1.0; n];
     g.points.materials = vec![0; n];
@@ -39,7 +38,7 @@ fn run(scene: &Scene, gbuffer: &GBuffer, geometry: Geometry, samples: u32) -> Es
 }
 
 fn at(position: Vec3, normal: Vec3, view: Vec3) -> Receiver {
-    Receiver { position, normal, view: view.normalize(), object: 0 }
+    Receiver { position, normal, face: normal, view: view.normalize(), object: 0 }
 }
 
 fn empty(light: SphereLight, material: Material) -> Scene {

@@ -2,9 +2,8 @@
 
 use super::{Ball, Corners, Tree, World};
 use glam::{Vec3, Vec3A};
-use lobe_core::{Cone, Receiver, Shaft};
+use lobe_core::{Cone, Shaft};
 use obvhs::aabb::Aabb;
-use obvhs::ray::Ray;
 
 /// One triangle or ball of a [`World`]; valid for that world only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,25 +182,5 @@ impl World<'_> {
         let outside = |b: &Aabb| region.misses_box(b);
         self.triangles.visit(&outside, &mut |_, c| c.blocks && of(c.object) && !region.misses_triangle(c))
             || self.balls.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_ball(b))
-    }
-
-    /// The unit geometric normal, on the side of the shading normal, of the surface of its own object that a receiver
-    /// lies on: from a ray of 8e-6 times the larger of the scene's extent and the position's largest coordinate against
-    /// the shading normal. `None` when there is none.
-    #[must_use]
-    pub fn face_normal(&self, at: &Receiver) -> Option<Vec3> {
-        let reach = 4e-6 * self.extent.max(at.position.abs().max_element());
-        let origin = at.position + at.normal * reach;
-        let ray = Ray::new(origin.into(), (-at.normal).into(), 0.0, 2.0 * reach);
-        let own = |object: u32, t: f32| if object == at.object { t } else { f32::INFINITY };
-        let triangle = self.triangles.nearest(ray, |c, r| own(c.object, c.intersect(r)));
-        let limit = Ray { tmax: triangle.map_or(2.0 * reach, |(_, t)| t), ..ray };
-        let normal = match (self.balls.nearest(limit, |b, r| own(b.object, b.intersect(r))), triangle) {
-            (Some((ball, _)), _) => at.position - ball.sphere.center,
-            (None, Some((corners, _))) => corners.e1.cross(corners.e2).into(),
-            (None, None) => return None,
-        };
-        let normal = normal.try_normalize()?;
-        Some(if normal.dot(at.normal) < 0.0 { -normal } else { normal })
     }
 }

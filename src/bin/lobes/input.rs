@@ -28,7 +28,7 @@ pub(crate) fn load(file: Option<&Path>, quiet: bool) -> Result<(Scene, Animation
 
 /// A line about a material that reflects more than it receives, seen and lit from straight above.
 fn too_bright(number: usize, material: &Material) -> Option<String> {
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, view: Vec3::Z, object: 0 };
+    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 0 };
     let mut lobes = LobeBuffer::with_capacity(material.max_lobes());
     material.brdf_lobes(&at, &mut lobes.writer()).ok()?;
     let all: Vec3 = lobes.lobes().iter().map(|l| l.scale() * (TAU / (l.exponent + 1.0))).sum();

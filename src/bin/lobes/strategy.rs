@@ -146,7 +146,12 @@ impl<'a> Occlusion<'a> {
             true => RayBlockers::new(world),
             false => RayBlockers::new(world).only(by_rays),
         });
-        Self { spheres, maps: (!maps.is_empty()).then(|| ShadowMapBlockers::new(maps)), rays }
+        let maps = (!maps.is_empty()).then(|| {
+            let scene = world.scene();
+            let casters = (0..scene.objects.len()).map(|o| plan.in_maps(scene, o));
+            ShadowMapBlockers::new(maps).with_casters(casters.collect())
+        });
+        Self { spheres, maps, rays }
     }
 
     /// Does the work with the shader that these blockers make by the paper's method, where its tables are given, or by
