@@ -456,6 +456,24 @@ fn frames_that_there_are_not_are_refused() {
     refuse(folder, &["render", "t.gltf", "-o", "r.png", "--frames", "0..1"], "t.gltf");
 }
 
+#[test]
+fn a_clip_is_chosen_by_name_or_number() {
+    let folder = folder();
+    let folder = folder.path();
+    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
+    let picture = |name: &str, options: &[&str]| {
+        let common = ["render", fox, "-o", name, "--size", "32x18", "--visibility", "none", "-q"];
+        succeed(folder, &[&common, options].concat());
+        fs::read(folder.join(name)).unwrap()
+    };
+    let walk = picture("walk.exr", &["--clip", "Walk", "--time", "0.3"]);
+    assert_eq!(walk, picture("one.exr", &["--clip", "1", "--time", "0.3"]));
+    assert_ne!(walk, picture("survey.exr", &["--time", "0.3"]));
+    refuse(folder, &["render", fox, "--clip", "Fly"], "Survey");
+    refuse(folder, &["render", "--clip", "Walk"], "<FILE>");
+    refuse(folder, &["render", "scene.toml", "--clip", "Walk"], "scene file");
+}
+
 /// Ctrl-C between and within frames: whole files only, and the same command goes on.
 #[cfg(unix)]
 #[test]

@@ -63,6 +63,10 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "F", value_parser = fps)]
     pub(crate) fps: Option<f32>,
 
+    /// The glTF file's clip of that name or number (from 0) instead of its first; a scene file names its own
+    #[arg(long, value_name = "CLIP", requires = "file")]
+    pub(crate) clip: Option<String>,
+
     /// Threads to use, instead of one a core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) threads: Option<u32>,

@@ -32,7 +32,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
         say(schema());
         return Ok(());
     }
-    let (scene, animation) = input::load(args.file.as_deref(), false)?;
+    let (scene, animation) = input::load(args.file.as_deref(), None, false)?;
     let objects = (0..scene.objects.len()).map(|n| requirement(&scene, n)).collect::<Result<Vec<_>, Failure>>()?;
     if args.json {
         say(serde_json::to_string_pretty(&requirements(&scene, &animation, &objects))?);

@@ -16,9 +16,12 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Loads the scene as it is at its first moment, or takes the built-in one, and passes warnings on.
-pub(crate) fn load(file: Option<&Path>, quiet: bool) -> Result<(Scene, Animation), Failure> {
+pub(crate) fn load(file: Option<&Path>, clip: Option<&str>, quiet: bool) -> Result<(Scene, Animation), Failure> {
     let Some(file) = file else { return Ok((scene::builtin(), Animation::default())) };
-    let (scene, animation, warnings) = scene::load_animated(file)?;
+    let (scene, animation, warnings) = match clip {
+        None => scene::load_animated(file)?,
+        Some(clip) => scene::load_clip(file, clip)?,
+    };
     if !quiet {
         let own = scene.materials.iter().enumerate().filter_map(|(i, m)| too_bright(i, m));
         warnings.into_iter().chain(own).for_each(|w| console::note(format_args!("lobes: warning: {w}")));
@@ -41,7 +44,7 @@ fn too_bright(number: usize, material: &Material) -> Option<String> {
 /// The scene of a view, with the size that was asked for.
 pub(crate) fn view(args: &ViewArgs) -> Result<(Scene, Animation), Failure> {
     console::set_threads(args.threads)?;
-    let (mut scene, animation) = load(args.file.as_deref(), args.quiet)?;
+    let (mut scene, animation) = load(args.file.as_deref(), args.clip.as_deref(), args.quiet)?;
     if let Some((width, height)) = args.size {
         (scene.width, scene.height) = (width, height);
     }
