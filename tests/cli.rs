@@ -1,6 +1,7 @@
 //! The `lobes` command, run as a user runs it.
 #![allow(clippy::unwrap_used, reason = "in a test")]
 
+use cosine_lobes::visibility_spheres::{BoundSet, SphereSet};
 use cosine_lobes::{ExrLayer, Output, read_exr, read_exr_layer, write_exr};
 use glam::Vec3;
 use serde_json::Value;
@@ -750,6 +751,21 @@ fn spheres_are_kept_between_runs() {
     }
     assert_eq!(names(&cache), kept);
     fs::remove_dir_all(folder.with_extension("cache")).unwrap();
+}
+
+/// The set of a skinned mesh tells which bones carry each sphere, and stays a set like any other.
+#[test]
+fn sets_of_skinned_meshes_have_bones() {
+    let folder = folder();
+    let folder = folder.path();
+    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
+    succeed(folder, &["spheres", fox, "--count", "8", "--draft", "-o", "fox.json", "-q"]);
+    let text = fs::read_to_string(folder.join("fox.json")).unwrap();
+    let bound = BoundSet::from_json(&text).unwrap();
+    assert_eq!((bound.rest().spheres.len(), bound.targets()), (8, 0));
+    // Of the model's 24 joints the numbers go up to the last one that carries something.
+    assert!((10..=24).contains(&bound.joints()), "{}", bound.joints());
+    assert_eq!(SphereSet::from_json(&text).unwrap(), *bound.rest());
 }
 
 #[test]

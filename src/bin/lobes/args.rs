@@ -267,7 +267,7 @@ pub(crate) struct SpheresArgs {
     #[arg(long, value_name = "T", value_parser = share, conflicts_with = "draft")]
     pub(crate) tolerance: Option<f32>,
 
-    /// File to write, JSON
+    /// File to write, JSON; of a glTF file that moves also the bones of each sphere
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 

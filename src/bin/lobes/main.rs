@@ -16,6 +16,7 @@ mod sphere_cache;
 mod spheres;
 mod stats;
 mod strategy;
+mod whole_mesh;
 
 use crate::args::{Command, parse};
 use crate::failure::Failure;

@@ -2,10 +2,10 @@ use crate::args::SpheresArgs;
 use crate::console::{self, say};
 use crate::failure::Failure;
 use crate::files;
-use cosine_lobes::scene::{self, Proxy, Shape};
+use crate::whole_mesh::WholeMesh;
+use cosine_lobes::scene;
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet, preview};
 use cosine_lobes::{ImageFileError, Output, write_png};
-use glam::Vec3;
 use serde_json::json;
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -15,30 +15,24 @@ use std::time::Instant;
 const PANEL: u32 = 512;
 
 /// All triangles of the file's objects that block light.
-fn load(args: &SpheresArgs) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Failure> {
-    let (scene, warnings) = scene::load_with_warnings(&args.mesh)?;
+fn load(args: &SpheresArgs) -> Result<WholeMesh, Failure> {
+    let (scene, animation, warnings) = scene::load_animated(&args.mesh)?;
     if !args.quiet {
         warnings.iter().for_each(|w| console::note(format_args!("lobes: warning: {w}")));
     }
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for object in scene.objects.iter().filter(|o| o.proxy != Proxy::None) {
-        if let Shape::Mesh(mesh) = &object.shape {
-            let first = positions.len() as u32;
-            positions.extend_from_slice(&mesh.positions);
-            triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
-        }
-    }
-    if triangles.is_empty() {
+    let whole = WholeMesh::new(&scene, &animation);
+    if whole.triangles.is_empty() {
         return Err(Failure::new(format_args!("{}: there are no triangles that block light", args.mesh.display())));
     }
-    Ok((positions, triangles))
+    Ok(whole)
 }
 
 pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
     files::distinct(args.output.iter().chain(&args.preview), [&args.mesh])?;
     let output = args.output.as_ref().map(Output::create).transpose()?;
     let picture = args.preview.as_ref().map(files::create_png).transpose()?;
-    let (positions, triangles) = load(args)?;
+    let whole = load(args)?;
+    let (positions, triangles) = (&whole.positions, &whole.triangles);
 
     let count = args.count.unwrap_or(if args.tolerance.is_some() { 1024 } else { 64 }) as usize;
     let options = if args.draft { BuildOptions::draft(count) } else { BuildOptions::new(count) };
@@ -50,8 +44,8 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
         ControlFlow::Continue(())
     };
     let set = match args.tolerance {
-        Some(tolerance) => SphereSet::build_to_tolerance(&positions, &triangles, tolerance, &options, &mut report),
-        None => SphereSet::build_with_progress(&positions, &triangles, &options, &mut report),
+        Some(tolerance) => SphereSet::build_to_tolerance(positions, triangles, tolerance, &options, &mut report),
+        None => SphereSet::build_with_progress(positions, triangles, &options, &mut report),
     };
     bar.finish_and_clear();
     let set = set.map_err(|e| Failure::new(format_args!("{}: {e}", args.mesh.display())))?;
@@ -67,12 +61,14 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
 
     if let Some(output) = output {
         let path = output.path().to_owned();
-        output.finish(|file| {
-            file.write_all(set.to_json().as_bytes()).map_err(|source| ImageFileError::Io { path, source })
-        })?;
+        let text = match whole.carriers() {
+            Some(carriers) => set.bind(positions, triangles, &carriers).map_err(Failure::new)?.to_json(),
+            None => set.to_json(),
+        };
+        output.finish(|file| file.write_all(text.as_bytes()).map_err(|source| ImageFileError::Io { path, source }))?;
     }
     if let Some(output) = picture {
-        let map = preview(&set, &positions, &triangles, PANEL)?;
+        let map = preview(&set, positions, triangles, PANEL)?;
         let rgb: Vec<u8> = map.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         write_png(output, map.width() as usize, map.height() as usize, &rgb)?;
     }
