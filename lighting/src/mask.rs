@@ -202,7 +202,7 @@ impl Mask {
             let covered = fraction(area / LINES as f32);
             if covered == FULL {
                 self.blocked[j] |= 1 << i;
-            } else if covered > 0 {
+            } else if covered > 0 && self.blocked[j] >> i & 1 == 0 {
                 let (low, high) = self.heights(j, i);
                 let (low, high) = match covers {
                     Covers::FromBelow => (low.max(covered), high),

@@ -98,7 +98,7 @@ impl<B: Blockers> MaskVisibility<B> {
         self.blockers.edges(query, scratch, &mut edges);
         let cos = query.at.normal.dot(query.cone.axis);
         // The horizon's chord: its distance from the middle is cos β/(sin β tan θ).
-        let off_sq = cos * cos / ((1.0 - cos * cos) * query.cone.tan().powi(2));
+        let off_sq = cos * cos / ((1.0 - cos * cos).max(0.0) * query.cone.tan().powi(2));
         if off_sq < 1.0 {
             edges.add(query.at.normal, HORIZON * 2.0 * (1.0 - off_sq).sqrt());
         }

@@ -191,7 +191,7 @@ fn from_proxy(
 }
 
 /// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
-fn is_lamp(ball: &Sphere, light: Sphere) -> bool {
+pub(crate) fn is_lamp(ball: &Sphere, light: Sphere) -> bool {
     let slack = 1e-3 * light.radius;
     (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
 }

@@ -5,6 +5,7 @@ mod tree;
 
 pub(crate) use self::query::{Primitive, Region};
 use self::tree::Tree;
+use crate::scene_spheres::is_lamp;
 use core::time::Duration;
 use glam::{DVec3, Vec3, Vec3A};
 use lobe_core::Sphere;
@@ -320,7 +321,7 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
                     object: number as u32,
                     index: index as u32,
                     visible,
-                    blocks,
+                    blocks: !scene.lights.iter().any(|l| is_lamp(sphere, l.ball)),
                 }));
             }
         }
@@ -359,6 +360,20 @@ mod tests {
             }
         }
         scene
+    }
+
+    /// A ball that makes a light visible is seen and does not hide it.
+    #[test]
+    fn a_lamp_does_not_hide_its_light() {
+        let mut scene = floor_and_ball();
+        let light = scene.lights[0].ball;
+        let from = light.center - Vec3::Y * (light.radius + 0.1);
+        let hidden = |scene: &Scene| World::new(scene).occluded(from, Vec3::Y, 1.0);
+        assert!(!hidden(&scene));
+        scene.objects.push(scene::Object::spheres("lamp", vec![light], 0));
+        assert!(!hidden(&scene) && World::new(&scene).hit(from, Vec3::Y).is_some());
+        scene.objects.push(scene::Object::spheres("shade", vec![Sphere { radius: 1.05 * light.radius, ..light }], 0));
+        assert!(hidden(&scene));
     }
 
     /// Points, their faces, and which of them see a point above the scene, to the bit at any scale.

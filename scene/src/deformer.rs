@@ -68,7 +68,7 @@ impl Deformer {
     pub(crate) fn pose(&self, joints: &[Mat4], morph: &[f32], mesh: &mut Mesh) {
         mesh.positions.copy_from_slice(&self.positions);
         if self.smooth.is_none() {
-            mesh.normals.copy_from_slice(&self.normals);
+            mesh.normals.clone_from(&self.normals);
         }
         for (k, &amount) in morph.iter().enumerate().filter(|&(_, &m)| m != 0.0) {
             let add = |to: &mut [Vec3], by: &[Vec3]| to.iter_mut().zip(by).for_each(|(p, d)| *p += amount * *d);

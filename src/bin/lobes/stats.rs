@@ -65,7 +65,7 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, figures: &Figures, clock
         "width": scene.width,
         "height": scene.height,
         "points": points,
-        "frames": runs.len(),
+        "frames": figures.frames.len(),
         "skipped_frames": figures.skipped,
         "lights": scene.lights.len(),
         "spheres": figures.spheres,
