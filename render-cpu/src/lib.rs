@@ -14,6 +14,6 @@ pub use crate::blockers::{BlockersError, BlockersProgress, blockers};
 pub use crate::gbuffer::{GBuffer, TILE};
 pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};
-pub use crate::scene_spheres::{SceneSpheres, SphereSource};
+pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
 pub use crate::shade::{CpuShader, Layers};
 pub use crate::world::{Hierarchy, Hit, World};

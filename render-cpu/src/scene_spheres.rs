@@ -1,6 +1,7 @@
 use crate::blockers::{BlockersError, BlockersProgress};
 use lobe_core::{SelfShadow, Sphere};
 use scene::{Animation, BlockerSet, Mesh, Object, Proxy, Scene, Shape};
+use std::path::Path;
 use visibility_spheres::{BoundSet, BuildOptions, Carriers, SphereSet};
 
 /// Where an object's blocker spheres come from.
@@ -159,17 +160,7 @@ fn from_proxy(
             let set = SphereSet::build_with_progress(positions, triangles, &options, &mut report);
             set.map_err(|source| BlockersError::Build { object: name(), source })?
         }
-        (Proxy::File(path), shape) => {
-            let path = || path.clone();
-            let text = std::fs::read_to_string(path());
-            let text = text.map_err(|source| BlockersError::Read { path: path(), source })?;
-            let set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
-            if let Shape::Mesh(mesh) = shape {
-                let fits = set.check_fits(&mesh.positions, &mesh.triangles);
-                fits.map_err(|source| BlockersError::Misfit { path: path(), object: name(), source })?;
-            }
-            set
-        }
+        (Proxy::File(path), _) => read_set(path, object)?,
     };
     let (self_distance, silhouette_error) = (set.self_distance, Some(set.quality.silhouette_error));
     let self_shadows = set.self_shadows.clone();
@@ -188,6 +179,21 @@ fn from_proxy(
     let bound = set.bind(&mesh.positions, &mesh.triangles, &carriers);
     let bound = bound.map_err(|source| BlockersError::Bind { object: name(), source })?;
     made(Spheres::Bound(Box::new(bound)))
+}
+
+/// Reads the file of a sphere set that is given for an object.
+///
+/// # Errors
+/// [`BlockersError::Read`], [`BlockersError::Set`], and [`BlockersError::Misfit`] for a set of another mesh.
+pub fn read_set(path: &Path, object: &Object) -> Result<SphereSet, BlockersError> {
+    let path = || path.to_owned();
+    let text = std::fs::read_to_string(path()).map_err(|source| BlockersError::Read { path: path(), source })?;
+    let set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
+    if let Shape::Mesh(mesh) = &object.shape {
+        let fits = set.check_fits(&mesh.positions, &mesh.triangles);
+        fits.map_err(|source| BlockersError::Misfit { path: path(), object: object.name.clone(), source })?;
+    }
+    Ok(set)
 }
 
 /// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.

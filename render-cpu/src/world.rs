@@ -58,7 +58,6 @@ pub(crate) struct Corners {
     object: u32,
     index: u32,
     visible: bool,
-    blocks: bool,
 }
 
 /// The power of two that brings coordinates up to `size` to about a million.
@@ -99,6 +98,7 @@ pub(crate) struct Ball {
     object: u32,
     index: u32,
     visible: bool,
+    /// Not so when it makes a light visible.
     blocks: bool,
 }
 
@@ -249,7 +249,7 @@ impl<'s> World<'s> {
     pub(crate) fn occluded_by(&self, origin: Vec3, direction: Vec3, distance: f32, by: impl Fn(u32) -> bool) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         let blocks = |blocks: bool, t: f32| if blocks { t } else { f32::INFINITY };
-        self.triangles.any(ray, |c, r| blocks(c.blocks && by(c.object), c.intersect(r)))
+        self.triangles.any(ray, |c, r| blocks(by(c.object), c.intersect(r)))
             || self.balls.any(ray, |b, r| blocks(b.blocks && by(b.object), b.intersect(r)))
     }
 
@@ -300,8 +300,8 @@ impl<'s> World<'s> {
 fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
     let (mut triangles, mut balls) = (Vec::new(), Vec::new());
     for (number, object) in scene.objects.iter().enumerate() {
-        let (visible, blocks) = (object.visible, object.visible || object.proxy != Proxy::None);
-        if !blocks {
+        let visible = object.visible;
+        if !visible && object.proxy == Proxy::None {
             continue;
         }
         match &object.shape {
@@ -311,7 +311,7 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
                     let (e1, e2) = (b - a, c - a);
                     if e1.cross(e2) != Vec3A::ZERO {
                         let (object, index) = (number as u32, index as u32);
-                        triangles.push(Corners { v0: a, e1, e2, object, index, visible, blocks });
+                        triangles.push(Corners { v0: a, e1, e2, object, index, visible });
                     }
                 }
             }

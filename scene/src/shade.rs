@@ -98,6 +98,31 @@ pub struct ShadeStats {
     pub counts: Counts,
 }
 
+// The sums over the parts of a picture.
+impl core::ops::AddAssign for ShadeStats {
+    fn add_assign(&mut self, part: Self) {
+        self.seconds += part.seconds;
+        let (all, part_stages) = (&mut self.stages, part.stages);
+        all.reflectance += part_stages.reflectance;
+        all.lighting += part_stages.lighting;
+        all.mask += part_stages.mask;
+        all.visibility_lobes += part_stages.visibility_lobes;
+        all.integration += part_stages.integration;
+        self.counts += part.counts;
+    }
+}
+
+impl core::ops::AddAssign for Counts {
+    fn add_assign(&mut self, part: Self) {
+        self.lobes += part.lobes;
+        self.integrals += part.integrals;
+        self.pruned += part.pruned;
+        self.lit_points += part.lit_points;
+        self.dark_points += part.dark_points;
+        self.penumbra_points += part.penumbra_points;
+    }
+}
+
 /// A renderer of lobe sums.
 pub trait Shade {
     /// What can go wrong.

@@ -174,12 +174,6 @@ impl ShadowMap {
         self.faces.len()
     }
 
-    /// The box of the triangles that are drawn, those that can shadow a receiver; `None` when nothing can.
-    #[must_use]
-    pub fn casters(&self) -> Option<Bounds> {
-        self.casters
-    }
-
     /// Depth layers in use, all faces together.
     #[must_use]
     pub fn layers(&self) -> usize {

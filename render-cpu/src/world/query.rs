@@ -165,7 +165,7 @@ impl World<'_> {
             }
             out.len() > limit
         };
-        !self.triangles.visit(&outside, &mut |i, c| add(c.blocks && of(c.object), Primitive::Triangle(i)))
+        !self.triangles.visit(&outside, &mut |i, c| add(of(c.object), Primitive::Triangle(i)))
             && !self.balls.visit(&outside, &mut |i, b| add(b.blocks && of(b.object), Primitive::Ball(i)))
     }
 
@@ -180,7 +180,7 @@ impl World<'_> {
     /// The same for all primitives of the objects `of`.
     pub(crate) fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
         let outside = |b: &Aabb| region.misses_box(b);
-        self.triangles.visit(&outside, &mut |_, c| c.blocks && of(c.object) && !region.misses_triangle(c))
+        self.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
             || self.balls.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_ball(b))
     }
 }

@@ -1,5 +1,6 @@
 //! Which strategy suits an object, and why.
 
+use crate::strategy::FITTED;
 use cosine_lobes::scene::{Bounds, Mesh, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_spheres::SetQuality;
 use glam::{DVec3, Vec3};
@@ -19,25 +20,23 @@ const FEW: usize = 100;
 /// From so many triangles on maps cost no more than rays: measured 2.5 to 3 times as much on a fence of 396 and the
 /// Stanford bunny's 6966, the same on the armadillo's 86 482.
 const MANY: usize = 80_000;
-/// Texels a side of the finest shadow map that is fitted.
-const TEXELS: f64 = 2048.0;
 
 /// Counts and sizes of a mesh.
-pub(crate) struct MeshFacts {
+struct MeshFacts {
     /// Share of the edges that only one triangle has.
-    pub(crate) open: f64,
+    open: f64,
     /// Share of the edges whose two triangles wind against each other.
     twisted: f64,
     /// 2V/A, the thickness of a slab of the same volume and area.
-    pub(crate) thickness: f64,
-    pub(crate) diagonal: f64,
+    thickness: f64,
+    diagonal: f64,
     /// Whether all triangles are in one plane.
     flat: bool,
 }
 
 impl MeshFacts {
     /// Linear in the triangles.
-    pub(crate) fn of(mesh: &Mesh) -> Self {
+    fn of(mesh: &Mesh) -> Self {
         // Corners that are in the same place are the same, however often a file lists them.
         let mut places: HashMap<[u32; 3], u32> = HashMap::new();
         let mut place = |i: u32| {
@@ -94,7 +93,6 @@ pub(crate) fn advise(scene: &Scene, number: usize, set: Option<&SetQuality>) -> 
         Shape::Spheres(_) => return advice(Strategy::Spheres, "balls are exact as spheres, and cheapest".to_owned()),
         Shape::Mesh(mesh) => mesh,
     };
-    let facts = MeshFacts::of(mesh);
     if is_backdrop(scene, number, mesh) {
         let reason = "a backdrop: lights, camera and all that casts shadows are in front of it";
         return advice(Strategy::None, reason.to_owned());
@@ -105,6 +103,7 @@ pub(crate) fn advise(scene: &Scene, number: usize, set: Option<&SetQuality>) -> 
             format!("{count} triangles: rays are exact and cheap where few are met, spheres would round its edges");
         return advice(Strategy::Rays, reason);
     }
+    let facts = MeshFacts::of(mesh);
     if facts.flat {
         return surfaces(scene, mesh, f64::INFINITY, "flat: it has no inside that spheres could fill");
     }
@@ -141,7 +140,7 @@ fn surfaces(scene: &Scene, mesh: &Mesh, thickness: f64, reason: &str) -> Advice 
         let reason = format!("{reason}; rays are exact, and cost less than a shadow map below {MANY} triangles");
         return Advice { strategy: Strategy::Rays, reason };
     }
-    let texel = f64::from(casters(scene).size().length()) / TEXELS;
+    let texel = f64::from(casters(scene).size().length()) / f64::from(FITTED);
     if thickness < 2.0 * texel {
         let texels = thickness / texel;
         let reason = format!("{reason}; {texels:.1} texels of a shadow map thick, which wants 2");

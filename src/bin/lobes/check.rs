@@ -5,9 +5,9 @@ use crate::failure::Failure;
 use crate::moment::last_frame;
 use crate::{input, sphere_cache};
 use cosine_lobes::lobe_core::BrdfLobes;
-use cosine_lobes::render_cpu::BlockersError;
+use cosine_lobes::render_cpu::{BlockersError, read_set};
 use cosine_lobes::scene::{Animation, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy};
-use cosine_lobes::visibility_spheres::{SetQuality, SphereSet};
+use cosine_lobes::visibility_spheres::SetQuality;
 use serde_json::{Value, json};
 
 /// Bytes of a visible point in the G-buffer and of its result, in the bands that `render` works in.
@@ -70,17 +70,8 @@ fn spheres(object: &Object) -> Result<(usize, Option<SetQuality>), BlockersError
         (Proxy::None, _) => Ok((0, None)),
         (Proxy::Spheres(list), _) | (Proxy::Count(_), Shape::Spheres(list)) => Ok((list.len(), None)),
         (Proxy::Count(n), Shape::Mesh(mesh)) => Ok((*n, sphere_cache::known(mesh, *n).map(|set| set.quality))),
-        (Proxy::File(path), shape) => {
-            let path = || path.clone();
-            let text = std::fs::read_to_string(path());
-            let text = text.map_err(|source| BlockersError::Read { path: path(), source })?;
-            let set = SphereSet::from_json(&text);
-            let set = set.map_err(|source| BlockersError::Set { path: path(), source })?;
-            if let Shape::Mesh(mesh) = shape {
-                let object = object.name.clone();
-                let fits = set.check_fits(&mesh.positions, &mesh.triangles);
-                fits.map_err(|source| BlockersError::Misfit { path: path(), object, source })?;
-            }
+        (Proxy::File(path), _) => {
+            let set = read_set(path, object)?;
             Ok((set.spheres.len(), Some(set.quality)))
         }
     }

@@ -128,7 +128,7 @@ impl Work for Shading<'_, '_> {
                 } else {
                     shader.shade(&g.points, frame, &mut radiance)?
                 };
-                add(total, &stats);
+                *total += stats;
             }
             if args.layers {
                 let normals: Vec<Vec3> = g.points.receivers.iter().map(|r| r.normal).collect();
@@ -140,23 +140,6 @@ impl Work for Shading<'_, '_> {
         }
         Ok(planes)
     }
-}
-
-fn add(total: &mut ShadeStats, band: &ShadeStats) {
-    total.seconds += band.seconds;
-    let (a, b) = (&mut total.stages, &band.stages);
-    a.reflectance += b.reflectance;
-    a.lighting += b.lighting;
-    a.mask += b.mask;
-    a.visibility_lobes += b.visibility_lobes;
-    a.integration += b.integration;
-    let (a, b) = (&mut total.counts, &band.counts);
-    a.lobes += b.lobes;
-    a.integrals += b.integrals;
-    a.pruned += b.pruned;
-    a.lit_points += b.lit_points;
-    a.dark_points += b.dark_points;
-    a.penumbra_points += b.penumbra_points;
 }
 
 impl Planes {

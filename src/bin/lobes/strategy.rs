@@ -12,7 +12,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// The finest map that is taken unless asked for.
-const FITTED: u32 = 2048;
+pub(crate) const FITTED: u32 = 2048;
 
 /// One strategy for each object; [`Strategy::None`] for those that block nothing.
 pub(crate) struct Plan {
