@@ -1,0 +1,20 @@
+use clap::Args;
+use std::path::PathBuf;
+
+/// Validate a scene and say what it requires
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  lobes check scene.toml
+  lobes check --schema > scene.toml")]
+pub(crate) struct CheckArgs {
+    /// Scene (.toml), model (.gltf, .glb, .obj, .ply); the built-in scene when left out
+    pub(crate) file: Option<PathBuf>,
+
+    /// Print a scene file that has every key, with its meaning
+    #[arg(long, conflicts_with = "file")]
+    pub(crate) schema: bool,
+
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,83 @@
+//! The command line: one file for each command's options.
+
+mod check;
+mod compare;
+mod reference;
+mod render;
+mod spheres;
+mod values;
+mod view;
+
+pub(crate) use self::check::CheckArgs;
+pub(crate) use self::compare::CompareArgs;
+pub(crate) use self::reference::{Geometry, ReferenceArgs};
+pub(crate) use self::render::{Method, RenderArgs, Visibility};
+pub(crate) use self::spheres::SpheresArgs;
+pub(crate) use self::view::ViewArgs;
+
+use crate::console;
+use crate::failure::Failure;
+use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
+
+/// Soft shadows and glossy light from area lights, without noise.
+///
+/// Reflectance, light and visibility are sums of cosine lobes, integrated in closed form. Without a FILE commands use a
+/// built-in scene.
+#[derive(Debug, Parser)]
+#[command(name = "lobes", version, disable_help_subcommand = true, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+const EXAMPLES: &str = "Examples:
+  lobes render                                         the built-in scene, to lobes.png
+  lobes render scene.toml -o picture.png -o linear.exr
+  lobes reference scene.toml -o ref.exr --spp 4096     the same by Monte Carlo
+  lobes compare linear.exr ref.exr                     how far the one is from the other";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Render(RenderArgs),
+    Reference(ReferenceArgs),
+    Compare(CompareArgs),
+    Check(CheckArgs),
+    Spheres(SpheresArgs),
+}
+
+/// The name of a choice, as it is typed.
+pub(crate) fn name(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
+}
+
+/// The command asked for; `None` when help or the version was asked for and has been printed.
+pub(crate) fn parse() -> Result<Option<Command>, Failure> {
+    match Cli::try_parse() {
+        Ok(Cli { command: Some(command) }) => Ok(Some(command)),
+        Ok(Cli { command: None }) => {
+            console::say(Cli::command().render_help());
+            Ok(None)
+        }
+        Err(error) if !error.use_stderr() => {
+            console::say(error.render().to_string().trim_end());
+            Ok(None)
+        }
+        Err(error) => {
+            // Up to the first empty line: the message and what it lists; then come tips and usage.
+            let text = error.render().to_string();
+            let message = text.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
+            let help = "see lobes --help";
+            Err(Failure::new(format_args!("{}; {help}", message.trim_end())))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,79 @@
+//! Values of options: what is taken, and the line that refuses the rest.
+
+use cosine_lobes::visibility_shadowmap::MapOptions;
+
+fn number(text: &str, range: &str, good: impl Fn(f32) -> bool) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(value) if good(value) => Ok(value),
+        _ => Err(format!("expected a number {range}")),
+    }
+}
+
+pub(super) fn tolerance(text: &str) -> Result<f32, String> {
+    number(text, "above 0 and at most 0.1", |x| x > 0.0 && x <= 0.1)
+}
+
+pub(super) fn threshold(text: &str) -> Result<f32, String> {
+    number(text, "of at least 0", |x| x >= 0.0 && x.is_finite())
+}
+
+pub(super) fn exposure(text: &str) -> Result<f32, String> {
+    number(text, "from -32 to 32", |x| x.abs() <= 32.0)
+}
+
+pub(super) fn share(text: &str) -> Result<f32, String> {
+    number(text, "above 0, at most 1", |x| x > 0.0 && x <= 1.0)
+}
+
+pub(super) fn positive(text: &str) -> Result<f32, String> {
+    number(text, "above 0", |x| x > 0.0 && x.is_finite())
+}
+
+pub(super) fn time(text: &str) -> Result<f32, String> {
+    number(text, "of at least 0", |x| x >= 0.0 && x.is_finite())
+}
+
+pub(super) fn fps(text: &str) -> Result<f32, String> {
+    number(text, "above 0 and at most 10000", |x| x > 0.0 && x <= 1e4)
+}
+
+pub(super) fn frames(text: &str) -> Result<(u32, u32), String> {
+    let ends = text.split_once("..").map(|(a, b)| (a.parse::<u32>(), b.parse::<u32>()));
+    match ends {
+        Some((Ok(a), Ok(b))) if a < b => Ok((a, b)),
+        Some((Ok(a), Ok(b))) => Err(format!("there are no frames from {a} to before {b}")),
+        _ => Err("expected A..B, such as 0..24".to_owned()),
+    }
+}
+
+pub(super) fn map_resolution(text: &str) -> Result<u32, String> {
+    let (least, most) = (MapOptions::MIN_RESOLUTION, MapOptions::MAX_RESOLUTION);
+    let good = text.parse::<u32>().ok().filter(|n| (least..=most).contains(n));
+    good.ok_or_else(|| format!("a shadow map has {least} to {most} texels a side"))
+}
+
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+    let side = |t: &str| t.parse::<u32>().ok().filter(|n| (1..=16384).contains(n));
+    match text.split_once(['x', 'X', '×']).map(|(w, h)| (side(w), side(h))) {
+        Some((Some(w), Some(h))) => Ok((w, h)),
+        _ => Err("expected WIDTHxHEIGHT, each from 1 to 16384, such as 640x360".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_checked() {
+        assert_eq!(size("640x360"), Ok((640, 360)));
+        for bad in ["0x0", "640", "x", "1x", "-1x5", "16385x1", "1x1x1", "1.5x2", "999999999999x1"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+        for bad in ["0", "-1", "NaN", "inf", "0.11", "", "x"] {
+            assert!(tolerance(bad).is_err(), "{bad}");
+        }
+        assert_eq!(tolerance("0.1"), Ok(0.1));
+        assert!(threshold("-1e-9").is_err() && exposure("nan").is_err() && positive("0").is_err());
+    }
+}

@@ -1,0 +1,86 @@
+use super::*;
+
+#[test]
+fn checking_and_help() {
+    let folder = folder();
+    let folder = folder.path();
+    assert!(succeed(folder, &["check", "scene.toml"]).contains("lights     1"));
+    assert_eq!(json(folder, &["check", "scene.toml", "--json"])["spheres"], 1);
+    // Pictures are made in bands: what a large one takes is the picture itself, 15 bytes a pixel, and a little.
+    let large = SCENE.replace("width = 48", "width = 16384").replace("height = 32", "height = 16384");
+    fs::write(folder.join("large.toml"), large).unwrap();
+    let bytes = json(folder, &["check", "large.toml", "--json"])["memory_bytes"].as_u64().unwrap();
+    assert!((15 << 28..16 << 28).contains(&bytes), "{bytes}");
+    assert!(succeed(folder, &["check"]).contains("lobes"));
+    let schema = succeed(folder, &["check", "--schema"]);
+    assert!(schema.contains("[camera]"));
+    // A scene but for the files that it names, and its first line names them.
+    let first = schema.lines().next().unwrap();
+    assert!(first.contains("example.obj") && first.contains("example.spheres.json"), "{first}");
+    fs::write(folder.join("schema.toml"), &schema).unwrap();
+    refuse(folder, &["check", "schema.toml"], "example.obj");
+    for args in [&[][..], &["--help"], &["render", "--help"], &["reference", "-h"], &["--version"]] {
+        assert!(!succeed(folder, args).is_empty());
+    }
+    assert!(succeed(folder, &["render", "--help"]).contains("Examples:"));
+}
+
+/// Each object gets a strategy and a reason that follows from its shape.
+#[test]
+fn checking_advises_for_each_object() {
+    let folder = folder();
+    let folder = folder.path();
+    // A bowl, open above, of 8 × 16 quads; and a pole of as many triangles.
+    let (mut bowl, mut pole) = (String::new(), String::new());
+    for ring in 0..=8 {
+        for step in 0..16 {
+            let (a, b) = (ring as f64 / 8.0 * 1.5, step as f64 / 16.0 * std::f64::consts::TAU);
+            bowl += &format!("v {} {} {}\n", a.sin() * b.cos(), 1.0 - a.cos(), a.sin() * b.sin());
+            let (y, r) = (ring as f64 * 0.5, if ring % 8 == 0 { 0.0 } else { 0.02 });
+            pole += &format!("v {} {y} {}\n", r * b.cos(), r * b.sin());
+        }
+    }
+    for ring in 0..8 {
+        for step in 0..16 {
+            let at = |r: usize, s: usize| r * 16 + s % 16 + 1;
+            let (a, b, c, d) = (at(ring, step), at(ring, step + 1), at(ring + 1, step + 1), at(ring + 1, step));
+            let faces = format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+            bowl += &faces;
+            pole += &faces;
+        }
+    }
+    fs::write(folder.join("bowl.obj"), bowl).unwrap();
+    fs::write(folder.join("pole.obj"), pole).unwrap();
+    let meshes = "\n[[objects]]\nmesh = \"bowl.obj\"\ntranslate = [2, 0, 0]\n\n[[objects]]\nmesh = \"pole.obj\"\n\
+                  translate = [-3, 0, 0]\nvisibility = \"rays\"\n";
+    fs::write(folder.join("all.toml"), SCENE.to_owned() + TABLE + meshes).unwrap();
+    let all = json(folder, &["check", "all.toml", "--json"]);
+    let advice = |n: usize| {
+        let advice = &all["objects"][n]["advice"];
+        (advice["visibility"].as_str().unwrap(), advice["reason"].as_str().unwrap())
+    };
+    for (n, (word, reason)) in [
+        ("none", "backdrop"),
+        ("spheres", "balls are exact"),
+        ("rays", "12 triangles"),
+        ("rays", "open"),
+        ("rays", "thin"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert!(advice(n).0 == word && advice(n).1.contains(reason), "{n}: {:?}", advice(n));
+    }
+    assert_eq!(all["objects"][4]["visibility"], "rays");
+    assert!(all["animation"].is_null());
+    assert!(succeed(folder, &["check", "all.toml"]).contains("advice: visibility = \"rays\""));
+    // Seen from below, the floor hides the ball: it is no backdrop any more.
+    fs::write(folder.join("below.toml"), SCENE.replace("eye = [0.0, 3.0, 8.0]", "eye = [0.0, -3.0, 8.0]")).unwrap();
+    assert_eq!(json(folder, &["check", "below.toml", "--json"])["objects"][0]["advice"]["visibility"], "rays");
+
+    // What moves is told.
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let roll = json(folder, &["check", "roll.toml", "--json"]);
+    assert_eq!((&roll["animation"]["duration"], &roll["animation"]["frames"]), (&1.0.into(), &11.into()));
+    assert!(succeed(folder, &["check", "roll.toml"]).contains("frames 0 to 10"));
+}

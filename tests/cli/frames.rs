@@ -1,0 +1,145 @@
+use super::*;
+use cosine_lobes::read_exr;
+use std::process::Stdio;
+
+#[test]
+fn a_sequence_is_one_file_a_frame() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let args = ["render", "roll.toml", "-o", "r.exr", "-o", "r.png", "--frames", "2..5", "--stats", "r.json", "-q"];
+    succeed(folder, &args);
+    let files = ["r.0002.exr", "r.0002.png", "r.0003.exr", "r.0003.png", "r.0004.exr", "r.0004.png", "r.json"];
+    assert_eq!(names(folder), [&files[..], &["roll.toml", "scene.toml"]].concat());
+    let stats: Value = serde_json::from_str(&fs::read_to_string(folder.join("r.json")).unwrap()).unwrap();
+    assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&3.into(), &0.into()));
+    assert!(stats["seconds"].as_f64().unwrap() > 0.0 && stats["update_seconds"].as_f64().unwrap() > 0.0, "{stats}");
+    for key in ["pose", "spheres", "hierarchy", "maps"] {
+        assert!(stats["update"][key].is_number(), "{key} in {stats}");
+    }
+
+    // A frame of a sequence is the frame alone and the moment alone, whatever was rendered before it, by any strategy.
+    let same =
+        |a: &str, b: &str| assert_eq!(fs::read(folder.join(a)).unwrap(), fs::read(folder.join(b)).unwrap(), "{a}");
+    succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--frame", "4", "-q"]);
+    same("one.exr", "r.0004.exr");
+    succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--time", "0.4", "-q"]);
+    same("one.exr", "r.0004.exr");
+    succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--frame", "8", "--fps", "20", "-q"]);
+    same("one.exr", "r.0004.exr");
+    for word in ["rays", "shadow-map"] {
+        let sequence = format!("{word}.exr");
+        succeed(folder, &["render", "roll.toml", "-o", &sequence, "--frames", "2..5", "--visibility", word, "-q"]);
+        succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--frame", "4", "--visibility", word, "-q"]);
+        same("one.exr", &format!("{word}.0004.exr"));
+    }
+    assert_ne!(fs::read(folder.join("r.0002.png")).unwrap(), fs::read(folder.join("r.0004.png")).unwrap());
+
+    // Finished frames are left alone, also if one of two files is missing that one frame is made again.
+    let written = |name: &str| fs::metadata(folder.join(name)).unwrap().modified().unwrap();
+    let before = [written("r.0002.png"), written("r.0003.png")];
+    fs::remove_file(folder.join("r.0003.exr")).unwrap();
+    let stats = json(folder, &[&args[..], &["--json"]].concat());
+    assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&1.into(), &2.into()));
+    let after = [written("r.0002.png"), written("r.0003.png")];
+    assert!(after[0] == before[0] && after[1] > before[1]);
+    let stats = json(folder, &[&args[..], &["--json"]].concat());
+    assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&0.into(), &3.into()));
+}
+
+#[test]
+fn frames_that_there_are_not_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let frames = |scene: &str, text: &str, what: &str| {
+        refuse(folder, &["render", scene, "-o", "r.png", "--frames", text], what);
+    };
+    frames("roll.toml", "0..12", "no frame 11: the animation has frames 0 to 10 (1 s at 10 a second)");
+    frames("roll.toml", "11..12", "no frame 11");
+    frames("roll.toml", "4000000000..4000000001", "no frame 4000000000");
+    frames("roll.toml", "5..2", "no frames from 5 to before 2");
+    frames("roll.toml", "3..3", "no frames from 3 to before 3");
+    for bad in ["", "3", "..", "1..", "..2", "-1..2", "a..b", "0..=3", "1.5..2", "0..5000000000"] {
+        let given = format!("--frames={bad}");
+        refuse(folder, &["render", "roll.toml", "-o", "r.png", &given], "--frames");
+    }
+    frames("scene.toml", "0..2", "nothing moves");
+    refuse(folder, &["render", "roll.toml", "--frame", "11"], "no frame 11");
+    refuse(folder, &["render", "roll.toml", "--time", "1.01"], "ends at 1 s");
+    refuse(folder, &["render", "roll.toml", "--time", "nan"], "--time");
+    refuse(folder, &["render", "roll.toml", "--fps", "0", "--frame", "1"], "--fps");
+    refuse(folder, &["render", "roll.toml", "--fps", "12"], "--fps");
+    refuse(folder, &["render", "roll.toml", "--frame", "1", "--frames", "0..2"], "--frame");
+    refuse(folder, &["render", "scene.toml", "--time", "0.5"], "nothing moves");
+    refuse(folder, &["render", "--frame", "1"], "nothing moves");
+    refuse(folder, &["reference", "roll.toml", "--frame", "11"], "no frame 11");
+    refuse(folder, &["render", "roll.toml", "-o", "no/r.png", "--frames", "0..2"], "no/r.0000.png");
+    // A glTF file whose animation is empty.
+    let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "animations": [{"name": "none", "channels": [], "samplers": []}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+            "min": [0, 0, 0], "max": [1, 1, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "t.bin"}]}"#;
+    fs::write(folder.join("t.gltf"), gltf).unwrap();
+    let corners = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    fs::write(folder.join("t.bin"), corners.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()).unwrap();
+    let ran = lobes(folder, &["render", "t.gltf", "-o", "r.png", "--frames", "0..1"]);
+    let stderr = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.code() == Some(2) && stderr.contains("lobes: error: "), "{stderr}");
+    assert!(!folder.join("r.0000.png").exists());
+    // One whose skin has bones that are not there.
+    let gltf = gltf
+        .replace(r#"{"mesh": 0}"#, r#"{"mesh": 0, "skin": 0}"#)
+        .replace(r#""meshes":"#, r#""skins": [{"joints": [99]}], "meshes":"#);
+    fs::write(folder.join("t.gltf"), gltf).unwrap();
+    refuse(folder, &["render", "t.gltf", "-o", "r.png", "--frames", "0..1"], "t.gltf");
+}
+
+#[test]
+fn a_clip_is_chosen_by_name_or_number() {
+    let folder = folder();
+    let folder = folder.path();
+    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
+    let picture = |name: &str, options: &[&str]| {
+        let common = ["render", fox, "-o", name, "--size", "32x18", "--visibility", "none", "-q"];
+        succeed(folder, &[&common, options].concat());
+        fs::read(folder.join(name)).unwrap()
+    };
+    let walk = picture("walk.exr", &["--clip", "Walk", "--time", "0.3"]);
+    assert_eq!(walk, picture("one.exr", &["--clip", "1", "--time", "0.3"]));
+    assert_ne!(walk, picture("survey.exr", &["--time", "0.3"]));
+    refuse(folder, &["render", fox, "--clip", "Fly"], "Survey");
+    refuse(folder, &["render", "--clip", "Walk"], "<FILE>");
+    refuse(folder, &["render", "scene.toml", "--clip", "Walk"], "scene file");
+}
+
+/// Ctrl-C between and within frames: whole files only, and the same command goes on.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sequence_leaves_whole_frames() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let args =
+        ["render", "roll.toml", "-o", "r.exr", "--frames", "0..11", "--size", "1600x900", "--visibility", "rays"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lobes"))
+        .current_dir(folder)
+        .args(args)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !folder.join("r.0000.exr").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended early");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let left = names(folder);
+    let whole: Vec<_> = left.iter().filter(|n| n.ends_with(".exr")).collect();
+    assert_eq!(left.len(), whole.len() + 2, "{left:?}");
+    assert!((1..11).contains(&whole.len()) && whole.iter().all(|n| read_exr(&folder.join(n)).is_ok()), "{left:?}");
+}

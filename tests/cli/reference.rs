@@ -1,0 +1,45 @@
+use super::*;
+use std::process::Stdio;
+
+#[test]
+fn references_go_on_where_they_stopped() {
+    let folder = folder();
+    let folder = folder.path();
+    succeed(folder, &["reference", "scene.toml", "-o", "whole.exr", "--spp", "1024", "-q"]);
+    assert_eq!(names(folder), ["scene.toml", "whole.exr"]);
+    succeed(folder, &["reference", "scene.toml", "-o", "ref.exr", "--spp", "512", "--keep", "-q"]);
+    assert_eq!(names(folder), ["ref.exr", "ref.exr.checkpoint", "scene.toml", "whole.exr"]);
+    succeed(folder, &["reference", "scene.toml", "-o", "ref.exr", "--spp", "1024", "-q"]);
+    assert_eq!(names(folder), ["ref.exr", "scene.toml", "whole.exr"]);
+    assert_eq!(fs::read(folder.join("ref.exr")).unwrap(), fs::read(folder.join("whole.exr")).unwrap());
+
+    fs::write(folder.join("ref.exr.checkpoint"), b"no checkpoint").unwrap();
+    refuse(folder, &["reference", "scene.toml", "-o", "ref.exr"], "ref.exr.checkpoint");
+}
+
+/// Ctrl-C in the middle: a checkpoint and nothing half done; the next run uses it.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_reference_keeps_its_work() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lobes"))
+        .current_dir(folder)
+        .args(["reference", "scene.toml", "-o", "ref.exr", "--spp", "16000000"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Its temporary file tells that it has begun; a little later it samples.
+    while names(folder).len() < 2 {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(1000));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(names(folder), ["ref.exr.checkpoint", "scene.toml"]);
+    let ran = lobes(folder, &["reference", "scene.toml", "-o", "ref.exr", "--spp", "8"]);
+    assert!(ran.status.success());
+    assert!(String::from_utf8_lossy(&ran.stderr).contains("goes on from"), "{}", String::from_utf8_lossy(&ran.stderr));
+    assert_eq!(names(folder), ["ref.exr", "scene.toml"]);
+}

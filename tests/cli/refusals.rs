@@ -1,0 +1,90 @@
+use super::*;
+
+#[test]
+fn bad_scenes_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let cases = [
+        ("missing.toml", None, "missing.toml"),
+        ("empty.toml", Some(String::new()), "empty.toml"),
+        ("unknown.toml", Some(SCENE.replace("fov = 30.0", "fow = 30.0")), "fow"),
+        ("nan.toml", Some(SCENE.replace("radius = 0.6\nradiance", "radius = nan\nradiance")), "nan.toml:"),
+        ("inf.toml", Some(SCENE.replace("eye = [0.0", "eye = [inf")), "inf.toml:"),
+        ("negative.toml", Some(SCENE.replace("radius = 0.6\nradiance", "radius = -0.6\nradiance")), "negative.toml:"),
+        ("axis.toml", Some(SCENE.replace("normal = [0.0, 1.0, 0.0]", "normal = [0.0, 0.0, 0.0]")), "axis.toml:"),
+        ("view.toml", Some(SCENE.replace("target = [0.0, 0.6, 0.0]", "target = [0.0, 3.0, 8.0]")), "view.toml"),
+        ("zero.toml", Some(SCENE.replace("width = 48", "width = 0")), "zero.toml:"),
+        ("broken.toml", Some(SCENE.replace("[camera]", "[camera")), "broken.toml:"),
+        ("type.toml", Some(SCENE.replace("fov = 30.0", "fov = \"wide\"")), "type.toml:"),
+        ("noise.glb", Some("no scene at all".to_owned()), "noise.glb"),
+        ("noise.obj", Some("f 1 2 9\n".to_owned()), "noise.obj"),
+        ("scene.xyz", Some(String::new()), "scene.xyz"),
+    ];
+    for (name, text, what) in &cases {
+        if let Some(text) = text {
+            fs::write(folder.join(name), text).unwrap();
+        }
+        refuse(folder, &["render", name, "-o", "out.png"], what);
+    }
+    refuse(folder, &["reference", "nan.toml", "-o", "out.exr"], "nan.toml:");
+    refuse(folder, &["check", "negative.toml"], "negative.toml:");
+    refuse(folder, &["spheres", "noise.obj", "-o", "set.json"], "noise.obj");
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    for size in ["0x0", "0x5", "12", "1x99999", "axb"] {
+        refuse(folder, &["render", "--size", size], "--size");
+    }
+    refuse(folder, &["render", "--tolerance", "0"], "--tolerance");
+    refuse(folder, &["render", "--tolerance", "nan"], "--tolerance");
+    refuse(folder, &["render", "--depth", "7"], "--depth");
+    refuse(folder, &["render", "--samples", "0"], "--samples");
+    refuse(folder, &["render", "--visibility", "magic"], "magic");
+    refuse(folder, &["render", "--threshold", "-1"], "-1");
+    refuse(folder, &["render", "a.toml", "b.toml"], "b.toml");
+    refuse(folder, &["paint"], "paint");
+    refuse(folder, &["compare", "a.exr"], "<B>");
+    refuse(folder, &["reference", "--spp", "0"], "--spp");
+    refuse(folder, &["reference", "--size", "16384x16384"], "too many");
+    refuse(folder, &["spheres", "x.obj", "--count", "0"], "--count");
+}
+
+#[test]
+fn unwritable_outputs_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    refuse(folder, &["render", "scene.toml", "-o", "no/such/folder/out.png"], "no/such/folder/out.png");
+    refuse(folder, &["render", "scene.toml", "-o", "out.jpg"], ".png or .exr");
+    refuse(folder, &["render", "scene.toml", "-o", "out"], ".png or .exr");
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "-o", "a.png"], "twice");
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "--stats", "no/stats.json"], "no/stats.json");
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "-o", "./a.png"], "twice");
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "--stats", "a.png"], "twice");
+    fs::create_dir(folder.join("is.png")).unwrap();
+    refuse(folder, &["render", "scene.toml", "-o", "is.png"], "is a folder");
+    // Refused at once, and not after hours.
+    refuse(folder, &["reference", "scene.toml", "--size", "512x512", "--spp", "1000000", "-o", "no/ref.exr"], "no/ref");
+}
+
+/// What a command reads it does not replace, and a picture gets a picture's name.
+#[test]
+fn inputs_are_not_overwritten() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    picture(folder, "a.exr", 2, &[1.0; 4]);
+    picture(folder, "b.exr", 2, &[0.5; 4]);
+    let before: Vec<_> = names(folder).iter().map(|n| fs::read(folder.join(n)).unwrap()).collect();
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "--stats", "./scene.toml"], "both read and written");
+    refuse(folder, &["spheres", "m.obj", "-o", "m.obj"], "both read and written");
+    refuse(folder, &["spheres", "m.obj", "-o", "s.png", "--preview", "s.png"], "twice");
+    refuse(folder, &["spheres", "m.obj", "--preview", "s.exr"], ".png");
+    refuse(folder, &["compare", "a.exr", "b.exr", "--diff", "a.exr"], "both read and written");
+    refuse(folder, &["compare", "a.exr", "b.exr", "--diff", "d.png", "--heatmap", "d.png"], "twice");
+    refuse(folder, &["compare", "a.exr", "b.exr", "--diff", "d.jpg"], ".png");
+    let after: Vec<_> = names(folder).iter().map(|n| fs::read(folder.join(n)).unwrap()).collect();
+    assert!(before == after);
+}

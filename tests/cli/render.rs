@@ -1,0 +1,220 @@
+use super::*;
+use cosine_lobes::{read_exr, read_exr_layer};
+
+#[test]
+fn rendering_writes_pictures_and_figures() {
+    let folder = folder();
+    let folder = folder.path();
+    let out = succeed(folder, &["render", "scene.toml", "-o", "a.png", "-o", "a.exr", "--layers", "--stats", "a.json"]);
+    assert!(out.contains("48 x 32"), "{out}");
+    assert_eq!(names(folder), ["a.exr", "a.json", "a.png", "scene.toml"]);
+    let stats: Value = serde_json::from_str(&fs::read_to_string(folder.join("a.json")).unwrap()).unwrap();
+    for key in ["points", "frames", "lights", "spheres", "triangles", "seconds", "points_per_second"] {
+        assert!(stats[key].as_f64().unwrap() > 0.0, "{key} in {stats}");
+    }
+    for key in ["reflectance", "lighting", "mask", "visibility_lobes", "integration"] {
+        assert!(stats["stages"][key].is_number(), "{key} in {stats}");
+    }
+    for key in ["lobes", "integrals", "pruned", "lit_points", "dark_points", "penumbra_points"] {
+        assert!(stats["counts"][key].is_u64(), "{key} in {stats}");
+    }
+    assert_eq!(stats["tolerance"], 0.005);
+    assert_eq!(
+        (&stats["device"], &stats["method"], &stats["visibility"]),
+        (&"cpu".into(), &"moments".into(), &"scene".into())
+    );
+
+    let beauty = read_exr(&folder.join("a.exr")).unwrap();
+    let light = read_exr_layer(&folder.join("a.exr"), "light0").unwrap().unwrap();
+    let layer = read_exr_layer(&folder.join("a.exr"), "unshadowed").unwrap().unwrap();
+    assert_eq!(beauty, light);
+    succeed(folder, &["render", "scene.toml", "-o", "u.exr", "--visibility", "none", "--quiet"]);
+    assert_eq!(read_exr(&folder.join("u.exr")).unwrap(), layer);
+
+    // Twice the same, on any number of threads, over the old file; and quiet is quiet.
+    let before = fs::read(folder.join("a.png")).unwrap();
+    let ran = lobes(folder, &["render", "scene.toml", "-o", "a.png", "--quiet", "--threads", "1"]);
+    assert!(ran.status.success() && ran.stdout.is_empty() && ran.stderr.is_empty());
+    assert_eq!(fs::read(folder.join("a.png")).unwrap(), before);
+}
+
+/// The two ways to the same picture, end to end, with the accuracy that the tolerance asks for.
+#[test]
+fn render_agrees_with_reference() {
+    let folder = folder();
+    let folder = folder.path();
+    let stated = json(folder, &["reference", "scene.toml", "-o", "ref.exr", "--spp", "1024", "--json"]);
+    assert!(stated["stderr"].as_f64().unwrap() < 1e-4 * stated["mean"].as_f64().unwrap(), "{stated}");
+    succeed(folder, &["render", "scene.toml", "-o", "a.exr", "--tolerance", "0.005"]);
+    let error = json(folder, &["compare", "a.exr", "ref.exr", "--unshadowed", "ref.exr", "--json"]);
+    assert!(error["penumbra"]["pixels"].as_u64().unwrap() > 20, "{error}");
+    assert!(error["penumbra"]["mean"].as_f64().unwrap() < 0.005, "{error}");
+    assert!(error["mae"].as_f64().unwrap() < 0.003 * error["reference_mean"].as_f64().unwrap(), "{error}");
+    assert_eq!(error["dark_nonzero"], 0, "{error}");
+}
+
+/// Swapping the strategy by one word: shadow rays see the balls that the spheres strategy splats.
+#[test]
+fn rays_see_what_spheres_stand_for() {
+    let folder = folder();
+    let folder = folder.path();
+    succeed(
+        folder,
+        &["render", "scene.toml", "-o", "a.exr", "-o", "a.png", "--visibility", "rays", "--stats", "a.json"],
+    );
+    succeed(folder, &["reference", "scene.toml", "-o", "mesh.exr", "--geometry", "mesh", "--spp", "1024", "-q"]);
+    let error = json(folder, &["compare", "a.exr", "mesh.exr", "--unshadowed", "mesh.exr", "--json"]);
+    assert!(error["penumbra"]["mean"].as_f64().unwrap() < 0.005, "{error}");
+    let stats: Value = serde_json::from_str(&fs::read_to_string(folder.join("a.json")).unwrap()).unwrap();
+    assert_eq!((&stats["visibility"], &stats["spheres"]), (&"rays".into(), &0.into()));
+}
+
+/// The third strategy: a depth map of the triangles, the same balls, no sphere set built.
+#[test]
+fn shadow_maps_see_the_true_triangles() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), SCENE.to_owned() + TABLE).unwrap();
+    let render = |name: &str, further: &[&str]| {
+        let args = ["render", "table.toml", "-o", name, "--json", "--visibility"];
+        json(folder, &[&args, further].concat())
+    };
+    let stats = render("map.exr", &["shadow-map"]);
+    assert_eq!((&stats["visibility"], &stats["spheres"]), (&"shadow-map".into(), &1.into()), "{stats}");
+    assert_eq!(stats["map_resolutions"].as_array().unwrap().len(), 1, "{stats}");
+    assert!(stats["map_bytes"].as_u64().unwrap() > 0 && stats["map_seconds"].as_f64().unwrap() > 0.0, "{stats}");
+    assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
+    let unshadowed = render("none.exr", &["none"]);
+    assert_eq!((&unshadowed["map_bytes"], &unshadowed["spheres"]), (&0.into(), &0.into()));
+    render("rays.exr", &["rays"]);
+    let error = json(folder, &["compare", "map.exr", "rays.exr", "--unshadowed", "none.exr", "--json"]);
+    assert!(error["penumbra"]["pixels"].as_u64().unwrap() > 40, "{error}");
+    // On floors 1 % is what the strategy promises.
+    assert!(error["penumbra"]["mean"].as_f64().unwrap() < 0.01, "{error}");
+
+    // A resolution that is asked for is taken; too coarse a one is told, with the way out.
+    let coarse = ["render", "table.toml", "-o", "c.exr", "--visibility", "shadow-map", "--map-resolution", "16"];
+    let ran = lobes(folder, &coarse);
+    let told = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && told.contains("light 0") && told.contains("--visibility rays"), "{told}");
+    assert_eq!(json(folder, &[&coarse[..], &["--json", "-q"]].concat())["map_resolutions"][0], 16);
+    for bad in ["0", "100000", "15", "8193", "1.5", "x"] {
+        let args = ["render", "table.toml", "--visibility", "shadow-map", "--map-resolution", bad];
+        refuse(folder, &args, "16 to 8192");
+    }
+    refuse(folder, &["render", "table.toml", "--visibility", "rays", "--map-resolution", "512"], "no shadow map");
+    // The floor alone shadows nothing: an empty map, and no fault.
+    assert_eq!(json(folder, &["render", "scene.toml", "--visibility", "shadow-map", "--json"])["map_bytes"], 0);
+}
+
+/// By the paper's method too.
+#[test]
+fn shadow_maps_by_the_paper_s_method() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), SCENE.to_owned() + TABLE).unwrap();
+    let args = ["render", "table.toml", "-q", "--visibility", "shadow-map", "-o"];
+    succeed(folder, &[&args[..], &["paper.exr", "--method", "paper"]].concat());
+    succeed(folder, &[&args[..], &["moments.exr"]].concat());
+    let error = json(folder, &["compare", "paper.exr", "moments.exr", "--json"]);
+    let relative = error["mae"].as_f64().unwrap() / error["reference_mean"].as_f64().unwrap();
+    // The paper's light lobe has up to 13.8 % too much flux; the shadows are the same.
+    assert!((0.01..0.2).contains(&relative), "{error}");
+}
+
+/// A strategy for each object, in the picture and in the reference.
+#[test]
+fn objects_take_their_own_strategies() {
+    let folder = folder();
+    let folder = folder.path();
+    let with = |ball: &str, table: &str| {
+        let ball = format!("radius = 0.6 }}\nvisibility = \"{ball}\"");
+        let table = format!("proxy = {{ spheres = 8 }}\nvisibility = \"{table}\"");
+        let scene = SCENE.replace("radius = 0.6 }", &ball) + &TABLE.replace("proxy = { spheres = 8 }", &table);
+        fs::write(folder.join("mixed.toml"), scene).unwrap();
+    };
+    let render = |name: &str, further: &[&str]| {
+        json(folder, &[&["render", "mixed.toml", "-o", name, "--json"], further].concat())
+    };
+    let error = |a: &str, b: &str| {
+        let e = json(folder, &["compare", a, b, "--unshadowed", "none.exr", "--json"]);
+        assert!(e["penumbra"]["pixels"].as_u64().unwrap() > 40, "{e}");
+        e["penumbra"]["mean"].as_f64().unwrap()
+    };
+    with("spheres", "rays");
+    render("none.exr", &["--visibility", "none"]);
+    for table in ["rays", "shadow-map"] {
+        with("spheres", table);
+        let stats = render("mixed.exr", &[]);
+        assert_eq!((&stats["visibility"], &stats["spheres"]), (&"scene".into(), &1.into()));
+        assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
+        succeed(folder, &["reference", "mixed.toml", "-o", "ref.exr", "--spp", "1024", "-q"]);
+        succeed(folder, &["reference", "mixed.toml", "-o", "mesh.exr", "--spp", "1024", "--geometry", "mesh", "-q"]);
+        let limit = if table == "rays" { 0.005 } else { 0.01 };
+        assert!(error("mixed.exr", "ref.exr") < limit, "{}", error("mixed.exr", "ref.exr"));
+        // Balls as spheres and the table as it is: nothing is approximated.
+        assert!(error("ref.exr", "mesh.exr") < 0.002, "{}", error("ref.exr", "mesh.exr"));
+    }
+    // An object can be told to cast no shadow; a word for all overrides it.
+    with("none", "none");
+    render("mixed.exr", &[]);
+    assert_eq!(read_exr(&folder.join("mixed.exr")).unwrap(), read_exr(&folder.join("none.exr")).unwrap());
+    assert_eq!(render("all.exr", &["--visibility", "spheres"])["spheres"], 9);
+}
+
+/// Sphere files that are none, or another mesh's: named, with the object.
+#[test]
+fn wrong_sphere_files_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    fs::write(folder.join("m.obj"), obj).unwrap();
+    fs::write(folder.join("larger.obj"), obj.replace("v 1 0 0", "v 3 0 0")).unwrap();
+    fs::write(folder.join("other.obj"), obj.replace("f 2 3 4\n", "")).unwrap();
+    succeed(folder, &["spheres", "m.obj", "--count", "4", "--draft", "-o", "set.json", "-q"]);
+    let scene = |mesh: &str, set: &str| {
+        let object = format!("\n[[objects]]\nname = \"thing\"\nmesh = \"{mesh}\"\nproxy = {{ file = \"{set}\" }}\n");
+        fs::write(folder.join("with.toml"), SCENE.to_owned() + &object).unwrap();
+    };
+    scene("m.obj", "set.json");
+    succeed(folder, &["render", "with.toml", "-q"]);
+    fs::remove_file(folder.join("lobes.png")).unwrap();
+    let set = fs::read_to_string(folder.join("set.json")).unwrap();
+    let first = set.find("    [").unwrap();
+    let (start, rest) = set.split_at(first);
+    let row = rest.lines().next().unwrap();
+    for bad in ["[NaN, 0, 0, 1],", "[1e99, 0, 0, 1],", "[0, 0, 0, -1],", "[null, 0, 0, 1],"] {
+        fs::write(folder.join("bad.json"), format!("{start}    {bad}{}", &rest[row.len()..])).unwrap();
+        scene("m.obj", "bad.json");
+        refuse(folder, &["render", "with.toml"], "bad.json");
+        refuse(folder, &["check", "with.toml"], "bad.json");
+    }
+    for (mesh, what) in [("larger.obj", "bounding box"), ("other.obj", "triangles")] {
+        scene(mesh, "set.json");
+        for command in ["render", "reference", "check"] {
+            refuse(folder, &[command, "with.toml"], what);
+        }
+    }
+    // Nobody who takes the true triangles reads the set.
+    succeed(folder, &["render", "with.toml", "-q", "--visibility", "rays"]);
+}
+
+/// A material that gives more than it gets is taken, and told.
+#[test]
+fn too_bright_materials_are_told() {
+    let folder = folder();
+    let folder = folder.path();
+    for (model, told) in [
+        ("model = \"lambert\"\nalbedo = [0.2, 1.5, 0.2]", true),
+        ("model = \"lambert\"\nalbedo = 1.0", false),
+        ("model = \"modified-phong\"\nkd = 0.7\nks = 0.7\nexponent = 50", true),
+        ("model = \"modified-phong\"\nkd = 0.6\nks = 0.4\nexponent = 50", false),
+    ] {
+        let scene = SCENE.replace("[[lights]]", &format!("[materials.m]\n{model}\n\n[[lights]]"));
+        let scene = scene.replace("radius = 0.6 }", "radius = 0.6 }\nmaterial = \"m\"");
+        fs::write(folder.join("m.toml"), scene).unwrap();
+        let ran = lobes(folder, &["check", "m.toml"]);
+        let stderr = String::from_utf8(ran.stderr).unwrap();
+        assert!(ran.status.success() && stderr.contains("times the light it gets") == told, "{model}: {stderr}");
+    }
+}

@@ -1,0 +1,64 @@
+use super::*;
+use cosine_lobes::visibility_spheres::{BoundSet, SphereSet};
+
+/// A mesh's spheres are built once: the second picture is the same and takes them from the cache.
+#[test]
+fn spheres_are_kept_between_runs() {
+    let folder = folder();
+    let folder = folder.path();
+    let cache = folder.with_extension("cache").join("cosine-lobes");
+    let scene =
+        SCENE.to_owned() + "\n[[objects]]\nbox = { center = [0, 1, 2], size = [1, 1, 1] }\nproxy = { spheres = 8 }\n";
+    fs::write(folder.join("box.toml"), scene).unwrap();
+    succeed(folder, &["render", "box.toml", "-o", "a.exr", "-q"]);
+    let kept = names(&cache);
+    assert_eq!(kept.len(), 1);
+    // A spoilt entry is built anew.
+    for spoil in [false, true] {
+        if spoil {
+            fs::write(cache.join(&kept[0]), "{}").unwrap();
+        }
+        succeed(folder, &["render", "box.toml", "-o", "b.exr", "-q"]);
+        assert_eq!(fs::read(folder.join("a.exr")).unwrap(), fs::read(folder.join("b.exr")).unwrap());
+    }
+    assert_eq!(names(&cache), kept);
+}
+
+/// The set of a skinned mesh tells which bones carry each sphere, and stays a set like any other.
+#[test]
+fn sets_of_skinned_meshes_have_bones() {
+    let folder = folder();
+    let folder = folder.path();
+    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
+    succeed(folder, &["spheres", fox, "--count", "8", "--draft", "-o", "fox.json", "-q"]);
+    let text = fs::read_to_string(folder.join("fox.json")).unwrap();
+    let bound = BoundSet::from_json(&text).unwrap();
+    assert_eq!((bound.rest().spheres.len(), bound.targets()), (8, 0));
+    // Of the model's 24 joints the numbers go up to the last one that carries something.
+    assert!((10..=24).contains(&bound.joints()), "{}", bound.joints());
+    assert_eq!(SphereSet::from_json(&text).unwrap(), *bound.rest());
+}
+
+#[test]
+fn sphere_sets_follow_the_contract() {
+    let folder = folder();
+    let folder = folder.path();
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    fs::write(folder.join("m.obj"), obj).unwrap();
+    let args = ["spheres", "m.obj", "--count", "4", "--draft", "-o", "set.json", "--preview", "p.png", "--json", "-q"];
+    let figures = json(folder, &args);
+    for key in ["count", "seconds", "coverage", "protrusion_volume", "hausdorff_outside", "p95_gap", "silhouette_error"]
+    {
+        assert!(figures[key].is_number(), "{key} in {figures}");
+    }
+    assert_eq!(names(folder), ["m.obj", "p.png", "scene.toml", "set.json"]);
+    // The stored set serves a scene.
+    let scene = SCENE.to_owned() + "\n[[objects]]\nmesh = \"m.obj\"\nproxy = { file = \"set.json\" }\n";
+    fs::write(folder.join("with.toml"), scene).unwrap();
+    let stats = json(folder, &["render", "with.toml", "-o", "a.png", "--json"]);
+    assert_eq!(stats["spheres"], 5);
+    // And is looked into when the scene is checked.
+    assert_eq!(json(folder, &["check", "with.toml", "--json"])["spheres"], 5);
+    fs::write(folder.join("set.json"), "{}").unwrap();
+    refuse(folder, &["check", "with.toml"], "set.json");
+}
