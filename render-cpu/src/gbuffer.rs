@@ -51,27 +51,51 @@ impl GBuffer {
     /// The same for some rows of the image only, as a picture of its own: large images in bands need little memory.
     ///
     /// # Panics
-    /// When the rows have more than 2³² pixels or are not rows of the image.
+    /// As [`window`](Self::window).
     #[must_use]
     pub fn rows(world: &World<'_>, width: u32, height: u32, samples: u32, rows: Range<u32>) -> Self {
-        assert!(rows.start <= rows.end && rows.end <= height, "rows outside the image");
-        let (first, band) = (rows.start, rows.end - rows.start);
-        assert!(u64::from(width) * u64::from(band) <= 1 << 32, "too many pixels");
+        Self::window(world, width, height, samples, 0..width, rows)
+    }
+
+    /// The same for a window of the image only, as a picture of its own: work that is split over processes.
+    ///
+    /// Every point is to the bit what it is in the whole image. Points come in the tiles of the whole image, cut at the
+    /// window's edges.
+    ///
+    /// # Panics
+    /// When the window has more than 2³² pixels or is not inside the image.
+    #[must_use]
+    pub fn window(
+        world: &World<'_>,
+        width: u32,
+        height: u32,
+        samples: u32,
+        columns: Range<u32>,
+        rows: Range<u32>,
+    ) -> Self {
+        let inside = |r: &Range<u32>, size: u32| r.start <= r.end && r.end <= size;
+        assert!(inside(&columns, width) && inside(&rows, height), "window outside the image");
+        let (own_width, own_height) = (columns.end - columns.start, rows.end - rows.start);
+        assert!(u64::from(own_width) * u64::from(own_height) <= 1 << 32, "too many pixels");
         let samples = samples.max(1);
         let offsets = sub_pixels(samples);
         let rays = Rays::new(&world.scene().camera, width, height);
-        let columns = width.div_ceil(TILE);
-        let tiles: Vec<Tile> = (0..columns as usize * band.div_ceil(TILE) as usize)
+        // Tiles of the whole image that the window touches.
+        let across = columns.start / TILE..columns.end.div_ceil(TILE).max(columns.start / TILE);
+        let down = rows.start / TILE..rows.end.div_ceil(TILE).max(rows.start / TILE);
+        let tiles: Vec<Tile> = (0..across.len() * down.len())
             .into_par_iter()
             .with_min_len(8)
             .map(|t| {
-                let (left, top) = (t as u32 % columns * TILE, t as u32 / columns * TILE);
+                let left = (across.start + (t % across.len()) as u32) * TILE;
+                let top = (down.start + (t / across.len()) as u32) * TILE;
                 let mut tile = Tile::default();
-                for y in top..(top + TILE).min(band) {
-                    for x in left..(left + TILE).min(width) {
+                for y in top.max(rows.start)..(top + TILE).min(rows.end) {
+                    for x in left.max(columns.start)..(left + TILE).min(columns.end) {
                         for offset in &offsets {
-                            let direction = rays.direction(x as f32 + offset.x, (first + y) as f32 + offset.y);
-                            tile.shoot(world, &rays, direction, y * width + x);
+                            let direction = rays.direction(x as f32 + offset.x, y as f32 + offset.y);
+                            let pixel = (y - rows.start) * own_width + (x - columns.start);
+                            tile.shoot(world, &rays, direction, pixel);
                         }
                     }
                 }
@@ -80,7 +104,7 @@ impl GBuffer {
             .collect();
 
         let count = tiles.iter().map(|t| t.pixels.len()).sum();
-        let mut all = Self { width, height: band, samples, ..Self::default() };
+        let mut all = Self { width: own_width, height: own_height, samples, ..Self::default() };
         all.points.receivers.reserve_exact(count);
         all.points.materials.reserve_exact(count);
         all.pixels.reserve_exact(count);
@@ -186,8 +210,11 @@ impl Rays {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::CpuShader;
     use crate::test_scenes::{floor_and_ball, material};
-    use scene::{Mesh, Object, Proxy, Scene, Shape};
+    use lighting::MaskVisibility;
+    use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, Shape};
+    use visibility_spheres::SphereBlockers;
 
     #[test]
     fn rays_are_the_camera_s() {
@@ -247,6 +274,30 @@ mod tests {
             g.resolve(&g.depths, 0.0)
         });
         assert_eq!(bands.concat(), whole);
+    }
+
+    /// Windows that cut tiles hold the bits of the whole image, whatever groups of points they make.
+    #[test]
+    fn windows_make_up_the_picture() {
+        let scene = floor_and_ball();
+        let world = World::new(&scene);
+        let set = crate::blockers(&scene, &mut |_, _| core::ops::ControlFlow::Continue(())).unwrap();
+        let blockers = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
+        let mut shader = CpuShader::new(MaskVisibility::new(blockers.with_self_shadows(&set.self_shadows), 5));
+        let frame =
+            Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+        let mut shade = |g: &GBuffer| {
+            let mut out = vec![Vec3::ZERO; g.len()];
+            shader.shade(&g.points, &frame, &mut out).unwrap();
+            g.resolve(&out, Vec3::splat(0.1))
+        };
+        let whole = shade(&GBuffer::new(&world, 90, 70, 2));
+        for (columns, rows) in [(0..33, 0..70), (33..90, 0..21), (33..90, 21..22), (33..90, 22..70), (5..5, 3..9)] {
+            let g = GBuffer::window(&world, 90, 70, 2, columns.clone(), rows.clone());
+            let part = shade(&g);
+            let cut = rows.flat_map(|y| columns.clone().map(move |x| y * 90 + x)).map(|i| whole[i as usize]);
+            assert_eq!(part, cut.collect::<Vec<_>>());
+        }
     }
 
     /// A grid of triangles in a plane has no cracks: every ray through it hits.
