@@ -16,6 +16,13 @@ pub enum MaterialError {
         /// The value found.
         value: f32,
     },
+    /// A fraction is NaN or outside [0, 1].
+    Fraction {
+        /// Which parameter.
+        name: &'static str,
+        /// The value found.
+        value: f32,
+    },
     /// A Lafortune matrix has an entry that is NaN, infinite or beyond ±1e12.
     Matrix,
     /// A Lafortune matrix is not symmetric, hence the model not reciprocal.
@@ -34,6 +41,7 @@ impl core::fmt::Display for MaterialError {
                 write!(f, "{name} is {value}: every channel must lie in [0, 1e12]")
             }
             Self::Exponent { value } => write!(f, "exponent is {value}: it must lie in [0, 1e7]"),
+            Self::Fraction { name, value } => write!(f, "{name} is {value}: it must lie in [0, 1]"),
             Self::Matrix => f.write_str("matrix entries must be finite and within ±1e12"),
             Self::Asymmetric => f.write_str("matrix is not symmetric: the reflectance would not be reciprocal"),
             Self::Peak { ln_peak } => write!(
@@ -58,4 +66,8 @@ pub(crate) fn check_coefficient(name: &'static str, value: Vec3) -> Result<(), M
 
 pub(crate) fn check_exponent(value: f32) -> Result<(), MaterialError> {
     if (0.0..=1e7).contains(&value) { Ok(()) } else { Err(MaterialError::Exponent { value }) }
+}
+
+pub(crate) fn check_fraction(name: &'static str, value: f32) -> Result<(), MaterialError> {
+    if (0.0..=1.0).contains(&value) { Ok(()) } else { Err(MaterialError::Fraction { name, value }) }
 }

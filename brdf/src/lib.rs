@@ -7,6 +7,7 @@
 //! | [`Phong`], as the paper prints it (Eq. 23) | `kd·(n·v) + ks·max(r·v, 0)^e` | ≤ 2 |
 //! | [`ModifiedPhong`], normalised | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e)·(n·v)` | ≤ 2 |
 //! | [`Lafortune`] (Eqs. 27–29) | `(ρ/π + Σ k·max(v·Mω_o, 0)^e)·(n·v)` | ≤ 1 + number of lobes |
+//! | [`MetallicRoughness`] (GGX), approximately | diffuse + `F·D·W` | ≤ 8 |
 //!
 //! [`Material`] is one of these; a model of your own implements [`Brdf`]. Lobes that reflect nothing are not written.
 //!
@@ -34,9 +35,13 @@
 //! Out of scope here: textures, transmission, emission, interreflection.
 
 mod error;
+mod ggx;
+#[cfg(test)]
+mod ggx_tests;
 mod lafortune;
 mod lambert;
 mod material;
+mod metallic_roughness;
 mod model;
 mod modified_phong;
 mod phong;
@@ -48,6 +53,7 @@ pub use crate::error::MaterialError;
 pub use crate::lafortune::{Lafortune, LafortuneLobe};
 pub use crate::lambert::Lambert;
 pub use crate::material::Material;
+pub use crate::metallic_roughness::MetallicRoughness;
 pub use crate::model::{Brdf, BrdfSample};
 pub use crate::modified_phong::ModifiedPhong;
 pub use crate::phong::Phong;

@@ -1,4 +1,4 @@
-use crate::{Brdf, BrdfSample, Lafortune, Lambert, MaterialError, ModifiedPhong, Phong};
+use crate::{Brdf, BrdfSample, Lafortune, Lambert, MaterialError, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use lobe_core::{BrdfLobes, LobesFull, LobesMut, Receiver};
 
@@ -14,6 +14,8 @@ pub enum Material {
     ModifiedPhong(ModifiedPhong),
     /// Lafortune.
     Lafortune(Lafortune),
+    /// glTF's metallic–roughness model.
+    MetallicRoughness(MetallicRoughness),
 }
 
 /// The same call on whichever model it is.
@@ -24,6 +26,7 @@ macro_rules! each {
             Material::Phong($model) => $call,
             Material::ModifiedPhong($model) => $call,
             Material::Lafortune($model) => $call,
+            Material::MetallicRoughness($model) => $call,
         }
     };
 }
@@ -40,7 +43,14 @@ impl Material {
     /// # Errors
     /// [`MaterialError`] that names what is wrong.
     pub fn validate(&self) -> Result<(), MaterialError> {
-        each!(self, m => m.validate())
+        match self {
+            Self::Lambert(m) => m.validate(),
+            Self::Phong(m) => m.validate(),
+            Self::ModifiedPhong(m) => m.validate(),
+            Self::Lafortune(m) => m.validate(),
+            // Was checked when it was made.
+            Self::MetallicRoughness(_) => Ok(()),
+        }
     }
 
     /// The model's name as scene files spell it.
@@ -51,6 +61,7 @@ impl Material {
             Self::Phong(_) => "phong",
             Self::ModifiedPhong(_) => "modified-phong",
             Self::Lafortune(_) => "lafortune",
+            Self::MetallicRoughness(_) => "metallic-roughness",
         }
     }
 }
@@ -100,5 +111,11 @@ impl From<ModifiedPhong> for Material {
 impl From<Lafortune> for Material {
     fn from(model: Lafortune) -> Self {
         Self::Lafortune(model)
+    }
+}
+
+impl From<MetallicRoughness> for Material {
+    fn from(model: MetallicRoughness) -> Self {
+        Self::MetallicRoughness(model)
     }
 }

@@ -11,8 +11,10 @@ use crate::load::{Context, Part};
 use crate::mesh::MAX_COORDINATE;
 use crate::skeleton::{Carrier, Skeleton};
 use crate::{Camera, Mesh, SceneError};
+use brdf::Material;
 use glam::Mat4;
 use gltf::json::Root;
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Extensions that may be required: their data is either read or only changes how a surface looks.
@@ -131,6 +133,7 @@ fn document(
         worlds: skeleton.worlds(0.0),
         moving: skeleton.moving(),
         skeleton,
+        materials: HashMap::new(),
         notes: Notes::default(),
     };
     let index = context.skeletons.len();
@@ -226,6 +229,8 @@ struct Reader<'a> {
     worlds: Vec<Mat4>,
     /// For each node whether the clip moves it.
     moving: Vec<bool>,
+    /// Those that were asked for.
+    materials: HashMap<usize, Material>,
     notes: Notes,
 }
 
@@ -251,7 +256,15 @@ impl Reader<'_> {
             };
             let material = match primitive.material {
                 None => None,
-                Some(index) => Some((index.value(), read_material(self.root, index.value())?)),
+                Some(index) => {
+                    let index = index.value();
+                    let known = match self.materials.get(&index) {
+                        Some(known) => known.clone(),
+                        None => read_material(self.root, index)?,
+                    };
+                    self.materials.insert(index, known.clone());
+                    Some((index, known))
+                }
             };
             let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
             let joints = skin.as_deref().filter(|_| influences.is_some());

@@ -35,10 +35,8 @@ fn node_transforms_multiply_from_the_root() {
     for (p, want) in got.iter().zip([[0.0, 0.0, 5.0], [0.0, 2.0, 5.0], [-2.0, 0.0, 5.0]]) {
         assert!((*p - Vec3::from_array(want)).length() < 1e-5, "{p}");
     }
-    let Some((0, Material::ModifiedPhong(m))) = &parts[0].material else { panic!() };
-    // Roughness 1: e = 0; F0 = 0.04 leaves 96 % of the base colour to the diffuse term.
-    assert_eq!(m.exponent, 0.0);
-    assert!((m.kd - 0.96 * Vec3::new(0.8, 0.4, 0.2)).length() < 1e-6 && (m.ks - Vec3::splat(0.04)).length() < 1e-6);
+    let Some((0, Material::MetallicRoughness(m))) = &parts[0].material else { panic!() };
+    assert_eq!(m.parameters(), (Vec3::new(0.8, 0.4, 0.2), 0.0, 1.0));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::load::{self, Context};
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
 use crate::{Animation, Camera, Scene, SceneError};
-use brdf::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
+use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::Sphere;
@@ -171,9 +171,16 @@ fn material(mut t: Table<'_>) -> Result<Material, SceneError> {
             let lobes: Result<Vec<_>, _> = elements.into_iter().map(lafortune_lobe).collect();
             Lafortune { diffuse, lobes: lobes? }.into()
         }
+        "metallic-roughness" => {
+            let base = t.require("base")?.color()?;
+            let number = |v: Option<Value<'_>>| v.map_or(Ok(1.0), |v| v.number());
+            let (metallic, roughness) = (number(t.get("metallic"))?, number(t.get("roughness"))?);
+            MetallicRoughness::new(base, metallic, roughness).map_err(|e| model.error(e))?.into()
+        }
         other => {
             return Err(model.error(format!(
-                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\" or \"lafortune\""
+                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\", \"lafortune\" or \
+                 \"metallic-roughness\""
             )));
         }
     };

@@ -1,0 +1,165 @@
+use crate::error::check_fraction;
+use crate::ggx::{DIELECTRIC, FAMILY_COUNT, Row, SPREAD};
+use crate::sampling::{density, draw};
+use crate::{Brdf, BrdfSample, MaterialError};
+use glam::Vec3;
+use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis};
+use std::sync::Arc;
+
+/// Rows of the table, even in `√(1 − n·ω_o)`, which is all but even in the angle.
+const ROWS: usize = 48;
+
+/// Smallest `α = roughness²`: a lobe of exponent 1e6.
+const MIN_ALPHA: f64 = 1e-3;
+
+/// glTF's metallic–roughness material as lobes: a diffuse base under a dielectric coat of `F0 = 0.04`, mixed with a
+/// metal (glTF 2.0, appendix B; B. Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007).
+///
+/// With `α = roughness²`, `F0 = 0.04 + metallic·(base − 0.04)` and `h` half-way between `v` and `ω_o`:
+/// `f̃ ≈ (1−metallic)·base/π·(1−F_d)·(n·v) + F·D(h)·W(v)`, `D = α²/π((n·h)²(α²−1)+1)²`,
+/// `F = F0 + (1−F0)(1−ω_o·h)⁵`, `W = G₂/(4 n·ω_o)` with Smith's height-correlated `G₂`.
+///
+/// `D` is split into three parts, each of which becomes a lobe with the same flux, mean direction and width across the
+/// plane of incidence, the two narrow ones up to three lobes where the highlight is longer than wide (from about 30°).
+/// The sum *is* the model: `eval` is the lobes' value, as for every other material here.
+///
+/// # Accuracy
+/// The reflected fraction is GGX's within 0.5 %, and never above 1. For roughness 0.1 … 1 the highlight's peak is within
+/// 9 % of GGX's up to 60° from the normal, and its L2 residual 2–15 %. Beyond, three round lobes are no streak: at 75° the
+/// peak is 11–35 % low and the highlight up to 1.8 times too wide across, at 80° 15–55 % and 2.6 times.
+///
+/// # Cost
+/// A table of 48 rows when it is made (some milliseconds); one to seven lobes, and one for a diffuse base.
+///
+/// ```
+/// use brdf::{Brdf, MetallicRoughness};
+/// use glam::Vec3;
+/// let gold = MetallicRoughness::new(Vec3::new(1.0, 0.77, 0.34), 1.0, 0.3)?;
+/// let at = lobe_core::Receiver {
+///     position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: lobe_core::OWN_NONE,
+/// };
+/// // Straight back: F0·D/4 with D = 1/(π 0.09²).
+/// let peak = gold.eval(&at, Vec3::Z);
+/// assert!((peak.x - 9.82).abs() < 0.05 * 9.82);
+/// # Ok::<(), brdf::MaterialError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct MetallicRoughness {
+    base: Vec3,
+    metallic: f32,
+    roughness: f32,
+    rows: Arc<[Row; ROWS]>,
+}
+
+impl PartialEq for MetallicRoughness {
+    fn eq(&self, other: &Self) -> bool {
+        // The rows follow from these.
+        (self.base, self.metallic, self.roughness) == (other.base, other.metallic, other.roughness)
+    }
+}
+
+impl MetallicRoughness {
+    /// The material with base colour, metalness and roughness, all in [0, 1].
+    ///
+    /// # Errors
+    /// [`MaterialError::Fraction`] for what lies outside.
+    pub fn new(base: Vec3, metallic: f32, roughness: f32) -> Result<Self, MaterialError> {
+        base.to_array().iter().try_for_each(|&b| check_fraction("base", b))?;
+        check_fraction("metallic", metallic)?;
+        check_fraction("roughness", roughness)?;
+        let alpha = f64::from(roughness * roughness).max(MIN_ALPHA);
+        let f0 = f64::from(normal_reflectance(base, metallic).element_sum() / 3.0);
+        let most = f64::from(base.max_element());
+        let rows = core::array::from_fn(|i| {
+            let root = i as f64 / (ROWS - 1) as f64;
+            let cos = 1.0 - root * root;
+            Row::new(alpha, [(1.0 - cos * cos).sqrt(), cos], f0, most)
+        });
+        Ok(Self { base, metallic, roughness, rows: Arc::new(rows) })
+    }
+
+    /// Base colour, metalness and roughness.
+    #[must_use]
+    pub const fn parameters(&self) -> (Vec3, f32, f32) {
+        (self.base, self.metallic, self.roughness)
+    }
+
+    fn row(&self, cos: f32, sin: f32) -> Row {
+        // √(1 − cos) without cancellation.
+        let root = sin / (1.0 + cos).sqrt();
+        let at = root.clamp(0.0, 1.0) * (ROWS - 1) as f32;
+        let first = (at as usize).min(ROWS - 2);
+        self.rows[first].lerp(&self.rows[first + 1], at - first as f32)
+    }
+
+    pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+        let n = at.normal;
+        let cos = n.dot(at.view).clamp(0.0, 1.0);
+        // Views below the horizon, which smooth normals have, are taken as at it.
+        let along = n * n.dot(at.view) - at.view;
+        let length = along.length();
+        let forward = if length > 1e-12 { along / length } else { orthonormal_basis(n).0 };
+        let sin = length.min(1.0);
+        let row = self.row(cos, sin);
+        let (mirror, beside) = (n * cos + forward * sin, forward * cos - n * sin);
+        let (mirror, beside) = (mirror.normalize_or(n), beside.normalize_or(forward));
+
+        let mut lobes = [None; 1 + 3 * FAMILY_COUNT];
+        let diffuse = self.base * ((1.0 - self.metallic) * row.diffuse);
+        lobes[0] = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(n, 1.0, diffuse));
+        let f0 = normal_reflectance(self.base, self.metallic);
+        for (k, family) in row.families.iter().enumerate() {
+            let flux = f0 * family.flux[0] + family.flux[1];
+            if flux == Vec3::ZERO {
+                continue;
+            }
+            let axis = |angle: f32| (mirror * angle.cos() + beside * angle.sin()).normalize();
+            // So near each other that they are one.
+            let single = family.spread * family.spread * (family.exponent + 2.0) < 1e-3;
+            for (i, share) in SPREAD.into_iter().enumerate() {
+                let place = i as f32 - 1.0;
+                lobes[1 + 3 * k + i] = match single {
+                    true if i == 1 => Some(Lobe::with_flux(axis(family.tilt), family.exponent, flux)),
+                    true => None,
+                    false => {
+                        let axis = axis(family.tilt + place * family.spread);
+                        Some(Lobe::with_flux(axis, family.exponent, flux * share))
+                    }
+                };
+            }
+        }
+        lobes.into_iter().flatten()
+    }
+}
+
+/// `F0`.
+fn normal_reflectance(base: Vec3, metallic: f32) -> Vec3 {
+    Vec3::splat(DIELECTRIC as f32).lerp(base, metallic)
+}
+
+impl BrdfLobes for MetallicRoughness {
+    fn max_lobes(&self) -> usize {
+        8
+    }
+
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    }
+}
+
+impl Brdf for MetallicRoughness {
+    fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+        if at.normal.dot(v) <= 0.0 {
+            return Vec3::ZERO;
+        }
+        self.lobes(at).map(|lobe| lobe.eval(v)).sum()
+    }
+
+    fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
+        draw(self.lobes(at), at.normal, u)
+    }
+
+    fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
+        density(self.lobes(at), at.normal, v)
+    }
+}
