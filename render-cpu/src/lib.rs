@@ -2,6 +2,7 @@
 
 mod blockers;
 mod gbuffer;
+mod ray_shader;
 mod rays;
 mod reference;
 mod scene_spheres;
@@ -12,6 +13,7 @@ mod world;
 
 pub use crate::blockers::{BlockersError, BlockersProgress, blockers};
 pub use crate::gbuffer::{GBuffer, TILE};
+pub use crate::ray_shader::RayShader;
 pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};

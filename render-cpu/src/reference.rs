@@ -10,7 +10,7 @@ pub use self::checkpoint::CheckpointError;
 use self::cone::LightCone;
 use self::meridian::{Cap, Meridian};
 use self::occluders::{Occluders, tile_candidates};
-use self::sobol::{Sequence, mix};
+pub(crate) use self::sobol::{Sequence, mix};
 use crate::{GBuffer, World};
 use brdf::{Brdf, Material};
 use core::f64::consts::TAU;

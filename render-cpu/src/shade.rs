@@ -290,7 +290,7 @@ impl Probe for Work {
 }
 
 /// A ball around the box of some points.
-fn bounding_ball(receivers: &[Receiver]) -> Sphere {
+pub(crate) fn bounding_ball(receivers: &[Receiver]) -> Sphere {
     let mut low = Vec3::INFINITY;
     let mut high = Vec3::NEG_INFINITY;
     for r in receivers {

@@ -4,7 +4,7 @@ mod refit_tests;
 mod tree;
 
 pub(crate) use self::query::{Primitive, Region};
-use self::tree::Tree;
+pub(crate) use self::tree::Tree;
 use crate::scene_spheres::is_lamp;
 use core::time::Duration;
 use glam::{DVec3, Vec3, Vec3A};
@@ -61,7 +61,7 @@ pub(crate) struct Corners {
 }
 
 /// The power of two that brings coordinates up to `size` to about a million.
-fn hierarchy_scale(size: f32) -> f32 {
+pub(crate) fn hierarchy_scale(size: f32) -> f32 {
     let exponent = (20.0 - size.log2().floor()).clamp(-100.0, 60.0);
     f32::from_bits(((127.0 + exponent) as u32) << 23)
 }

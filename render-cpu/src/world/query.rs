@@ -119,6 +119,11 @@ fn outside(shaft: &Shaft, bounds: &Aabb) -> bool {
 }
 
 impl<T> Tree<T> {
+    /// Calls `found` for primitives whose boxes meet the shaft, until it says true. Returns whether it did.
+    pub(crate) fn in_shaft(&self, shaft: &Shaft, found: &mut impl FnMut(u32, &T) -> bool) -> bool {
+        self.visit(&|b| outside(shaft, b), found)
+    }
+
     /// Calls `found` for primitives in boxes that are not `outside`, until it says true. Returns whether it did.
     fn visit(&self, outside: &impl Fn(&Aabb) -> bool, found: &mut impl FnMut(u32, &T) -> bool) -> bool {
         let Some(bvh) = &self.bvh else { return false };
@@ -158,15 +163,14 @@ impl World<'_> {
         out: &mut Vec<Primitive>,
     ) -> bool {
         out.clear();
-        let outside = |b: &Aabb| outside(shaft, b);
         let mut add = |blocks: bool, primitive: Primitive| {
             if blocks {
                 out.push(primitive);
             }
             out.len() > limit
         };
-        !self.triangles.visit(&outside, &mut |i, c| add(of(c.object), Primitive::Triangle(i)))
-            && !self.balls.visit(&outside, &mut |i, b| add(b.blocks && of(b.object), Primitive::Ball(i)))
+        !self.triangles.in_shaft(shaft, &mut |i, c| add(of(c.object), Primitive::Triangle(i)))
+            && !self.balls.in_shaft(shaft, &mut |i, b| add(b.blocks && of(b.object), Primitive::Ball(i)))
     }
 
     /// False when no ray of the region meets one of the primitives; may be true although none does.

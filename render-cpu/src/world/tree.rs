@@ -27,7 +27,7 @@ impl<T> core::fmt::Debug for Tree<T> {
 }
 
 impl<T: Copy + Boundable + Named> Tree<T> {
-    pub(super) fn new(primitives: &[T], scale: f32, build: impl FnOnce(&[T]) -> CwBvh) -> Self {
+    pub(crate) fn new(primitives: &[T], scale: f32, build: impl FnOnce(&[T]) -> CwBvh) -> Self {
         if primitives.is_empty() {
             return Self { bvh: None, primitives: Vec::new(), scale, built_area: 0.0 };
         }
@@ -95,7 +95,7 @@ impl<T: Copy + Boundable + Named> Tree<T> {
         (hit.t < scaled.tmax).then(|| (&self.primitives[hit.primitive_id as usize], hit.t / self.scale))
     }
 
-    pub(super) fn any(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> bool {
+    pub(crate) fn any(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> bool {
         let meet = |r: &Ray, i| self.intersect(&ray, r, i, &intersect);
         self.bvh.as_ref().is_some_and(|b| !b.ray_traverse_miss(self.scaled(ray), meet))
     }

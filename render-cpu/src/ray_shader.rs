@@ -1,0 +1,280 @@
+//! Direct light by shadow rays: what the lobes are measured against.
+
+mod discs;
+mod reflectance;
+mod spheres;
+#[cfg(test)]
+mod tests;
+
+use self::discs::Discs;
+use self::reflectance::{Reflectance, Sum};
+use self::spheres::{Eight, Seen, SphereTargets};
+use crate::World;
+use crate::reference::mix;
+use crate::shade::bounding_ball;
+use crate::world::{Primitive, Region};
+use core::convert::Infallible;
+use core::f32::consts::TAU;
+use core::sync::atomic::{AtomicU64, Ordering};
+use fearless_simd::{Level, dispatch};
+use glam::Vec3;
+use lighting::SphereLight;
+use lobe_core::{Cone, Coverage, LightLobes, Receiver, Shaft, orthonormal_basis};
+use rayon::prelude::*;
+use scene::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints};
+use std::time::Instant;
+
+/// Directions that are looked at together.
+const LANES: usize = 8;
+/// Points that share what is culled, as in [`CpuShader`](crate::CpuShader).
+const GROUP: usize = 64;
+/// So many primitives in a group's shaft are tested one by one; more are left to the hierarchy.
+const LISTED: usize = 48;
+
+/// Shades points by sampling: the same picture as [`CpuShader`](crate::CpuShader)'s with noise, at the best speed that
+/// shadow rays reach here. No lobe and no mask.
+///
+/// # Method
+/// Each point sees each light's cone through `samples` directions, uniform in solid angle: Owen-scrambled Sobol' points on
+/// the disc, one of sixteen sets chosen by a hash of the point's position and turned by another. The radiance is
+/// `2π(1 − cos θ)/N·Σ L f̃(v) V(v)` with the exact f̃. Each direction above the horizon that the material reflects
+/// costs a shadow ray, which stops at the first blocker (any hit).
+///
+/// *Culled* ([`culled`](Self::culled)): points that share a group of 64 list what may lie between them and the light;
+/// points whose cone of light meets nothing of it shoot no rays, points whose light one sphere hides take no samples, and rays
+/// against spheres are asked eight at once without a hierarchy: everything that the lobes' own culling gives, for rays.
+/// *Not culled*: each ray alone through an eight-wide hierarchy (obvhs).
+///
+/// Lights narrower than a glossy lobe's width are sampled well; a lobe much narrower than the light (`e(1 − cos θ) > 2`)
+/// would need samples of its own and is noisy. Cost: linear in samples. Results do not depend on threads nor on how points are
+/// listed.
+#[derive(Debug)]
+pub struct RayShader<'a> {
+    targets: Targets<'a>,
+    samples: u32,
+    discs: Discs,
+    culled: bool,
+    level: Level,
+    rays: AtomicU64,
+}
+
+#[derive(Debug)]
+enum Targets<'a> {
+    Spheres(SphereTargets),
+    Surfaces(&'a World<'a>),
+}
+
+impl<'a> RayShader<'a> {
+    /// Rays against the spheres that the `spheres` strategy sees, with the same rule for a receiver's own ones. Builds a
+    /// hierarchy over them.
+    #[must_use]
+    pub fn spheres(blockers: &BlockerSet, samples: u32) -> Self {
+        Self::new(Targets::Spheres(SphereTargets::new(blockers)), samples)
+    }
+
+    /// Rays against the true triangles and balls.
+    #[must_use]
+    pub fn surfaces(world: &'a World<'a>, samples: u32) -> Self {
+        Self::new(Targets::Surfaces(world), samples)
+    }
+
+    fn new(targets: Targets<'a>, samples: u32) -> Self {
+        let samples = samples.max(1);
+        Self {
+            targets,
+            samples,
+            discs: Discs::new(samples),
+            culled: false,
+            level: Level::new(),
+            rays: AtomicU64::new(0),
+        }
+    }
+
+    /// With the culling that the lobes have, or without.
+    #[must_use]
+    pub const fn culled(mut self, culled: bool) -> Self {
+        self.culled = culled;
+        self
+    }
+
+    /// Shadow rays shot so far, by all threads.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.rays.load(Ordering::Relaxed)
+    }
+
+    /// One group of points, all lights.
+    #[inline(always)]
+    fn group(
+        &self,
+        receivers: &[Receiver],
+        materials: &[u32],
+        frame: &Frame<'_>,
+        scratch: &mut Scratch,
+        counts: &mut Counts,
+        out: &mut [Vec3],
+    ) {
+        out.fill(Vec3::ZERO);
+        let ball = bounding_ball(receivers);
+        let mut rays = 0;
+        for (number, light) in frame.lights.iter().enumerate() {
+            if self.culled {
+                self.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
+            }
+            for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
+                let cone = light.cone(at);
+                if cone.one_minus_cos <= 0.0 {
+                    continue;
+                }
+                let coverage = if self.culled { self.select(at, &cone, scratch) } else { Coverage::Partial };
+                match coverage {
+                    Coverage::Lit => counts.lit_points += 1,
+                    Coverage::Dark => counts.dark_points += 1,
+                    Coverage::Partial => counts.penumbra_points += 1,
+                }
+                if matches!(coverage, Coverage::Dark) {
+                    continue;
+                }
+                let reflectance = Reflectance::new(&frame.materials[*material as usize], at);
+                let clear = matches!(coverage, Coverage::Lit);
+                let pair = Pair { at, light, cone, number: number as u64, clear };
+                out[i] += self.sample(&pair, &reflectance, scratch, &mut rays);
+            }
+        }
+        self.rays.fetch_add(rays, Ordering::Relaxed);
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Scratch) {
+        match &self.targets {
+            Targets::Spheres(spheres) => spheres.list(shaft, &mut scratch.list),
+            Targets::Surfaces(world) => {
+                scratch.is_listed = world.in_shaft(shaft, |_| true, LISTED, &mut scratch.primitives);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn select(&self, at: &Receiver, cone: &Cone, scratch: &mut Scratch) -> Coverage {
+        let Targets::Surfaces(world) = &self.targets else { return scratch.seen.select(at, cone, &scratch.list) };
+        let above = at.face.dot(cone.axis) >= cone.sin_sq().sqrt();
+        let region = Region::new(world.leave(at.position, at.face), cone, above.then_some(at.face));
+        let meets = match scratch.is_listed {
+            true => world.meets_any(&region, &scratch.primitives),
+            false => world.meets(&region, |_| true),
+        };
+        if meets { Coverage::Partial } else { Coverage::Lit }
+    }
+
+    /// One point and one light.
+    #[inline(always)]
+    fn sample(&self, pair: &Pair<'_>, reflectance: &Reflectance<'_>, scratch: &Scratch, rays: &mut u64) -> Vec3 {
+        let Pair { at, light, cone, number, clear } = pair;
+        let [x, y, z] = at.position.to_array().map(|x| u64::from(x.to_bits()));
+        let key = mix(mix(x | y << 32, z), *number);
+        let (sin, cos) = ((key >> 40) as f32 * (TAU / 16_777_216.0)).sin_cos();
+        let (b0, b1) = orthonormal_basis(cone.axis);
+        let (b0, b1, axis) = (b0 * cos + b1 * sin, b1 * cos - b0 * sin, cone.axis);
+        let omc = cone.one_minus_cos;
+        let to_center = light.ball.center - at.position;
+        let radius_sq = light.ball.radius * light.ball.radius;
+        let inside = cone.distance <= light.ball.radius;
+        let origin = match &self.targets {
+            Targets::Surfaces(world) => world.leave(at.position, at.face),
+            Targets::Spheres(_) => at.position,
+        };
+        let mut sum = Sum::default();
+        for (b, points) in self.discs.set(key).iter().enumerate() {
+            let mut v = [[0.0f32; LANES]; 3];
+            let (mut above, mut distance) = ([false; LANES], [0.0f32; LANES]);
+            let left = self.samples as usize - b * LANES;
+            for l in 0..LANES {
+                let fall = omc * points.square[l];
+                let k = (omc * (2.0 - fall)).max(0.0).sqrt();
+                let (across, up, along) = (points.x[l] * k, points.y[l] * k, 1.0 - fall);
+                v[0][l] = axis.x * along + b0.x * across + b1.x * up;
+                v[1][l] = axis.y * along + b0.y * across + b1.y * up;
+                v[2][l] = axis.z * along + b0.z * across + b1.z * up;
+                let cosine = v[0][l] * at.normal.x + v[1][l] * at.normal.y + v[2][l] * at.normal.z;
+                above[l] = (cosine > 0.0) & (l < left);
+                let middle = v[0][l] * to_center.x + v[1][l] * to_center.y + v[2][l] * to_center.z;
+                let (x, y, z) =
+                    (to_center.x - v[0][l] * middle, to_center.y - v[1][l] * middle, to_center.z - v[2][l] * middle);
+                let half = (radius_sq - (x * x + y * y + z * z)).max(0.0).sqrt();
+                distance[l] = if inside { middle + half } else { middle - half };
+            }
+            if !clear {
+                *rays += above.iter().filter(|a| **a).count() as u64;
+                match &self.targets {
+                    Targets::Spheres(_) if self.culled => {
+                        let hidden = scratch.seen.hide(&v, &distance);
+                        for l in 0..LANES {
+                            above[l] &= !hidden[l];
+                        }
+                    }
+                    Targets::Spheres(spheres) => {
+                        for l in 0..LANES {
+                            let direction = Vec3::new(v[0][l], v[1][l], v[2][l]);
+                            above[l] = above[l] && !spheres.hide(at, direction, distance[l]);
+                        }
+                    }
+                    Targets::Surfaces(world) => {
+                        for l in 0..LANES {
+                            let direction = Vec3::new(v[0][l], v[1][l], v[2][l]);
+                            above[l] = above[l] && !world.occluded(origin, direction, distance[l]);
+                        }
+                    }
+                }
+            }
+            reflectance.add(&v, &above, &mut sum);
+        }
+        light.radiance * reflectance.total(&sum) * (TAU * omc / self.samples as f32)
+    }
+}
+
+/// One point and one light.
+struct Pair<'a> {
+    at: &'a Receiver,
+    light: &'a SphereLight,
+    cone: Cone,
+    number: u64,
+    /// Nothing can hide the light.
+    clear: bool,
+}
+
+/// Working memory of a thread.
+#[derive(Default)]
+struct Scratch {
+    list: Vec<Eight>,
+    seen: Seen,
+    primitives: Vec<Primitive>,
+    is_listed: bool,
+}
+
+impl Shade for RayShader<'_> {
+    type Error = Infallible;
+
+    /// Writes the estimate. Tolerance, depth and threshold of the frame mean nothing here. Counts are of points that
+    /// culling calls lit, dark, or neither.
+    ///
+    /// # Panics
+    /// When `out` is not as long as the points, or a material number is out of range.
+    fn shade(&mut self, points: &ShadingPoints, frame: &Frame<'_>, out: &mut [Vec3]) -> Result<ShadeStats, Infallible> {
+        assert_eq!(points.receivers.len(), out.len(), "one output a point");
+        let start = Instant::now();
+        let counts = out
+            .par_chunks_mut(GROUP)
+            .enumerate()
+            .map_init(Scratch::default, |scratch, (group, out)| {
+                let range = group * GROUP..group * GROUP + out.len();
+                let (receivers, materials) = (&points.receivers[range.clone()], &points.materials[range]);
+                let mut counts = Counts::default();
+                dispatch!(self.level, _simd => self.group(receivers, materials, frame, scratch, &mut counts, out));
+                counts
+            })
+            .reduce(Counts::default, |mut a, b| {
+                a += b;
+                a
+            });
+        Ok(ShadeStats { seconds: start.elapsed().as_secs_f64(), counts, ..ShadeStats::default() })
+    }
+}
