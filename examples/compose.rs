@@ -6,7 +6,7 @@
 use cosine_lobes::brdf::Lambert;
 use cosine_lobes::lighting::{MaskVisibility, SphereLight};
 use cosine_lobes::lobe_core::{
-    BrdfLobes, Integrator, LightLobes, LightTerm, LobeBuffer, Receiver, Sphere, VisibilityLobes, VisibilitySum,
+    BrdfLobes, Call, Integrator, LightLobes, LightTerm, LobeBuffer, Receiver, Sphere, VisibilityLobes, VisibilitySum,
 };
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
@@ -30,8 +30,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let at = Receiver { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
         material.brdf_lobes(&at, &mut lobes.writer())?;
         let term = LightTerm { cone: light.cone(&at), radiance: light.radiance(&at) };
-        let (brdf, tolerance) = (lobes.lobes(), 0.003);
-        let lit = integrator.radiance(&at, brdf, &term, &visibility, tolerance, &mut scratch, &mut sum, &mut ())?;
+        let (at, light, visibility) = (&at, &term, &visibility);
+        let call = Call { at, brdf: lobes.lobes(), light, visibility, tolerance: 0.003, unshadowed: &[] };
+        let lit = integrator.radiance(&call, &mut scratch, &mut sum, &mut ())?;
         pixels.push(lit.radiance);
     }
     let picture = Picture::new(width, height, pixels);

@@ -5,7 +5,7 @@ use lighting::{Blockers, MAX_DEPTH, Mask, MaskVisibility, PaperVisibility, Paper
 use lobe_core::oracle::Random;
 use lobe_core::paper::Tables;
 use lobe_core::{
-    Cone, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, Method, OWN_NONE, Probe, Receiver, VisibilityLobes,
+    Call, Cone, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, Method, OWN_NONE, Probe, Receiver, VisibilityLobes,
     VisibilityQuery, VisibilitySum,
 };
 use std::sync::OnceLock;
@@ -105,8 +105,9 @@ fn shade<V: VisibilityLobes>(method: Method<'_>, visibility: &V, at: &Receiver, 
     brdf.writer().push(f).expect("room for all lobes");
     let light = LightTerm { cone: *cone, radiance: Vec3::ONE };
     let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::with_capacity(visibility.max_lobes()));
+    let call = Call { at, brdf: brdf.lobes(), light: &light, visibility, tolerance: 0.003, unshadowed: &[] };
     Integrator { method, threshold: 0.0 }
-        .radiance(at, brdf.lobes(), &light, visibility, 0.003, &mut scratch, &mut sum, &mut ())
+        .radiance(&call, &mut scratch, &mut sum, &mut ())
         .expect("room for all lobes")
 }
 
@@ -422,8 +423,10 @@ fn threshold_drops_visibility_products() {
     let mut before = (0, 0.0);
     for threshold in [0.0, 1e-5, 3e-5, 1e-4, 1e-3] {
         let mut probe = Pruned::default();
+        let (brdf, visibility) = (brdf.lobes(), &strategy);
+        let call = Call { at: &at, brdf, light: &light, visibility, tolerance: 0.003, unshadowed: &[] };
         let lit = Integrator { method: Method::Paper(tables()), threshold }
-            .radiance(&at, brdf.lobes(), &light, &strategy, 0.003, &mut scratch, &mut sum, &mut probe)
+            .radiance(&call, &mut scratch, &mut sum, &mut probe)
             .unwrap();
         println!("{threshold} {} of {} {}", probe.0, sum.lobes.lobes().len(), lit.radiance.x);
         // Each lost lobe is less shadow, by less than the threshold.

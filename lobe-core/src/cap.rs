@@ -1,7 +1,7 @@
 //! The integral of one lobe over a uniform disc of light, cut by the receiver's horizon.
 
 use crate::special::{cosine_power_arc, erf};
-use crate::{Cone, Lobe, Receiver, is_lambert};
+use crate::{Cone, Lobe, Lobes, Receiver, is_lambert};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
 
@@ -73,6 +73,18 @@ pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
         chords::<CHORDS_AT_HORIZON>(at, lobe, &cone)
     };
     (scale * value).max(0.0)
+}
+
+/// [`cap_integral`] of many lobes, as when a tile of receivers meets one light: `out[k]` is the integral of `lobes[k]` at
+/// the receiver `at[of[k]]` over `cones[of[k]]`, bit for bit what the single call gives.
+///
+/// # Panics
+/// When `of` or `out` is not as long as `lobes`, or a number in `of` is not that of a receiver and a cone.
+pub fn cap_integrals(at: &[Receiver], cones: &[Cone], of: &[u32], lobes: Lobes<'_>, out: &mut [f32]) {
+    assert!(of.len() == lobes.len() && out.len() == lobes.len(), "one receiver and one output a lobe");
+    for ((out, &of), lobe) in out.iter_mut().zip(of).zip(lobes.iter()) {
+        *out = cap_integral(&at[of as usize], &lobe, &cones[of as usize]);
+    }
 }
 
 /// Irradiance of a sphere light of radiance 1 on a Lambert receiver, at every position of the horizon.

@@ -66,6 +66,25 @@ pub struct Lit {
     pub unshadowed: Vec3,
 }
 
+/// One receiver and one light, to be integrated: the three lobe sums and what they are asked with.
+#[derive(Debug)]
+pub struct Call<'a, V: ?Sized> {
+    /// The receiver.
+    pub at: &'a Receiver,
+    /// Reflectance lobes at the receiver.
+    pub brdf: Lobes<'a>,
+    /// The light.
+    pub light: &'a LightTerm,
+    /// What hides it.
+    pub visibility: &'a V,
+    /// Asked mean error, see [`VisibilityQuery::tolerance`].
+    pub tolerance: f32,
+    /// [`cap_integral`] of each reflectance lobe over the light, where the caller has them already (taken for many points
+    /// at once by [`cap_integrals`](crate::cap_integrals)); empty, and the integrator takes them. The paper's method has
+    /// no use for them.
+    pub unshadowed: &'a [f32],
+}
+
 /// Puts the three lobe sums together: the rendering equation for one receiver and one light (Eq. 21).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Integrator<'a> {
@@ -87,42 +106,37 @@ impl Integrator<'_> {
     ///
     /// # Errors
     /// [`LobesFull`] when `sum` is smaller than the strategy's `max_lobes`.
-    #[expect(clippy::too_many_arguments, reason = "the three sources, the query and the caller's memory")]
+    ///
+    /// # Panics
+    /// When `call.unshadowed` is neither empty nor as long as `call.brdf`.
     pub fn radiance<V: VisibilityLobes + ?Sized>(
         &self,
-        at: &Receiver,
-        brdf: Lobes<'_>,
-        light: &LightTerm,
-        visibility: &V,
-        tolerance: f32,
+        call: &Call<'_, V>,
         scratch: &mut V::Scratch,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
     ) -> Result<Lit, LobesFull> {
         match self.method {
-            Method::Moments => self.by_moments(at, brdf, light, visibility, tolerance, scratch, sum, probe),
-            Method::Paper(tables) => self.by_paper(tables, at, brdf, light, visibility, tolerance, scratch, sum, probe),
+            Method::Moments => self.by_moments(call, scratch, sum, probe),
+            Method::Paper(tables) => self.by_paper(tables, call, scratch, sum, probe),
         }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "as above")]
     fn by_moments<V: VisibilityLobes + ?Sized>(
         &self,
-        at: &Receiver,
-        brdf: Lobes<'_>,
-        light: &LightTerm,
-        visibility: &V,
-        tolerance: f32,
+        call: &Call<'_, V>,
         scratch: &mut V::Scratch,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
     ) -> Result<Lit, LobesFull> {
-        let query = VisibilityQuery { at, cone: &light.cone, tolerance };
+        let given = !call.unshadowed.is_empty();
+        assert!(!given || call.unshadowed.len() == call.brdf.len(), "one integral a reflectance lobe");
+        let query = call.query();
         let mut lit = Lit::default();
         let mut coverage = None;
-        for f in brdf.iter() {
-            let integral = cap_integral(at, &f, &light.cone);
-            let unshadowed = f.flux * light.radiance * integral;
+        for (k, f) in call.brdf.iter().enumerate() {
+            let integral = if given { call.unshadowed[k] } else { cap_integral(call.at, &f, &call.light.cone) };
+            let unshadowed = f.flux * call.light.radiance * integral;
             probe.count(0, 1);
             probe.end(Stage::Lighting);
             lit.unshadowed += unshadowed;
@@ -132,15 +146,15 @@ impl Integrator<'_> {
                 }
                 continue;
             }
-            let seen = *coverage.get_or_insert_with(|| look(visibility, &query, scratch, probe));
-            let fraction = match seen {
+            let fraction = match *coverage.get_or_insert_with(|| call.look(scratch, probe)) {
                 Coverage::Lit => 1.0,
                 Coverage::Dark => 0.0,
                 Coverage::Partial => {
-                    visibility.visibility_lobes(&query, &f, integral, scratch, sum)?;
+                    call.visibility.visibility_lobes(&query, &f, integral, scratch, sum)?;
                     probe.end(Stage::VisibilityLobes);
-                    let fraction = visible_fraction(at, &f, integral, sum);
-                    probe.count(sum.lobes.lobes().len(), sum.lobes.lobes().len() + sum.whole.lobes().len());
+                    let fraction = visible_fraction(call.at, &f, integral, sum);
+                    let lobes = sum.lobes.lobes().len();
+                    probe.count(lobes, lobes + sum.whole.lobes().len());
                     probe.end(Stage::Integration);
                     fraction
                 }
@@ -150,27 +164,22 @@ impl Integrator<'_> {
         Ok(lit)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "as above")]
     fn by_paper<V: VisibilityLobes + ?Sized>(
         &self,
         tables: &paper::Tables,
-        at: &Receiver,
-        brdf: Lobes<'_>,
-        light: &LightTerm,
-        visibility: &V,
-        tolerance: f32,
+        call: &Call<'_, V>,
         scratch: &mut V::Scratch,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
     ) -> Result<Lit, LobesFull> {
-        let query = VisibilityQuery { at, cone: &light.cone, tolerance };
-        let light_lobe = tables.light_lobe(&light.cone, light.radiance);
+        let query = call.query();
+        let light_lobe = tables.light_lobe(&call.light.cone, call.light.radiance);
         let mut lit = Lit::default();
         let mut coverage = None;
-        for f in brdf.iter() {
+        for f in call.brdf.iter() {
             // c_a of Eq. 12; a receiver's cosine is one more lobe.
             let f = if f.cosine > 0.0 {
-                let cosine = Lobe::new(at.normal, 1.0, Vec3::ONE);
+                let cosine = Lobe::new(call.at.normal, 1.0, Vec3::ONE);
                 tables.product(&Lobe { cosine: 0.0, ..f }, &cosine)
             } else {
                 f
@@ -184,12 +193,12 @@ impl Integrator<'_> {
                 probe.prune();
                 continue;
             }
-            let seen = *coverage.get_or_insert_with(|| look(visibility, &query, scratch, probe));
+            let seen = *coverage.get_or_insert_with(|| call.look(scratch, probe));
             if seen != Coverage::Partial {
                 lit.radiance += if seen == Coverage::Lit { unshadowed } else { Vec3::ZERO };
                 continue;
             }
-            visibility.visibility_lobes(&query, &f, unshadowed.max_element(), scratch, sum)?;
+            call.visibility.visibility_lobes(&query, &f, unshadowed.max_element(), scratch, sum)?;
             probe.end(Stage::VisibilityLobes);
             let lobes = sum.lobes.lobes();
             let mut shadow = Vec3::ZERO;
@@ -209,17 +218,18 @@ impl Integrator<'_> {
     }
 }
 
-/// Asks the strategy how much of the light is seen, and tells the probe.
-fn look<V: VisibilityLobes + ?Sized>(
-    visibility: &V,
-    query: &VisibilityQuery<'_>,
-    scratch: &mut V::Scratch,
-    probe: &mut impl Probe,
-) -> Coverage {
-    let seen = visibility.coverage(query, scratch);
-    probe.coverage(seen);
-    probe.end(Stage::Mask);
-    seen
+impl<V: VisibilityLobes + ?Sized> Call<'_, V> {
+    fn query(&self) -> VisibilityQuery<'_> {
+        VisibilityQuery { at: self.at, cone: &self.light.cone, tolerance: self.tolerance }
+    }
+
+    /// Asks the strategy how much of the light is seen, and tells the probe.
+    fn look(&self, scratch: &mut V::Scratch, probe: &mut impl Probe) -> Coverage {
+        let seen = self.visibility.coverage(&self.query(), scratch);
+        probe.coverage(seen);
+        probe.end(Stage::Mask);
+        seen
+    }
 }
 
 /// The share of an unshadowed integral that a visibility sum lets through, for one reflectance lobe.
@@ -228,6 +238,9 @@ fn look<V: VisibilityLobes + ?Sized>(
 /// `base + Σ P(f, lobes)/unshadowed`. In [0, 1]; `unshadowed` is the integral of `f` at flux 1.
 #[must_use]
 pub fn visible_fraction(at: &Receiver, f: &Lobe, unshadowed: f32, sum: &VisibilitySum) -> f32 {
+    if sum.lobes.lobes().is_empty() && sum.whole.lobes().is_empty() {
+        return sum.base.clamp(0.0, 1.0);
+    }
     let f = &Lobe { flux: Vec3::ONE, ..*f };
     let total = |lobes: Lobes<'_>| -> f32 { lobes.iter().map(|c| c.flux.x * normalized_product(at, f, &c)).sum() };
     let seen = total(sum.lobes.lobes());

@@ -38,9 +38,9 @@ pub mod special;
 #[cfg(test)]
 mod tests;
 
-pub use crate::cap::{cap_integral, sphere_light_irradiance};
+pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::geometry::{Cone, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
-pub use crate::integrator::{Integrator, LightTerm, Lit, Method, Probe, Stage, visible_fraction};
+pub use crate::integrator::{Call, Integrator, LightTerm, Lit, Method, Probe, Stage, visible_fraction};
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
 pub use crate::moments::{cone_lobe, exponent_of_spread, mixture_lobe, product_lobe};

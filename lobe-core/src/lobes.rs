@@ -45,6 +45,15 @@ impl<'a> Lobes<'a> {
         Lobe { axis: Vec3::new(c(0), c(1), c(2)), exponent: c(3), flux: Vec3::new(c(4), c(5), c(6)), cosine: c(7) }
     }
 
+    /// Some of the lobes.
+    ///
+    /// # Panics
+    /// When `range` is not inside the sum.
+    #[must_use]
+    pub fn range(&self, range: core::ops::Range<usize>) -> Self {
+        Self { columns: self.columns.map(|column| &column[range.clone()]) }
+    }
+
     /// All lobes in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Lobe> + use<'a> {
         let s = *self;

@@ -1,7 +1,7 @@
 use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
-    BrdfLobes, Coverage, Integrator, LightLobes, LightTerm, LobeBuffer, LobesFull, Method, Probe, Receiver, Shaft,
+    BrdfLobes, Call, Coverage, Integrator, LightLobes, LightTerm, LobeBuffer, LobesFull, Method, Probe, Receiver, Shaft,
     Sphere, Stage, VisibilityLobes, VisibilitySum,
 };
 use rayon::prelude::*;
@@ -171,16 +171,15 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
                 work.lap(0);
                 let term = LightTerm { cone: light.cone(at), radiance: light.radiance };
                 let before = (work.lobes, work.integrals);
-                let lit = integrator.radiance(
+                let call = Call {
                     at,
-                    memory.brdf.lobes(),
-                    &term,
-                    &self.visibility,
-                    frame.tolerance,
-                    &mut memory.scratch,
-                    &mut memory.sum,
-                    work,
-                )?;
+                    brdf: memory.brdf.lobes(),
+                    light: &term,
+                    visibility: &self.visibility,
+                    tolerance: frame.tolerance,
+                    unshadowed: &[],
+                };
+                let lit = integrator.radiance(&call, &mut memory.scratch, &mut memory.sum, work)?;
                 out[i] += lit.radiance;
                 if let Some(layers) = layers.as_mut() {
                     layers.unshadowed[i] += lit.unshadowed;
