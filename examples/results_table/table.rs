@@ -1,0 +1,103 @@
+//! The tables as Markdown.
+
+use crate::measure::Row;
+use crate::scaling::Measured;
+use std::fmt::Write;
+
+pub(crate) fn markdown(rows: &[Row], curves: &[Measured]) -> String {
+    let mut text = String::from("# Results\n\n");
+    let threads = threads();
+    // Writing to a string does not fail.
+    let _ = writeln!(
+        text,
+        "Shading of one frame, visible points given, {threads} threads, tolerance 0.5 %, depth 5, strategy `spheres`. Scenes \
+         with the paper's numbers of points, spheres and lights, made by `cargo run --release --example results_table`; the \
+         paper's figures are from an Intel Core i7 920 with an NVIDIA GTX 280. Median of repeated frames with quartiles.\n"
+    );
+    if !rows.is_empty() {
+        times(&mut text, rows);
+        counters(&mut text, rows);
+    }
+    curves.iter().for_each(|curve| series(&mut text, curve));
+    text
+}
+
+fn threads() -> usize {
+    std::env::var("RAYON_NUM_THREADS")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
+}
+
+fn times(text: &mut String, rows: &[Row]) {
+    text.push_str(
+        "| scene | points | spheres | lights | penumbra | dark | ms a frame (quartiles) | fps | best ms | asked | paper |\n",
+    );
+    text.push_str("|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for Row { name, note, paper, target, spheres, lights, timing } in rows {
+        let [_, penumbra, dark] = timing.shares().map(|s| 100.0 * s);
+        let ms = 1e3 * timing.stats.seconds;
+        let [low, high] = timing.quartiles.map(|s| 1e3 * s);
+        let asked = if *target > 0.0 {
+            format!("≥ {target:.3}").trim_end_matches(['0']).trim_end_matches('.').to_owned()
+        } else {
+            "–".to_owned()
+        };
+        let paper = if paper.is_empty() { "–" } else { paper };
+        let points = timing.points;
+        let _ = writeln!(
+            text,
+            "| {name}: {note} | {points} | {spheres} | {lights} | {penumbra:.1} % | {dark:.1} % | {ms:.2} ({low:.2}–{high:.2}) | \
+             {:.1} | {:.2} | {asked} | {paper} |",
+            1e3 / ms,
+            1e3 * timing.best
+        );
+    }
+    text.push('\n');
+}
+
+fn counters(text: &mut String, rows: &[Row]) {
+    text.push_str(
+        "Shares of the time, as in the paper's Table 1 (its Fig. 13: 2.1, 1.5, 84.8, 4.5, 7.1 %), and counts a point–light \
+         pair in penumbra:\n\n",
+    );
+    text.push_str(
+        "| scene | reflectance | lighting | mask | visibility lobes | integration | lobes | integrals (all) |\n",
+    );
+    text.push_str("|---|---|---|---|---|---|---|---|\n");
+    for row in rows {
+        let stages = row.timing.stages();
+        let all = stages.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let [a, b, c, d, e] = stages.map(|s| 100.0 * s / all);
+        let counts = row.timing.stats.counts;
+        let lobes = counts.lobes as f64 / counts.penumbra_points.max(1) as f64;
+        let _ = writeln!(
+            text,
+            "| {} | {a:.1} % | {b:.1} % | {c:.1} % | {d:.1} % | {e:.1} % | {lobes:.2} | {} |",
+            row.name, counts.integrals
+        );
+    }
+    text.push('\n');
+}
+
+fn series(text: &mut String, measured: &Measured) {
+    let curve = &measured.curve;
+    let _ = writeln!(text, "## {}\n\n{}. 65 536 points.\n", curve.name, curve.note);
+    let _ =
+        writeln!(text, "| {} | penumbra | ms (quartiles) | best ms | × the first |\n|---|---|---|---|---|", curve.of);
+    let first = measured.timings.first().map_or(1.0, |t| t.best);
+    for (value, timing) in measured.points() {
+        let [_, penumbra, _] = timing.shares();
+        let seconds = timing.stats.seconds;
+        let [low, high] = timing.quartiles.map(|s| 1e3 * s);
+        let _ = writeln!(
+            text,
+            "| {value} | {:.1} % | {:.2} ({low:.2}–{high:.2}) | {:.2} | {:.2} |",
+            100.0 * penumbra,
+            1e3 * seconds,
+            1e3 * timing.best,
+            timing.best / first
+        );
+    }
+    text.push('\n');
+}
