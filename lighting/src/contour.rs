@@ -1,5 +1,5 @@
 use crate::mask::Bits;
-use crate::{MAX_DEPTH, Mask};
+use crate::{MAX_DEPTH, Mask, Raster};
 use glam::{Vec2, Vec3};
 
 const SIDE: usize = 1 << MAX_DEPTH;
@@ -332,7 +332,9 @@ impl Contour {
                 whole &= !(1 << i);
                 let (start, length) = mask.emitting_part(i, j);
                 let left = mask.cell_center(i, j).x + (start - i as f32 - 0.5) * cell;
-                mask.block_span(j, left, left + share * length * cell);
+                // Ends among the samples of a cell that differ from cell to cell, else a whole row would round alike.
+                let shift = (Raster::shift(i) + Raster::shift(j)) / mask.raster().samples;
+                mask.block_span(j, left, left + share * length * cell + shift);
             }
             while whole != 0 {
                 let first = whole.trailing_zeros() as usize;

@@ -15,6 +15,7 @@ mod node;
 mod optional;
 mod paper_visibility;
 mod paper_weights;
+mod row;
 mod shadow_tree;
 mod sphere_light;
 mod square;
@@ -24,7 +25,7 @@ mod visibility;
 
 pub use crate::contour::Contour;
 pub use crate::edges::Edges;
-pub use crate::mask::{Covers, MAX_DEPTH, Mask};
+pub use crate::mask::{MAX_DEPTH, Mask, Raster};
 pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
 pub use crate::paper_weights::PaperWeights;

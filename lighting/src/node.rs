@@ -1,6 +1,6 @@
 //! Moments of quad-tree nodes, from bits.
 
-use crate::mask::{Bits, ones};
+use crate::row::{self, WIDTH};
 use crate::{MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::exponent_of_spread;
@@ -101,66 +101,70 @@ pub(crate) fn block(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) 
     Sums::new(mask, part, x0, y0, size).moments(mask, x0, y0)
 }
 
-/// Area, first and second moments of a block, in cells from the centre of its first cell: independent of the light's
-/// size.
+/// Number, first and second moments of a block's samples, in columns of samples and rows from its first sample:
+/// independent of the light's size.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    area: f32,
-    x: f32,
-    y: f32,
-    squares: f32,
+    count: u32,
+    x: u32,
+    y: u32,
+    xx: u32,
+    yy: u32,
 }
 
 impl Sums {
     fn new(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> Self {
-        let select = ones(size as u32);
-        // Whole cells by integer sums, cells that are cut by their own parts.
-        let (mut n, mut sx, mut sy, mut ss) = (0u32, 0u32, 0u32, 0u32);
-        let mut cut = Self::default();
+        let width = WIDTH / mask.side();
+        let (from, to) = (x0 * width, (x0 + size) * width);
+        let mut sums = Self::default();
         for dy in 0..size as u32 {
             let j = y0 + dy as usize;
-            let (whole_emitting, whole_lit) = mask.whole_cells(j);
-            let (whole, any) = match part {
-                Part::Emitting => (whole_emitting, mask.emitting_cells(j)),
-                Part::Lit => (whole_lit, mask.lit_cells(j)),
+            let row = match part {
+                Part::Emitting => {
+                    let (from, to) = mask.emitting(j);
+                    row::span(from, to)
+                }
+                Part::Lit => *mask.lit(j),
             };
-            let byte = whole >> x0 & select;
-            let [count, x, xx] = BYTE[byte as usize].map(u32::from);
-            n += count;
-            sx += x;
-            sy += count * dy;
-            ss += xx + count * dy * dy;
-            for i in Bits((any & !whole) >> x0 & select) {
-                let (start, length) = match part {
-                    Part::Emitting => mask.emitting_part(x0 + i, j),
-                    Part::Lit => mask.lit_part(x0 + i, j),
-                };
-                let (x, y) = (start + 0.5 * length - x0 as f32 - 0.5, dy as f32);
-                cut.area += length;
-                cut.x += length * x;
-                cut.y += length * y;
-                cut.squares += length * (x * x + y * y);
+            let (mut count, mut x, mut xx) = (0, 0, 0);
+            let mut at = from;
+            while at < to {
+                // A byte, or a cell where those are smaller.
+                let byte = (row.0[at / 64] >> (at % 64)) as usize & if width < 8 { 0xf } else { 0xff };
+                let [n, sum, squares] = BYTE[byte].map(u32::from);
+                let offset = (at - from) as u32;
+                count += n;
+                x += sum + offset * n;
+                xx += squares + offset * (2 * sum + offset * n);
+                at += width.min(8);
             }
+            sums.count += count;
+            sums.x += x;
+            sums.xx += xx;
+            sums.y += count * dy;
+            sums.yy += count * dy * dy;
         }
-        Self { area: cut.area + n as f32, x: cut.x + sx as f32, y: cut.y + sy as f32, squares: cut.squares + ss as f32 }
+        sums
     }
 
     /// The cells of a block are close together: their solid angle `dA/(1+x²+y²)^{3/2}` and the defect are taken at the
     /// mean of x²+y², their mean vector at the centroid.
     fn moments(&self, mask: &Mask, x0: usize, y0: usize) -> Moments {
-        if self.area <= 0.0 {
+        if self.count == 0 {
             return Moments::default();
         }
-        let inverse = 1.0 / self.area;
-        let (mx, my) = (self.x * inverse, self.y * inverse);
-        let variance = (self.squares * inverse - mx * mx - my * my).max(0.0) + 1.0 / 6.0;
         let cell = mask.cell();
+        let sample = cell * (mask.side() as f32 / WIDTH as f32);
+        let inverse = 1.0 / self.count as f32;
+        let (mx, my) = (self.x as f32 * inverse, self.y as f32 * inverse);
+        let (xx, yy) = (self.xx as f32 * inverse - mx * mx, self.yy as f32 * inverse - my * my);
+        let variance = (xx.max(0.0) + 1.0 / 12.0) * sample * sample + (yy.max(0.0) + 1.0 / 12.0) * cell * cell;
         let origin = mask.cell_center(x0, y0);
-        let (px, py) = (origin.x + mx * cell, origin.y + my * cell);
-        let s = px * px + py * py + variance * cell * cell;
+        let (px, py) = (origin.x - 0.5 * cell + (mx + 0.5) * sample, origin.y + my * cell);
+        let s = px * px + py * py + variance;
         let q_sq = 1.0 / (1.0 + s);
         let q = q_sq.sqrt();
-        let omega = self.area * cell * cell * q * q_sq;
+        let omega = self.count as f32 * sample * cell * q * q_sq;
         Moments { omega, x: omega * q * px, y: omega * q * py, defect: omega * s * q_sq / (1.0 + q) }
     }
 }
@@ -215,12 +219,18 @@ impl Pyramid {
     pub(crate) fn build_lit(&mut self, mask: &Mask, emitting: &Self) {
         let finest = &emitting.levels[emitting.top];
         self.build(mask, |x0, y0, size, index| {
-            let (touched, lit) = (y0..y0 + size)
-                .fold((0, 0), |(touched, lit), j| (touched | mask.touched_cells(j), lit | mask.lit_cells(j)));
-            let select = ones(size as u32);
-            if touched >> x0 & select == 0 {
+            let columns = WIDTH / mask.side();
+            let node = row::span((x0 * columns) as u32, ((x0 + size) * columns) as u32);
+            let (mut untouched, mut dark) = (true, true);
+            for j in y0..y0 + size {
+                let (from, to) = mask.emitting(j);
+                let lit = row::and(mask.lit(j), &node);
+                untouched &= lit == row::and(&row::span(from, to), &node);
+                dark &= lit == row::NONE;
+            }
+            if untouched {
                 finest[index]
-            } else if lit >> x0 & select == 0 {
+            } else if dark {
                 Moments::default()
             } else {
                 block(mask, Part::Lit, x0, y0, size)

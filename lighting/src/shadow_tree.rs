@@ -1,11 +1,8 @@
 //! The paper's quad-tree of shadow nodes, from a mask.
 
-use crate::mask::Bits;
 use crate::{MAX_DEPTH, Mask, UnitSquare};
 
 const SIDE: usize = 1 << MAX_DEPTH;
-/// A cell that emits or is open by less than this fraction does not: its ends are kept in 255ths.
-const CLOSED: f32 = 1.5 / 255.0;
 
 /// A node of the quad-tree: column `x` and row `y` among the `2^level` of its level; level 0 is the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,15 +65,8 @@ impl ShadowTree {
         for row in 0..self.side() {
             let (mut touched, mut seen) = (0, 0);
             for j in row * lines..(row + 1) * lines {
-                let (emitting, lit) = mask.whole_cells(j);
-                touched |= emitting;
-                seen |= lit;
-                for i in Bits(mask.emitting_cells(j) & !emitting) {
-                    touched |= u64::from(mask.emitting_part(i, j).1 > CLOSED) << i;
-                }
-                for i in Bits(mask.lit_cells(j) & !lit) {
-                    seen |= u64::from(mask.lit_part(i, j).1 > CLOSED) << i;
-                }
+                touched |= mask.emitting_cells(j);
+                seen |= mask.lit_cells(j);
             }
             if lines == 2 {
                 (touched, seen) = (pairs(touched), pairs(seen));
@@ -216,8 +206,10 @@ mod tests {
                     *leaf = true;
                 }
             }
-            // Lines run a quarter (or, at the greatest depth, half) of a leaf from its edges.
-            let slack = cell * if depth < MAX_DEPTH { 0.25 } else { 0.5 } + 0.01 * cell;
+            // Lines run a quarter (or, at the greatest depth, half) of a leaf from its edges; along them there are 256
+            // samples.
+            let sample = 2.0 / 256.0;
+            let slack = cell * if depth < MAX_DEPTH { 0.25 } else { 0.5 } + sample;
             for (k, leaf) in leaves.iter().enumerate() {
                 let at = |k: usize| (k as f32 + 0.5) * cell - 1.0;
                 let (x, y) = (at(k % side), at(k / side));
@@ -227,7 +219,7 @@ mod tests {
                 }
                 let far = farthest(x - cx, y - cy);
                 assert!(!*leaf || far <= r + slack, "leaf {k} of depth {depth} is not covered");
-                assert!(*leaf || far > r - 0.01 * cell, "leaf {k} of depth {depth} is covered");
+                assert!(*leaf || far > r - sample, "leaf {k} of depth {depth} is covered");
             }
         }
     }

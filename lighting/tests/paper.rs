@@ -5,8 +5,8 @@ use lighting::{Blockers, MAX_DEPTH, Mask, MaskVisibility, PaperVisibility, Paper
 use lobe_core::oracle::Random;
 use lobe_core::paper::Tables;
 use lobe_core::{
-    Call, Cone, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, Method, OWN_NONE, Probe, Receiver, VisibilityLobes,
-    VisibilityQuery, VisibilitySum,
+    Call, Cone, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, Method, OWN_NONE, Probe, Receiver,
+    VisibilityLobes, VisibilityQuery, VisibilitySum,
 };
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -106,9 +106,7 @@ fn shade<V: VisibilityLobes>(method: Method<'_>, visibility: &V, at: &Receiver, 
     let light = LightTerm { cone: *cone, radiance: Vec3::ONE };
     let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::with_capacity(visibility.max_lobes()));
     let call = Call { at, brdf: brdf.lobes(), light: &light, visibility, tolerance: 0.003, unshadowed: &[] };
-    Integrator { method, threshold: 0.0 }
-        .radiance(&call, &mut scratch, &mut sum, &mut ())
-        .expect("room for all lobes")
+    Integrator { method, threshold: 0.0 }.radiance(&call, &mut scratch, &mut sum, &mut ()).expect("room for all lobes")
 }
 
 /// `base + Σ ∫(f̃L)c / ∫f̃L`, not clamped.

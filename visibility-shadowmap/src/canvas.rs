@@ -1,7 +1,7 @@
 //! Where convex polygons are united before they go to the mask.
 
 use glam::Vec2;
-use lighting::{MAX_DEPTH, Mask};
+use lighting::{MAX_DEPTH, Mask, Raster};
 
 /// Samples in a cell: columns in a row line, row lines.
 const ACROSS: usize = 16;
@@ -174,12 +174,14 @@ impl Canvas {
                         mask.block_span(j, x(start), x(i));
                     }
                     if covered != 0 {
-                        // As much at the side where more of it is.
+                        // As much at the side where more of it is. Ends among the samples of a cell that differ from cell to
+                        // cell, else a whole row would round alike.
                         let part = cell * count as f32 / (LINES * ACROSS) as f32;
+                        let shift = (Raster::shift(i) + Raster::shift(j)) / mask.raster().samples;
                         if (covered & 0x00ff_00ff_00ff_00ff).count_ones() * 2 >= count {
-                            mask.block_span(j, x(i), x(i) + part);
+                            mask.block_span(j, x(i), x(i) + part + shift);
                         } else {
-                            mask.block_span(j, x(i + 1) - part, x(i + 1));
+                            mask.block_span(j, x(i + 1) - part + shift, x(i + 1));
                         }
                     }
                 }

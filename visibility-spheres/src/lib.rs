@@ -3,6 +3,7 @@
 mod block;
 mod blockers;
 mod cone_test;
+mod ellipse;
 mod set;
 mod shaft_test;
 mod sphere_tree;

@@ -1,7 +1,8 @@
 //! One sphere on the mask.
 
+use crate::ellipse::Ellipse;
 use glam::{DVec3, Vec3};
-use lighting::{Covers, Edges, Mask};
+use lighting::{Edges, Mask};
 use lobe_core::Coverage;
 
 /// An edge that runs along more than so many cells within one row is taken by area.
@@ -103,16 +104,22 @@ impl BlockedCone {
     }
 
     /// Blocks what of the mask is in the cone.
+    #[inline(always)]
     pub(crate) fn splat(&self, mask: &mut Mask) {
-        if self.cos <= -1.0 {
-            mask.block_all();
-            return;
-        }
         let local = mask.square().local(self.to);
         if self.cos > 0.0 && local.z > 1.001 * self.tangent_radius {
-            self.splat_ellipse(local, mask);
+            Ellipse::new(local, self.tangent_radius, mask).splat(mask);
         } else {
-            self.splat_rows(local.as_dvec3(), mask);
+            self.splat_wide(local.as_dvec3(), mask);
+        }
+    }
+
+    #[inline(never)]
+    fn splat_wide(&self, local: DVec3, mask: &mut Mask) {
+        if self.cos <= -1.0 {
+            mask.block_all();
+        } else {
+            self.splat_rows(local, mask);
         }
     }
 
@@ -159,61 +166,6 @@ impl BlockedCone {
         }
     }
 
-    /// A ball wholly in front of the plane through the receiver: an ellipse, in its centre form. With (X, Y, H) the
-    /// ball's centre, `g = H² − r²`, `u = Y² + g`, `w = X² + u`: centre `(XH, YH)/g`, shear `XY/u`, half-height
-    /// `r√u/g`, and at height `t` above the centre half the span is `√(K₀ − K₂t²)`, `K₀ = r²w/(gu)`, `K₂ = wg/u²`.
-    /// Only `g` is a difference.
-    fn splat_ellipse(&self, c: Vec3, mask: &mut Mask) {
-        let r = self.tangent_radius;
-        let g = (c.z - r) * (c.z + r);
-        let u = c.y * c.y + g;
-        let w = c.x * c.x + u;
-        let (x_center, y_center) = (c.x * c.z / g, c.y * c.z / g);
-        let shear = c.x * c.y / u;
-        let k0 = r * r * w / (g * u);
-        let k2 = w * g / (u * u);
-        let half_height = r * u.sqrt() / g;
-        let bottom = mask.square().center.y - mask.square().half;
-        let row = |y: f32| ((y - bottom) / mask.cell()).clamp(0.0, mask.side() as f32) as usize;
-        let (first, end) = (row(y_center - half_height), (row(y_center + half_height) + 1).min(mask.side()));
-        let span = |y: f32| {
-            let t = y - y_center;
-            let (half, middle) = ((k0 - k2 * t * t).max(0.0).sqrt(), x_center + shear * t);
-            (middle - half, middle + half)
-        };
-        // A row's mean span is shorter than that at its centre by the second derivative.
-        let bend = k0 * k2 * mask.cell() * mask.cell() / 24.0;
-        for j in first..end {
-            let lit = mask.lit_cells(j);
-            if lit == 0 {
-                continue;
-            }
-            let t = mask.row_y(j) - y_center;
-            let square = k0 - k2 * t * t;
-            let half = square.max(0.0).sqrt();
-            let ends = half_height - t.abs() < 0.5 * mask.cell();
-            if ends || shear.abs() * half + k2 * t.abs() > FLAT * half {
-                // The widest that it is within the row.
-                let inner = (t.abs() - 0.5 * mask.cell()).max(0.0);
-                let reach = (k0 - k2 * inner * inner).max(0.0).sqrt() + 0.5 * shear.abs() * mask.cell();
-                if !meets_cells(mask, lit, x_center + shear * t, reach) {
-                    continue;
-                }
-                let covers = if half_height < mask.cell() {
-                    Covers::Within
-                } else if t > 0.0 {
-                    Covers::FromBelow
-                } else {
-                    Covers::FromAbove
-                };
-                mask.block_area(j, covers, span);
-            } else {
-                let (half, middle) = (half * (1.0 - bend / (square * square)), x_center + shear * t);
-                mask.block_span(j, middle - half, middle + half);
-            }
-        }
-    }
-
     /// Any cone: in each row the blocked cells are between, or outside, the roots of a quadratic.
     fn splat_rows(&self, c: DVec3, mask: &mut Mask) {
         let d = c.length();
@@ -230,7 +182,7 @@ impl BlockedCone {
             for k in 0..2 {
                 // An edge that is farther than the window on both borders of the row moves there unseen.
                 if changes(k) {
-                    mask.block_area(j, grows(lower[k], above[k]), |y| row_spans(m, cos, y)[k]);
+                    mask.block_area(j, |y| row_spans(m, cos, y)[k]);
                 } else {
                     let span = row_spans(m, cos, mask.row_y(j))[k];
                     mask.block_span(j, span.0, span.1);
@@ -238,11 +190,6 @@ impl BlockedCone {
             }
         }
     }
-}
-
-/// From which side a span that differs between a row's borders covers it.
-fn grows(lower: (f32, f32), above: (f32, f32)) -> Covers {
-    if above.1 - above.0 > lower.1 - lower.0 { Covers::FromAbove } else { Covers::FromBelow }
 }
 
 /// The one or two spans of the row `y` in which `m·p ≥ cos|p|`, `p = (x, y, 1)`, from left to right; empty ones else.
@@ -274,17 +221,6 @@ fn row_spans(m: DVec3, cos: f64, y: f32) -> [(f32, f32); 2] {
         (Some(_), Some(_), Some(_)) => [(-LIMIT as f32, LIMIT as f32), empty],
         (None, None, None) => [empty; 2],
     }
-}
-
-/// Whether the interval of plane coordinates x from `middle − reach` to `middle + reach` meets one of a row's cells.
-fn meets_cells(mask: &Mask, cells: u64, middle: f32, reach: f32) -> bool {
-    let left = mask.square().center.x - mask.square().half;
-    let side = mask.side() as f32;
-    let at = |x: f32| ((x - left) / mask.cell()).clamp(0.0, side) as u32;
-    let (first, last) = (at(middle - reach), at(middle + reach));
-    // Bits first…last, one more on either side for the rounding of the ends.
-    let upto = |n: u32| if n >= 64 { u64::MAX } else { (1 << n) - 1 };
-    cells & upto(last + 2) & !upto(first.saturating_sub(1)) != 0
 }
 
 /// Whether, along the unit direction `v`, the ball is entered before the light (both seen from the origin). Inside the

