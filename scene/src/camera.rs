@@ -41,7 +41,7 @@ impl Camera {
     pub fn validate(&self) -> Result<(), SceneError> {
         for (name, v) in [("eye", self.eye), ("target", self.target), ("up", self.up)] {
             if v.is_nan() || v.abs().max_element() > MAX_COORDINATE {
-                return Err(SceneError::invalid(format!("camera {name} is {v}: coordinates must lie within ±1e17")));
+                return Err(SceneError::invalid(format!("camera {name} is {v}: coordinates must lie within ±1e9")));
             }
         }
         let forward = (self.target - self.eye).as_dvec3();

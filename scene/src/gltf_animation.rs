@@ -6,54 +6,56 @@ use crate::mesh::MAX_COORDINATE;
 use crate::placement::Clock;
 use crate::skeleton::{Local, Skeleton};
 use crate::track::{Interpolation, Meaning, Track};
+use glam::Vec4;
 use gltf::json::accessor::Type;
 use gltf::json::animation::{Channel, Property, Sampler};
 use gltf::json::validation::Checked;
-use gltf::json::{Animation, Root, animation};
+use gltf::json::{Root, animation};
 
-/// The names of all clips: numbers where they have none.
-pub(crate) fn clip_names(root: &Root) -> Vec<String> {
-    let name = |(i, a): (usize, &Animation)| a.name.clone().unwrap_or_else(|| i.to_string());
-    root.animations.iter().enumerate().map(name).collect()
+/// The name of a clip: its number where it has none.
+pub(crate) fn clip_name(root: &Root, clip: usize) -> String {
+    root.animations[clip].name.clone().filter(|name| !name.is_empty()).unwrap_or_else(|| clip.to_string())
 }
 
 /// The clip of that name, else of that number.
-pub(crate) fn find_clip(names: &[String], wanted: &str) -> Result<usize, String> {
-    let number = || wanted.parse().ok().filter(|&i: &usize| i < names.len());
-    names.iter().position(|n| n == wanted).or_else(number).ok_or_else(|| {
-        if names.is_empty() {
+pub(crate) fn find_clip(root: &Root, wanted: &str) -> Result<usize, String> {
+    let count = root.animations.len();
+    let number = || wanted.parse().ok().filter(|&i: &usize| i < count);
+    (0..count).find(|&i| clip_name(root, i) == wanted).or_else(number).ok_or_else(|| {
+        if count == 0 {
             return format!("there is no clip \"{wanted}\": the file has no animations");
         }
-        let list: Vec<String> = names.iter().map(|n| format!("\"{n}\"")).collect();
+        let list: Vec<String> = (0..count).map(|i| format!("\"{}\"", clip_name(root, i))).collect();
         format!("there is no clip \"{wanted}\": expected one of {}", list.join(", "))
     })
 }
 
-/// Gives the nodes the tracks of a clip. What the clip asks for that is not supported is told in lines; a fault leaves
-/// the nodes in an unspecified state.
-pub(crate) fn play(
-    root: &Root,
-    buffers: &Buffers<'_>,
-    clip: usize,
-    skeleton: &mut Skeleton,
-) -> Result<Vec<String>, String> {
+/// What a clip asks for that is not supported, in lines.
+pub(crate) struct Played {
+    pub(crate) notes: Vec<String>,
+    /// Whether any of its channels is.
+    pub(crate) usable: bool,
+}
+
+/// Gives the nodes the tracks of a clip. A fault leaves the nodes in an unspecified state.
+pub(crate) fn play(root: &Root, buffers: &Buffers<'_>, clip: usize, skeleton: &mut Skeleton) -> Result<Played, String> {
     let animation = &root.animations[clip];
-    if animation.channels.is_empty() {
-        return Err(format!("animation {clip} has no channels"));
-    }
     let mut notes = Vec::new();
     let (mut first, mut last) = (f32::INFINITY, 0.0_f32);
     for (c, channel) in animation.channels.iter().enumerate() {
         let fault = |e: String| format!("animation {clip}, channel {c}: {e}");
         let s = channel.sampler.value();
-        let sampler = animation.samplers.get(s).ok_or_else(|| fault(format!("there is no sampler {s}")))?;
+        let sampler = animation.samplers.get(s).ok_or_else(|| {
+            fault(format!("there is no sampler {s}: expected one of the {} that it has", animation.samplers.len()))
+        })?;
         match add(buffers, channel, sampler, skeleton).map_err(fault)? {
             Ok((start, end)) => (first, last) = (first.min(start), last.max(end)),
             Err(note) => notes.push(fault(note)),
         }
     }
+    let usable = notes.len() < animation.channels.len();
     skeleton.clock = Clock { first: first.clamp(0.0, last), last, repeats: true };
-    Ok(notes)
+    Ok(Played { notes, usable })
 }
 
 /// The first and the last key's time of the channel, or why it is left out.
@@ -64,7 +66,11 @@ fn add(
     skeleton: &mut Skeleton,
 ) -> Result<Result<(f32, f32), String>, String> {
     let node = channel.target.node.value();
-    let bone = skeleton.bones.get_mut(node).ok_or_else(|| format!("there is no node {node}"))?;
+    let nodes = skeleton.bones.len();
+    let bone = skeleton
+        .bones
+        .get_mut(node)
+        .ok_or_else(|| format!("there is no node {node}: expected one of the {nodes} that the file has"))?;
     let (kind, width, meaning) = match &channel.target.path {
         Checked::Invalid => return Ok(Err("unknown path: left out".to_owned())),
         Checked::Valid(Property::Rotation) => (Type::Vec4, 4, Meaning::Rotation),
@@ -78,7 +84,7 @@ fn add(
         Checked::Valid(animation::Interpolation::Linear) => Interpolation::Linear,
         Checked::Valid(animation::Interpolation::Step) => Interpolation::Step,
         Checked::Valid(animation::Interpolation::CubicSpline) => Interpolation::Cubic,
-        Checked::Invalid => return Err("unknown interpolation".to_owned()),
+        Checked::Invalid => return Err("unknown interpolation: expected LINEAR, STEP or CUBICSPLINE".to_owned()),
     };
     let times = buffers.floats(sampler.input, Type::Scalar)?;
     if let Some(t) = times.iter().find(|t| t.is_nan() || t.abs() > MAX_SECONDS) {
@@ -95,7 +101,14 @@ fn add(
         return Err(format!("{n} values for {keys} keys: expected {}", keys * rows * width / kind.multiplicity()));
     }
     if let Some(v) = values.iter().find(|v| v.is_nan() || v.abs() > MAX_COORDINATE) {
-        return Err(format!("value {v}: keys must lie within ±1e17"));
+        return Err(format!("value {v}: keys must lie within ±1e9"));
+    }
+    if meaning == Meaning::Rotation {
+        // Of a cubic key's three rows the middle one is the rotation.
+        let quaternions = values.chunks_exact(4).skip(rows / 2).step_by(rows);
+        if let Some(k) = quaternions.map(Vec4::from_slice).position(|q| q.length() < 1e-6) {
+            return Err(format!("rotation key {k} has length 0: expected a unit quaternion"));
+        }
     }
     let track = Track::new(times, values, width, interpolation, meaning);
     let span = (track.start(), track.end());

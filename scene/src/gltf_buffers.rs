@@ -110,6 +110,14 @@ impl<'a> Buffers<'a> {
                 return Err(fault(format!("byteStride {stride} is less than an element's {row} bytes")));
             }
             let start = accessor.byte_offset.map_or(0, |o| o.0);
+            let view_start = self.root.buffer_views[view.value()].byte_offset.map_or(0, |o| o.0);
+            if !(start % size as u64 == 0 && view_start.wrapping_add(start) % size as u64 == 0) {
+                let at = view_start.wrapping_add(start);
+                return Err(fault(format!("begins at byte {at} of its buffer: expected a multiple of {size}")));
+            }
+            if stride % size != 0 {
+                return Err(fault(format!("byteStride {stride}: expected a multiple of {size}")));
+            }
             let end = (count as u64 - 1).checked_mul(stride as u64).and_then(|n| n.checked_add(start + row as u64));
             if start > bytes.len() as u64 || end.is_none_or(|end| end > bytes.len() as u64) {
                 return Err(fault(format!("{count} elements do not fit into a view of {} bytes", bytes.len())));

@@ -2,7 +2,7 @@
 
 use crate::animation::CameraMover;
 use crate::deformer::Deformer;
-use crate::gltf_animation::{clip_names, find_clip, play};
+use crate::gltf_animation::{clip_name, find_clip, play};
 use crate::gltf_buffers::Buffers;
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
@@ -14,6 +14,7 @@ use crate::{Camera, Mesh, SceneError};
 use brdf::Material;
 use glam::Mat4;
 use gltf::json::Root;
+use gltf::json::validation::Checked;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -37,19 +38,29 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut
     } else {
         (bytes, None)
     };
-    let (root, fault) = match gltf::json::deserialize::from_slice::<Root>(json) {
-        Ok(root) => (root, None),
-        Err(e) => without_faulty_animations(path, json, context).ok_or_else(|| {
+    let root = match gltf::json::deserialize::from_slice::<Root>(json) {
+        Ok(root) => root,
+        Err(e) => {
+            let value: Option<gltf::json::Value> = gltf::json::deserialize::from_slice(json).ok();
+            // The fields of another version have other types.
+            let version = value.as_ref().and_then(|v| v.pointer("/asset/version")).and_then(|v| v.as_str());
+            if let Some(other) = version.filter(|v| !v.starts_with("2.")) {
+                return Err(SceneError::file(path, wrong_version(other)));
+            }
             // In a binary file a line means nothing.
-            if is_glb { SceneError::file(path, e.to_string()) } else { json_error(path, &e) }
-        })?,
+            let fault = || if is_glb { SceneError::file(path, e.to_string()) } else { json_error(path, &e) };
+            value.and_then(|value| without_aimless_channels(path, value, context)).ok_or_else(fault)?
+        }
     };
-    document(path, &root, chunk, clip, fault.as_deref(), context).map_err(|message| SceneError::file(path, message))
+    document(path, &root, json, chunk, clip, context).map_err(|message| SceneError::file(path, message))
 }
 
-/// The document read again without what its animations aim at that is no node, or else without them, and why.
-fn without_faulty_animations(path: &Path, json: &[u8], context: &mut Context) -> Option<(Root, Option<String>)> {
-    let mut value: gltf::json::Value = gltf::json::deserialize::from_slice(json).ok()?;
+fn wrong_version(version: &str) -> String {
+    format!("glTF {version}: only glTF 2.0 is read")
+}
+
+/// The document read again without those channels of its animations that aim at no node, which is no fault.
+fn without_aimless_channels(path: &Path, mut value: gltf::json::Value, context: &mut Context) -> Option<Root> {
     let mut pruned = 0;
     for animation in value.get_mut("animations")?.as_array_mut().into_iter().flatten() {
         if let Some(channels) = animation.get_mut("channels").and_then(|c| c.as_array_mut()) {
@@ -58,17 +69,9 @@ fn without_faulty_animations(path: &Path, json: &[u8], context: &mut Context) ->
             pruned += before - channels.len();
         }
     }
-    let fault = match gltf::json::deserialize::from_value(value.clone()) {
-        Ok(root) => {
-            context.warn(path, format!("{pruned} animation channels without a node were left out"));
-            return Some((root, None));
-        }
-        Err(e) => e.to_string(),
-    };
-    value.as_object_mut()?.remove("animations");
     let root = gltf::json::deserialize::from_value(value).ok()?;
-    context.warn(path, format!("animations are not read: {fault}"));
-    Some((root, Some(fault)))
+    context.warn(path, format!("{pruned} animation channels without a node were left out"));
+    Some(root)
 }
 
 fn json_error(path: &Path, e: &gltf::json::Error) -> SceneError {
@@ -111,22 +114,22 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
 fn document(
     path: &Path,
     root: &Root,
+    json: &[u8],
     chunk: Option<&[u8]>,
     wanted: Option<&str>,
-    unreadable: Option<&str>,
     context: &mut Context,
 ) -> Result<Read, String> {
     let asset = &root.asset;
     if !asset.version.starts_with("2.") || asset.min_version.as_deref().is_some_and(|v| v != "2.0") {
         let version = asset.min_version.as_deref().unwrap_or(&asset.version);
-        return Err(format!("glTF {version}: only glTF 2.0 is read"));
+        return Err(wrong_version(version));
     }
     if let Some(name) = root.extensions_required.iter().find(|e| !KNOWN_EXTENSIONS.contains(&e.as_str())) {
         return Err(format!("requires the extension {name}, which is not supported"));
     }
     let buffers = Buffers::load(path, root, chunk)?;
     let shown = shown_nodes(root)?;
-    let skeleton = animated(path, root, &buffers, wanted, unreadable, context)?;
+    let skeleton = animated(path, root, json, &buffers, wanted, context)?;
     let mut reader = Reader {
         root,
         buffers,
@@ -179,38 +182,56 @@ fn document(
     Ok((parts, camera, moving_camera))
 }
 
-/// The nodes with the clip that was asked for, else with the first one. A fault in the latter is told and leaves them at
-/// rest.
+/// The nodes with the clip that was asked for, else with the first one that moves anything. A fault in it is one of the
+/// file; other clips that are broken are told and not listed.
 fn animated(
     path: &Path,
     root: &Root,
+    json: &[u8],
     buffers: &Buffers<'_>,
     wanted: Option<&str>,
-    unreadable: Option<&str>,
     context: &mut Context,
 ) -> Result<Skeleton, String> {
     let rest = skeleton(root)?;
-    let names = clip_names(root);
-    let clip = match (wanted, unreadable) {
-        (Some(_), Some(fault)) => return Err(format!("animations cannot be read: {fault}")),
-        (Some(name), None) => Some(find_clip(&names, name)?),
-        (None, _) if names.is_empty() => None,
-        (None, _) => Some(0),
-    };
-    context.clips.extend(names);
-    let Some(clip) = clip else { return Ok(rest) };
-    let mut moved = rest.clone();
-    match play(root, buffers, clip, &mut moved) {
-        Ok(notes) => {
-            notes.iter().for_each(|note| context.warn(path, note));
-            Ok(moved)
-        }
-        Err(fault) if wanted.is_some() => Err(fault),
-        Err(fault) => {
-            context.warn(path, format!("the rest pose is shown: {fault}"));
-            Ok(rest)
+    let mut chosen = wanted.map(|name| find_clip(root, name)).transpose()?;
+    let mut shown = None;
+    for clip in 0..root.animations.len() {
+        let mut moved = rest.clone();
+        match play(root, buffers, clip, &mut moved) {
+            Err(fault) if chosen.unwrap_or(clip) == clip => return Err(fault + &spelling(json, root, clip)),
+            Err(fault) => context.warn(path, format!("a clip is left out: {fault}{}", spelling(json, root, clip))),
+            Ok(played) => {
+                if chosen == Some(clip) && !played.usable {
+                    return Err(format!("animation {clip} moves nothing: expected a channel that can be played"));
+                }
+                // What other clips ask for is told when they are played.
+                if chosen.unwrap_or(clip) == clip {
+                    played.notes.iter().for_each(|note| context.warn(path, note));
+                }
+                if played.usable {
+                    context.clips.push(clip_name(root, clip));
+                    if *chosen.get_or_insert(clip) == clip {
+                        shown = Some(moved);
+                    }
+                } else if root.animations[clip].channels.is_empty() {
+                    context.warn(path, format!("animation {clip} has no channels: it is left out"));
+                }
+            }
         }
     }
+    Ok(shown.unwrap_or(rest))
+}
+
+/// The unknown interpolations of a clip as the file spells them, which the typed document does not keep.
+fn spelling(json: &[u8], root: &Root, clip: usize) -> String {
+    let samplers = &root.animations[clip].samplers;
+    let Some(s) = samplers.iter().position(|s| matches!(s.interpolation, Checked::Invalid)) else {
+        return String::new();
+    };
+    let value: Option<gltf::json::Value> = gltf::json::deserialize::from_slice(json).ok();
+    let place = format!("/animations/{clip}/samplers/{s}/interpolation");
+    let found = value.as_ref().and_then(|v| v.pointer(&place));
+    found.map_or_else(String::new, |found| format!(", found {found} in sampler {s}"))
 }
 
 /// What is told once a file.
@@ -313,7 +334,7 @@ impl Reader<'_> {
         }
         let now: Vec<Mat4> = carrier.joints(&self.worlds).collect();
         if now.iter().any(|m| !m.to_cols_array().iter().all(|v| v.abs() <= MAX_COORDINATE)) {
-            return Err("the matrix of a joint leaves ±1e17".to_owned());
+            return Err("the matrix of a joint leaves ±1e9".to_owned());
         }
         let mut morph = Vec::new();
         if morphed {

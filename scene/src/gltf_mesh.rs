@@ -60,7 +60,7 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
                 return Err(format!("morph target {k} of {} positions for {vertices}", moved.len()));
             }
             if moved.iter().any(|d| d.is_nan() || d.abs().max_element() > MAX_COORDINATE) {
-                return Err(format!("morph target {k}: displacements must lie within ±1e17"));
+                return Err(format!("morph target {k}: displacements must lie within ±1e9"));
             }
             Ok(moved)
         };

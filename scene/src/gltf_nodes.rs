@@ -77,7 +77,7 @@ fn rest_weights(root: &Root, node: &Node) -> Result<Vec<f32>, String> {
         None => Ok(vec![0.0; targets]),
         Some(w) if w.len() != targets => Err(format!("mesh {m}: {} morph weights for {targets} targets", w.len())),
         Some(w) if w.iter().any(|w| w.is_nan() || w.abs() > crate::mesh::MAX_COORDINATE) => {
-            Err(format!("mesh {m}: morph weights must lie within ±1e17"))
+            Err(format!("mesh {m}: morph weights must lie within ±1e9"))
         }
         Some(w) => Ok(w.clone()),
     }

@@ -64,6 +64,12 @@ fn faults_are_named() {
         let message = with(nodes, more);
         assert!(message.starts_with("m.gltf: ") && message.contains(words), "{message}");
     }
+    // glTF 1.0 has tables where 2.0 has arrays.
+    let message = parse(r#"{"asset": {"version": "1.0"}, "scenes": {}}"#).err().unwrap();
+    assert!(message.contains("glTF 1.0: only glTF 2.0 is read"), "{message}");
+    let shifted = triangle(r#"[{"mesh": 0}]"#, "").replace("\"count\": 3", "\"byteOffset\": 1, \"count\": 2");
+    let message = parse(&shifted).err().unwrap();
+    assert!(message.contains("accessor 0: begins at byte 1") && message.contains("multiple of 4"), "{message}");
     let message = parse("{\n\"asset\": {\"version\": \"2.0\"},\n}").err().unwrap();
     assert!(message.starts_with("m.gltf:3:"), "{message}");
 }

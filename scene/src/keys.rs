@@ -117,7 +117,7 @@ impl<'s> Keys<'s> {
         let (times, values) = self.values(key, own, |v| {
             let p = v.vec3()?;
             if p.abs().max_element() > MAX_COORDINATE {
-                return Err(v.error(format!("{p}: coordinates must lie within ±1e17")));
+                return Err(v.error(format!("{p}: coordinates must lie within ±1e9")));
             }
             Ok(p)
         })?;

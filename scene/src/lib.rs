@@ -22,10 +22,10 @@
 //! Whatever a file contains, loading neither panics nor reserves memory that the file's own size does not justify; it
 //! ends in a scene or in a [`SceneError`] of one line. Files that a scene file or a glTF refers to are looked for beside
 //! it; a glTF reads nothing outside its folder. Triangles without an area are left out. Coordinates may be as large as
-//! 1e17; NaN and infinity are refused.
+//! 1e9; NaN and infinity are refused.
 //!
 //! glTF: triangles (strips and fans too) of the default scene, with skins and morph targets; sparse and quantised
-//! accessors; the first perspective camera; base colour, metalness and roughness factors as a modified Phong material.
+//! accessors; the first perspective camera; base colour, metalness and roughness factors.
 //! Not read: textures, punctual lights, emission, Draco and meshopt compression ([`load_with_warnings`] says which of these
 //! a file has).
 //!
@@ -36,8 +36,8 @@
 //! vertex keeps its four largest weights. Normals go with the inverse transpose of what carries them; where the file has
 //! none, smooth ones follow from the triangles of each pose.
 //!
-//! A clip that is broken (times not in order, NaN, too few values, nodes that do not exist, no channels …) is refused when it
-//! was asked for by name or number; otherwise a warning says so and the rest pose is shown. Channels that aim at what is not
+//! A clip that is broken (times not in order, NaN, too few values, nodes that do not exist, rotations of length 0 …) is
+//! refused when it is the one that is played; another one is left out with a warning. Channels that aim at what is not
 //! supported (pointers of extensions, weights without targets) are left out with a warning. A skin that is broken is always
 //! refused.
 //!

@@ -13,8 +13,9 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Coordinates beyond this are refused: their squares would overflow f32 in a renderer.
-pub(crate) const MAX_COORDINATE: f32 = 1e17;
+/// Coordinates beyond this are refused: single precision tells points 64 apart there, and squares of differences are far
+/// from overflow.
+pub(crate) const MAX_COORDINATE: f32 = 1e9;
 
 impl Mesh {
     /// The smallest box that holds all vertices that a triangle uses.
@@ -33,7 +34,7 @@ impl Mesh {
         self.triangles.iter().map(|&t| 0.5 * self.face_cross(t).length()).sum()
     }
 
-    /// Checks that there is a triangle, that all positions are finite and within ±1e17, that normals are unit vectors,
+    /// Checks that there is a triangle, that all positions are finite and within ±1e9, that normals are unit vectors,
     /// one a vertex or none at all, and that the triangles refer to vertices that exist.
     ///
     /// # Errors
@@ -45,7 +46,7 @@ impl Mesh {
         if let Some(i) = self.positions.iter().position(|p| p.is_nan() || p.abs().max_element() > MAX_COORDINATE) {
             let [x, y, z] = self.positions[i].to_array();
             return Err(SceneError::invalid(format!(
-                "vertex {i} is [{x:e}, {y:e}, {z:e}]: coordinates must lie within ±1e17"
+                "vertex {i} is [{x:e}, {y:e}, {z:e}]: coordinates must lie within ±1e9"
             )));
         }
         if !self.normals.is_empty() && self.normals.len() != self.positions.len() {

@@ -115,6 +115,13 @@ fn obj_polygons_relative_indices_and_normals() {
 }
 
 #[test]
+fn a_material_library_that_is_not_used_is_told() {
+    let mut context = Context::default();
+    obj::parse(Path::new("m.obj"), &format!("mtllib no-such.mtl\nusemtl x\n{CUBE}"), &mut context).unwrap();
+    assert!(context.warnings.len() == 1 && context.warnings[0].contains("no-such.mtl does not exist"));
+}
+
+#[test]
 fn bad_obj_names_its_line() {
     for (text, line, words) in [
         ("v 0 0 0\nv 1 0 0\nf 1 2 3\n", 3, "vertex 3, there are 2"),

@@ -14,6 +14,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
     let mut normals: Vec<Vec3> = Vec::new();
     let mut corners: Vec<[Corner; 3]> = Vec::new();
     let mut dropped = 0;
+    let mut libraries: Vec<String> = Vec::new();
 
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // Bare carriage returns end lines too, and a backslash at the end of a line joins it with the next.
@@ -48,8 +49,14 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
                     triangulate(&face, &positions, &mut corners);
                 }
             }
+            Some("mtllib") => libraries.extend(words.map(str::to_owned)),
             _ => {}
         }
+    }
+    for library in libraries {
+        let there = path.with_file_name(&library).is_file();
+        let what = if there { "is not read" } else { "does not exist" };
+        context.warn(path, format!("material library {library} {what}: faces have the default material"));
     }
     if dropped > 0 {
         context.warn(path, format!("{dropped} faces with fewer than three corners or infinite ones were left out"));

@@ -31,7 +31,7 @@ pub enum Proxy {
 /// One thing in the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// Its name in messages.
+    /// Its name in messages and reports; several objects may have the same.
     pub name: String,
     /// Geometry in world space.
     pub shape: Shape,
@@ -155,7 +155,12 @@ impl Scene {
                 Shape::Spheres(balls) if balls.is_empty() => {
                     return Err(SceneError::invalid(format!("{} has no spheres", name())));
                 }
-                Shape::Spheres(balls) => check_balls(balls).map_err(|e| fault(name(), &e))?,
+                Shape::Spheres(balls) => {
+                    check_balls(balls).map_err(|e| fault(name(), &e))?;
+                    if object.visible {
+                        balls.iter().try_for_each(|b| self.check_seen(b)).map_err(|e| fault(name(), &e))?;
+                    }
+                }
             }
             if let Proxy::Spheres(balls) = &object.proxy {
                 check_balls(balls).map_err(|e| fault(format!("proxy of {}", name()), &e))?;
@@ -170,17 +175,33 @@ impl Scene {
         }
         Ok(())
     }
+
+    /// Points of a ball are off its surface by up to 1e-7 of its radius: seen from too near they are noise.
+    fn check_seen(&self, ball: &Sphere) -> Result<(), SceneError> {
+        let radius = f64::from(ball.radius);
+        let height = (ball.center.as_dvec3().distance(self.camera.eye.as_dvec3()) - radius).abs();
+        if radius <= MAX_RADIUS_SEEN * height {
+            return Ok(());
+        }
+        Err(SceneError::invalid(format!(
+            "sphere of radius {radius:e} is seen from {height:.3e} away: expected at least {:.3e}, or a plane",
+            radius / MAX_RADIUS_SEEN
+        )))
+    }
 }
+
+/// Radius over the eye's distance to its surface up to which single precision shows a ball well: speckles begin at 5e6.
+const MAX_RADIUS_SEEN: f64 = 2e6;
 
 fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {
     for ball in balls {
         if ball.center.is_nan() || ball.center.abs().max_element() > MAX_COORDINATE {
             let c = ball.center;
-            return Err(SceneError::invalid(format!("sphere has centre {c}: coordinates must lie within ±1e17")));
+            return Err(SceneError::invalid(format!("sphere has centre {c}: coordinates must lie within ±1e9")));
         }
         if !(ball.radius > 0.0 && ball.radius <= MAX_COORDINATE) {
             let r = ball.radius;
-            return Err(SceneError::invalid(format!("sphere has radius {r}: expected a positive number up to 1e17")));
+            return Err(SceneError::invalid(format!("sphere has radius {r}: expected a positive number up to 1e9")));
         }
     }
     Ok(())

@@ -169,6 +169,59 @@ fn huge_and_tiny_scenes_are_fine() {
         parse(&with(&format!("scale = {scale}"))).unwrap();
     }
     parse(&with("translate = [1e6, -1e6, 1e6]")).unwrap();
-    let message = parse(&with("translate = [1e18, 0, 0]")).unwrap_err().to_string();
-    assert!(message.contains("1e17"), "{message}");
+    let message = parse(&with("translate = [2e9, 0, 0]")).unwrap_err().to_string();
+    assert!(message.contains("1e9"), "{message}");
+}
+
+#[test]
+fn misspelt_keys_are_named_where_a_required_one_is_missing() {
+    refused("[[objects]]\nsphere = { center = [0, 0, 0],\nradus = 1 }", 3, &["\"radius\" is missing", "\"radus\""]);
+    refused("[[objects]]\nspere = { center = [0, 0, 0], radius = 1 }", 2, &["\"sphere\"", "unknown key \"spere\""]);
+    refused("[materials.a]\nmodel = \"lambert\"\nalbdo = 1", 3, &["\"albedo\" is missing", "\"albdo\""]);
+    // Nothing alike: the head of the table, as before.
+    refused("[[objects]]\nquad = { center = [0, 0, 0], v = [0, 0, 1] }", 2, &["\"u\" is missing"]);
+}
+
+#[test]
+fn balls_too_large_for_single_precision_are_refused() {
+    let ground = |radius: &str, height: f32| {
+        format!(
+            "[camera]\neye = [0, {height}, 6]\ntarget = [0, 0, 0]\n\
+             [[objects]]\nname = \"ground\"\nsphere = {{ center = [0, -{radius}, 0], radius = {radius} }}"
+        )
+    };
+    parse(&ground("1e6", 2.0)).unwrap();
+    for radius in ["1e7", "1e8", "5e8"] {
+        let message = parse(&ground(radius, 2.0)).unwrap_err().to_string();
+        assert!(message.contains("ground") && message.contains("or a plane"), "{message}");
+    }
+    // A thousand times farther away it is as good as the first.
+    parse(&ground("1e9", 2e3)).unwrap();
+}
+
+#[test]
+fn metallic_roughness_materials_are_read_and_checked() {
+    let material = |more: &str| format!("[materials.m]\nmodel = \"metallic-roughness\"\n{more}\n");
+    let scene = parse(&format!(
+        "{}[[objects]]\nbox = {{ center = [0, 0, 0], size = [1, 1, 1] }}\nmaterial = \"m\"",
+        material("base = 0.5\nroughness = 0.2")
+    ))
+    .unwrap();
+    let brdf::Material::MetallicRoughness(m) = &scene.materials[0] else { panic!() };
+    assert_eq!(m.parameters(), (Vec3::splat(0.5), 1.0, 0.2));
+    refused(&material("base = 1.5"), 2, &["base is 1.5"]);
+    refused(&material("roughness = 0.5"), 1, &["\"base\" is missing"]);
+}
+
+#[test]
+fn sets_in_files_do_not_follow_balls() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("set.json"), "{}").unwrap();
+    let path = folder.path().join("scene.toml");
+    let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\nproxy = { file = \"set.json\" }\n";
+    std::fs::write(&path, ball).unwrap();
+    load(&path).unwrap();
+    std::fs::write(&path, format!("{ball}keys = [{{ time = 0 }}, {{ time = 1, translate = [1, 0, 0] }}]\n")).unwrap();
+    let message = load(&path).unwrap_err().to_string();
+    assert!(message.contains("scene.toml:2:") && message.contains("stays where it was made"), "{message}");
 }

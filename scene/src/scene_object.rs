@@ -99,6 +99,9 @@ pub(crate) fn read_object(
             let balls = move_balls(&own)?;
             let proxy = match proxy {
                 Some(Proxy::Count(_)) => return Err(value.error("exact spheres need no built proxy")),
+                Some(Proxy::File(_)) if moves => {
+                    return Err(value.error("a set in a file stays where it was made: spheres that move need no proxy"));
+                }
                 other => other.unwrap_or_else(|| Proxy::Spheres(balls.clone())),
             };
             let material = material.unwrap_or_else(|| materials.fallback());

@@ -206,7 +206,20 @@ impl<'s> Table<'s> {
     }
 
     pub(crate) fn require(&mut self, key: &'static str) -> Result<Value<'s>, SceneError> {
-        self.get(key).ok_or_else(|| self.error(format!("key \"{key}\" is missing")))
+        self.get(key).ok_or_else(|| self.missing(&[key], format!("key \"{key}\" is missing")))
+    }
+
+    /// An error at the key that was meant for one of `keys`, if one looks so, else at the head of the table.
+    fn missing(&self, keys: &[&str], message: String) -> SceneError {
+        let meant = |found: &str| keys.iter().any(|key| edits(found, key) <= key.len() / 3);
+        let found = self.table.keys().find(|k| !self.asked.contains(&k.get_ref().as_ref()) && meant(k.get_ref()));
+        match found {
+            None => self.error(message),
+            Some(k) => {
+                let message = format!("{}: {message}: found the unknown key \"{}\"", self.name, k.get_ref());
+                self.source.error(k.span().start, message)
+            }
+        }
     }
 
     /// Every entry, whatever its key: for tables of named things.
@@ -226,7 +239,7 @@ impl<'s> Table<'s> {
         let found: Vec<_> = choices.iter().filter_map(|&key| Some((key, self.get(key)?))).collect();
         match found[..] {
             [one] => Ok(one),
-            [] => Err(self.error(format!("expected one of the keys {}", list(choices)))),
+            [] => Err(self.missing(choices, format!("expected one of the keys {}", list(choices)))),
             [_, (key, second), ..] => {
                 Err(second.error(format!("only one of {} may be given, \"{key}\" is too many", list(choices))))
             }
@@ -255,4 +268,19 @@ impl<'s> Value<'s> {
 
 fn list(keys: &[&str]) -> String {
     keys.iter().map(|k| format!("\"{k}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// How many letters must be put in, taken out or replaced to make one word of the other (Levenshtein).
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
 }
