@@ -391,3 +391,48 @@ fn touching_the_horizon_is_seamless() {
     println!("at the horizon: {worst:.2e} of the on-axis value, {at_worst}");
     assert!(worst < 6e-3);
 }
+
+/// All that this machine can run, from the plainest on.
+fn levels() -> Vec<fearless_simd::Level> {
+    use fearless_simd::{Level, Simd};
+    let best = Level::new();
+    let mut all = vec![Level::baseline(), best];
+    #[cfg(target_arch = "x86_64")]
+    {
+        all.extend(best.as_sse4_2().map(Simd::level));
+        all.extend(best.as_avx2().map(Simd::level));
+    }
+    all
+}
+
+#[test]
+fn many_at_once_are_the_single_ones_on_every_machine() {
+    let mut random = Random::new(24);
+    let (mut at, mut cones, mut of) = (Vec::new(), Vec::new(), Vec::new());
+    let mut buffer = LobeBuffer::with_capacity(6000);
+    let mut writer = buffer.writer();
+    for k in 0..3000_u32 {
+        let normal = random.axis();
+        let theta = random.log_uniform(0.05, 40.0).to_radians();
+        let beta = random.between(0.0, 0.5 * PI + theta);
+        let light = random.axis_at(normal, beta);
+        let one_minus_cos = if k % 97 == 0 { 2.0 } else { (2.0 * (0.5 * theta).sin().powi(2)) as f32 };
+        at.push(receiver(normal));
+        cones.push(Cone { axis: light.as_vec3().normalize(), one_minus_cos, distance: 1.0 });
+        writer.push(Lobe::new(normal.as_vec3(), 1.0, Vec3::ONE)).unwrap();
+        let e = if k % 31 == 0 { EXTREME[(k / 31 % 12) as usize] } else { random.exponent(1e6) as f32 };
+        let off = random.uniform() * (theta + 4.0 / f64::from(e + 0.1).sqrt());
+        let axis = random.axis_at(light, off.min(PI)).as_vec3().normalize();
+        writer.push(Lobe { cosine: (k % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) }).unwrap();
+        of.extend([k, k]);
+    }
+    let lobes = buffer.lobes();
+    for level in levels() {
+        let mut out = vec![f32::NAN; lobes.len()];
+        crate::cap::integrals_at(level, &at, &cones, &of, lobes, &mut out);
+        for (k, value) in out.into_iter().enumerate() {
+            let single = cap_integral(&at[k / 2], &lobes.get(k), &cones[k / 2]);
+            assert_eq!(value.to_bits(), single.to_bits(), "{level:?}: {value} {single} {:?}", lobes.get(k));
+        }
+    }
+}

@@ -1,0 +1,283 @@
+use super::pair::Pair;
+use crate::orthonormal_basis;
+use crate::special::{ERF_END, erf_ratio, exp, ln_1p};
+use core::f32::consts::TAU;
+use glam::Vec3;
+
+/// Nodes of a whole light above the horizon, and of one that is narrow beside the lobe; of each piece of a disc that the
+/// horizon crosses; of pieces for lobes with an edge (exponent < 1).
+pub(super) const MANY: usize = 10;
+pub(super) const FEW: usize = 6;
+pub(super) const PIECE: usize = 16;
+pub(super) const EDGE: usize = 32;
+
+/// The lobe's window: it has fallen by `exp(−KAPPA)` at its end.
+const KAPPA: f32 = 9.0;
+
+/// A piece of a light, cut into chords: slices by the planes that contain the cross product of the two axes.
+///
+/// In the frame (a, t, p), a the lobe's axis and t toward the light: `v = (cos λ cos ψ, cos λ sin ψ, sin λ)`,
+/// `dv = cos λ dλ dψ`, `a·v = cos λ cos ψ`; chords are at `sin(ψ−δ) = sin θ·ξ`, ξ in `middle ± half`.
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct Chord {
+    /// What multiplies the sum over the nodes; 0 where lobe and light do not meet.
+    pub(super) weight: f32,
+    half_exponent: f32,
+    /// `m/2`, `m = n + ½`, of the power `n` of `cos λ` along a chord; and `1/m²`.
+    half_m: f32,
+    inverse_m_sq: f32,
+    sin_theta: f32,
+    sin_delta: f32,
+    cos_delta: f32,
+    middle: f32,
+    half: f32,
+    /// 1 where the receiver's cosine multiplies the lobe, else 0.
+    cosine: f32,
+    /// The normal in the frame, the last of its components as an absolute value.
+    normal: [f32; 3],
+    /// That component over `n·½√(2π/m)`: the cosine along a chord is integrated in closed form too.
+    across: f32,
+}
+
+/// The frame of a pair of axes, and what a lobe's window leaves of the light.
+struct Frame {
+    t: Vec3,
+    sin_delta: f32,
+    cos_delta: f32,
+    sin_theta: f32,
+    low: f32,
+    high: f32,
+}
+
+impl Frame {
+    #[inline(always)]
+    fn new(pair: &Pair, t: impl Fn(f32) -> Vec3) -> Self {
+        let y = pair.one_minus_cos_delta();
+        let cos_delta = 1.0 - y;
+        let t = t(cos_delta);
+        let sin_delta = positive(y * (2.0 - y)).sqrt();
+        let sin_theta = positive(pair.one_minus_cos * (2.0 - pair.one_minus_cos)).sqrt();
+        // 1 − exp(−2κ/e), by its series where that cancels.
+        let z = 2.0 * KAPPA / pair.exponent;
+        let sin_w_sq = if z < 0.02 { z * (1.0 - 0.5 * z * (1.0 - z * (1.0 / 3.0))) } else { 1.0 - exp(-z) };
+        let (sin_w, cos_w) = (sin_w_sq.sqrt(), positive(1.0 - sin_w_sq).sqrt());
+        // sin(±ψ_w − δ), unless that angle is beyond 90°.
+        let inverse = 1.0 / sin_theta;
+        let (cc, ss) = (cos_w * cos_delta, sin_w * sin_delta);
+        let (sc, cs) = (sin_w * cos_delta, cos_w * sin_delta);
+        let low = if cc > ss { larger((-sc - cs) * inverse, -1.0) } else { -1.0 };
+        let beyond = if cos_delta < 0.0 { -1.0 } else { 1.0 };
+        let high = if cc + ss > 0.0 { smaller((sc - cs) * inverse, 1.0) } else { beyond };
+        Self { t, sin_delta, cos_delta, sin_theta, low, high }
+    }
+
+    /// The chords between `low` and `high`.
+    #[inline(always)]
+    fn chord(&self, pair: &Pair, low: f32, high: f32) -> Chord {
+        let half = positive(0.5 * (high - low));
+        let n = pair.exponent + 1.0 + pair.cosine;
+        let m = n + 0.5;
+        let of_arc = 0.5 * (TAU / m).sqrt();
+        let p = pair.axis.cross(self.t);
+        let across = pair.normal.dot(p).abs();
+        Chord {
+            weight: half * self.sin_theta * of_arc * ((pair.exponent + 1.0) * (1.0 / TAU)),
+            half_exponent: 0.5 * pair.exponent,
+            half_m: 0.5 * m,
+            inverse_m_sq: 1.0 / (m * m),
+            sin_theta: self.sin_theta,
+            sin_delta: self.sin_delta,
+            cos_delta: self.cos_delta,
+            middle: 0.5 * (low + high),
+            half,
+            cosine: pair.cosine,
+            normal: [pair.normal.dot(pair.axis), pair.normal.dot(self.t), across],
+            across: across / (n * of_arc),
+        }
+    }
+}
+
+impl Chord {
+    /// All of a light that is above the horizon.
+    #[inline(always)]
+    pub(super) fn whole(pair: &Pair) -> Self {
+        let frame = Frame::new(pair, |cos_delta| pair.aside(cos_delta));
+        frame.chord(pair, frame.low, frame.high)
+    }
+
+    /// A light that the horizon may cross, cut where the horizon meets its rim, because chords change their kind there.
+    pub(super) fn pieces(pair: &Pair) -> impl Iterator<Item = Self> {
+        let frame = Frame::new(pair, |cos_delta| {
+            let t = pair.aside(cos_delta);
+            if t == Vec3::ZERO { orthonormal_basis(pair.axis).0 } else { t }
+        });
+        let (low, high) = (frame.low, larger(frame.low, frame.high));
+        let to_light = pair.axis * -frame.sin_delta + frame.t * frame.cos_delta;
+        let mut cuts = [low, high, high, high];
+        for (cut, corner) in cuts[1..].iter_mut().zip(rim_at_horizon(pair).into_iter().flatten()) {
+            let (aside, along) = (corner.dot(to_light), corner.dot(pair.light));
+            let chord = larger(frame.sin_theta * (aside * aside + along * along).sqrt(), f32::MIN_POSITIVE);
+            *cut = smaller(larger(aside / chord, low), high);
+        }
+        if cuts[1] > cuts[2] {
+            cuts.swap(1, 2);
+        }
+        let pair = *pair;
+        (0..3).map(move |k| frame.chord(&pair, cuts[k], cuts[k + 1])).filter(|chord| chord.weight > 0.0)
+    }
+
+    /// Whether so few nodes serve that their number is [`FEW`]: less than one width of the lobe between middle and end
+    /// (2e-5 of the on-axis value).
+    #[inline(always)]
+    pub(super) fn is_narrow(&self) -> bool {
+        let width = self.half * self.sin_theta;
+        2.0 * self.half_exponent * width * width < 1.0
+    }
+
+    /// The integrand at the node τ: above the horizon, or `CUT` by it.
+    #[inline(always)]
+    pub(super) fn node<const CUT: bool>(&self, cos_tau: f32, sin_tau: f32) -> f32 {
+        if CUT { self.cut(cos_tau, sin_tau) } else { self.above(cos_tau, sin_tau) }
+    }
+
+    #[inline(always)]
+    fn above(&self, cos_tau: f32, sin_tau: f32) -> f32 {
+        let at = self.at(cos_tau);
+        let along = 1.0 + self.cosine * (at.cos_normal - 1.0);
+        let arc = self.half_arc(self.length(at.sin_sq));
+        let value = sin_tau * at.in_plane * (along * (arc + arc));
+        if at.cos_psi > 0.0 { value } else { 0.0 }
+    }
+
+    /// With the chord cut at the horizon, `A cos λ + B sin λ > 0` (B ≥ 0).
+    #[inline(always)]
+    fn cut(&self, cos_tau: f32, sin_tau: f32) -> f32 {
+        let at = self.at(cos_tau);
+        let (a, b) = (at.cos_normal, self.normal[2]);
+        let sin = at.sin_sq.sqrt();
+        let horizon = -a / larger(a * a + b * b, f32::MIN_POSITIVE).sqrt();
+        let low = larger(smaller(horizon, sin), -sin);
+        let (high_length, low_length) = (self.length(at.sin_sq), self.length(low * low));
+        let arc = self.half_arc(high_length) - self.half_arc(low_length).copysign(low);
+        let power = |length: f32| exp(-(self.half_m - 0.25) * length);
+        let with_cosine = a * arc + self.across * (power(low_length) - power(high_length));
+        let value = sin_tau * at.in_plane * if self.cosine > 0.0 { with_cosine } else { arc };
+        if at.cos_psi > 0.0 { value } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn at(&self, cos_tau: f32) -> Node {
+        let xi = self.middle + self.half * cos_tau;
+        let s = self.sin_theta * xi;
+        let q_sq = larger((1.0 - s) * (1.0 + s), 1e-12);
+        let (q, inverse) = (q_sq.sqrt(), 1.0 / q_sq);
+        let sin_psi = self.sin_delta * q + self.cos_delta * s;
+        let cos_psi = self.cos_delta * q - self.sin_delta * s;
+        let sin_sq = self.sin_theta * self.sin_theta * positive((1.0 - xi) * (1.0 + xi)) * inverse;
+        Node {
+            cos_psi,
+            cos_normal: self.normal[0] * cos_psi + self.normal[1] * sin_psi,
+            sin_sq: smaller(sin_sq, 1.0),
+            in_plane: exp(self.half_exponent * ln_1p(-(sin_psi * sin_psi))) * (q * inverse),
+        }
+    }
+
+    /// `L = −ln cos²Λ` of a half chord.
+    #[inline(always)]
+    fn length(&self, sin_sq: f32) -> f32 {
+        -ln_1p(-sin_sq)
+    }
+
+    /// `∫₀^Λ cosⁿλ dλ` over `½√(2π/m)`: `erf √x·(1 − κ(x)/m²)`, `x = ½mL`. κ is the next term of the expansion in 1/m, a
+    /// function of x alone, as a polynomial over the denominator of erf (relative error 2e-5 for n ≥ 1, 3e-7 from n = 20 on).
+    #[inline(always)]
+    fn half_arc(&self, length: f32) -> f32 {
+        let x = smaller(self.half_m * length, ERF_END);
+        let (p, q) = erf_ratio(x);
+        let r = x
+            * x
+            * (0.019_160_35 + x * (-0.002_230_259 + x * (0.000_260_236_4 + x * (-9.882_837e-6 + x * 1.555_687e-7))));
+        x.sqrt() * ((p - r * self.inverse_m_sq) / q)
+    }
+}
+
+/// One chord: where it is, and its plane's part of the integrand.
+struct Node {
+    cos_psi: f32,
+    /// The normal's part along the middle of the chord.
+    cos_normal: f32,
+    /// Of half the chord.
+    sin_sq: f32,
+    in_plane: f32,
+}
+
+/// The two directions in which a light's rim is on the receiver's horizon; none if it does not cross.
+fn rim_at_horizon(pair: &Pair) -> Option<[Vec3; 2]> {
+    let c = pair.normal.dot(pair.light);
+    let sin_beta_sq = (1.0 - c) * (1.0 + c);
+    let cos = 1.0 - pair.one_minus_cos;
+    let rest = sin_beta_sq - cos * cos;
+    if rest <= 0.0 || sin_beta_sq <= 0.0 {
+        return None;
+    }
+    let foot = (pair.light - pair.normal * c) * (cos / sin_beta_sq);
+    let across = pair.light.cross(pair.normal) * (rest.sqrt() / sin_beta_sq);
+    Some([foot + across, foot - across])
+}
+
+/// `(cos τ, sin τ)` at `τ = kπ/(N+1)`, k = 1…N: the Chebyshev rule of the second kind, which absorbs square-root ends; the
+/// sines times `π/(N+1)`, its weight.
+pub(super) const fn nodes<const N: usize>() -> [(f32, f32); N] {
+    let mut out = [(0.0, 0.0); N];
+    let step = core::f64::consts::PI / (N as f64 + 1.0);
+    let mut k = 0;
+    while k < N {
+        // Counted from the middle, where the series converge fastest: cos τ = −sin x, sin τ = cos x.
+        let x = (k as f64 + 1.0) * step - core::f64::consts::FRAC_PI_2;
+        let (mut sin, mut cos, mut term, mut i) = (0.0, 0.0, 1.0, 0);
+        while i < 24 {
+            let sign = if i % 4 < 2 { 1.0 } else { -1.0 };
+            if i % 2 == 0 {
+                cos += sign * term;
+            } else {
+                sin += sign * term;
+            }
+            i += 1;
+            term *= x / i as f64;
+        }
+        out[k] = (-sin as f32, (cos * step) as f32);
+        k += 1;
+    }
+    out
+}
+
+#[inline(always)]
+fn positive(x: f32) -> f32 {
+    larger(x, 0.0)
+}
+
+/// One instruction each, where the standard library's treatment of NaN takes three.
+#[inline(always)]
+fn larger(x: f32, than: f32) -> f32 {
+    if x > than { x } else { than }
+}
+
+#[inline(always)]
+fn smaller(x: f32, than: f32) -> f32 {
+    if x < than { x } else { than }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nodes;
+    use core::f32::consts::PI;
+
+    #[test]
+    fn nodes_are_those_of_the_rule() {
+        for (k, (cos, weight)) in nodes::<10>().into_iter().enumerate() {
+            let tau = (k as f32 + 1.0) * PI / 11.0;
+            assert!((cos - tau.cos()).abs() < 2e-7 && (weight - tau.sin() * PI / 11.0).abs() < 1e-7);
+        }
+    }
+}

@@ -1,0 +1,45 @@
+use crate::{Cone, Lobe, Receiver};
+use glam::Vec3;
+
+/// A lobe and a light at a receiver: what the slab and the chord form start from. Twelve numbers, so that many of them
+/// lie in columns.
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct Pair {
+    pub(super) axis: Vec3,
+    pub(super) exponent: f32,
+    /// 1 where the receiver's cosine multiplies the lobe, else 0.
+    pub(super) cosine: f32,
+    pub(super) normal: Vec3,
+    /// Axis of the cone.
+    pub(super) light: Vec3,
+    pub(super) one_minus_cos: f32,
+}
+
+impl Pair {
+    pub(super) fn new(at: &Receiver, lobe: &Lobe, cone: &Cone) -> Self {
+        Self {
+            axis: lobe.axis,
+            exponent: lobe.exponent,
+            cosine: if lobe.cosine > 0.0 { 1.0 } else { 0.0 },
+            normal: at.normal,
+            light: cone.axis,
+            one_minus_cos: cone.one_minus_cos,
+        }
+    }
+
+    /// `1 − cos δ` of the angle δ between the two axes, from their chord.
+    #[inline(always)]
+    pub(super) fn one_minus_cos_delta(&self) -> f32 {
+        let d = self.axis - self.light;
+        0.5 * d.dot(d)
+    }
+
+    /// The unit vector at a right angle to the lobe's axis, toward the light; zero where the two axes are one.
+    #[inline(always)]
+    pub(super) fn aside(&self, cos_delta: f32) -> Vec3 {
+        let aside = self.light - self.axis * cos_delta;
+        let square = aside.dot(aside);
+        aside * if square > 1e-30 { 1.0 / square.sqrt() } else { 0.0 }
+    }
+}
