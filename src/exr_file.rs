@@ -1,7 +1,8 @@
+use crate::stamp::STAMP;
 use crate::{ImageFileError, Output, Picture};
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, Text,
-    Vec2, WritableImage, read,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
+    ReadLayers, Text, Vec2, WritableImage, read,
 };
 use glam::Vec3;
 use std::fs::File;
@@ -55,7 +56,7 @@ const MAIN: &str = "beauty";
 /// # Panics
 /// When a channel has not `width`·`height` values.
 pub fn write_exr(output: Output, width: usize, height: usize, layers: &[ExrLayer]) -> Result<(), ImageFileError> {
-    let path = output.path().to_owned();
+    let (path, stamp) = (output.path().to_owned(), output.stamp().map(|s| AttributeValue::Text(Text::from(s))));
     let channels = layers.iter().flat_map(|layer| {
         layer.channels.iter().map(|(letter, values)| {
             assert_eq!(values.len(), width * height, "values of channel {letter} of layer {}", layer.name);
@@ -65,7 +66,8 @@ pub fn write_exr(output: Output, width: usize, height: usize, layers: &[ExrLayer
     });
     let channels = AnyChannels::sort(channels.collect());
     let layer = Layer::new(Vec2(width, height), LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
-    let image = Image::from_layer(layer);
+    let mut image = Image::from_layer(layer);
+    image.attributes.other.extend(stamp.map(|s| (Text::from(STAMP), s)));
     output.finish(|file| {
         image.write().non_parallel().to_buffered(file).map_err(|e| ImageFileError::format(&path, e.to_string()))
     })

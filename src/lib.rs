@@ -27,6 +27,7 @@ mod flip;
 mod output;
 mod picture;
 mod png_file;
+mod stamp;
 
 pub use crate::comparison::{Comparison, RegionError, ShadowErrors, SizesDiffer};
 pub use crate::error_map::{FlipMap, signed_difference};
@@ -34,3 +35,4 @@ pub use crate::exr_file::{ExrLayer, read_exr, read_exr_layer, write_exr};
 pub use crate::output::{ImageFileError, Output, remove_unfinished};
 pub use crate::picture::{Picture, luminance};
 pub use crate::png_file::{srgb_bytes, write_png};
+pub use crate::stamp::read_stamp;

@@ -59,6 +59,7 @@ pub struct Output {
     path: PathBuf,
     temporary: PathBuf,
     file: Option<File>,
+    stamp: Option<String>,
 }
 
 impl Output {
@@ -79,7 +80,7 @@ impl Output {
         // Registered first: an interruption between the two calls must not leave the file behind.
         unfinished().push(temporary.clone());
         match File::create(&temporary) {
-            Ok(file) => Ok(Self { path, temporary, file: Some(file) }),
+            Ok(file) => Ok(Self { path, temporary, file: Some(file), stamp: None }),
             Err(source) => {
                 unfinished().retain(|t| *t != temporary);
                 Err(ImageFileError::io(&path, source))
@@ -91,6 +92,17 @@ impl Output {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Lets the picture that is written here carry a line of ASCII text, or none, to be read by [`read_stamp`](crate::read_stamp).
+    #[must_use]
+    pub fn stamped(mut self, line: Option<&str>) -> Self {
+        self.stamp = line.map(str::to_owned);
+        self
+    }
+
+    pub(crate) fn stamp(&self) -> Option<&str> {
+        self.stamp.as_deref()
     }
 
     /// Writes the content and gives the file its name, replacing a file that had it.

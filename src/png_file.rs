@@ -1,5 +1,7 @@
+use crate::stamp::STAMP;
 use crate::{ImageFileError, Output, Picture};
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use png::{BitDepth, ColorType, Encoder, EncodingError};
+use std::io::Write;
 
 /// The sRGB transfer function (IEC 61966-2-1) of a linear value in [0, 1].
 fn srgb(linear: f32) -> f32 {
@@ -19,12 +21,19 @@ pub fn srgb_bytes(picture: &Picture, exposure: f32) -> Vec<u8> {
 /// # Errors
 /// When the disk refuses.
 pub fn write_png(output: Output, width: usize, height: usize, rgb: &[u8]) -> Result<(), ImageFileError> {
-    let path = output.path().to_owned();
-    output.finish(|file| {
-        PngEncoder::new(file)
-            .write_image(rgb, width as u32, height as u32, ExtendedColorType::Rgb8)
-            .map_err(|e| ImageFileError::format(&path, e.to_string()))
-    })
+    let (path, stamp) = (output.path().to_owned(), output.stamp().map(str::to_owned));
+    let encode = |file: &mut dyn Write| -> Result<(), EncodingError> {
+        let mut encoder = Encoder::new(file, width as u32, height as u32);
+        encoder.set_color(ColorType::Rgb);
+        encoder.set_depth(BitDepth::Eight);
+        if let Some(stamp) = stamp {
+            encoder.add_text_chunk(STAMP.to_owned(), stamp)?;
+        }
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(rgb)?;
+        writer.finish()
+    };
+    output.finish(|file| encode(file).map_err(|e| ImageFileError::format(&path, e.to_string())))
 }
 
 #[cfg(test)]

@@ -30,19 +30,19 @@ fn checking_and_help() {
 fn checking_advises_for_each_object() {
     let folder = folder();
     let folder = folder.path();
-    // A bowl, open above, of 8 × 16 quads; and a pole of as many triangles.
+    // A bowl, open above, of 8 × 24 quads; and a pole of as many triangles.
     let (mut bowl, mut pole) = (String::new(), String::new());
     for ring in 0..=8 {
-        for step in 0..16 {
-            let (a, b) = (ring as f64 / 8.0 * 1.5, step as f64 / 16.0 * std::f64::consts::TAU);
+        for step in 0..24 {
+            let (a, b) = (ring as f64 / 8.0 * 1.5, step as f64 / 24.0 * std::f64::consts::TAU);
             bowl += &format!("v {} {} {}\n", a.sin() * b.cos(), 1.0 - a.cos(), a.sin() * b.sin());
             let (y, r) = (ring as f64 * 0.5, if ring % 8 == 0 { 0.0 } else { 0.02 });
             pole += &format!("v {} {y} {}\n", r * b.cos(), r * b.sin());
         }
     }
     for ring in 0..8 {
-        for step in 0..16 {
-            let at = |r: usize, s: usize| r * 16 + s % 16 + 1;
+        for step in 0..24 {
+            let at = |r: usize, s: usize| r * 24 + s % 24 + 1;
             let (a, b, c, d) = (at(ring, step), at(ring, step + 1), at(ring + 1, step + 1), at(ring + 1, step));
             let faces = format!("f {a} {b} {c}\nf {a} {c} {d}\n");
             bowl += &faces;
@@ -71,7 +71,19 @@ fn checking_advises_for_each_object() {
     {
         assert!(advice(n).0 == word && advice(n).1.contains(reason), "{n}: {:?}", advice(n));
     }
-    assert_eq!(all["objects"][4]["visibility"], "rays");
+    // A box of few triangles is by rays, since nothing else was said.
+    let takes = |n: usize| (all["objects"][n]["visibility"].as_str().unwrap(), all["objects"][n]["spheres"].as_u64());
+    assert_eq!(
+        [takes(1), takes(2), takes(3), takes(4)],
+        [("spheres", Some(1)), ("rays", Some(0)), ("spheres", Some(64)), ("rays", Some(0)),]
+    );
+    assert!(!folder.with_extension("cache").exists(), "checking leaves nothing");
+    let of = |scene: &str| json(folder, &["check", scene, "--json"])["map_bytes_at_most"].as_u64().unwrap();
+    assert_eq!(of("all.toml"), 0);
+    let maps = SCENE.to_owned() + &TABLE.replace("proxy", "visibility = \"shadow-map\"\nproxy");
+    fs::write(folder.join("maps.toml"), maps).unwrap();
+    assert!(of("maps.toml") > 1 << 20);
+    assert!(succeed(folder, &["check", "maps.toml"]).contains("blocks through shadow maps"));
     assert!(all["animation"].is_null());
     assert!(succeed(folder, &["check", "all.toml"]).contains("advice: visibility = \"rays\""));
     // Seen from below, the floor hides the ball: it is no backdrop any more.
@@ -82,5 +94,11 @@ fn checking_advises_for_each_object() {
     fs::write(folder.join("roll.toml"), rolling()).unwrap();
     let roll = json(folder, &["check", "roll.toml", "--json"]);
     assert_eq!((&roll["animation"]["duration"], &roll["animation"]["frames"]), (&1.0.into(), &11.into()));
-    assert!(succeed(folder, &["check", "roll.toml"]).contains("frames 0 to 10"));
+    assert!(succeed(folder, &["check", "roll.toml"]).contains("frames 0 to 10 at 10 a second: all by --frames 0..11"));
+    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
+    let of = |options: &[&str]| {
+        json(folder, &[&["check", fox, "--json"], options].concat())["animation"]["duration"].clone()
+    };
+    assert_eq!(of(&["--clip", "0"]), of(&[]));
+    assert_ne!(of(&["--clip", "Run"]), of(&[]));
 }

@@ -19,8 +19,9 @@ fn a_sequence_is_one_file_a_frame() {
     }
 
     // A frame of a sequence is the frame alone and the moment alone, whatever was rendered before it, by any strategy.
-    let same =
-        |a: &str, b: &str| assert_eq!(fs::read(folder.join(a)).unwrap(), fs::read(folder.join(b)).unwrap(), "{a}");
+    let same = |a: &str, b: &str| {
+        assert_eq!(read_exr(&folder.join(a)).unwrap(), read_exr(&folder.join(b)).unwrap(), "{a}");
+    };
     succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--frame", "4", "-q"]);
     same("one.exr", "r.0004.exr");
     succeed(folder, &["render", "roll.toml", "-o", "one.exr", "--time", "0.4", "-q"]);
@@ -47,6 +48,79 @@ fn a_sequence_is_one_file_a_frame() {
     assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&0.into(), &3.into()));
 }
 
+/// Only a frame that the very command would make counts as made.
+#[test]
+fn a_sequence_keeps_only_what_it_would_make() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = rolling().replace("proxy = { spheres = 8 }", "proxy = { file = \"set.json\" }");
+    let set = |args: &[&str]| {
+        let command = ["spheres", "box.obj", "--count", "4", "--draft", "-o", "set.json", "-q"];
+        succeed(folder, &[&command[..], args].concat());
+    };
+    // The table's top as a mesh, for a set that fits it.
+    let corners = [(-0.6, -0.05, -0.4), (0.6, 0.05, 0.4)];
+    let mut mesh = String::new();
+    for k in 0..8 {
+        let pick = |bit: usize, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
+        let [(x0, y0, z0), (x1, y1, z1)] = corners;
+        let (x, y, z) = (pick(0, x0, x1) - 1.5, pick(1, y0, y1) + 0.9, pick(2, z0, z1) + 0.5);
+        mesh += &format!("v {x} {y} {z}\n");
+    }
+    for [a, b, c, d] in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
+        mesh += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    fs::write(folder.join("box.obj"), mesh).unwrap();
+    set(&[]);
+    fs::write(folder.join("roll.toml"), &scene).unwrap();
+    let command = ["render", "roll.toml", "-o", "r.png", "-o", "r.exr", "--frames", "0..3", "--json"];
+    let made = |options: &[&str]| {
+        let stats = json(folder, &[&command[..], options].concat());
+        assert_eq!(stats["frames"].as_u64().unwrap() + stats["skipped_frames"].as_u64().unwrap(), 3, "{stats}");
+        stats["frames"].as_u64().unwrap()
+    };
+    assert_eq!(made(&[]), 3);
+    assert_eq!(made(&["--threads", "1", "-q"]), 0, "what decides nothing");
+    fs::write(folder.join("r.0001.png"), "").unwrap();
+    assert_eq!(made(&[]), 1, "an empty file");
+    fs::copy(folder.join("r.0000.exr"), folder.join("r.0002.exr")).unwrap();
+    assert_eq!(made(&[]), 1, "another moment");
+    assert_eq!(made(&["--fps", "5"]), 2, "frame 0 is the same moment at any rate");
+    assert_eq!(made(&[]), 2);
+    for options in
+        [&["--tolerance", "0.01"][..], &["--exposure", "1"], &["--size", "32x32"], &["--visibility", "rays"], &[]]
+    {
+        assert_eq!(made(options), 3, "{options:?}");
+        assert_eq!(made(options), 0, "{options:?}");
+    }
+    fs::write(folder.join("roll.toml"), scene.replace("radius = 0.6 }", "radius = 0.5 }")).unwrap();
+    assert_eq!(made(&[]), 3, "another ball");
+    fs::write(folder.join("roll.toml"), scene.replace("translate = [1, 0, 0]", "translate = [2, 0, 0]")).unwrap();
+    assert_eq!(made(&[]), 3, "another motion");
+    fs::write(folder.join("roll.toml"), format!("# The same scene.\n{scene}")).unwrap();
+    assert_eq!(made(&[]), 3);
+    assert_eq!(made(&[]), 0);
+    fs::write(folder.join("roll.toml"), &scene).unwrap();
+    assert_eq!(made(&[]), 0, "a comment changes nothing");
+    set(&["--count", "5"]);
+    assert_eq!(made(&[]), 3, "another sphere set");
+}
+
+/// A scene in which nothing moves has one frame, its picture.
+#[test]
+fn frame_0_of_a_still_scene_is_its_picture() {
+    let folder = folder();
+    let folder = folder.path();
+    let picture = |options: &[&str], name: &str| {
+        succeed(folder, &[&["render", "scene.toml", "-o", "a.exr", "-q"], options].concat());
+        read_exr(&folder.join(name)).unwrap()
+    };
+    let still = picture(&[], "a.exr");
+    assert_eq!(picture(&["--frame", "0"], "a.exr"), still);
+    assert_eq!(picture(&["--time", "0"], "a.exr"), still);
+    assert_eq!(picture(&["--frames", "0..1"], "a.0000.exr"), still);
+}
+
 #[test]
 fn frames_that_there_are_not_are_refused() {
     let folder = folder();
@@ -55,25 +129,28 @@ fn frames_that_there_are_not_are_refused() {
     let frames = |scene: &str, text: &str, what: &str| {
         refuse(folder, &["render", scene, "-o", "r.png", "--frames", text], what);
     };
-    frames("roll.toml", "0..12", "no frame 11: the animation has frames 0 to 10 (1 s at 10 a second)");
-    frames("roll.toml", "11..12", "no frame 11");
-    frames("roll.toml", "4000000000..4000000001", "no frame 4000000000");
+    let all = "frames 0 to 10 (1 s at 10 a second), all of them by --frames 0..11";
+    for beyond in ["0..12", "11..12", "4000000000..4000000001"] {
+        frames("roll.toml", beyond, &format!("--frames {beyond}: there are only {all}"));
+    }
     frames("roll.toml", "5..2", "no frames from 5 to before 2");
     frames("roll.toml", "3..3", "no frames from 3 to before 3");
     for bad in ["", "3", "..", "1..", "..2", "-1..2", "a..b", "0..=3", "1.5..2", "0..5000000000"] {
-        let given = format!("--frames={bad}");
-        refuse(folder, &["render", "roll.toml", "-o", "r.png", &given], "--frames");
+        refuse(folder, &["render", "roll.toml", "-o", "r.png", "--frames", bad], "--frames");
     }
     frames("scene.toml", "0..2", "nothing moves");
-    refuse(folder, &["render", "roll.toml", "--frame", "11"], "no frame 11");
+    refuse(folder, &["render", "roll.toml", "--frame", "11"], &format!("--frame 11: there are only {all}"));
+    refuse(folder, &["render", "roll.toml", "--frame", "-1"], "expected a whole number from 0");
     refuse(folder, &["render", "roll.toml", "--time", "1.01"], "ends at 1 s");
     refuse(folder, &["render", "roll.toml", "--time", "nan"], "--time");
     refuse(folder, &["render", "roll.toml", "--fps", "0", "--frame", "1"], "--fps");
     refuse(folder, &["render", "roll.toml", "--fps", "12"], "--fps");
+    refuse(folder, &["render", "roll.toml", "--fps", "12", "--time", "0.5"], "--fps");
+    refuse(folder, &["render", "roll.toml", "--time", "-1"], "expected a number of at least 0");
     refuse(folder, &["render", "roll.toml", "--frame", "1", "--frames", "0..2"], "--frame");
     refuse(folder, &["render", "scene.toml", "--time", "0.5"], "nothing moves");
     refuse(folder, &["render", "--frame", "1"], "nothing moves");
-    refuse(folder, &["reference", "roll.toml", "--frame", "11"], "no frame 11");
+    refuse(folder, &["reference", "roll.toml", "--frame", "11"], "--frame 11");
     refuse(folder, &["render", "roll.toml", "-o", "no/r.png", "--frames", "0..2"], "no/r.0000.png");
     // A glTF file whose animation is empty.
     let gltf = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
@@ -137,7 +214,9 @@ fn an_interrupted_sequence_leaves_whole_frames() {
     }
     let id = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130));
+    assert_eq!(String::from_utf8_lossy(&ended.stderr), "lobes: interrupted; nothing half-written\n");
     let left = names(folder);
     let whole: Vec<_> = left.iter().filter(|n| n.ends_with(".exr")).collect();
     assert_eq!(left.len(), whole.len() + 2, "{left:?}");

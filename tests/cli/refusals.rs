@@ -43,7 +43,26 @@ fn bad_arguments_are_refused() {
     refuse(folder, &["render", "--depth", "7"], "--depth");
     refuse(folder, &["render", "--samples", "0"], "--samples");
     refuse(folder, &["render", "--visibility", "magic"], "magic");
-    refuse(folder, &["render", "--threshold", "-1"], "-1");
+    refuse(folder, &["render", "--threshold", "-1"], "expected a number of at least 0");
+    for (option, what) in [
+        ("--size", "expected WIDTHxHEIGHT"),
+        ("--samples", "expected a whole number from 1 to 1024"),
+        ("--exposure", "expected a number from -32 to 32"),
+        ("--tolerance", "expected a number above 0"),
+        ("--depth", "expected a whole number from 1 to 6"),
+        ("--repeat", "expected a whole number"),
+        ("--map-resolution", "16 to 8192"),
+        ("--threads", "expected a whole number"),
+        ("--fps", "expected a number above 0"),
+    ] {
+        for bad in ["-99", "-1e9", "--quiet", "1x", ""] {
+            refuse(folder, &["render", option, bad], what);
+        }
+    }
+    refuse(folder, &["reference", "--seed", "-1"], "expected a whole number from 0");
+    refuse(folder, &["spheres", "x.obj", "--tolerance", "-0.1"], "expected a number above 0");
+    refuse(folder, &["compare", "a.exr", "b.exr", "--diff-scale", "-1"], "expected a number above 0");
+    refuse(folder, &["render", "scene.toml", "-o", "a.png", "--layers"], "--layers: no .exr file");
     refuse(folder, &["render", "a.toml", "b.toml"], "b.toml");
     refuse(folder, &["paint"], "paint");
     refuse(folder, &["compare", "a.exr"], "<B>");
@@ -87,4 +106,47 @@ fn inputs_are_not_overwritten() {
     refuse(folder, &["compare", "a.exr", "b.exr", "--diff", "d.jpg"], ".png");
     let after: Vec<_> = names(folder).iter().map(|n| fs::read(folder.join(n)).unwrap()).collect();
     assert!(before == after);
+}
+
+/// A result that could not be told is a failure; a reader that has had enough is none.
+#[cfg(unix)]
+#[test]
+fn standard_output_has_to_take_the_result() {
+    use std::process::Stdio;
+    let folder = folder();
+    let folder = folder.path();
+    picture(folder, "a.exr", 2, &[1.0; 4]);
+    fs::write(folder.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+        .unwrap();
+    let run = |args: &[&str], out: Stdio| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+        let child = command.current_dir(folder).args(args).stdout(out).stderr(Stdio::piped()).spawn().unwrap();
+        let ended = child.wait_with_output().unwrap();
+        (ended.status.code(), String::from_utf8(ended.stderr).unwrap())
+    };
+    let commands = [
+        &[][..],
+        &["--version"],
+        &["render", "--help"],
+        &["check"],
+        &["check", "--json"],
+        &["check", "--schema"],
+        &["render", "scene.toml", "--json"],
+        &["render", "scene.toml"],
+        &["compare", "a.exr", "a.exr"],
+        &["compare", "a.exr", "a.exr", "--json"],
+        &["reference", "scene.toml", "--spp", "8", "--json"],
+        &["spheres", "m.obj", "--count", "2", "--draft", "--json", "-q"],
+    ];
+    for args in &commands {
+        // No reader: the pipe is closed before anything is written.
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        assert_eq!(run(args, writer.into()), (Some(0), String::new()), "{args:?}");
+    }
+    let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else { return };
+    for args in commands {
+        let (code, told) = run(args, full.try_clone().unwrap().into());
+        assert!(code == Some(2) && told.lines().count() == 1 && told.contains("standard output"), "{args:?}: {told}");
+    }
 }

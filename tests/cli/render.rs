@@ -162,6 +162,36 @@ fn objects_take_their_own_strategies() {
     assert_eq!(render("all.exr", &["--visibility", "spheres"])["spheres"], 9);
 }
 
+/// Meshes of few triangles are by rays, and one line says so; whoever asks for spheres gets them, and a line on the fit.
+#[test]
+fn small_meshes_need_no_fit() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), SCENE.to_owned() + TABLE).unwrap();
+    let render = |name: &str, options: &[&str]| {
+        let ran = lobes(folder, &[&["render", "table.toml", "--json", "-o", name], options].concat());
+        assert!(ran.status.success());
+        let stats: Value = serde_json::from_slice(&ran.stdout).unwrap();
+        (String::from_utf8(ran.stderr).unwrap(), stats["spheres"].as_u64().unwrap())
+    };
+    let (told, spheres) = render("usual.exr", &[]);
+    assert!(told.lines().count() == 1 && told.contains("\"table\"") && told.contains("by rays"), "{told}");
+    assert_eq!(spheres, 1);
+    assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
+    // The ball as a sphere, the table by rays: what rays make of both.
+    assert_eq!(render("rays.exr", &["--visibility", "rays"]), (String::new(), 0));
+    let error = json(folder, &["compare", "usual.exr", "rays.exr", "--json"]);
+    assert!(error["mae"].as_f64().unwrap() < 1e-3 * error["reference_mean"].as_f64().unwrap(), "{error}");
+
+    let (told, spheres) = render("spheres.exr", &["--visibility", "spheres"]);
+    assert!(told.lines().any(|l| l.contains("\"table\": 8 spheres fitted in")), "{told}");
+    assert_eq!(spheres, 9);
+    assert!(!render("spheres.exr", &["--visibility", "spheres"]).0.contains("fitted"), "kept");
+    let asked = SCENE.to_owned() + &TABLE.replace("proxy", "visibility = \"spheres\"\nproxy");
+    fs::write(folder.join("table.toml"), asked).unwrap();
+    assert_eq!(render("asked.exr", &[]).1, 9);
+}
+
 /// Sphere files that are none, or another mesh's: named, with the object.
 #[test]
 fn wrong_sphere_files_are_refused() {

@@ -7,8 +7,9 @@ fn spheres_are_kept_between_runs() {
     let folder = folder();
     let folder = folder.path();
     let cache = folder.with_extension("cache").join("cosine-lobes");
-    let scene =
-        SCENE.to_owned() + "\n[[objects]]\nbox = { center = [0, 1, 2], size = [1, 1, 1] }\nproxy = { spheres = 8 }\n";
+    let scene = SCENE.to_owned()
+        + "\n[[objects]]\nbox = { center = [0, 1, 2], size = [1, 1, 1] }\nproxy = { spheres = 8 }\n\
+         visibility = \"spheres\"\n";
     fs::write(folder.join("box.toml"), scene).unwrap();
     succeed(folder, &["render", "box.toml", "-o", "a.exr", "-q"]);
     let kept = names(&cache);
@@ -24,19 +25,52 @@ fn spheres_are_kept_between_runs() {
     assert_eq!(names(&cache), kept);
 }
 
-/// The set of a skinned mesh tells which bones carry each sphere, and stays a set like any other.
+/// The set of a skinned mesh tells on demand which bones carry each sphere, and stays a set like any other.
 #[test]
 fn sets_of_skinned_meshes_have_bones() {
     let folder = folder();
     let folder = folder.path();
     let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
-    succeed(folder, &["spheres", fox, "--count", "8", "--draft", "-o", "fox.json", "-q"]);
-    let text = fs::read_to_string(folder.join("fox.json")).unwrap();
+    let build = |options: &[&str]| {
+        succeed(folder, &[&["spheres", fox, "--count", "8", "--draft", "-o", "fox.json", "-q"], options].concat());
+        fs::read_to_string(folder.join("fox.json")).unwrap()
+    };
+    let plain = build(&[]);
+    assert!(BoundSet::from_json(&plain).is_err(), "no bones unless asked for");
+    let text = build(&["--bones"]);
     let bound = BoundSet::from_json(&text).unwrap();
     assert_eq!((bound.rest().spheres.len(), bound.targets()), (8, 0));
     // Of the model's 24 joints the numbers go up to the last one that carries something.
     assert!((10..=24).contains(&bound.joints()), "{}", bound.joints());
     assert_eq!(SphereSet::from_json(&text).unwrap(), *bound.rest());
+    assert_eq!(SphereSet::from_json(&plain).unwrap(), *bound.rest());
+    // Another clip begins in another pose.
+    assert_eq!(build(&["--clip", "0"]), plain);
+    assert_ne!(build(&["--clip", "Run"]), plain);
+    refuse(folder, &["spheres", fox, "--clip", "Fly"], "Fly");
+}
+
+/// What was asked wrongly is named, and a bad set is blamed on what made it bad.
+#[test]
+fn sphere_sets_say_what_is_wrong() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+        .unwrap();
+    refuse(folder, &["spheres", "m.obj", "-o", "set.png"], "must end in .json");
+    refuse(folder, &["spheres", "scene.toml", "-o", "set.json"], ".obj, .ply, .gltf or .glb");
+    refuse(folder, &["spheres", "m.obj", "-o", "set.json", "--bones"], "--bones");
+    refuse(folder, &["spheres", "m.obj", "--tolerance", "0.1", "--draft"], "--draft");
+    let told = |args: &[&str]| {
+        let ran = lobes(folder, &[&["spheres", "m.obj"], args].concat());
+        assert!(ran.status.success());
+        String::from_utf8(ran.stderr).unwrap()
+    };
+    let few = told(&["--count", "1", "-o", "set.json"]);
+    assert!(few.contains("1 spheres are few") && few.lines().count() == 1, "{few}");
+    let draft = told(&["--count", "1", "--draft"]);
+    assert!(draft.contains("--draft leaves") && draft.contains("-o set.json"), "{draft}");
+    assert_eq!(told(&["--count", "1", "--draft", "-q"]), "");
 }
 
 #[test]

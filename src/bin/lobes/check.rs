@@ -1,25 +1,29 @@
 use crate::advice::{Advice, advise};
-use crate::args::CheckArgs;
+use crate::args::{CheckArgs, Visibility};
 use crate::console::say;
 use crate::failure::Failure;
 use crate::moment::last_frame;
+use crate::picture::BAND_RAYS;
+use crate::strategy::Plan;
 use crate::{input, sphere_cache};
-use cosine_lobes::lobe_core::BrdfLobes;
-use cosine_lobes::render_cpu::{BlockersError, read_set};
+use cosine_lobes::lobe_core::{BrdfLobes, Receiver};
+use cosine_lobes::render_cpu::{BlockersError, SphereSource, read_set};
 use cosine_lobes::scene::{Animation, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy};
 use cosine_lobes::visibility_spheres::SetQuality;
+use glam::Vec3;
 use serde_json::{Value, json};
 
-/// Bytes of a visible point in the G-buffer and of its result, in the bands that `render` works in.
-const POINT_BYTES: u64 = 112;
-const BAND_POINTS: u64 = 1 << 19;
+/// Bytes of a visible point: found tile by tile and then put together, so that for a moment there are two of it.
+const POINT_BYTES: usize = 2 * (size_of::<Receiver>() + 2 * size_of::<u32>() + size_of::<f32>());
 /// Bytes of a pixel: radiance, and three bytes of a PNG file.
-const PIXEL_BYTES: u64 = 15;
-/// Bytes of a triangle with its share of the hierarchy.
-const TRIANGLE_BYTES: u64 = 160;
+const PIXEL_BYTES: usize = size_of::<Vec3>() + 3;
+/// Bytes of a triangle with its share of the hierarchy, measured on the armadillo.
+const TRIANGLE_BYTES: usize = 160;
 
 /// What an object requires.
 struct Requirement {
+    /// What it takes now, when `render` is told nothing else.
+    strategy: Strategy,
     /// Blocker spheres: at most so many when they are still to be built.
     spheres: usize,
     /// How well they stand for it, where they are there already.
@@ -32,12 +36,14 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
         say(schema());
         return Ok(());
     }
-    let (scene, animation) = input::load(args.file.as_deref(), None, false)?;
-    let objects = (0..scene.objects.len()).map(|n| requirement(&scene, n)).collect::<Result<Vec<_>, Failure>>()?;
+    let (scene, animation) = input::load(args.file.as_deref(), args.clip.as_deref(), false)?;
+    let plan = Plan::new(Visibility::Scene, &scene);
+    let requirement = |number| requirement(&scene, &plan, number);
+    let objects = (0..scene.objects.len()).map(requirement).collect::<Result<Vec<_>, Failure>>()?;
     if args.json {
-        say(serde_json::to_string_pretty(&requirements(&scene, &animation, &objects))?);
+        say(serde_json::to_string_pretty(&requirements(&scene, &animation, &plan, &objects))?);
     } else {
-        print(&scene, &animation, &objects);
+        print(&scene, &animation, &plan, &objects);
     }
     Ok(())
 }
@@ -58,13 +64,17 @@ fn schema() -> String {
     )
 }
 
-fn requirement(scene: &Scene, number: usize) -> Result<Requirement, Failure> {
+fn requirement(scene: &Scene, plan: &Plan, number: usize) -> Result<Requirement, Failure> {
     let object = &scene.objects[number];
-    let (spheres, quality) = spheres(object)?;
-    let advice = advise(scene, number, quality.as_ref());
-    Ok(Requirement { spheres, quality, advice })
+    let (count, quality) = spheres(object)?;
+    let spheres = match plan.spheres(scene, number) {
+        SphereSource::Nothing => 0,
+        SphereSource::Proxy | SphereSource::Shape => count,
+    };
+    Ok(Requirement { strategy: plan.of(number), spheres, advice: advise(scene, number, quality.as_ref()), quality })
 }
 
+/// How many spheres stand for an object, and how well, where that is known.
 fn spheres(object: &Object) -> Result<(usize, Option<SetQuality>), BlockersError> {
     match (&object.proxy, &object.shape) {
         (Proxy::None, _) => Ok((0, None)),
@@ -77,12 +87,14 @@ fn spheres(object: &Object) -> Result<(usize, Option<SetQuality>), BlockersError
     }
 }
 
+/// Bytes of a frame without its shadow maps.
 fn memory(scene: &Scene) -> u64 {
     let pixels = u64::from(scene.width) * u64::from(scene.height);
-    pixels.min(BAND_POINTS) * POINT_BYTES + pixels * PIXEL_BYTES + scene.triangles() as u64 * TRIANGLE_BYTES
+    let triangles = (scene.triangles() * TRIANGLE_BYTES) as u64;
+    pixels.min(BAND_RAYS) * POINT_BYTES as u64 + pixels * PIXEL_BYTES as u64 + triangles
 }
 
-fn requirements(scene: &Scene, animation: &Animation, objects: &[Requirement]) -> Value {
+fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requirement]) -> Value {
     let materials = scene.materials.iter().map(|m| json!({"model": m.model_name(), "lobes": m.max_lobes()}));
     let objects_json = scene.objects.iter().zip(objects).map(|(o, needs)| {
         let (kind, primitives) = match &o.shape {
@@ -96,7 +108,7 @@ fn requirements(scene: &Scene, animation: &Animation, objects: &[Requirement]) -
             "spheres": needs.spheres,
             "silhouette_error": needs.quality.as_ref().map(|q| q.silhouette_error),
             "visible": o.visible,
-            "visibility": o.strategy.map(Strategy::name),
+            "visibility": needs.strategy.name(),
             "advice": {"visibility": needs.advice.strategy.name(), "reason": needs.advice.reason},
         })
     });
@@ -107,6 +119,7 @@ fn requirements(scene: &Scene, animation: &Animation, objects: &[Requirement]) -
         "triangles": scene.triangles(),
         "spheres": objects.iter().map(|o| o.spheres).sum::<usize>(),
         "memory_bytes": memory(scene),
+        "map_bytes_at_most": plan.most_map_bytes(scene),
         "materials": materials.collect::<Vec<_>>(),
         "objects": objects_json.collect::<Vec<_>>(),
         "animation": (!animation.is_still()).then(|| json!({
@@ -118,13 +131,14 @@ fn requirements(scene: &Scene, animation: &Animation, objects: &[Requirement]) -
     })
 }
 
-fn print(scene: &Scene, animation: &Animation, objects: &[Requirement]) {
+fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requirement]) {
     say(format_args!("image      {} x {}", scene.width, scene.height));
     say(format_args!("lights     {}", scene.lights.len()));
     say(format_args!("triangles  {}", scene.triangles()));
     if !animation.is_still() {
         let (fps, last) = (animation.fps(), last_frame(animation, animation.fps()));
-        say(format_args!("animation  {} s, frames 0 to {last} at {fps} a second", animation.duration()));
+        let (seconds, all) = (animation.duration(), last + 1);
+        say(format_args!("animation  {seconds} s, frames 0 to {last} at {fps} a second: all by --frames 0..{all}"));
     }
     for clip in animation.clips() {
         say(format_args!("clip       {clip}"));
@@ -140,33 +154,33 @@ fn print(scene: &Scene, animation: &Animation, objects: &[Requirement]) {
         let seen = if o.visible { "" } else { ", not seen by the camera" };
         say(format_args!("object     \"{}\": {shape}, material {}{seen}, {}", o.name, o.material, blocks(o, needs)));
         let Advice { strategy, reason } = &needs.advice;
-        let now = o.strategy.unwrap_or(if o.proxy == Proxy::None { Strategy::None } else { Strategy::Spheres });
-        let change = if now == *strategy { "" } else { ", which it has not now" };
+        let change = if needs.strategy == *strategy { "" } else { ", which it has not now" };
         say(format_args!("           advice: visibility = \"{}\"{change} ({reason})", strategy.name()));
     }
-    let blocking = |o: &Object| match o.strategy {
-        None | Some(Strategy::Spheres) => o.proxy != Proxy::None,
-        Some(Strategy::ShadowMap | Strategy::Rays) => true,
-        Some(Strategy::None) => false,
-    };
     if scene.lights.is_empty() {
         say("note       no light: the picture is black");
-    } else if !scene.objects.iter().any(blocking) {
+    } else if objects.iter().all(|o| o.strategy == Strategy::None) {
         say("note       nothing blocks light: a point costs one integral a lobe");
     }
-    say(format_args!("memory     about {} MB for a frame", memory(scene).div_ceil(1_000_000)));
+    let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
+    let maps = match plan.most_map_bytes(scene) {
+        0 => String::new(),
+        bytes => format!(", and up to {} MB for shadow maps", megabytes(bytes)),
+    };
+    say(format_args!("memory     about {} MB for a frame{maps}", megabytes(memory(scene))));
 }
 
 /// What an object blocks light with.
 fn blocks(o: &Object, needs: &Requirement) -> String {
     let spheres = needs.spheres;
-    match (o.strategy, &o.proxy) {
-        (Some(Strategy::None), _) => "blocks nothing".to_owned(),
-        (Some(Strategy::Rays), _) => "blocks by rays".to_owned(),
-        (Some(Strategy::ShadowMap), _) => "blocks through shadow maps".to_owned(),
-        (_, Proxy::None) => "blocks nothing".to_owned(),
-        (_, Proxy::File(path)) => format!("blocks with the {spheres} spheres of {}", path.display()),
-        (_, Proxy::Count(n)) if matches!(o.shape, Shape::Mesh(_)) => match &needs.quality {
+    match (needs.strategy, &o.proxy, &o.shape) {
+        (Strategy::None, ..) => "blocks nothing".to_owned(),
+        (Strategy::Rays, ..) => "blocks by rays".to_owned(),
+        (Strategy::ShadowMap, _, Shape::Mesh(_)) => "blocks through shadow maps".to_owned(),
+        (Strategy::Spheres, Proxy::File(path), _) => {
+            format!("blocks with the {spheres} spheres of {}", path.display())
+        }
+        (Strategy::Spheres, Proxy::Count(n), Shape::Mesh(_)) => match &needs.quality {
             Some(_) => format!("blocks with {n} spheres, built before"),
             None => format!("blocks with up to {n} spheres, built at the first picture and kept"),
         },

@@ -4,8 +4,10 @@ use crate::failure::Failure;
 use cosine_lobes::remove_unfinished;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Display;
-use std::io::Write;
+use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 /// Set by Ctrl-C while something is under way that can be put away in order.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
@@ -20,6 +22,7 @@ pub(crate) fn catch_interrupts() -> Result<(), Failure> {
             return;
         }
         remove_unfinished();
+        note("lobes: interrupted; nothing half-written");
         std::process::exit(130);
     })
     .map_err(|e| Failure::new(format_args!("cannot catch Ctrl-C: {e}")))
@@ -33,9 +36,29 @@ pub(crate) fn stoppable<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Prints a line of the result. A reader that has gone away is no error.
+/// What first went wrong on standard output.
+static UNSAID: Mutex<Option<io::Error>> = Mutex::new(None);
+
+fn heard(result: io::Result<()>) {
+    if let Err(error) = result {
+        UNSAID.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+}
+
+/// Prints a line of the result. Whether it arrived is told by [`all_said`].
 pub(crate) fn say(text: impl Display) {
-    let _ = writeln!(std::io::stdout(), "{text}");
+    heard(writeln!(io::stdout(), "{text}"));
+}
+
+/// Whether standard output took all that was said. A reader that has gone away, as `head` does, is no error.
+pub(crate) fn all_said() -> Result<(), Failure> {
+    heard(io::stdout().flush());
+    match UNSAID.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        Some(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::new(format_args!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Prints a line that is not part of the result.
@@ -52,6 +75,33 @@ pub(crate) fn progress(what: &str, length: u64, quiet: bool) -> ProgressBar {
     }
     bar.set_message(what.to_owned());
     bar
+}
+
+/// A fit of seconds: a bar at a terminal, else a line at its end, so that a log tells what took so long.
+pub(crate) struct Fit {
+    what: String,
+    bar: ProgressBar,
+    quiet: bool,
+    start: Instant,
+}
+
+impl Fit {
+    pub(crate) fn new(what: &str, quiet: bool) -> Self {
+        Self { what: what.to_owned(), bar: progress("spheres", 1000, quiet), quiet, start: Instant::now() }
+    }
+
+    /// How much is done, in [0, 1].
+    pub(crate) fn report(&self, done: f32) {
+        self.bar.set_position((done * 1000.0) as u64);
+    }
+
+    pub(crate) fn end(self) {
+        let unseen = self.bar.is_hidden() && !self.quiet;
+        self.bar.finish_and_clear();
+        if unseen {
+            note(format_args!("lobes: {} fitted in {:.1} s", self.what, self.start.elapsed().as_secs_f64()));
+        }
+    }
 }
 
 /// Uses `count` threads from now on.

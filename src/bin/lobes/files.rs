@@ -19,6 +19,11 @@ fn format(path: &Path) -> Result<Format, Failure> {
     }
 }
 
+/// Whether a file of that name can have layers besides its picture.
+pub(crate) fn holds_layers(path: &Path) -> bool {
+    matches!(format(path), Ok(Format::Exr))
+}
+
 /// The file that a path means, by whatever way it is named; the path itself where there is no such folder.
 fn identity(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -67,16 +72,24 @@ pub(crate) fn create_png(path: &PathBuf) -> Result<Output, Failure> {
     }
 }
 
+/// Opens an output that can only be a JSON file.
+pub(crate) fn create_json(path: &PathBuf) -> Result<Output, Failure> {
+    match path.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("json") => Ok(Output::create(path)?),
+        _ => Err(Failure::new(format_args!("{}: the name must end in .json", path.display()))),
+    }
+}
+
 /// Outputs that are open and waiting for their picture.
 pub(crate) struct Files {
     list: Vec<(Format, Output)>,
 }
 
 impl Files {
-    /// Opens all of them: what cannot be written is refused before anything is computed.
-    pub(crate) fn create(paths: &[PathBuf]) -> Result<Self, Failure> {
+    /// Opens all of them, with the line that they are to carry: what cannot be written is refused before anything is computed.
+    pub(crate) fn create(paths: &[PathBuf], stamp: Option<&str>) -> Result<Self, Failure> {
         let formats: Vec<Format> = paths.iter().map(|p| format(p)).collect::<Result<_, _>>()?;
-        let open = |(format, path): (Format, &PathBuf)| Ok((format, Output::create(path)?));
+        let open = |(format, path): (Format, &PathBuf)| Ok((format, Output::create(path)?.stamped(stamp)));
         Ok(Self { list: formats.into_iter().zip(paths).map(open).collect::<Result<_, Failure>>()? })
     }
 

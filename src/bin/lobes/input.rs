@@ -58,15 +58,13 @@ pub(crate) fn make_spheres(
     plan: &Plan,
     quiet: bool,
 ) -> Result<SceneSpheres, Failure> {
+    if let Some(line) = plan.small(scene).filter(|_| !quiet) {
+        console::note(format_args!("lobes: note: {line}"));
+    }
     sphere_cache::fill(scene, plan, quiet)?;
-    let bar = console::progress("spheres", 1000, quiet);
     let source = |object| plan.spheres(scene, object);
-    let set = SceneSpheres::new(scene, Some(animation), source, &mut |_, done| {
-        bar.set_position((done * 1000.0) as u64);
-        ControlFlow::Continue(())
-    });
-    bar.finish_and_clear();
-    let set = set?;
+    // What takes long was done before, but where nothing could be kept.
+    let set = SceneSpheres::new(scene, Some(animation), source, &mut |_, _| ControlFlow::Continue(()))?;
     for (object, error) in set.silhouette_errors().filter(|(_, e)| !quiet && *e > SetQuality::UNSUITABLE) {
         let name = &scene.objects[object].name;
         let percent = 100.0 * error;

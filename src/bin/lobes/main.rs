@@ -7,6 +7,7 @@ mod compare;
 mod console;
 mod failure;
 mod files;
+mod fingerprint;
 mod input;
 mod moment;
 mod picture;
@@ -14,6 +15,7 @@ mod reference;
 mod render;
 mod sphere_cache;
 mod spheres;
+mod stamp;
 mod stats;
 mod strategy;
 mod whole_mesh;
@@ -35,7 +37,7 @@ fn run() -> Result<(), Failure> {
 }
 
 fn main() -> ExitCode {
-    match run() {
+    match run().and_then(|()| console::all_said()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

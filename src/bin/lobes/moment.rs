@@ -28,15 +28,17 @@ pub(crate) fn single(args: &ViewArgs, animation: &Animation) -> Result<Moment, F
     let fps = args.fps.unwrap_or(animation.fps());
     match (args.frame, args.time) {
         (Some(frame), _) => {
-            check(animation, fps, frame, "--frame")?;
+            if frame > last_frame(animation, fps) {
+                return Err(Failure::new(format_args!("--frame {frame}: {}", frames(animation, fps))));
+            }
             Ok(Moment { frame: None, time: at(frame, fps) })
         }
         (None, Some(time)) => {
-            moving(animation, "--time")?;
             let end = animation.duration();
             if time > end {
-                let message = format_args!("--time {time}: the animation ends at {end} s");
-                return Err(Failure::new(message));
+                let all =
+                    if animation.is_still() { STILL.to_owned() } else { format!("the animation ends at {end} s") };
+                return Err(Failure::new(format_args!("--time {time}: {all}")));
             }
             Ok(Moment { frame: None, time })
         }
@@ -48,25 +50,24 @@ pub(crate) fn single(args: &ViewArgs, animation: &Animation) -> Result<Moment, F
 /// The frames from the first to before the second.
 pub(crate) fn sequence(args: &ViewArgs, ends: (u32, u32), animation: &Animation) -> Result<Vec<Moment>, Failure> {
     let fps = args.fps.unwrap_or(animation.fps());
-    check(animation, fps, ends.1 - 1, "--frames")?;
+    if ends.1 - 1 > last_frame(animation, fps) {
+        let all = frames(animation, fps);
+        return Err(Failure::new(format_args!("--frames {}..{}: {all}", ends.0, ends.1)));
+    }
     Ok((ends.0..ends.1).map(|frame| Moment { frame: Some(frame), time: at(frame, fps) }).collect())
 }
 
-fn check(animation: &Animation, fps: f32, frame: u32, option: &str) -> Result<(), Failure> {
-    moving(animation, option)?;
-    let last = last_frame(animation, fps);
-    if frame <= last {
-        return Ok(());
-    }
-    let seconds = animation.duration();
-    Err(Failure::new(format_args!(
-        "{option}: there is no frame {frame}: the animation has frames 0 to {last} ({seconds} s at {fps} a second)"
-    )))
-}
+/// What is said of a scene without animation.
+const STILL: &str = "nothing moves in this scene, so its first moment, frame 0, is all there is";
 
-fn moving(animation: &Animation, option: &str) -> Result<(), Failure> {
+/// Which frames there are, in words, and how to ask for all of them.
+pub(crate) fn frames(animation: &Animation, fps: f32) -> String {
     if animation.is_still() {
-        return Err(Failure::new(format_args!("{option}: nothing moves in this scene, it has no animation")));
+        return STILL.to_owned();
     }
-    Ok(())
+    let (last, seconds) = (last_frame(animation, fps), animation.duration());
+    format!(
+        "there are only frames 0 to {last} ({seconds} s at {fps} a second), all of them by --frames 0..{}",
+        last + 1
+    )
 }

@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 /// Camera rays in flight: bounds the memory of large pictures.
-const BAND_RAYS: u64 = 1 << 19;
+pub(crate) const BAND_RAYS: u64 = 1 << 19;
 
 /// Runs `work` and adds what it takes to a clock in seconds.
 pub(crate) fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {

@@ -33,7 +33,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
             "{points} camera rays are too many for a reference, at most {MAX_POINTS}"
         )));
     }
-    let files = Files::create(&args.output)?;
+    let files = Files::create(&args.output, None)?;
     let plan = Plan::new(if args.geometry == Choice::Scene { Visibility::Scene } else { Visibility::Spheres }, &scene);
     let solid = plan.by_surfaces(&scene);
     let geometry = match args.geometry {

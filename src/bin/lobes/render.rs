@@ -5,6 +5,7 @@ use crate::files::{self, Files};
 use crate::input;
 use crate::moment::{self, Moment};
 use crate::picture::{Bands, Planes, Shading, seconds};
+use crate::stamp::Stamp;
 use crate::stats::{self, Clocks, Figures, FrameClocks};
 use crate::strategy::{KeptSpheres, Occlusion, Plan};
 use cosine_lobes::lighting::depth_for;
@@ -20,6 +21,9 @@ use std::path::PathBuf;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     files::distinct(args.output.iter().chain(&args.stats), &args.view.file)?;
+    if args.layers && !args.output.iter().any(|path| files::holds_layers(path)) {
+        return Err(Failure::new("--layers: no .exr file is written, and no other holds layers (-o picture.exr)"));
+    }
     let mut clocks = Clocks::default();
     let (mut scene, animation) = seconds(&mut clocks.load, || input::view(&args.view))?;
     let moments = match args.frames {
@@ -36,10 +40,15 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let of = |path: &PathBuf| moment.frame.map_or(path.clone(), |frame| files::numbered(path, frame));
         args.output.iter().map(of).collect()
     };
-    let there = |moment: &Moment| moment.frame.is_some() && paths(moment).iter().all(|p| p.is_file());
+    let stamp = args.frames.is_some().then(|| Stamp::new(args, &scene, &animation));
+    let there = |moment: &Moment| stamp.as_ref().is_some_and(|stamp| stamp.made(&paths(moment), moment.time));
     let moments: Vec<Moment> = moments.into_iter().filter(|m| !there(m)).collect();
+    let open = |moment: &Moment| {
+        let line = stamp.as_ref().map(|stamp| stamp.at(moment.time));
+        Files::create(&paths(moment), line.as_deref())
+    };
     // Before the long work: what cannot be written is refused at once.
-    let mut opened = moments.first().map(|m| Files::create(&paths(m))).transpose()?;
+    let mut opened = moments.first().map(open).transpose()?;
     let stats_file = args.stats.as_ref().map(Output::create).transpose()?;
     let quiet = args.view.quiet;
 
@@ -54,7 +63,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let (mut set, mut blockers) = (BlockerSet::default(), KeptSpheres::default());
         let mut hierarchy = None;
         for (index, moment) in moments.iter().enumerate() {
-            let files = opened.take().map_or_else(|| Files::create(&paths(moment)), Ok)?;
+            let files = opened.take().map_or_else(|| open(moment), Ok)?;
             let mut clocks = FrameClocks::default();
             seconds(&mut clocks.pose, || animation.seek(moment.time, &mut scene));
             let at = Some((&animation, moment.time));

@@ -2,6 +2,7 @@
 
 use crate::console;
 use crate::failure::Failure;
+use crate::fingerprint::Fingerprint;
 use crate::strategy::Plan;
 use cosine_lobes::render_cpu::{BlockersError, SphereSource};
 use cosine_lobes::scene::{Mesh, Object, Proxy, Scene, Shape};
@@ -11,7 +12,6 @@ use std::fs;
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
 
 /// Builds the sphere sets that the scene's objects ask for, or finds them among those of earlier runs, and lets the
 /// objects refer to their files. Where nothing can be stored the scene is left as it is.
@@ -26,9 +26,8 @@ pub(crate) fn fill(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<(), Fa
     for number in wanted {
         let object = &mut scene.objects[number];
         let (Proxy::Count(count), Shape::Mesh(mesh)) = (&object.proxy, &object.shape) else { continue };
-        let path = path(&folder, mesh, *count);
-        let known = fs::read_to_string(&path).is_ok_and(|text| SphereSet::from_json(&text).is_ok());
-        if !known {
+        let path = folder.join(name(mesh, *count));
+        if read(&path).is_none() {
             let set = build(&object.name, mesh, *count, quiet)?;
             if store(&path, &set).is_err() {
                 // A full disk: the set is built a second time where blockers are made.
@@ -42,55 +41,47 @@ pub(crate) fn fill(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<(), Fa
 
 /// The set of an earlier run, if there is one.
 pub(crate) fn known(mesh: &Mesh, count: usize) -> Option<SphereSet> {
-    SphereSet::from_json(&fs::read_to_string(path(&folder()?, mesh, count)).ok()?).ok()
+    read(&folder()?.join(name(mesh, count)))
 }
 
-fn path(folder: &Path, mesh: &Mesh, count: usize) -> PathBuf {
-    folder.join(format!("{:016x}{:016x}.json", key(mesh, count, 0), key(mesh, count, 1)))
+fn read(path: &Path) -> Option<SphereSet> {
+    SphereSet::from_json(&fs::read_to_string(path).ok()?).ok()
 }
 
-/// `$XDG_CACHE_HOME/cosine-lobes`, or the system's equivalent.
+/// Of all that decides the set: the builder's version, the mesh and the count.
+fn name(mesh: &Mesh, count: usize) -> String {
+    let positions = mesh.positions.iter().flat_map(|p| p.to_array()).flat_map(|x| x.to_bits().to_le_bytes());
+    let triangles = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes());
+    let all = Fingerprint::new().debug(&(SphereSet::BUILDER, count));
+    let all = all.bytes(&positions.collect::<Vec<u8>>()).bytes(&triangles.collect::<Vec<u8>>());
+    format!("{:016x}.json", all.value())
+}
+
+/// `$XDG_CACHE_HOME/cosine-lobes`, or the system's equivalent, whether or not it is there.
 fn folder() -> Option<PathBuf> {
     let variable = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let home = || variable("HOME").map(|h| h.join(".cache"));
     let base =
         variable("XDG_CACHE_HOME").filter(|p| p.is_absolute()).or_else(|| variable("LOCALAPPDATA")).or_else(home)?;
-    let folder = base.join("cosine-lobes");
-    fs::create_dir_all(&folder).ok()?;
-    Some(folder)
-}
-
-/// FNV-1a of everything that decides the set: the mesh, the count and the program itself, by size and date.
-fn key(mesh: &Mesh, count: usize, salt: u64) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325 ^ salt;
-    let mut add = |word: u64| {
-        for byte in word.to_le_bytes() {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    };
-    add(count as u64);
-    if let Ok(program) = std::env::current_exe().and_then(fs::metadata) {
-        add(program.len());
-        let date = program.modified().ok().and_then(|t| t.duration_since(UNIX_EPOCH).ok());
-        add(date.map_or(0, |d| d.as_nanos() as u64));
-    }
-    mesh.positions.iter().flat_map(|p| p.to_array()).for_each(|x| add(u64::from(x.to_bits())));
-    mesh.triangles.iter().flatten().for_each(|i| add(u64::from(*i)));
-    hash
+    Some(base.join("cosine-lobes"))
 }
 
 fn build(object: &str, mesh: &Mesh, count: usize, quiet: bool) -> Result<SphereSet, Failure> {
-    let bar = console::progress("spheres", 1000, quiet);
+    let progress = console::Fit::new(&format!("object \"{object}\": {count} spheres"), quiet);
     let options = BuildOptions::new(count);
     let set = SphereSet::build_with_progress(&mesh.positions, &mesh.triangles, &options, &mut |done| {
-        bar.set_position((done * 1000.0) as u64);
+        progress.report(done);
         ControlFlow::Continue(())
     });
-    bar.finish_and_clear();
-    set.map_err(|source| BlockersError::Build { object: object.to_owned(), source }.into())
+    let set = set.map_err(|source| BlockersError::Build { object: object.to_owned(), source })?;
+    progress.end();
+    Ok(set)
 }
 
 fn store(path: &Path, set: &SphereSet) -> Result<(), ImageFileError> {
     let failed = |source| ImageFileError::Io { path: path.to_owned(), source };
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(failed)?;
+    }
     Output::create(path)?.finish(|file| file.write_all(set.to_json().as_bytes()).map_err(failed))
 }

@@ -4,8 +4,8 @@ use crate::failure::Failure;
 use crate::files;
 use crate::whole_mesh::WholeMesh;
 use cosine_lobes::scene;
-use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet, preview};
-use cosine_lobes::{ImageFileError, Output, write_png};
+use cosine_lobes::visibility_spheres::{BuildOptions, SetQuality, SphereSet, preview};
+use cosine_lobes::{ImageFileError, write_png};
 use serde_json::json;
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -13,28 +13,59 @@ use std::time::Instant;
 
 /// Side of a panel of the preview in pixels.
 const PANEL: u32 = 512;
+/// Spheres where no number is asked for: enough for most meshes that suit spheres at all.
+const COUNT: usize = 64;
 
-/// All triangles of the file's objects that block light.
+/// All triangles of the file's objects that block light, at the first moment of its clip.
 fn load(args: &SpheresArgs) -> Result<WholeMesh, Failure> {
-    let (scene, animation, warnings) = scene::load_animated(&args.mesh)?;
+    let mesh = args.mesh.display();
+    if args.mesh.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        let message = "a set is built for one mesh, .obj, .ply, .gltf or .glb; those of a scene are built by render";
+        return Err(Failure::new(format_args!("{mesh}: {message}")));
+    }
+    let (scene, animation, warnings) = match &args.clip {
+        None => scene::load_animated(&args.mesh)?,
+        Some(clip) => scene::load_clip(&args.mesh, clip)?,
+    };
     if !args.quiet {
         warnings.iter().for_each(|w| console::note(format_args!("lobes: warning: {w}")));
     }
     let whole = WholeMesh::new(&scene, &animation);
     if whole.triangles.is_empty() {
-        return Err(Failure::new(format_args!("{}: there are no triangles that block light", args.mesh.display())));
+        return Err(Failure::new(format_args!("{mesh}: there are no triangles that block light")));
+    }
+    if args.bones && whole.carriers().is_none() {
+        return Err(Failure::new(format_args!("--bones: {mesh} has none, nothing in it moves")));
     }
     Ok(whole)
 }
 
+/// A line about a set that stands badly for its mesh, with the reason that lies nearest.
+fn doubt(args: &SpheresArgs, count: usize, quality: &SetQuality) -> Option<String> {
+    if args.tolerance.is_some() || quality.suits() {
+        return None;
+    }
+    let percent = 100.0 * quality.silhouette_error;
+    let why = if args.draft {
+        "--draft leaves about three times the error of a full fit".to_owned()
+    } else if count < COUNT {
+        format!("{count} spheres are few for it, --count allows more")
+    } else if args.bounding {
+        "no bound of spheres is close to it; those of open meshes enclose what may be their inside".to_owned()
+    } else {
+        "spheres do not suit this mesh, render it with --visibility rays".to_owned()
+    };
+    Some(format!("{}: silhouette error {percent:.0} %: {why}", args.mesh.display()))
+}
+
 pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
     files::distinct(args.output.iter().chain(&args.preview), [&args.mesh])?;
-    let output = args.output.as_ref().map(Output::create).transpose()?;
+    let output = args.output.as_ref().map(files::create_json).transpose()?;
     let picture = args.preview.as_ref().map(files::create_png).transpose()?;
     let whole = load(args)?;
     let (positions, triangles) = (&whole.positions, &whole.triangles);
 
-    let count = args.count.unwrap_or(if args.tolerance.is_some() { 1024 } else { 64 }) as usize;
+    let count = args.count.unwrap_or(if args.tolerance.is_some() { 1024 } else { COUNT as u32 }) as usize;
     let options = if args.draft { BuildOptions::draft(count) } else { BuildOptions::new(count) };
     let options = BuildOptions { seed: args.seed, bounding: args.bounding, ..options };
     let bar = console::progress("spheres", 1000, args.quiet);
@@ -50,18 +81,16 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
     bar.finish_and_clear();
     let set = set.map_err(|e| Failure::new(format_args!("{}: {e}", args.mesh.display())))?;
     let seconds = start.elapsed().as_secs_f64();
-    if !(args.quiet || args.bounding || set.quality.suits()) {
-        console::note(format_args!(
-            "lobes: warning: {}: spheres do not suit this mesh (silhouette error {:.0} %): render it with --visibility rays \
-             or shadow-map",
-            args.mesh.display(),
-            100.0 * set.quality.silhouette_error
-        ));
+    if let Some(line) = doubt(args, count, &set.quality).filter(|_| !args.quiet) {
+        console::note(format_args!("lobes: warning: {line}"));
+    }
+    if output.is_none() && !args.quiet {
+        console::note("lobes: note: the set is not kept: -o set.json would write it");
     }
 
     if let Some(output) = output {
         let path = output.path().to_owned();
-        let text = match whole.carriers() {
+        let text = match whole.carriers().filter(|_| args.bones) {
             Some(carriers) => set.bind(positions, triangles, &carriers).map_err(Failure::new)?.to_json(),
             None => set.to_json(),
         };

@@ -45,6 +45,9 @@ pub struct SphereSet {
 }
 
 impl SphereSet {
+    /// Version of the builder: one more with every change that gives other sets, so that sets which are kept are built anew.
+    pub const BUILDER: u32 = 1;
+
     /// Builds a sphere set from any triangles: closed or open, in several parts, intersecting, of mixed winding.
     ///
     /// Starts from a greedy cover by inner balls and then lets the union's silhouettes descend to the mesh's, seen from

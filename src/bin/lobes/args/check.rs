@@ -10,6 +10,10 @@ pub(crate) struct CheckArgs {
     /// Scene (.toml), model (.gltf, .glb, .obj, .ply); the built-in scene when left out
     pub(crate) file: Option<PathBuf>,
 
+    /// The glTF file's clip of that name or number (from 0) instead of its first; a scene file names its own
+    #[arg(long, value_name = "CLIP", requires = "file")]
+    pub(crate) clip: Option<String>,
+
     /// Print a scene file that has every key, with its meaning
     #[arg(long, conflicts_with = "file")]
     pub(crate) schema: bool,

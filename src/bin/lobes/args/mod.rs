@@ -17,7 +17,8 @@ pub(crate) use self::view::ViewArgs;
 
 use crate::console;
 use crate::failure::Failure;
-use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::builder::ValueParser;
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 /// Soft shadows and glossy light from area lights, without noise.
 ///
@@ -50,12 +51,22 @@ pub(crate) fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
 }
 
+/// The definition, in which a value that is no file's name may begin with a minus: then the option itself refuses a
+/// negative number, and says what it takes.
+fn definition() -> clap::Command {
+    let named =
+        |arg: &Arg| arg.is_positional() || arg.get_value_parser().type_id() == ValueParser::path_buf().type_id();
+    let free =
+        |arg: Arg| if named(&arg) || !arg.get_action().takes_values() { arg } else { arg.allow_hyphen_values(true) };
+    Cli::command().mut_subcommands(|command| command.mut_args(free))
+}
+
 /// The command asked for; `None` when help or the version was asked for and has been printed.
 pub(crate) fn parse() -> Result<Option<Command>, Failure> {
-    match Cli::try_parse() {
+    match definition().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(Cli { command: Some(command) }) => Ok(Some(command)),
         Ok(Cli { command: None }) => {
-            console::say(Cli::command().render_help());
+            console::say(definition().render_help());
             Ok(None)
         }
         Err(error) if !error.use_stderr() => {
@@ -78,6 +89,6 @@ mod tests {
 
     #[test]
     fn the_definition_is_consistent() {
-        Cli::command().debug_assert();
+        definition().debug_assert();
     }
 }

@@ -1,4 +1,5 @@
 use super::ViewArgs;
+use super::values::{seed, whole};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -22,7 +23,7 @@ pub(crate) struct ReferenceArgs {
     pub(crate) output: Vec<PathBuf>,
 
     /// Samples a light and point, rounded up to a multiple of 8; powers of two converge best
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = whole(1..=1 << 24))]
     pub(crate) spp: u32,
 
     /// What casts shadows
@@ -34,7 +35,7 @@ pub(crate) struct ReferenceArgs {
     pub(crate) unshadowed: bool,
 
     /// Chooses the randomisations
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = seed)]
     pub(crate) seed: u64,
 
     /// Keep the checkpoint (OUTPUT.checkpoint, 192 bytes a point), to refine the result later

@@ -1,5 +1,5 @@
 use super::ViewArgs;
-use super::values::{frames, map_resolution, threshold, tolerance};
+use super::values::{frames, map_resolution, threshold, tolerance, whole};
 use clap::{Args, ValueEnum};
 use cosine_lobes::scene::Strategy;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Render a picture
 ///
 /// Writes PNG (eight-bit sRGB after exposure) or OpenEXR (linear RGB, 32-bit float), by the ending of the file's name.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   lobes render
   lobes render scene.toml -o a.png -o a.exr --tolerance 0.003
@@ -44,7 +44,7 @@ pub(crate) struct RenderArgs {
     pub(crate) tolerance: f32,
 
     /// Depth of the visibility mask: 2^D cells a side, 1 to 6; when left out, what the tolerance requires
-    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..=6))]
+    #[arg(long, value_name = "D", value_parser = whole(1..=6))]
     pub(crate) depth: Option<u32>,
 
     /// Drop contributions whose radiance is below this
@@ -58,8 +58,8 @@ pub(crate) struct RenderArgs {
     pub(crate) layers: bool,
 
     /// Render the animation's frames A to B, B not included, each to a file of its own: -o out.png gives out.0007.png.
-    /// Frames whose files are all there are not rendered again (files appear whole or not at all), so the same command
-    /// goes on where it was interrupted; delete them after a change of the scene or of options
+    /// Frames that are there are kept where this very command has made them: their files carry a mark of the scene, the
+    /// options and the version. So the same command goes on where it was interrupted, and makes what changed anew
     #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "time", "repeat"])]
     pub(crate) frames: Option<(u32, u32)>,
 
@@ -68,13 +68,14 @@ pub(crate) struct RenderArgs {
     pub(crate) stats: Option<PathBuf>,
 
     /// Shade N times and report the median time
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1..=10_000))]
     pub(crate) repeat: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Visibility {
-    /// Each object as the scene file says (its key `visibility`), by spheres where it says nothing
+    /// Each object as the scene file says (its key `visibility`); where it says nothing by spheres, and meshes of fewer
+    /// than 300 triangles by rays
     Scene,
     /// The spheres that stand for the objects
     Spheres,

@@ -1,12 +1,25 @@
 //! Values of options: what is taken, and the line that refuses the rest.
 
 use cosine_lobes::visibility_shadowmap::MapOptions;
+use std::ops::RangeInclusive;
 
 fn number(text: &str, range: &str, good: impl Fn(f32) -> bool) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(value) if good(value) => Ok(value),
         _ => Err(format!("expected a number {range}")),
     }
+}
+
+/// A whole number of that range.
+pub(super) fn whole(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync {
+    move |text| match text.parse() {
+        Ok(value) if range.contains(&value) => Ok(value),
+        _ => Err(format!("expected a whole number from {} to {}", range.start(), range.end())),
+    }
+}
+
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
 }
 
 pub(super) fn tolerance(text: &str) -> Result<f32, String> {
@@ -74,6 +87,10 @@ mod tests {
             assert!(tolerance(bad).is_err(), "{bad}");
         }
         assert_eq!(tolerance("0.1"), Ok(0.1));
+        assert_eq!(whole(1..=8)("8"), Ok(8));
+        for bad in ["0", "9", "-1", "1.5", "", "x", "99999999999999999999"] {
+            assert_eq!(whole(1..=8)(bad), Err("expected a whole number from 1 to 8".to_owned()), "{bad}");
+        }
         assert!(threshold("-1e-9").is_err() && exposure("nan").is_err() && positive("0").is_err());
     }
 }

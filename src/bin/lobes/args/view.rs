@@ -1,9 +1,9 @@
-use super::values::{exposure, fps, size, time};
+use super::values::{exposure, fps, size, time, whole};
 use clap::Args;
 use std::path::PathBuf;
 
 /// What all commands that take a picture of a scene share.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct ViewArgs {
     /// Scene (.toml), model (.gltf, .glb, .obj, .ply); the built-in scene when left out
     pub(crate) file: Option<PathBuf>,
@@ -13,22 +13,22 @@ pub(crate) struct ViewArgs {
     pub(crate) size: Option<(u32, u32)>,
 
     /// Camera rays a pixel: 1 through its centre, more through a fixed set of points, box-filtered
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1..=1024))]
     pub(crate) samples: u32,
 
     /// Brightness of PNG files in stops: radiance times 2^E
-    #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = exposure)]
     pub(crate) exposure: f32,
 
     /// The animation's frame N: the moment N / fps, from 0 (its state as loaded)
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub(crate) frame: Option<u32>,
 
     /// The animation's moment in seconds, from 0
-    #[arg(long, value_name = "T", conflicts_with = "frame", value_parser = time)]
+    #[arg(long, value_name = "T", conflicts_with_all = ["frame", "fps"], value_parser = time)]
     pub(crate) time: Option<f32>,
 
-    /// Frames a second, instead of the file's (24 where it does not say)
+    /// Frames a second for --frame and --frames, instead of the file's (24 where it does not say)
     #[arg(long, value_name = "F", value_parser = fps)]
     pub(crate) fps: Option<f32>,
 
@@ -37,7 +37,7 @@ pub(crate) struct ViewArgs {
     pub(crate) clip: Option<String>,
 
     /// Threads to use, instead of one a core
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1024))]
     pub(crate) threads: Option<u32>,
 
     /// No progress, no summary, no warnings

@@ -1,0 +1,50 @@
+//! What the pictures of a sequence are made from, as a line that their files carry.
+
+use crate::args::{RenderArgs, ViewArgs};
+use crate::fingerprint::Fingerprint;
+use cosine_lobes::read_stamp;
+use cosine_lobes::scene::{Animation, Proxy, Scene};
+use std::path::PathBuf;
+
+/// All that decides the pictures of a sequence but the moment: the program's version, the options, the scene as it was
+/// loaded, what moves in it, and the sphere-set files that it names.
+pub(crate) struct Stamp {
+    sequence: u64,
+}
+
+impl Stamp {
+    pub(crate) fn new(args: &RenderArgs, scene: &Scene, animation: &Animation) -> Self {
+        // Options that decide nothing, or that scene, animation and moment tell about.
+        let view = ViewArgs {
+            file: None,
+            size: None,
+            frame: None,
+            time: None,
+            fps: None,
+            clip: None,
+            threads: None,
+            quiet: false,
+            json: false,
+            ..args.view.clone()
+        };
+        let options = RenderArgs { view, output: Vec::new(), frames: None, stats: None, repeat: 1, ..args.clone() };
+        let all = Fingerprint::new().debug(&options).debug(scene).debug(animation);
+        let sets = scene.objects.iter().filter_map(|o| match &o.proxy {
+            Proxy::File(path) => std::fs::read(path).ok(),
+            _ => None,
+        });
+        Self { sequence: sets.fold(all, |all, set| all.bytes(&set)).value() }
+    }
+
+    /// The line for the picture of a moment in seconds.
+    pub(crate) fn at(&self, time: f32) -> String {
+        let moment = Fingerprint::new().debug(&(self.sequence, time)).value();
+        format!("{} {moment:016x}", env!("CARGO_PKG_VERSION"))
+    }
+
+    /// Whether all of these files are the picture of that moment.
+    pub(crate) fn made(&self, files: &[PathBuf], time: f32) -> bool {
+        let line = self.at(time);
+        files.iter().all(|file| read_stamp(file).is_some_and(|stamp| stamp == line))
+    }
+}
