@@ -18,6 +18,7 @@ mod spheres;
 mod stamp;
 mod stats;
 mod strategy;
+mod trade;
 mod whole_mesh;
 
 use crate::args::{Command, parse};
@@ -33,6 +34,7 @@ fn run() -> Result<(), Failure> {
         Command::Compare(args) => compare::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Spheres(args) => spheres::run(&args),
+        Command::Trade(args) => trade::run(&args),
     }
 }
 

@@ -162,7 +162,7 @@ fn advise(maps: &[ShadowMap], receivers: &Bounds) {
 }
 
 /// The paper's tables, row by row on all cores.
-fn paper_tables(quiet: bool) -> Tables {
+pub(crate) fn paper_tables(quiet: bool) -> Tables {
     let resolution = Resolution::PAPER;
     let count = resolution.exponents() as u64;
     let bar = console::progress("product table", count, quiet);

@@ -5,6 +5,7 @@ mod compare;
 mod reference;
 mod render;
 mod spheres;
+mod trade;
 mod values;
 mod view;
 
@@ -13,6 +14,7 @@ pub(crate) use self::compare::CompareArgs;
 pub(crate) use self::reference::{Geometry, ReferenceArgs};
 pub(crate) use self::render::{Method, RenderArgs, Visibility};
 pub(crate) use self::spheres::SpheresArgs;
+pub(crate) use self::trade::{TradeArgs, TradeGeometry};
 pub(crate) use self::view::ViewArgs;
 
 use crate::console;
@@ -44,6 +46,7 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     Check(CheckArgs),
     Spheres(SpheresArgs),
+    Trade(TradeArgs),
 }
 
 /// The name of a choice, as it is typed.

@@ -1,0 +1,154 @@
+//! Error against time of all settings on one scene.
+
+mod plot;
+mod record;
+mod row;
+mod setting;
+mod sheet;
+mod stage;
+mod table;
+mod truth;
+
+use self::record::Record;
+use self::row::Row;
+use self::stage::Stage;
+use self::truth::Truth;
+use crate::args::{Method, TradeArgs, TradeGeometry, Visibility, name};
+use crate::console::{self, STOP, say};
+use crate::failure::Failure;
+use crate::fingerprint::Fingerprint;
+use crate::input;
+use crate::moment;
+use crate::picture::seconds;
+use crate::render::paper_tables;
+use crate::strategy::Plan;
+use cosine_lobes::render_cpu::{GBuffer, World};
+use cosine_lobes::scene::{BlockerSet, Proxy, Scene, Shape};
+use std::sync::atomic::Ordering;
+
+/// More points than this are refused: a reference needs 192 bytes each, and a sweep is done in small.
+const MAX_POINTS: u64 = 1 << 22;
+
+pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
+    let view = &args.view;
+    let (mut scene, animation) = input::view(view)?;
+    let moment = moment::single(view, &animation)?;
+    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples);
+    if points > MAX_POINTS {
+        return Err(Failure::new(format_args!(
+            "{points} points are too many for a sweep, at most {MAX_POINTS} (--size)"
+        )));
+    }
+    let strategies = strategies(args, &scene)?;
+    let failed = |e: std::io::Error| Failure::new(format_args!("{}: {e}", args.output.display()));
+    std::fs::create_dir_all(&args.output).map_err(failed)?;
+
+    let by_spheres = args.geometry == TradeGeometry::Spheres || strategies.contains(&Visibility::Spheres);
+    let plan = Plan::new(if by_spheres { Visibility::Spheres } else { Visibility::None }, &scene);
+    let spheres = input::make_spheres(&mut scene, &animation, &plan, view.quiet)?;
+    animation.seek(moment.time, &mut scene);
+    let mut blockers = BlockerSet::default();
+    spheres.pose(&scene, Some((&animation, moment.time)), &mut blockers)?;
+    let stamp = stamp(args, &scene, &blockers);
+    let world = World::new(&scene);
+    let mut gbuffer_times = [0.0; 3];
+    let mut gbuffer = GBuffer::default();
+    for time in &mut gbuffer_times {
+        gbuffer = seconds(time, || GBuffer::new(&world, scene.width, scene.height, view.samples));
+    }
+    gbuffer_times.sort_by(f64::total_cmp);
+
+    let truth = Truth::find(args, &world, &gbuffer, &blockers)?;
+    let settings = setting::all(args, &strategies);
+    let mut record = Record::open(&args.output, &stamp)?;
+    let mut stage = Stage::new(args, &world, &gbuffer, &blockers, gbuffer_times[1]);
+    let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
+    if settings.iter().any(|s| s.method == "paper") && (left(&record) > 0 || !args.output.join("sheet.png").exists()) {
+        stage.tables = Some(paper_tables(view.quiet));
+    }
+    let title = scene_name(args);
+    console::stoppable(|| -> Result<(), Failure> {
+        let bar = console::progress("measuring", left(&record) as u64, view.quiet);
+        for setting in &settings {
+            if STOP.load(Ordering::SeqCst) {
+                break;
+            }
+            if record.find(setting).is_some() {
+                continue;
+            }
+            let shot = stage.shoot(setting)?;
+            record.add(Row::new(&title, setting, &shot, &stage, &truth, &stamp)?)?;
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(())
+    })?;
+    let missing = left(&record);
+    if missing > 0 {
+        let (done, all) = (settings.len() - missing, settings.len());
+        return Err(Failure::interrupted(format_args!(
+            "{done} of {all} rows are kept in {}; the same command goes on from there",
+            record.path().display()
+        )));
+    }
+    // Rows of other settings than this run's are kept, and shown.
+    let about = stage.about(&title, &truth);
+    record.write_tables(&about, stage.points())?;
+    plot::write(&args.output, &title, record.rows())?;
+    sheet::write(args, &mut stage, &settings, record.rows(), &truth)?;
+    if view.json {
+        say(serde_json::to_string_pretty(record.rows())?);
+    } else if !view.quiet {
+        for row in record.rows().iter().filter(|r| r.front) {
+            say(row.sentence());
+        }
+        say(format_args!("{}: {} rows", args.output.display(), record.rows().len()));
+    }
+    Ok(())
+}
+
+/// What the rows call the scene.
+fn scene_name(args: &TradeArgs) -> String {
+    let stem = args.view.file.as_ref().and_then(|f| f.file_stem());
+    stem.map_or_else(|| "builtin".to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+/// The strategies that are asked for, or all that see what the reference sees.
+fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failure> {
+    let blocks = |s: &&cosine_lobes::scene::Object| s.proxy != Proxy::None;
+    let balls = scene.objects.iter().filter(blocks).all(|o| matches!(o.shape, Shape::Spheres(_)));
+    let mut good = vec![Visibility::Spheres];
+    if args.geometry == TradeGeometry::Mesh && Plan::new(Visibility::ShadowMap, scene).wants_maps(scene) {
+        good.push(Visibility::ShadowMap);
+    }
+    if args.geometry == TradeGeometry::Mesh || balls {
+        good.push(Visibility::Rays);
+    }
+    if args.visibility.is_empty() {
+        return Ok(good);
+    }
+    match args.visibility.iter().find(|v| !good.contains(v)) {
+        Some(other) => {
+            let known: Vec<String> = good.iter().map(name).collect();
+            let (other, known) = (name(other), known.join(", "));
+            let geometry = name(&args.geometry);
+            Err(Failure::new(format_args!(
+                "--visibility {other}: with --geometry {geometry} this scene can be compared by {known}"
+            )))
+        }
+        None => Ok(args.visibility.clone()),
+    }
+}
+
+/// What rows must agree in to stand in one table.
+fn stamp(args: &TradeArgs, scene: &Scene, blockers: &BlockerSet) -> String {
+    let options = (args.view.samples, name(&args.geometry), args.reference_spp, args.repeat, args.map_resolution);
+    let threads = rayon::current_num_threads();
+    let all = Fingerprint::new().debug(&options).debug(scene).debug(blockers).debug(&threads);
+    format!("{} {:016x}", env!("CARGO_PKG_VERSION"), all.value())
+}
+
+/// The method's word.
+fn word(method: Method) -> String {
+    name(&method)
+}

@@ -1,0 +1,66 @@
+//! What is swept.
+
+use super::word;
+use crate::args::{Method, TradeArgs, TradeGeometry, Visibility, name};
+
+/// How a picture is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Technique {
+    Lobes(Method, Visibility),
+    /// Stratified shadow rays; with the culling that lobes have, or each ray alone.
+    Samples {
+        culled: bool,
+    },
+}
+
+/// One row to be.
+#[derive(Clone, Debug)]
+pub(super) struct Setting {
+    pub(super) technique: Technique,
+    /// How the row calls method and strategy.
+    pub(super) method: String,
+    pub(super) visibility: String,
+    /// What is turned, where the technique has it.
+    pub(super) tolerance: Option<f32>,
+    pub(super) depth: Option<u32>,
+    pub(super) spp: Option<u32>,
+}
+
+/// All combinations: tolerance and depth for moments, depth for the paper's method, whose lobes know no tolerance, samples for
+/// rays.
+pub(super) fn all(args: &TradeArgs, strategies: &[Visibility]) -> Vec<Setting> {
+    let mut list = Vec::new();
+    for &method in &args.method {
+        for visibility in strategies {
+            let setting = |tolerance, depth| Setting {
+                technique: Technique::Lobes(method, *visibility),
+                method: word(method),
+                visibility: name(visibility),
+                tolerance,
+                depth: Some(depth),
+                spp: None,
+            };
+            for &depth in &args.depth {
+                match method {
+                    Method::Moments => list.extend(args.tolerance.iter().map(|t| setting(Some(*t), depth))),
+                    Method::Paper => list.push(setting(None, depth)),
+                }
+            }
+        }
+    }
+    let seen = match args.geometry {
+        TradeGeometry::Spheres => Visibility::Spheres,
+        TradeGeometry::Mesh => Visibility::Rays,
+    };
+    for (culled, method) in [(true, "samples"), (false, "samples, unculled")] {
+        list.extend(args.spp.iter().map(|spp| Setting {
+            technique: Technique::Samples { culled },
+            method: method.to_owned(),
+            visibility: name(&seen),
+            tolerance: None,
+            depth: None,
+            spp: Some(*spp),
+        }));
+    }
+    list
+}

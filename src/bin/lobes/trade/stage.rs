@@ -1,0 +1,189 @@
+use super::setting::{Setting, Technique};
+use super::truth::Truth;
+use crate::args::{TradeArgs, TradeGeometry, Visibility};
+use crate::failure::Failure;
+use crate::picture::seconds;
+use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
+use cosine_lobes::Picture;
+use cosine_lobes::lighting::depth_for;
+use cosine_lobes::lobe_core::VisibilityLobes;
+use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::render_cpu::{CpuShader, GBuffer, RayShader, World};
+use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
+use cosine_lobes::visibility_shadowmap::{Bounds, ShadowMap};
+use glam::Vec3;
+use std::time::{Duration, Instant};
+
+/// No setting is repeated for longer, once it was shaded three times.
+const LONGEST: Duration = Duration::from_secs(3);
+
+/// The tolerance that methods without one are given; they do not look at it.
+const ANY_TOLERANCE: f32 = 0.005;
+
+/// One setting, shaded again and again.
+pub(super) struct Shot {
+    /// Ascending.
+    pub(super) seconds: Vec<f64>,
+    pub(super) radiance: Vec<Vec3>,
+    /// Of drawing the shadow maps, once a frame.
+    pub(super) map_seconds: f64,
+}
+
+impl Shot {
+    /// The time that this share of the repetitions stays below.
+    pub(super) fn at(&self, share: f64) -> f64 {
+        let index = (self.seconds.len() - 1) as f64 * share;
+        let (low, high) = (self.seconds[index.floor() as usize], self.seconds[index.ceil() as usize]);
+        low + (high - low) * index.fract()
+    }
+}
+
+/// The scene at its moment, with what all settings share.
+pub(super) struct Stage<'a> {
+    args: &'a TradeArgs,
+    world: &'a World<'a>,
+    gbuffer: &'a GBuffer,
+    blockers: &'a BlockerSet,
+    spheres: KeptSpheres,
+    gbuffer_seconds: f64,
+    maps: Option<(Vec<ShadowMap>, f64)>,
+    /// Made where the paper's method is swept.
+    pub(super) tables: Option<Tables>,
+}
+
+impl<'a> Stage<'a> {
+    pub(super) fn new(
+        args: &'a TradeArgs,
+        world: &'a World<'a>,
+        gbuffer: &'a GBuffer,
+        blockers: &'a BlockerSet,
+        gbuffer_seconds: f64,
+    ) -> Self {
+        let mut spheres = KeptSpheres::default();
+        spheres.update(blockers);
+        Self { args, world, gbuffer, blockers, spheres, gbuffer_seconds, maps: None, tables: None }
+    }
+
+    pub(super) const fn gbuffer_seconds(&self) -> f64 {
+        self.gbuffer_seconds
+    }
+
+    pub(super) fn points(&self) -> usize {
+        self.gbuffer.len()
+    }
+
+    pub(super) const fn exposure(&self) -> f32 {
+        self.args.view.exposure
+    }
+
+    pub(super) fn picture(&self, radiance: &[Vec3]) -> Picture {
+        let scene = self.world.scene();
+        let pixels = self.gbuffer.resolve(radiance, scene.background);
+        Picture::new(scene.width as usize, scene.height as usize, pixels)
+    }
+
+    /// A paragraph about the scene.
+    pub(super) fn about(&self, title: &str, truth: &Truth) -> String {
+        let scene = self.world.scene();
+        let geometry = match self.args.geometry {
+            TradeGeometry::Spheres => "the same blocker spheres",
+            TradeGeometry::Mesh => "the true geometry",
+        };
+        format!(
+            "{title}: {} x {} pixels, {} points, {} blocker spheres, {} triangles, {} lights, {} threads. Reference: Monte Carlo of \
+             {geometry}, {} samples, own standard error in penumbra {:.4} %. Time: shading of one frame with visible points \
+             given, median of repeated frames (quartiles); `frame` adds finding the points ({:.2} ms) and drawing shadow maps. \
+             Errors: fractions of the unshadowed radiance over pixels between 1 % and 99 % lit.",
+            scene.width,
+            scene.height,
+            self.gbuffer.len(),
+            self.blockers.spheres.len(),
+            self.world.triangle_count(),
+            scene.lights.len(),
+            rayon::current_num_threads(),
+            truth.samples,
+            100.0 * truth.std_error,
+            1e3 * self.gbuffer_seconds,
+        )
+    }
+
+    /// Shades once to warm up, then as often as asked.
+    pub(super) fn shoot(&mut self, setting: &Setting) -> Result<Shot, Failure> {
+        let scene = self.world.scene();
+        let tolerance = setting.tolerance.unwrap_or(ANY_TOLERANCE);
+        let depth = setting.depth.unwrap_or_else(|| depth_for(tolerance));
+        let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance, depth, threshold: 0.0 };
+        let timed = Timed { points: &self.gbuffer.points, frame: &frame, repeats: self.args.repeat as usize };
+        match setting.technique {
+            Technique::Samples { culled } => {
+                let spp = setting.spp.unwrap_or(1);
+                let shader = match self.args.geometry {
+                    TradeGeometry::Spheres => RayShader::spheres(self.blockers, spp),
+                    TradeGeometry::Mesh => RayShader::surfaces(self.world, spp),
+                };
+                timed.run(&mut shader.culled(culled))
+            }
+            Technique::Lobes(method, visibility) => {
+                let plan = Plan::new(visibility, scene);
+                let (maps, map_seconds) = match plan.wants_maps(scene) {
+                    true => self.maps(&plan)?,
+                    false => (Vec::new(), 0.0),
+                };
+                let spheres = if visibility == Visibility::Spheres { self.spheres.get() } else { None };
+                let tables = match method {
+                    crate::args::Method::Paper => self.tables.as_ref(),
+                    crate::args::Method::Moments => None,
+                };
+                let shot = Occlusion::new(&plan, self.world, spheres, maps).shade(depth, tables, timed)?;
+                Ok(Shot { map_seconds, ..shot })
+            }
+        }
+    }
+
+    /// The lights' shadow maps, drawn once, and how long that took.
+    fn maps(&mut self, plan: &Plan) -> Result<(Vec<ShadowMap>, f64), Failure> {
+        if self.maps.is_none() {
+            let receivers = Bounds::of(self.gbuffer.points.receivers.iter().map(|r| r.position));
+            let mut time = 0.0;
+            let maps = match receivers {
+                Some(receivers) => {
+                    seconds(&mut time, || plan.maps(self.world.scene(), receivers, self.args.map_resolution))?
+                }
+                None => Vec::new(),
+            };
+            self.maps = Some((maps, time));
+        }
+        Ok(self.maps.clone().unwrap_or_default())
+    }
+}
+
+/// Shading, timed.
+struct Timed<'a> {
+    points: &'a ShadingPoints,
+    frame: &'a Frame<'a>,
+    repeats: usize,
+}
+
+impl Timed<'_> {
+    fn run<S: Shade>(&self, shader: &mut S) -> Result<Shot, Failure>
+    where
+        S::Error: std::error::Error,
+    {
+        let mut radiance = vec![Vec3::ZERO; self.points.receivers.len()];
+        shader.shade(self.points, self.frame, &mut radiance)?;
+        let (start, mut times) = (Instant::now(), Vec::with_capacity(self.repeats));
+        while times.len() < self.repeats && (times.len() < 3 || start.elapsed() < LONGEST) {
+            times.push(shader.shade(self.points, self.frame, &mut radiance)?.seconds);
+        }
+        times.sort_by(f64::total_cmp);
+        Ok(Shot { seconds: times, radiance, map_seconds: 0.0 })
+    }
+}
+
+impl Work for Timed<'_> {
+    type Result = Result<Shot, Failure>;
+
+    fn with<V: VisibilityLobes>(self, mut shader: CpuShader<'_, V>) -> Self::Result {
+        self.run(&mut shader)
+    }
+}
