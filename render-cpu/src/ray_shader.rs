@@ -104,7 +104,6 @@ impl<'a> RayShader<'a> {
     }
 
     /// One group of points, all lights.
-    #[inline(always)]
     fn group(
         &self,
         receivers: &[Receiver],
@@ -138,7 +137,7 @@ impl<'a> RayShader<'a> {
                 let reflectance = Reflectance::new(&frame.materials[*material as usize], at);
                 let clear = matches!(coverage, Coverage::Lit);
                 let pair = Pair { at, light, cone, number: number as u64, clear };
-                out[i] += self.sample(&pair, &reflectance, scratch, &mut rays);
+                out[i] += dispatch!(self.level, _simd => self.sample(&pair, &reflectance, scratch, &mut rays));
             }
         }
         self.rays.fetch_add(rays, Ordering::Relaxed);
@@ -153,9 +152,10 @@ impl<'a> RayShader<'a> {
         }
     }
 
-    #[inline(always)]
     fn select(&self, at: &Receiver, cone: &Cone, scratch: &mut Scratch) -> Coverage {
-        let Targets::Surfaces(world) = &self.targets else { return scratch.seen.select(at, cone, &scratch.list) };
+        let Targets::Surfaces(world) = &self.targets else {
+            return dispatch!(self.level, _simd => scratch.seen.select(at, cone, &scratch.list));
+        };
         let above = at.face.dot(cone.axis) >= cone.sin_sq().sqrt();
         let region = Region::new(world.leave(at.position, at.face), cone, above.then_some(at.face));
         let meets = match scratch.is_listed {
@@ -220,7 +220,7 @@ impl<'a> RayShader<'a> {
                     Targets::Surfaces(world) => {
                         for l in 0..LANES {
                             let direction = Vec3::new(v[0][l], v[1][l], v[2][l]);
-                            above[l] = above[l] && !world.occluded(origin, direction, distance[l]);
+                            above[l] = above[l] && !hidden(world, origin, direction, distance[l]);
                         }
                     }
                 }
@@ -229,6 +229,12 @@ impl<'a> RayShader<'a> {
         }
         light.radiance * reflectance.total(&sum) * (TAU * omc / self.samples as f32)
     }
+}
+
+/// Once in the program, not once for each kind of vector instructions.
+#[inline(never)]
+fn hidden(world: &World<'_>, origin: Vec3, direction: Vec3, distance: f32) -> bool {
+    world.occluded(origin, direction, distance)
 }
 
 /// One point and one light.
@@ -268,7 +274,7 @@ impl Shade for RayShader<'_> {
                 let range = group * GROUP..group * GROUP + out.len();
                 let (receivers, materials) = (&points.receivers[range.clone()], &points.materials[range]);
                 let mut counts = Counts::default();
-                dispatch!(self.level, _simd => self.group(receivers, materials, frame, scratch, &mut counts, out));
+                self.group(receivers, materials, frame, scratch, &mut counts, out);
                 counts
             })
             .reduce(Counts::default, |mut a, b| {

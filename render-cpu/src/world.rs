@@ -1,9 +1,16 @@
+mod bundle;
+mod camera_rays;
+mod eight;
 mod query;
 #[cfg(test)]
 mod refit_tests;
+mod surface;
 mod tree;
 
+pub(crate) use self::bundle::{BALL, Bundle, NOTHING, SIDE};
+pub(crate) use self::camera_rays::Rays;
 pub(crate) use self::query::{Primitive, Region};
+pub(crate) use self::surface::Meetings;
 pub(crate) use self::tree::Tree;
 use crate::scene_spheres::is_lamp;
 use core::time::Duration;
@@ -16,7 +23,7 @@ use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
 use scene::{Proxy, Scene, Shape};
 
-/// Where a ray from the eye meets the scene.
+/// Where a ray meets the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// World position: from the barycentric coordinates of the triangle or on the ball, in f64, then rounded, so that it

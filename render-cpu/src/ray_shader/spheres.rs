@@ -63,6 +63,7 @@ impl SphereTargets {
     }
 
     /// Whether a sphere hides the direction from the receiver up to the distance.
+    #[inline(never)]
     pub(super) fn hide(&self, at: &Receiver, direction: Vec3, distance: f32) -> bool {
         let ray = Ray::new(at.position.into(), direction.into(), 0.0, distance);
         self.tree.any(ray, |b, ray| {

@@ -117,6 +117,11 @@ impl<T: Copy + Boundable + Named> Tree<T> {
 }
 
 impl<T> Tree<T> {
+    /// Units of the hierarchy a world unit.
+    pub(super) const fn scale(&self) -> f32 {
+        self.scale
+    }
+
     /// A box of the hierarchy in world units.
     pub(super) fn unscaled(&self, bounds: Aabb) -> Aabb {
         Aabb::new(bounds.min / self.scale, bounds.max / self.scale)

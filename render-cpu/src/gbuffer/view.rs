@@ -1,0 +1,192 @@
+//! Tiles of an image: what their rays meet, and the points there, written where they belong.
+
+use super::{GBuffer, TILE};
+use crate::World;
+use crate::world::{Bundle, Meetings, NOTHING, Rays, SIDE};
+use core::ops::Range;
+use glam::{Vec2, Vec3};
+use lobe_core::Receiver;
+use rayon::prelude::*;
+
+/// Tiles that a thread takes at once.
+const TASK: usize = 8;
+
+/// Some tiles of an image.
+pub(super) struct View<'w> {
+    world: &'w World<'w>,
+    rays: Rays,
+    offsets: Vec<Vec2>,
+    /// Columns and rows of tiles of the whole image.
+    across: Range<u32>,
+    down: Range<u32>,
+    /// Pixels of the whole image that are asked for.
+    columns: Range<u32>,
+    rows: Range<u32>,
+}
+
+/// Points of some tiles, where they belong.
+struct Part<'a> {
+    receivers: &'a mut [Receiver],
+    materials: &'a mut [u32],
+    pixels: &'a mut [u32],
+    depths: &'a mut [f32],
+}
+
+impl<'w> View<'w> {
+    pub(super) fn new(
+        world: &'w World<'w>,
+        [width, height]: [u32; 2],
+        samples: u32,
+        columns: Range<u32>,
+        rows: Range<u32>,
+    ) -> Self {
+        Self {
+            world,
+            rays: Rays::new(&world.scene().camera, width, height),
+            offsets: sub_pixels(samples),
+            across: columns.start / TILE..columns.end.div_ceil(TILE).max(columns.start / TILE),
+            down: rows.start / TILE..rows.end.div_ceil(TILE).max(rows.start / TILE),
+            columns,
+            rows,
+        }
+    }
+
+    fn tile_rays(&self) -> usize {
+        self.offsets.len() * (TILE * TILE) as usize
+    }
+
+    /// Column and row of a tile's first pixel, and which of its columns and rows are asked for.
+    fn tile(&self, number: usize) -> ([u32; 2], [Range<usize>; 2]) {
+        let across = self.across.len();
+        let left = (self.across.start + (number % across) as u32) * TILE;
+        let top = (self.down.start + (number / across) as u32) * TILE;
+        let part = |first: u32, all: &Range<u32>| {
+            (all.start.max(first) - first) as usize..(all.end.clamp(first, first + TILE) - first) as usize
+        };
+        ([left, top], [part(left, &self.columns), part(top, &self.rows)])
+    }
+
+    /// For each ray, tile by tile and in each of them offset by offset, what it meets; and how many of the rays of this
+    /// and all tiles before met something.
+    pub(super) fn look(&self) -> (Vec<u32>, Vec<usize>) {
+        let mut found = vec![0; self.across.len() * self.down.len() * self.tile_rays()];
+        let mut ends: Vec<usize> = found
+            .par_chunks_mut(self.tile_rays())
+            .with_min_len(TASK)
+            .enumerate()
+            .map(|(tile, found)| self.look_tile(tile, found))
+            .collect();
+        let mut end = 0;
+        for count in &mut ends {
+            end += *count;
+            *count = end;
+        }
+        (found, ends)
+    }
+
+    fn look_tile(&self, tile: usize, found: &mut [u32]) -> usize {
+        let ([left, top], [columns, rows]) = self.tile(tile);
+        let corner = Vec2::new(left as f32, top as f32);
+        for (offset, found) in self.offsets.iter().zip(found.chunks_exact_mut((TILE * TILE) as usize)) {
+            let mut bundle = Bundle::new(&self.rays, corner, *offset, &columns, &rows);
+            self.world.trace(&mut bundle);
+            found.copy_from_slice(bundle.found().as_flattened());
+        }
+        found.iter().filter(|f| **f != NOTHING).count()
+    }
+
+    /// Writes the points.
+    pub(super) fn describe(&self, found: &[u32], ends: &[usize], out: &mut GBuffer) {
+        let count = ends.last().copied().unwrap_or(0);
+        let none = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 0 };
+        out.points.receivers.resize(count, none);
+        out.points.materials.resize(count, 0);
+        out.pixels.resize(count, 0);
+        out.depths.resize(count, 0.0);
+        let mut rest = Part {
+            receivers: &mut out.points.receivers,
+            materials: &mut out.points.materials,
+            pixels: &mut out.pixels,
+            depths: &mut out.depths,
+        };
+        let mut parts = Vec::with_capacity(ends.len().div_ceil(TASK));
+        let mut done = 0;
+        for ends in ends.chunks(TASK) {
+            let end = ends[ends.len() - 1];
+            let (part, after) = rest.split(end - done);
+            (rest, done) = (after, end);
+            parts.push(part);
+        }
+        found.par_chunks(self.tile_rays() * TASK).zip(parts).enumerate().for_each(|(task, (found, part))| {
+            self.describe_tiles(task * TASK, found, part);
+        });
+    }
+
+    fn describe_tiles(&self, first: usize, found: &[u32], mut out: Part<'_>) {
+        for (tile, found) in found.chunks_exact(self.tile_rays()).enumerate() {
+            let ([left, top], [columns, rows]) = self.tile(first + tile);
+            let width = self.columns.end - self.columns.start;
+            let (mut meetings, mut pixels, mut count) = (Meetings::default(), [0; SIDE], 0);
+            for row in rows {
+                for column in columns.clone() {
+                    let (x, y) = (left + column as u32, top + row as u32);
+                    for (o, offset) in self.offsets.iter().enumerate() {
+                        let number = found[(o * SIDE + row) * SIDE + column];
+                        if number == NOTHING {
+                            continue;
+                        }
+                        let d = self.rays.direction(x as f32 + offset.x, y as f32 + offset.y);
+                        meetings.found[count] = number;
+                        for k in 0..3 {
+                            meetings.directions[k][count] = d[k];
+                        }
+                        pixels[count] = (y - self.rows.start) * width + (x - self.columns.start);
+                        count += 1;
+                        if count == SIDE {
+                            out = self.write(&meetings, &pixels, out);
+                            count = 0;
+                        }
+                    }
+                }
+            }
+            if count > 0 {
+                meetings.found[count..].fill(NOTHING);
+                out = self.write(&meetings, &pixels[..count], out);
+            }
+        }
+    }
+
+    /// Writes the next few points; gives what is left to be written.
+    fn write<'o>(&self, meetings: &Meetings, pixels: &[u32], out: Part<'o>) -> Part<'o> {
+        let (now, rest) = out.split(pixels.len());
+        self.world.surfaces(self.rays.level, self.rays.eye, meetings, now.receivers);
+        now.pixels.copy_from_slice(pixels);
+        let objects = &self.world.scene().objects;
+        for ((at, material), depth) in now.receivers.iter().zip(now.materials).zip(now.depths) {
+            *material = objects[at.object as usize].material as u32;
+            *depth = (at.position - self.rays.eye).dot(self.rays.forward);
+        }
+        rest
+    }
+}
+
+impl<'a> Part<'a> {
+    fn split(self, count: usize) -> (Self, Self) {
+        let (receivers, receivers_after) = self.receivers.split_at_mut(count);
+        let (materials, materials_after) = self.materials.split_at_mut(count);
+        let (pixels, pixels_after) = self.pixels.split_at_mut(count);
+        let (depths, depths_after) = self.depths.split_at_mut(count);
+        (
+            Self { receivers, materials, pixels, depths },
+            Self { receivers: receivers_after, materials: materials_after, pixels: pixels_after, depths: depths_after },
+        )
+    }
+}
+
+/// Where in a pixel its `n` rays pass: Hammersley points, moved so that their mean is the centre.
+pub(super) fn sub_pixels(n: u32) -> Vec<Vec2> {
+    let radical_inverse = |i: u32| f64::from(i.reverse_bits()) / 4_294_967_296.0;
+    let shift = 0.5 - (0..n).map(radical_inverse).sum::<f64>() / f64::from(n);
+    let x = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+    (0..n).map(|i| Vec2::new(x(i) as f32, (radical_inverse(i) + shift) as f32)).collect()
+}
