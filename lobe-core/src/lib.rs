@@ -26,6 +26,7 @@ mod cap;
 pub mod conformance;
 mod geometry;
 mod integrator;
+mod lanes;
 mod lobe;
 mod lobes;
 mod moments;
@@ -44,7 +45,7 @@ pub use crate::integrator::{Call, Integrator, LightTerm, Lit, Method, Probe, Sta
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
 pub use crate::moments::{cone_lobe, exponent_of_spread, mixture_lobe, product_lobe};
-pub use crate::product::{is_lambert, lobe_product, product_integral, product_of_angle};
+pub use crate::product::{is_lambert, lobe_product, product_integral, product_of_angle, products_of_angle};
 pub use crate::source::{
     BrdfLobes, Coverage, DynScratch, DynVisibility, LightLobes, Unshadowed, VisibilityLobes, VisibilityQuery,
     VisibilitySum,

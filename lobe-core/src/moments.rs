@@ -1,6 +1,6 @@
 //! Moment lobes: the one lobe that keeps a function's total and its mean vector.
 
-use crate::product::{DELTA, Peak};
+use crate::product::{Arc, DELTA, Peak};
 use crate::special::cosine_power_arc;
 use crate::{Cone, Lobe, Lobes, product_integral};
 use glam::Vec3;
@@ -55,11 +55,12 @@ pub fn product_lobe(a: &Lobe, b: &Lobe) -> Lobe {
     // Angle of the mean from a's axis, and 1 − R.
     let (angle, one_minus_r) = if e1.min(e2) < 8.0 {
         let (mut total, mut along, mut aside) = (0.0, 0.0, 0.0);
-        peak.quadrature(e1, e2, |psi, weight| {
+        let arc = Arc::new(&peak, e1, e2);
+        for (psi, weight) in Arc::NODES.into_iter().map(|node| arc.node(node)) {
             total += weight;
             along += weight * psi.cos();
             aside += weight * psi.sin();
-        });
+        }
         // One more power of cos λ across the plane: B(n+1)/B(n).
         let across = cosine_power_arc(e1 + e2 + 2.0) / cosine_power_arc(e1 + e2 + 1.0);
         let length = if total > 0.0 { along.hypot(aside) / total } else { 1.0 };

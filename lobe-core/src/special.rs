@@ -31,10 +31,16 @@ pub fn exp(x: f32) -> f32 {
 #[inline(always)]
 #[must_use]
 pub fn ln_1p(y: f32) -> f32 {
+    let y = if y > -1.0 { y } else { -1.0 };
+    ln_of(1.0 + y, y)
+}
+
+/// `ln u` for `u ≥ 0` by `u` and `y = u − 1`, of which either may have lost its digits where the other is small.
+#[inline(always)]
+pub(crate) fn ln_of(u: f32, y: f32) -> f32 {
     // Bits of √½, where a power of two ends and the next begins.
     const HALF_ROOT: i32 = 0x3f35_04f3;
-    let y = if y > -1.0 { y } else { -1.0 };
-    let bits = (1.0 + y).to_bits() as i32;
+    let bits = u.to_bits() as i32;
     let k = (bits - HALF_ROOT) >> 23;
     let mantissa = f32::from_bits((bits - (k << 23)) as u32);
     let f = if k == 0 { y } else { mantissa - 1.0 };
@@ -43,6 +49,13 @@ pub fn ln_1p(y: f32) -> f32 {
     let series = z * (0.333_333_88 + z * (0.199_887_64 + z * 0.149_360_53));
     let two_s = s + s;
     k as f32 * core::f32::consts::LN_2 + (two_s + two_s * series)
+}
+
+/// `sin x` for `|x| ≤ π/4`; relative error ≤ 1e-7.
+#[inline(always)]
+pub(crate) fn sin_of_octant(x: f32) -> f32 {
+    let z = x * x;
+    x + x * z * (-0.166_666_46 + z * (0.008_331_676 - z * 1.945_344_4e-4))
 }
 
 /// Numerator and denominator of `erf(√x)/√x`, relative error 3e-7 up to `x =` [`ERF_END`].
@@ -76,8 +89,8 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let (small, large) = if y < width { (y, width) } else { (width, y) };
     let a = small / if large > f32::MIN_POSITIVE { large } else { f32::MIN_POSITIVE };
     let z = a * a;
-    let high = 0.099_142_26 + z * (-0.059_485_305 + z * (0.024_251_537 - z * 0.004_693_007));
-    let angle = a * (0.999_999_9 + z * (-0.333_319_9 + z * (0.199_697_2 + z * (-0.140_194_6 + z * high))));
+    let high = 0.106_409_07 + z * (-0.075_042_31 + z * (0.042_690_706 + z * (-0.016_068_09 + z * 0.002_849_744_3)));
+    let angle = a + a * z * (-0.333_330_73 + z * (0.199_926_19 + z * (-0.142_036_38 + z * high)));
     let angle = if y < width { angle } else { core::f32::consts::FRAC_PI_2 - angle };
     if x < 0.0 { core::f32::consts::PI - angle } else { angle }
 }
@@ -92,6 +105,21 @@ pub fn gamma_ratio(x: f32) -> f32 {
     let y = x + 2.25;
     let i = 1.0 / (y * y);
     (x + 1.0) * (x + 2.0) / ((x + 0.5) * (x + 1.5)) * (1.0 / y.sqrt()) * (1.0 + i * (-1.0 / 64.0 + i * (21.0 / 8192.0)))
+}
+
+/// The product of two [`gamma_ratio`]s for one square root and two divisions.
+#[inline(always)]
+pub(crate) fn gamma_ratios(a: f32, b: f32) -> f32 {
+    let limit = |x: f32| if x < 1e18 { x } else { 1e18 };
+    let (a, b) = (limit(a), limit(b));
+    let (p, q) = (a + 2.25, b + 2.25);
+    let inverse = 1.0 / (p * q);
+    let (i, j) = (q * inverse, p * inverse);
+    let series = |i: f32| 1.0 + i * i * (-1.0 / 64.0 + i * i * (21.0 / 8192.0));
+    let steps = |x: f32| ((x + 1.0) * (x + 2.0), (x + 0.5) * (x + 1.5));
+    let ((a1, a2), (b1, b2)) = (steps(a), steps(b));
+    // Each quotient is at most 1.2; both denominators together would overflow.
+    inverse.sqrt() * (series(i) * series(j)) * ((a1 * i * i) * (b1 * j * j) / ((a2 * i * i) * (b2 * j * j)))
 }
 
 /// `A(n) = ∫_{−π/2}^{π/2} cosⁿψ dψ = √π Γ((n+1)/2)/Γ(n/2+1)`, `n ≥ 0`.

@@ -436,3 +436,30 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
         }
     }
 }
+
+#[test]
+fn products_side_by_side_are_the_single_ones_on_every_machine() {
+    let mut random = Random::new(25);
+    for count in [0, 1, 15, 16, 17, 4000] {
+        let mut exponent =
+            |k: usize| if k % 17 == 0 { EXTREME[k / 17 % 12].min(1e18) } else { random.exponent(1e6) as f32 };
+        let e1: Vec<f32> = (0..count).map(&mut exponent).collect();
+        let e2: Vec<f32> = (0..count).map(|k| exponent(k + 5)).collect();
+        let y: Vec<f32> = (0..count).map(|k| [0.0, 1e-7, 0.01, 0.3, 1.0, 1.3, 2.0][k % 7]).collect();
+        for level in levels() {
+            let mut out = vec![f32::NAN; count];
+            crate::product::products_at(level, &e1, &e2, &y, &mut out);
+            for (k, value) in out.into_iter().enumerate() {
+                let single = product_of_angle(e1[k], e2[k], y[k]);
+                assert_eq!(
+                    value.to_bits(),
+                    single.to_bits(),
+                    "{level:?}: {value} {single} {} {} {}",
+                    e1[k],
+                    e2[k],
+                    y[k]
+                );
+            }
+        }
+    }
+}

@@ -1,11 +1,9 @@
 use super::chord::{self, Chord};
 use super::pair::Pair;
 use super::{Form, finish, lambert, slab};
+use crate::lanes::{Block, Lane, WIDTH, map, row};
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
-
-/// Entries of a block: one AVX-512 register of f32, two of AVX2, four of SSE2.
-const WIDTH: usize = 16;
 
 /// Integrals that wait for others of their kind: a block of each kind, evaluated when it is full.
 pub(super) struct Blocks {
@@ -92,26 +90,32 @@ impl Blocks {
     }
 
     fn crossed(&mut self, out: &mut [f32]) {
-        let [values] = self.crossed.map::<Crossed, 1>(self.level);
-        self.crossed.flush(&values, out);
+        if self.crossed.len > 0 {
+            let [values] = map::<Crossed, 2, 1>(self.level, &self.crossed.columns);
+            self.crossed.flush(&values, out);
+        }
     }
 
     fn slab(&mut self, out: &mut [f32]) {
-        let [values] = self.slab.map::<Slab, 1>(self.level);
-        self.slab.flush(&values, out);
+        if self.slab.len > 0 {
+            let [values] = map::<Slab, 12, 1>(self.level, &self.slab.columns);
+            self.slab.flush(&values, out);
+        }
     }
 
     /// From axes to chords, which then wait with those that want as many nodes.
     fn whole(&mut self, out: &mut [f32]) {
-        let chords = self.whole.map::<Whole, 14>(self.level);
+        if self.whole.len == 0 {
+            return;
+        }
+        let chords = map::<Whole, 12, 14>(self.level, &self.whole.columns);
         for j in 0..self.whole.len {
-            let row = row(&chords, j);
-            let chord: Chord = bytemuck::cast(row);
-            let k = self.whole.of[j];
-            if chord.weight <= 0.0 {
+            // The weight is the first of a chord's numbers.
+            if chords[0][j] <= 0.0 {
                 continue;
             }
-            if chord.is_narrow() {
+            let (row, k) = (row(&chords, j), self.whole.of[j]);
+            if bytemuck::cast::<_, Chord>(row).is_narrow() {
                 if self.few.push(row, k) {
                     sum::<{ chord::FEW }, false>(self.level, &mut self.few, out);
                 }
@@ -121,12 +125,6 @@ impl Blocks {
         }
         self.whole.len = 0;
     }
-}
-
-/// A function of a row, to be taken of all rows of a block. A trait and not a closure, because only a method can be told to
-/// stay inside the loop.
-trait Lane<const C: usize, const D: usize> {
-    fn value(row: [f32; C]) -> [f32; D];
 }
 
 struct Crossed;
@@ -171,64 +169,4 @@ fn sum<const N: usize, const CUT: bool>(level: Level, block: &mut Block<14>, out
     });
     let values: [f32; WIDTH] = core::array::from_fn(|j| finish(columns[0][j], sums[j]));
     block.flush(&values, out);
-}
-
-/// Rows of `C` numbers in columns, and where their results go.
-struct Block<const C: usize> {
-    columns: [[f32; WIDTH]; C],
-    of: [usize; WIDTH],
-    len: usize,
-}
-
-impl<const C: usize> Block<C> {
-    fn new() -> Self {
-        Self { columns: [[0.0; WIDTH]; C], of: [0; WIDTH], len: 0 }
-    }
-
-    /// True when it is full now.
-    #[inline(always)]
-    fn push(&mut self, row: [f32; C], k: usize) -> bool {
-        let j = self.len;
-        for (column, value) in self.columns.iter_mut().zip(row) {
-            column[j] = value;
-        }
-        self.of[j] = k;
-        self.len = j + 1;
-        self.len == WIDTH
-    }
-
-    /// `F` of every row, those included that an earlier block has left behind the last.
-    fn map<F: Lane<C, D>, const D: usize>(&self, level: Level) -> [[f32; WIDTH]; D] {
-        let mut out = [[0.0; WIDTH]; D];
-        if self.len > 0 {
-            let columns = &self.columns;
-            dispatch!(level, _simd => {
-                for j in 0..WIDTH {
-                    let values = F::value(row(columns, j));
-                    for (column, value) in out.iter_mut().zip(values) {
-                        column[j] = value;
-                    }
-                }
-            });
-        }
-        out
-    }
-
-    /// Adds the values to their outputs, and empties the block.
-    #[inline(always)]
-    fn flush(&mut self, values: &[f32; WIDTH], out: &mut [f32]) {
-        for (value, k) in values.iter().zip(&self.of[..self.len]) {
-            out[*k] += value;
-        }
-        self.len = 0;
-    }
-}
-
-#[inline(always)]
-fn row<const C: usize>(columns: &[[f32; WIDTH]; C], j: usize) -> [f32; C] {
-    let mut row = [0.0; C];
-    for (value, column) in row.iter_mut().zip(columns) {
-        *value = column[j];
-    }
-    row
 }

@@ -176,8 +176,8 @@ impl Case {
         self.with(subject, Share { case: self, how })
     }
 
-    /// What comes of buffers without room.
-    pub(super) fn overflow(&self, subject: &impl Subject) -> Result<(Coverage, f32), LobesFull> {
+    /// What comes of buffers without room; `None` for a strategy that needs none.
+    pub(super) fn overflow(&self, subject: &impl Subject) -> Option<Result<(Coverage, f32), LobesFull>> {
         self.with(subject, Overflow(self))
     }
 }
@@ -238,14 +238,15 @@ impl Visitor for Share<'_> {
 struct Overflow<'a>(&'a Case);
 
 impl Visitor for Overflow<'_> {
-    type Answer = Result<(Coverage, f32), LobesFull>;
+    type Answer = Option<Result<(Coverage, f32), LobesFull>>;
 
     fn visit<V>(self, strategy: &V) -> Self::Answer
     where
         V: VisibilityLobes,
         V::Scratch: 'static,
     {
-        self.0.ask(strategy, &mut strategy.scratch(), &mut VisibilitySum::with_capacity(0))
+        let without_room = || self.0.ask(strategy, &mut strategy.scratch(), &mut VisibilitySum::with_capacity(0));
+        (strategy.max_lobes() > 0).then(without_room)
     }
 }
 

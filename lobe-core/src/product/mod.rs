@@ -1,0 +1,207 @@
+//! The integral of the product of two lobes.
+
+mod arc;
+mod peak;
+
+pub(crate) use self::arc::Arc;
+pub(crate) use self::peak::Peak;
+
+use crate::lanes::{Block, Columns, Lane, WIDTH, map, row};
+use crate::special::gamma_ratios;
+use crate::{Lobe, Receiver};
+use core::f32::consts::PI;
+use fearless_simd::{Level, dispatch};
+use glam::Vec3;
+
+/// Below this exponent the saddle-point form of [`product_integral`] is replaced by quadrature.
+const LOW_EXPONENT: f32 = 8.0;
+/// From here on the quadrature's angles have too few digits for the narrower lobe.
+const NARROWEST: f32 = 2e7;
+
+/// `P(e₁, e₂, α) = ∫ max(a₁·v, 0)^e₁ max(a₂·v, 0)^e₂ dv`, the integral over the sphere of the product of two lobes of
+/// scale 1.
+///
+/// `P = B(e₁+e₂)·J`, where the integral across the plane of the two axes is exact,
+/// `B(n) = √π Γ(n/2+1)/Γ(n/2+3/2)`, and `J = ∫ cos^e₁ψ cos^e₂(ψ−α) dψ` in the plane is taken at its peak: with `t` the
+/// angle of the peak from `a₁` (the axis of Eq. 19 in closed form),
+/// `J ≈ cos^e₁t cos^e₂(α−t) A(n) exp(5h₃²/24n³ − (h₄−2n)/8n²)`, `n = e₁/cos²t + e₂/cos²(α−t)`,
+/// `A(n) = √π Γ((n+1)/2)/Γ(n/2+1)`, h₃ and h₄ the third and fourth derivatives of the integrand's logarithm. Where an
+/// exponent is below 8 that expansion is no longer good (the integrand is cut off at the horizon of the broad lobe)
+/// and `J` is a 20-node quadrature clustered at both ends.
+///
+/// # Domain
+/// Exponents in [0, 1e6] (up to 1e18 they work as well), unit axes; the angle comes from `|a₁−a₂|`, which keeps its
+/// digits where `a₁·a₂` has none left.
+///
+/// # Accuracy
+/// Relative error ≤ 0.1 % wherever `P` exceeds 1e-4 of the coaxial `2π/(e₁+e₂+1)`, against quadrature in f64; absolute
+/// error below 1e-6 of the coaxial value elsewhere.
+///
+/// # Cost
+/// About 170 instructions; the low form twelve times that. Many at once: [`products_of_angle`].
+///
+/// ```
+/// use glam::Vec3;
+/// let p = lobe_core::product_integral(3.0, 5.0, Vec3::Z, Vec3::Z);
+/// assert!((p - core::f32::consts::TAU / 9.0).abs() < 1e-5);
+/// ```
+#[must_use]
+pub fn product_integral(e1: f32, e2: f32, a1: Vec3, a2: Vec3) -> f32 {
+    product_of_angle(e1, e2, 0.5 * (a1 - a2).length_squared())
+}
+
+/// [`product_integral`] by `1 − cos α` instead of the axes.
+#[must_use]
+pub fn product_of_angle(e1: f32, e2: f32, one_minus_cos: f32) -> f32 {
+    if is_low(e1, e2) { low(e1, e2, one_minus_cos) } else { high(e1, e2, one_minus_cos) }
+}
+
+/// [`product_of_angle`] of many pairs, bit for bit what the single call gives.
+///
+/// # Cost
+/// Sixteen pairs side by side: 5 ns a pair with AVX2; 40 ns where an exponent is below 8.
+///
+/// # Panics
+/// When the slices differ in length.
+pub fn products_of_angle(e1: &[f32], e2: &[f32], one_minus_cos: &[f32], out: &mut [f32]) {
+    products_at(Level::new(), e1, e2, one_minus_cos, out);
+}
+
+pub(crate) fn products_at(level: Level, e1: &[f32], e2: &[f32], one_minus_cos: &[f32], out: &mut [f32]) {
+    let n = out.len();
+    assert!(e1.len() == n && e2.len() == n && one_minus_cos.len() == n, "one product for each pair");
+    let mut waiting = Block::<3>::new();
+    for start in (0..n).step_by(WIDTH) {
+        let count = WIDTH.min(n - start);
+        let mut columns = [[0.0; WIDTH]; 3];
+        for (column, from) in columns.iter_mut().zip([e1, e2, one_minus_cos]) {
+            column[..count].copy_from_slice(&from[start..start + count]);
+        }
+        let [values] = map::<High, 3, 1>(level, &columns);
+        out[start..start + count].copy_from_slice(&values[..count]);
+        let [first, second, _] = &columns;
+        let lowest = (0..WIDTH).fold(f32::MAX, |low, j| low.min(first[j]).min(second[j]));
+        if lowest >= LOW_EXPONENT {
+            continue;
+        }
+        for j in (0..count).filter(|&j| is_low(first[j], second[j])) {
+            out[start + j] = 0.0;
+            if waiting.push(row(&columns, j), start + j) {
+                let values = low_block(level, &waiting.columns);
+                waiting.flush(&values, out);
+            }
+        }
+    }
+    if waiting.len > 0 {
+        let values = low_block(level, &waiting.columns);
+        waiting.flush(&values, out);
+    }
+}
+
+struct High;
+impl Lane<3, 1> for High {
+    #[inline(always)]
+    fn value([e1, e2, one_minus_cos]: [f32; 3]) -> [f32; 1] {
+        [high(e1, e2, one_minus_cos)]
+    }
+}
+
+/// [`low`] of every row, node by node.
+fn low_block(level: Level, columns: &Columns<3>) -> [f32; WIDTH] {
+    let arcs = map::<ToArc, 3, 7>(level, columns);
+    dispatch!(level, _simd => {
+        let mut sums = [0.0; WIDTH];
+        for node in Arc::NODES {
+            for (j, sum) in sums.iter_mut().enumerate() {
+                let arc: Arc = bytemuck::cast(row(&arcs, j));
+                *sum += arc.node(node).1;
+            }
+        }
+        for (j, sum) in sums.iter_mut().enumerate() {
+            *sum *= arcs[6][j];
+        }
+        sums
+    })
+}
+
+struct ToArc;
+impl Lane<3, 7> for ToArc {
+    #[inline(always)]
+    fn value([e1, e2, one_minus_cos]: [f32; 3]) -> [f32; 7] {
+        bytemuck::cast(Arc::new(&Peak::new(e1, e2, one_minus_cos), e1, e2))
+    }
+}
+
+/// Whether the saddle point is not good enough, and the quadrature still is.
+#[inline(always)]
+fn is_low(e1: f32, e2: f32) -> bool {
+    (e1 < LOW_EXPONENT || e2 < LOW_EXPONENT) && e1 + e2 < NARROWEST
+}
+
+/// By the saddle point.
+#[inline(always)]
+fn high(e1: f32, e2: f32, one_minus_cos: f32) -> f32 {
+    let (n, value) = Peak::new(e1, e2, one_minus_cos).saddle(e1, e2);
+    // Two pairs of Γ functions: π·Γ ratio across the plane·Γ ratio in it.
+    value * (PI * gamma_ratios(0.5 * (e1 + e2 + 1.0), 0.5 * n))
+}
+
+/// By quadrature in the plane.
+#[inline(always)]
+fn low(e1: f32, e2: f32, one_minus_cos: f32) -> f32 {
+    Arc::new(&Peak::new(e1, e2, one_minus_cos), e1, e2).integral()
+}
+
+/// `∫ f·c dv` for two lobes with their fluxes, per channel; `f`'s receiver cosine is taken at the product's mean
+/// direction.
+///
+/// An infinite exponent is a delta function. A Lambert lobe (exponent 1 about the normal) with a lobe that stands for
+/// directions above the horizon is exact: `n·∫v c(v) dv`.
+#[must_use]
+pub fn lobe_product(at: &Receiver, f: &Lobe, c: &Lobe) -> Vec3 {
+    f.flux * c.flux * normalized_product(at, f, c)
+}
+
+/// Lobes from this exponent on are deltas beside any other: a millionth of a radian wide.
+pub(crate) const DELTA: f32 = 1e12;
+
+/// The same for fluxes of 1.
+#[must_use]
+pub(crate) fn normalized_product(at: &Receiver, f: &Lobe, c: &Lobe) -> f32 {
+    let inverse_tau = 1.0 / core::f32::consts::TAU;
+    if is_lambert(at, f) {
+        // Mean vector of a lobe: (e+1)/(e+2) along its axis.
+        let mean = 1.0 - 1.0 / (c.exponent + 2.0);
+        return 2.0 * inverse_tau * mean * at.normal.dot(c.axis).max(0.0);
+    }
+    let delta = |finite: &Lobe, direction: Vec3| {
+        let exponent = finite.exponent.min(DELTA);
+        (exponent + 1.0) * inverse_tau * crate::power(finite.axis, direction, exponent)
+    };
+    let (value, mean) = if c.exponent >= DELTA {
+        (delta(f, c.axis), c.axis)
+    } else if f.exponent >= DELTA {
+        (delta(c, f.axis), f.axis)
+    } else {
+        let p = product_integral(f.exponent, c.exponent, f.axis, c.axis);
+        let value = p * (f.exponent + 1.0) * inverse_tau * ((c.exponent + 1.0) * inverse_tau);
+        (value, if f.cosine > 0.0 { product_mean(f, c) } else { Vec3::ZERO })
+    };
+    if f.cosine > 0.0 { value * at.normal.dot(mean).max(0.0) } else { value }
+}
+
+/// Mean vector of the normalised product, up to terms of second order in its width: along the peak (Eq. 19).
+fn product_mean(f: &Lobe, c: &Lobe) -> Vec3 {
+    let (e1, e2) = (f.exponent, c.exponent);
+    let peak = Peak::new(e1, e2, 0.5 * (f.axis - c.axis).length_squared());
+    // sin(α−t) : sin t are the weights of the two axes in the unit vector at angle t.
+    let [s1, s2] = peak.tan.map(|t| t / (1.0 + t * t).sqrt());
+    let axis = (f.axis * s2 + c.axis * s1).try_normalize().unwrap_or(c.axis);
+    axis * (1.0 - 1.0 / (e1 + e2 + 2.0))
+}
+
+/// Whether `f` is the Lambert lobe at this receiver: exponent 1, axis the normal itself.
+#[must_use]
+pub fn is_lambert(at: &Receiver, f: &Lobe) -> bool {
+    f.exponent == 1.0 && f.cosine == 0.0 && f.axis == at.normal
+}
