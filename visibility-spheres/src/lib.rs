@@ -12,7 +12,7 @@ mod splat;
 pub use crate::blockers::{SphereBlockers, SphereScratch};
 pub use crate::set::{
     BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, SetFileError, SetQuality,
-    SphereSet, preview,
+    SphereSet, Verdict, preview,
 };
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::error::BuildError;
 use super::exchange::{insert, removal_costs};
 use super::goal::Goal;
 use super::options::{BuildOptions, Progress};
-use super::random::{Random, fibonacci};
+use super::random::{Random, fibonacci, quasi_random};
 use super::solid::Solid;
 use super::surface::Surface;
 use super::tree::TriangleTree;
@@ -20,6 +20,16 @@ const VIEWS: usize = 96;
 
 /// Places that each round chooses among.
 const PLACES: usize = 4000;
+
+/// Steps of the descent after an exchange, from 32 spheres on; fewer spheres have farther to go, and are cheap.
+const EXCHANGE_STEPS: usize = 60;
+
+/// Exchanges that show whether more of them pay.
+const WINDOW: usize = 6;
+
+/// Points that look for an inside, and how many must find it: a sheet's own points may by rounding.
+const INSIDE_POINTS: usize = 1 << 14;
+const INSIDE_LEAST: usize = 8;
 
 /// Room around the mesh's silhouette in a view, in units of D: balls do not reach farther out.
 const MARGIN: f32 = 0.04;
@@ -47,10 +57,20 @@ impl<'a> Builder<'a> {
         if !options.bounding {
             return self.shadow(options, progress);
         }
+        if !self.has_inside() {
+            return Err(BuildError::NoInside);
+        }
         let mut spheres = self.shadow(options, &mut |done| progress(0.6 * done))?;
         let mut random = Random::new(options.seed);
         bound(self.surface, &self.solid, &mut spheres, &mut random, &mut |done| progress(0.6 + 0.35 * done))?;
         Ok(spheres)
+    }
+
+    /// Whether there is anything between the triangles: by points in the mesh's box.
+    fn has_inside(&self) -> bool {
+        let [lo, hi] = self.surface.unit_bounds();
+        let inside = |i: &usize| self.tree.contains(lo + quasi_random(*i) * (hi - lo));
+        (0..INSIDE_POINTS).filter(inside).nth(INSIDE_LEAST - 1).is_some()
     }
 
     /// The spheres with the mesh's silhouette.
@@ -88,9 +108,16 @@ impl<'a> Builder<'a> {
         let effort = options.rounds.min(40) as usize;
         descend(&goal, &mut spheres, 80 + 3 * effort, rates(0.004, 0.0006), &mut random);
         let mut best = goal.error(&spheres);
+        let mut history = vec![best];
+        let steps = EXCHANGE_STEPS * (32 / options.count).clamp(1, 3);
         for round in 0..options.rounds {
             let left = 1.0 - round as f32 / options.rounds as f32;
             report(0.85 - 0.65 * left)?;
+            // A box is soon as good as it gets: exchanges that bring little are not gone on with.
+            let pays = |since: usize, gain: f32| history.len() <= since + 2 || best < (1.0 - gain) * history[since];
+            if !pays(history.len().saturating_sub(WINDOW + 1), 0.02) && !pays(0, 0.15) {
+                break;
+            }
             let mut trial = spheres.clone();
             let moved = ((0.04 + 0.11 * left) * options.count as f32 + 2.0 * left).ceil() as usize;
             take_out(views, &mut trial, moved, &mut random);
@@ -98,11 +125,12 @@ impl<'a> Builder<'a> {
             let from = random.below(places.len() - PLACES.min(places.len()) + 1);
             let some = &places[from..(from + PLACES).min(places.len())];
             insert(views, &mut trial, some, missing, &mut random);
-            descend(&goal, &mut trial, 60, rates(0.002, 0.0004), &mut random);
+            descend(&goal, &mut trial, steps, rates(0.002, 0.0004), &mut random);
             let found = goal.error(&trial);
             if found < best {
                 (spheres, best) = (trial, found);
             }
+            history.push(best);
         }
         report(0.85)?;
         let mut trial = spheres.clone();

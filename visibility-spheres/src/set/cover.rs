@@ -25,6 +25,7 @@ pub(crate) fn greedy_cover(solid: &Solid, count: usize) -> Vec<Vec4> {
     let tiny = solid.isolated().iter().map(|p| p.extend(0.9 * solid.cell()));
     let balls: Vec<Vec4> = solid
         .voxels()
+        .filter(|voxel| !solid.in_deeper_neighbour(*voxel))
         .map(|voxel| {
             let ball = solid.ball(voxel);
             ball.truncate().extend((ball.w + PROTRUSION).max(0.5 * solid.cell()))

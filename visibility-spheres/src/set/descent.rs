@@ -33,6 +33,7 @@ const BULGE_HEIGHT: f32 = 0.01;
 pub(crate) fn descend(goal: &Goal<'_>, spheres: &mut [Vec4], steps: usize, rates: [f32; 2], random: &mut Random) {
     const MEMORY: [f32; 2] = [0.9, 0.98];
     let views = goal.views;
+    let sphere: [Vec3; BULGE_POINTS] = core::array::from_fn(|k| fibonacci(k, BULGE_POINTS));
     let batch = BATCH.min(views.len());
     let mut order: Vec<usize> = (0..views.len()).collect();
     let mut next = order.len();
@@ -58,7 +59,7 @@ pub(crate) fn descend(goal: &Goal<'_>, spheres: &mut [Vec4], steps: usize, rates
         let bulges: Vec<Vec4> = (0..current.len())
             .into_par_iter()
             .with_min_len(8)
-            .map(|i| bulging(current, i, goal.solid) * weight)
+            .map(|i| bulging(current, i, goal.solid, &sphere) * weight)
             .collect();
 
         let progress = step as f32 / steps.max(2).saturating_sub(1) as f32;
@@ -113,8 +114,11 @@ impl Gradient {
             for (k, point) in circle.iter().enumerate() {
                 (xs[k], ys[k]) = (radius * point.x, radius * point.y);
             }
-            for (offset, other) in &self.near {
+            for (number, (offset, other)) in self.near.iter().enumerate() {
                 let limit = other * other;
+                if number % 8 == 7 && free.iter().all(|f| *f < 0.0) {
+                    break;
+                }
                 for k in 0..POINTS {
                     let (dx, dy) = (xs[k] - offset.x, ys[k] - offset.y);
                     free[k] = free[k].min(dx * dx + dy * dy - limit);
@@ -137,17 +141,23 @@ impl Gradient {
 
 /// How the set's volume outside the mesh changes with sphere `i` (centre, radius): the integral over its exposed surface
 /// there.
-fn bulging(spheres: &[Vec4], i: usize, solid: &Solid) -> Vec4 {
+fn bulging(spheres: &[Vec4], i: usize, solid: &Solid, sphere: &[Vec3; BULGE_POINTS]) -> Vec4 {
     let ball = spheres[i];
     let center = ball.truncate();
+    // The depth changes no faster than one goes, but for the voxels' interpolation.
+    if solid.depth_near(center) > ball.w + 2.0 * solid.cell() {
+        return Vec4::ZERO;
+    }
     let hides = |p: Vec3| {
         let holds = |(j, other): (usize, &Vec4)| j != i && p.distance_squared(other.truncate()) < other.w * other.w;
         spheres.iter().enumerate().any(holds)
     };
     let mut sum = Vec4::ZERO;
-    for k in 0..BULGE_POINTS {
-        let out = fibonacci(k, BULGE_POINTS);
+    for &out in sphere {
         let p = center + out * ball.w;
+        if solid.is_deep(p) {
+            continue;
+        }
         let height = (-solid.depth_near(p) / BULGE_HEIGHT).clamp(0.0, 1.0);
         if height > 0.0 && !hides(p) {
             sum += out.extend(1.0) * height;

@@ -27,6 +27,9 @@ pub enum BuildError {
     /// All triangles together have no area.
     #[error("the mesh has no area")]
     NoArea,
+    /// A bound was asked of a mesh that encloses nothing.
+    #[error("the mesh has no inside that spheres could bound: it is open or a sheet, leave the bound out")]
+    NoInside,
     /// The mesh is larger or smaller than single precision can hold.
     #[error("the mesh's extent is outside the range of single precision")]
     ExtentOutOfRange,

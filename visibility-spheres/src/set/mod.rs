@@ -37,5 +37,5 @@ pub use bound_set::BoundSet;
 pub use error::{BindError, BuildError, MisfitError, SetFileError};
 pub use options::{BuildOptions, Progress};
 pub use preview::preview;
-pub use quality::SetQuality;
+pub use quality::{SetQuality, Verdict};
 pub use sphere_set::SphereSet;

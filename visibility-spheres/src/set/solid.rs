@@ -121,6 +121,16 @@ impl Solid {
         if depth.abs() > 0.867 * self.cell { depth > 0.0 } else { tree.contains(p) }
     }
 
+    /// Whether [`Self::depth_near`] is positive for sure.
+    pub(crate) fn is_deep(&self, p: Vec3) -> bool {
+        let q = self.locate(p);
+        if q.cmplt(Vec3::ZERO).any() || q.cmpge(self.dims.as_vec3()).any() {
+            return false;
+        }
+        // The eight centres around p are less than √3 cells from that of its voxel.
+        self.depth[self.index(q.as_uvec3())] > 1.75 * self.cell
+    }
+
     /// Depth of a point below the surface, negative outside: interpolated between voxels; off the grid, what its edge has.
     pub(crate) fn depth_near(&self, p: Vec3) -> f32 {
         let last = (self.dims - 1).as_vec3();
@@ -144,6 +154,17 @@ impl Solid {
         self.depth.iter().enumerate().filter(|(_, depth)| self.is_solid(**depth)).map(|(i, depth)| {
             let (i, dims) = (i as u32, self.dims);
             (UVec3::new(i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y), *depth)
+        })
+    }
+
+    /// Whether the ball of a voxel next to this one holds this one's, but for a tenth of a cell.
+    pub(crate) fn in_deeper_neighbour(&self, (at, depth): (UVec3, f32)) -> bool {
+        let last = self.dims - 1;
+        (0..6).any(|side| {
+            let axis = side / 2;
+            let mut beside = at;
+            beside[axis] = if side % 2 == 0 { at[axis].saturating_sub(1) } else { (at[axis] + 1).min(last[axis]) };
+            self.depth[self.index(beside)] > depth + 0.9 * self.cell
         })
     }
 

@@ -2,7 +2,7 @@ use glam::Vec3;
 use lobe_core::Sphere;
 
 use super::shapes::{ball, cube, scattered};
-use super::{BuildError, BuildOptions, SphereSet, preview};
+use super::{BuildError, BuildOptions, SetQuality, SphereSet, Verdict, preview};
 
 /// Options that are quick enough for many small builds.
 fn few(count: usize) -> BuildOptions {
@@ -90,8 +90,8 @@ fn a_bounding_set_holds_every_point() {
     let options = |count| BuildOptions { bounding: true, ..few(count) };
     let two = joined(&[cube(), mapped(&cube(), |p| p * 0.3 + Vec3::new(2.0, 1.0, 0.0))]);
     let far = mapped(&cube(), |p| p * Vec3::new(3.0, 1.0, 0.2) + 1e4);
-    let sheet = (vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], vec![[0, 1, 2], [0, 2, 3]]);
-    for (mesh, count) in [(mapped(&ball(8), |p| p * Vec3::new(1.0, 0.5, 0.3)), 24), (two, 16), (far, 12), (sheet, 9)] {
+    let plate = mapped(&cube(), |p| p * Vec3::new(1.0, 1.0, 1e-3));
+    for (mesh, count) in [(mapped(&ball(8), |p| p * Vec3::new(1.0, 0.5, 0.3)), 24), (two, 16), (far, 12), (plate, 9)] {
         let set = build(&mesh, &options(count));
         assert!(set.spheres.len() <= count);
         for p in surface_points(&mesh, 40) {
@@ -105,6 +105,38 @@ fn a_bounding_set_holds_every_point() {
     let ellipsoid = mapped(&ball(8), |p| p * Vec3::new(1.0, 0.5, 0.3));
     let excess = build(&ellipsoid, &options(24)).quality.protrusion_volume;
     assert!(excess < 0.4, "{excess}");
+}
+
+#[test]
+fn a_sheet_has_no_bound() {
+    let sheet = (vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], vec![[0, 1, 2], [0, 2, 3]]);
+    let turned = mapped(&sheet, |p| glam::Quat::from_rotation_x(0.7) * p);
+    for (positions, triangles) in [sheet, turned] {
+        let options = BuildOptions { bounding: true, ..few(9) };
+        assert_eq!(SphereSet::build(&positions, &triangles, &options), Err(BuildError::NoInside));
+    }
+}
+
+#[test]
+fn bad_sets_have_a_reason() {
+    let quality = |silhouette_error| SetQuality { silhouette_error, ..SetQuality::default() };
+    let bounding = BuildOptions { bounding: true, ..BuildOptions::new(64) };
+    for (error, options, want) in [
+        (0.1, BuildOptions::new(8), Verdict::Suits),
+        (0.16, BuildOptions::new(64), Verdict::Unsuitable),
+        // 0.3·(8/64)^0.66 = 0.08, 0.9·… = 0.23.
+        (0.3, BuildOptions::new(8), Verdict::FewSpheres),
+        (0.9, BuildOptions::new(8), Verdict::Unsuitable),
+        (0.4, BuildOptions::draft(64), Verdict::Draft),
+        (0.6, BuildOptions::draft(64), Verdict::Unsuitable),
+        (0.3, bounding, Verdict::Bounding),
+    ] {
+        assert_eq!(quality(error).verdict(&options), want, "{error} {options:?}");
+    }
+    // What the builder says of a real sheet.
+    let sheet = (vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], vec![[0, 1, 2], [0, 2, 3]]);
+    let set = build(&sheet, &few(8));
+    assert_eq!(set.quality.verdict(&few(8)), Verdict::Unsuitable, "{:?}", set.quality);
 }
 
 #[test]
