@@ -291,17 +291,9 @@ fn maps(scene: &Scene, points: &GBuffer) -> Result<Vec<ShadowMap>, Box<dyn Error
             all.append(mesh);
         }
     }
-    let bounds = |casters: bool| {
-        let chosen = points.points.receivers.iter().filter(|r| !casters || casts(&scene.objects[r.object as usize]));
-        Bounds::of(chosen.map(|r| r.position))
-    };
-    // As fine as the objects themselves require; a floor that reaches to the horizon would ask for less.
-    let fine = MapOptions { resolution: TEXELS, receivers: bounds(true), ..MapOptions::default() };
-    let map = |l: &SphereLight| {
-        let resolution = ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &fine)?.resolution();
-        let options = MapOptions { resolution, receivers: bounds(false), ..fine };
-        ShadowMap::build(&all.positions, &all.triangles, l.ball, &options)
-    };
+    let receivers = Bounds::of(points.points.receivers.iter().map(|r| r.position));
+    let options = MapOptions { resolution: TEXELS, receivers, ..MapOptions::default() };
+    let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options);
     Ok(scene.lights.iter().map(map).collect::<Result<_, _>>()?)
 }
 

@@ -54,9 +54,8 @@ fn a_sequence_keeps_only_what_it_would_make() {
     let folder = folder();
     let folder = folder.path();
     let scene = rolling().replace("proxy = { spheres = 8 }", "proxy = { file = \"set.json\" }");
-    let set = |args: &[&str]| {
-        let command = ["spheres", "box.obj", "--count", "4", "--draft", "-o", "set.json", "-q"];
-        succeed(folder, &[&command[..], args].concat());
+    let set = |count: &str| {
+        succeed(folder, &["spheres", "box.obj", "--count", count, "--draft", "-o", "set.json", "-q"]);
     };
     // The table's top as a mesh, for a set that fits it.
     let corners = [(-0.6, -0.05, -0.4), (0.6, 0.05, 0.4)];
@@ -71,7 +70,7 @@ fn a_sequence_keeps_only_what_it_would_make() {
         mesh += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
     }
     fs::write(folder.join("box.obj"), mesh).unwrap();
-    set(&[]);
+    set("4");
     fs::write(folder.join("roll.toml"), &scene).unwrap();
     let command = ["render", "roll.toml", "-o", "r.png", "-o", "r.exr", "--frames", "0..3", "--json"];
     let made = |options: &[&str]| {
@@ -102,7 +101,7 @@ fn a_sequence_keeps_only_what_it_would_make() {
     assert_eq!(made(&[]), 0);
     fs::write(folder.join("roll.toml"), &scene).unwrap();
     assert_eq!(made(&[]), 0, "a comment changes nothing");
-    set(&["--count", "5"]);
+    set("5");
     assert_eq!(made(&[]), 3, "another sphere set");
 }
 
@@ -163,9 +162,9 @@ fn frames_that_there_are_not_are_refused() {
     fs::write(folder.join("t.gltf"), gltf).unwrap();
     let corners = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     fs::write(folder.join("t.bin"), corners.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()).unwrap();
-    let ran = lobes(folder, &["render", "t.gltf", "-o", "r.png", "--frames", "0..1"]);
+    let ran = lobes(folder, &["render", "t.gltf", "-o", "r.png", "--frames", "0..2"]);
     let stderr = String::from_utf8(ran.stderr).unwrap();
-    assert!(ran.status.code() == Some(2) && stderr.contains("lobes: error: "), "{stderr}");
+    assert!(ran.status.code() == Some(2) && stderr.contains("lobes: error: --frames 0..2: nothing moves"), "{stderr}");
     assert!(!folder.join("r.0000.png").exists());
     // One whose skin has bones that are not there.
     let gltf = gltf

@@ -1,6 +1,6 @@
 //! Which strategy suits an object, and why.
 
-use crate::strategy::is_small;
+use crate::strategy::FEW;
 use cosine_lobes::scene::{Mesh, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_spheres::SetQuality;
 use glam::{DVec3, Vec3};
@@ -24,8 +24,6 @@ struct MeshFacts {
     /// 2V/A, the thickness of a slab of the same volume and area.
     thickness: f64,
     diagonal: f64,
-    /// Whether all triangles are in one plane.
-    flat: bool,
 }
 
 impl MeshFacts {
@@ -52,31 +50,34 @@ impl MeshFacts {
         };
         let bounds = mesh.bounds();
         let middle = bounds.center().as_dvec3();
-        let (mut area, mut volume, mut flat) = (0.0, 0.0, None::<DVec3>);
-        let mut is_flat = true;
+        let (mut area, mut volume) = (0.0, 0.0);
         for t in &mesh.triangles {
             let [a, b, c] = t.map(|i| mesh.positions[i as usize].as_dvec3() - middle);
             let cross = (b - a).cross(c - a);
             area += 0.5 * cross.length();
             volume += a.dot(cross) / 6.0;
-            let Some(normal) = cross.try_normalize() else { continue };
-            is_flat &= flat.is_none_or(|n| n.cross(normal).length() < 1e-3);
-            flat = flat.or(Some(normal));
         }
-        // Parallel faces of a box are not one plane.
-        let level = |n: DVec3| {
-            let heights = mesh.triangles.iter().flatten().map(|i| n.dot(mesh.positions[*i as usize].as_dvec3()));
-            let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-            high - low <= 1e-4 * area.sqrt()
-        };
         Self {
             open: share(&|e| e.0 == 1),
             twisted: share(&|e| e.0 == 2 && e.1 != 0),
             thickness: if area > 0.0 { 2.0 * volume.abs() / area } else { 0.0 },
             diagonal: f64::from((bounds.max - bounds.min).length()),
-            flat: is_flat && flat.is_some_and(level),
         }
     }
+}
+
+/// Whether all triangles are in one plane, to a ten-thousandth of their diagonal. Ends at the first that is not.
+pub(crate) fn is_flat(mesh: &Mesh) -> bool {
+    let bounds = mesh.bounds();
+    let slack = 1e-4 * f64::from((bounds.max - bounds.min).length());
+    let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
+    let plane = mesh.triangles.iter().find_map(|t| {
+        let [a, b, c] = t.map(corner);
+        // Slivers have no normal to rely on.
+        let cross = (b - a).cross(c - a);
+        (cross.length() > slack * slack).then(|| (a, cross.normalize()))
+    });
+    plane.is_some_and(|(a, n)| mesh.triangles.iter().flatten().all(|i| n.dot(corner(*i) - a).abs() <= slack))
 }
 
 /// What suits an object of a scene; `set` is how well its sphere set stands for it, where it is known.
@@ -91,13 +92,12 @@ pub(crate) fn advise(scene: &Scene, number: usize, set: Option<&SetQuality>) -> 
         let reason = "a backdrop: lights, camera and all that casts shadows are in front of it";
         return advice(Strategy::None, reason.to_owned());
     }
-    if is_small(object) {
+    if mesh.triangles.len() < FEW && matches!(object.proxy, Proxy::Count(_)) {
         let count = mesh.triangles.len();
         let reason = format!("{count} triangles: rays are exact and cheap, spheres would have to be fitted first");
         return advice(Strategy::Rays, reason);
     }
-    let facts = MeshFacts::of(mesh);
-    if facts.flat {
+    if is_flat(mesh) {
         return rays("flat: it has no inside that spheres could fill");
     }
     if let Some(quality) = set {
@@ -107,6 +107,7 @@ pub(crate) fn advise(scene: &Scene, number: usize, set: Option<&SetQuality>) -> 
         }
         return advice(Strategy::Spheres, format!("its spheres miss only {percent:.1} % of its silhouette"));
     }
+    let facts = MeshFacts::of(mesh);
     let thin = facts.thickness / facts.diagonal.max(f64::MIN_POSITIVE);
     if facts.open > 0.02 {
         let reason =

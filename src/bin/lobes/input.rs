@@ -58,7 +58,7 @@ pub(crate) fn make_spheres(
     plan: &Plan,
     quiet: bool,
 ) -> Result<SceneSpheres, Failure> {
-    if let Some(line) = plan.small(scene).filter(|_| !quiet) {
+    if let Some(line) = plan.unasked().filter(|_| !quiet) {
         console::note(format_args!("lobes: note: {line}"));
     }
     sphere_cache::fill(scene, plan, quiet)?;
@@ -69,8 +69,8 @@ pub(crate) fn make_spheres(
         let name = &scene.objects[object].name;
         let percent = 100.0 * error;
         console::note(format_args!(
-            "lobes: warning: object \"{name}\": its spheres miss {percent:.0} % of its silhouette: rays or shadow-map \
-             suit it better (its key `visibility`)"
+            "lobes: warning: object \"{name}\": its spheres miss {percent:.0} % of its silhouette: rays suit it better, or \
+             more spheres (its keys `visibility` and `proxy`)"
         ));
     }
     Ok(set)

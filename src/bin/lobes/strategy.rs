@@ -1,5 +1,6 @@
 //! Which strategy each object's shadow takes, and the visibility that this makes.
 
+use crate::advice::is_flat;
 use crate::args::Visibility;
 use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use cosine_lobes::lobe_core::paper::Tables;
@@ -22,14 +23,17 @@ pub(crate) const FEW: usize = 300;
 /// One strategy for each object; [`Strategy::None`] for those that block nothing.
 pub(crate) struct Plan {
     objects: Vec<Strategy>,
+    /// Names of the objects that take rays although nobody said so.
+    unasked: Vec<String>,
 }
 
 impl Plan {
     /// One strategy for all objects, or each object's own.
     pub(crate) fn new(word: Visibility, scene: &Scene) -> Self {
+        let said = |o: &Object| word.strategy().or(o.strategy);
         let of = |o: &Object| {
-            let usual = if is_small(o) { Strategy::Rays } else { Strategy::Spheres };
-            let strategy = word.strategy().or(o.strategy).unwrap_or(usual);
+            let usual = if by_rays(o) { Strategy::Rays } else { Strategy::Spheres };
+            let strategy = said(o).unwrap_or(usual);
             let blocks = match strategy {
                 Strategy::Spheres => o.proxy != Proxy::None,
                 // The true geometry also of things that nobody gave a proxy.
@@ -38,22 +42,22 @@ impl Plan {
             };
             if blocks { strategy } else { Strategy::None }
         };
-        Self { objects: scene.objects.iter().map(of).collect() }
+        let unasked = scene.objects.iter().filter(|o| said(o).is_none() && by_rays(o)).map(|o| o.name.clone());
+        Self { objects: scene.objects.iter().map(of).collect(), unasked: unasked.collect() }
     }
 
     /// A line about the objects that take rays although nobody said so; none where there are none.
-    pub(crate) fn small(&self, scene: &Scene) -> Option<String> {
-        let objects = scene.objects.iter().zip(&self.objects);
-        let small = objects.filter(|(o, s)| o.strategy.is_none() && is_small(o) && **s == Strategy::Rays);
-        let names: Vec<String> = small.map(|(o, _)| format!("\"{}\"", o.name)).collect();
-        let all = match names.as_slice() {
+    pub(crate) fn unasked(&self) -> Option<String> {
+        let names = match self.unasked.as_slice() {
             [] => return None,
-            [a, b, c, _, rest @ ..] if !rest.is_empty() => format!("{a}, {b}, {c} and {} more", rest.len() + 1),
-            few => few.join(", "),
+            [a, b, c, _, rest @ ..] if !rest.is_empty() => {
+                format!("\"{a}\", \"{b}\", \"{c}\" and {} more", rest.len() + 1)
+            }
+            few => few.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", "),
         };
         Some(format!(
-            "of fewer than {FEW} triangles, so by rays, which are exact, and without a fit of spheres: {all} \
-             (visibility = \"spheres\" fits them)"
+            "{names}: flat or of fewer than {FEW} triangles, so by rays, which are exact and need no fit (visibility = \"spheres\" \
+             fits spheres)"
         ))
     }
 
@@ -122,9 +126,12 @@ impl Plan {
     }
 }
 
-/// Whether rays are exact and cheap where spheres would have to be fitted.
-pub(crate) fn is_small(object: &Object) -> bool {
-    matches!((&object.proxy, &object.shape), (Proxy::Count(_), Shape::Mesh(mesh)) if mesh.triangles.len() < FEW)
+/// Whether spheres would have to be fitted where rays are exact and cheap, or where there is no inside to fill.
+fn by_rays(object: &Object) -> bool {
+    match (&object.proxy, &object.shape) {
+        (Proxy::Count(_), Shape::Mesh(mesh)) => mesh.triangles.len() < FEW || is_flat(mesh),
+        _ => false,
+    }
 }
 
 /// The spheres of the frames that follow each other, under one hierarchy.

@@ -27,7 +27,7 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 /// Reflectance, light and visibility are sums of cosine lobes, integrated in closed form. Without a FILE commands use a
 /// built-in scene.
 #[derive(Debug, Parser)]
-#[command(name = "lobes", version, disable_help_subcommand = true, after_help = EXAMPLES)]
+#[command(name = "lobes", version, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -80,8 +80,10 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
             // Up to the first empty line: the message and what it lists; then come tips and usage.
             let text = error.render().to_string();
             let message = text.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
-            let help = "see lobes --help";
-            Err(Failure::new(format_args!("{}; {help}", message.trim_end())))
+            // The help of the command that was begun.
+            let known = |word: &String| definition().get_subcommands().any(|c| c.get_name() == word.as_str());
+            let command = std::env::args().nth(1).filter(known).map(|c| format!(" {c}")).unwrap_or_default();
+            Err(Failure::new(format_args!("{}; see lobes{command} --help", message.trim_end())))
         }
     }
 }

@@ -13,7 +13,7 @@ use std::path::PathBuf;
   lobes render scene.toml -o a.png -o a.exr --tolerance 0.003
   lobes render scene.toml -o a.exr --layers --stats a.json
   lobes render scene.toml -o unshadowed.exr --visibility none
-  lobes render model.glb --visibility shadow-map        shadows of the true triangles
+  lobes render model.glb --visibility rays              shadows of the true triangles
   lobes render walk.glb -o walk.png --frames 0..24      walk.0000.png to walk.0023.png")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
@@ -74,8 +74,8 @@ pub(crate) struct RenderArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Visibility {
-    /// Each object as the scene file says (its key `visibility`); where it says nothing by spheres, and meshes of fewer
-    /// than 300 triangles by rays
+    /// Each object as the scene file says (its key `visibility`); where it says nothing by spheres, and meshes that
+    /// are flat or of fewer than 300 triangles by rays
     Scene,
     /// The spheres that stand for the objects
     Spheres,
