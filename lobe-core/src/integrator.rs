@@ -1,4 +1,4 @@
-use crate::product::normalized_product;
+use crate::product::normalized_total;
 use crate::{Cone, Lobes};
 use crate::{
     Coverage, Lobe, LobesFull, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral, paper,
@@ -241,13 +241,11 @@ pub fn visible_fraction(at: &Receiver, f: &Lobe, unshadowed: f32, sum: &Visibili
     if sum.lobes.lobes().is_empty() && sum.whole.lobes().is_empty() {
         return sum.base.clamp(0.0, 1.0);
     }
-    let f = &Lobe { flux: Vec3::ONE, ..*f };
-    let total = |lobes: Lobes<'_>| -> f32 { lobes.iter().map(|c| c.flux.x * normalized_product(at, f, &c)).sum() };
-    let seen = total(sum.lobes.lobes());
+    let seen = normalized_total(at, f, sum.lobes.lobes());
     let fraction = if sum.whole.lobes().is_empty() {
         sum.base + if unshadowed > 0.0 { seen / unshadowed } else { 0.0 }
     } else {
-        let whole = total(sum.whole.lobes());
+        let whole = normalized_total(at, f, sum.whole.lobes());
         if whole > 0.0 { seen / whole } else { sum.base }
     };
     fraction.clamp(0.0, 1.0)

@@ -45,6 +45,11 @@ impl<'a> Lobes<'a> {
         Lobe { axis: Vec3::new(c(0), c(1), c(2)), exponent: c(3), flux: Vec3::new(c(4), c(5), c(6)), cosine: c(7) }
     }
 
+    /// Axis x, y, z, exponent, flux of three channels, cosine.
+    pub(crate) const fn columns(&self) -> [&'a [f32]; COLUMNS] {
+        self.columns
+    }
+
     /// Some of the lobes.
     ///
     /// # Panics

@@ -5,7 +5,7 @@ use crate::*;
 use core::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec3};
 
-fn receiver(normal: DVec3) -> Receiver {
+pub(crate) fn receiver(normal: DVec3) -> Receiver {
     Receiver {
         position: Vec3::ZERO,
         normal: normal.as_vec3(),
@@ -393,7 +393,7 @@ fn touching_the_horizon_is_seamless() {
 }
 
 /// All that this machine can run, from the plainest on.
-fn levels() -> Vec<fearless_simd::Level> {
+pub(crate) fn levels() -> Vec<fearless_simd::Level> {
     use fearless_simd::{Level, Simd};
     let best = Level::new();
     let mut all = vec![Level::baseline(), best];
@@ -442,7 +442,7 @@ fn products_side_by_side_are_the_single_ones_on_every_machine() {
     let mut random = Random::new(25);
     for count in [0, 1, 15, 16, 17, 4000] {
         let mut exponent =
-            |k: usize| if k % 17 == 0 { EXTREME[k / 17 % 12].min(1e18) } else { random.exponent(1e6) as f32 };
+            |k: usize| if k.is_multiple_of(17) { EXTREME[k / 17 % 12].min(1e18) } else { random.exponent(1e6) as f32 };
         let e1: Vec<f32> = (0..count).map(&mut exponent).collect();
         let e2: Vec<f32> = (0..count).map(|k| exponent(k + 5)).collect();
         let y: Vec<f32> = (0..count).map(|k| [0.0, 1e-7, 0.01, 0.3, 1.0, 1.3, 2.0][k % 7]).collect();

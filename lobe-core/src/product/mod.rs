@@ -1,14 +1,17 @@
 //! The integral of the product of two lobes.
 
 mod arc;
+mod normalized;
 mod peak;
+
+pub(crate) use self::normalized::{DELTA, normalized_total};
+pub use self::normalized::{is_lambert, lobe_product};
 
 pub(crate) use self::arc::Arc;
 pub(crate) use self::peak::Peak;
 
 use crate::lanes::{Block, Columns, Lane, WIDTH, map, row};
 use crate::special::gamma_ratios;
-use crate::{Lobe, Receiver};
 use core::f32::consts::PI;
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
@@ -150,58 +153,4 @@ fn high(e1: f32, e2: f32, one_minus_cos: f32) -> f32 {
 #[inline(always)]
 fn low(e1: f32, e2: f32, one_minus_cos: f32) -> f32 {
     Arc::new(&Peak::new(e1, e2, one_minus_cos), e1, e2).integral()
-}
-
-/// `∫ f·c dv` for two lobes with their fluxes, per channel; `f`'s receiver cosine is taken at the product's mean
-/// direction.
-///
-/// An infinite exponent is a delta function. A Lambert lobe (exponent 1 about the normal) with a lobe that stands for
-/// directions above the horizon is exact: `n·∫v c(v) dv`.
-#[must_use]
-pub fn lobe_product(at: &Receiver, f: &Lobe, c: &Lobe) -> Vec3 {
-    f.flux * c.flux * normalized_product(at, f, c)
-}
-
-/// Lobes from this exponent on are deltas beside any other: a millionth of a radian wide.
-pub(crate) const DELTA: f32 = 1e12;
-
-/// The same for fluxes of 1.
-#[must_use]
-pub(crate) fn normalized_product(at: &Receiver, f: &Lobe, c: &Lobe) -> f32 {
-    let inverse_tau = 1.0 / core::f32::consts::TAU;
-    if is_lambert(at, f) {
-        // Mean vector of a lobe: (e+1)/(e+2) along its axis.
-        let mean = 1.0 - 1.0 / (c.exponent + 2.0);
-        return 2.0 * inverse_tau * mean * at.normal.dot(c.axis).max(0.0);
-    }
-    let delta = |finite: &Lobe, direction: Vec3| {
-        let exponent = finite.exponent.min(DELTA);
-        (exponent + 1.0) * inverse_tau * crate::power(finite.axis, direction, exponent)
-    };
-    let (value, mean) = if c.exponent >= DELTA {
-        (delta(f, c.axis), c.axis)
-    } else if f.exponent >= DELTA {
-        (delta(c, f.axis), f.axis)
-    } else {
-        let p = product_integral(f.exponent, c.exponent, f.axis, c.axis);
-        let value = p * (f.exponent + 1.0) * inverse_tau * ((c.exponent + 1.0) * inverse_tau);
-        (value, if f.cosine > 0.0 { product_mean(f, c) } else { Vec3::ZERO })
-    };
-    if f.cosine > 0.0 { value * at.normal.dot(mean).max(0.0) } else { value }
-}
-
-/// Mean vector of the normalised product, up to terms of second order in its width: along the peak (Eq. 19).
-fn product_mean(f: &Lobe, c: &Lobe) -> Vec3 {
-    let (e1, e2) = (f.exponent, c.exponent);
-    let peak = Peak::new(e1, e2, 0.5 * (f.axis - c.axis).length_squared());
-    // sin(α−t) : sin t are the weights of the two axes in the unit vector at angle t.
-    let [s1, s2] = peak.tan.map(|t| t / (1.0 + t * t).sqrt());
-    let axis = (f.axis * s2 + c.axis * s1).try_normalize().unwrap_or(c.axis);
-    axis * (1.0 - 1.0 / (e1 + e2 + 2.0))
-}
-
-/// Whether `f` is the Lambert lobe at this receiver: exponent 1, axis the normal itself.
-#[must_use]
-pub fn is_lambert(at: &Receiver, f: &Lobe) -> bool {
-    f.exponent == 1.0 && f.cosine == 0.0 && f.axis == at.normal
 }
