@@ -1,9 +1,5 @@
-use crate::stamp::STAMP;
-use crate::{ImageFileError, Output, Picture};
-use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
-    ReadLayers, Text, Vec2, WritableImage, read,
-};
+use crate::{ExrPart, ImageFileError, Output, Picture, Window};
+use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
 use glam::Vec3;
 use std::fs::File;
 use std::io::BufReader;
@@ -56,21 +52,7 @@ const MAIN: &str = "beauty";
 /// # Panics
 /// When a channel has not `width`·`height` values.
 pub fn write_exr(output: Output, width: usize, height: usize, layers: &[ExrLayer]) -> Result<(), ImageFileError> {
-    let (path, stamp) = (output.path().to_owned(), output.stamp().map(|s| AttributeValue::Text(Text::from(s))));
-    let channels = layers.iter().flat_map(|layer| {
-        layer.channels.iter().map(|(letter, values)| {
-            assert_eq!(values.len(), width * height, "values of channel {letter} of layer {}", layer.name);
-            let name = if layer.name == MAIN { letter.to_string() } else { format!("{}.{letter}", layer.name) };
-            AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(values.clone()))
-        })
-    });
-    let channels = AnyChannels::sort(channels.collect());
-    let layer = Layer::new(Vec2(width, height), LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
-    let mut image = Image::from_layer(layer);
-    image.attributes.other.extend(stamp.map(|s| (Text::from(STAMP), s)));
-    output.finish(|file| {
-        image.write().non_parallel().to_buffered(file).map_err(|e| ImageFileError::format(&path, e.to_string()))
-    })
+    ExrPart::of_layers(Window::whole(width, height), layers).write(output)
 }
 
 /// Reads the picture of an OpenEXR file: its bare R, G, B channels, or those of the layer `beauty`.
@@ -135,7 +117,9 @@ pub fn read_exr_layer(path: &Path, name: &str) -> Result<Option<Picture>, ImageF
 #[cfg(test)]
 mod tests {
     use super::*;
-    use exr::prelude::f16;
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage, f16,
+    };
     use std::path::PathBuf;
 
     fn ramp(scale: f32) -> Vec<Vec3> {

@@ -4,10 +4,12 @@
 mod check;
 mod compare;
 mod frames;
+mod parts;
 mod reference;
 mod refusals;
 mod render;
 mod spheres;
+mod trade;
 
 use cosine_lobes::{ExrLayer, Output, write_exr};
 use glam::Vec3;

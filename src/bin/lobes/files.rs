@@ -1,7 +1,7 @@
 //! The pictures that a command writes.
 
 use crate::failure::Failure;
-use cosine_lobes::{ExrLayer, Output, Picture, srgb_bytes, write_exr, write_png};
+use cosine_lobes::{ExrLayer, ExrPart, Output, Picture, Window, srgb_bytes, write_png};
 use std::fs::canonicalize;
 use std::path::{Path, PathBuf};
 
@@ -95,15 +95,29 @@ impl Files {
 
     /// Writes the picture to all of them, and the further layers to those that can hold them.
     pub(crate) fn write(self, picture: &Picture, exposure: f32, further: &[ExrLayer]) -> Result<(), Failure> {
-        let (width, height) = (picture.width(), picture.height());
+        let window = Window::whole(picture.width(), picture.height());
+        self.write_window(window, picture, exposure, further)
+    }
+
+    /// The same for a part of a picture.
+    pub(crate) fn write_window(
+        self,
+        window: Window,
+        picture: &Picture,
+        exposure: f32,
+        further: &[ExrLayer],
+    ) -> Result<(), Failure> {
+        let main = ExrLayer::color("beauty", picture.pixels());
+        let layers: Vec<ExrLayer> = std::iter::once(main).chain(further.iter().cloned()).collect();
+        self.write_part(picture, exposure, &ExrPart::of_layers(window, &layers))
+    }
+
+    /// Writes all channels of a part to those that can hold them, and its picture to the others.
+    pub(crate) fn write_part(self, picture: &Picture, exposure: f32, part: &ExrPart) -> Result<(), Failure> {
         for (format, output) in self.list {
             match format {
-                Format::Png => write_png(output, width, height, &srgb_bytes(picture, exposure))?,
-                Format::Exr => {
-                    let main = ExrLayer::color("beauty", picture.pixels());
-                    let layers: Vec<ExrLayer> = std::iter::once(main).chain(further.iter().cloned()).collect();
-                    write_exr(output, width, height, &layers)?;
-                }
+                Format::Png => write_png(output, picture.width(), picture.height(), &srgb_bytes(picture, exposure))?,
+                Format::Exr => part.clone().write(output)?,
             }
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 mod advice;
 mod args;
+mod budget;
 mod check;
 mod compare;
 mod console;
@@ -9,8 +10,10 @@ mod failure;
 mod files;
 mod fingerprint;
 mod input;
+mod merge;
 mod moment;
 mod picture;
+mod quality;
 mod reference;
 mod render;
 mod sphere_cache;
@@ -33,6 +36,7 @@ fn run() -> Result<(), Failure> {
         Command::Reference(args) => reference::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Spheres(args) => spheres::run(&args),
         Command::Trade(args) => trade::run(&args),
     }

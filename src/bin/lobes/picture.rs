@@ -3,11 +3,11 @@
 use crate::args::RenderArgs;
 use crate::failure::Failure;
 use crate::strategy::Work;
-use cosine_lobes::ExrLayer;
 use cosine_lobes::lobe_core::VisibilityLobes;
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, TILE, World};
-use cosine_lobes::scene::{Frame, Shade, ShadeStats};
+use cosine_lobes::scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::Bounds;
+use cosine_lobes::{ExrLayer, Window};
 use glam::Vec3;
 use std::ops::Range;
 use std::time::Instant;
@@ -23,10 +23,14 @@ pub(crate) fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// The visible points, band by band of rows.
+/// Camera rays that a time budget is measured with.
+const TRIAL_RAYS: u64 = 1 << 15;
+
+/// The visible points of a window of the picture, band by band of rows.
 pub(crate) struct Bands<'w> {
     world: &'w World<'w>,
     samples: u32,
+    window: Window,
     rows: u32,
     /// The picture's only band, where it has been looked at before it is shaded.
     kept: Option<GBuffer>,
@@ -35,40 +39,67 @@ pub(crate) struct Bands<'w> {
 }
 
 impl<'w> Bands<'w> {
-    pub(crate) fn new(world: &'w World<'w>, samples: u32) -> Self {
-        let rows = BAND_RAYS / (u64::from(world.scene().width) * u64::from(samples));
+    pub(crate) fn new(world: &'w World<'w>, samples: u32, window: Window) -> Self {
+        let rows = BAND_RAYS / (window.size()[0] as u64 * u64::from(samples)).max(1);
         let rows = (rows as u32 / TILE * TILE).max(TILE);
-        Self { world, samples, rows, kept: None, seconds: 0.0 }
+        Self { world, samples, window, rows, kept: None, seconds: 0.0 }
     }
 
-    fn ranges(&self) -> impl Iterator<Item = Range<u32>> + use<> {
-        let (height, rows) = (self.world.scene().height, self.rows);
-        (0..height).step_by(rows as usize).map(move |top| top..(top + rows).min(height))
+    /// Bands of these rows, whose borders are those of tiles.
+    fn ranges(&self, rows: Range<u32>) -> impl Iterator<Item = Range<u32>> + use<> {
+        let step = self.rows;
+        let cut = move |k: u32| (k * step).max(rows.start)..((k + 1) * step).min(rows.end);
+        (rows.start / step..rows.end.div_ceil(step)).map(cut)
     }
 
-    fn points(&mut self, rows: Range<u32>) -> GBuffer {
+    fn points(&mut self, window: &Window, rows: Range<u32>) -> GBuffer {
         let (world, samples) = (self.world, self.samples);
         let scene = world.scene();
+        let columns = window.columns.start as u32..window.columns.end as u32;
         match self.kept.take() {
             Some(g) => g,
-            None => seconds(&mut self.seconds, || GBuffer::rows(world, scene.width, scene.height, samples, rows)),
+            None => {
+                seconds(&mut self.seconds, || GBuffer::window(world, scene.width, scene.height, samples, columns, rows))
+            }
         }
     }
 
-    /// The box of all visible points; `None` when the camera sees nothing. Costs nothing where one band is the whole
-    /// picture, since its points are kept; else all points are found twice.
+    /// The box of all visible points of the picture, those outside the window too: its parts are to be as the whole.
+    /// `None` when the camera sees nothing. Costs nothing where one band is the whole picture, since its points are kept; else all
+    /// points are found twice.
     pub(crate) fn bounds(&mut self) -> Option<Bounds> {
         let mut all: Option<Bounds> = None;
-        let ranges: Vec<_> = self.ranges().collect();
-        let whole = ranges.len() == 1;
+        let [width, height] = self.window.image;
+        let picture = Window::whole(width, height);
+        let ranges: Vec<_> = self.ranges(0..height as u32).collect();
+        let keep = ranges.len() == 1 && self.window.is_whole();
         for rows in ranges {
-            let g = self.points(rows);
+            let g = self.points(&picture, rows);
             if let Some(b) = Bounds::of(g.points.receivers.iter().map(|r| r.position)) {
                 all = Some(all.map_or(b, |a| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) }));
             }
-            self.kept = whole.then_some(g);
+            self.kept = keep.then_some(g);
         }
         all
+    }
+
+    /// The points of strips spread over the picture, and how many times their rows the picture has.
+    pub(crate) fn strips(&self) -> (ShadingPoints, f64) {
+        let scene = self.world.scene();
+        let (width, height) = (scene.width, scene.height);
+        let all = height.div_ceil(TILE);
+        let rays = u64::from(width) * u64::from(TILE) * u64::from(self.samples);
+        let count = (TRIAL_RAYS / rays).clamp(1, u64::from(all)) as u32;
+        let (mut points, mut taken) = (ShadingPoints::default(), 0);
+        for i in 0..count {
+            let top = (u64::from(2 * i + 1) * u64::from(all) / (2 * u64::from(count))) as u32 * TILE;
+            let rows = top..(top + TILE).min(height);
+            taken += rows.len();
+            let g = GBuffer::rows(self.world, width, height, self.samples, rows);
+            points.receivers.extend(g.points.receivers);
+            points.materials.extend(g.points.materials);
+        }
+        (points, f64::from(height) / taken.max(1) as f64)
     }
 }
 
@@ -104,11 +135,12 @@ impl Work for Shading<'_, '_> {
         let scene = bands.world.scene();
         let mut planes = Planes { lights: vec![Vec::new(); frame.lights.len()], ..Planes::default() };
         // At once: a picture that finds no room is refused here, and growing would take twice the memory.
-        planes.beauty.try_reserve_exact(scene.width as usize * scene.height as usize)?;
+        let window = bands.window.clone();
+        planes.beauty.try_reserve_exact(window.columns.len() * window.rows.len())?;
         planes.stats.resize(args.repeat as usize, ShadeStats::default());
-        for rows in bands.ranges() {
-            progress(rows.start);
-            let g = bands.points(rows);
+        for rows in bands.ranges(window.rows.start as u32..window.rows.end as u32) {
+            progress(rows.start - window.rows.start as u32);
+            let g = bands.points(&window, rows);
             let mut radiance = vec![Vec3::ZERO; g.len()];
             for (repetition, total) in planes.stats.iter_mut().enumerate() {
                 let stats = if args.layers {

@@ -1,4 +1,5 @@
 use crate::args::{Method, RenderArgs, name};
+use crate::budget::Budget;
 use crate::console::{self, note, say};
 use crate::failure::Failure;
 use crate::files::{self, Files};
@@ -8,13 +9,12 @@ use crate::picture::{Bands, Planes, Shading, seconds};
 use crate::stamp::Stamp;
 use crate::stats::{self, Clocks, Figures, FrameClocks};
 use crate::strategy::{KeptSpheres, Occlusion, Plan};
-use cosine_lobes::lighting::depth_for;
 use cosine_lobes::lobe_core::paper::{ProductTable, Resolution, Tables};
 use cosine_lobes::render_cpu::{BlockersError, World};
 use cosine_lobes::scene::{BlockerSet, Frame};
 use cosine_lobes::visibility_shadowmap::{Bounds, Fineness, ShadowMap};
 use cosine_lobes::visibility_spheres::SphereBlockers;
-use cosine_lobes::{ImageFileError, Output, Picture};
+use cosine_lobes::{ImageFileError, Output, Picture, Window};
 use rayon::prelude::*;
 use std::io::Write;
 use std::path::PathBuf;
@@ -26,6 +26,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let mut clocks = Clocks::default();
     let (mut scene, animation) = seconds(&mut clocks.load, || input::view(&args.view))?;
+    let window = args.window(scene.width, scene.height)?;
     let moments = match args.frames {
         Some(ends) => moment::sequence(&args.view, ends, &animation)?,
         None => vec![moment::single(&args.view, &animation)?],
@@ -59,7 +60,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             Method::Moments => None,
             Method::Paper => Some(seconds(&mut clocks.tables, || paper_tables(quiet))),
         };
-        let bar = console::progress("shading", moments.len() as u64 * u64::from(scene.height), quiet);
+        let bar = console::progress("shading", moments.len() as u64 * window.rows.len() as u64, quiet);
         let (mut set, mut blockers) = (BlockerSet::default(), KeptSpheres::default());
         let mut hierarchy = None;
         for (index, moment) in moments.iter().enumerate() {
@@ -76,20 +77,23 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
                 Some(hierarchy) => World::refit(&scene, hierarchy),
                 None => World::new(&scene),
             });
-            let done = index as u64 * u64::from(scene.height);
+            let done = index as u64 * window.rows.len() as u64;
             let progress = |row: u32| bar.set_position(done + u64::from(row));
-            let job = Job { args, plan: &plan, spheres: blockers.get(), tables: tables.as_ref(), progress: &progress };
+            let (spheres, tables) = (blockers.get(), tables.as_ref());
+            let job = Job { args, window: &window, plan: &plan, spheres, tables, progress: &progress };
             let planes = job.picture(&world, &mut figures, &mut clocks)?;
             hierarchy = Some(world.into_hierarchy());
             let layers = if args.layers { planes.layers() } else { Vec::new() };
-            let image = Picture::new(scene.width as usize, scene.height as usize, planes.beauty);
-            seconds(&mut clocks.write, || files.write(&image, args.view.exposure, &layers))?;
+            let [width, height] = window.size();
+            let image = Picture::new(width, height, planes.beauty);
+            let part = window.clone();
+            seconds(&mut clocks.write, || files.write_window(part, &image, args.view.exposure, &layers))?;
             figures.frames.push(clocks);
         }
         bar.finish_and_clear();
     }
 
-    let stats = stats::summary(args, &scene, &figures, &clocks);
+    let stats = stats::summary(args, &scene, &window, &figures, &clocks);
     if let Some(output) = stats_file {
         let text = serde_json::to_string_pretty(&stats)?;
         let path = output.path().to_owned();
@@ -106,6 +110,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 /// What is the same for the pictures of all frames, and the spheres of this one.
 struct Job<'a> {
     args: &'a RenderArgs,
+    window: &'a Window,
     plan: &'a Plan,
     spheres: Option<&'a SphereBlockers>,
     tables: Option<&'a Tables>,
@@ -115,17 +120,9 @@ struct Job<'a> {
 impl Job<'_> {
     /// One picture of a world.
     fn picture(&self, world: &World<'_>, figures: &mut Figures, clocks: &mut FrameClocks) -> Result<Planes, Failure> {
-        let Self { args, plan, spheres, tables, progress } = *self;
+        let Self { args, window, plan, spheres, tables, progress } = *self;
         let scene = world.scene();
-        let depth = args.depth.unwrap_or_else(|| depth_for(args.tolerance));
-        let frame = Frame {
-            materials: &scene.materials,
-            lights: &scene.lights,
-            tolerance: args.tolerance,
-            depth,
-            threshold: args.threshold,
-        };
-        let mut bands = Bands::new(world, args.view.samples);
+        let mut bands = Bands::new(world, args.view.samples, window.clone());
         let mut maps = Vec::new();
         if let Some(receivers) = plan.wants_maps(scene).then(|| bands.bounds()).flatten() {
             maps = seconds(&mut clocks.maps, || plan.maps(scene, receivers, args.map_resolution))?;
@@ -133,12 +130,25 @@ impl Job<'_> {
                 advise(&maps, &receivers);
             }
         }
+        let (tolerance, depth) = args.setting();
+        let (materials, lights) = (&scene.materials, &scene.lights);
+        let mut frame = Frame { materials, lights, tolerance, depth, threshold: args.threshold };
+        match (figures.setting, args.time_budget) {
+            (Some(setting), _) => (frame.tolerance, frame.depth) = setting,
+            (None, Some(budget)) => {
+                let (maps, fixed, quiet) = (&maps, clocks.maps, args.view.quiet);
+                let choice = Budget { world, plan, spheres, maps, tables, fixed, quiet };
+                (frame.tolerance, frame.depth) = choice.choose(budget, &bands, &frame)?;
+            }
+            (None, None) => {}
+        }
+        figures.setting = Some((frame.tolerance, frame.depth));
         figures.spheres = spheres.map_or(0, |s| s.spheres().len());
         figures.triangles = world.triangle_count();
         figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
         let planes = Occlusion::new(plan, world, spheres, maps).shade(
-            depth,
+            frame.depth,
             tables,
             Shading { args, frame: &frame, bands: &mut bands, progress },
         )?;

@@ -3,7 +3,7 @@
 use crate::args::{RenderArgs, name};
 use crate::console::say;
 use crate::files::numbered;
-use cosine_lobes::lighting::depth_for;
+use cosine_lobes::Window;
 use cosine_lobes::scene::{Scene, ShadeStats};
 use serde_json::{Value, json};
 
@@ -36,6 +36,8 @@ pub(crate) struct Figures {
     pub(crate) runs: Vec<(ShadeStats, usize)>,
     /// One entry a frame.
     pub(crate) frames: Vec<FrameClocks>,
+    /// Tolerance and depth, once a frame was shaded.
+    pub(crate) setting: Option<(f32, u32)>,
     /// Frames that were there already.
     pub(crate) skipped: usize,
     pub(crate) spheres: usize,
@@ -50,7 +52,9 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
-pub(crate) fn summary(args: &RenderArgs, scene: &Scene, figures: &Figures, clocks: &Clocks) -> Value {
+pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures: &Figures, clocks: &Clocks) -> Value {
+    let (tolerance, depth) = figures.setting.unwrap_or_else(|| args.setting());
+    let Window { columns, rows, .. } = window;
     let mut runs = figures.runs.clone();
     runs.sort_by(|a, b| a.0.seconds.total_cmp(&b.0.seconds));
     let (ShadeStats { seconds, stages, counts }, points) = runs.get(runs.len() / 2).copied().unwrap_or_default();
@@ -64,14 +68,15 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, figures: &Figures, clock
         "visibility": name(&args.visibility),
         "width": scene.width,
         "height": scene.height,
+        "crop": [columns.start, rows.start, columns.end, rows.end],
         "points": points,
         "frames": figures.frames.len(),
         "skipped_frames": figures.skipped,
         "lights": scene.lights.len(),
         "spheres": figures.spheres,
         "triangles": figures.triangles,
-        "tolerance": decimal(args.tolerance),
-        "depth": args.depth.unwrap_or_else(|| depth_for(args.tolerance)),
+        "tolerance": decimal(tolerance),
+        "depth": depth,
         "threads": rayon::current_num_threads(),
         "map_resolutions": figures.map_resolutions,
         "map_bytes": figures.map_bytes,

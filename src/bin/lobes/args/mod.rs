@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod merge;
 mod reference;
 mod render;
 mod spheres;
@@ -11,6 +12,7 @@ mod view;
 
 pub(crate) use self::check::CheckArgs;
 pub(crate) use self::compare::CompareArgs;
+pub(crate) use self::merge::MergeArgs;
 pub(crate) use self::reference::{Geometry, ReferenceArgs};
 pub(crate) use self::render::{Method, RenderArgs, Visibility};
 pub(crate) use self::spheres::SpheresArgs;
@@ -45,6 +47,7 @@ pub(crate) enum Command {
     Reference(ReferenceArgs),
     Compare(CompareArgs),
     Check(CheckArgs),
+    Merge(MergeArgs),
     Spheres(SpheresArgs),
     Trade(TradeArgs),
 }

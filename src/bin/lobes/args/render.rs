@@ -1,6 +1,11 @@
 use super::ViewArgs;
-use super::values::{frames, map_resolution, threshold, tolerance, whole};
+use super::values::{crop, frames, map_resolution, positive, threshold, tiles, tolerance, whole};
+use crate::failure::Failure;
+use crate::quality::Quality;
 use clap::{Args, ValueEnum};
+use cosine_lobes::Window;
+use cosine_lobes::lighting::depth_for;
+use cosine_lobes::render_cpu::TILE;
 use cosine_lobes::scene::Strategy;
 use std::path::PathBuf;
 
@@ -14,7 +19,9 @@ use std::path::PathBuf;
   lobes render scene.toml -o a.exr --layers --stats a.json
   lobes render scene.toml -o unshadowed.exr --visibility none
   lobes render model.glb --visibility rays              shadows of the true triangles
-  lobes render walk.glb -o walk.png --frames 0..24      walk.0000.png to walk.0023.png")]
+  lobes render walk.glb -o walk.png --frames 0..24      walk.0000.png to walk.0023.png
+  lobes render scene.toml --quality draft               fast; interactive and high cost more
+  lobes render scene.toml --tiles 2/8 -o part2.exr      the second of eight parts")]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) view: ViewArgs,
@@ -47,6 +54,14 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "D", value_parser = whole(1..=6))]
     pub(crate) depth: Option<u32>,
 
+    /// Tolerance and depth from the measured front of error against time, instead of --tolerance and --depth
+    #[arg(long, value_enum, conflicts_with_all = ["tolerance", "depth", "time_budget"])]
+    pub(crate) quality: Option<Quality>,
+
+    /// The best tolerance and depth whose frame takes at most MS milliseconds, measured on this scene before its first frame
+    #[arg(long, value_name = "MS", value_parser = positive, conflicts_with_all = ["tolerance", "depth", "crop", "tiles"])]
+    pub(crate) time_budget: Option<f32>,
+
     /// Drop contributions whose radiance is below this
     #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = threshold)]
     pub(crate) threshold: f32,
@@ -63,6 +78,15 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "time", "repeat"])]
     pub(crate) frames: Option<(u32, u32)>,
 
+    /// Only the pixels from column X0 and row Y0 to before X1 and Y1, to the bit as in the whole picture. An .exr file says where
+    /// they belong (lobes merge puts such parts together)
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop, conflicts_with = "tiles")]
+    pub(crate) crop: Option<[u32; 4]>,
+
+    /// Only the I-th of N bands of rows, from 1: work for N processes or machines
+    #[arg(long, value_name = "I/N", value_parser = tiles)]
+    pub(crate) tiles: Option<(u32, u32)>,
+
     /// Write times and counts of each stage to this file, as JSON: what --json prints
     #[arg(long, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
@@ -70,6 +94,37 @@ pub(crate) struct RenderArgs {
     /// Shade N times and report the median time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1..=10_000))]
     pub(crate) repeat: u32,
+}
+
+impl RenderArgs {
+    /// Tolerance and depth, where no time budget decides.
+    pub(crate) fn setting(&self) -> (f32, u32) {
+        match self.quality {
+            Some(quality) => quality.setting(),
+            None => (self.tolerance, self.depth.unwrap_or_else(|| depth_for(self.tolerance))),
+        }
+    }
+
+    /// The part of a picture of that size that is asked for.
+    pub(crate) fn window(&self, width: u32, height: u32) -> Result<Window, Failure> {
+        let mut window = Window::whole(width as usize, height as usize);
+        if let Some([left, top, right, bottom]) = self.crop {
+            if right > width || bottom > height {
+                return Err(Failure::new(format_args!("--crop: the picture has only {width} x {height} pixels")));
+            }
+            (window.columns, window.rows) = (left as usize..right as usize, top as usize..bottom as usize);
+        }
+        if let Some((number, count)) = self.tiles {
+            // Whole tiles of 8 rows: their points are culled together.
+            let tiles = height.div_ceil(TILE);
+            if count > tiles {
+                return Err(Failure::new(format_args!("--tiles: {height} rows make at most {tiles} parts")));
+            }
+            let border = |k: u32| (u64::from(tiles) * u64::from(k) / u64::from(count)) as u32 * TILE;
+            window.rows = border(number - 1) as usize..border(number).min(height) as usize;
+        }
+        Ok(window)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

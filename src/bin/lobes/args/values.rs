@@ -59,6 +59,21 @@ pub(super) fn frames(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
+pub(super) fn crop(text: &str) -> Result<[u32; 4], String> {
+    let numbers: Vec<u32> = text.split(',').map_while(|t| t.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x0, y0, x1, y1] if text.split(',').count() == 4 && x0 < x1 && y0 < y1 => Ok([x0, y0, x1, y1]),
+        _ => Err("expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1, such as 0,0,320,180".to_owned()),
+    }
+}
+
+pub(super) fn tiles(text: &str) -> Result<(u32, u32), String> {
+    match text.split_once('/').map(|(i, n)| (i.parse(), n.parse())) {
+        Some((Ok(i), Ok(n))) if 1 <= i && i <= n => Ok((i, n)),
+        _ => Err("expected I/N, the I-th of N parts from 1, such as 2/8".to_owned()),
+    }
+}
+
 pub(super) fn map_resolution(text: &str) -> Result<u32, String> {
     let (least, most) = (MapOptions::MIN_RESOLUTION, MapOptions::MAX_RESOLUTION);
     let good = text.parse::<u32>().ok().filter(|n| (least..=most).contains(n));
@@ -91,6 +106,14 @@ mod tests {
         for bad in ["0", "9", "-1", "1.5", "", "x", "99999999999999999999"] {
             assert_eq!(whole(1..=8)(bad), Err("expected a whole number from 1 to 8".to_owned()), "{bad}");
         }
+        for bad in ["", "1,2,3", "0,0,0,1", "0,0,1,0", "0,0,1,1,1", "0,0,-1,1", "a,0,1,1"] {
+            assert!(crop(bad).is_err(), "{bad}");
+        }
+        assert_eq!(crop("0,8,16,24"), Ok([0, 8, 16, 24]));
+        for bad in ["", "0/1", "2/1", "1", "1/0", "-1/2", "1/2/3"] {
+            assert!(tiles(bad).is_err(), "{bad}");
+        }
+        assert_eq!(tiles("2/8"), Ok((2, 8)));
         assert!(threshold("-1e-9").is_err() && exposure("nan").is_err() && positive("0").is_err());
     }
 }

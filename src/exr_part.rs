@@ -1,0 +1,216 @@
+use crate::stamp::STAMP;
+use crate::{ExrLayer, ImageFileError, Output, Window};
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds, Layer, LayerAttributes,
+    ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
+};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// A part of a picture with all its channels: what a run with a window writes, and what parts make together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExrPart {
+    /// Which part: the data window within the display window.
+    pub window: Window,
+    /// Channels by name, in the file's order, with one value a pixel of the part.
+    pub channels: Vec<(String, Vec<f32>)>,
+}
+
+/// Why parts make no picture.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MergeError {
+    /// There are no parts.
+    #[error("no parts")]
+    Nothing,
+    /// A part is of another image: another size, or other channels.
+    #[error("part {0} is of another picture than the first")]
+    Other(usize),
+    /// A part has pixels that another one has too.
+    #[error("part {0} has pixels that an earlier one has")]
+    Overlap(usize),
+    /// Some pixels are in no part.
+    #[error("{0} pixels are in no part")]
+    Missing(usize),
+}
+
+impl ExrPart {
+    /// The layers of a part; the channels of the layer `beauty` have no prefix.
+    ///
+    /// # Panics
+    /// When a channel has not one value a pixel of the window.
+    #[must_use]
+    pub fn of_layers(window: Window, layers: &[ExrLayer]) -> Self {
+        let [width, height] = window.size();
+        let mut channels = Vec::new();
+        for layer in layers {
+            for (letter, values) in &layer.channels {
+                assert_eq!(values.len(), width * height, "values of channel {letter} of layer {}", layer.name);
+                let name = if layer.name == "beauty" { letter.to_string() } else { format!("{}.{letter}", layer.name) };
+                channels.push((name, values.clone()));
+            }
+        }
+        Self { window, channels }
+    }
+
+    /// Writes one OpenEXR part of 32-bit floats in scan lines, ZIP-compressed; the same bytes for the same values.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn write(self, output: Output) -> Result<(), ImageFileError> {
+        let (path, stamp) = (output.path().to_owned(), output.stamp().map(|s| AttributeValue::Text(Text::from(s))));
+        let channel =
+            |(name, values): (String, Vec<f32>)| AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(values));
+        let channels = AnyChannels::sort(self.channels.into_iter().map(channel).collect());
+        let Window { image: [width, height], columns, rows } = &self.window;
+        let attributes = LayerAttributes {
+            layer_position: Vec2(columns.start as i32, rows.start as i32),
+            ..LayerAttributes::default()
+        };
+        let layer = Layer::new(Vec2(columns.len(), rows.len()), attributes, Encoding::SMALL_LOSSLESS, channels);
+        let mut image = Image::from_layer(layer);
+        image.attributes.display_window = IntegerBounds::from_dimensions(Vec2(*width, *height));
+        image.attributes.other.extend(stamp.map(|s| (Text::from(STAMP), s)));
+        output.finish(|file| {
+            image.write().non_parallel().to_buffered(file).map_err(|e| ImageFileError::format(&path, e.to_string()))
+        })
+    }
+
+    /// Reads the first part of an OpenEXR file, all channels as floats.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is damaged, is subsampled, or has data outside of its display window.
+    pub fn read(path: &Path) -> Result<Self, ImageFileError> {
+        let file = File::open(path).map_err(|e| ImageFileError::io(path, e))?;
+        if file.metadata().is_ok_and(|m| m.is_dir()) {
+            return Err(ImageFileError::format(path, "is a folder"));
+        }
+        let image = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(BufReader::new(file))
+            .map_err(|e| ImageFileError::format(path, format!("not a readable OpenEXR file: {e}")))?;
+        let (layer, display) = (&image.layer_data, image.attributes.display_window);
+        let [x, y] = [0, 1].map(|k| {
+            let at = |v: Vec2<i32>| i64::from(if k == 0 { v.x() } else { v.y() });
+            at(layer.attributes.layer_position) - at(display.position)
+        });
+        let (size, all) = (layer.size, display.size);
+        let inside = |start: i64, length: usize, whole: usize| start >= 0 && start as usize + length <= whole;
+        if !inside(x, size.width(), all.width()) || !inside(y, size.height(), all.height()) {
+            return Err(ImageFileError::format(path, "its data window is not inside its display window"));
+        }
+        let (x, y) = (x as usize, y as usize);
+        let mut channels = Vec::new();
+        for channel in &layer.channel_data.list {
+            if channel.sampling != Vec2(1, 1) {
+                return Err(ImageFileError::format(path, "subsampled channels are not supported"));
+            }
+            channels.push((channel.name.to_string(), channel.sample_data.values_as_f32().collect()));
+        }
+        let window =
+            Window { image: [all.width(), all.height()], columns: x..x + size.width(), rows: y..y + size.height() };
+        Ok(Self { window, channels })
+    }
+
+    /// The picture that parts make: each pixel from the part that has it, unchanged.
+    ///
+    /// # Errors
+    /// [`MergeError`], which counts parts from 1.
+    pub fn merge(parts: &[Self]) -> Result<Self, MergeError> {
+        let first = parts.first().ok_or(MergeError::Nothing)?;
+        let [width, height] = first.window.image;
+        let names = |part: &Self| part.channels.iter().map(|c| c.0.clone()).collect::<Vec<_>>();
+        let mut taken = vec![false; width * height];
+        let mut channels: Vec<(String, Vec<f32>)> =
+            names(first).into_iter().map(|name| (name, vec![0.0; width * height])).collect();
+        for (number, part) in parts.iter().enumerate() {
+            if part.window.image != first.window.image || names(part) != names(first) {
+                return Err(MergeError::Other(number + 1));
+            }
+            let (columns, own) = (part.window.columns.clone(), part.window.size()[0]);
+            for (line, row) in part.window.rows.clone().enumerate() {
+                let place = row * width + columns.start..row * width + columns.end;
+                if taken[place.clone()].contains(&true) {
+                    return Err(MergeError::Overlap(number + 1));
+                }
+                taken[place.clone()].fill(true);
+                for ((_, all), (_, values)) in channels.iter_mut().zip(&part.channels) {
+                    all[place.clone()].copy_from_slice(&values[line * own..(line + 1) * own]);
+                }
+            }
+        }
+        match taken.iter().filter(|t| !**t).count() {
+            0 => Ok(Self { window: Window::whole(width, height), channels }),
+            missing => Err(MergeError::Missing(missing)),
+        }
+    }
+
+    /// A channel's values.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<&[f32]> {
+        self.channels.iter().find(|c| c.0 == name).map(|c| c.1.as_slice())
+    }
+}
+
+/// Reads parts and puts them together.
+///
+/// # Errors
+/// Those of [`ExrPart::read`]; what [`ExrPart::merge`] finds is told of the file.
+pub fn merge_exr(paths: &[PathBuf]) -> Result<ExrPart, ImageFileError> {
+    let parts = paths.iter().map(|p| ExrPart::read(p)).collect::<Result<Vec<_>, _>>()?;
+    ExrPart::merge(&parts).map_err(|error| {
+        let number = match error {
+            MergeError::Other(n) | MergeError::Overlap(n) => n,
+            MergeError::Nothing | MergeError::Missing(_) => paths.len(),
+        };
+        let path = paths.get(number.saturating_sub(1)).cloned().unwrap_or_default();
+        ImageFileError::format(&path, error.to_string())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn part(columns: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> ExrPart {
+        let window = Window { image: [5, 4], columns: columns.clone(), rows: rows.clone() };
+        let at = |y: usize, x: usize| Vec3::new(x as f32, y as f32, -0.1 * (y * 5 + x) as f32);
+        let values: Vec<Vec3> = rows.flat_map(|y| columns.clone().map(move |x| at(y, x))).collect();
+        let depth = values.iter().map(|v| v.z).collect();
+        ExrPart::of_layers(window, &[ExrLayer::color("beauty", &values), ExrLayer::scalar("depth", 'Z', depth)])
+    }
+
+    #[test]
+    fn parts_come_back_and_make_the_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |n: &str| folder.path().join(n);
+        let parts = [part(0..3, 0..4), part(3..5, 0..1), part(3..5, 1..4)];
+        let mut paths = Vec::new();
+        for (i, part) in parts.into_iter().enumerate() {
+            paths.push(path(&format!("{i}.exr")));
+            part.write(Output::create(&paths[i]).unwrap()).unwrap();
+        }
+        merge_exr(&paths).unwrap().write(Output::create(path("merged.exr")).unwrap()).unwrap();
+        part(0..5, 0..4).write(Output::create(path("whole.exr")).unwrap()).unwrap();
+        assert_eq!(std::fs::read(path("merged.exr")).unwrap(), std::fs::read(path("whole.exr")).unwrap());
+        assert_eq!(ExrPart::read(&paths[1]).unwrap().window, Window { image: [5, 4], columns: 3..5, rows: 0..1 });
+        let message = merge_exr(&paths[..2]).unwrap_err().to_string();
+        assert!(message.contains("6 pixels are in no part"), "{message}");
+    }
+
+    #[test]
+    fn what_is_no_picture_is_refused() {
+        assert_eq!(ExrPart::merge(&[]), Err(MergeError::Nothing));
+        assert_eq!(ExrPart::merge(&[part(0..3, 0..4), part(2..5, 0..4)]), Err(MergeError::Overlap(2)));
+        let mut other = part(3..5, 0..4);
+        other.channels.pop();
+        assert_eq!(ExrPart::merge(&[part(0..3, 0..4), other]), Err(MergeError::Other(2)));
+    }
+}
