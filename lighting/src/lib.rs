@@ -17,6 +17,7 @@ mod paper_visibility;
 mod paper_weights;
 mod row;
 mod shadow_tree;
+mod share;
 mod sphere_light;
 mod square;
 #[cfg(test)]

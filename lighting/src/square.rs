@@ -75,6 +75,14 @@ impl UnitSquare {
         Self { center: point.clamp(-room, room), half, ..*self }
     }
 
+    /// About the directions that the window shows, as a cone.
+    pub(crate) fn cone(&self, distance: f32) -> Cone {
+        let tan = self.half / (1.0 + self.center.length_squared());
+        let root = (1.0 + tan * tan).sqrt();
+        let axis = self.world(self.center.extend(1.0)).normalize();
+        Cone { axis, one_minus_cos: tan * tan / (root * (1.0 + root)), distance }
+    }
+
     /// A world vector in the square's frame.
     #[must_use]
     pub fn local(&self, v: Vec3) -> Vec3 {

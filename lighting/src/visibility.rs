@@ -1,4 +1,5 @@
 use crate::cut::{Cut, CutScratch};
+use crate::share::share;
 use crate::{Edges, MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert};
@@ -68,14 +69,17 @@ pub trait Blockers: Sync {
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask);
 }
 
-/// The `moments` visibility: any [`Blockers`] through the mask, its quad-tree cut and moment lobes.
+/// The `moments` visibility: any [`Blockers`] through the mask.
 ///
 /// # Method
-/// The blockers fill a mask of the whole light. A Lambert lobe takes one lobe of it, whose total and mean vector are
-/// those of the lit part. A glossy lobe takes a cut, refined where the reflectance varies over a node and the node is
-/// partly lit; a lobe narrower than the light has a mask of its own over the part of the light that it sees, since
-/// there the cells and not the lobes would limit the accuracy. Each node gives a lobe of its lit part and one of its
-/// whole part, and the visible share is their ratio.
+/// The blockers fill a mask of the whole light; a lobe narrower than the light has a mask of its own over the part of the
+/// light that it sees, since there the cells would limit the accuracy. What a reflectance lobe sees of the light is then
+/// - a *share* (the default), summed over the mask's samples: the sum of one lobe times every sample in closed form, at
+///   the price of a few visibility lobes; no lobe is written, the share is [`VisibilitySum::base`]. Or
+/// - *lobes* ([`with_lobes`](Self::with_lobes)): a Lambert lobe takes one lobe of the mask, whose total and mean vector are
+///   those of the lit part; a glossy lobe takes a cut of the quad-tree, refined where the reflectance varies over a node
+///   and the node is partly lit. Each node gives a lobe of its lit part and one of its whole part; the visible share is
+///   their ratio.
 ///
 /// # Cost
 /// Nothing for lit and fully hidden receivers; else one mask, plus one for each narrow lobe.
@@ -83,13 +87,20 @@ pub trait Blockers: Sync {
 pub struct MaskVisibility<B> {
     blockers: B,
     depth: u32,
+    lobes: bool,
 }
 
 impl<B: Blockers> MaskVisibility<B> {
     /// Masks of the given quad-tree depth, clamped to 1…[`MAX_DEPTH`].
     #[must_use]
     pub fn new(blockers: B, depth: u32) -> Self {
-        Self { blockers, depth: depth.clamp(1, MAX_DEPTH) }
+        Self { blockers, depth: depth.clamp(1, MAX_DEPTH), lobes: false }
+    }
+
+    /// Writes the lobes of a cut instead of the share that is seen: for whoever integrates them.
+    #[must_use]
+    pub fn with_lobes(self) -> Self {
+        Self { lobes: true, ..self }
     }
 
     /// Across the edges of the blockers and, where it cuts the light, the horizon.
@@ -130,9 +141,8 @@ pub struct MaskScratch<S> {
     blockers: S,
     square: UnitSquare,
     full: Mask,
-    full_cut: CutScratch,
     zoomed: Mask,
-    zoomed_cut: CutScratch,
+    cut: CutScratch,
 }
 
 impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
@@ -145,14 +155,13 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             square: *full.square(),
             zoomed: full.clone(),
             full,
-            full_cut: CutScratch::default(),
-            zoomed_cut: CutScratch::default(),
+            cut: CutScratch::default(),
         }
     }
 
     fn max_lobes(&self) -> usize {
         // A node and all its children are both written while one blends into the other.
-        (4usize.pow(self.depth + 1) - 1) / 3
+        if self.lobes { (4usize.pow(self.depth + 1) - 1) / 3 } else { 0 }
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
@@ -181,7 +190,6 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         if scratch.full.is_dark() {
             return Coverage::Dark;
         }
-        scratch.full_cut.build(&scratch.full);
         Coverage::Partial
     }
 
@@ -193,16 +201,27 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
-        let square = scratch.square.zoomed(brdf, query.at.normal, zoom_sigmas(query.tolerance));
-        let (mask, cut) = if is_lambert(query.at, brdf) || square.half >= scratch.square.half {
-            (&scratch.full, &scratch.full_cut)
+        let sigmas = zoom_sigmas(query.tolerance);
+        let square = scratch.square.zoomed(brdf, query.at.normal, sigmas);
+        let mask = if is_lambert(query.at, brdf) || square.half >= scratch.square.half {
+            &scratch.full
         } else {
+            // Turned by the edges that run through what the lobe sees.
+            let cone = square.cone(query.cone.distance);
+            let across = self.across(&VisibilityQuery { cone: &cone, ..*query }, &scratch.blockers);
+            let square = UnitSquare::facing(query.cone, across).zoomed(brdf, query.at.normal, sigmas);
             scratch.zoomed.reset(&square, self.depth, query.at.normal);
             self.blockers.splat(query, &mut scratch.blockers, &mut scratch.zoomed);
-            scratch.zoomed_cut.build(&scratch.zoomed);
-            (&scratch.zoomed, &scratch.zoomed_cut)
+            &scratch.zoomed
         };
-        Cut::new(mask, cut, query.at, brdf, unshadowed, query.tolerance).write(out)
+        if !self.lobes {
+            out.lobes.writer();
+            out.whole.writer();
+            out.base = share(mask, query.at, brdf);
+            return Ok(());
+        }
+        scratch.cut.build(mask);
+        Cut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.tolerance).write(out)
     }
 }
 

@@ -14,6 +14,14 @@ fn spheres() {
     println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
 }
 
+/// The same masks, given as lobes.
+#[test]
+fn spheres_as_lobes() {
+    let strategy = |s: &Setting<'_>| MaskVisibility::new(blockers(s.balls), 5).with_lobes();
+    let measured = check(&strategy, &Limits::default());
+    println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
+}
+
 /// Every other ball in the second half of a mixture: the limits are those of the parts.
 #[test]
 fn mixture() {

@@ -1,0 +1,331 @@
+//! The share of a reflectance lobe's light that a mask leaves, summed over its samples.
+
+use crate::Mask;
+use crate::row::WIDTH;
+use fearless_simd::{Level, dispatch};
+use glam::Vec3;
+use lobe_core::special::{exp, ln_1p};
+use lobe_core::{Lobe, Receiver, is_lambert};
+
+/// Samples in a column, columns in a row, rows: what a weight is taken for.
+const EIGHT: usize = 8;
+const COLUMNS: usize = WIDTH / EIGHT;
+const ROWS: usize = 1 << crate::MAX_DEPTH;
+
+/// The third and fourth order of a weight's logarithm that are left out, at most.
+const LEFT_OUT: f32 = 0.004;
+/// `tan⁴θ/2` up to which a Lambert lobe's weights are a product of one by row and one by column.
+const CORNER: f32 = 2e-4;
+/// Exponents beyond are taken only up to where a lobe is as narrow as a cell: a mirror sees some samples.
+const MIRROR: f32 = 1e6;
+
+/// Share of the lobe's light that is lit: `Σ w` over the lit samples by `Σ w` over those that emit, `w` the lobe's value
+/// times the solid angle of a sample (times the receiver's cosine where the lobe says so).
+///
+/// The plane's point `p = (x, y, 1)` has `w = (a·p)ᵉ |p|⁻⁽ᵉ⁺³⁾ dA`, times `n·p/|p|` for the cosine; a Lambert lobe
+/// `n·p |p|⁻⁴ dA`. Seen through a small window the logarithm of `w` is a polynomial of second order about its peak: then
+/// the weights are one by row times one by column and a low polynomial, and the sum over a row is three products of a
+/// vector. Else each is computed.
+pub(crate) fn share(mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
+    dispatch!(Level::new(), _ => {
+        if is_lambert(at, lobe) { lambert(mask, mask.square().local(at.normal)) } else { glossy(mask, at, lobe) }
+    })
+}
+
+#[inline(always)]
+fn lambert(mask: &Mask, normal: Vec3) -> f32 {
+    let corner = mask.square().center.abs() + mask.square().half;
+    let far = corner.length_squared();
+    if far * far > 8.0 * CORNER {
+        return by_sample(mask, |x, y| {
+            let inverse = 1.0 / (x * x + y * y + 1.0);
+            (normal.x * x + (normal.y * y + normal.z)) * inverse * inverse
+        });
+    }
+    let weight = |x: f32| {
+        let inverse = 1.0 / (x * x + 1.0);
+        inverse * inverse
+    };
+    let columns = Columns::new(mask, 0.0, weight);
+    by_row::<false>(mask, &columns, |y| {
+        let w = weight(y);
+        [w * (normal.y * y + normal.z), w * normal.x, 0.0]
+    })
+}
+
+#[inline(always)]
+fn glossy(mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
+    let square = mask.square();
+    let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
+    let cosine = lobe.cosine > 0.0;
+    let narrowest = (2.0 / (mask.cell() * mask.cell())).max(MIRROR);
+    let e = if lobe.exponent < narrowest { lobe.exponent } else { narrowest };
+    let m = e + 3.0;
+    // The peak: the point of the light next to the lobe's axis.
+    let aside = axis.truncate();
+    let peak = if axis.z > 1e-3 { aside / axis.z } else { aside.normalize_or_zero() * 1e3 };
+    let c = peak.clamp_length_max(square.disc);
+    let c = c.clamp(square.center - square.half, square.center + square.half);
+    let d = aside.dot(c) + axis.z;
+    let over = 1.0 / (1.0 + c.length_squared());
+    let slope = aside.length() / d;
+    let reach = square.half.min(2.0 / m.sqrt());
+    let third = e * (slope * reach).powi(3) / 3.0 + m * (c.length() + 0.25 * reach) * reach.powi(3);
+    if !(d > 0.0 && slope * square.half < 0.5 && third < LEFT_OUT) {
+        return by_sample(mask, |x, y| {
+            let inverse = 1.0 / (x * x + y * y + 1.0);
+            let along = axis.x * x + (axis.y * y + axis.z);
+            let value = exp(0.5 * e * ln_1p(along * along * inverse - 1.0));
+            let value = if along > 0.0 { value } else { 0.0 };
+            let angle = value * inverse * inverse.sqrt();
+            if cosine { angle * (normal.x * x + (normal.y * y + normal.z)) * inverse.sqrt() } else { angle }
+        });
+    }
+    // ln w about c: gradient g, second derivatives h; the cosine's own 1/|p| beside.
+    let m = if cosine { m + 1.0 } else { m };
+    let of_d = 1.0 / d;
+    let g = aside * (e * of_d) - c * (m * over);
+    let h = |i: usize, k: usize| {
+        let same = if i == k { m * over } else { 0.0 };
+        2.0 * m * over * over * c[i] * c[k] - e * of_d * of_d * aside[i] * aside[k] - same
+    };
+    let (hxx, hyy, hxy) = (h(0, 0), h(1, 1), h(0, 1));
+    let columns = Columns::new(mask, c.x, |dx| exp((g.x + 0.5 * hxx * dx) * dx));
+    let at_peak = if cosine { normal } else { Vec3::Z };
+    by_row::<true>(mask, &columns, |y| {
+        let dy = y - c.y;
+        let w = exp((g.y + 0.5 * hyy * dy) * dy);
+        // exp(h_xy dx dy) by its series, times n·p.
+        let t = hxy * dy;
+        let n = at_peak.x * c.x + at_peak.y * y + at_peak.z;
+        [w * n, w * (n * t + at_peak.x), w * (0.5 * n * t + at_peak.x) * t]
+    })
+}
+
+/// Weights by column: `u`, `u·dx`, `u·dx²`, and their sums over all samples before.
+struct Columns {
+    weights: [[f32; COLUMNS]; 3],
+    before: [[f32; COLUMNS + 1]; 3],
+}
+
+impl Columns {
+    /// `dx` is measured from `origin`.
+    #[inline(always)]
+    fn new(mask: &Mask, origin: f32, weight: impl Fn(f32) -> f32) -> Self {
+        let (left, column) = column(mask);
+        let mut columns = Self { weights: [[0.0; COLUMNS]; 3], before: [[0.0; COLUMNS + 1]; 3] };
+        let [u, v, w] = &mut columns.weights;
+        for i in 0..COLUMNS {
+            let dx = left + column * i as f32 - origin;
+            u[i] = weight(dx);
+            v[i] = u[i] * dx;
+            w[i] = v[i] * dx;
+        }
+        for (weights, before) in columns.weights.iter().zip(&mut columns.before) {
+            let mut sum = 0.0;
+            for i in 0..COLUMNS {
+                sum += weights[i] * EIGHT as f32;
+                before[i + 1] = sum;
+            }
+        }
+        columns
+    }
+
+    /// Sum of kind `k` over the samples up to `end`.
+    #[inline(always)]
+    fn up_to(&self, k: usize, end: u32) -> f32 {
+        let column = (end as usize / EIGHT).min(COLUMNS - 1);
+        self.before[k][column] + (end as usize - column * EIGHT) as f32 * self.weights[k][column]
+    }
+}
+
+/// Plane coordinate x of the middle of the first column, and the width of a column.
+#[inline(always)]
+fn column(mask: &Mask) -> (f32, f32) {
+    let square = mask.square();
+    let width = 2.0 * square.half / COLUMNS as f32;
+    (square.center.x - square.half + 0.5 * width, width)
+}
+
+/// Lit samples in each column of a row.
+#[inline(always)]
+fn counts(mask: &Mask, j: usize) -> [f32; COLUMNS] {
+    let mut counts = [0.0; COLUMNS];
+    for (k, word) in mask.lit(j).0.iter().enumerate() {
+        for (i, byte) in word.to_le_bytes().iter().enumerate() {
+            counts[k * EIGHT + i] = byte.count_ones() as f32;
+        }
+    }
+    counts
+}
+
+/// `row(y)` gives what a row's three sums are multiplied by; the third is zero unless `THIRD`.
+#[inline(always)]
+fn by_row<const THIRD: bool>(mask: &Mask, columns: &Columns, row: impl Fn(f32) -> [f32; 3]) -> f32 {
+    let side = mask.side();
+    let mut factors = [[0.0; ROWS]; 3];
+    for base in (0..side).step_by(EIGHT) {
+        for k in 0..EIGHT {
+            let j = (base + k) & (ROWS - 1);
+            let [p, q, r] = row(mask.row_y(j));
+            (factors[0][j], factors[1][j], factors[2][j]) = (p, q, r);
+        }
+    }
+    let mut lit = [0.0; EIGHT];
+    let mut all = 0.0;
+    for j in 0..side {
+        let (p, q, r) = (factors[0][j], factors[1][j], factors[2][j]);
+        let (from, to) = mask.emitting(j);
+        if from >= to {
+            continue;
+        }
+        let whole = |k: usize| columns.up_to(k, to) - columns.up_to(k, from);
+        all += p * whole(0) + q * whole(1);
+        if THIRD {
+            all += r * whole(2);
+        }
+        let counts = counts(mask, j);
+        for base in (0..COLUMNS).step_by(EIGHT) {
+            for k in 0..EIGHT {
+                let i = base + k;
+                let mut weight = p * columns.weights[0][i] + q * columns.weights[1][i];
+                if THIRD {
+                    weight += r * columns.weights[2][i];
+                }
+                lit[k] += counts[i] * weight;
+            }
+        }
+    }
+    ratio(mask, sum(&lit), all)
+}
+
+/// `weight(x, y)` for each column of each row.
+#[inline(always)]
+fn by_sample(mask: &Mask, weight: impl Fn(f32, f32) -> f32) -> f32 {
+    let (left, column) = column(mask);
+    let (mut lit, mut all) = ([0.0; EIGHT], [0.0; EIGHT]);
+    for j in 0..mask.side() {
+        let (from, to) = mask.emitting(j);
+        if from >= to {
+            continue;
+        }
+        let counts = counts(mask, j);
+        let y = mask.row_y(j);
+        for base in (from as usize / EIGHT & !(EIGHT - 1)..COLUMNS).step_by(EIGHT) {
+            if base * EIGHT >= to as usize {
+                break;
+            }
+            for k in 0..EIGHT {
+                let i = base + k;
+                // A column that emits in part is seen in its middle, which may be below the horizon.
+                let w = weight(left + column * i as f32, y);
+                let w = if w > 0.0 { w } else { 0.0 };
+                let start = (i * EIGHT) as i32;
+                let emitting = (to as i32 - start).clamp(0, 8) - (from as i32 - start).clamp(0, 8);
+                lit[k] += counts[i] * w;
+                all[k] += emitting as f32 * w;
+            }
+        }
+    }
+    ratio(mask, sum(&lit), sum(&all))
+}
+
+#[inline(always)]
+fn sum(lanes: &[f32; EIGHT]) -> f32 {
+    let [a, b, c, d, e, f, g, h] = *lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.
+#[inline(always)]
+fn ratio(mask: &Mask, lit: f32, all: f32) -> f32 {
+    let share = lit / all;
+    if all > 0.0 && share.is_finite() {
+        return share.clamp(0.0, 1.0);
+    }
+    let (all, lit) = mask.areas();
+    if all > 0.0 { lit / all } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::UnitSquare;
+    use glam::DVec3;
+    use lobe_core::oracle::Random;
+    use lobe_core::{Cone, OWN_NONE};
+
+    /// The definition in f64, sample by sample, and what part of the lobe sees the light.
+    fn exact(mask: &Mask, at: &Receiver, lobe: &Lobe) -> Option<(f64, f64)> {
+        let square = *mask.square();
+        let [right, up, toward] = [square.right, square.up, square.axis].map(Vec3::as_dvec3);
+        let (half, side) = (f64::from(square.half), mask.side());
+        let (mut lit, mut all) = (0.0, 0.0);
+        for j in 0..side {
+            let y = f64::from(square.center.y) + half * ((2 * j + 1) as f64 / side as f64 - 1.0);
+            let (from, to) = mask.emitting(j);
+            for k in from..to {
+                let x = f64::from(square.center.x) + half * (f64::from(2 * k + 1) / WIDTH as f64 - 1.0);
+                let p: DVec3 = right * x + up * y + toward;
+                let v = p.normalize();
+                let along = lobe.axis.as_dvec3().dot(v).max(0.0);
+                let cosine = if lobe.cosine > 0.0 { at.normal.as_dvec3().dot(v) } else { 1.0 };
+                let w = along.powf(f64::from(lobe.exponent)) * cosine.max(0.0) / p.length().powi(3);
+                all += w;
+                let k = k as usize;
+                lit += w * (mask.lit(j).0[k / 64] >> (k % 64) & 1) as f64;
+            }
+        }
+        let sample = (2.0 * half).powi(2) / (WIDTH * side) as f64;
+        let part = all * sample * (f64::from(lobe.exponent) + 1.0) / core::f64::consts::TAU;
+        (all > 0.0).then(|| (lit / all, part))
+    }
+
+    /// Every form against the definition, over all angles and exponents that it is chosen for.
+    #[test]
+    fn shares_are_the_sums_over_samples() {
+        let mut random = Random::new(11);
+        for theta in [0.001_f64, 0.05, 0.14, 0.3, 0.6, 1.2] {
+            for exponent in [1.0, 0.3, 2.0, 10.0, 60.0, 400.0, 5e3, 1e5] {
+                let (mut mean, mut worst) = (0.0, 0.0_f64);
+                const CASES: usize = 40;
+                for case in 0..CASES {
+                    let axis = random.axis();
+                    let quarter = core::f64::consts::FRAC_PI_2;
+                    let tilt = random.between(0.0, if case % 3 == 0 { quarter } else { (quarter - theta).max(0.0) });
+                    let normal = random.axis_at(axis, tilt).as_vec3().normalize();
+                    let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+                    let off = random.between(0.0, (theta + 2.0 / f64::sqrt(exponent)).min(1.5));
+                    let lobe = Lobe::new(random.axis_at(axis, off).as_vec3().normalize(), exponent as f32, Vec3::ONE);
+                    let lobe = match case % 2 {
+                        _ if exponent == 1.0 => Lobe::new(normal, 1.0, Vec3::ONE),
+                        0 => lobe,
+                        _ => lobe.times_cosine(),
+                    };
+                    let cone = Cone {
+                        axis: axis.as_vec3().normalize(),
+                        one_minus_cos: (1.0 - theta.cos()) as f32,
+                        distance: f32::INFINITY,
+                    };
+                    let square = UnitSquare::facing(&cone, random.axis().as_vec3()).zoomed(&lobe, normal, 3.6);
+                    let mut mask = Mask::default();
+                    mask.reset(&square, 4 + case as u32 % 3, normal);
+                    for j in 0..mask.side() {
+                        let at = |x: f64| square.center.x + square.half * x as f32;
+                        let from = random.between(-1.0, 0.6);
+                        mask.block_span(j, at(from), at(from + random.uniform()));
+                    }
+                    let Some((exact, part)) = exact(&mask, &at, &lobe) else { continue };
+                    // As far as it shows: the share of next to nothing does not matter.
+                    let shows = (100.0 * part).min(1.0);
+                    let error = (f64::from(share(&mask, &at, &lobe)) - exact).abs() * shows;
+                    mean += error / CASES as f64;
+                    worst = worst.max(error);
+                }
+                println!("θ {theta} e {exponent}: mean {mean:.1e}, worst {worst:.1e}");
+                // Eight samples share one weight.
+                assert!(mean < 6e-4 && worst < 4e-3, "θ {theta} e {exponent}: mean {mean:.1e}, worst {worst:.1e}");
+            }
+        }
+    }
+}
