@@ -41,7 +41,7 @@ pub(crate) fn row<const C: usize>(columns: &Columns<C>, j: usize) -> [f32; C] {
 /// Rows that wait until there are [`WIDTH`] of them, and where their results go.
 pub(crate) struct Block<const C: usize> {
     pub(crate) columns: Columns<C>,
-    pub(crate) of: [usize; WIDTH],
+    pub(crate) of: [u32; WIDTH],
     pub(crate) len: usize,
 }
 
@@ -57,7 +57,7 @@ impl<const C: usize> Block<C> {
         for (column, value) in self.columns.iter_mut().zip(row) {
             column[j] = value;
         }
-        self.of[j] = k;
+        self.of[j] = k as u32;
         self.len = j + 1;
         self.len == WIDTH
     }
@@ -67,7 +67,7 @@ impl<const C: usize> Block<C> {
     #[inline(always)]
     pub(crate) fn flush(&mut self, values: &[f32; WIDTH], out: &mut [f32]) {
         for (value, k) in values.iter().zip(&self.of[..self.len]) {
-            out[*k] += value;
+            out[*k as usize] += value;
         }
         self.len = 0;
     }

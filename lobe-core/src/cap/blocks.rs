@@ -1,13 +1,12 @@
 use super::chord::{self, Chord};
 use super::pair::Pair;
-use super::{Form, finish, lambert, slab};
+use super::{Form, Seen, finish, lambert, slab};
 use crate::lanes::{Block, Lane, WIDTH, map, row};
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
 
 /// Integrals that wait for others of their kind: a block of each kind, evaluated when it is full.
 pub(super) struct Blocks {
-    level: Level,
     crossed: Block<2>,
     slab: Block<12>,
     whole: Block<12>,
@@ -18,9 +17,8 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    pub(super) fn new(level: Level) -> Self {
+    pub(super) const fn new() -> Self {
         Self {
-            level,
             crossed: Block::new(),
             slab: Block::new(),
             whole: Block::new(),
@@ -33,94 +31,85 @@ impl Blocks {
 
     /// Takes an integral; its value will be added to `out[k]`.
     #[inline(always)]
-    pub(super) fn push(&mut self, form: &Form, k: usize, out: &mut [f32]) {
+    pub(super) fn push(&mut self, level: Level, form: Form, pair: &Pair, light: &Seen, k: usize, out: &mut [f32]) {
         match form {
-            Form::Done(value) => out[k] += value,
-            Form::Slab(pair) => {
+            Form::Slab => {
                 if self.slab.push(bytemuck::cast(*pair), k) {
-                    self.slab(out);
+                    self.slab(level, out);
                 }
             }
-            Form::Whole(pair) => {
+            Form::Whole => {
                 if self.whole.push(bytemuck::cast(*pair), k) {
-                    self.whole(out);
+                    self.whole(level, out);
                 }
             }
-            other => self.push_crossed(other, k, out),
+            Form::Crossed => {
+                if self.crossed.push([light.cos_beta, light.sin_sq], k) {
+                    self.crossed(level, out);
+                }
+            }
+            _ => self.push_pieces(level, form, pair, k, out),
         }
     }
 
-    /// The rarer forms.
     #[cold]
     #[inline(never)]
-    fn push_crossed(&mut self, form: &Form, k: usize, out: &mut [f32]) {
-        match form {
-            Form::Crossed { cos_beta, sin_sq } => {
-                if self.crossed.push([*cos_beta, *sin_sq], k) {
-                    self.crossed(out);
+    fn push_pieces(&mut self, level: Level, form: Form, pair: &Pair, k: usize, out: &mut [f32]) {
+        for piece in Chord::pieces(pair) {
+            let row = bytemuck::cast(piece);
+            if matches!(form, Form::Edge) {
+                if self.edge.push(row, k) {
+                    sum::<{ chord::EDGE }, true>(level, &mut self.edge, out);
                 }
+            } else if self.piece.push(row, k) {
+                sum::<{ chord::PIECE }, true>(level, &mut self.piece, out);
             }
-            Form::Pieces(pair) => {
-                for piece in Chord::pieces(pair) {
-                    if self.piece.push(bytemuck::cast(piece), k) {
-                        sum::<{ chord::PIECE }, true>(self.level, &mut self.piece, out);
-                    }
-                }
-            }
-            Form::Edge(pair) => {
-                for piece in Chord::pieces(pair) {
-                    if self.edge.push(bytemuck::cast(piece), k) {
-                        sum::<{ chord::EDGE }, true>(self.level, &mut self.edge, out);
-                    }
-                }
-            }
-            Form::Done(_) | Form::Slab(_) | Form::Whole(_) => {}
         }
     }
 
     /// Evaluates what still waits.
-    pub(super) fn finish(mut self, out: &mut [f32]) {
-        self.whole(out);
-        self.slab(out);
-        self.crossed(out);
-        sum::<{ chord::FEW }, false>(self.level, &mut self.few, out);
-        sum::<{ chord::MANY }, false>(self.level, &mut self.many, out);
-        sum::<{ chord::PIECE }, true>(self.level, &mut self.piece, out);
-        sum::<{ chord::EDGE }, true>(self.level, &mut self.edge, out);
+    pub(super) fn finish(&mut self, level: Level, out: &mut [f32]) {
+        self.whole(level, out);
+        self.slab(level, out);
+        self.crossed(level, out);
+        sum::<{ chord::FEW }, false>(level, &mut self.few, out);
+        sum::<{ chord::MANY }, false>(level, &mut self.many, out);
+        sum::<{ chord::PIECE }, true>(level, &mut self.piece, out);
+        sum::<{ chord::EDGE }, true>(level, &mut self.edge, out);
     }
 
-    fn crossed(&mut self, out: &mut [f32]) {
+    fn crossed(&mut self, level: Level, out: &mut [f32]) {
         if self.crossed.len > 0 {
-            let [values] = map::<Crossed, 2, 1>(self.level, &self.crossed.columns);
+            let [values] = map::<Crossed, 2, 1>(level, &self.crossed.columns);
             self.crossed.flush(&values, out);
         }
     }
 
-    fn slab(&mut self, out: &mut [f32]) {
+    fn slab(&mut self, level: Level, out: &mut [f32]) {
         if self.slab.len > 0 {
-            let [values] = map::<Slab, 12, 1>(self.level, &self.slab.columns);
+            let [values] = map::<Slab, 12, 1>(level, &self.slab.columns);
             self.slab.flush(&values, out);
         }
     }
 
     /// From axes to chords, which then wait with those that want as many nodes.
-    fn whole(&mut self, out: &mut [f32]) {
+    fn whole(&mut self, level: Level, out: &mut [f32]) {
         if self.whole.len == 0 {
             return;
         }
-        let chords = map::<Whole, 12, 14>(self.level, &self.whole.columns);
+        let chords = map::<Whole, 12, 14>(level, &self.whole.columns);
         for j in 0..self.whole.len {
             // The weight is the first of a chord's numbers.
             if chords[0][j] <= 0.0 {
                 continue;
             }
-            let (row, k) = (row(&chords, j), self.whole.of[j]);
+            let (row, k) = (row(&chords, j), self.whole.of[j] as usize);
             if bytemuck::cast::<_, Chord>(row).is_narrow() {
                 if self.few.push(row, k) {
-                    sum::<{ chord::FEW }, false>(self.level, &mut self.few, out);
+                    sum::<{ chord::FEW }, false>(level, &mut self.few, out);
                 }
             } else if self.many.push(row, k) {
-                sum::<{ chord::MANY }, false>(self.level, &mut self.many, out);
+                sum::<{ chord::MANY }, false>(level, &mut self.many, out);
             }
         }
         self.whole.len = 0;
@@ -157,15 +146,16 @@ fn sum<const N: usize, const CUT: bool>(level: Level, block: &mut Block<14>, out
         return;
     }
     let nodes = const { chord::nodes::<N>() };
-    let mut sums = [0.0; WIDTH];
     let columns = &block.columns;
-    dispatch!(level, _simd => {
+    let sums = dispatch!(level, _simd => {
+        let mut sums = [0.0; WIDTH];
         for (cos, sin) in nodes {
             for (j, sum) in sums.iter_mut().enumerate() {
                 let chord: Chord = bytemuck::cast(row(columns, j));
                 *sum += chord.node::<CUT>(cos, sin);
             }
         }
+        sums
     });
     let values: [f32; WIDTH] = core::array::from_fn(|j| finish(columns[0][j], sums[j]));
     block.flush(&values, out);

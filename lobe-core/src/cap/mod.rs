@@ -12,8 +12,10 @@ use self::blocks::Blocks;
 use self::chord::Chord;
 use self::pair::Pair;
 use crate::{Cone, Lobe, Lobes, Receiver, is_lambert};
-use core::f32::consts::{FRAC_1_PI, PI};
+use core::cell::RefCell;
+use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
+use glam::Vec3;
 
 /// Lobes from this exponent on, infinity included, see the one direction of their axis.
 const MIRROR: f32 = 1e9;
@@ -43,26 +45,26 @@ const MIRROR: f32 = 1e9;
 #[must_use]
 pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
     let level = Level::new();
-    match Form::new(at, lobe, cone) {
+    let light = Seen::new(at, cone);
+    let form = Form::new(at, lobe, &light);
+    match form {
         Form::Done(value) => value,
-        Form::Crossed { cos_beta, sin_sq } => lambert::through_horizon(cos_beta, sin_sq) * FRAC_1_PI,
-        Form::Slab(pair) => slab::slab(&pair),
-        Form::Whole(pair) => {
-            let chord = Chord::whole(&pair);
+        Form::Crossed => lambert::through_horizon(light.cos_beta, light.sin_sq) * FRAC_1_PI,
+        Form::Slab => slab::slab(&light.pair(at, lobe)),
+        Form::Whole => {
+            let chord = Chord::whole(&light.pair(at, lobe));
             if chord.is_narrow() {
                 over_nodes::<{ chord::FEW }, false>(level, &chord)
             } else {
                 over_nodes::<{ chord::MANY }, false>(level, &chord)
             }
         }
-        Form::Pieces(pair) => {
-            let piece = |chord| over_nodes::<{ chord::PIECE }, true>(level, &chord);
-            Chord::pieces(&pair).map(piece).fold(0.0, |sum, x| sum + x)
-        }
-        Form::Edge(pair) => {
-            let piece = |chord| over_nodes::<{ chord::EDGE }, true>(level, &chord);
-            Chord::pieces(&pair).map(piece).fold(0.0, |sum, x| sum + x)
-        }
+        Form::Pieces | Form::Edge => Chord::pieces(&light.pair(at, lobe))
+            .map(|chord| match form {
+                Form::Edge => over_nodes::<{ chord::EDGE }, true>(level, &chord),
+                _ => over_nodes::<{ chord::PIECE }, true>(level, &chord),
+            })
+            .fold(0.0, |sum, x| sum + x),
     }
 }
 
@@ -95,73 +97,119 @@ pub(crate) fn integrals_at(
     level: Level,
     at: &[Receiver],
     cones: &[Cone],
-    of: &[u32],
+    of_lobe: &[u32],
     lobes: Lobes<'_>,
     out: &mut [f32],
 ) {
-    assert!(of.len() == lobes.len() && out.len() == lobes.len(), "one receiver and one output a lobe");
-    out.fill(0.0);
-    let mut blocks = Blocks::new(level);
-    for (k, (&of, lobe)) in of.iter().zip(lobes.iter()).enumerate() {
-        blocks.push(&Form::new(&at[of as usize], &lobe, &cones[of as usize]), k, out);
+    assert!(of_lobe.len() == lobes.len() && out.len() == lobes.len(), "one receiver and one output a lobe");
+    // A thread's own, so that nobody has to carry them about, or clear them.
+    thread_local! {
+        static BLOCKS: RefCell<Blocks> = const { RefCell::new(Blocks::new()) };
     }
-    blocks.finish(out);
+    BLOCKS.with_borrow_mut(|blocks| {
+        out.fill(0.0);
+        let n = lobes.len();
+        let [x, y, z, exponent, _, _, _, cosine] = lobes.columns();
+        let (x, y, z, exponent, cosine) = (&x[..n], &y[..n], &z[..n], &exponent[..n], &cosine[..n]);
+        let (of_lobe, out) = (&of_lobe[..n], &mut out[..n]);
+        let mut last: Option<(u32, Seen)> = None;
+        for k in 0..n {
+            // The lobes of a receiver follow each other.
+            let of = of_lobe[k];
+            let at = &at[of as usize];
+            let light = match last {
+                Some((seen_from, light)) if seen_from == of => light,
+                _ => Seen::new(at, &cones[of as usize]),
+            };
+            last = Some((of, light));
+            let axis = Vec3::new(x[k], y[k], z[k]);
+            let lobe = Lobe { axis, exponent: exponent[k], flux: Vec3::ZERO, cosine: cosine[k] };
+            match Form::new(at, &lobe, &light) {
+                Form::Done(value) => out[k] = value,
+                form => blocks.push(level, form, &light.pair(at, &lobe), &light, k, out),
+            }
+        }
+        blocks.finish(level, out);
+    });
+}
+
+/// A light above a receiver's horizon.
+#[derive(Clone, Copy)]
+struct Seen {
+    axis: Vec3,
+    one_minus_cos: f32,
+    /// Cosine of the angle β between its axis and the normal; sin²θ.
+    cos_beta: f32,
+    sin_sq: f32,
+    /// Whether the horizon leaves all of it; whether any.
+    above: bool,
+    below: bool,
+}
+
+impl Seen {
+    #[inline(always)]
+    fn new(at: &Receiver, cone: &Cone) -> Self {
+        // Inside the light: everything above the horizon.
+        let inside = cone.one_minus_cos > 1.0;
+        let (axis, one_minus_cos) = if inside { (at.normal, 1.0) } else { (cone.axis, cone.one_minus_cos) };
+        let sin_sq = one_minus_cos * (2.0 - one_minus_cos);
+        let sin = sin_sq.sqrt();
+        let cos_beta = at.normal.dot(axis);
+        let below = one_minus_cos <= 0.0 || cos_beta <= -sin;
+        Self { axis, one_minus_cos, cos_beta, sin_sq, above: cos_beta >= sin, below }
+    }
+
+    #[inline(always)]
+    fn pair(&self, at: &Receiver, lobe: &Lobe) -> Pair {
+        Pair {
+            axis: lobe.axis,
+            exponent: lobe.exponent,
+            cosine: if lobe.cosine > 0.0 { 1.0 } else { 0.0 },
+            normal: at.normal,
+            light: self.axis,
+            one_minus_cos: self.one_minus_cos,
+        }
+    }
 }
 
 /// How an integral is taken.
+#[derive(Clone, Copy)]
 enum Form {
     /// It has been.
     Done(f32),
     /// Lambert, a light that the horizon crosses.
-    Crossed { cos_beta: f32, sin_sq: f32 },
+    Crossed,
     /// A wide light and a narrow lobe above the horizon.
-    Slab(Pair),
+    Slab,
     /// A light above the horizon.
-    Whole(Pair),
+    Whole,
     /// A light that the horizon crosses.
-    Pieces(Pair),
+    Pieces,
     /// A lobe that ends with an infinite slope.
-    Edge(Pair),
+    Edge,
 }
 
 impl Form {
     #[inline(always)]
-    fn new(at: &Receiver, lobe: &Lobe, cone: &Cone) -> Self {
-        let mut cone = *cone;
-        if cone.one_minus_cos > 1.0 {
-            // Inside the light: everything above the horizon.
-            cone = Cone { axis: at.normal, one_minus_cos: 1.0, distance: cone.distance };
-        }
-        let sin_sq = cone.sin_sq();
-        let cos_beta = at.normal.dot(cone.axis);
-        let sin = sin_sq.sqrt();
-        if cone.one_minus_cos <= 0.0 || cos_beta <= -sin {
-            return Self::Done(0.0);
-        }
-        let above = cos_beta >= sin;
-        if is_lambert(at, lobe) {
-            return if above {
-                Self::Done(PI * sin_sq * cos_beta * FRAC_1_PI)
-            } else {
-                Self::Crossed { cos_beta, sin_sq }
-            };
-        }
-        if lobe.exponent >= MIRROR {
-            let inside = 0.5 * (lobe.axis - cone.axis).length_squared() <= cone.one_minus_cos;
+    fn new(at: &Receiver, lobe: &Lobe, light: &Seen) -> Self {
+        let e = lobe.exponent;
+        if light.below {
+            Self::Done(0.0)
+        } else if is_lambert(at, lobe) {
+            if light.above { Self::Done(light.sin_sq * light.cos_beta) } else { Self::Crossed }
+        } else if e >= MIRROR {
+            let inside = 0.5 * (lobe.axis - light.axis).length_squared() <= light.one_minus_cos;
             let cos = at.normal.dot(lobe.axis);
             let value = if lobe.cosine > 0.0 { cos } else { 1.0 };
-            return Self::Done(if inside && cos > 0.0 { value } else { 0.0 });
-        }
-        let pair = Pair::new(at, lobe, &cone);
-        let wide = 0.5 * (lobe.exponent + 1.0) * cone.one_minus_cos >= slab::WIDTH;
-        if above && lobe.exponent >= slab::EXPONENT && wide {
-            Self::Slab(pair)
-        } else if lobe.exponent < 1.0 {
-            Self::Edge(pair)
-        } else if above {
-            Self::Whole(pair)
+            Self::Done(if inside && cos > 0.0 { value } else { 0.0 })
+        } else if e < 1.0 {
+            Self::Edge
+        } else if !light.above {
+            Self::Pieces
+        } else if e >= slab::EXPONENT && 0.5 * (e + 1.0) * light.one_minus_cos >= slab::WIDTH {
+            Self::Slab
         } else {
-            Self::Pieces(pair)
+            Self::Whole
         }
     }
 }
@@ -169,11 +217,12 @@ impl Form {
 /// One chord sum, its nodes side by side.
 fn over_nodes<const N: usize, const CUT: bool>(level: Level, chord: &Chord) -> f32 {
     let nodes = const { chord::nodes::<N>() };
-    let mut terms = [0.0; N];
-    dispatch!(level, _simd => {
+    let terms = dispatch!(level, _simd => {
+        let mut terms = [0.0; N];
         for (term, (cos, sin)) in terms.iter_mut().zip(nodes) {
             *term = chord.node::<CUT>(cos, sin);
         }
+        terms
     });
     // In the order in which blocks add them.
     let sum = terms.into_iter().fold(0.0, |sum, x| sum + x);

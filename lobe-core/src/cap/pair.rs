@@ -1,4 +1,3 @@
-use crate::{Cone, Lobe, Receiver};
 use glam::Vec3;
 
 /// A lobe and a light at a receiver: what the slab and the chord form start from. Twelve numbers, so that many of them
@@ -17,17 +16,6 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    pub(super) fn new(at: &Receiver, lobe: &Lobe, cone: &Cone) -> Self {
-        Self {
-            axis: lobe.axis,
-            exponent: lobe.exponent,
-            cosine: if lobe.cosine > 0.0 { 1.0 } else { 0.0 },
-            normal: at.normal,
-            light: cone.axis,
-            one_minus_cos: cone.one_minus_cos,
-        }
-    }
-
     /// `1 − cos δ` of the angle δ between the two axes, from their chord.
     #[inline(always)]
     pub(super) fn one_minus_cos_delta(&self) -> f32 {
