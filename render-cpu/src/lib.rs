@@ -9,6 +9,7 @@ mod scene_spheres;
 mod shade;
 #[cfg(test)]
 mod test_scenes;
+mod wide;
 mod world;
 
 pub use crate::blockers::{BlockersError, BlockersProgress, blockers};

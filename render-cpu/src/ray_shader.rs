@@ -12,11 +12,13 @@ use self::spheres::{Eight, Seen, SphereTargets};
 use crate::World;
 use crate::reference::mix;
 use crate::shade::bounding_ball;
+use crate::wide::{LANES, Wide};
 use crate::world::{Primitive, Region};
 use core::convert::Infallible;
 use core::f32::consts::TAU;
 use core::sync::atomic::{AtomicU64, Ordering};
-use fearless_simd::{Level, dispatch};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::{Cone, Coverage, LightLobes, Receiver, Shaft, orthonormal_basis};
@@ -24,8 +26,8 @@ use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 
-/// Directions that are looked at together.
-const LANES: usize = 8;
+/// Samples at most where culling says that nothing blocks.
+const CLEAR_SAMPLES: u32 = 16;
 /// Points that share what is culled, as in [`CpuShader`](crate::CpuShader).
 const GROUP: usize = 64;
 /// So many primitives in a group's shaft are tested one by one; more are left to the hierarchy.
@@ -41,8 +43,9 @@ const LISTED: usize = 48;
 /// costs a shadow ray, which stops at the first blocker (any hit).
 ///
 /// *Culled* ([`culled`](Self::culled)): points that share a group of 64 list what may lie between them and the light;
-/// points whose cone of light meets nothing of it shoot no rays, points whose light one sphere hides take no samples, and rays
-/// against spheres are asked eight at once without a hierarchy: everything that the lobes' own culling gives, for rays.
+/// points whose cone of light meets nothing of it shoot no rays and take 16 samples at most, points whose light one sphere
+/// hides take none, and rays against spheres are asked eight at once without a hierarchy: everything that the lobes' own
+/// culling gives, for rays.
 /// *Not culled*: each ray alone through an eight-wide hierarchy (obvhs).
 ///
 /// Lights narrower than a glossy lobe's width are sampled well; a lobe much narrower than the light (`e(1 − cos θ) > 2`)
@@ -137,7 +140,7 @@ impl<'a> RayShader<'a> {
                 let reflectance = Reflectance::new(&frame.materials[*material as usize], at);
                 let clear = matches!(coverage, Coverage::Lit);
                 let pair = Pair { at, light, cone, number: number as u64, clear };
-                out[i] += dispatch!(self.level, _simd => self.sample(&pair, &reflectance, scratch, &mut rays));
+                out[i] += dispatch!(self.level, simd => self.sample(simd, &pair, &reflectance, scratch, &mut rays));
             }
         }
         self.rays.fetch_add(rays, Ordering::Relaxed);
@@ -154,7 +157,7 @@ impl<'a> RayShader<'a> {
 
     fn select(&self, at: &Receiver, cone: &Cone, scratch: &mut Scratch) -> Coverage {
         let Targets::Surfaces(world) = &self.targets else {
-            return dispatch!(self.level, _simd => scratch.seen.select(at, cone, &scratch.list));
+            return dispatch!(self.level, simd => scratch.seen.select(simd, at, cone, &scratch.list));
         };
         let above = at.face.dot(cone.axis) >= cone.sin_sq().sqrt();
         let region = Region::new(world.leave(at.position, at.face), cone, above.then_some(at.face));
@@ -167,7 +170,14 @@ impl<'a> RayShader<'a> {
 
     /// One point and one light.
     #[inline(always)]
-    fn sample(&self, pair: &Pair<'_>, reflectance: &Reflectance<'_>, scratch: &Scratch, rays: &mut u64) -> Vec3 {
+    fn sample<S: Simd>(
+        &self,
+        simd: S,
+        pair: &Pair<'_>,
+        reflectance: &Reflectance<'_>,
+        scratch: &Scratch,
+        rays: &mut u64,
+    ) -> Vec3 {
         let Pair { at, light, cone, number, clear } = pair;
         let [x, y, z] = at.position.to_array().map(|x| u64::from(x.to_bits()));
         let key = mix(mix(x | y << 32, z), *number);
@@ -182,53 +192,51 @@ impl<'a> RayShader<'a> {
             Targets::Surfaces(world) => world.leave(at.position, at.face),
             Targets::Spheres(_) => at.position,
         };
-        let mut sum = Sum::default();
-        for (b, points) in self.discs.set(key).iter().enumerate() {
-            let mut v = [[0.0f32; LANES]; 3];
-            let (mut above, mut distance) = ([false; LANES], [0.0f32; LANES]);
-            let left = self.samples as usize - b * LANES;
-            for l in 0..LANES {
-                let fall = omc * points.square[l];
-                let k = (omc * (2.0 - fall)).max(0.0).sqrt();
-                let (across, up, along) = (points.x[l] * k, points.y[l] * k, 1.0 - fall);
-                v[0][l] = axis.x * along + b0.x * across + b1.x * up;
-                v[1][l] = axis.y * along + b0.y * across + b1.y * up;
-                v[2][l] = axis.z * along + b0.z * across + b1.z * up;
-                let cosine = v[0][l] * at.normal.x + v[1][l] * at.normal.y + v[2][l] * at.normal.z;
-                above[l] = (cosine > 0.0) & (l < left);
-                let middle = v[0][l] * to_center.x + v[1][l] * to_center.y + v[2][l] * to_center.z;
-                let (x, y, z) =
-                    (to_center.x - v[0][l] * middle, to_center.y - v[1][l] * middle, to_center.z - v[2][l] * middle);
-                let half = (radius_sq - (x * x + y * y + z * z)).max(0.0).sqrt();
-                distance[l] = if inside { middle + half } else { middle - half };
-            }
-            if !clear {
-                *rays += above.iter().filter(|a| **a).count() as u64;
+        let (axis, b0, b1) = (Wide::splat(simd, axis), Wide::splat(simd, b0), Wide::splat(simd, b1));
+        let to_center = Wide::splat(simd, to_center);
+        // Where nothing blocks, the integrand is smooth.
+        let samples = if *clear { self.samples.min(CLEAR_SAMPLES) } else { self.samples };
+        let mut sum = Sum::new(simd);
+        for (b, points) in self.discs.set(key).iter().take((samples as usize).div_ceil(LANES)).enumerate() {
+            let square = f32x8::simd_from(simd, points.square);
+            let fall = square * omc;
+            let k = ((2.0 - fall) * omc).max(0.0).sqrt();
+            let (across, up) = (f32x8::simd_from(simd, points.x) * k, f32x8::simd_from(simd, points.y) * k);
+            let v = axis * (1.0 - fall) + b0 * across + b1 * up;
+            let left = (samples as usize - b * LANES).min(LANES);
+            let above = v.dot_one(at.normal).simd_gt(0.0).to_bitmask() & ((1 << left) - 1);
+            let mut seen = above;
+            if !clear && above != 0 {
+                *rays += u64::from(above.count_ones());
+                let middle = v.dot(to_center);
+                let half = (radius_sq - (to_center - v * middle).length_squared()).max(0.0).sqrt();
+                let distance = if inside { middle + half } else { middle - half };
                 match &self.targets {
-                    Targets::Spheres(_) if self.culled => {
-                        let hidden = scratch.seen.hide(&v, &distance);
-                        for l in 0..LANES {
-                            above[l] &= !hidden[l];
-                        }
-                    }
+                    Targets::Spheres(_) if self.culled => seen &= !scratch.seen.hide(v, distance).to_bitmask(),
                     Targets::Spheres(spheres) => {
-                        for l in 0..LANES {
-                            let direction = Vec3::new(v[0][l], v[1][l], v[2][l]);
-                            above[l] = above[l] && !spheres.hide(at, direction, distance[l]);
+                        for l in lanes(above).filter(|l| spheres.hide(at, v.get(*l), distance[*l])) {
+                            seen &= !(1 << l);
                         }
                     }
                     Targets::Surfaces(world) => {
-                        for l in 0..LANES {
-                            let direction = Vec3::new(v[0][l], v[1][l], v[2][l]);
-                            above[l] = above[l] && !hidden(world, origin, direction, distance[l]);
+                        for l in lanes(above).filter(|l| hidden(world, origin, v.get(*l), distance[*l])) {
+                            seen &= !(1 << l);
                         }
                     }
                 }
             }
-            reflectance.add(&v, &above, &mut sum);
+            if seen != 0 {
+                reflectance.add(v, seen, &mut sum);
+            }
         }
-        light.radiance * reflectance.total(&sum) * (TAU * omc / self.samples as f32)
+        light.radiance * reflectance.total(&sum) * (TAU * omc / samples as f32)
     }
+}
+
+/// Numbers of the set bits.
+#[inline(always)]
+fn lanes(bits: u64) -> impl Iterator<Item = usize> {
+    (0..LANES).filter(move |l| bits >> l & 1 != 0)
 }
 
 /// Once in the program, not once for each kind of vector instructions.

@@ -1,7 +1,7 @@
 //! Points on a disc, well spread, several sets of them.
 
-use crate::ray_shader::LANES;
 use crate::reference::{Sequence, mix};
+use crate::wide::LANES;
 use core::f64::consts::FRAC_PI_4;
 
 /// Sets to choose from; a point also turns its set by an angle of its own.

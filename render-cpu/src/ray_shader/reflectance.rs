@@ -1,8 +1,10 @@
 //! A material at one receiver, for eight directions at once.
 
-use crate::ray_shader::LANES;
+use crate::wide::{LANES, Wide};
 use brdf::{Brdf, Material};
-use core::f32::consts::{FRAC_1_PI, LOG2_E, TAU};
+use core::f32::consts::{FRAC_1_PI, LN_2, LOG2_E, TAU};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, i32x8, mask32x8, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
 
@@ -39,81 +41,84 @@ impl<'m> Reflectance<'m> {
         Self { at, kind }
     }
 
-    /// Adds what the counted ones of eight directions reflect.
+    /// Adds what the ones of eight directions reflect whose bits are set.
     #[inline(always)]
-    pub(super) fn add(&self, v: &[[f32; LANES]; 3], counts: &[bool; LANES], sum: &mut Sum) {
-        let n = self.at.normal;
+    pub(super) fn add<S: Simd>(&self, v: Wide<S>, counted: u64, sum: &mut Sum<S>) {
         match self.kind {
             Kind::Phong { ks, mirrored, exponent, cosine, .. } => {
-                let mut cos = [0.0f32; LANES];
-                for l in 0..LANES {
-                    let c = (n.x * v[0][l] + n.y * v[1][l] + n.z * v[2][l]).max(0.0);
-                    cos[l] = if counts[l] { c } else { 0.0 };
-                    sum.diffuse[l] += cos[l];
-                }
+                let simd = v.x.token();
+                let (none, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+                let cos = v.dot_one(self.at.normal);
+                let counted = mask32x8::from_bitmask(simd, counted) & cos.simd_gt(0.0);
+                sum.diffuse += counted.select(cos, none);
                 if ks != Vec3::ZERO {
-                    let power = power(mirrored, exponent, v);
-                    for l in 0..LANES {
-                        let weight = if cosine { cos[l] } else { f32::from(u8::from(cos[l] > 0.0)) };
-                        sum.glossy[l] += weight * power[l];
-                    }
+                    let weight = counted.select(if cosine { cos } else { one }, none);
+                    sum.glossy += weight * power(mirrored, exponent, v);
                 }
             }
             Kind::Other(material) => {
-                for l in (0..LANES).filter(|l| counts[*l]) {
-                    sum.other += material.eval(self.at, Vec3::new(v[0][l], v[1][l], v[2][l]));
+                for l in (0..LANES).filter(|l| counted >> l & 1 != 0) {
+                    sum.other += material.eval(self.at, v.get(l));
                 }
             }
         }
     }
 
-    pub(super) fn total(&self, sum: &Sum) -> Vec3 {
+    #[inline(always)]
+    pub(super) fn total<S: Simd>(&self, sum: &Sum<S>) -> Vec3 {
         match self.kind {
-            Kind::Phong { kd, ks, .. } => kd * sum.diffuse.iter().sum::<f32>() + ks * sum.glossy.iter().sum::<f32>(),
+            Kind::Phong { kd, ks, .. } => kd * sum.diffuse.reduce_sum() + ks * sum.glossy.reduce_sum(),
             Kind::Other(_) => sum.other,
         }
     }
 }
 
 /// What [`Reflectance::add`] adds up.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sum {
-    diffuse: [f32; LANES],
-    glossy: [f32; LANES],
+#[derive(Clone, Copy)]
+pub(super) struct Sum<S: Simd> {
+    diffuse: f32x8<S>,
+    glossy: f32x8<S>,
     other: Vec3,
+}
+
+impl<S: Simd> Sum<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S) -> Self {
+        Self { diffuse: f32x8::splat(simd, 0.0), glossy: f32x8::splat(simd, 0.0), other: Vec3::ZERO }
+    }
 }
 
 /// `max(a·v, 0)^e` of eight directions, to 1e-6 and 3e-7 of the logarithm. Finite exponents.
 #[inline(always)]
-fn power(a: Vec3, exponent: f32, v: &[[f32; LANES]; 3]) -> [f32; LANES] {
+fn power<S: Simd>(a: Vec3, exponent: f32, v: Wide<S>) -> f32x8<S> {
+    /// Adding it leaves a whole number in the low bits.
     const MAGIC: f32 = 12_582_912.0;
-    let mut out = [0.0; LANES];
-    for (l, out) in out.iter_mut().enumerate() {
-        let (x, y, z) = (v[0][l] - a.x, v[1][l] - a.y, v[2][l] - a.z);
-        let h = 0.5 * (x * x + y * y + z * z);
-        // ln(1 − h): the rounding of 1 − h is put back.
-        let u = (1.0 - h).max(1e-30);
-        let lost = (1.0 - u) - h;
-        let bits = u.to_bits().wrapping_sub(0x3f35_04f3);
-        let k = (bits as i32 >> 23) as f32;
-        let m = f32::from_bits((bits & 0x007f_ffff) + 0x3f35_04f3);
-        let s = (m - 1.0) / (m + 1.0);
-        let s2 = s * s;
-        let atanh = s * (2.0 + s2 * (2.0 / 3.0 + s2 * (0.4 + s2 * (2.0 / 7.0 + s2 * (2.0 / 9.0)))));
-        let ln = k * core::f32::consts::LN_2 + atanh + lost / u;
-        let e = (exponent * ln * LOG2_E).max(-126.0);
-        let whole = (e + MAGIC) - MAGIC;
-        let f = (e - whole) * core::f32::consts::LN_2;
-        let exp = 1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f / 720.0)))));
-        let two = f32::from_bits(((whole + MAGIC).to_bits() << 23).wrapping_add(0x3f80_0000));
-        *out = if h < 1.0 { exp * two } else { 0.0 };
-    }
-    out
+    /// Bits of √½, where the mantissa's range begins.
+    const ROOT: u32 = 0x3f35_04f3;
+    let simd = v.x.token();
+    let h = v.minus(a).length_squared() * 0.5;
+    // ln(1 − h): the rounding of 1 − h is put back.
+    let u = (1.0 - h).max(1e-30);
+    let lost = (1.0 - u) - h;
+    let bits = u.to_bits() - u32x8::splat(simd, ROOT);
+    let k: f32x8<S> = (bits.bitcast::<i32x8<S>>() >> 23).to_float();
+    let m = f32x8::from_bits((bits & u32x8::splat(simd, 0x007f_ffff)) + u32x8::splat(simd, ROOT));
+    let s = (m - 1.0) / (m + 1.0);
+    let s2 = s * s;
+    let atanh = s * (2.0 + s2 * (2.0 / 3.0 + s2 * (0.4 + s2 * (2.0 / 7.0 + s2 * (2.0 / 9.0)))));
+    let ln = k * LN_2 + atanh + lost / u;
+    let e = (ln * (exponent * LOG2_E)).max(-126.0);
+    let whole = (e + MAGIC) - MAGIC;
+    let f = (e - whole) * LN_2;
+    let exp = 1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f * (1.0 / 720.0))))));
+    let two = f32x8::from_bits(((whole + MAGIC).to_bits() << 23) + u32x8::splat(simd, 0x3f80_0000));
+    h.simd_lt(1.0).select(exp * two, f32x8::splat(simd, 0.0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::{Level, dispatch};
 
     #[test]
     fn powers_are_powers() {
@@ -122,7 +127,7 @@ mod tests {
             for i in 0..2000 {
                 let angle = 1.7 * (i as f32 / 2000.0).powi(3);
                 let v = a * angle.cos() + Vec3::Y * angle.sin();
-                let got = power(a, exponent, &v.to_array().map(|x| [x; LANES]))[0];
+                let got = dispatch!(Level::new(), simd => power(a, exponent, Wide::splat(simd, v))[3]);
                 let want = lobe_core::power(a, v, exponent);
                 // Rounding of the logarithm, times the exponent.
                 let bound = want * (1e-6 + 3e-7 * (-want.max(1e-37).ln()) + 2e-7 * exponent.min(30.0)) + 1e-30;

@@ -1,8 +1,10 @@
 //! Blocker spheres as shadow rays meet them.
 
-use crate::ray_shader::LANES;
+use crate::wide::{LANES, Wide};
 use crate::world::{Named, Tree, hierarchy_scale};
 use core::time::Duration;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 use glam::{Vec3, Vec3A};
 use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere};
 use obvhs::aabb::Aabb;
@@ -131,7 +133,7 @@ impl Seen {
 
     /// Keeps of the listed spheres those that the light's cone touches.
     #[inline(always)]
-    pub(super) fn select(&mut self, at: &Receiver, cone: &Cone, list: &[Eight]) -> Coverage {
+    pub(super) fn select<S: Simd>(&mut self, simd: S, at: &Receiver, cone: &Cone, list: &[Eight]) -> Coverage {
         // Rounding of products of unit vectors; a sphere too many does no harm.
         const SLACK: f32 = 2e-6;
         self.caps.clear();
@@ -139,56 +141,43 @@ impl Seen {
         let (sin, cos) = (cone.sin_sq().sqrt(), cone.cos());
         let (p, axis) = (at.position, cone.axis);
         let (nearest, farthest) = (cone.distance - cone.distance * sin, cone.distance);
-        let mut dark = false;
+        let mut dark = 0;
+        let zero = f32x8::splat(simd, 0.0);
+        let object = u32x8::splat(simd, at.object);
         for e in list {
-            let mut touched = [false; LANES];
-            let mut hides = [false; LANES];
-            let mut cap = [false; LANES];
-            let mut chord_sq = [0.0f32; LANES];
-            let (mut cx, mut cy, mut cz) = ([0.0f32; LANES], [0.0f32; LANES], [0.0f32; LANES]);
-            let (mut d, mut radius, mut least) = ([0.0f32; LANES], [0.0f32; LANES], [0.0f32; LANES]);
-            for l in 0..LANES {
-                let own = e.object[l] == at.object;
-                let r = if own { e.own_radius[l] } else { e.radius[l] };
-                let tau = if own { e.own_distance[l] } else { 0.0 };
-                let (x, y, z) = (e.x[l] - p.x, e.y[l] - p.y, e.z[l] - p.z);
-                let dist = (x * x + y * y + z * z).sqrt();
-                let inverse = 1.0 / dist.max(f32::MIN_POSITIVE);
-                let (x, y, z) = (x * inverse, y * inverse, z * inverse);
-                let along = x * axis.x + y * axis.y + z * axis.z;
-                let power = (dist - r) * (dist + r);
-                let sphere_sin = (r * inverse).min(1.0);
-                let sphere_cos = (power.max(0.0)).sqrt() * inverse;
-                let reaches = (dist + r > tau) & (dist - r < farthest) & (r > 0.0);
-                let inside = power < 0.0;
-                let near = along >= cos * sphere_cos - sin * sphere_sin - SLACK;
-                let wide = sin < sphere_sin;
-                let tangent_sq = power.max(0.0);
-                let front = inside | (tangent_sq < nearest * nearest);
-                let plain = tau * tau <= power;
-                let whole = along > cos * sphere_cos + sin * sphere_sin + SLACK;
-                hides[l] = reaches & ((inside & !own) | (front & plain & !inside & wide & whole));
-                touched[l] = reaches & (inside | near);
-                cap[l] = front;
-                let narrow = r * inverse * r * inverse / (1.0 + sphere_cos);
-                let late = (r - dist + tau) * (r + dist - tau) / (2.0 * tau * dist).max(f32::MIN_POSITIVE);
-                chord_sq[l] = 2.0 * if plain { narrow } else { late };
-                (cx[l], cy[l], cz[l], d[l], radius[l], least[l]) = (x, y, z, dist, r, tau);
-            }
-            for l in 0..LANES {
-                dark |= hides[l];
-                if !touched[l] {
-                    continue;
-                }
-                let c = Vec3::new(cx[l], cy[l], cz[l]);
-                if cap[l] {
-                    self.caps.push((c, chord_sq[l]));
+            let own = u32x8::simd_from(simd, e.object).simd_eq(object);
+            let row = |row: &[f32; LANES]| f32x8::simd_from(simd, *row);
+            let r = own.select(row(&e.own_radius), row(&e.radius));
+            let tau = own.select(row(&e.own_distance), zero);
+            let to = Wide { x: row(&e.x), y: row(&e.y), z: row(&e.z) }.minus(p);
+            let d = to.length_squared().sqrt();
+            let inverse = 1.0 / d.max(f32::MIN_POSITIVE);
+            let c = to * inverse;
+            let along = c.dot_one(axis);
+            let power = (d - r) * (d + r);
+            let tangent_sq = power.max(0.0);
+            let (sphere_sin, sphere_cos) = ((r * inverse).min(1.0), tangent_sq.sqrt() * inverse);
+            let reaches = (d + r).simd_gt(tau) & (d - r).simd_lt(farthest) & r.simd_gt(0.0);
+            let inside = power.simd_lt(0.0);
+            let (both, aside) = (sphere_cos * cos, sphere_sin * sin);
+            let near = along.simd_ge(both - aside - SLACK);
+            let front = inside | tangent_sq.simd_lt(nearest * nearest);
+            let plain = (tau * tau).simd_le(power);
+            let whole = sphere_sin.simd_gt(sin) & along.simd_gt(both + aside + SLACK);
+            dark |= (reaches & ((inside & !own) | (front & plain & !inside & whole))).to_bitmask();
+            let narrow = r * inverse * (r * inverse) / (1.0 + sphere_cos);
+            let late = (r - d + tau) * (r + d - tau) / (tau * d * 2.0).max(f32::MIN_POSITIVE);
+            let chord_sq = plain.select(narrow, late) * 2.0;
+            let (touched, front) = ((reaches & (inside | near)).to_bitmask(), front.to_bitmask());
+            for l in (0..LANES).filter(|l| touched >> l & 1 != 0) {
+                if front >> l & 1 != 0 {
+                    self.caps.push((c.get(l), chord_sq[l]));
                 } else {
-                    self.others.push((c * d[l], radius[l] * radius[l], least[l]));
+                    self.others.push((to.get(l), r[l] * r[l], tau[l]));
                 }
             }
         }
-        match (dark, self.is_empty()) {
+        match (dark != 0, self.is_empty()) {
             (true, _) => Coverage::Dark,
             (_, true) => Coverage::Lit,
             _ => Coverage::Partial,
@@ -197,22 +186,18 @@ impl Seen {
 
     /// Which of eight directions are hidden up to their distances.
     #[inline(always)]
-    pub(super) fn hide(&self, v: &[[f32; LANES]; 3], distance: &[f32; LANES]) -> [bool; LANES] {
-        let mut hidden = [false; LANES];
+    pub(super) fn hide<S: Simd>(&self, v: Wide<S>, distance: f32x8<S>) -> mask32x8<S> {
+        let simd = distance.token();
+        let mut hidden = mask32x8::splat(simd, false);
         for (c, chord_sq) in &self.caps {
-            for l in 0..LANES {
-                let (x, y, z) = (v[0][l] - c.x, v[1][l] - c.y, v[2][l] - c.z);
-                hidden[l] |= x * x + y * y + z * z < *chord_sq;
-            }
+            hidden |= v.minus(*c).length_squared().simd_lt(*chord_sq);
         }
         for (c, radius_sq, least) in &self.others {
-            for l in 0..LANES {
-                let along = v[0][l] * c.x + v[1][l] * c.y + v[2][l] * c.z;
-                let (x, y, z) = (c.x - v[0][l] * along, c.y - v[1][l] * along, c.z - v[2][l] * along);
-                let half_sq = radius_sq - (x * x + y * y + z * z);
-                let half = half_sq.max(0.0).sqrt();
-                hidden[l] |= (half_sq > 0.0) & (along + half > *least) & ((along - half).max(0.0) < distance[l]);
-            }
+            let along = v.dot_one(*c);
+            let half_sq = *radius_sq - (v * along).minus(*c).length_squared();
+            let half = half_sq.max(0.0).sqrt();
+            let (enter, leave) = ((along - half).max(0.0), along + half);
+            hidden |= half_sq.simd_gt(0.0) & leave.simd_gt(*least) & enter.simd_lt(distance);
         }
         hidden
     }
