@@ -68,7 +68,7 @@ fn sphere_sets_say_what_is_wrong() {
     };
     let few = told(&["--count", "1", "-o", "set.json"]);
     assert!(few.contains("1 spheres are few") && few.lines().count() == 1, "{few}");
-    let draft = told(&["--count", "1", "--draft"]);
+    let draft = told(&["--count", "16", "--draft"]);
     assert!(draft.contains("--draft leaves") && draft.contains("-o set.json"), "{draft}");
     assert_eq!(told(&["--count", "1", "--draft", "-q"]), "");
 }

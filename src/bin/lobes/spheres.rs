@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::files;
 use crate::whole_mesh::WholeMesh;
 use cosine_lobes::scene;
-use cosine_lobes::visibility_spheres::{BuildOptions, SetQuality, SphereSet, preview};
+use cosine_lobes::visibility_spheres::{BuildOptions, SetQuality, SphereSet, Verdict, preview};
 use cosine_lobes::{ImageFileError, write_png};
 use serde_json::json;
 use std::io::Write;
@@ -44,26 +44,25 @@ fn load(args: &SpheresArgs) -> Result<WholeMesh, Failure> {
 /// spheres, 0.34 to 0.46 for a bowl.
 const OVERHANG: f32 = 0.1;
 
-/// A line about a set that stands badly for its mesh, with the reason that lies nearest.
-fn doubt(args: &SpheresArgs, count: usize, quality: &SetQuality) -> Option<String> {
-    let fault = if args.bounding && quality.hausdorff_outside > OVERHANG {
-        let percent = 100.0 * quality.hausdorff_outside;
-        format!(
-            "its bound reaches {percent:.0} % of the diagonal out of it, as happens where a mesh is open or has few spheres"
-        )
-    } else if args.tolerance.is_some() || quality.suits() {
-        return None;
-    } else {
-        let why = if args.draft {
-            "--draft leaves about three times the error of a full fit".to_owned()
-        } else if count < COUNT {
-            format!("{count} spheres are few for it, --count allows more")
-        } else {
-            "spheres do not suit this mesh, render it with --visibility rays".to_owned()
-        };
-        format!("silhouette error {:.0} %: {why}", 100.0 * quality.silhouette_error)
+/// A line about a set that stands badly for its mesh, with the reason.
+fn doubt(args: &SpheresArgs, options: &BuildOptions, quality: &SetQuality) -> Option<String> {
+    let percent = 100.0 * quality.hausdorff_outside;
+    let why = match quality.verdict(options) {
+        _ if args.bounding && quality.hausdorff_outside > OVERHANG => {
+            format!(
+                "its bound reaches {percent:.0} % of the diagonal out of it, since it is open or the spheres are few"
+            )
+        }
+        // As many spheres as the error takes that was asked for.
+        _ if args.tolerance.is_some() => return None,
+        Verdict::Suits => return None,
+        Verdict::FewSpheres => format!("{} spheres are few for it, --count allows more", options.count),
+        Verdict::Draft => "--draft leaves about three times the error of a full fit".to_owned(),
+        Verdict::Bounding => "a bound casts too large a shadow, and of an open mesh it fills the inside".to_owned(),
+        Verdict::Unsuitable => "spheres do not suit this mesh, render it with --visibility rays".to_owned(),
     };
-    Some(format!("{}: {fault}", args.mesh.display()))
+    let error = 100.0 * quality.silhouette_error;
+    Some(format!("{}: silhouette error {error:.0} %: {why}", args.mesh.display()))
 }
 
 pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
@@ -89,7 +88,7 @@ pub(crate) fn run(args: &SpheresArgs) -> Result<(), Failure> {
     bar.finish_and_clear();
     let set = set.map_err(|e| Failure::new(format_args!("{}: {e}", args.mesh.display())))?;
     let seconds = start.elapsed().as_secs_f64();
-    if let Some(line) = doubt(args, count, &set.quality).filter(|_| !args.quiet) {
+    if let Some(line) = doubt(args, &options, &set.quality).filter(|_| !args.quiet) {
         console::note(format_args!("lobes: warning: {line}"));
     }
     if output.is_none() && !args.quiet {

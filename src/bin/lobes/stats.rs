@@ -6,6 +6,7 @@ use crate::files::numbered;
 use cosine_lobes::Window;
 use cosine_lobes::scene::{Scene, ShadeStats};
 use serde_json::{Value, json};
+use std::path::PathBuf;
 
 /// Seconds that are spent once.
 #[derive(Default)]
@@ -122,9 +123,10 @@ fn decimal(x: f32) -> f64 {
 pub(crate) fn print(args: &RenderArgs, stats: &Value) {
     let mut names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
     if let Some((from, to)) = args.frames {
-        names = args.output.iter().map(|p| numbered(p, from).display().to_string()).collect();
-        let (done, skipped) = (&stats["frames"], &stats["skipped_frames"]);
-        say(format_args!("frames {from} to {}: {done} rendered, {skipped} were there", to - 1));
+        let name = |path: &PathBuf, frame| numbered(path, frame).display().to_string();
+        names = args.output.iter().map(|p| format!("{} to {}", name(p, from), name(p, to - 1))).collect();
+        let (done, kept) = (&stats["frames"], &stats["skipped_frames"]);
+        say(format_args!("frames {from} to {}: {done} rendered, {kept} kept", to - 1));
         if *done == 0 {
             return;
         }

@@ -17,7 +17,7 @@ const FITTED: u32 = 2048;
 
 /// Meshes of fewer triangles take rays where nothing else is said. A picture by rays takes 4 times the shading of 64
 /// spheres at 20 triangles, 6 at 80, 7 at 320, 10 at 1280, 13 at 5120, 21 at 81 920 (a lumpy ball on a floor, 5 % in
-/// penumbra), and is exact; the spheres take a fit of about 15 s of a core first, whatever the triangles.
+/// penumbra), and is exact; the spheres take a fit of about 10 s of a core first, whatever the triangles.
 pub(crate) const FEW: usize = 300;
 
 /// One strategy for each object; [`Strategy::None`] for those that block nothing.
