@@ -1,0 +1,60 @@
+//! From a mask to radiance: one point in penumbra, by depth and exponent. `cargo bench -p lighting`.
+
+use core::time::Duration;
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use glam::Vec3;
+use lighting::{Blockers, Mask, MaskVisibility};
+use lobe_core::{
+    Cone, Coverage, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral,
+    visible_fraction,
+};
+use std::hint::black_box;
+
+/// Hides the left of the light, with a slanted edge: the cheapest blocker there is.
+struct Curtain;
+
+impl Blockers for Curtain {
+    type Scratch = ();
+
+    fn scratch(&self) {}
+
+    fn select(&self, _: &VisibilityQuery<'_>, (): &mut ()) -> Coverage {
+        Coverage::Partial
+    }
+
+    fn splat(&self, _: &VisibilityQuery<'_>, (): &mut (), mask: &mut Mask) {
+        for row in 0..mask.side() {
+            mask.block_span(row, f32::NEG_INFINITY, 0.3 * mask.row_y(row));
+        }
+    }
+}
+
+fn penumbra_point(c: &mut Criterion) {
+    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+    let cone = Cone::of_sphere(at.position, Sphere { center: Vec3::new(0.0, 10.0, 0.0), radius: 1.4 });
+    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+    let mut group = c.benchmark_group("penumbra_point");
+    for depth in [3, 4, 5, 6] {
+        let strategy = MaskVisibility::new(Curtain, depth);
+        let mut scratch = strategy.scratch();
+        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+        for exponent in [1.0, 20.0, 200.0, 2000.0] {
+            let lobe = Lobe::new(Vec3::Y, exponent, Vec3::ONE);
+            let unshadowed = cap_integral(&at, &lobe, &cone);
+            group.bench_function(BenchmarkId::new(format!("depth {depth}"), exponent), |b| {
+                b.iter(|| {
+                    assert_eq!(strategy.coverage(black_box(&query), &mut scratch), Coverage::Partial);
+                    strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut sum).expect("room");
+                    visible_fraction(&at, &lobe, unshadowed, &sum)
+                });
+            });
+        }
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(600));
+    targets = penumbra_point
+}
+criterion_main!(benches);

@@ -1,0 +1,60 @@
+//! The `shadow-map` strategy: drawing a map, one point. `cargo bench -p visibility-shadowmap`.
+
+use core::time::Duration;
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use glam::Vec3;
+use lighting::MaskVisibility;
+use lobe_core::{Cone, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+use std::hint::black_box;
+use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+
+const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 4.6, 0.5), radius: 0.5 };
+
+/// A ball of triangles over the floor.
+fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    const N: u32 = 32;
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for j in 0..=N {
+        for i in 0..2 * N {
+            let angle = |k: u32| core::f32::consts::PI * k as f32 / N as f32;
+            let ((s, c), (t, d)) = (angle(j).sin_cos(), angle(i).sin_cos());
+            positions.push(Vec3::Y * 0.8 + 0.5 * Vec3::new(s * d, c, s * t));
+        }
+    }
+    for j in 0..N {
+        for i in 0..2 * N {
+            let at = |i: u32, j: u32| j * 2 * N + i % (2 * N);
+            triangles.extend([[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]);
+        }
+    }
+    (positions, triangles)
+}
+
+fn maps(c: &mut Criterion) {
+    let (positions, triangles) = ball();
+    let receivers = Bounds { min: Vec3::new(-2.0, -0.01, -2.0), max: Vec3::new(2.0, 0.01, 2.0) };
+    let position = Vec3::new(-0.55, 0.0, -0.1);
+    let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+    let cone = Cone::of_sphere(position, LIGHT);
+    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.005 };
+    let mut group = c.benchmark_group("shadow_map");
+    group.sample_size(10);
+    for resolution in [256, 1024] {
+        let options = MapOptions { resolution, receivers: Some(receivers), ..MapOptions::default() };
+        let build = || ShadowMap::build(&positions, &triangles, LIGHT, &options).expect("a sound map");
+        group.bench_function(BenchmarkId::new("draw", resolution), |b| b.iter(build));
+        let strategy = MaskVisibility::new(ShadowMapBlockers::new(vec![build()]), 5);
+        let mut scratch = strategy.scratch();
+        strategy.enter(&Shaft { receivers: Sphere { center: position, radius: 0.06 }, light: LIGHT }, &mut scratch);
+        group.bench_function(BenchmarkId::new("mask of a point", resolution), |b| {
+            b.iter(|| strategy.coverage(black_box(&query), &mut scratch));
+        });
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800));
+    targets = maps
+}
+criterion_main!(benches);
