@@ -3,8 +3,15 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// The families that `D` is split into: exponent of `n·h` times α², and scale times πα². A three-term fit of the GGX
-/// distribution for small α; as *shares* of the exact distribution they lose nothing for any α.
-const FAMILIES: [(f64, f64); 3] = [(4.344, 0.7216), (1.079, 0.2580), (0.1829, 0.0172)];
+/// distribution for small α, and a fourth term for the haze that its tail, falling only as `tan⁻⁴`, leaves around a
+/// highlight. As *shares* of the exact distribution they lose nothing for any α.
+const FAMILIES: [(f64, f64); 4] = [(4.344, 0.7216), (1.079, 0.2580), (0.1829, 0.0172), (0.012, 1e-4)];
+
+/// The family that is all of the constant distribution of α = 1.
+const BROAD: usize = 2;
+
+/// α from which on the haze is none of its own.
+const NO_HAZE: f64 = 0.3;
 
 /// Number of families.
 pub(crate) const FAMILY_COUNT: usize = FAMILIES.len();
@@ -13,7 +20,7 @@ pub(crate) const FAMILY_COUNT: usize = FAMILIES.len();
 pub(crate) const SPREAD: [f32; 3] = [0.25, 0.5, 0.25];
 const SPREAD_MOMENT: f64 = 0.5;
 
-/// Families whose lobes are spread along the plane of incidence. The last is broad enough without.
+/// Families whose lobes are spread along the plane of incidence. The others are broad enough without.
 const SPREAD_FAMILIES: usize = 2;
 
 /// Largest distance of spread lobes, in units of their width `1/√(e+2)`: farther apart they would be beads.
@@ -73,9 +80,14 @@ impl Row {
         let mut sums = [Sums::default(); FAMILY_COUNT];
         let mut diffuse_loss = 0.0;
         let a2 = alpha * alpha;
-        // At α = 1 the distribution is constant: one family.
-        let shares: [f64; FAMILY_COUNT] =
-            core::array::from_fn(|k| FAMILIES[k].1 * if k + 1 < FAMILY_COUNT { 1.0 - a2 } else { 1.0 });
+        let shares: [f64; FAMILY_COUNT] = core::array::from_fn(|k| {
+            let part = match k {
+                BROAD => 1.0,
+                0..BROAD => 1.0 - a2,
+                _ => (1.0 - alpha / NO_HAZE).max(0.0),
+            };
+            FAMILIES[k].1 * part
+        });
         for i in 0..RINGS {
             // Denser toward the ends: t = u²(3 − 2u).
             let u = (i as f64 + 0.5) / RINGS as f64;
@@ -91,8 +103,10 @@ impl Row {
             let mut parts: [f64; FAMILY_COUNT] = core::array::from_fn(|k| shares[k] * (FAMILIES[k].0 * ln).exp());
             let all: f64 = parts.iter().sum();
             parts.iter_mut().for_each(|p| *p /= all);
-            if !(all > 0.0) {
-                parts = core::array::from_fn(|k| if k + 1 < FAMILY_COUNT { 0.0 } else { 1.0 });
+            if all <= 0.0 {
+                // Beyond f64's range: where no family reaches, the tail is the broadest one's.
+                let last = if alpha < NO_HAZE { FAMILY_COUNT - 1 } else { BROAD };
+                parts = core::array::from_fn(|k| if k == last { 1.0 } else { 0.0 });
             }
             for j in 0..SECTORS {
                 let (sp, cp) = (PI * (j as f64 + 0.5) / SECTORS as f64).sin_cos();
@@ -158,7 +172,7 @@ impl Sums {
     fn family(&self, view_angle: f64, spread: bool) -> Family {
         let [x, z] = self.mean;
         let length = x.hypot(z) / self.total;
-        if !(length > 0.0) {
+        if length.is_nan() || length <= 0.0 {
             return Family::default();
         }
         let tilt = x.atan2(z);

@@ -17,8 +17,7 @@ use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basi
 pub struct Lafortune {
     /// Albedo ρ of the diffuse part; black for none.
     pub diffuse: Vec3,
-    /// The lobes. A lobe whose matrix depends on the channel is three lobes, each with a scale in one channel only:
-    /// [`LafortuneLobe::per_channel`].
+    /// The lobes. A lobe whose matrix depends on the channel is three lobes, each with a scale in one channel only.
     pub lobes: Vec<LafortuneLobe>,
 }
 
@@ -54,12 +53,6 @@ impl LafortuneLobe {
     #[must_use]
     pub fn diagonal(c: Vec3, exponent: f32, scale: Vec3) -> Self {
         Self { matrix: Mat3::from_diagonal(c), exponent, scale }
-    }
-
-    /// The three lobes of a term whose matrix and exponent depend on the colour channel.
-    #[must_use]
-    pub fn per_channel(matrices: [Mat3; 3], exponents: [f32; 3], scale: Vec3) -> [Self; 3] {
-        core::array::from_fn(|i| Self { matrix: matrices[i], exponent: exponents[i], scale: Vec3::AXES[i] * scale[i] })
     }
 
     /// Checks the parameters: finite, scale not negative, exponent in range, matrix symmetric (to 1e-5 of its largest

@@ -19,7 +19,7 @@ const MIN_ALPHA: f64 = 1e-3;
 /// `f̃ ≈ (1−metallic)·base/π·(1−F_d)·(n·v) + F·D(h)·W(v)`, `D = α²/π((n·h)²(α²−1)+1)²`,
 /// `F = F0 + (1−F0)(1−ω_o·h)⁵`, `W = G₂/(4 n·ω_o)` with Smith's height-correlated `G₂`.
 ///
-/// `D` is split into three parts, each of which becomes a lobe with the same flux, mean direction and width across the
+/// `D` is split into three or (α < 0.3) four parts, each of which becomes a lobe with the same flux, mean direction and width across the
 /// plane of incidence, the two narrow ones up to three lobes where the highlight is longer than wide (from about 30°).
 /// The sum *is* the model: `eval` is the lobes' value, as for every other material here.
 ///
@@ -29,7 +29,7 @@ const MIN_ALPHA: f64 = 1e-3;
 /// peak is 11–35 % low and the highlight up to 1.8 times too wide across, at 80° 15–55 % and 2.6 times.
 ///
 /// # Cost
-/// A table of 48 rows when it is made (some milliseconds); one to seven lobes, and one for a diffuse base.
+/// A table of 48 rows when it is made (some milliseconds); one to eight lobes, and one for a diffuse base.
 ///
 /// ```
 /// use brdf::{Brdf, MetallicRoughness};
@@ -76,12 +76,6 @@ impl MetallicRoughness {
             Row::new(alpha, [(1.0 - cos * cos).sqrt(), cos], f0, most)
         });
         Ok(Self { base, metallic, roughness, rows: Arc::new(rows) })
-    }
-
-    /// Base colour, metalness and roughness.
-    #[must_use]
-    pub const fn parameters(&self) -> (Vec3, f32, f32) {
-        (self.base, self.metallic, self.roughness)
     }
 
     fn row(&self, cos: f32, sin: f32) -> Row {
@@ -139,7 +133,7 @@ fn normal_reflectance(base: Vec3, metallic: f32) -> Vec3 {
 
 impl BrdfLobes for MetallicRoughness {
     fn max_lobes(&self) -> usize {
-        8
+        9
     }
 
     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {

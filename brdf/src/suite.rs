@@ -97,7 +97,10 @@ fn lafortune() -> Lafortune {
         LafortuneLobe { matrix: turned, exponent: 12.0, scale: Vec3::splat(0.3) },
     ];
     let c = |x: f32| Mat3::from_diagonal(Vec3::new(-x, -x, x));
-    lobes.extend(LafortuneLobe::per_channel([c(0.9), c(0.95), c(1.0)], [5.0, 10.0, 20.0], Vec3::splat(0.2)));
+    // A matrix and an exponent for each channel.
+    for (channel, (matrix, exponent)) in [(c(0.9), 5.0), (c(0.95), 10.0), (c(1.0), 20.0)].into_iter().enumerate() {
+        lobes.push(LafortuneLobe { matrix, exponent, scale: Vec3::AXES[channel] * 0.2 });
+    }
     Lafortune { diffuse: Vec3::new(0.2, 0.3, 0.4), lobes }
 }
 
