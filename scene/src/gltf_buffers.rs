@@ -111,11 +111,11 @@ impl<'a> Buffers<'a> {
             }
             let start = accessor.byte_offset.map_or(0, |o| o.0);
             let view_start = self.root.buffer_views[view.value()].byte_offset.map_or(0, |o| o.0);
-            if !(start % size as u64 == 0 && view_start.wrapping_add(start) % size as u64 == 0) {
-                let at = view_start.wrapping_add(start);
+            let at = view_start.saturating_add(start);
+            if !start.is_multiple_of(size as u64) || !at.is_multiple_of(size as u64) {
                 return Err(fault(format!("begins at byte {at} of its buffer: expected a multiple of {size}")));
             }
-            if stride % size != 0 {
+            if !stride.is_multiple_of(size) {
                 return Err(fault(format!("byteStride {stride}: expected a multiple of {size}")));
             }
             let end = (count as u64 - 1).checked_mul(stride as u64).and_then(|n| n.checked_add(start + row as u64));

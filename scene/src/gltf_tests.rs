@@ -1,6 +1,6 @@
 use crate::load::{Context, Part};
 use crate::{Camera, gltf_file};
-use brdf::Material;
+use brdf::{Material, MetallicRoughness};
 use glam::Vec3;
 use std::path::Path;
 
@@ -35,8 +35,8 @@ fn node_transforms_multiply_from_the_root() {
     for (p, want) in got.iter().zip([[0.0, 0.0, 5.0], [0.0, 2.0, 5.0], [-2.0, 0.0, 5.0]]) {
         assert!((*p - Vec3::from_array(want)).length() < 1e-5, "{p}");
     }
-    let Some((0, Material::MetallicRoughness(m))) = &parts[0].material else { panic!() };
-    assert_eq!(m.parameters(), (Vec3::new(0.8, 0.4, 0.2), 0.0, 1.0));
+    let want: Material = MetallicRoughness::new(Vec3::new(0.8, 0.4, 0.2), 0.0, 1.0).unwrap().into();
+    assert_eq!(parts[0].material, Some((0, want)));
 }
 
 #[test]

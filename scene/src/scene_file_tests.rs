@@ -207,8 +207,8 @@ fn metallic_roughness_materials_are_read_and_checked() {
         material("base = 0.5\nroughness = 0.2")
     ))
     .unwrap();
-    let brdf::Material::MetallicRoughness(m) = &scene.materials[0] else { panic!() };
-    assert_eq!(m.parameters(), (Vec3::splat(0.5), 1.0, 0.2));
+    let want = brdf::MetallicRoughness::new(Vec3::splat(0.5), 1.0, 0.2).unwrap();
+    assert_eq!(scene.materials[0], want.into());
     refused(&material("base = 1.5"), 2, &["base is 1.5"]);
     refused(&material("roughness = 0.5"), 1, &["\"base\" is missing"]);
 }
