@@ -19,4 +19,4 @@ pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
 pub use crate::shade::{CpuShader, Layers};
-pub use crate::world::{Hierarchy, Hit, World};
+pub use crate::world::{Hierarchy, World};

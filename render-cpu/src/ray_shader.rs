@@ -100,6 +100,13 @@ impl<'a> RayShader<'a> {
         self
     }
 
+    /// With the given vector instructions.
+    #[cfg(test)]
+    pub(crate) const fn at_level(mut self, level: Level) -> Self {
+        self.level = level;
+        self
+    }
+
     /// Shadow rays shot so far, by all threads.
     #[must_use]
     pub fn rays(&self) -> u64 {

@@ -24,19 +24,18 @@ use obvhs::{Boundable, BvhBuildParams};
 use scene::{Proxy, Scene, Shape};
 
 /// Where a ray meets the scene.
+#[cfg(test)]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub(crate) struct Hit {
     /// World position: from the barycentric coordinates of the triangle or on the ball, in f64, then rounded, so that it
     /// is as near to the surface as an f32 point can be.
-    pub position: Vec3,
+    pub(crate) position: Vec3,
     /// Unit shading normal on the ray's side of the surface.
-    pub normal: Vec3,
+    pub(crate) normal: Vec3,
     /// Unit geometric normal on the ray's side of the surface.
-    pub face_normal: Vec3,
+    pub(crate) face_normal: Vec3,
     /// Number of the object.
-    pub object: u32,
-    /// Number of the triangle or ball within the object.
-    pub primitive: u32,
+    pub(crate) object: u32,
 }
 
 /// The geometry of a scene, ready for rays: triangles and exact balls in two hierarchies.
@@ -127,6 +126,16 @@ impl Ball {
             }
         }
         f32::INFINITY
+    }
+
+    /// The point on the ball nearest to that on a ray, and the normal there on the ray's side: in f64, then rounded.
+    fn surface(&self, origin: Vec3, direction: Vec3, t: f32) -> (Vec3, Vec3) {
+        let center = self.sphere.center.as_dvec3();
+        let near = origin.as_dvec3() + direction.as_dvec3() * f64::from(t);
+        let outward = (near - center).normalize_or(DVec3::Z);
+        let position = center + outward * f64::from(self.sphere.radius);
+        let normal = if outward.dot(direction.as_dvec3()) > 0.0 { -outward } else { outward };
+        (position.as_vec3(), normal.as_vec3().normalize())
     }
 }
 
@@ -223,22 +232,19 @@ impl<'s> World<'s> {
         self.triangles.primitives.len()
     }
 
-    /// Length of the diagonal of the geometry's bounding box.
-    #[must_use]
-    pub const fn extent(&self) -> f32 {
-        self.extent
-    }
-
-    /// The nearest visible surface along a ray of unit direction.
-    #[must_use]
-    pub fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+    /// The nearest visible surface along a ray of unit direction: what tiles of rays are tested against.
+    #[cfg(test)]
+    pub(crate) fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let ray = Ray::new_inf(origin.into(), direction.into());
         let seen = |visible: bool, t: f32| if visible { t } else { f32::INFINITY };
         let triangle = self.triangles.nearest(ray, |c, r| seen(c.visible, c.intersect(r)));
         let limit = Ray { tmax: triangle.map_or(f32::INFINITY, |(_, t)| t), ..ray };
         let ball = self.balls.nearest(limit, |b, r| seen(b.visible, b.intersect(r)));
         match (ball, triangle) {
-            (Some((ball, t)), _) => Some(ball_hit(ball, origin, direction, t)),
+            (Some((ball, t)), _) => {
+                let (position, normal) = ball.surface(origin, direction, t);
+                Some(Hit { position, normal, face_normal: normal, object: ball.object })
+            }
             (None, Some((corners, _))) => Some(self.triangle_hit(corners, origin, direction)),
             (None, None) => None,
         }
@@ -268,6 +274,7 @@ impl<'s> World<'s> {
         position + face_normal * (5e-7 * self.extent.max(position.abs().max_element()))
     }
 
+    #[cfg(test)]
     fn triangle_hit(&self, corners: &Corners, origin: Vec3, direction: Vec3) -> Hit {
         let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
         let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
@@ -298,7 +305,6 @@ impl<'s> World<'s> {
             normal: normal.as_vec3().normalize(),
             face_normal: face.as_vec3().normalize(),
             object: corners.object,
-            primitive: corners.index,
         }
     }
 }
@@ -334,16 +340,6 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
         }
     }
     (triangles, balls)
-}
-
-fn ball_hit(ball: &Ball, origin: Vec3, direction: Vec3, t: f32) -> Hit {
-    let center = ball.sphere.center.as_dvec3();
-    let near = origin.as_dvec3() + direction.as_dvec3() * f64::from(t);
-    let outward = (near - center).normalize_or(DVec3::Z);
-    let position = center + outward * f64::from(ball.sphere.radius);
-    let normal = if outward.dot(direction.as_dvec3()) > 0.0 { -outward } else { outward };
-    let normal = normal.as_vec3().normalize();
-    Hit { position: position.as_vec3(), normal, face_normal: normal, object: ball.object, primitive: ball.index }
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 use super::view::sub_pixels;
 use super::*;
-use crate::CpuShader;
 use crate::test_scenes::{floor_and_ball, material};
 use crate::world::Rays;
+use crate::{CpuShader, RayShader};
+use fearless_simd::{Level, Simd};
 use glam::{Vec2, Vec3};
 use lighting::MaskVisibility;
 use lobe_core::Receiver;
@@ -198,6 +199,35 @@ fn tiles_find_what_single_rays_find() {
         assert!(points.next().is_none() && g.len() > 10_000, "{different}, {}", g.len());
     }
     assert!(different < 7, "{different} of 70 000 pixels");
+}
+
+/// The same points to the bit with all kinds of vector instructions, and the same radiance by rays but for the order of sums.
+#[test]
+fn instructions_do_not_matter() {
+    let mut scene = floor_and_ball();
+    scene.objects.push(Object::mesh("globe", globe(30, true), 0, Proxy::None));
+    let world = World::new(&scene);
+    let set = crate::blockers(&scene, &mut |_, _| core::ops::ControlFlow::Continue(())).unwrap();
+    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.0, depth: 1, threshold: 0.0 };
+    let look = |level: Level| {
+        let mut view = View::new(&world, [90, 70], 1, 0..90, 0..70);
+        view.rays.level = level;
+        let (found, ends) = view.look();
+        let mut g = GBuffer { width: 90, height: 70, samples: 1, ..GBuffer::default() };
+        view.describe(&found, &ends, &mut g);
+        let mut out = vec![Vec3::ZERO; g.len()];
+        RayShader::spheres(&set, 20).at_level(level).culled(true).shade(&g.points, &frame, &mut out).unwrap();
+        (g, out)
+    };
+    let (best, radiance) = look(Level::new());
+    let mut levels = vec![Level::baseline()];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(Level::new().as_avx2().map(|avx2| avx2.level()));
+    for level in levels {
+        let (g, out) = look(level);
+        assert_eq!((&g.points.receivers, &g.pixels, &g.depths), (&best.points.receivers, &best.pixels, &best.depths));
+        assert!(out.iter().zip(&radiance).all(|(a, b)| (*a - *b).abs().max_element() <= 1e-6 * b.max_element()));
+    }
 }
 
 #[test]

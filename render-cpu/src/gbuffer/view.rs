@@ -14,7 +14,7 @@ const TASK: usize = 8;
 /// Some tiles of an image.
 pub(super) struct View<'w> {
     world: &'w World<'w>,
-    rays: Rays,
+    pub(super) rays: Rays,
     offsets: Vec<Vec2>,
     /// Columns and rows of tiles of the whole image.
     across: Range<u32>,

@@ -1,6 +1,6 @@
 //! What surfaces are like where rays meet them, eight at once.
 
-use super::{BALL, NOTHING, SIDE, World, ball_hit};
+use super::{BALL, NOTHING, SIDE, World};
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 use lobe_core::Receiver;
@@ -48,7 +48,8 @@ fn normalize_or_zero(v: &mut Wide, l: usize) {
 }
 
 impl World<'_> {
-    /// Writes the receivers for as many of the eight rays as `out` is long, to the bit what [`hit`](Self::hit) gives.
+    /// Writes the receivers for as many of the eight rays as `out` is long, as near to the surface as an f32 point can be: in
+    /// f64 from barycentric coordinates or on the ball, then rounded. Normals are on the rays' side.
     pub(crate) fn surfaces(&self, level: Level, eye: Vec3, rays: &Meetings, out: &mut [Receiver]) {
         dispatch!(level, _simd => self.surfaces_wide(eye, rays, out));
     }
@@ -128,8 +129,8 @@ impl World<'_> {
             if number & BALL != 0 && number != NOTHING {
                 let ball = &self.balls.primitives[(number & !BALL) as usize];
                 let t = ball.intersect(&Ray::new_inf(eye.into(), direction.into()));
-                let hit = ball_hit(ball, eye, direction, t);
-                (position, normal, face, object) = (hit.position, hit.normal, hit.face_normal, hit.object);
+                (position, normal) = ball.surface(eye, direction, t);
+                (face, object) = (normal, ball.object);
             }
             // The view from the rounded position, not the ray's: consistent with what shading sees.
             let view = (eye - position).try_normalize().unwrap_or(-direction);

@@ -6,7 +6,7 @@ use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
-use obvhs::ray::{Ray, RayHit};
+use obvhs::ray::Ray;
 
 /// Primitives with their hierarchy; `None` when there are none, which the hierarchy cannot express.
 pub(crate) struct Tree<T> {
@@ -88,8 +88,9 @@ impl<T: Copy + Boundable + Named> Tree<T> {
         area / boxes[0].half_area().max(f32::MIN_POSITIVE)
     }
 
+    #[cfg(test)]
     pub(super) fn nearest(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> Option<(&T, f32)> {
-        let mut hit = RayHit::none();
+        let mut hit = obvhs::ray::RayHit::none();
         let scaled = self.scaled(ray);
         self.bvh.as_ref()?.ray_traverse(scaled, &mut hit, |r, i| self.intersect(&ray, r, i, &intersect));
         (hit.t < scaled.tmax).then(|| (&self.primitives[hit.primitive_id as usize], hit.t / self.scale))
