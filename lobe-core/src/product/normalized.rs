@@ -1,6 +1,6 @@
 //! Products of lobes with a flux, a receiver and perhaps its cosine.
 
-use super::{Peak, high, is_low, low_block, product_of_angle};
+use super::{Peak, high, low_block, product_of_angle};
 use crate::lanes::{Columns, WIDTH};
 use crate::{Lobe, Lobes, Receiver};
 use core::f32::consts::TAU;
@@ -51,16 +51,17 @@ pub(crate) fn normalized_total(at: &Receiver, f: &Lobe, lobes: Lobes<'_>) -> f32
 fn total_at(level: Level, at: &Receiver, f: &Lobe, lobes: Lobes<'_>) -> f32 {
     let one_by_one =
         |sum: f32, lobes: Lobes<'_>| lobes.iter().fold(sum, |sum, c| sum + c.flux.x * normalized_product(at, f, &c));
-    // A Lambert lobe costs next to nothing; of one or two lobes a block would be mostly empty.
-    if is_lambert(at, f) || f.exponent >= DELTA || lobes.len() < 3 {
+    // Of one or two lobes a block would be mostly empty.
+    if f.exponent >= DELTA || lobes.len() < 3 {
         return one_by_one(0.0, lobes);
     }
+    let lambert = is_lambert(at, f);
     let [x, y, z, exponent, weight, ..] = lobes.columns();
     let mut sum = 0.0;
     for start in (0..lobes.len()).step_by(WIDTH) {
         let range = start..lobes.len().min(start + WIDTH);
         let count = range.len();
-        if exponent[range.clone()].iter().any(|e| *e >= DELTA) {
+        if !lambert && exponent[range.clone()].iter().any(|e| *e >= DELTA) {
             sum = one_by_one(sum, lobes.range(range));
             continue;
         }
@@ -68,7 +69,9 @@ fn total_at(level: Level, at: &Receiver, f: &Lobe, lobes: Lobes<'_>) -> f32 {
         for (column, from) in columns.iter_mut().zip([x, y, z, exponent]) {
             column[..count].copy_from_slice(&from[range.clone()]);
         }
-        let values = if f.cosine > 0.0 {
+        let values = if lambert {
+            lambert_block(level, at.normal, &columns)
+        } else if f.cosine > 0.0 {
             block::<true>(level, at.normal, f, &columns, count)
         } else {
             block::<false>(level, at.normal, f, &columns, count)
@@ -88,25 +91,41 @@ fn block<const COSINE: bool>(level: Level, normal: Vec3, f: &Lobe, columns: &Col
             let axis = Vec3::new(x[j], y[j], z[j]);
             let d = f.axis - axis;
             let one_minus_cos = 0.5 * d.dot(d);
-            let factor = factor::<COSINE>(normal, f, axis, exponent[j], one_minus_cos);
             pairs[2][j] = one_minus_cos;
-            factors[j] = factor;
-            values[j] = high(f.exponent, exponent[j], one_minus_cos) * factor;
+            factors[j] = factor::<COSINE>(normal, f, axis, exponent[j], one_minus_cos);
+            values[j] = high(f.exponent, exponent[j], one_minus_cos);
         }
     });
-    if (0..count).any(|j| is_low(f.exponent, exponent[j])) {
+    if values[..count].iter().any(|value| *value < 0.0) {
         let low = low_block(level, &pairs);
-        for j in (0..count).filter(|&j| is_low(f.exponent, exponent[j])) {
-            values[j] = low[j] * factors[j];
+        for (value, low) in values.iter_mut().zip(low).filter(|(value, _)| **value < 0.0) {
+            *value = low;
         }
+    }
+    for (value, factor) in values.iter_mut().zip(factors) {
+        *value *= factor;
     }
     values
 }
 
+/// A Lambert lobe with a block of lobes.
+fn lambert_block(level: Level, normal: Vec3, columns: &Columns<4>) -> [f32; WIDTH] {
+    let [x, y, z, exponent] = columns;
+    dispatch!(level, _simd => {
+        let mut values = [0.0; WIDTH];
+        for j in 0..WIDTH {
+            values[j] = of_lambert(normal, Vec3::new(x[j], y[j], z[j]), exponent[j]);
+        }
+        values
+    })
+}
+
 /// A Lambert lobe with a lobe of directions above the horizon: the latter's mean vector is (e+1)/(e+2) along its axis.
+#[inline(always)]
 fn of_lambert(normal: Vec3, axis: Vec3, exponent: f32) -> f32 {
     let mean = 1.0 - 1.0 / (exponent + 2.0);
-    2.0 / TAU * mean * normal.dot(axis).max(0.0)
+    let cosine = normal.dot(axis);
+    2.0 / TAU * mean * if cosine > 0.0 { cosine } else { 0.0 }
 }
 
 /// What a product of lobes of scale 1 is multiplied by: the scales of flux 1, and the receiver's cosine in the product's
@@ -150,7 +169,9 @@ mod tests {
         for case in 0..400 {
             let at = receiver(random.axis());
             let cosine = (case % 2) as f32;
-            let f = Lobe { cosine, ..Lobe::with_flux(random.axis().as_vec3(), random.exponent(1e5) as f32, Vec3::ONE) };
+            let axis = if case % 7 == 0 { at.normal } else { random.axis().as_vec3() };
+            let e = if case % 7 == 0 { 1.0 } else { random.exponent(1e5) as f32 };
+            let f = Lobe { cosine, ..Lobe::with_flux(axis, e, Vec3::ONE) };
             let mut out = buffer.writer();
             for k in 0..case % 50 {
                 let near = random.axis_near(f.axis.as_dvec3()).as_vec3();
