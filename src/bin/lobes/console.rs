@@ -15,14 +15,27 @@ pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
 /// While true, Ctrl-C only sets [`STOP`]; the second one ends the program at once.
 static GRACEFUL: AtomicBool = AtomicBool::new(false);
 
+/// True once Ctrl-C ends the program.
+static ENDING: AtomicBool = AtomicBool::new(false);
+
+/// Waits for the end where Ctrl-C is bringing it about: what fails meanwhile, its files having been taken away, is not to be
+/// told.
+pub(crate) fn give_way() {
+    while ENDING.load(Ordering::SeqCst) {
+        std::thread::park();
+    }
+}
+
 /// From now on Ctrl-C and SIGTERM remove unfinished files and end the program with code 130.
 pub(crate) fn catch_interrupts() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         if GRACEFUL.load(Ordering::SeqCst) && !STOP.swap(true, Ordering::SeqCst) {
             return;
         }
-        remove_unfinished();
+        ENDING.store(true, Ordering::SeqCst);
+        // Told first: between removing and ending, work goes on that could begin another file.
         note("lobes: interrupted; nothing half-written");
+        remove_unfinished();
         std::process::exit(130);
     })
     .map_err(|e| Failure::new(format_args!("cannot catch Ctrl-C: {e}")))

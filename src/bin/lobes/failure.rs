@@ -20,6 +20,7 @@ impl Failure {
     }
 
     pub(crate) fn report(self) -> ExitCode {
+        crate::console::give_way();
         // A message that quotes a file or a parser may hold line breaks.
         let line = self.message.split_whitespace().collect::<Vec<_>>().join(" ");
         let label = if self.code == 130 { "interrupted" } else { "error" };
