@@ -38,10 +38,10 @@ fn times(text: &mut String, rows: &[Row]) {
         let [_, penumbra, dark] = timing.shares().map(|s| 100.0 * s);
         let ms = 1e3 * timing.stats.seconds;
         let [low, high] = timing.quartiles.map(|s| 1e3 * s);
-        let asked = if *target > 0.0 {
-            format!("≥ {target:.3}").trim_end_matches(['0']).trim_end_matches('.').to_owned()
-        } else {
-            "–".to_owned()
+        let asked = match *target {
+            t if t >= 10.0 => format!("≥ {t:.0} fps"),
+            t if t > 0.0 => format!("≤ {:.2} s", 1.0 / t),
+            _ => "–".to_owned(),
         };
         let paper = if paper.is_empty() { "–" } else { paper };
         let points = timing.points;

@@ -5,11 +5,11 @@ use clap::ValueEnum;
 /// How good a picture is to be: points of the front that `lobes trade` measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Quality {
-    /// Tolerance 3 %, depth 3: to look around
+    /// Tolerance 10 %, depth 2: to look around
     Draft,
-    /// Tolerance 1 %, depth 4: no error that is seen beside the reference
+    /// Tolerance 1 %, depth 4: nothing to be seen beside the reference
     Interactive,
-    /// Tolerance 0.1 %, depth 6: for measurements
+    /// Tolerance 0.1 %, depth 6: to be measured with
     High,
 }
 
@@ -17,7 +17,7 @@ impl Quality {
     /// Tolerance and depth.
     pub(crate) const fn setting(self) -> (f32, u32) {
         match self {
-            Self::Draft => (0.03, 3),
+            Self::Draft => (0.1, 2),
             Self::Interactive => (0.01, 4),
             Self::High => (0.001, 6),
         }
@@ -25,14 +25,8 @@ impl Quality {
 }
 
 /// Settings along the front, from the fastest to the best: what a time budget chooses from.
-pub(crate) const LADDER: [(f32, u32); 6] = [
-    (0.1, 2),
-    Quality::Draft.setting(),
-    Quality::Interactive.setting(),
-    (0.005, 5),
-    (0.003, 5),
-    Quality::High.setting(),
-];
+pub(crate) const LADDER: [(f32, u32); 5] =
+    [Quality::Draft.setting(), (0.03, 3), Quality::Interactive.setting(), (0.003, 5), Quality::High.setting()];
 
 #[cfg(test)]
 mod tests {

@@ -70,13 +70,14 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     console::stoppable(|| -> Result<(), Failure> {
         let bar = console::progress("measuring", left(&record) as u64, view.quiet);
         for setting in &settings {
-            if STOP.load(Ordering::SeqCst) {
-                break;
-            }
             if record.find(setting).is_some() {
                 continue;
             }
             let shot = stage.shoot(setting)?;
+            // What was cut short is no row.
+            if STOP.load(Ordering::SeqCst) {
+                break;
+            }
             record.add(Row::new(&title, setting, &shot, &stage, &truth, &stamp)?)?;
             bar.inc(1);
         }
@@ -140,11 +141,12 @@ fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failur
     }
 }
 
-/// What rows must agree in to stand in one table.
+/// What rows must agree in to stand in one table: scene, options and the program itself.
 fn stamp(args: &TradeArgs, scene: &Scene, blockers: &BlockerSet) -> String {
     let options = (args.view.samples, name(&args.geometry), args.reference_spp, args.repeat, args.map_resolution);
+    let program = std::env::current_exe().and_then(std::fs::metadata).map(|m| (m.len(), m.modified().ok())).ok();
     let threads = rayon::current_num_threads();
-    let all = Fingerprint::new().debug(&options).debug(scene).debug(blockers).debug(&threads);
+    let all = Fingerprint::new().debug(&options).debug(&program).debug(&threads).debug(scene).debug(blockers);
     format!("{} {:016x}", env!("CARGO_PKG_VERSION"), all.value())
 }
 

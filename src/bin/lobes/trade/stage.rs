@@ -1,6 +1,7 @@
 use super::setting::{Setting, Technique};
 use super::truth::Truth;
 use crate::args::{TradeArgs, TradeGeometry, Visibility};
+use crate::console::STOP;
 use crate::failure::Failure;
 use crate::picture::seconds;
 use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
@@ -12,6 +13,7 @@ use cosine_lobes::render_cpu::{CpuShader, GBuffer, RayShader, World};
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::{Bounds, ShadowMap};
 use glam::Vec3;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// No setting is repeated for longer, once it was shaded three times.
@@ -172,7 +174,8 @@ impl Timed<'_> {
         let mut radiance = vec![Vec3::ZERO; self.points.receivers.len()];
         shader.shade(self.points, self.frame, &mut radiance)?;
         let (start, mut times) = (Instant::now(), Vec::with_capacity(self.repeats));
-        while times.len() < self.repeats && (times.len() < 3 || start.elapsed() < LONGEST) {
+        let goes_on = |done: usize| done < self.repeats && (done < 3 || start.elapsed() < LONGEST);
+        while times.is_empty() || (goes_on(times.len()) && !STOP.load(Ordering::SeqCst)) {
             times.push(shader.shade(self.points, self.frame, &mut radiance)?.seconds);
         }
         times.sort_by(f64::total_cmp);
