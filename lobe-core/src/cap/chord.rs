@@ -52,10 +52,9 @@ struct Frame {
 
 impl Frame {
     #[inline(always)]
-    fn new(pair: &Pair, t: impl Fn(f32) -> Vec3) -> Self {
+    fn new(pair: &Pair, t: Vec3) -> Self {
         let y = pair.one_minus_cos_delta();
         let cos_delta = 1.0 - y;
-        let t = t(cos_delta);
         let sin_delta = positive(y * (2.0 - y)).sqrt();
         let sin_theta = positive(pair.one_minus_cos * (2.0 - pair.one_minus_cos)).sqrt();
         // 1 − exp(−2κ/e), by its series where that cancels.
@@ -102,16 +101,14 @@ impl Chord {
     /// All of a light that is above the horizon.
     #[inline(always)]
     pub(super) fn whole(pair: &Pair) -> Self {
-        let frame = Frame::new(pair, |cos_delta| pair.aside(cos_delta));
+        let frame = Frame::new(pair, pair.aside());
         frame.chord(pair, frame.low, frame.high)
     }
 
     /// A light that the horizon may cross, cut where the horizon meets its rim, because chords change their kind there.
     pub(super) fn pieces(pair: &Pair) -> impl Iterator<Item = Self> {
-        let frame = Frame::new(pair, |cos_delta| {
-            let t = pair.aside(cos_delta);
-            if t == Vec3::ZERO { orthonormal_basis(pair.axis).0 } else { t }
-        });
+        let aside = pair.aside();
+        let frame = Frame::new(pair, if aside == Vec3::ZERO { orthonormal_basis(pair.axis).0 } else { aside });
         let (low, high) = (frame.low, larger(frame.low, frame.high));
         let to_light = pair.axis * -frame.sin_delta + frame.t * frame.cos_delta;
         let mut cuts = [low, high, high, high];
@@ -124,7 +121,21 @@ impl Chord {
             cuts.swap(1, 2);
         }
         let pair = *pair;
-        (0..3).map(move |k| frame.chord(&pair, cuts[k], cuts[k + 1])).filter(|chord| chord.weight > 0.0)
+        let chords = (0..3).map(move |k| frame.chord(&pair, cuts[k], cuts[k + 1]));
+        chords.filter(|chord| chord.weight > 0.0 && !chord.is_below())
+    }
+
+    /// Whether a piece's middle chord is wholly below the horizon: then all of its chords are.
+    fn is_below(&self) -> bool {
+        let at = self.at(0.0);
+        self.horizon(&at) > at.sin_sq.sqrt()
+    }
+
+    /// `sin λ` where a chord goes through the horizon, `A cos λ + B sin λ = 0`.
+    #[inline(always)]
+    fn horizon(&self, at: &Node) -> f32 {
+        let (a, b) = (at.cos_normal, self.normal[2]);
+        -a / larger(a * a + b * b, f32::MIN_POSITIVE).sqrt()
     }
 
     /// Whether so few nodes serve that their number is [`FEW`]: less than one width of the lobe between middle and end
@@ -154,14 +165,12 @@ impl Chord {
     #[inline(always)]
     fn cut(&self, cos_tau: f32, sin_tau: f32) -> f32 {
         let at = self.at(cos_tau);
-        let (a, b) = (at.cos_normal, self.normal[2]);
         let sin = at.sin_sq.sqrt();
-        let horizon = -a / larger(a * a + b * b, f32::MIN_POSITIVE).sqrt();
-        let low = larger(smaller(horizon, sin), -sin);
+        let low = larger(smaller(self.horizon(&at), sin), -sin);
         let (high_length, low_length) = (self.length(at.sin_sq), self.length(low * low));
         let arc = self.half_arc(high_length) - self.half_arc(low_length).copysign(low);
         let power = |length: f32| exp(-(self.half_m - 0.25) * length);
-        let with_cosine = a * arc + self.across * (power(low_length) - power(high_length));
+        let with_cosine = at.cos_normal * arc + self.across * (power(low_length) - power(high_length));
         let value = sin_tau * at.in_plane * if self.cosine > 0.0 { with_cosine } else { arc };
         if at.cos_psi > 0.0 { value } else { 0.0 }
     }

@@ -24,9 +24,12 @@ impl Pair {
     }
 
     /// The unit vector at a right angle to the lobe's axis, toward the light; zero where the two axes are one.
+    ///
+    /// From their difference, made orthogonal: axes that are 1e-4 apart have no length to 1e-7 to tell a direction by.
     #[inline(always)]
-    pub(super) fn aside(&self, cos_delta: f32) -> Vec3 {
-        let aside = self.light - self.axis * cos_delta;
+    pub(super) fn aside(&self) -> Vec3 {
+        let d = self.light - self.axis;
+        let aside = d - self.axis * self.axis.dot(d);
         let square = aside.dot(aside);
         aside * if square > 1e-30 { 1.0 / square.sqrt() } else { 0.0 }
     }

@@ -35,7 +35,7 @@ pub(super) fn slab(pair: &Pair) -> f32 {
     let value = erf(far) + erf(near);
     // With the cosine n·M; the slope of the integral is two Gaussians.
     let slope = FRAC_2_SQRT_PI * (exp(-far * far) - exp(-near * near)) * kappa * root;
-    let aside = pair.aside(1.0 - y);
+    let aside = pair.aside();
     let moment = pair.normal.dot(pair.axis) * value - pair.normal.dot(aside) * (slope / (pair.exponent + 1.0));
     let result = norm * if pair.cosine > 0.0 { moment } else { value };
     if result > 0.0 { result } else { 0.0 }
