@@ -1,3 +1,4 @@
+use crate::special::{exp, ln_1p};
 use glam::Vec3;
 
 /// One cosine lobe `c(v) = s·max(a·v, 0)^e` (Eq. 4), optionally times the receiver's cosine.
@@ -77,5 +78,5 @@ pub fn power(a: Vec3, v: Vec3, exponent: f32) -> f32 {
         return 0.0;
     }
     // An infinite exponent is 1 on the axis and 0 beside it.
-    (exponent.min(f32::MAX) * (-half_chord_sq).ln_1p()).exp()
+    exp(exponent.min(f32::MAX) * ln_1p(-half_chord_sq))
 }

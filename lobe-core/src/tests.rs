@@ -463,3 +463,35 @@ fn products_side_by_side_are_the_single_ones_on_every_machine() {
         }
     }
 }
+
+#[test]
+fn small_lights_on_the_horizon_keep_their_pieces() {
+    // Axes 1e-4 apart tell the direction of the pieces' cuts only if it is made orthogonal.
+    let mut random = Random::new(27);
+    let (mut mean, mut worst) = (0.0, 0.0_f64);
+    for _ in 0..1000 {
+        let e = f64::from(random.log_uniform(400.0, 1e5) as f32);
+        let theta = random.log_uniform(0.05, 0.3).to_radians();
+        let normal = random.axis().as_vec3().normalize();
+        let tilt = random.between(-theta, theta);
+        let light = random.axis_at(normal.as_dvec3(), 0.5 * PI + tilt).as_vec3().normalize();
+        let off = random.between(0.0, 2.0 * theta);
+        let axis = random.axis_at(light.as_dvec3(), off).as_vec3().normalize();
+        let one_minus_cos = (2.0 * (0.5 * theta).sin().powi(2)) as f32;
+        let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
+        let got = cap_integral(&receiver(normal.as_dvec3()), &Lobe::new(axis, e as f32, Vec3::ONE), &cone);
+        let truth = CapLobe {
+            axis: axis.as_dvec3().normalize(),
+            exponent: e,
+            cosine: false,
+            normal: normal.as_dvec3().normalize(),
+        };
+        let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta) * (e + 1.0) / TAU;
+        let on_axis = -((e + 1.0) * (-f64::from(one_minus_cos)).ln_1p()).exp_m1();
+        let error = (f64::from(got) - want).abs() / on_axis;
+        mean += error / 1000.0;
+        worst = worst.max(error);
+    }
+    println!("small lights on the horizon: mean {mean:.1e}, largest {worst:.1e}");
+    assert!(mean < 1e-3 && worst < 2e-2);
+}

@@ -25,16 +25,16 @@ const MIRROR: f32 = 1e9;
 /// the unshadowed radiance.
 ///
 /// - Lambert: closed, exact at every horizon crossing ([`sphere_light_irradiance`]).
-/// - exponent ≥ 400, light above the horizon and wider than the lobe: the *slab form*, three error functions. A Gaussian over a disc, seen along
-///   its offset, is almost a Gaussian over a slab of adjusted half-width and width.
+/// - exponent ≥ 400, light above the horizon and wider than the lobe: the *slab form*, three error functions. A Gaussian
+///   over a disc, seen along its offset, is almost a Gaussian over a slab of adjusted half-width and width.
 /// - else: *chords*, slices by the planes that contain the axis across lobe and light; along a chord the integral is
 ///   closed (an error function), chords are cut exactly at the horizon, and the nodes absorb the disc's square-root
 ///   edges. 10 chords, 6 where the light is narrower than the lobe; 16 in each of the pieces into which the horizon cuts
 ///   the rim; 32 below exponent 1.
 ///
 /// # Domain
-/// Exponents in [0, 1e7] (from 1e9 on the lobe sees its axis only, and between the two loses precision), cones from a point (gives 0) to a hemisphere; a receiver inside the light sees it in all
-/// directions above its horizon.
+/// Exponents in [0, 1e7] (from 1e9 on the lobe sees its axis only, and between the two loses precision), cones from a
+/// point (gives 0) to a hemisphere; a receiver inside the light sees it in all directions above its horizon.
 ///
 /// # Accuracy
 /// Against quadrature in f64, relative to the on-axis value: ≤ 0.15 % above the horizon for all exponents from 1 and all
@@ -71,7 +71,12 @@ pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
 /// [`cap_integral`] of many lobes, as when a tile of receivers meets one light: `out[k]` is the integral of `lobes[k]` at
 /// the receiver `at[of[k]]` over `cones[of[k]]`, bit for bit what the single call gives, on every machine.
 ///
-/// Lobes of one kind are taken sixteen at a time, as many in one instruction as the processor offers.
+/// Lobes of one kind are taken sixteen at a time, as many in one instruction as the processor offers. Keep the lobes of a
+/// receiver together.
+///
+/// # Cost
+/// Instructions a lobe with AVX2, full blocks: Lambert 100 (through the horizon 155), slab 220, chords 420 (six) and 530
+/// (ten), 200 where lobe and light do not meet; through the horizon 2800, exponents below 1 2300.
 ///
 /// ```
 /// use glam::Vec3;
