@@ -1,6 +1,6 @@
 //! The tables as Markdown.
 
-use crate::measure::Row;
+use crate::measure::{Row, Timing};
 use crate::scaling::Measured;
 use std::fmt::Write;
 
@@ -12,7 +12,9 @@ pub(crate) fn markdown(rows: &[Row], curves: &[Measured]) -> String {
         text,
         "Shading of one frame, visible points given, {threads} threads, tolerance 0.5 %, depth 5, strategy `spheres`. Scenes \
          with the paper's numbers of points, spheres and lights, made by `cargo run --release --example results_table`; the \
-         paper's figures are from an Intel Core i7 920 with an NVIDIA GTX 280. Median of repeated frames with quartiles.\n"
+         paper's figures are from an Intel Core i7 920 with an NVIDIA GTX 280. Median of repeated frames \
+         with quartiles; `CPU ms` is the time that all threads spent on processors, a frame: divided by the threads it is what an idle \
+         machine would take at best.\n"
     );
     if !rows.is_empty() {
         times(&mut text, rows);
@@ -31,9 +33,9 @@ fn threads() -> usize {
 
 fn times(text: &mut String, rows: &[Row]) {
     text.push_str(
-        "| scene | points | spheres | lights | penumbra | dark | ms a frame (quartiles) | fps | best ms | asked | paper |\n",
+        "| scene | points | spheres | lights | penumbra | dark | ms a frame (quartiles) | fps | best ms | CPU ms | asked | paper |\n",
     );
-    text.push_str("|---|---|---|---|---|---|---|---|---|---|---|\n");
+    text.push_str("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for Row { name, note, paper, target, spheres, lights, timing } in rows {
         let [_, penumbra, dark] = timing.shares().map(|s| 100.0 * s);
         let ms = 1e3 * timing.stats.seconds;
@@ -48,12 +50,18 @@ fn times(text: &mut String, rows: &[Row]) {
         let _ = writeln!(
             text,
             "| {name}: {note} | {points} | {spheres} | {lights} | {penumbra:.1} % | {dark:.1} % | {ms:.2} ({low:.2}–{high:.2}) | \
-             {:.1} | {:.2} | {asked} | {paper} |",
+             {:.1} | {:.2} | {} | {asked} | {paper} |",
             1e3 / ms,
-            1e3 * timing.best
+            1e3 * timing.best,
+            cpu(timing)
         );
     }
     text.push('\n');
+}
+
+/// Milliseconds on processors a frame.
+fn cpu(timing: &Timing) -> String {
+    timing.processor.map_or_else(|| "–".to_owned(), |s| format!("{:.2}", 1e3 * s))
 }
 
 fn counters(text: &mut String, rows: &[Row]) {
@@ -80,23 +88,32 @@ fn counters(text: &mut String, rows: &[Row]) {
     text.push('\n');
 }
 
+/// What rows of a curve are compared by: the time on processors, where it is known.
+fn cost(timing: &Timing) -> f64 {
+    timing.processor.unwrap_or(timing.best)
+}
+
 fn series(text: &mut String, measured: &Measured) {
     let curve = &measured.curve;
     let _ = writeln!(text, "## {}\n\n{}. 65 536 points.\n", curve.name, curve.note);
-    let _ =
-        writeln!(text, "| {} | penumbra | ms (quartiles) | best ms | × the first |\n|---|---|---|---|---|", curve.of);
-    let first = measured.timings.first().map_or(1.0, |t| t.best);
+    let _ = writeln!(
+        text,
+        "| {} | penumbra | ms (quartiles) | best ms | CPU ms | × the first |\n|---|---|---|---|---|---|",
+        curve.of
+    );
+    let first = measured.timings.first().map_or(1.0, cost);
     for (value, timing) in measured.points() {
         let [_, penumbra, _] = timing.shares();
         let seconds = timing.stats.seconds;
         let [low, high] = timing.quartiles.map(|s| 1e3 * s);
         let _ = writeln!(
             text,
-            "| {value} | {:.1} % | {:.2} ({low:.2}–{high:.2}) | {:.2} | {:.2} |",
+            "| {value} | {:.1} % | {:.2} ({low:.2}–{high:.2}) | {:.2} | {} | {:.2} |",
             100.0 * penumbra,
             1e3 * seconds,
             1e3 * timing.best,
-            timing.best / first
+            cpu(timing),
+            cost(timing) / first
         );
     }
     text.push('\n');
