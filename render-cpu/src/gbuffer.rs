@@ -35,6 +35,9 @@ impl GBuffer {
     /// Shoots `samples` rays (at least 1) through every pixel of a `width`×`height` image: one through its centre,
     /// several through a Hammersley set that is the same in all pixels.
     ///
+    /// The rays of a tile go through the hierarchy together; closed surfaces have no cracks. Cost: 0.05 to 0.13 µs of a core
+    /// a ray (`examples/points.rs`).
+    ///
     /// # Panics
     /// When the image has more than 2³² pixels.
     #[must_use]

@@ -49,8 +49,20 @@ const LISTED: usize = 48;
 /// *Not culled*: each ray alone through an eight-wide hierarchy (obvhs).
 ///
 /// Lights narrower than a glossy lobe's width are sampled well; a lobe much narrower than the light (`e(1 − cos θ) > 2`)
-/// would need samples of its own and is noisy. Cost: linear in samples. Results do not depend on threads nor on how points are
-/// listed.
+/// would need samples of its own and is noisy. Results do not depend on threads nor on how points are listed.
+///
+/// # Cost
+/// Linear in samples. Measured on a core with AVX-512, 65 536 points, bunny of 64 spheres: 14 Mrays/s through the hierarchy,
+/// with culling 50 to 250 Mrays/s (64 to 1024 samples); 7 Mrays/s against its 6968 triangles. Error over the penumbra (8 %
+/// of the points, light of 6°), which follows N^−0.7: 1.4 % with 64 samples, 0.5 % with 256, 0.2 % with 1024.
+///
+/// ```
+/// use render_cpu::RayShader;
+/// use scene::{BlockerSet, Frame, Shade, ShadingPoints};
+/// let mut shader = RayShader::spheres(&BlockerSet::default(), 64).culled(true);
+/// let frame = Frame { materials: &[], lights: &[], tolerance: 0.0, depth: 1, threshold: 0.0 };
+/// shader.shade(&ShadingPoints::default(), &frame, &mut []).unwrap();
+/// ```
 #[derive(Debug)]
 pub struct RayShader<'a> {
     targets: Targets<'a>,
