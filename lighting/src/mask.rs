@@ -1,5 +1,6 @@
 use crate::UnitSquare;
-use crate::row::{self, Row, SUBLINES, WIDTH};
+use crate::row::{self, COARSE, EIGHT, Row, SUBLINES, WIDTH};
+use fearless_simd::{Level, Simd, dispatch, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
@@ -9,8 +10,9 @@ const SIDE: usize = 1 << MAX_DEPTH;
 
 /// The visibility mask: the leaves of the complete quad-tree of a depth (§5.3 of the paper, Fig. 9), sampled as bits.
 ///
-/// `2^depth` rows of `2^depth` cells. A row is a line through its cells' centres with 256 samples, whatever the depth: a
-/// span is exact to 1/256 of the window along the row, and from row to row the samples are shifted, so that an edge across
+/// `2^depth` rows of `2^depth` cells. A row is a line through its cells' centres with 256 samples, whatever the depth
+/// ([`MaskVisibility`](crate::MaskVisibility) takes 64 where the tolerance allows): a span is exact to 1/256 of the window
+/// along the row, and from row to row the samples are shifted, so that an edge across
 /// many rows is exact to a fraction of that. Across the rows an edge is met where it crosses their lines; one that runs
 /// along a row is taken by area ([`block_area`](Self::block_area)), with eight heights among the samples. An edge across
 /// the rows is the most exact: let [`UnitSquare::right`] point across the edges that matter.
@@ -27,22 +29,28 @@ pub struct Mask {
     scale: f32,
     /// Samples of each row that emit: from, to.
     emitting: [(u32, u32); SIDE],
-    /// Samples that emit and are not blocked.
+    /// Samples that emit and are not blocked: of a fine mask the rows, of a coarse one their two halves, each a word.
     lit: [Row; SIDE],
+    halves: [[u32; SIDE + EIGHT]; 2],
+    coarse: bool,
 }
 
 /// What emits where the window shows a whole disc: the same for all lights.
 struct Disc {
     emitting: [(u32, u32); SIDE],
     lit: [Row; SIDE],
+    halves: [[u32; SIDE + EIGHT]; 2],
 }
 
-static DISCS: LazyLock<[Disc; MAX_DEPTH as usize + 1]> = LazyLock::new(|| {
-    core::array::from_fn(|depth| {
-        let mut mask = Mask { depth: depth as u32, ..Mask::default() };
-        mask.fit();
-        mask.emit(Vec3::Z);
-        Disc { emitting: mask.emitting, lit: mask.lit }
+/// Fine ones, then coarse ones.
+static DISCS: LazyLock<[[Disc; MAX_DEPTH as usize + 1]; 2]> = LazyLock::new(|| {
+    [false, true].map(|coarse| {
+        core::array::from_fn(|depth| {
+            let mut mask = Mask { depth: depth as u32, coarse, ..Mask::default() };
+            mask.fit();
+            mask.emit(Vec3::Z);
+            Disc { emitting: mask.emitting, lit: mask.lit, halves: mask.halves }
+        })
     })
 });
 
@@ -57,6 +65,8 @@ impl Default for Mask {
             scale: 1.0,
             emitting: [(0, 0); SIDE],
             lit: [row::NONE; SIDE],
+            halves: [[0; SIDE + EIGHT]; 2],
+            coarse: false,
         }
     }
 }
@@ -75,9 +85,15 @@ impl Mask {
         let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * n.truncate().length_squared();
         self.whole_disc = above && square.half == square.disc && square.center == Vec2::ZERO;
         if self.whole_disc {
-            let (disc, side) = (&DISCS[depth as usize], self.side());
+            let (disc, side) = (&DISCS[usize::from(self.coarse)][depth as usize], self.side());
             self.emitting[..side].copy_from_slice(&disc.emitting[..side]);
-            self.lit[..side].copy_from_slice(&disc.lit[..side]);
+            if self.coarse {
+                for (halves, disc) in self.halves.iter_mut().zip(&disc.halves) {
+                    halves[..side].copy_from_slice(&disc[..side]);
+                }
+            } else {
+                self.lit[..side].copy_from_slice(&disc.lit[..side]);
+            }
         } else {
             self.emit(n);
         }
@@ -86,7 +102,18 @@ impl Mask {
     /// The scale of the window.
     fn fit(&mut self) {
         self.left = self.square.center.x - self.square.half;
-        self.scale = WIDTH as f32 / (2.0 * self.square.half);
+        self.scale = self.width() as f32 / (2.0 * self.square.half);
+    }
+
+    /// From the next [`reset`](Self::reset) on: whether rows have 64 samples instead of 256, for tolerances of a few
+    /// thousandths and more.
+    pub(crate) fn set_coarse(&mut self, coarse: bool) {
+        self.coarse = coarse;
+    }
+
+    /// Samples in a row.
+    pub(crate) fn width(&self) -> usize {
+        if self.coarse { COARSE } else { WIDTH }
     }
 
     /// What emits, with the normal in the square's frame.
@@ -107,8 +134,22 @@ impl Mask {
             }
             let (from, to) = self.samples(j, from, to);
             self.emitting[j] = (from, to);
-            self.lit[j] = row::span(from, to);
+            self.set(j, row::span(from, to));
         }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, j: usize, row: Row) {
+        if self.coarse {
+            (self.halves[0][j], self.halves[1][j]) = (row.0[0] as u32, (row.0[0] >> 32) as u32);
+        } else {
+            self.lit[j] = row;
+        }
+    }
+
+    #[inline(always)]
+    fn block(&mut self, j: usize, row: &Row) {
+        self.set(j, row::without(&self.lit(j), row));
     }
 
     /// Whether the window shows all of the light's disc and the horizon cuts nothing off it.
@@ -152,10 +193,15 @@ impl Mask {
         Vec2::new(self.square.center.x + ((i as f32 + 0.5) - 0.5 * self.side() as f32) * self.cell(), self.row_y(j))
     }
 
+    #[inline(always)]
+    fn index(&self, position: f32) -> u32 {
+        row::index(position).min(self.width() as u32)
+    }
+
     /// Plane coordinates x as samples of row `j`, clamped to the row. An empty or NaN interval gives an empty one.
     fn samples(&self, j: usize, from: f32, to: f32) -> (u32, u32) {
         if from < to {
-            let at = |x: f32| row::index((x - self.left) * self.scale - row::PHASE[j]);
+            let at = |x: f32| self.index((x - self.left) * self.scale - row::PHASE[j]);
             (at(from), at(to))
         } else {
             (0, 0)
@@ -165,7 +211,7 @@ impl Mask {
     /// Blocks row `j` between two plane coordinates x; infinite ones are fine, an empty or NaN interval blocks nothing.
     pub fn block_span(&mut self, j: usize, from: f32, to: f32) {
         let (from, to) = self.samples(j, from, to);
-        self.lit[j] = row::without(&self.lit[j], &row::span(from, to));
+        self.block(j, &row::span(from, to));
     }
 
     /// Blocks of row `j` what a shape covers of it on eight lines: for shapes whose edge runs along the row, which would
@@ -174,49 +220,73 @@ impl Mask {
     /// Each line has an eighth of the samples, so that two edges that pass through the same row fuse as they should.
     pub fn block_area(&mut self, j: usize, span: impl Fn(f32) -> (f32, f32)) {
         let (y, cell) = (self.row_y(j), self.cell());
-        let mut from = [0.0; SUBLINES];
-        let mut to = [0.0; SUBLINES];
+        let mut from = [0; SUBLINES];
+        let mut to = [0; SUBLINES];
         for k in 0..SUBLINES {
             let (a, b) = span(y + cell * row::height(k));
             let (a, b) = if a < b { (a, b) } else { (self.left, self.left) };
-            (from[k], to[k]) = ((a - self.left) * self.scale, (b - self.left) * self.scale);
+            let at = |x: f32| self.index((x - self.left) * self.scale);
+            (from[k], to[k]) = (at(a), at(b));
         }
-        self.block_lines(j, &from, &to);
+        dispatch!(Level::new(), simd => {
+            self.block_lines(simd, j, u32x8::simd_from(simd, from), u32x8::simd_from(simd, to));
+        });
     }
 
     /// Blocks every sample.
     pub fn block_all(&mut self) {
         self.lit = [row::NONE; SIDE];
+        self.halves = [[0; SIDE + EIGHT]; 2];
     }
 
     /// Blocks each cell for whose centre's unit direction (in world space) `test` says so: the slow way, for shapes
     /// without spans.
     pub fn block_where(&mut self, test: impl Fn(Vec3) -> bool) {
-        let width = (WIDTH >> self.depth) as u32;
+        // A cell of a coarse mask may be as small as a sample.
+        let width = (self.width() >> self.depth) as u32;
         for j in 0..self.side() {
             for i in Bits(self.lit_cells(j)) {
                 let p = self.cell_center(i, j);
                 if test(self.square.world(p.extend(1.0)).normalize()) {
                     let cell = row::span(i as u32 * width, (i as u32 + 1) * width);
-                    self.lit[j] = row::without(&self.lit[j], &cell);
+                    self.block(j, &cell);
                 }
             }
         }
     }
 
-    /// Blocks samples `from..to` of row `j`, both at most 256: for shapes that find the ends of many rows at once with
-    /// [`raster`](Self::raster).
+    /// Blocks samples `from[k]..to[k]` of the row `j + k`, eight rows at once: for shapes that find the ends of many rows
+    /// together, with [`raster`](Self::raster). An empty interval blocks nothing; ends are at most the raster's width.
     #[inline(always)]
-    pub fn block_samples(&mut self, j: usize, from: u32, to: u32) {
-        self.lit[j] = row::without(&self.lit[j], &row::span(from, to));
+    pub fn block_rows<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
+        if self.coarse {
+            let blocked = row::halves(simd, from, to);
+            for (rows, blocked) in self.halves.iter_mut().zip(blocked) {
+                if let Some(rows) = rows[j..].first_chunk_mut::<EIGHT>() {
+                    (u32x8::simd_from(simd, *rows) & !blocked).store_slice(rows);
+                }
+            }
+        } else {
+            let (from, to): ([u32; EIGHT], [u32; EIGHT]) = (from.into(), to.into());
+            for (row, (from, to)) in self.lit[j..].iter_mut().zip(from.iter().zip(&to)) {
+                *row = row::without(row, &row::span(*from, *to));
+            }
+        }
     }
 
-    /// [`block_area`](Self::block_area) with the ends of the eight lines in samples from the window's left side.
+    /// [`block_area`](Self::block_area) with the ends of the eight lines in samples, without a shift.
     #[inline(always)]
-    pub fn block_lines(&mut self, j: usize, from: &[f32; SUBLINES], to: &[f32; SUBLINES]) {
+    pub fn block_lines<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
+        if self.coarse {
+            let blocked = row::of_lines(simd, j, from, to);
+            self.halves[0][j] &= !blocked[0];
+            self.halves[1][j] &= !blocked[1];
+            return;
+        }
+        let (from, to): ([u32; EIGHT], [u32; EIGHT]) = (from.into(), to.into());
         let mut blocked = row::NONE;
         for k in 0..SUBLINES {
-            let line = row::span(row::index(from[k]), row::index(to[k]));
+            let line = row::span(from[k], to[k]);
             blocked = row::with(&blocked, &row::of_line(&line, j, k));
         }
         self.lit[j] = row::without(&self.lit[j], &blocked);
@@ -231,6 +301,7 @@ impl Mask {
             bottom: self.square.center.y - self.square.half,
             samples: self.scale,
             rows: self.side() as f32 / (2.0 * self.square.half),
+            width: self.width() as f32,
         }
     }
 
@@ -242,28 +313,34 @@ impl Mask {
 
     /// Samples of row `j` that are lit.
     #[inline(always)]
-    pub(crate) fn lit(&self, j: usize) -> &Row {
-        &self.lit[j]
+    pub(crate) fn lit(&self, j: usize) -> Row {
+        if self.coarse {
+            let mut row = row::NONE;
+            row.0[0] = u64::from(self.halves[0][j]) | u64::from(self.halves[1][j]) << 32;
+            row
+        } else {
+            self.lit[j]
+        }
     }
 
     /// Cells of row `j` that emit at all.
     #[must_use]
     pub fn emitting_cells(&self, j: usize) -> u64 {
         let (from, to) = self.emitting[j];
-        let width = WIDTH as u32 >> self.depth;
+        let width = self.width() as u32 >> self.depth;
         if from < to { ones(to.div_ceil(width)) & !ones(from / width) } else { 0 }
     }
 
     /// Cells of row `j` that emit and are not blocked from end to end.
     #[must_use]
     pub fn lit_cells(&self, j: usize) -> u64 {
-        row::any(&self.lit[j], self.depth)
+        row::any(&self.lit(j), self.width() >> self.depth)
     }
 
     /// Part of a cell of row `j` that emits, as (start, length) in cells.
     pub(crate) fn emitting_part(&self, i: usize, j: usize) -> (f32, f32) {
         let (from, to) = self.emitting[j];
-        let width = (WIDTH >> self.depth) as f32;
+        let width = (self.width() >> self.depth) as f32;
         let at = |sample: u32| (sample as f32 / width).clamp(i as f32, i as f32 + 1.0);
         let (from, to) = (at(from), at(to));
         (from, (to - from).max(0.0))
@@ -275,23 +352,27 @@ impl Mask {
         let (mut emitting, mut lit) = (0, 0);
         for j in 0..self.side() {
             emitting += self.emitting[j].1.saturating_sub(self.emitting[j].0);
-            lit += row::count(&self.lit[j]);
+            lit += row::count(&self.lit(j));
         }
-        let cell = (WIDTH >> self.depth) as f32;
+        let cell = (self.width() >> self.depth) as f32;
         (emitting as f32 / cell, lit as f32 / cell)
     }
 
     /// True when nothing that emits is blocked.
     #[must_use]
     pub fn is_lit(&self) -> bool {
-        (0..self.side()).all(|j| self.lit[j] == row::span(self.emitting[j].0, self.emitting[j].1))
+        (0..self.side()).all(|j| self.lit(j) == row::span(self.emitting[j].0, self.emitting[j].1))
     }
 
     /// True when every emitting sample is blocked.
     #[must_use]
     #[inline(always)]
     pub fn is_dark(&self) -> bool {
-        self.lit[..self.side()].iter().fold(row::NONE, |any, row| row::with(&any, row)) == row::NONE
+        let side = self.side();
+        if self.coarse {
+            return self.halves.iter().all(|half| half[..side].iter().fold(0, |any, word| any | word) == 0);
+        }
+        self.lit[..side].iter().fold(row::NONE, |any, row| row::with(&any, row)) == row::NONE
     }
 }
 
@@ -307,6 +388,8 @@ pub struct Raster {
     pub samples: f32,
     /// Rows a unit.
     pub rows: f32,
+    /// Samples in a row.
+    pub width: f32,
 }
 
 impl Raster {
@@ -318,19 +401,23 @@ impl Raster {
         row::PHASE[j]
     }
 
-    /// The first sample at or after a position, 0…256; 0 for NaN.
+    /// The shifts of eight rows from `j` on.
     #[inline(always)]
     #[must_use]
-    pub fn index(position: f32) -> u32 {
-        row::index(position)
+    pub fn shifts(j: usize) -> &'static [f32; 8] {
+        row::phases(j)
     }
 
-    /// Height of one of the eight lines of [`Mask::block_lines`] above the row's own, in rows within ±½.
-    #[inline(always)]
-    #[must_use]
-    pub const fn height(line: usize) -> f32 {
-        row::height(line)
-    }
+    /// Heights of the eight lines of [`Mask::block_lines`] above the row's own, in rows within ±½.
+    pub const HEIGHTS: [f32; 8] = {
+        let mut heights = [0.0; SUBLINES];
+        let mut k = 0;
+        while k < SUBLINES {
+            heights[k] = row::height(k);
+            k += 1;
+        }
+        heights
+    };
 }
 
 /// The lowest `n` bits, n ≤ 64.

@@ -1,6 +1,6 @@
 //! Moments of quad-tree nodes, from bits.
 
-use crate::row::{self, WIDTH};
+use crate::row;
 use crate::{MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::exponent_of_spread;
@@ -114,7 +114,7 @@ struct Sums {
 
 impl Sums {
     fn new(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> Self {
-        let width = WIDTH / mask.side();
+        let width = mask.width() / mask.side();
         let (from, to) = (x0 * width, (x0 + size) * width);
         let mut sums = Self::default();
         for dy in 0..size as u32 {
@@ -124,13 +124,13 @@ impl Sums {
                     let (from, to) = mask.emitting(j);
                     row::span(from, to)
                 }
-                Part::Lit => *mask.lit(j),
+                Part::Lit => mask.lit(j),
             };
             let (mut count, mut x, mut xx) = (0, 0, 0);
             let mut at = from;
             while at < to {
                 // A byte, or a cell where those are smaller.
-                let byte = (row.0[at / 64] >> (at % 64)) as usize & if width < 8 { 0xf } else { 0xff };
+                let byte = (row.0[at / 64] >> (at % 64)) as usize & ((1 << width.min(8)) - 1);
                 let [n, sum, squares] = BYTE[byte].map(u32::from);
                 let offset = (at - from) as u32;
                 count += n;
@@ -154,7 +154,7 @@ impl Sums {
             return Moments::default();
         }
         let cell = mask.cell();
-        let sample = cell * (mask.side() as f32 / WIDTH as f32);
+        let sample = cell * (mask.side() as f32 / mask.width() as f32);
         let inverse = 1.0 / self.count as f32;
         let (mx, my) = (self.x as f32 * inverse, self.y as f32 * inverse);
         let (xx, yy) = (self.xx as f32 * inverse - mx * mx, self.yy as f32 * inverse - my * my);
@@ -219,12 +219,12 @@ impl Pyramid {
     pub(crate) fn build_lit(&mut self, mask: &Mask, emitting: &Self) {
         let finest = &emitting.levels[emitting.top];
         self.build(mask, |x0, y0, size, index| {
-            let columns = WIDTH / mask.side();
+            let columns = mask.width() / mask.side();
             let node = row::span((x0 * columns) as u32, ((x0 + size) * columns) as u32);
             let (mut untouched, mut dark) = (true, true);
             for j in y0..y0 + size {
                 let (from, to) = mask.emitting(j);
-                let lit = row::and(mask.lit(j), &node);
+                let lit = row::and(&mask.lit(j), &node);
                 untouched &= lit == row::and(&row::span(from, to), &node);
                 dark &= lit == row::NONE;
             }

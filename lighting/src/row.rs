@@ -1,9 +1,13 @@
 //! One row of a mask: 256 samples as bits, and what is done to them.
 
 use crate::MAX_DEPTH;
+use fearless_simd::{Simd, prelude::*, u32x8};
 
-/// Samples in a row.
+/// Samples in a row, and in one of a coarse mask, which takes the first word.
 pub(crate) const WIDTH: usize = 256;
+pub(crate) const COARSE: usize = 64;
+/// Rows that are taken at once.
+pub(crate) const EIGHT: usize = 8;
 /// Heights within a row at which shapes along the row are sampled.
 pub(crate) const SUBLINES: usize = 8;
 
@@ -33,8 +37,10 @@ static FROM: [Row; 2 * WIDTH] = {
 };
 
 /// Shifts of the rows' samples, in samples: multiples of the golden section, whose fractions fill an interval evenly.
-pub(crate) const PHASE: [f32; 1 << MAX_DEPTH] = {
-    let mut phase = [0.0; 1 << MAX_DEPTH];
+///
+/// Eight more than there are rows, for whoever takes eight rows at once.
+pub(crate) static PHASE: [f32; (1 << MAX_DEPTH) + 8] = {
+    let mut phase = [0.0; (1 << MAX_DEPTH) + 8];
     let mut j = 0;
     while j < phase.len() {
         let x = (j as f64 + 0.5) * 0.618_033_988_749_894_9;
@@ -43,6 +49,12 @@ pub(crate) const PHASE: [f32; 1 << MAX_DEPTH] = {
     }
     phase
 };
+
+/// The shifts of eight rows from `j` on.
+#[inline(always)]
+pub(crate) fn phases(j: usize) -> &'static [f32; 8] {
+    PHASE[j & ((1 << MAX_DEPTH) - 1)..].first_chunk().unwrap_or(&[0.0; 8])
+}
 
 /// The order in which eight neighbouring samples take the eight heights: bits reversed, so that any few of them are spread.
 const ORDER: [u32; SUBLINES] = [0, 4, 2, 6, 1, 5, 3, 7];
@@ -106,14 +118,51 @@ pub(crate) fn of_line(row: &Row, j: usize, k: usize) -> Row {
     out
 }
 
+// Functions and no closures: a closure is not told to stay inside the code that has the wide instructions.
+
+/// The samples `from..to` of eight rows of 64, as their lower and upper halves.
+#[inline(always)]
+pub(crate) fn halves<S: Simd>(simd: S, from: u32x8<S>, to: u32x8<S>) -> [u32x8<S>; 2] {
+    let middle = u32x8::splat(simd, 32);
+    let low = up_from(simd, from.min(middle)) & !up_from(simd, to.min(middle));
+    let high = up_from(simd, from.max(middle) - middle) & !up_from(simd, to.max(middle) - middle);
+    [low, high]
+}
+
+/// Bits from `shift` on, of 32.
+#[inline(always)]
+fn up_from<S: Simd>(simd: S, shift: u32x8<S>) -> u32x8<S> {
+    // A shift by 32 is not defined, two by half as much are.
+    let half = shift >> 1;
+    u32x8::splat(simd, u32::MAX) << half << (shift - half)
+}
+
+/// A row of 64 of which eight lines are covered in part, each having its own samples as in [`of_line`].
+#[inline(always)]
+pub(crate) fn of_lines<S: Simd>(simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) -> [u32; 2] {
+    let turn = j as u32 & 7;
+    let order = (u32x8::simd_from(simd, ORDER) + u32x8::splat(simd, turn)) & u32x8::splat(simd, 7);
+    let which = u32x8::splat(simd, 0x0101_0101) << order;
+    let [low, high] = halves(simd, from, to);
+    [either(low & which), either(high & which)]
+}
+
+#[inline(always)]
+fn either<S: Simd>(words: u32x8<S>) -> u32 {
+    let [a, b, c, d, e, f, g, h]: [u32; SUBLINES] = words.into();
+    ((a | e) | (c | g)) | ((b | f) | (d | h))
+}
+
 /// Number of samples.
 pub(crate) fn count(row: &Row) -> u32 {
     row.0.iter().map(|word| word.count_ones()).sum()
 }
 
-/// Which of the `2^depth` cells of a row have any sample.
-pub(crate) fn any(row: &Row, depth: u32) -> u64 {
-    let width = WIDTH >> depth;
+/// Which of the cells of a row, so many samples wide, have any sample.
+pub(crate) fn any(row: &Row, width: usize) -> u64 {
+    if width == 1 {
+        return row.0[0];
+    }
     if width >= 64 {
         // Two or four cells.
         let words = width / 64;
@@ -133,7 +182,8 @@ pub(crate) fn any(row: &Row, depth: u32) -> u64 {
         for i in 0..count {
             cells |= (w >> (i * width) & 1) << i;
         }
-        out |= cells << (k * count);
+        // Words that a coarse mask leaves empty add nothing.
+        out |= cells.checked_shl((k * count) as u32).unwrap_or(0);
     }
     out
 }

@@ -68,7 +68,7 @@ fn open_length((from, to): (f64, f64), spans: &[(f64, f64)]) -> f64 {
 
 /// Lit cells of one row.
 fn lit_row(mask: &Mask, j: usize) -> f64 {
-    f64::from(row::count(mask.lit(j))) * sample(mask)
+    f64::from(row::count(&mask.lit(j))) * sample(mask)
 }
 
 /// A sample in cells.
@@ -191,7 +191,7 @@ fn spans_fuse_as_their_union_in_any_order() {
         let fill = |spans: &[(f32, f32)]| {
             let mut mask = mask(&square, 5, normal);
             spans.iter().for_each(|s| mask.block_span(7, s.0, s.1));
-            *mask.lit(7)
+            mask.lit(7)
         };
         let first = fill(&spans);
         spans.reverse();
@@ -255,7 +255,7 @@ fn moments_of(mask: &Mask, part: Part, x0: usize, y0: usize, size: usize) -> [f6
     for j in y0..y0 + size {
         let row = match part {
             Part::Emitting => row::span(mask.emitting(j).0, mask.emitting(j).1),
-            Part::Lit => *mask.lit(j),
+            Part::Lit => mask.lit(j),
         };
         for k in (x0 * width..(x0 + size) * width).filter(|k| row.0[k / 64] >> (k % 64) & 1 == 1) {
             const N: usize = 4;

@@ -1,8 +1,11 @@
 use crate::cut::{Cut, CutScratch};
-use crate::share::share;
+use crate::share::{Counts, share};
 use crate::{Edges, MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert};
+
+/// Tolerance from which on a row of a mask has 64 samples.
+const COARSE: f32 = 0.005;
 
 /// How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
 const HORIZON: f32 = 4.0;
@@ -116,6 +119,11 @@ impl<B: Blockers> MaskVisibility<B> {
         edges.across()
     }
 
+    /// Whether rows of 64 samples do: their mean error is 0.1 % at depth 5, that of 256 samples 0.05 %.
+    fn is_coarse(&self, query: &VisibilityQuery<'_>) -> bool {
+        !self.lobes && query.tolerance >= COARSE
+    }
+
     /// The blockers.
     pub fn blockers(&self) -> &B {
         &self.blockers
@@ -142,6 +150,7 @@ pub struct MaskScratch<S> {
     square: UnitSquare,
     full: Mask,
     zoomed: Mask,
+    counts: Counts,
     cut: CutScratch,
 }
 
@@ -155,6 +164,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             square: *full.square(),
             zoomed: full.clone(),
             full,
+            counts: Counts::default(),
             cut: CutScratch::default(),
         }
     }
@@ -182,6 +192,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             return Coverage::Dark;
         }
         scratch.square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers));
+        scratch.full.set_coarse(self.is_coarse(query));
         scratch.full.reset(&scratch.square, self.depth, query.at.normal);
         self.blockers.splat(query, &mut scratch.blockers, &mut scratch.full);
         if scratch.full.is_lit() {
@@ -210,6 +221,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             let cone = square.cone(query.cone.distance);
             let across = self.across(&VisibilityQuery { cone: &cone, ..*query }, &scratch.blockers);
             let square = UnitSquare::facing(query.cone, across).zoomed(brdf, query.at.normal, sigmas);
+            scratch.zoomed.set_coarse(self.is_coarse(query));
             scratch.zoomed.reset(&square, self.depth, query.at.normal);
             self.blockers.splat(query, &mut scratch.blockers, &mut scratch.zoomed);
             &scratch.zoomed
@@ -217,7 +229,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         if !self.lobes {
             out.lobes.writer();
             out.whole.writer();
-            out.base = share(mask, query.at, brdf);
+            out.base = share(mask, query.at, brdf, &mut scratch.counts);
             return Ok(());
         }
         scratch.cut.build(mask);

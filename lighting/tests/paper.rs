@@ -214,7 +214,7 @@ fn each_level_covers_alone() {
         println!("dist {dist:5}: {totals:.3?} {merges:.4?}");
         for (level, total) in totals.iter().enumerate().filter(|_| dist <= 10.0) {
             // A node that is its parent's only one in the disc is replaced by the parent, which takes more.
-            assert!((-0.01..0.025).contains(&(total - 1.0)), "level {level}, dist {dist}: {total}");
+            assert!((-0.01..0.03).contains(&(total - 1.0)), "level {level}, dist {dist}: {total}");
         }
         assert!(dist > 10.0 || merges.iter().all(|m| *m < 0.008), "dist {dist}");
     }

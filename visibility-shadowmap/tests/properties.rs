@@ -384,7 +384,7 @@ fn fraction<V: VisibilityLobes>(
 #[test]
 fn a_full_buffer_is_an_error() {
     let mesh = sheet(Mesh::default(), [0.0, 2.0], 2.0, [-2.0, 2.0]);
-    let strategy = MaskVisibility::new(blockers(&mesh, LIGHT, 256), 5);
+    let strategy = MaskVisibility::new(blockers(&mesh, LIGHT, 256), 5).with_lobes();
     let (mut scratch, mut none) = (strategy.scratch(), VisibilitySum::with_capacity(0));
     let at = receiver(Vec3::ZERO, Vec3::Y);
     let cone = Cone::of_sphere(at.position, LIGHT);

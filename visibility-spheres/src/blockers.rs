@@ -3,7 +3,7 @@ use crate::cone_test::ConeTest;
 use crate::shaft_test::ShaftTest;
 use crate::sphere_tree::SphereTree;
 use crate::splat::BlockedCone;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, Simd, dispatch};
 use lighting::{Blockers, Edges, Mask};
 use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 
@@ -209,19 +209,19 @@ impl Blockers for SphereBlockers {
     }
 
     fn splat(&self, _: &VisibilityQuery<'_>, scratch: &mut SphereScratch, mask: &mut Mask) {
-        dispatch!(Level::new(), _ => splat_all(&scratch.hits, mask));
+        dispatch!(Level::new(), simd => splat_all(simd, &scratch.hits, mask));
     }
 }
 
 /// Splats until nothing is lit any more.
 #[inline(always)]
-fn splat_all(hits: &[BlockedCone], mask: &mut Mask) {
+fn splat_all<S: Simd>(simd: S, hits: &[BlockedCone], mask: &mut Mask) {
     for (number, blocked) in hits.iter().enumerate() {
         if number % LANES == LANES - 1 && mask.is_dark() {
             return;
         }
         match blocked.meets_light {
-            None => blocked.splat(mask),
+            None => blocked.splat(simd, mask),
             Some((center, radius)) => blocked.splat_in_front(center, radius, mask),
         }
     }

@@ -1,10 +1,13 @@
 //! A ball wholly in front of the receiver, on the mask.
 
+use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lighting::{Mask, Raster};
 
 /// Rows that are taken at once.
 const LANES: usize = 8;
+const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+const HEIGHTS: [f32; LANES] = Raster::HEIGHTS;
 /// An edge that runs along more than so many cells within one row is taken by area.
 const FLAT: f32 = 4.0;
 
@@ -24,13 +27,15 @@ pub(crate) struct Ellipse {
     /// Samples that an edge runs along within one row before it is taken by area.
     flat: f32,
     rows: usize,
+    /// Samples in a row.
+    width: f32,
 }
 
 impl Ellipse {
     /// `c` is the centre in the frame of the mask's square, `c.z > r`.
     #[inline(always)]
     pub(crate) fn new(c: Vec3, r: f32, mask: &Mask) -> Self {
-        let Raster { left, bottom, samples, rows } = mask.raster();
+        let Raster { left, bottom, samples, rows, width } = mask.raster();
         let g = (c.z - r) * (c.z + r);
         let u = c.y * c.y + g;
         let w = c.x * c.x + u;
@@ -45,62 +50,60 @@ impl Ellipse {
             half_height: r * root * of_g * rows,
             flat: FLAT * aspect,
             rows: mask.side(),
+            width,
         }
     }
 
     /// Blocks it.
     #[inline(always)]
-    pub(crate) fn splat(&self, mask: &mut Mask) {
-        let row = |y: f32| Raster::index(y - 0.5) as usize;
-        let first = row(self.y - self.half_height).min(self.rows);
-        let end = row(self.y + self.half_height + 1.0).min(self.rows);
+    pub(crate) fn splat<S: Simd>(&self, simd: S, mask: &mut Mask) {
+        let first = (self.y - self.half_height).max(0.0).min(self.rows as f32) as usize;
+        let end = (self.y + self.half_height + 1.0).max(0.0).min(self.rows as f32) as usize;
         // A row's mean span is shorter than that at its centre by the second derivative.
         let bend = self.k0 * self.k2 * (1.0 / 24.0);
+        let (k0, k2, shear, steep) = (
+            f32x8::splat(simd, self.k0),
+            f32x8::splat(simd, self.k2),
+            f32x8::splat(simd, self.shear),
+            f32x8::splat(simd, self.shear.abs()),
+        );
+        let mut t = f32x8::splat(simd, first as f32 + (0.5 - self.y)) + f32x8::simd_from(simd, LANE);
         let mut base = first;
         while base < end {
-            let mut from = [0; LANES];
-            let mut to = [0; LANES];
-            let mut flat = [false; LANES];
-            let mut shift = [0.0; LANES];
-            for k in 0..LANES {
-                shift[k] = Raster::shift((base + k) & 63);
-            }
-            for k in 0..LANES {
-                let t = (base + k) as f32 + (0.5 - self.y);
-                let square = self.k0 - self.k2 * t * t;
-                let square = if square > 0.0 { square } else { 0.0 };
-                let half = square.sqrt();
-                let ends = self.half_height - t.abs() < 0.5;
-                flat[k] = ends | (self.shear.abs() * half + self.k2 * t.abs() > self.flat * half);
-                let mean = half - half * bend / (square * square);
-                let middle = self.x + self.shear * t - shift[k];
-                from[k] = Raster::index(middle - mean);
-                to[k] = Raster::index(middle + mean);
-            }
-            for k in 0..LANES.min(end - base) {
-                if flat[k] {
-                    self.area(base + k, mask);
-                } else {
-                    mask.block_samples(base + k, from[k], to[k]);
-                }
+            let square = (k0 - k2 * t * t).max(f32x8::splat(simd, 0.0));
+            let (half, away) = (square.sqrt(), t.abs());
+            let ends = (f32x8::splat(simd, self.half_height) - away).simd_lt(f32x8::splat(simd, 0.5));
+            let flat = (steep * half + k2 * away).simd_gt(f32x8::splat(simd, self.flat) * half) | ends;
+            let mean = half - half * f32x8::splat(simd, bend) / (square * square);
+            let middle = f32x8::splat(simd, self.x) + shear * t - f32x8::simd_from(simd, *Raster::shifts(base));
+            // Rows by area, and beyond the end, are empty.
+            let to = flat.select(middle - mean, middle + mean);
+            mask.block_rows(simd, base, self.samples(simd, middle - mean), self.samples(simd, to));
+            let mut flat = flat.to_bitmask() & ((1 << (end - base).min(LANES)) - 1);
+            while flat != 0 {
+                self.area(simd, base + flat.trailing_zeros() as usize, mask);
+                flat &= flat - 1;
             }
             base += LANES;
+            t += f32x8::splat(simd, LANES as f32);
         }
     }
 
     /// A row by area.
     #[inline(always)]
-    fn area(&self, j: usize, mask: &mut Mask) {
-        let mut from = [0.0; LANES];
-        let mut to = [0.0; LANES];
-        for k in 0..LANES {
-            let t = j as f32 + 0.5 + Raster::height(k) - self.y;
-            let square = self.k0 - self.k2 * t * t;
-            // Nothing, in a way that needs no branch: an interval that ends where it begins.
-            let half = if square > 0.0 { square } else { 0.0 }.sqrt();
-            let middle = self.x + self.shear * t;
-            (from[k], to[k]) = (middle - half, middle + half);
-        }
-        mask.block_lines(j, &from, &to);
+    fn area<S: Simd>(&self, simd: S, j: usize, mask: &mut Mask) {
+        let t = f32x8::splat(simd, j as f32 + (0.5 - self.y)) + f32x8::simd_from(simd, HEIGHTS);
+        // Nothing, in a way that needs no branch: an interval that ends where it begins.
+        let half =
+            (f32x8::splat(simd, self.k0) - f32x8::splat(simd, self.k2) * t * t).max(f32x8::splat(simd, 0.0)).sqrt();
+        let middle = f32x8::splat(simd, self.x) + f32x8::splat(simd, self.shear) * t;
+        mask.block_lines(simd, j, self.samples(simd, middle - half), self.samples(simd, middle + half));
+    }
+
+    /// The first sample at or after each position: the last bits of a float that is large enough.
+    #[inline(always)]
+    fn samples<S: Simd>(&self, simd: S, position: f32x8<S>) -> u32x8<S> {
+        let clamped = position.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, self.width));
+        (clamped + f32x8::splat(simd, 12_582_912.0)).bitcast::<u32x8<S>>() & u32x8::splat(simd, 0x1ff)
     }
 }

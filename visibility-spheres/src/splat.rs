@@ -1,6 +1,7 @@
 //! One sphere on the mask.
 
 use crate::ellipse::Ellipse;
+use fearless_simd::Simd;
 use glam::{DVec3, Vec3};
 use lighting::{Edges, Mask};
 use lobe_core::Coverage;
@@ -105,10 +106,10 @@ impl BlockedCone {
 
     /// Blocks what of the mask is in the cone.
     #[inline(always)]
-    pub(crate) fn splat(&self, mask: &mut Mask) {
+    pub(crate) fn splat<S: Simd>(&self, simd: S, mask: &mut Mask) {
         let local = mask.square().local(self.to);
         if self.cos > 0.0 && local.z > 1.001 * self.tangent_radius {
-            Ellipse::new(local, self.tangent_radius, mask).splat(mask);
+            Ellipse::new(local, self.tangent_radius, mask).splat(simd, mask);
         } else {
             self.splat_wide(local.as_dvec3(), mask);
         }

@@ -128,7 +128,7 @@ fn ellipse_rows_and_rays_agree() {
         let (to, r) = (center.as_vec3(), r as f32);
         let Some(blocked) = BlockedCone::new(to, r, tau as f32) else { continue };
         let Some(cos) = exact_cos(to.as_dvec3(), f64::from(r), f64::from(tau as f32)) else { continue };
-        blocked.splat(&mut mask);
+        fearless_simd::dispatch!(fearless_simd::Level::new(), simd => blocked.splat(simd, &mut mask));
         for j in 0..mask.side() {
             for i in 0..mask.side() {
                 let p = mask.cell_center(i, j);
@@ -190,7 +190,7 @@ fn row_spans_are_exact() {
             if f64::from(r) >= f64::from(to.length()) * 0.9999 {
                 continue;
             }
-            blocked.splat(&mut mask);
+            fearless_simd::dispatch!(fearless_simd::Level::new(), simd => blocked.splat(simd, &mut mask));
             let frame = [square.right, square.up, square.axis].map(|v| v.as_dvec3());
             let inside = |x: f64, y: f64| {
                 let v = (frame[0] * x + frame[1] * y + frame[2]).normalize();
