@@ -117,3 +117,26 @@ fn trade_compares_like_with_like() {
     let words: Vec<&str> = rows.as_array().unwrap().iter().map(|r| r["visibility"].as_str().unwrap()).collect();
     assert_eq!(words, ["spheres", "shadow-map", "rays", "rays", "rays"]);
 }
+
+/// Ctrl-C between two rows keeps those that are finished, whole; the same command measures the others.
+#[cfg(unix)]
+#[test]
+fn trade_can_be_interrupted() {
+    let folder = folder();
+    let folder = folder.path();
+    // Many repetitions: the first row is long there when the last one begins.
+    let args = ["--spp", "4", "--visibility", "spheres", "--quiet"];
+    let long: Vec<&str> = SWEEP.iter().chain(&args).map(|a| if *a == "3" { "1000" } else { a }).collect();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+    let mut child = command.current_dir(folder).args(&long).stderr(std::process::Stdio::null()).spawn().unwrap();
+    let table = folder.join("out/trade.json");
+    while !table.exists() {
+        assert!(child.try_wait().unwrap().is_none(), "ended before its first row");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(names(&folder.join("out")), ["reference.checkpoint", "reference.exr", "trade.json"]);
+    let rows: Vec<Value> = serde_json::from_str(&fs::read_to_string(table).unwrap()).unwrap();
+    assert!((1..6).contains(&rows.len()), "{}", rows.len());
+}
