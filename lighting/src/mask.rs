@@ -314,13 +314,19 @@ impl Mask {
     /// Samples of row `j` that are lit.
     #[inline(always)]
     pub(crate) fn lit(&self, j: usize) -> Row {
-        if self.coarse {
-            let mut row = row::NONE;
-            row.0[0] = u64::from(self.halves[0][j]) | u64::from(self.halves[1][j]) << 32;
-            row
-        } else {
-            self.lit[j]
-        }
+        if self.coarse { row::coarse(self.halves[0][j], self.halves[1][j]) } else { self.lit[j] }
+    }
+
+    /// The lit samples of all rows of a fine mask.
+    #[inline(always)]
+    pub(crate) fn fine_rows(&self) -> &[Row] {
+        &self.lit[..1 << self.depth]
+    }
+
+    /// Those of a coarse one, as halves.
+    #[inline(always)]
+    pub(crate) fn halves(&self) -> [&[u32]; 2] {
+        [&self.halves[0][..1 << self.depth], &self.halves[1][..1 << self.depth]]
     }
 
     /// Cells of row `j` that emit at all.
@@ -335,6 +341,13 @@ impl Mask {
     #[must_use]
     pub fn lit_cells(&self, j: usize) -> u64 {
         row::any(&self.lit(j), self.width() >> self.depth)
+    }
+
+    /// True when nothing of row `j` is lit.
+    #[must_use]
+    #[inline(always)]
+    pub fn is_row_dark(&self, j: usize) -> bool {
+        if self.coarse { self.halves[0][j] | self.halves[1][j] == 0 } else { self.lit[j] == row::NONE }
     }
 
     /// Part of a cell of row `j` that emits, as (start, length) in cells.
@@ -361,6 +374,10 @@ impl Mask {
     /// True when nothing that emits is blocked.
     #[must_use]
     pub fn is_lit(&self) -> bool {
+        if self.whole_disc && self.coarse {
+            let (disc, side) = (&DISCS[1][self.depth as usize], self.side());
+            return self.halves.iter().zip(&disc.halves).all(|(a, b)| a[..side] == b[..side]);
+        }
         (0..self.side()).all(|j| self.lit(j) == row::span(self.emitting[j].0, self.emitting[j].1))
     }
 
@@ -368,11 +385,7 @@ impl Mask {
     #[must_use]
     #[inline(always)]
     pub fn is_dark(&self) -> bool {
-        let side = self.side();
-        if self.coarse {
-            return self.halves.iter().all(|half| half[..side].iter().fold(0, |any, word| any | word) == 0);
-        }
-        self.lit[..side].iter().fold(row::NONE, |any, row| row::with(&any, row)) == row::NONE
+        (0..self.side()).all(|j| self.is_row_dark(j))
     }
 }
 

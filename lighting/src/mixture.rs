@@ -51,9 +51,10 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         MixtureScratch { first: self.first.scratch(), second: self.second.scratch(), partial: (false, false) }
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
-        self.first.enter(shaft, &mut scratch.first);
-        self.second.enter(shaft, &mut scratch.second);
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        let first = self.first.enter(shaft, &mut scratch.first);
+        let second = self.second.enter(shaft, &mut scratch.second);
+        if first == Coverage::Lit { second } else { first }
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {

@@ -18,9 +18,10 @@ impl<B: Blockers> Blockers for Option<B> {
         self.as_ref().map(B::scratch)
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
-        if let (Some(blockers), Some(scratch)) = (self, scratch) {
-            blockers.enter(shaft, scratch);
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        match (self, scratch) {
+            (Some(blockers), Some(scratch)) => blockers.enter(shaft, scratch),
+            _ => Coverage::Lit,
         }
     }
 
@@ -52,8 +53,8 @@ impl<B: Blockers> Blockers for &B {
         B::scratch(self)
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
-        B::enter(self, shaft, scratch);
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        B::enter(self, shaft, scratch)
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {

@@ -94,8 +94,8 @@ impl<B: Blockers> VisibilityLobes for PaperVisibility<B> {
         4usize.pow(self.weights.depth())
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
-        self.blockers.enter(shaft, &mut scratch.blockers);
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        self.blockers.enter(shaft, &mut scratch.blockers)
     }
 
     /// [`Coverage::Lit`] when no leaf is in shadow. An umbra is [`Coverage::Partial`]: the paper sums its root lobe.

@@ -19,6 +19,14 @@ pub(crate) struct Row(pub(crate) [u64; WIDTH / 64]);
 /// No sample.
 pub(crate) const NONE: Row = Row([0; WIDTH / 64]);
 
+/// A row of 64 from its halves.
+#[inline(always)]
+pub(crate) fn coarse(low: u32, high: u32) -> Row {
+    let mut row = NONE;
+    row.0[0] = u64::from(low) | u64::from(high) << 32;
+    row
+}
+
 /// `FROM[k]`: samples k and above. Twice as long as needed: an index of nine bits needs no check.
 static FROM: [Row; 2 * WIDTH] = {
     let mut rows = [NONE; 2 * WIDTH];

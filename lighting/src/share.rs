@@ -69,7 +69,13 @@ impl Counts {
     fn fill<const B: usize>(&mut self, mask: &Mask) {
         let (side, all) = (mask.side(), mask.side() * B * EIGHT);
         let Self { bytes, lit, emitting, disc } = self;
-        add_up::<B>((0..side).map(|j| mask.lit(j)), &mut bytes[..all], &mut lit[..all]);
+        if B == FINE {
+            add_up::<B>(mask.fine_rows().iter().copied(), &mut bytes[..all], &mut lit[..all]);
+        } else {
+            let [low, high] = mask.halves();
+            let rows = low.iter().zip(high).map(|(low, high)| row::coarse(*low, *high));
+            add_up::<B>(rows, &mut bytes[..all], &mut lit[..all]);
+        }
         let whole = mask.is_whole_disc().then(|| (mask.depth(), mask.width()));
         if whole.is_none() || whole != *disc {
             let rows = (0..side).map(|j| row::span(mask.emitting(j).0, mask.emitting(j).1));

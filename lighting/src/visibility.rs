@@ -46,8 +46,10 @@ pub trait Blockers: Sync {
     fn scratch(&self) -> Self::Scratch;
 
     /// Told before a group of receivers and one light: all following receivers are inside `shaft` until the next call.
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+    /// [`Coverage::Lit`] says that none of them meets a blocker, as [`select`](Self::select) would say of each.
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         let _ = (shaft, scratch);
+        Coverage::Partial
     }
 
     /// Finds the blockers that this receiver's light cone may meet. [`Coverage::Lit`] when there is none,
@@ -174,8 +176,8 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         if self.lobes { (4usize.pow(self.depth + 1) - 1) / 3 } else { 0 }
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
-        self.blockers.enter(shaft, &mut scratch.blockers);
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        self.blockers.enter(shaft, &mut scratch.blockers)
     }
 
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {

@@ -105,7 +105,8 @@ fn shade<V: VisibilityLobes>(method: Method<'_>, visibility: &V, at: &Receiver, 
     brdf.writer().push(f).expect("room for all lobes");
     let light = LightTerm { cone: *cone, radiance: Vec3::ONE };
     let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::with_capacity(visibility.max_lobes()));
-    let call = Call { at, brdf: brdf.lobes(), light: &light, visibility, tolerance: 0.003, unshadowed: &[] };
+    let call =
+        Call { at, brdf: brdf.lobes(), light: &light, visibility, tolerance: 0.003, unshadowed: &[], lit: false };
     Integrator { method, threshold: 0.0 }.radiance(&call, &mut scratch, &mut sum, &mut ()).expect("room for all lobes")
 }
 
@@ -214,7 +215,7 @@ fn each_level_covers_alone() {
         println!("dist {dist:5}: {totals:.3?} {merges:.4?}");
         for (level, total) in totals.iter().enumerate().filter(|_| dist <= 10.0) {
             // A node that is its parent's only one in the disc is replaced by the parent, which takes more.
-            assert!((-0.01..0.03).contains(&(total - 1.0)), "level {level}, dist {dist}: {total}");
+            assert!((-0.01..0.04).contains(&(total - 1.0)), "level {level}, dist {dist}: {total}");
         }
         assert!(dist > 10.0 || merges.iter().all(|m| *m < 0.008), "dist {dist}");
     }
@@ -422,7 +423,7 @@ fn threshold_drops_visibility_products() {
     for threshold in [0.0, 1e-5, 3e-5, 1e-4, 1e-3] {
         let mut probe = Pruned::default();
         let (brdf, visibility) = (brdf.lobes(), &strategy);
-        let call = Call { at: &at, brdf, light: &light, visibility, tolerance: 0.003, unshadowed: &[] };
+        let call = Call { at: &at, brdf, light: &light, visibility, tolerance: 0.003, unshadowed: &[], lit: false };
         let lit = Integrator { method: Method::Paper(tables()), threshold }
             .radiance(&call, &mut scratch, &mut sum, &mut probe)
             .unwrap();

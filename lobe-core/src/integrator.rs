@@ -83,6 +83,8 @@ pub struct Call<'a, V: ?Sized> {
     /// at once by [`cap_integrals`](crate::cap_integrals)); empty, and the integrator takes them. The paper's method has
     /// no use for them.
     pub unshadowed: &'a [f32],
+    /// All of the light is known to be seen, as [`VisibilityLobes::enter`] may say of a group: the strategy is not asked.
+    pub lit: bool,
 }
 
 /// Puts the three lobe sums together: the rendering equation for one receiver and one light (Eq. 21).
@@ -225,7 +227,7 @@ impl<V: VisibilityLobes + ?Sized> Call<'_, V> {
 
     /// Asks the strategy how much of the light is seen, and tells the probe.
     fn look(&self, scratch: &mut V::Scratch, probe: &mut impl Probe) -> Coverage {
-        let seen = self.visibility.coverage(&self.query(), scratch);
+        let seen = if self.lit { Coverage::Lit } else { self.visibility.coverage(&self.query(), scratch) };
         probe.coverage(seen);
         probe.end(Stage::Mask);
         seen

@@ -175,7 +175,7 @@ impl VisibilitySum {
 /// let boxed: Box<dyn DynVisibility> = Box::new(Veil);
 /// let (mut scratch, mut sum) = (boxed.scratch(), VisibilitySum::default());
 /// let call =
-///     Call { at: &at, brdf: brdf.lobes(), light: &light, visibility: &boxed, tolerance: 0.003, unshadowed: &[] };
+///     Call { at: &at, brdf: brdf.lobes(), light: &light, visibility: &boxed, tolerance: 0.003, unshadowed: &[], lit: false };
 /// let lit = Integrator::default().radiance(&call, &mut scratch, &mut sum, &mut ()).unwrap();
 /// assert_eq!(lit.radiance, 0.5 * lit.unshadowed);
 /// ```
@@ -191,8 +191,12 @@ pub trait VisibilityLobes: Sync {
 
     /// Told before a group of receivers and one light: all queries until the next call stay inside `shaft`. A chance
     /// to cull; the results must not depend on it.
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
+    ///
+    /// [`Coverage::Lit`] says that all of them will see all of the light, as [`coverage`](Self::coverage) would say of each:
+    /// no need to ask. Anything else says nothing.
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         let _ = (shaft, scratch);
+        Coverage::Partial
     }
 
     /// How much of the light is seen.
@@ -223,7 +227,7 @@ pub trait DynVisibility: Sync {
     /// See [`VisibilityLobes::max_lobes`].
     fn dyn_max_lobes(&self) -> usize;
     /// See [`VisibilityLobes::enter`].
-    fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch);
+    fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage;
     /// See [`VisibilityLobes::coverage`].
     fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage;
     /// See [`VisibilityLobes::visibility_lobes`].
@@ -255,8 +259,8 @@ where
     fn dyn_max_lobes(&self) -> usize {
         self.max_lobes()
     }
-    fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) {
-        self.enter(shaft, downcast(scratch));
+    fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
+        self.enter(shaft, downcast(scratch))
     }
     fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
         self.coverage(query, downcast(scratch))
@@ -282,8 +286,8 @@ impl<'v> VisibilityLobes for Box<dyn DynVisibility + 'v> {
     fn max_lobes(&self) -> usize {
         (**self).dyn_max_lobes()
     }
-    fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) {
-        (**self).dyn_enter(shaft, scratch);
+    fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
+        (**self).dyn_enter(shaft, scratch)
     }
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
         (**self).dyn_coverage(query, scratch)
@@ -310,6 +314,9 @@ impl VisibilityLobes for Unshadowed {
     fn scratch(&self) {}
     fn max_lobes(&self) -> usize {
         0
+    }
+    fn enter(&self, _: &Shaft, (): &mut ()) -> Coverage {
+        Coverage::Lit
     }
     fn coverage(&self, _: &VisibilityQuery<'_>, (): &mut ()) -> Coverage {
         Coverage::Lit

@@ -95,8 +95,9 @@ impl Blockers for RayBlockers<'_> {
         RayScratch { listed: Vec::new(), is_listed: false, origin: Vec3::ZERO, contour }
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut RayScratch) {
+    fn enter(&self, shaft: &Shaft, scratch: &mut RayScratch) -> Coverage {
         scratch.is_listed = self.world.in_shaft(shaft, |o| self.has(o), LISTED, &mut scratch.listed);
+        if scratch.is_listed && scratch.listed.is_empty() { Coverage::Lit } else { Coverage::Partial }
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut RayScratch) -> Coverage {

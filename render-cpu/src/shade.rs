@@ -1,8 +1,8 @@
 use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
-    BrdfLobes, Call, Coverage, Integrator, LightLobes, LightTerm, LobeBuffer, LobesFull, Method, Probe, Receiver, Shaft,
-    Sphere, Stage, VisibilityLobes, VisibilitySum,
+    BrdfLobes, Call, Cone, Coverage, Integrator, LightLobes, LightTerm, LobeBuffer, LobesFull, Method, Probe, Receiver,
+    Shaft, Sphere, Stage, VisibilityLobes, VisibilitySum, cap_integrals,
 };
 use rayon::prelude::*;
 use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
@@ -11,7 +11,7 @@ use std::time::Instant;
 /// Points that are culled together: an 8 × 8 pixel tile of a [`GBuffer`](crate::GBuffer).
 const GROUP: usize = 64;
 /// One group in this many is timed stage by stage; clocks would cost more than a lit point does.
-const TIMED: usize = 8;
+const TIMED: usize = 32;
 
 /// Shades points with lobe sums on the CPU, with any visibility strategy.
 ///
@@ -101,7 +101,11 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         let start = Instant::now();
         let brdf_lobes = frame.materials.iter().map(BrdfLobes::max_lobes).max().unwrap_or(0);
         let memory = || Memory {
-            brdf: LobeBuffer::with_capacity(brdf_lobes),
+            brdf: LobeBuffer::with_capacity(brdf_lobes * GROUP),
+            of: Vec::with_capacity(brdf_lobes * GROUP),
+            ends: [0; GROUP],
+            cones: Vec::with_capacity(GROUP),
+            unshadowed: vec![0.0; brdf_lobes * GROUP],
             scratch: self.visibility.scratch(),
             sum: VisibilitySum::with_capacity(self.visibility.max_lobes()),
         };
@@ -161,25 +165,43 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             layers.lobes.resize(count, 0);
             layers.integrals.resize(count, 0);
         }
+        work.restart();
+        let Memory { brdf, of, ends, cones, unshadowed, scratch, sum } = memory;
+        of.clear();
+        let mut lobes = brdf.writer();
+        for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
+            frame.materials[*material as usize].brdf_lobes(at, &mut lobes)?;
+            of.resize(lobes.len(), i as u32);
+            ends[i] = lobes.len();
+        }
+        work.lap(0);
+        let brdf = brdf.lobes();
+        let given = matches!(self.method, Method::Moments);
         for (l, light) in frame.lights.iter().enumerate() {
-            work.restart();
-            self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, &mut memory.scratch);
+            cones.clear();
+            cones.extend(receivers.iter().map(|at| light.cone(at)));
+            let unshadowed = &mut unshadowed[..brdf.len()];
+            if given {
+                cap_integrals(receivers, cones, of, brdf, unshadowed);
+            }
+            work.lap(1);
+            let all = self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
             work.lap(2);
-            for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
-                // One material's lobes are cheap; keeping them for all lights of a group would cost more to store.
-                frame.materials[*material as usize].brdf_lobes(at, &mut memory.brdf.writer())?;
-                work.lap(0);
-                let term = LightTerm { cone: light.cone(at), radiance: light.radiance };
-                let before = (work.lobes, work.integrals);
+            let mut start = 0;
+            for (i, at) in receivers.iter().enumerate() {
+                let lobes = start..ends[i];
+                start = ends[i];
                 let call = Call {
                     at,
-                    brdf: memory.brdf.lobes(),
-                    light: &term,
+                    brdf: brdf.range(lobes.clone()),
+                    light: &LightTerm { cone: cones[i], radiance: light.radiance },
                     visibility: &self.visibility,
                     tolerance: frame.tolerance,
-                    unshadowed: &[],
+                    unshadowed: if given { &unshadowed[lobes] } else { &[] },
+                    lit: all == Coverage::Lit,
                 };
-                let lit = integrator.radiance(&call, &mut memory.scratch, &mut memory.sum, work)?;
+                let before = (work.lobes, work.integrals);
+                let lit = integrator.radiance(&call, scratch, sum, work)?;
                 out[i] += lit.radiance;
                 if let Some(layers) = layers.as_mut() {
                     layers.unshadowed[i] += lit.unshadowed;
@@ -204,7 +226,13 @@ impl<V: VisibilityLobes> Shade for CpuShader<'_, V> {
 
 /// One thread's memory.
 struct Memory<V: VisibilityLobes> {
+    /// Reflectance lobes of a group, the point of each, and where each point's end.
     brdf: LobeBuffer,
+    of: Vec<u32>,
+    ends: [usize; GROUP],
+    /// A light's cones, and the lobes' integrals over them.
+    cones: Vec<Cone>,
+    unshadowed: Vec<f32>,
     scratch: V::Scratch,
     sum: VisibilitySum,
 }

@@ -133,11 +133,11 @@ impl Blockers for ShadowMapBlockers {
         ShadowMapScratch::default()
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut ShadowMapScratch) {
+    fn enter(&self, shaft: &Shaft, scratch: &mut ShadowMapScratch) -> Coverage {
         let index = self.map_of(&shaft.light);
         scratch.entered = Some(index);
         scratch.frontier.clear();
-        let Some(map) = index.map(|k| &self.maps[k]) else { return };
+        let Some(map) = index.map(|k| &self.maps[k]) else { return Coverage::Partial };
         let probes: Vec<TileProbe> = map.faces.iter().map(|face| TileProbe::new(face, shaft)).collect();
         let layer = |item: Item| map.layer(item);
         let meets = |item: &Item| probes[usize::from(item.face)].meets(*item, layer(*item));
@@ -158,6 +158,8 @@ impl Blockers for ShadowMapBlockers {
         }
         scratch.frontier.extend(nodes);
         first_layer_last(&mut scratch.frontier);
+        // A receiver's own face may still be between it and the light.
+        Coverage::Partial
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut ShadowMapScratch) -> Coverage {

@@ -166,7 +166,7 @@ impl Blockers for SphereBlockers {
         scratch
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut SphereScratch) {
+    fn enter(&self, shaft: &Shaft, scratch: &mut SphereScratch) -> Coverage {
         let test = ShaftTest::new(shaft);
         scratch.candidates.clear();
         self.tree.find(&test, &mut scratch.stack, &mut scratch.candidates);
@@ -176,6 +176,7 @@ impl Blockers for SphereBlockers {
             let (sphere, tau) = self.own(*i as usize);
             test.darkens(&sphere, tau)
         });
+        if scratch.candidates.is_empty() { Coverage::Lit } else { Coverage::Partial }
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch) -> Coverage {
@@ -183,21 +184,7 @@ impl Blockers for SphereBlockers {
         if scratch.dark {
             return Coverage::Dark;
         }
-        let light = LightBall::new(query);
-        let test = ConeTest::new(query);
-        for (number, block) in scratch.blocks.blocks().iter().enumerate() {
-            let mut maybe = test.meets(block) & ((1 << scratch.blocks.lanes(number)) - 1);
-            while maybe != 0 {
-                let index = scratch.candidates[number * LANES + maybe.trailing_zeros() as usize] as usize;
-                maybe &= maybe - 1;
-                match self.look(index, query, &light) {
-                    Some((_, Coverage::Dark)) => return Coverage::Dark,
-                    Some((blocked, Coverage::Partial)) => scratch.hits.push(blocked),
-                    _ => {}
-                }
-            }
-        }
-        if scratch.hits.is_empty() { Coverage::Lit } else { Coverage::Partial }
+        dispatch!(Level::new(), simd => self.select_all(simd, query, scratch))
     }
 
     /// The spheres' rims.
@@ -245,7 +232,27 @@ impl LightBall {
 }
 
 impl SphereBlockers {
+    #[inline(always)]
+    fn select_all<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch) -> Coverage {
+        let light = LightBall::new(query);
+        let test = ConeTest::new(query);
+        for (number, block) in scratch.blocks.blocks().iter().enumerate() {
+            let mut maybe = test.meets(simd, block) & ((1 << scratch.blocks.lanes(number)) - 1);
+            while maybe != 0 {
+                let index = scratch.candidates[number * LANES + maybe.trailing_zeros() as usize] as usize;
+                maybe &= maybe - 1;
+                match self.look(index, query, &light) {
+                    Some((_, Coverage::Dark)) => return Coverage::Dark,
+                    Some((blocked, Coverage::Partial)) => scratch.hits.push(blocked),
+                    _ => {}
+                }
+            }
+        }
+        if scratch.hits.is_empty() { Coverage::Lit } else { Coverage::Partial }
+    }
+
     /// What one sphere hides of a light; `None` when nothing.
+    #[inline(always)]
     fn look(&self, index: usize, query: &VisibilityQuery<'_>, light: &LightBall) -> Option<(BlockedCone, Coverage)> {
         let cone = query.cone;
         let own = self.objects[index] == query.at.object;

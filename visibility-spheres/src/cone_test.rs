@@ -1,4 +1,5 @@
-use crate::block::{Block, LANES, bits};
+use crate::block::Block;
+use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::VisibilityQuery;
 
@@ -31,28 +32,28 @@ impl ConeTest {
     }
 
     /// The spheres of a block that the cone may meet, as bits; lanes without a sphere are anything.
-    pub(crate) fn meets(&self, block: &Block) -> u32 {
+    #[inline(always)]
+    pub(crate) fn meets<S: Simd>(&self, simd: S, block: &Block) -> u32 {
         if !self.narrow {
             return u32::MAX;
         }
         let (o, u) = (self.at, self.axis);
-        let mut apart = [false; LANES];
-        for (i, apart) in apart.iter_mut().enumerate() {
-            let r = block.radius[i];
-            let (x, y, z) = (block.x[i] - o.x, block.y[i] - o.y, block.z[i] - o.z);
-            let along = x * u.x + y * u.y + z * u.z;
-            let (a, b, c) = (x - u.x * along, y - u.y * along, z - u.z * along);
-            let aside_sq = a * a + b * b + c * c;
-            // d sin(γ − θ) > r, γ the angle between the axes, θ the light's half-angle.
-            let reach = r + along * self.sin + SLACK * (along.abs() + r);
-            let outside = (aside_sq * self.cos_sq > reach * reach) | (reach < 0.0);
-            // γ − θ > 90°, and not inside the sphere.
-            let back = -along - SLACK * r;
-            let behind = (back > 0.0)
-                & (back * back * self.cos_sq > aside_sq * self.sin_sq)
-                & (x * x + y * y + z * z > r * r * (1.0 + SLACK));
-            *apart = outside | behind;
-        }
-        !bits(apart)
+        let r = f32x8::simd_from(simd, block.radius);
+        let x = f32x8::simd_from(simd, block.x) - o.x;
+        let y = f32x8::simd_from(simd, block.y) - o.y;
+        let z = f32x8::simd_from(simd, block.z) - o.z;
+        let along = x * u.x + y * u.y + z * u.z;
+        let (a, b, c) = (x - along * u.x, y - along * u.y, z - along * u.z);
+        let aside_sq = a * a + b * b + c * c;
+        // d sin(γ − θ) > r, γ the angle between the axes, θ the light's half-angle.
+        let reach = r + along * self.sin + (along.abs() + r) * SLACK;
+        let zero = f32x8::splat(simd, 0.0);
+        let outside = (aside_sq * self.cos_sq).simd_gt(reach * reach) | reach.simd_lt(zero);
+        // γ − θ > 90°, and not inside the sphere.
+        let back = -along - r * SLACK;
+        let behind = back.simd_gt(zero)
+            & (back * back * self.cos_sq).simd_gt(aside_sq * self.sin_sq)
+            & (x * x + y * y + z * z).simd_gt(r * r * (1.0 + SLACK));
+        !((outside | behind).to_bitmask() as u32)
     }
 }

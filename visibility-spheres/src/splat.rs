@@ -3,7 +3,7 @@
 use crate::ellipse::Ellipse;
 use fearless_simd::Simd;
 use glam::{DVec3, Vec3};
-use lighting::{Edges, Mask};
+use lighting::{Edges, MAX_DEPTH, Mask};
 use lobe_core::Coverage;
 
 /// An edge that runs along more than so many cells within one row is taken by area.
@@ -26,6 +26,7 @@ pub(crate) struct BlockedCone {
 
 impl BlockedCone {
     /// The cone that a sphere blocks under the self-distance τ; `None` if it is empty.
+    #[inline]
     pub(crate) fn new(to: Vec3, radius: f32, tau: f32) -> Option<Self> {
         let d_sq = to.length_squared();
         let power = d_sq - radius * radius;
@@ -49,6 +50,7 @@ impl BlockedCone {
     }
 
     /// How the cone covers a light's cone (axis, sin θ, cos θ). Says `Partial` when in doubt.
+    #[inline]
     pub(crate) fn cover(&self, axis: Vec3, sin: f32, cos: f32) -> Coverage {
         if self.cos <= -1.0 {
             return if self.meets_light.is_some() { Coverage::Partial } else { Coverage::Dark };
@@ -129,7 +131,7 @@ impl BlockedCone {
     pub(crate) fn splat_in_front(&self, light: Vec3, light_radius: f32, mask: &mut Mask) {
         let square = *mask.square();
         for j in 0..mask.side() {
-            if mask.lit_cells(j) == 0 {
+            if mask.is_row_dark(j) {
                 continue;
             }
             let hides = |x: f32| {
@@ -171,22 +173,23 @@ impl BlockedCone {
     fn splat_rows(&self, c: DVec3, mask: &mut Mask) {
         let d = c.length();
         let (m, cos) = (c / d.max(f64::MIN_POSITIVE), f64::from(self.cos));
-        let flat = FLAT * mask.cell();
-        let mut below = row_spans(m, cos, mask.row_y(0) - 0.5 * mask.cell());
-        for j in 0..mask.side() {
-            let above = row_spans(m, cos, mask.row_y(j) + 0.5 * mask.cell());
-            let lower = core::mem::replace(&mut below, above);
-            let changes = |k: usize| (lower[k].0 - above[k].0).abs() > flat || (lower[k].1 - above[k].1).abs() > flat;
-            if mask.lit_cells(j) == 0 {
+        let flat = 2.0 * FLAT * mask.cell();
+        let side = mask.side();
+        let mut spans = [[(0.0, 0.0); 2]; 1 << MAX_DEPTH];
+        for (j, spans) in spans[..side].iter_mut().enumerate() {
+            *spans = row_spans(m, cos, mask.row_y(j));
+        }
+        for j in 0..side {
+            if mask.is_row_dark(j) {
                 continue;
             }
+            let (below, above) = (spans[j.saturating_sub(1)], spans[(j + 1).min(side - 1)]);
             for k in 0..2 {
-                // An edge that is farther than the window on both borders of the row moves there unseen.
-                if changes(k) {
+                // An edge that is farther than the window on both sides of the row moves there unseen.
+                if (below[k].0 - above[k].0).abs() > flat || (below[k].1 - above[k].1).abs() > flat {
                     mask.block_area(j, |y| row_spans(m, cos, y)[k]);
                 } else {
-                    let span = row_spans(m, cos, mask.row_y(j))[k];
-                    mask.block_span(j, span.0, span.1);
+                    mask.block_span(j, spans[j][k].0, spans[j][k].1);
                 }
             }
         }

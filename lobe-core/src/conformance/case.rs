@@ -211,8 +211,10 @@ impl Visitor for Share<'_> {
             }
             Use::Entered => {
                 let receivers = Sphere { center: case.position.as_vec3() + 0.01, radius: 0.05 };
-                strategy.enter(&Shaft { receivers, light: case.light.rounded() }, &mut scratch);
-                case.ask(strategy, &mut scratch, &mut sum)
+                let all = strategy.enter(&Shaft { receivers, light: case.light.rounded() }, &mut scratch);
+                let answer = case.ask(strategy, &mut scratch, &mut sum);
+                // What is said of all holds for each.
+                answer.and_then(|a| if all != Coverage::Lit || a.0 == Coverage::Lit { Ok(a) } else { Err(LobesFull) })
             }
             Use::Boxed => {
                 let boxed: Box<dyn DynVisibility + '_> = Box::new(ByReference(strategy));
@@ -264,8 +266,8 @@ impl<V: VisibilityLobes> VisibilityLobes for ByReference<'_, V> {
         self.0.max_lobes()
     }
 
-    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) {
-        self.0.enter(shaft, scratch);
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        self.0.enter(shaft, scratch)
     }
 
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
