@@ -3,6 +3,7 @@ use crate::sampling::{density, draw};
 use crate::{Brdf, BrdfSample, Lambert, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::{DMat3, DVec3, Mat3, Vec3};
+use lobe_core::special::{exp, ln_1p};
 use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis, power};
 
 /// The Lafortune model: `f̃(v) = (ρ/π + Σ_i k_i·max(v·M_iω_o, 0)^e_i)·max(n·v, 0)` (Eqs. 27–29; E. Lafortune, S. Foo,
@@ -82,8 +83,8 @@ impl LafortuneLobe {
 
     /// Unit axis `Mω_o/|Mω_o|` in world space and `|Mω_o|^e`; none where `Mω_o = 0`.
     ///
-    /// `|Mω|² = 1 + ωᵀ(M²−I)ω` for a unit ω: computed so, a mirror-like lobe (`M² = I`) has a gain of exactly 1,
-    /// whereas the rounded length of `Mω` to the power 1e5 is 1 % off.
+    /// `|Mω|² = 1 + (Mω−ω)·(Mω+ω)` for a unit ω: computed so, in f64, a mirror-like lobe (`M² = I`) has a gain of 1, whereas
+    /// the rounded length of `Mω` to the power 1e5 is 1 % off.
     fn axis_and_gain(&self, at: &Receiver) -> Option<(Vec3, f32)> {
         let (t, b) = orthonormal_basis(at.normal);
         let view = Vec3::new(t.dot(at.view), b.dot(at.view), at.normal.dot(at.view));
@@ -94,11 +95,11 @@ impl LafortuneLobe {
         }
         let scaled = m / largest;
         let axis = (t * scaled.x + b * scaled.y + at.normal * scaled.z).normalize();
-        let d = as_dmat3(self.matrix);
-        let excess = view.dot((d * d - DMat3::IDENTITY).as_mat3() * view);
+        let (exact, view) = (as_dmat3(self.matrix) * view.as_dvec3(), view.as_dvec3());
+        let excess = (exact - view).dot(exact + view) as f32;
         let ln_length =
-            if excess > -0.5 { 0.5 * excess.ln_1p() } else { largest.ln() + 0.5 * scaled.length_squared().ln() };
-        Some((axis, (self.exponent * ln_length).exp().min(MAX_COEFFICIENT)))
+            if excess > -0.5 { 0.5 * ln_1p(excess) } else { largest.ln() + 0.5 * scaled.length_squared().ln() };
+        Some((axis, exp(self.exponent * ln_length).min(MAX_COEFFICIENT)))
     }
 
     fn lobe(&self, at: &Receiver) -> Option<Lobe> {

@@ -350,6 +350,23 @@ impl Mask {
         if self.coarse { self.halves[0][j] | self.halves[1][j] == 0 } else { self.lit[j] == row::NONE }
     }
 
+    /// True when nothing of the eight rows from `j` on is lit.
+    #[must_use]
+    #[inline(always)]
+    pub fn are_rows_dark(&self, j: usize) -> bool {
+        let end = (j + EIGHT).min(SIDE);
+        if self.coarse {
+            let [low, high] = &self.halves;
+            let mut any = 0;
+            for (low, high) in low[j..end].iter().zip(&high[j..end]) {
+                any |= low | high;
+            }
+            any == 0
+        } else {
+            self.lit[j..end].iter().all(|row| *row == row::NONE)
+        }
+    }
+
     /// Part of a cell of row `j` that emits, as (start, length) in cells.
     pub(crate) fn emitting_part(&self, i: usize, j: usize) -> (f32, f32) {
         let (from, to) = self.emitting[j];

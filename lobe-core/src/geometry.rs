@@ -108,6 +108,7 @@ pub struct Shaft {
 
 /// Two unit vectors that make a right-handed orthonormal basis `(u, v, axis)`, without a singular direction
 /// (T. Duff et al., *Building an Orthonormal Basis, Revisited*, JCGT 6 (1), 2017).
+#[inline]
 #[must_use]
 pub fn orthonormal_basis(axis: Vec3) -> (Vec3, Vec3) {
     axis.any_orthonormal_pair()

@@ -83,8 +83,6 @@ pub struct Call<'a, V: ?Sized> {
     /// at once by [`cap_integrals`](crate::cap_integrals)); empty, and the integrator takes them. The paper's method has
     /// no use for them.
     pub unshadowed: &'a [f32],
-    /// All of the light is known to be seen, as [`VisibilityLobes::enter`] may say of a group: the strategy is not asked.
-    pub lit: bool,
 }
 
 /// Puts the three lobe sums together: the rendering equation for one receiver and one light (Eq. 21).
@@ -122,6 +120,30 @@ impl Integrator<'_> {
             Method::Moments => self.by_moments(call, scratch, sum, probe),
             Method::Paper(tables) => self.by_paper(tables, call, scratch, sum, probe),
         }
+    }
+
+    /// [`radiance`](Self::radiance) by moments where all of the light is known to be seen, from the lobes' unshadowed
+    /// integrals.
+    #[must_use]
+    pub fn unoccluded(&self, brdf: Lobes<'_>, light: Vec3, unshadowed: &[f32], probe: &mut impl Probe) -> Lit {
+        let [.., red, green, blue, _] = brdf.columns();
+        let mut lit = Lit::default();
+        let mut seen = false;
+        for (k, integral) in unshadowed.iter().enumerate() {
+            let unshadowed = Vec3::new(red[k], green[k], blue[k]) * light * *integral;
+            lit.unshadowed += unshadowed;
+            if unshadowed.max_element() > self.threshold {
+                lit.radiance += unshadowed;
+                seen = true;
+            } else if unshadowed.max_element() > 0.0 {
+                probe.prune();
+            }
+        }
+        probe.count(0, unshadowed.len());
+        if seen {
+            probe.coverage(Coverage::Lit);
+        }
+        lit
     }
 
     fn by_moments<V: VisibilityLobes + ?Sized>(
@@ -227,7 +249,7 @@ impl<V: VisibilityLobes + ?Sized> Call<'_, V> {
 
     /// Asks the strategy how much of the light is seen, and tells the probe.
     fn look(&self, scratch: &mut V::Scratch, probe: &mut impl Probe) -> Coverage {
-        let seen = if self.lit { Coverage::Lit } else { self.visibility.coverage(&self.query(), scratch) };
+        let seen = self.visibility.coverage(&self.query(), scratch);
         probe.coverage(seen);
         probe.end(Stage::Mask);
         seen

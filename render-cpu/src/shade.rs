@@ -191,17 +191,21 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             for (i, at) in receivers.iter().enumerate() {
                 let lobes = start..ends[i];
                 start = ends[i];
-                let call = Call {
-                    at,
-                    brdf: brdf.range(lobes.clone()),
-                    light: &LightTerm { cone: cones[i], radiance: light.radiance },
-                    visibility: &self.visibility,
-                    tolerance: frame.tolerance,
-                    unshadowed: if given { &unshadowed[lobes] } else { &[] },
-                    lit: all == Coverage::Lit,
-                };
                 let before = (work.lobes, work.integrals);
-                let lit = integrator.radiance(&call, scratch, sum, work)?;
+                let lit = if given && all == Coverage::Lit {
+                    let (brdf, unshadowed) = (brdf.range(lobes.clone()), &unshadowed[lobes]);
+                    integrator.unoccluded(brdf, light.radiance, unshadowed, work)
+                } else {
+                    let call = Call {
+                        at,
+                        brdf: brdf.range(lobes.clone()),
+                        light: &LightTerm { cone: cones[i], radiance: light.radiance },
+                        visibility: &self.visibility,
+                        tolerance: frame.tolerance,
+                        unshadowed: if given { &unshadowed[lobes] } else { &[] },
+                    };
+                    integrator.radiance(&call, scratch, sum, work)?
+                };
                 out[i] += lit.radiance;
                 if let Some(layers) = layers.as_mut() {
                     layers.unshadowed[i] += lit.unshadowed;

@@ -70,6 +70,11 @@ impl Ellipse {
         let mut t = f32x8::splat(simd, first as f32 + (0.5 - self.y)) + f32x8::simd_from(simd, LANE);
         let mut base = first;
         while base < end {
+            if mask.are_rows_dark(base) {
+                base += LANES;
+                t += f32x8::splat(simd, LANES as f32);
+                continue;
+            }
             let square = (k0 - k2 * t * t).max(f32x8::splat(simd, 0.0));
             let (half, away) = (square.sqrt(), t.abs());
             let ends = (f32x8::splat(simd, self.half_height) - away).simd_lt(f32x8::splat(simd, 0.5));
@@ -81,7 +86,10 @@ impl Ellipse {
             mask.block_rows(simd, base, self.samples(simd, middle - mean), self.samples(simd, to));
             let mut flat = flat.to_bitmask() & ((1 << (end - base).min(LANES)) - 1);
             while flat != 0 {
-                self.area(simd, base + flat.trailing_zeros() as usize, mask);
+                let j = base + flat.trailing_zeros() as usize;
+                if !mask.is_row_dark(j) {
+                    self.area(simd, j, mask);
+                }
                 flat &= flat - 1;
             }
             base += LANES;
