@@ -37,6 +37,7 @@ impl Edges {
     }
 
     /// An edge with `across` (world space, any length) at right angles to it, `length` radii of the light's disc long.
+    #[inline]
     pub fn add(&mut self, across: Vec3, length: f32) {
         let d = Vec2::new(self.right.dot(across), self.up.dot(across));
         let square = d.length_squared();
@@ -47,6 +48,7 @@ impl Edges {
 
     /// What of a circle's rim lies on the light's disc: radius and distance of the centre in radii of the disc, the centre
     /// in the world direction `to`. With α half the arc: `∫ ρ cos 2t dt = ρ sin 2α` over ±α, in direction of the centre.
+    #[inline]
     pub fn add_circle(&mut self, to: Vec3, radius: f32, distance: f32) {
         let cos = ((distance * distance + radius * radius - 1.0) / (2.0 * distance * radius)).clamp(-1.0, 1.0);
         self.add(to, 2.0 * radius * (1.0 - cos * cos).sqrt() * cos);

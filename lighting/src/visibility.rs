@@ -121,6 +121,27 @@ impl<B: Blockers> MaskVisibility<B> {
         edges.across()
     }
 
+    /// The window of a lobe that sees only a part of the light, turned by the edges that run through it.
+    fn window(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        whole: &UnitSquare,
+        scratch: &B::Scratch,
+    ) -> Option<UnitSquare> {
+        if is_lambert(query.at, brdf) {
+            return None;
+        }
+        let sigmas = zoom_sigmas(query.tolerance);
+        let square = whole.zoomed(brdf, query.at.normal, sigmas);
+        if square.half >= whole.half {
+            return None;
+        }
+        let cone = square.cone(query.cone.distance);
+        let across = self.across(&VisibilityQuery { cone: &cone, ..*query }, scratch);
+        Some(UnitSquare::facing(query.cone, across).zoomed(brdf, query.at.normal, sigmas))
+    }
+
     /// Whether rows of 64 samples do: their mean error is 0.1 % at depth 5, that of 256 samples 0.05 %.
     fn is_coarse(&self, query: &VisibilityQuery<'_>) -> bool {
         !self.lobes && query.tolerance >= COARSE
@@ -214,19 +235,14 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
-        let sigmas = zoom_sigmas(query.tolerance);
-        let square = scratch.square.zoomed(brdf, query.at.normal, sigmas);
-        let mask = if is_lambert(query.at, brdf) || square.half >= scratch.square.half {
-            &scratch.full
-        } else {
-            // Turned by the edges that run through what the lobe sees.
-            let cone = square.cone(query.cone.distance);
-            let across = self.across(&VisibilityQuery { cone: &cone, ..*query }, &scratch.blockers);
-            let square = UnitSquare::facing(query.cone, across).zoomed(brdf, query.at.normal, sigmas);
-            scratch.zoomed.set_coarse(self.is_coarse(query));
-            scratch.zoomed.reset(&square, self.depth, query.at.normal);
-            self.blockers.splat(query, &mut scratch.blockers, &mut scratch.zoomed);
-            &scratch.zoomed
+        let mask = match self.window(query, brdf, &scratch.square, &scratch.blockers) {
+            None => &scratch.full,
+            Some(square) => {
+                scratch.zoomed.set_coarse(self.is_coarse(query));
+                scratch.zoomed.reset(&square, self.depth, query.at.normal);
+                self.blockers.splat(query, &mut scratch.blockers, &mut scratch.zoomed);
+                &scratch.zoomed
+            }
         };
         if !self.lobes {
             out.lobes.writer();

@@ -88,6 +88,7 @@ impl BlockedCone {
 
     /// Adds its rim where that crosses the light's disc, as if the sphere were small and far: the turn of a mask need not be
     /// exact, only without steps.
+    #[inline]
     pub(crate) fn add_edge(&self, axis: Vec3, tan: f32, edges: &mut Edges) {
         let along = self.to.dot(axis);
         let aside = self.to - axis * along;
