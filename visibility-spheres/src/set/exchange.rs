@@ -129,7 +129,9 @@ pub(crate) fn insert(views: &[View], spheres: &mut Vec<Vec4>, places: &[Vec4], c
     let mut rough: Vec<(f32, &Vec4)> =
         places.par_iter().map(|place| (sparse(grown(place, USUAL), 2 * SPARSE), place)).collect();
     rough.sort_by(|a, b| b.0.total_cmp(&a.0));
-    rough.truncate(places.len() / PROMISING);
+    // Many spheres are small: which place is theirs shows only with their own radius.
+    let promising = if spheres.len() + count <= 96 { PROMISING } else { 1 };
+    rough.truncate(places.len() / promising);
     let mut candidates: Vec<(f32, Vec4)> = rough
         .par_iter()
         .flat_map_iter(|(_, place)| PROTRUSIONS.iter().map(|out| grown(place, *out)))
