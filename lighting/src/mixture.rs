@@ -23,16 +23,6 @@ impl<A, B> Mixture<A, B> {
     pub const fn new(first: A, second: B) -> Self {
         Self { first, second }
     }
-
-    /// The first kind.
-    pub const fn first(&self) -> &A {
-        &self.first
-    }
-
-    /// The second kind.
-    pub const fn second(&self) -> &B {
-        &self.second
-    }
 }
 
 /// Working memory of a [`Mixture`].

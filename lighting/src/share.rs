@@ -27,7 +27,11 @@ const MIRROR: f32 = 1e6;
 /// the weights are one by row times one by column and a low polynomial, and the sum over a row is three products of a
 /// vector. Else each is computed.
 pub(crate) fn share(mask: &Mask, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
-    dispatch!(Level::new(), simd => {
+    share_at(Level::new(), mask, at, lobe, counts)
+}
+
+fn share_at(level: Level, mask: &Mask, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
+    dispatch!(level, simd => {
         if mask.width() == WIDTH {
             counts.fill::<FINE>(mask);
             of_counts::<_, FINE>(simd, mask, counts, at, lobe)
@@ -328,6 +332,45 @@ mod tests {
         let sample = (2.0 * half).powi(2) / (mask.width() * side) as f64;
         let part = all * sample * (f64::from(lobe.exponent) + 1.0) / core::f64::consts::TAU;
         (all > 0.0).then(|| (lit / all, part))
+    }
+
+    /// The same bits with any vector instructions.
+    #[test]
+    fn shares_do_not_depend_on_the_registers() {
+        let mut random = Random::new(12);
+        let best = Level::new();
+        let mut levels = vec![Level::baseline()];
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        levels.extend([best.as_sse4_2().map(Simd::level), best.as_avx2().map(Simd::level)].into_iter().flatten());
+        for case in 0..300 {
+            let theta = random.log_uniform(0.003, 1.2);
+            let axis = random.axis();
+            let (tilt, aside) = (random.between(0.0, 1.6), theta * random.uniform());
+            let normal = random.axis_at(axis, tilt).as_vec3().normalize();
+            let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+            let off = random.axis_at(axis, aside).as_vec3().normalize();
+            let lobe = match case % 3 {
+                0 => Lobe::new(normal, 1.0, Vec3::ONE),
+                _ => Lobe::new(off, random.log_uniform(0.5, 1e4) as f32, Vec3::ONE).times_cosine(),
+            };
+            let cone = Cone {
+                axis: axis.as_vec3().normalize(),
+                one_minus_cos: (1.0 - theta.cos()) as f32,
+                distance: f32::INFINITY,
+            };
+            let mut mask = Mask::default();
+            mask.set_coarse(case % 2 == 0);
+            mask.reset(&UnitSquare::facing(&cone, Vec3::X), 3 + case % 4, normal);
+            for j in 0..mask.side() {
+                let from = (random.between(-1.0, 0.5) * f64::from(mask.square().half)) as f32;
+                mask.block_span(j, from, from + 0.7 * mask.square().half);
+            }
+            let want = share(&mask, &at, &lobe, &mut Counts::default());
+            for &level in &levels {
+                let got = share_at(level, &mask, &at, &lobe, &mut Counts::default());
+                assert_eq!(got.to_bits(), want.to_bits(), "case {case}: {got} {want} at {level:?}");
+            }
+        }
     }
 
     /// Every form against the definition, over all angles and exponents that it is chosen for.

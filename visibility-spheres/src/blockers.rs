@@ -202,7 +202,7 @@ impl Blockers for SphereBlockers {
 
 /// Splats until nothing is lit any more.
 #[inline(always)]
-fn splat_all<S: Simd>(simd: S, hits: &[BlockedCone], mask: &mut Mask) {
+pub(crate) fn splat_all<S: Simd>(simd: S, hits: &[BlockedCone], mask: &mut Mask) {
     for (number, blocked) in hits.iter().enumerate() {
         if number % LANES == LANES - 1 && mask.is_dark() {
             return;

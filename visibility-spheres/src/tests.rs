@@ -526,3 +526,43 @@ fn point_lights_are_hidden_by_what_their_direction_meets() {
         }
     }
 }
+
+/// Spheres are drawn as the same bits with any vector instructions.
+#[test]
+fn masks_do_not_depend_on_the_registers() {
+    use crate::blockers::splat_all;
+    use fearless_simd::{Level, Simd, dispatch};
+    let mut random = Random::new(21);
+    let best = Level::new();
+    let mut levels = vec![Level::baseline()];
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    levels.extend([best.as_sse4_2().map(Simd::level), best.as_avx2().map(Simd::level)].into_iter().flatten());
+    for case in 0..200 {
+        let theta = random.log_uniform(0.003, 0.6);
+        let axis = random.axis();
+        let cone = Cone {
+            axis: axis.as_vec3().normalize(),
+            one_minus_cos: (1.0 - theta.cos()) as f32,
+            distance: f32::INFINITY,
+        };
+        let hits: Vec<BlockedCone> = (0..12)
+            .filter_map(|_| {
+                let (aside, away) = (theta * 1.5 * random.uniform(), random.log_uniform(0.1, 30.0));
+                let to = random.axis_at(axis, aside) * away;
+                let r = (to.length() * random.log_uniform(0.1, 1.5) * theta).min(to.length() * 1.1);
+                BlockedCone::new(to.as_vec3(), r as f32, if case % 4 == 0 { 0.3 } else { 0.0 })
+            })
+            .collect();
+        let draw = |level: Level| {
+            let mut mask = Mask::default();
+            mask.reset(&UnitSquare::facing(&cone, Vec3::X), 3 + case % 4, cone.axis);
+            dispatch!(level, simd => splat_all(simd, &hits, &mut mask));
+            let cells: Vec<u64> = (0..mask.side()).map(|j| mask.lit_cells(j)).collect();
+            (mask.areas(), cells)
+        };
+        let want = draw(best);
+        for &level in &levels {
+            assert_eq!(draw(level), want, "case {case} at {level:?}");
+        }
+    }
+}
