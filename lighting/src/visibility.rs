@@ -142,7 +142,7 @@ impl<B: Blockers> MaskVisibility<B> {
         Some(UnitSquare::facing(query.cone, across).zoomed(brdf, query.at.normal, sigmas))
     }
 
-    /// Whether rows of 64 samples do: their mean error is 0.1 % at depth 5, that of 256 samples 0.05 %.
+    /// Whether rows of 64 samples do: masks err 1.5 times as much as with 256.
     fn is_coarse(&self, query: &VisibilityQuery<'_>) -> bool {
         !self.lobes && query.tolerance >= COARSE
     }
@@ -154,7 +154,7 @@ impl<B: Blockers> MaskVisibility<B> {
 }
 
 /// Depth of the mask whose own error stays below a tolerance. Mean error over penumbrae, random blockers, light wholly
-/// above the horizon: 0.16 % of the unshadowed radiance at depth 4, 0.05 % at 5, 0.02 % at 6.
+/// above the horizon: 0.13 % of the unshadowed radiance at depth 4 (64 samples a row), 0.06 % at 5 and 0.03 % at 6 (256).
 #[must_use]
 pub fn depth_for(tolerance: f32) -> u32 {
     if tolerance >= 0.008 {
