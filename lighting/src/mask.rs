@@ -424,7 +424,7 @@ pub struct Raster {
 
 impl Raster {
     /// How far the samples of row `j` are shifted, in samples within ±½. Positions in samples lose it before
-    /// [`index`](Self::index).
+    /// they are rounded.
     #[inline(always)]
     #[must_use]
     pub fn shift(j: usize) -> f32 {
