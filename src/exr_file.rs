@@ -65,6 +65,15 @@ pub fn read_exr(path: &Path) -> Result<Picture, ImageFileError> {
     })
 }
 
+/// A file that can be read at all.
+pub(crate) fn open(path: &Path) -> Result<BufReader<File>, ImageFileError> {
+    let file = File::open(path).map_err(|e| ImageFileError::io(path, e))?;
+    if file.metadata().is_ok_and(|m| m.is_dir()) {
+        return Err(ImageFileError::format(path, "is a folder"));
+    }
+    Ok(BufReader::new(file))
+}
+
 /// Reads a layer of R, G, B channels, half, float or integer, by its name: a prefix of the channels' names or the name
 /// of a part of the file. `None` when the file has no such layer. `beauty` also finds bare channels; further channels
 /// such as alpha are ignored.
@@ -76,10 +85,6 @@ pub fn read_exr_layer(path: &Path, name: &str) -> Result<Option<Picture>, ImageF
         exr::error::Error::Io(e) if e.kind() != std::io::ErrorKind::UnexpectedEof => ImageFileError::io(path, e),
         e => ImageFileError::format(path, format!("not a readable OpenEXR file: {e}")),
     };
-    let file = File::open(path).map_err(|e| ImageFileError::io(path, e))?;
-    if file.metadata().is_ok_and(|m| m.is_dir()) {
-        return Err(ImageFileError::format(path, "is a folder"));
-    }
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -87,7 +92,7 @@ pub fn read_exr_layer(path: &Path, name: &str) -> Result<Option<Picture>, ImageF
         .all_layers()
         .all_attributes()
         .non_parallel()
-        .from_buffered(BufReader::new(file))
+        .from_buffered(open(path)?)
         .map_err(damaged)?;
 
     // A part of that name first; then prefixed channels; then, for the main picture, bare ones of any part.

@@ -1,11 +1,10 @@
+use crate::exr_file::open;
 use crate::stamp::STAMP;
 use crate::{ExrLayer, ImageFileError, Output, Window};
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds, Layer, LayerAttributes,
     ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 /// A part of a picture with all its channels: what a run with a window writes, and what parts make together.
@@ -82,10 +81,6 @@ impl ExrPart {
     /// # Errors
     /// When the file cannot be read, is damaged, is subsampled, or has data outside of its display window.
     pub fn read(path: &Path) -> Result<Self, ImageFileError> {
-        let file = File::open(path).map_err(|e| ImageFileError::io(path, e))?;
-        if file.metadata().is_ok_and(|m| m.is_dir()) {
-            return Err(ImageFileError::format(path, "is a folder"));
-        }
         let image = read()
             .no_deep_data()
             .largest_resolution_level()
@@ -93,7 +88,7 @@ impl ExrPart {
             .first_valid_layer()
             .all_attributes()
             .non_parallel()
-            .from_buffered(BufReader::new(file))
+            .from_buffered(open(path)?)
             .map_err(|e| ImageFileError::format(path, format!("not a readable OpenEXR file: {e}")))?;
         let (layer, display) = (&image.layer_data, image.attributes.display_window);
         let [x, y] = [0, 1].map(|k| {

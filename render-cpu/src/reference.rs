@@ -8,6 +8,7 @@ mod sobol;
 
 pub use self::checkpoint::CheckpointError;
 use self::cone::LightCone;
+pub(crate) use self::cone::concentric;
 use self::meridian::{Cap, Meridian};
 use self::occluders::{Occluders, tile_candidates};
 pub(crate) use self::sobol::{Sequence, mix};

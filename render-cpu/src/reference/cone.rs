@@ -72,19 +72,11 @@ impl LightCone {
         0.5 * (self.axis - v).length_squared() <= self.one_minus_cos
     }
 
-    /// A direction uniform in solid angle. The square is mapped to the disc concentrically (P. Shirley, K. Chiu, *A Low
-    /// Distortion Map Between Disk and Square*, 1997) and the disc to the cap by `1 − cos = r²(1 − cos θ)`, both
-    /// area-preserving and without tearing strata apart.
+    /// A direction uniform in solid angle. The square is mapped to the disc [concentrically](concentric) and the disc to
+    /// the cap by `1 − cos = r²(1 − cos θ)`, both area-preserving and without tearing strata apart.
     #[inline]
     pub(crate) fn sample(&self, u: f64, v: f64) -> DVec3 {
-        let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-        let (r, phi) = if a.abs() > b.abs() {
-            (a, FRAC_PI_4 * (b / a))
-        } else if b != 0.0 {
-            (b, FRAC_PI_4 * (2.0 - a / b))
-        } else {
-            (0.0, 0.0)
-        };
+        let (r, phi) = concentric(u, v);
         let fall = self.one_minus_cos * r * r;
         let sin = (fall * (2.0 - fall)).max(0.0).sqrt().copysign(r);
         let (s, c) = phi.sin_cos();
@@ -118,6 +110,20 @@ impl LightCone {
     pub(crate) fn surface_range(&self) -> (f64, f64) {
         let (d, r) = (self.distance, self.radius);
         if d <= r { (r - d, d + r) } else { (d - r, ((d - r) * (d + r)).sqrt()) }
+    }
+}
+
+/// The unit square mapped to the unit disc, area-preserving and without tearing strata apart (P. Shirley, K. Chiu, *A Low
+/// Distortion Map Between Disk and Square*, 1997): radius, which may be negative, and angle.
+#[inline]
+pub(crate) fn concentric(u: f64, v: f64) -> (f64, f64) {
+    let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    if a.abs() > b.abs() {
+        (a, FRAC_PI_4 * (b / a))
+    } else if b != 0.0 {
+        (b, FRAC_PI_4 * (2.0 - a / b))
+    } else {
+        (0.0, 0.0)
     }
 }
 
