@@ -1,0 +1,142 @@
+use crate::GpuError;
+use std::sync::{Arc, Mutex};
+
+/// Storage buffers that a kernel may have: what every adapter allows.
+const STORAGE_BUFFERS: u32 = 8;
+
+/// Which adapter to take.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GpuOptions {
+    /// Only a software implementation.
+    pub software: bool,
+}
+
+/// A GPU: device, queue, and what is known of them. Cheap to clone; several may exist at once.
+///
+/// ```no_run
+/// let gpu = render_gpu::Gpu::blocking(&render_gpu::GpuOptions::default())?;
+/// println!("{}", gpu.name());
+/// # Ok::<(), render_gpu::GpuError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+impl Gpu {
+    /// The strongest adapter that is there. `WGPU_BACKEND` in the environment chooses the backend.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`], [`GpuError::NoDevice`].
+    pub async fn new(options: &GpuOptions) -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let wanted = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            force_fallback_adapter: options.software,
+            ..Default::default()
+        };
+        let adapter = instance.request_adapter(&wanted).await;
+        let adapter = adapter.map_err(|error| GpuError::NoAdapter { reason: error.to_string() })?;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("render-gpu"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            // All that there is: what a frame needs is checked against it.
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = adapter
+            .request_device(&descriptor)
+            .await
+            .map_err(|error| GpuError::NoDevice { adapter: adapter.get_info().name, reason: error.to_string() })?;
+        let gpu = Self::from_device(device, queue);
+        let lost = Arc::clone(&gpu.lost);
+        gpu.device.set_device_lost_callback(move |reason, message| {
+            if let Ok(mut lost) = lost.lock() {
+                *lost = Some(if message.is_empty() { format!("{reason:?}") } else { message });
+            }
+        });
+        Ok(gpu)
+    }
+
+    /// [`new`](Self::new), waited for.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn blocking(options: &GpuOptions) -> Result<Self, GpuError> {
+        pollster::block_on(Self::new(options))
+    }
+
+    /// A caller's device and queue. No feature beyond compute shaders is needed; with `TIMESTAMP_QUERY` stages are timed.
+    /// The caller keeps its own callbacks for a lost device.
+    #[must_use]
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        Self { device, queue, lost: Arc::default() }
+    }
+
+    /// The device.
+    #[must_use]
+    pub const fn device(&self) -> &wgpu::Device {
+        &self.device
+    }
+
+    /// The queue.
+    #[must_use]
+    pub const fn queue(&self) -> &wgpu::Queue {
+        &self.queue
+    }
+
+    /// Name of the adapter.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.device.adapter_info().name
+    }
+
+    /// Whether it runs on the CPU: right, but slower than the CPU's own path.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Refuses a device that no kernel runs on.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        let allowed = self.device.limits().max_storage_buffers_per_shader_stage;
+        if allowed < STORAGE_BUFFERS {
+            let (needed, allowed) = (STORAGE_BUFFERS.into(), allowed.into());
+            return Err(GpuError::Limits { what: "a kernel's storage buffers", needed, allowed });
+        }
+        Ok(())
+    }
+
+    /// Does something and tells what the device says to it.
+    pub(crate) fn scoped<T>(&self, what: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        let scopes = [Validation, OutOfMemory, Internal].map(|filter| self.device.push_error_scope(filter));
+        let value = work();
+        // Innermost first.
+        let [validation, memory, internal] = scopes;
+        let internal = pollster::block_on(internal.pop());
+        let memory = pollster::block_on(memory.pop());
+        let validation = pollster::block_on(validation.pop());
+        match internal.or(memory).or(validation) {
+            None => Ok(value),
+            Some(error) => Err(self.explain(what, &error)),
+        }
+    }
+
+    fn explain(&self, what: &'static str, error: &wgpu::Error) -> GpuError {
+        if let Some(reason) = self.lost() {
+            return GpuError::Lost { reason };
+        }
+        match error {
+            wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory,
+            _ => GpuError::Refused { what, reason: error.to_string() },
+        }
+    }
+
+    /// What is known of the device's loss.
+    pub(crate) fn lost(&self) -> Option<String> {
+        self.lost.lock().ok().and_then(|lost| lost.clone())
+    }
+}

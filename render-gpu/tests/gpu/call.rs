@@ -1,0 +1,79 @@
+//! Calls WGSL functions on rows of numbers, and makes trials.
+
+use libtest_mimic::Trial;
+use render_gpu::Gpu;
+use wgpu::util::DeviceExt;
+
+/// A test of the GPU, ignored where there is none.
+pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Send + 'static) -> Trial {
+    let there = gpu.cloned();
+    let run = move || {
+        if let Some(gpu) = there {
+            test(&gpu);
+        }
+        Ok(())
+    };
+    Trial::test(name, run).with_ignored_flag(gpu.is_none())
+}
+
+/// Evaluates WGSL statements for rows of `inputs` numbers each: `pieces` are joined before; `body` reads `x(0), x(1) …` and
+/// calls `y(0, value)`, … up to `outputs`.
+pub(crate) fn call(gpu: &Gpu, pieces: &[&str], body: &str, rows: &[f32], inputs: usize, outputs: usize) -> Vec<f32> {
+    let count = rows.len() / inputs;
+    let main = format!(
+        "@group(0) @binding(0) var<storage, read> in: array<f32>;
+        @group(0) @binding(1) var<storage, read_write> out: array<f32>;
+        var<private> row: u32;
+        fn x(k: u32) -> f32 {{ return in[row * {inputs}u + k]; }}
+        fn y(k: u32, value: f32) {{ out[row * {outputs}u + k] = value; }}
+        @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {{
+            row = id.x;
+            if (row < {count}u) {{ {body} }}
+        }}"
+    );
+    let text = pieces.iter().chain([&main.as_str()]).copied().collect::<Vec<_>>().join("\n");
+    let device = gpu.device();
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: None,
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(rows),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    let size = (4 * count * outputs) as u64;
+    let buffer =
+        |usage| device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
+    let out = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let read = buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+        wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
+    }
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[entry(0, &input), entry(1, &out)],
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(count.div_ceil(64) as u32, 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&out, 0, &read, 0, size);
+    gpu.queue().submit([encoder.finish()]);
+    read.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
+    device.poll(wgpu::PollType::wait_indefinitely()).expect("done");
+    let view = read.slice(..).get_mapped_range().expect("mapped");
+    bytemuck::cast_slice(&view).to_vec()
+}

@@ -1,0 +1,18 @@
+//! Tests that want a GPU, a software one at least: shown as ignored where there is none.
+
+mod call;
+mod functions;
+
+use render_gpu::{Gpu, GpuOptions};
+
+fn main() {
+    let arguments = libtest_mimic::Arguments::from_args();
+    let gpu = Gpu::blocking(&GpuOptions::default());
+    if let Err(error) = &gpu {
+        eprintln!("GPU tests are ignored: {error}");
+    }
+    let gpu = gpu.ok();
+    let mut trials = Vec::new();
+    trials.extend(functions::trials(gpu.as_ref()));
+    libtest_mimic::run(&arguments, trials).exit();
+}
