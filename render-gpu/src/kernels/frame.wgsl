@@ -1,0 +1,18 @@
+// One light of one frame, for the points of a slice. The same struct as `layout::GpuFrame`.
+struct Frame {
+    // Centre and radius.
+    light: vec4f,
+    radiance: vec3f,
+    tolerance: f32,
+    threshold: f32,
+    point_count: u32,
+    light_index: u32,
+    // Words of a queue item: the point and the integral of each of its lobes.
+    queue_stride: u32,
+    sphere_count: u32,
+    block_count: u32,
+    pad0: u32,
+    pad1: u32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;

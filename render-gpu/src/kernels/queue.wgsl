@@ -1,0 +1,36 @@
+// What `classify` leaves to the penumbra kernel, and the counters of a frame. Needs frame.wgsl.
+
+// `count` items of `frame.queue_stride` words: the point (as an index into `points`), then its integral over the whole
+// light for each reflectance lobe. Items of one light are in no order; each point is there at most once.
+struct Queue {
+    count: atomic<u32>,
+    counters: array<atomic<u32>, 15>,
+    items: array<u32>,
+}
+@group(0) @binding(4) var<storage, read_write> queue: Queue;
+
+// Point–light pairs by what is seen of the light; those that `classify` queues are counted by the penumbra kernel, which
+// may find that a mask is wholly lit or dark.
+const LIT_POINTS = 0u;
+const DARK_POINTS = 1u;
+const PENUMBRA_POINTS = 2u;
+// Integrals of reflectance lobes; lobes dropped below the threshold.
+const INTEGRALS = 3u;
+const PRUNED = 4u;
+
+// A dispatch has at most so many workgroups along x.
+const QUEUE_WIDEST = 32768u;
+
+// Workgroups along x and y that take `count` items, one each: the item of a workgroup is `y * size.x + x`, below `count`.
+fn queue_size(count: u32) -> vec2u {
+    let rows = max((count + (QUEUE_WIDEST - 1u)) / QUEUE_WIDEST, 1u);
+    return vec2u((count + (rows - 1u)) / rows, rows);
+}
+
+fn queue_point(item: u32) -> u32 {
+    return queue.items[item * frame.queue_stride];
+}
+
+fn queue_integral(item: u32, lobe: u32) -> f32 {
+    return bitcast<f32>(queue.items[item * frame.queue_stride + 1u + lobe]);
+}
