@@ -1,0 +1,62 @@
+//! What the kernels read, as Rust writes it: the same structs as in WGSL, byte for byte.
+
+use bytemuck::{Pod, Zeroable};
+use lobe_core::Receiver;
+
+/// Material number of a point that is none: kernels pass over it.
+pub const NO_MATERIAL: u32 = u32::MAX;
+
+/// A [`Receiver`] and the number of its material: `Receiver` of WGSL, 64 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct GpuReceiver {
+    /// World position.
+    pub position: [f32; 3],
+    /// Number of the object.
+    pub object: u32,
+    /// Shading normal.
+    pub normal: [f32; 3],
+    /// Number of the material, or [`NO_MATERIAL`].
+    pub material: u32,
+    /// Geometric normal.
+    pub face: [f32; 3],
+    /// Nothing.
+    pub pad0: u32,
+    /// Direction toward the eye.
+    pub view: [f32; 3],
+    /// Nothing.
+    pub pad1: u32,
+}
+
+impl GpuReceiver {
+    /// A receiver of a material.
+    #[must_use]
+    pub fn new(at: &Receiver, material: u32) -> Self {
+        Self {
+            position: at.position.to_array(),
+            object: at.object,
+            normal: at.normal.to_array(),
+            material,
+            face: at.face.to_array(),
+            view: at.view.to_array(),
+            ..Self::default()
+        }
+    }
+}
+
+/// One light of one frame: `Frame` of WGSL, the uniform of binding 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct GpuFrame {
+    /// Centre and radius.
+    pub(crate) light: [f32; 4],
+    pub(crate) radiance: [f32; 3],
+    pub(crate) tolerance: f32,
+    pub(crate) threshold: f32,
+    pub(crate) point_count: u32,
+    pub(crate) light_index: u32,
+    pub(crate) queue_stride: u32,
+    pub(crate) sphere_count: u32,
+    pub(crate) block_count: u32,
+    pub(crate) pad: [u32; 2],
+}
