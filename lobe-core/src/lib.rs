@@ -38,6 +38,7 @@ mod source;
 pub mod special;
 #[cfg(test)]
 mod tests;
+pub mod wgsl;
 
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::geometry::{Cone, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};

@@ -1,0 +1,13 @@
+//! The WGSL of this crate: what a shader joins, as text, to what else it needs. The order of the pieces does not matter.
+//!
+//! Functions have the names that they have in Rust, and the same polynomials in the same order of operations (`exp` and
+//! `atan2` are `exp_f32` and `atan2_f32`, because WGSL has functions of those names). No entry points and no bindings.
+
+/// Special functions and constants. Needs nothing.
+pub const SPECIAL: &str = include_str!("special.wgsl");
+
+/// `Receiver`, `Cone`, coverage and bases. Needs nothing.
+pub const GEOMETRY: &str = include_str!("geometry.wgsl");
+
+/// `Lobe` and its value in a direction. Needs [`SPECIAL`] and [`GEOMETRY`].
+pub const LOBE: &str = include_str!("lobe.wgsl");
