@@ -142,9 +142,8 @@ impl<B: Blockers> MaskVisibility<B> {
         Some(UnitSquare::facing(query.cone, across).zoomed(brdf, query.at.normal, sigmas))
     }
 
-    /// Whether rows of 64 samples do: masks err 1.5 times as much as with 256.
     fn is_coarse(&self, query: &VisibilityQuery<'_>) -> bool {
-        !self.lobes && query.tolerance >= COARSE
+        !self.lobes && is_coarse(query.tolerance)
     }
 
     /// The blockers.
@@ -164,6 +163,12 @@ pub fn depth_for(tolerance: f32) -> u32 {
     } else {
         6
     }
+}
+
+/// Whether rows of 64 samples do for a tolerance, instead of 256: masks err 1.5 times as much with them.
+#[must_use]
+pub fn is_coarse(tolerance: f32) -> bool {
+    tolerance >= COARSE
 }
 
 /// Working memory of [`MaskVisibility`].
