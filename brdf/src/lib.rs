@@ -31,6 +31,9 @@
 //! `r = 2(n·ω_o)n − ω_o` mirrors the view. Values are linear RGB, sr⁻¹. All models are zero where `n·v ≤ 0`. Parameters
 //! that pass `validate` never give NaN or infinity.
 //!
+//! # On the GPU
+//! [`PackedMaterials`] are materials as words, [`wgsl`] is the code that makes the same lobes of them.
+//!
 //! # Scope
 //! Out of scope here: textures, transmission, emission, interreflection.
 
@@ -44,10 +47,13 @@ mod material;
 mod metallic_roughness;
 mod model;
 mod modified_phong;
+mod packed;
 mod phong;
 mod sampling;
 #[cfg(test)]
 mod suite;
+mod symmetric;
+pub mod wgsl;
 
 pub use crate::error::MaterialError;
 pub use crate::lafortune::{Lafortune, LafortuneLobe};
@@ -56,4 +62,5 @@ pub use crate::material::Material;
 pub use crate::metallic_roughness::MetallicRoughness;
 pub use crate::model::{Brdf, BrdfSample};
 pub use crate::modified_phong::ModifiedPhong;
+pub use crate::packed::{Models, PackedMaterials};
 pub use crate::phong::Phong;

@@ -45,10 +45,10 @@ const MIN_ALPHA: f64 = 1e-3;
 /// ```
 #[derive(Clone, Debug)]
 pub struct MetallicRoughness {
-    base: Vec3,
-    metallic: f32,
+    pub(crate) base: Vec3,
+    pub(crate) metallic: f32,
     roughness: f32,
-    rows: Arc<[Row; ROWS]>,
+    pub(crate) rows: Arc<[Row; ROWS]>,
 }
 
 impl PartialEq for MetallicRoughness {
@@ -127,7 +127,7 @@ impl MetallicRoughness {
 }
 
 /// `F0`.
-fn normal_reflectance(base: Vec3, metallic: f32) -> Vec3 {
+pub(crate) fn normal_reflectance(base: Vec3, metallic: f32) -> Vec3 {
     Vec3::splat(DIELECTRIC as f32).lerp(base, metallic)
 }
 

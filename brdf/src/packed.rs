@@ -1,0 +1,203 @@
+use crate::ggx::FAMILY_COUNT;
+use crate::metallic_roughness::normal_reflectance;
+use crate::symmetric::eigen;
+use crate::{Lafortune, LafortuneLobe, Material, MetallicRoughness};
+use core::f32::consts::{PI, TAU};
+use glam::{DMat3, Vec3};
+
+/// The models that occur among some materials: what a shader needs the code of.
+///
+/// ```
+/// use brdf::{Material, Models};
+/// let models = Models::of(&[Material::lambert(glam::Vec3::ONE)]);
+/// assert_eq!(models.names().collect::<Vec<_>>(), ["lambert"]);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Models(u8);
+
+impl Models {
+    /// All of them.
+    pub const ALL: Self = Self(0x1f);
+
+    /// Names by number, as [`Material::model_name`] spells them.
+    const NAMES: [&'static str; 5] = ["lambert", "phong", "modified-phong", "lafortune", "metallic-roughness"];
+
+    /// The models of these materials.
+    #[must_use]
+    pub fn of(materials: &[Material]) -> Self {
+        Self(materials.iter().fold(0, |all, material| all | 1 << number(material)))
+    }
+
+    /// The models whose bits are set, in the order of the table in the crate's documentation.
+    #[must_use]
+    pub const fn from_bits(bits: u8) -> Self {
+        Self(bits & Self::ALL.0)
+    }
+
+    /// Their names, as [`Material::model_name`] spells them.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        self.numbers().map(|number| Self::NAMES[number as usize])
+    }
+
+    /// Their numbers, ascending.
+    pub(crate) fn numbers(self) -> impl Iterator<Item = u32> {
+        (0..Self::NAMES.len() as u32).filter(move |number| self.0 >> number & 1 == 1)
+    }
+}
+
+/// Number of a material's model.
+const fn number(material: &Material) -> u32 {
+    match material {
+        Material::Lambert(_) => 0,
+        Material::Phong(_) => 1,
+        Material::ModifiedPhong(_) => 2,
+        Material::Lafortune(_) => 3,
+        Material::MetallicRoughness(_) => 4,
+    }
+}
+
+/// Materials as the words that the WGSL of [`wgsl`](crate::wgsl) reads from its `materials`.
+///
+/// Two words a material (number of its model + 256 × number of its lobes; where its numbers begin), then the numbers: 3
+/// words for Lambert, 8 for Phong, 4 and 25 a lobe for Lafortune, 1025 for metallic–roughness. Lobes that reflect nothing
+/// from anywhere are not among them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackedMaterials {
+    /// What the shader reads. Not empty.
+    pub words: Vec<u32>,
+    /// Whose code the shader needs.
+    pub models: Models,
+    /// The largest number of lobes.
+    pub max_lobes: u32,
+}
+
+impl PackedMaterials {
+    /// Packs materials whose parameters are [valid](Material::validate).
+    ///
+    /// ```
+    /// use brdf::{Material, PackedMaterials};
+    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)]);
+    /// assert_eq!((packed.words.len(), packed.max_lobes), (5, 1));
+    /// ```
+    #[must_use]
+    pub fn new(materials: &[Material]) -> Self {
+        // Nothing at all reads as a material without lobes.
+        let mut words = vec![0; 2 * materials.len().max(1)];
+        let mut max_lobes = 0;
+        for (i, material) in materials.iter().enumerate() {
+            words[2 * i + 1] = words.len() as u32;
+            let lobes = match material {
+                Material::Lambert(m) => lambert(m.albedo, &mut words),
+                Material::Phong(m) => phong([PI * m.kd, m.ks * (TAU / (m.exponent + 1.0))], m.exponent, &mut words),
+                Material::ModifiedPhong(m) => {
+                    let e = m.exponent;
+                    phong([m.kd, m.ks * ((e + 2.0) / (e + 1.0))], e, &mut words)
+                }
+                Material::Lafortune(m) => lafortune(m, &mut words),
+                Material::MetallicRoughness(m) => metallic_roughness(m, &mut words),
+            };
+            words[2 * i] = number(material) | lobes << 8;
+            max_lobes = max_lobes.max(lobes);
+        }
+        Self { words, models: Models::of(materials), max_lobes }
+    }
+}
+
+fn push(words: &mut Vec<u32>, values: impl IntoIterator<Item = f32>) {
+    words.extend(values.into_iter().map(f32::to_bits));
+}
+
+fn lambert(albedo: Vec3, words: &mut Vec<u32>) -> u32 {
+    push(words, albedo.to_array());
+    u32::from(albedo != Vec3::ZERO)
+}
+
+fn phong([diffuse, specular]: [Vec3; 2], exponent: f32, words: &mut Vec<u32>) -> u32 {
+    let lobes = lambert(diffuse, words);
+    words.push(1 - lobes);
+    push(words, specular.to_array());
+    push(words, [exponent]);
+    lobes + u32::from(specular != Vec3::ZERO)
+}
+
+fn lafortune(model: &Lafortune, words: &mut Vec<u32>) -> u32 {
+    let mut lobes = lambert(model.diffuse, words);
+    words.push(1 - lobes);
+    for lobe in model.lobes.iter().filter(|lobe| lobe.scale != Vec3::ZERO) {
+        lafortune_lobe(lobe, words);
+        lobes += 1;
+    }
+    lobes
+}
+
+fn lafortune_lobe(lobe: &LafortuneLobe, words: &mut Vec<u32>) {
+    push(words, lobe.matrix.to_cols_array());
+    let m = DMat3::from_cols_array(&lobe.matrix.to_cols_array().map(f64::from));
+    let (vectors, values) = eigen(m.transpose() * m - DMat3::IDENTITY);
+    push(words, vectors.to_cols_array().map(|x| x as f32));
+    push(words, values.as_vec3().to_array());
+    push(words, (lobe.scale * (TAU / (lobe.exponent + 1.0))).to_array());
+    push(words, [lobe.exponent]);
+}
+
+fn metallic_roughness(model: &MetallicRoughness, words: &mut Vec<u32>) -> u32 {
+    let diffuse = model.base * (1.0 - model.metallic);
+    push(words, diffuse.to_array());
+    push(words, normal_reflectance(model.base, model.metallic).to_array());
+    words.extend([model.rows.len() as u32, 1 + 5 * FAMILY_COUNT as u32]);
+    let mut slots = [0; 9];
+    let mut lobes = usize::from(diffuse != Vec3::ZERO);
+    for k in 0..FAMILY_COUNT {
+        let families = || model.rows.iter().map(|row| &row.families[k]);
+        // Without F0 all that is left of a family is its grazing part.
+        let places = match families().any(|family| family.flux != [0.0; 2]) {
+            false => 0..0,
+            true if families().all(|family| family.spread == 0.0) => 1..2,
+            true => 0..3,
+        };
+        for place in places {
+            slots[lobes] = 1 + 3 * k as u32 + place;
+            lobes += 1;
+        }
+    }
+    words.extend(slots);
+    for row in model.rows.iter() {
+        push(words, [row.diffuse]);
+        for f in &row.families {
+            push(words, [f.flux[0], f.flux[1], f.tilt, f.spread, f.exponent]);
+        }
+    }
+    lobes as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Lambert, ModifiedPhong, Phong};
+
+    #[test]
+    fn what_reflects_nothing_is_not_counted() {
+        let (black, white) = (Vec3::ZERO, Vec3::ONE);
+        let lobe = |scale| LafortuneLobe::diagonal(white, 2.0, scale);
+        let cases: [(Material, u32); 8] = [
+            (Lambert { albedo: black }.into(), 0),
+            (Phong { kd: black, ks: white, exponent: 2.0 }.into(), 1),
+            (ModifiedPhong { kd: white, ks: black, exponent: 2.0 }.into(), 1),
+            (ModifiedPhong { kd: white, ks: white, exponent: 2.0 }.into(), 2),
+            (Lafortune { diffuse: black, lobes: vec![lobe(black), lobe(white), lobe(white)] }.into(), 2),
+            (MetallicRoughness::new(white, 0.0, 0.3).unwrap().into(), 9),
+            // No haze of its own, no diffuse base, and one family that is spread.
+            (MetallicRoughness::new(white, 1.0, 0.8).unwrap().into(), 5),
+            // The constant distribution is one family.
+            (MetallicRoughness::new(white, 1.0, 1.0).unwrap().into(), 1),
+        ];
+        let materials: Vec<Material> = cases.iter().map(|(material, _)| material.clone()).collect();
+        let packed = PackedMaterials::new(&materials);
+        for (i, (material, lobes)) in cases.iter().enumerate() {
+            assert_eq!(packed.words[2 * i] >> 8, *lobes, "{} {i}", material.model_name());
+        }
+        assert_eq!((packed.models, packed.max_lobes), (Models::ALL, 9));
+        let none = PackedMaterials::new(&[]);
+        assert_eq!((none.words.len(), none.models, none.max_lobes), (2, Models::default(), 0));
+    }
+}
