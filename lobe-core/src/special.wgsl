@@ -18,8 +18,8 @@ fn positive(x: f32) -> f32 {
     return max(x, 0.0);
 }
 
-fn copy_sign(x: f32, of: f32) -> f32 {
-    return bitcast<f32>((bitcast<u32>(x) & 0x7fffffffu) | (bitcast<u32>(of) & 0x80000000u));
+fn copy_sign(x: f32, sign: f32) -> f32 {
+    return bitcast<f32>((bitcast<u32>(x) & 0x7fffffffu) | (bitcast<u32>(sign) & 0x80000000u));
 }
 
 // `exp` of special.rs.
