@@ -11,3 +11,15 @@ pub const GEOMETRY: &str = include_str!("geometry.wgsl");
 
 /// `Lobe` and its value in a direction. Needs [`SPECIAL`] and [`GEOMETRY`].
 pub const LOBE: &str = include_str!("lobe.wgsl");
+
+/// `cap_integral(at, lobe, cone)` where every lobe is Lambert's. Needs [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].
+pub const CAP_LAMBERT: &str = concat!(include_str!("cap/lambert.wgsl"), include_str!("cap/lambert_only.wgsl"));
+
+/// `cap_integral(at, lobe, cone)` for all lobes, instead of [`CAP_LAMBERT`]. Needs [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].
+pub const CAP: &str = concat!(
+    include_str!("cap/lambert.wgsl"),
+    include_str!("cap/pair.wgsl"),
+    include_str!("cap/slab.wgsl"),
+    include_str!("cap/chord.wgsl"),
+    include_str!("cap/cap.wgsl"),
+);
