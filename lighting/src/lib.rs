@@ -23,6 +23,7 @@ mod square;
 #[cfg(test)]
 mod tests;
 mod visibility;
+pub mod wgsl;
 
 pub use crate::contour::Contour;
 pub use crate::edges::Edges;
@@ -32,4 +33,4 @@ pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
 pub use crate::paper_weights::PaperWeights;
 pub use crate::sphere_light::SphereLight;
 pub use crate::square::UnitSquare;
-pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility, depth_for};
+pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility, depth_for, is_coarse};

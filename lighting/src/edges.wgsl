@@ -1,0 +1,42 @@
+// The directions of all edges across a light: by their sum a mask is turned. Each thread adds its own ones; the sum of all
+// threads, with EDGES_NOTHING, gives the direction. Needs geometry.wgsl.
+
+// Two unit vectors across a cone's axis: the frame of the sum.
+struct EdgeFrame { right: vec3f, up: vec3f }
+
+// Share of the light's radius that an edge of no direction is worth.
+const EDGES_NOTHING = vec2f(1e-3, 0.0);
+
+// Two unit vectors that complete an axis to a basis, without a step except where it points straight down.
+fn edges_frame(axis: vec3f) -> EdgeFrame {
+    let a = 1.0 / max(1.0 + axis.y, 1e-6);
+    let right = vec3f(1.0 - axis.x * axis.x * a, -axis.x, -axis.x * axis.z * a);
+    let up = vec3f(-axis.x * axis.z * a, -axis.z, 1.0 - axis.z * axis.z * a);
+    return EdgeFrame(right * (1.0 / sqrt(dot(right, right))), up * (1.0 / sqrt(dot(up, up))));
+}
+
+// An edge with `across` (world space, any length) at right angles to it, `length` radii of the light's disc long.
+fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec2f {
+    let d = vec2f(dot(frame.right, across), dot(frame.up, across));
+    let square = dot(d, d);
+    let sound = square > 0.0 && abs(length) < 3e38;
+    return select(vec2f(0.0), vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * (length / square), sound);
+}
+
+// What of a circle's rim lies on the light's disc: radius and distance of the centre in radii of the disc, the centre in
+// the world direction `to`.
+fn edges_add_circle(frame: EdgeFrame, to: vec3f, radius: f32, distance: f32) -> vec2f {
+    let cos = clamp((distance * distance + radius * radius - 1.0) / (2.0 * distance * radius), -1.0, 1.0);
+    return edges_add(frame, to, 2.0 * radius * sqrt(1.0 - cos * cos) * cos);
+}
+
+// The unit direction, at right angles to the light's axis, across which most edges of the sum run.
+fn edges_across(frame: EdgeFrame, sum: vec2f) -> vec3f {
+    // Half the angle of the sum.
+    let square = dot(sum, sum);
+    let d = select(vec2f(1.0, 0.0), sum * (1.0 / sqrt(square)), square > 1e-37);
+    var half = vec2f(sqrt((1.0 + abs(d.x)) * 0.5), 0.0);
+    half.y = 0.5 * d.y / half.x;
+    half = select(half.yx, half, d.x >= 0.0);
+    return frame.right * half.x + frame.up * half.y;
+}

@@ -1,0 +1,123 @@
+// The visibility mask, one row a thread: thread j of the workgroup owns row j, threads from SIDE on own an empty one.
+// Needs the header and square.wgsl.
+
+struct Mask {
+    square: UnitSquare,
+    // Plane coordinate of the window's left side; samples a unit of plane coordinates.
+    left: f32,
+    scale: f32,
+}
+
+// How plane coordinates become rows and samples: row line `j` is at height `j + ½` of `(y − bottom)·rows`, samples count
+// from `(x − left)·samples`, less the shift of the row.
+struct Raster { left: f32, bottom: f32, samples: f32, rows: f32 }
+
+// Samples of the own row that emit and are not blocked.
+var<private> lit: Row;
+// Samples of the own row that emit: from, to.
+var<private> emitting: vec2u;
+
+// The first sample at or after a position (sample k is at k + ½), 0…WIDTH; 0 for NaN.
+fn row_index(position: f32) -> u32 {
+    let x = select(0.0, position, position > 0.0);
+    return u32(round(min(x, f32(WIDTH))));
+}
+
+// Shift of the samples of row `j`, in samples within ±½: the fraction of a multiple of the golden section, by its bits.
+fn row_phase(j: u32) -> f32 {
+    return f32(bitcast<i32>((2u * j + 1u) * GOLDEN ^ 0x80000000u)) * 0x1p-32f;
+}
+
+// Height of line `k` above the row's own, in rows within ±½.
+fn row_height(k: u32) -> f32 { return (f32(k) + 0.5) * 0.125 - 0.5; }
+
+// Starts the own row anew: no blocker; what emits is the light's disc above the horizon of `normal` (world space).
+fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
+    let mask = Mask(square, square.center.x - square.half, f32(WIDTH) / (2.0 * square.half));
+    let n = square_local(square, normal);
+    let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * dot(n.xy, n.xy);
+    if (above && square.half == square.disc && all(square.center == vec2f(0.0))) {
+        // All whole discs are the same.
+        let unit = UnitSquare(square.right, square.up, square.axis, vec2f(0.0), 1.0, 1.0);
+        mask_emit(Mask(unit, -1.0, f32(WIDTH) * 0.5), j, vec3f(0.0, 0.0, 1.0));
+    } else {
+        mask_emit(mask, j, n);
+    }
+    return mask;
+}
+
+// What emits, with the normal in the square's frame.
+fn mask_emit(mask: Mask, j: u32, n: vec3f) {
+    let disc = mask.square.disc;
+    let y = mask_row_y(mask, j);
+    let half = sqrt(max(disc * disc - y * y, 0.0));
+    // Above the horizon: n.x x + n.y y + n.z > 0.
+    let rest = n.y * y + n.z;
+    var from = -half;
+    var to = half;
+    if (n.x > 0.0) {
+        from = max(from, -rest / n.x);
+    } else if (n.x < 0.0) {
+        to = min(to, -rest / n.x);
+    } else if (rest <= 0.0) {
+        to = from;
+    }
+    emitting = select(vec2u(0u), mask_samples(mask, j, from, to), j < SIDE);
+    lit = row_span(emitting.x, emitting.y);
+}
+
+// Side of a cell in plane coordinates.
+fn mask_cell(mask: Mask) -> f32 { return 2.0 * mask.square.half / f32(SIDE); }
+
+// Plane coordinate y of row `j`.
+fn mask_row_y(mask: Mask, j: u32) -> f32 {
+    return mask.square.center.y + ((f32(j) + 0.5) - 0.5 * f32(SIDE)) * mask_cell(mask);
+}
+
+// Plane coordinates of the centre of cell `i` of row `j`.
+fn mask_cell_center(mask: Mask, i: u32, j: u32) -> vec2f {
+    return vec2f(
+        mask.square.center.x + ((f32(i) + 0.5) - 0.5 * f32(SIDE)) * mask_cell(mask),
+        mask_row_y(mask, j)
+    );
+}
+
+fn mask_raster(mask: Mask) -> Raster {
+    let half = mask.square.half;
+    return Raster(mask.left, mask.square.center.y - half, mask.scale, f32(SIDE) / (2.0 * half));
+}
+
+// A plane coordinate x as a sample, without a shift.
+fn mask_sample(mask: Mask, x: f32) -> u32 { return row_index((x - mask.left) * mask.scale); }
+
+// Plane coordinates x as samples of row `j`, clamped to the row. An empty or NaN interval gives an empty one.
+fn mask_samples(mask: Mask, j: u32, from: f32, to: f32) -> vec2u {
+    let phase = row_phase(j);
+    let a = row_index((from - mask.left) * mask.scale - phase);
+    let b = row_index((to - mask.left) * mask.scale - phase);
+    return select(vec2u(0u), vec2u(a, b), from < to);
+}
+
+// Blocks the own row `j` between two plane coordinates x; infinite ones are fine, an empty or NaN interval blocks nothing.
+fn mask_block_span(mask: Mask, j: u32, from: f32, to: f32) {
+    let samples = mask_samples(mask, j, from, to);
+    mask_block_samples(samples.x, samples.y);
+}
+
+// Blocks samples `from..to` of the own row: for shapes that find the samples themselves, with mask_raster and row_phase.
+fn mask_block_samples(from: u32, to: u32) { lit = row_without(lit, row_span(from, to)); }
+
+// Blocks samples of the own row `j` at height `k`, one of eight: those of every eight samples that are at this height, another
+// one in each row. For shapes whose edge runs along the row; `from` and `to` without a shift.
+fn mask_block_line(j: u32, k: u32, from: u32, to: u32) {
+    // Bits reversed, so that any few of them are spread.
+    let order = ((k & 1u) << 2u) | (k & 2u) | (k >> 2u);
+    let line = row_masked(row_span(from, to), 0x01010101u << ((order + j) & 7u));
+    lit = row_without(lit, line);
+}
+
+// Blocks every sample of the own row.
+fn mask_block_all() { lit = row_none(); }
+
+// True when nothing of the own row is lit.
+fn mask_is_row_dark() -> bool { return row_is_none(lit); }
