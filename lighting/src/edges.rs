@@ -3,7 +3,7 @@ use glam::{Vec2, Vec3};
 use lobe_core::Cone;
 
 /// Share of the light's radius that an edge of no direction is worth: what a mask is turned to where no edge says more.
-const NOTHING: f32 = 1e-3;
+pub(crate) const NOTHING: f32 = 1e-3;
 
 /// The directions of all edges across a light: by their sum a [`Mask`](crate::Mask) is turned, so that its rows run
 /// across most of them.

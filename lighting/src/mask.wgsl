@@ -14,7 +14,7 @@ struct Raster { left: f32, bottom: f32, samples: f32, rows: f32 }
 
 // Samples of the own row that emit and are not blocked.
 var<private> lit: Row;
-// Samples of the own row that emit: from, to.
+// Samples of the own row that emit: start, end.
 var<private> emitting: vec2u;
 
 // The first sample at or after a position (sample k is at k + ½), 0…WIDTH; 0 for NaN.
@@ -53,16 +53,16 @@ fn mask_emit(mask: Mask, j: u32, n: vec3f) {
     let half = sqrt(max(disc * disc - y * y, 0.0));
     // Above the horizon: n.x x + n.y y + n.z > 0.
     let rest = n.y * y + n.z;
-    var from = -half;
-    var to = half;
+    var start = -half;
+    var end = half;
     if (n.x > 0.0) {
-        from = max(from, -rest / n.x);
+        start = max(start, -rest / n.x);
     } else if (n.x < 0.0) {
-        to = min(to, -rest / n.x);
+        end = min(end, -rest / n.x);
     } else if (rest <= 0.0) {
-        to = from;
+        end = start;
     }
-    emitting = select(vec2u(0u), mask_samples(mask, j, from, to), j < SIDE);
+    emitting = select(vec2u(0u), mask_samples(mask, j, start, end), j < SIDE);
     lit = row_span(emitting.x, emitting.y);
 }
 
@@ -91,28 +91,28 @@ fn mask_raster(mask: Mask) -> Raster {
 fn mask_sample(mask: Mask, x: f32) -> u32 { return row_index((x - mask.left) * mask.scale); }
 
 // Plane coordinates x as samples of row `j`, clamped to the row. An empty or NaN interval gives an empty one.
-fn mask_samples(mask: Mask, j: u32, from: f32, to: f32) -> vec2u {
+fn mask_samples(mask: Mask, j: u32, start: f32, end: f32) -> vec2u {
     let phase = row_phase(j);
-    let a = row_index((from - mask.left) * mask.scale - phase);
-    let b = row_index((to - mask.left) * mask.scale - phase);
-    return select(vec2u(0u), vec2u(a, b), from < to);
+    let a = row_index((start - mask.left) * mask.scale - phase);
+    let b = row_index((end - mask.left) * mask.scale - phase);
+    return select(vec2u(0u), vec2u(a, b), start < end);
 }
 
 // Blocks the own row `j` between two plane coordinates x; infinite ones are fine, an empty or NaN interval blocks nothing.
-fn mask_block_span(mask: Mask, j: u32, from: f32, to: f32) {
-    let samples = mask_samples(mask, j, from, to);
+fn mask_block_span(mask: Mask, j: u32, start: f32, end: f32) {
+    let samples = mask_samples(mask, j, start, end);
     mask_block_samples(samples.x, samples.y);
 }
 
-// Blocks samples `from..to` of the own row: for shapes that find the samples themselves, with mask_raster and row_phase.
-fn mask_block_samples(from: u32, to: u32) { lit = row_without(lit, row_span(from, to)); }
+// Blocks samples `start..end` of the own row: for shapes that find the samples themselves, with mask_raster and row_phase.
+fn mask_block_samples(start: u32, end: u32) { lit = row_without(lit, row_span(start, end)); }
 
 // Blocks samples of the own row `j` at height `k`, one of eight: those of every eight samples that are at this height, another
-// one in each row. For shapes whose edge runs along the row; `from` and `to` without a shift.
-fn mask_block_line(j: u32, k: u32, from: u32, to: u32) {
+// one in each row. For shapes whose edge runs along the row; `start` and `end` without a shift.
+fn mask_block_line(j: u32, k: u32, start: u32, end: u32) {
     // Bits reversed, so that any few of them are spread.
     let order = ((k & 1u) << 2u) | (k & 2u) | (k >> 2u);
-    let line = row_masked(row_span(from, to), 0x01010101u << ((order + j) & 7u));
+    let line = row_masked(row_span(start, end), 0x01010101u << ((order + j) & 7u));
     lit = row_without(lit, line);
 }
 

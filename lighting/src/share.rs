@@ -13,11 +13,11 @@ const FINE: usize = 4;
 const COARSE: usize = 2;
 
 /// The third and fourth order of a weight's logarithm that are left out, at most.
-const LEFT_OUT: f32 = 0.004;
+pub(crate) const LEFT_OUT: f32 = 0.004;
 /// `tan⁴θ/2` up to which a Lambert lobe's weights are a product of one by row and one by column.
-const CORNER: f32 = 2e-4;
+pub(crate) const CORNER: f32 = 2e-4;
 /// Exponents beyond are taken only up to where a lobe is as narrow as a cell: a mirror sees some samples.
-const MIRROR: f32 = 1e6;
+pub(crate) const MIRROR: f32 = 1e6;
 
 /// Share of the lobe's light that is lit: `Σ w` over the lit samples by `Σ w` over those that emit, `w` the lobe's value
 /// times the solid angle of a sample (times the receiver's cosine where the lobe says so).

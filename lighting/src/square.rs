@@ -2,10 +2,10 @@ use glam::{Vec2, Vec3};
 use lobe_core::{Cone, Lobe, orthonormal_basis};
 
 /// Half-angles above this (85°) are treated as if the light were seen up to it: the square faces one hemisphere.
-const WIDEST_TAN: f32 = 11.43;
+pub(crate) const WIDEST_TAN: f32 = 11.43;
 
 /// A window is not made smaller than for this exponent: plane coordinates in f32 resolve no more.
-const NARROWEST: f32 = 1e8;
+pub(crate) const NARROWEST: f32 = 1e8;
 
 /// The unit square (Fig. 8): the window in the plane facing the light on which visibility is rasterised.
 ///

@@ -8,7 +8,7 @@ use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQue
 const COARSE: f32 = 0.005;
 
 /// How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
-const HORIZON: f32 = 4.0;
+pub(crate) const HORIZON: f32 = 4.0;
 
 /// Something that blocks light, rasterised: what a visibility strategy has to provide.
 ///

@@ -13,6 +13,18 @@ pub const MASK: &str = include_str!("mask.wgsl");
 /// The sum of edges that turns a mask; needs `geometry.wgsl`.
 pub const EDGES: &str = include_str!("edges.wgsl");
 
+/// Sums over the threads of a workgroup; needs [`header`].
+pub const TOTAL: &str = include_str!("total.wgsl");
+/// The share of a lobe's light that a mask leaves; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
+pub const SHARE: &str = include_str!("share.wgsl");
+/// What [`SHARE`] sums where all lobes are Lambert's.
+pub const LAMBERT: &str = concat!(include_str!("share_lambert.wgsl"), include_str!("share_lambert_only.wgsl"));
+/// What [`SHARE`] sums for any lobes; needs `special.wgsl` of `lobe-core`.
+pub const LOBES: &str =
+    concat!(include_str!("share_lambert.wgsl"), include_str!("share_glossy.wgsl"), include_str!("share_both.wgsl"));
+/// How masks are turned at the horizon, how far windows reach; needs [`EDGES`] and `special.wgsl` of `lobe-core`.
+pub const VISIBILITY: &str = include_str!("visibility.wgsl");
+
 /// The golden section by half, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
 const GOLDEN: u32 = 0x4f1b_bcdd;
 
@@ -41,6 +53,25 @@ pub fn header(depth: u32, coarse: bool) -> String {
 mod tests {
     use super::*;
     use crate::row::PHASE;
+
+    /// Whether a text states the value of a constant.
+    #[track_caller]
+    fn states(text: &str, name: &str, value: f32) {
+        let mut lines = text.lines().filter_map(|line| line.strip_prefix("const ")?.strip_suffix(';')?.split_once(" = "));
+        let (_, found) = lines.find(|(found, _)| *found == name).expect("the constant");
+        assert_eq!(found.parse::<f32>().expect("a number"), value, "{name}");
+    }
+
+    #[test]
+    fn constants_are_rusts() {
+        states(SQUARE, "WIDEST_TAN", crate::square::WIDEST_TAN);
+        states(SQUARE, "NARROWEST", crate::square::NARROWEST);
+        states(VISIBILITY, "HORIZON", crate::visibility::HORIZON);
+        states(LAMBERT, "CORNER", crate::share::CORNER);
+        states(LOBES, "LEFT_OUT", crate::share::LEFT_OUT);
+        states(LOBES, "MIRROR_SHARE", crate::share::MIRROR);
+        assert!(EDGES.contains(&format!("EDGES_NOTHING = vec2f({:e}, 0.0)", crate::edges::NOTHING)));
+    }
 
     #[test]
     fn shifts_of_rows_by_integers() {

@@ -1,28 +1,71 @@
-//! The WGSL of masks without a GPU: every variant validates.
+//! The WGSL of masks and penumbrae without a GPU: every variant validates.
 
 use lighting::wgsl;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
+/// Blockers and reflectance, as the kernel asks for them.
+const HOOKS: &str = "
+    fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f { return vec2f(0.0); }
+    fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
+        mask_block_span(mask, lane, 0.0, 1.0);
+    }
+    fn brdf_lobe_count(material: u32) -> u32 { return materials[0]; }
+    fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe { return Lobe(at.normal, 1.0, vec3f(1.0), 0.0); }";
+
 /// Parses and validates pieces joined.
-fn validate(pieces: &[&str]) {
+fn validate(pieces: &[&str]) -> naga::Module {
     let text = pieces.join("\n");
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
         panic!("{}", error.emit_to_string(&text));
     }
+    module
 }
 
 /// All depths and widths.
-fn headers() -> impl Iterator<Item = String> {
-    (1..=lighting::MAX_DEPTH).flat_map(|depth| [false, true].map(|coarse| wgsl::header(depth, coarse)))
+fn variants() -> impl Iterator<Item = (u32, bool)> {
+    (1..=lighting::MAX_DEPTH).flat_map(|depth| [(depth, false), (depth, true)])
 }
 
 #[test]
-fn pieces_validate() {
+fn pieces_validate_alone() {
     validate(&[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
     validate(&[wgsl::EDGES, GEOMETRY]);
-    for header in headers() {
+    validate(&[wgsl::VISIBILITY, wgsl::EDGES, GEOMETRY, SPECIAL]);
+    for (depth, coarse) in variants() {
+        let header = wgsl::header(depth, coarse);
         validate(&[&header, wgsl::MASK, wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
+        validate(&[&header, wgsl::TOTAL]);
     }
+}
+
+/// No barrier where threads part, among the rest.
+#[test]
+fn penumbrae_validate() {
+    let kernel = [
+        include_str!("../src/kernels/frame.wgsl"),
+        include_str!("../src/kernels/queue.wgsl"),
+        include_str!("../src/kernels/penumbra.wgsl"),
+    ];
+    let common = [wgsl::MASK, wgsl::SQUARE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];
+    let core = [GEOMETRY, LOBE, SPECIAL, HOOKS];
+    let forms = [
+        [wgsl::LAMBERT, include_str!("../src/kernels/penumbra_whole.wgsl")],
+        [wgsl::LOBES, include_str!("../src/kernels/penumbra_window.wgsl")],
+    ];
+    for (depth, coarse) in variants() {
+        let header = wgsl::header(depth, coarse);
+        for form in forms {
+            let module = validate(&[[header.as_str()].as_slice(), &kernel, &common, &core, &form].concat());
+            let entry = &module.entry_points[0];
+            let lanes = (1 << depth).max(32);
+            assert_eq!((entry.name.as_str(), entry.workgroup_size), ("penumbra", [lanes, 1, 1]));
+        }
+    }
+}
+
+#[test]
+fn lambert_alone_has_no_code_for_other_lobes() {
+    assert!(!wgsl::LAMBERT.contains("glossy") && wgsl::LOBES.contains("glossy"));
 }

@@ -1,0 +1,45 @@
+// The share of a reflectance lobe's light that a mask leaves, summed over its samples: each thread its own row, with weights
+// of columns shared. Needs mask.wgsl, total.wgsl, and one of share_lambert_only.wgsl and share_both.wgsl.
+
+// Four columns each: the weights u, u·dx, u·dx² where they are products of one by row and one by column.
+var<workgroup> columns: array<mat3x4f, COLUMNS / 4u>;
+
+// Share of the lobe's light that is lit: Σ w over the lit samples by Σ w over those that emit. Only where all threads come by.
+fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
+    let weights = weights_of(mask, at, lobe);
+    if (lane < COLUMNS / 4u) {
+        columns[lane] = weights_columns(weights, middles(mask, lane));
+    }
+    workgroupBarrier();
+    let emits = row_span(emitting.x, emitting.y);
+    var sum = vec4f(0.0, 0.0, f32(row_count(lit)), f32(row_count(emits)));
+    // Threads without a row, and rows that emit nothing, add nothing.
+    if (emitting.x < emitting.y) {
+        let y = mask_row_y(mask, lane);
+        let factors = weights_row(weights, y);
+        for (var group = 0u; group < COLUMNS / 4u; group++) {
+            var w = columns[group] * factors;
+            if (!weights.by_row) {
+                w = weights_samples(weights, middles(mask, group), y);
+                // A column that emits in part is seen in its middle, which may be below the horizon.
+                w = select(vec4f(0.0), w, w > vec4f(0.0));
+            }
+            sum.x += dot(row_counts(lit, group), w);
+            sum.y += dot(row_counts(emits, group), w);
+        }
+    }
+    sum = total(lane, sum);
+    // Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.
+    let ratio = sum.x / sum.y;
+    if (sum.y > 0.0 && sum.y < 3e38 && abs(ratio) < 3e38) {
+        return clamp(ratio, 0.0, 1.0);
+    }
+    return select(0.0, sum.z / sum.w, sum.w > 0.0);
+}
+
+// Plane coordinates x of the middles of four columns, in the order of their counts.
+fn middles(mask: Mask, group: u32) -> vec4f {
+    let width = 2.0 * mask.square.half / f32(COLUMNS);
+    let left = mask.square.center.x - mask.square.half + 0.5 * width;
+    return left + width * vec4f(row_columns(group));
+}

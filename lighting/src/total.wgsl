@@ -1,0 +1,22 @@
+// Sums over the threads of a workgroup, always in the same order. Needs the header.
+
+var<workgroup> totals: array<vec4f, LANES>;
+var<workgroup> whole_total: vec4f;
+
+// The sum over all threads, the same for each of them. Only where all threads come by.
+fn total(lane: u32, value: vec4f) -> vec4f {
+    totals[lane] = value;
+    workgroupBarrier();
+    if (lane < 8u) {
+        var sum = totals[lane];
+        for (var k = lane + 8u; k < LANES; k += 8u) {
+            sum += totals[k];
+        }
+        totals[lane] = sum;
+    }
+    workgroupBarrier();
+    if (lane == 0u) {
+        whole_total = ((totals[0] + totals[4]) + (totals[2] + totals[6])) + ((totals[1] + totals[5]) + (totals[3] + totals[7]));
+    }
+    return workgroupUniformLoad(&whole_total);
+}
