@@ -139,4 +139,27 @@ impl Gpu {
     pub(crate) fn lost(&self) -> Option<String> {
         self.lost.lock().ok().and_then(|lost| lost.clone())
     }
+
+    /// Waits for what was copied to a read-back buffer.
+    pub(crate) fn read(&self, staging: &wgpu::Buffer, bytes: u64, take: impl FnOnce(&[u8])) -> Result<(), GpuError> {
+        let lost = |reason: String| GpuError::Lost { reason: self.lost().unwrap_or(reason) };
+        let (sender, receiver) = std::sync::mpsc::channel();
+        self.scoped("a read-back", || {
+            staging.slice(..bytes).map_async(wgpu::MapMode::Read, move |result| {
+                // Nobody listens any more when waiting has failed.
+                let _ = sender.send(result);
+            });
+        })?;
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(lost(error.to_string())),
+            Err(error) => return Err(lost(error.to_string())),
+        }
+        let view = staging.slice(..bytes).get_mapped_range().map_err(|error| lost(error.to_string()))?;
+        take(&view);
+        drop(view);
+        staging.unmap();
+        Ok(())
+    }
 }

@@ -58,5 +58,6 @@ pub(crate) struct GpuFrame {
     pub(crate) queue_stride: u32,
     pub(crate) sphere_count: u32,
     pub(crate) block_count: u32,
-    pub(crate) pad: [u32; 2],
+    pub(crate) map: u32,
+    pub(crate) pad: u32,
 }

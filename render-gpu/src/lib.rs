@@ -1,9 +1,18 @@
 //! Shading on the GPU through wgpu: the same lobe sums in WGSL.
 
+mod clock;
 mod error;
 mod gpu;
+mod kernel;
+mod kernels;
 mod layout;
+mod memory;
+mod module;
+mod occlusion;
+mod shader;
 
 pub use self::error::GpuError;
 pub use self::gpu::{Gpu, GpuOptions};
 pub use self::layout::{GpuReceiver, NO_MATERIAL};
+pub use self::occlusion::Occlusion;
+pub use self::shader::GpuShader;

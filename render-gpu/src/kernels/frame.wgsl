@@ -11,8 +11,9 @@ struct Frame {
     queue_stride: u32,
     sphere_count: u32,
     block_count: u32,
-    pad0: u32,
-    pad1: u32,
+    // Where the light's shadow map is, or what says that it has none.
+    map: u32,
+    pad: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,0 +1,25 @@
+//! The texts of the kernels, and what they count.
+
+pub(crate) mod queue;
+
+use scene::Counts;
+
+pub(crate) const FRAME: &str = include_str!("kernels/frame.wgsl");
+pub(crate) const QUEUE: &str = include_str!("kernels/queue.wgsl");
+pub(crate) const BOUNDS: &str = include_str!("kernels/bounds.wgsl");
+pub(crate) const CULL: &str = include_str!("kernels/cull.wgsl");
+pub(crate) const CLASSIFY: &str = include_str!("kernels/classify.wgsl");
+pub(crate) const ARGS: &str = include_str!("kernels/args.wgsl");
+
+/// What kernels have counted, from the head of the queue.
+pub(crate) fn counts(header: &[u32]) -> Counts {
+    let count = |which: usize| header.get(1 + which).copied().unwrap_or(0).into();
+    Counts {
+        lobes: 0,
+        integrals: count(queue::INTEGRALS),
+        pruned: count(queue::PRUNED),
+        lit_points: count(queue::LIT_POINTS),
+        dark_points: count(queue::DARK_POINTS),
+        penumbra_points: count(queue::PENUMBRA_POINTS),
+    }
+}

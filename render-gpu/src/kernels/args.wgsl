@@ -1,0 +1,10 @@
+// How many workgroups the penumbra kernel has: one a queued point. Needs frame.wgsl and queue.wgsl.
+@group(0) @binding(5) var<storage, read_write> args: array<u32, 3>;
+
+@compute @workgroup_size(1)
+fn args_of_queue() {
+    let size = queue_size(atomicLoad(&queue.count));
+    args[0] = size.x;
+    args[1] = size.y;
+    args[2] = 1u;
+}

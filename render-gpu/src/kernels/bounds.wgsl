@@ -1,0 +1,39 @@
+// A ball around each block of spheres, one block a thread, as `Block::bounds`. Needs frame.wgsl and packed.wgsl.
+@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
+@group(0) @binding(11) var<storage, read_write> sphere_bounds: array<vec4f>;
+
+// What is larger is a float no more.
+const BOUNDS_EVERYTHING = 3e38;
+
+@compute @workgroup_size(64)
+fn bounds(@builtin(global_invocation_id) id: vec3u) {
+    let block = id.x;
+    if (block >= frame.block_count) {
+        return;
+    }
+    let first = block * SPHERE_BLOCK;
+    let end = min(first + SPHERE_BLOCK, frame.sphere_count);
+    var low = vec3f(BOUNDS_EVERYTHING);
+    var high = vec3f(-BOUNDS_EVERYTHING);
+    for (var k = first; k < end; k++) {
+        let sphere = spheres[k];
+        low = min(low, sphere.center - sphere.radius);
+        high = max(high, sphere.center + sphere.radius);
+    }
+    let center = 0.5 * low + 0.5 * high;
+    var reach = 0.0;
+    for (var k = first; k < end; k++) {
+        let sphere = spheres[k];
+        let d = center - sphere.center;
+        reach = max(reach, sqrt(dot(d, d)) + sphere.radius);
+    }
+    // Rounding of the distances is relative to them: the centre is exact by definition.
+    reach *= 1.000001;
+    // Not by the distances: squares overflow before them.
+    let all = max(max(max(abs(low.x), abs(low.y)), abs(low.z)), max(max(abs(high.x), abs(high.y)), abs(high.z)));
+    if (all < 1e18) {
+        sphere_bounds[block] = vec4f(center, reach);
+    } else {
+        sphere_bounds[block] = vec4f(0.0, 0.0, 0.0, BOUNDS_EVERYTHING);
+    }
+}

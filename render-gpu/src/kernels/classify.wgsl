@@ -1,0 +1,86 @@
+// What each point sees of one light: all of it, and its radiance is added; nothing; or a part, and the point is queued with
+// its integrals. As `Integrator::by_moments`. 64 threads, one tile. Needs frame.wgsl, queue.wgsl, brdf's lobes,
+// `cap_integral` and `blockers_coverage(tile, at, cone)`.
+@group(0) @binding(1) var<storage, read> points: array<Receiver>;
+@group(0) @binding(2) var<storage, read> materials: array<u32>;
+@group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;
+
+const NO_MATERIAL = 0xffffffffu;
+// Not asked yet.
+const UNKNOWN = 3u;
+
+var<workgroup> tally: array<atomic<u32>, 5>;
+
+fn count(what: u32) {
+    atomicAdd(&tally[what], 1u);
+}
+
+// `MaskVisibility::coverage`, before any mask is made.
+fn coverage_of(tile: u32, at: Receiver, cone: Cone) -> u32 {
+    if (cone.one_minus_cos > 1.0) {
+        // Inside the light there is no disc to cover.
+        return LIT;
+    }
+    let coverage = blockers_coverage(tile, at, cone);
+    // What touches the direction of a point light hides it.
+    return select(coverage, DARK, coverage == PARTIAL && cone.one_minus_cos <= 0.0);
+}
+
+fn classify_point(tile: u32, point: u32) {
+    let at = points[point];
+    if (at.material == NO_MATERIAL) {
+        return;
+    }
+    let cone = cone_of_sphere(at.position, frame.light);
+    let lobes = brdf_lobe_count(at.material);
+    var sum = vec3f(0.0);
+    var coverage = UNKNOWN;
+    var item = 0u;
+    for (var k = 0u; k < lobes; k++) {
+        let lobe = brdf_lobe(at.material, at, k);
+        let integral = cap_integral(at, lobe, cone);
+        let unshadowed = lobe.flux * frame.radiance * integral;
+        let brightest = max(max(unshadowed.x, unshadowed.y), unshadowed.z);
+        count(INTEGRALS);
+        if (brightest > frame.threshold) {
+            if (coverage == UNKNOWN) {
+                coverage = coverage_of(tile, at, cone);
+                if (coverage == PARTIAL) {
+                    item = atomicAdd(&queue.count, 1u) * frame.queue_stride;
+                    queue.items[item] = point;
+                    // Lobes below the threshold are left out.
+                    for (var before = 0u; before < k; before++) {
+                        queue.items[item + 1u + before] = 0u;
+                    }
+                }
+            }
+            if (coverage == LIT) {
+                sum += unshadowed;
+            }
+        } else if (brightest > 0.0) {
+            count(PRUNED);
+        }
+        if (coverage == PARTIAL) {
+            queue.items[item + 1u + k] = bitcast<u32>(integral);
+        }
+    }
+    if (coverage == LIT) {
+        count(LIT_POINTS);
+        radiance[point] += vec4f(sum, 0.0);
+    } else if (coverage == DARK) {
+        count(DARK_POINTS);
+    }
+}
+
+@compute @workgroup_size(64)
+fn classify(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let tile = group.x;
+    let point = tile * 64u + lane;
+    if (point < frame.point_count) {
+        classify_point(tile, point);
+    }
+    workgroupBarrier();
+    if (lane < 5u) {
+        atomicAdd(&queue.counters[lane], atomicLoad(&tally[lane]));
+    }
+}

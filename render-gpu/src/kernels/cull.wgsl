@@ -1,0 +1,128 @@
+// The spheres that a tile of 64 points has to look at for one light: those that meet the shaft from the points to the
+// light. One workgroup a tile. Needs frame.wgsl, packed.wgsl, shaft_test.wgsl and lobe-core's geometry.
+@group(0) @binding(1) var<storage, read> points: array<Receiver>;
+@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
+@group(0) @binding(7) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(11) var<storage, read> sphere_bounds: array<vec4f>;
+
+const NO_MATERIAL = 0xffffffffu;
+const TILE = 64u;
+
+var<workgroup> lows: array<vec3f, TILE>;
+var<workgroup> highs: array<vec3f, TILE>;
+// Bits of what the threads found; three by turns, so that one can be cleared while another is still read.
+var<workgroup> found: array<atomic<u32>, 6>;
+var<workgroup> dark: atomic<u32>;
+// The blocks of this round that meet the shaft.
+var<workgroup> blocks: array<u32, TILE>;
+
+var<private> turn: u32;
+
+// Where the thread is among those for which `here` holds, and how many they are. All threads call it.
+fn place(lane: u32, here: bool) -> vec2u {
+    if (here) {
+        atomicOr(&found[2u * turn + lane / 32u], 1u << (lane % 32u));
+    }
+    let next = (turn + 1u) % 3u;
+    if (lane < 2u) {
+        atomicStore(&found[2u * next + lane], 0u);
+    }
+    workgroupBarrier();
+    let low = atomicLoad(&found[2u * turn]);
+    let high = atomicLoad(&found[2u * turn + 1u]);
+    turn = next;
+    let below = (1u << (lane % 32u)) - 1u;
+    let before = select(countOneBits(low & below), countOneBits(low) + countOneBits(high & below), lane >= 32u);
+    return vec2u(before, countOneBits(low) + countOneBits(high));
+}
+
+// `bounding_ball` of the points that are shaded; of radius −1 where there are none.
+fn tile_ball(lane: u32, position: vec3f, here: bool) -> vec4f {
+    lows[lane] = select(vec3f(3e38), position, here);
+    highs[lane] = select(vec3f(-3e38), position, here);
+    for (var step = TILE / 2u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if (lane < step) {
+            lows[lane] = min(lows[lane], lows[lane + step]);
+            highs[lane] = max(highs[lane], highs[lane + step]);
+        }
+    }
+    workgroupBarrier();
+    let center = 0.5 * (lows[0] + highs[0]);
+    let none = lows[0].x > highs[0].x;
+    workgroupBarrier();
+    let d = position - center;
+    lows[lane].x = select(0.0, sqrt(dot(d, d)), here);
+    for (var step = TILE / 2u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if (lane < step) {
+            lows[lane].x = max(lows[lane].x, lows[lane + step].x);
+        }
+    }
+    workgroupBarrier();
+    return vec4f(center, select(lows[0].x * 1.00001, -1.0, none));
+}
+
+@compute @workgroup_size(64)
+fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let tile = group.x;
+    let list = tile * LIST_WORDS;
+    let point = tile * TILE + lane;
+    var position = vec3f(0.0);
+    var here = point < frame.point_count;
+    if (here) {
+        position = points[point].position;
+        // What is not finite gets no light, but must not take it from its neighbours.
+        here = points[point].material != NO_MATERIAL && all(abs(position) < vec3f(1e18));
+    }
+    let ball = tile_ball(lane, position, here);
+    let test = shaft_test(ball, frame.light);
+    var count = 0u;
+    // Where no point is there is nothing to look at.
+    let rounds = select((frame.block_count + (TILE - 1u)) / TILE, 0u, ball.w < 0.0);
+    for (var round = 0u; round < rounds; round++) {
+        let block = round * TILE + lane;
+        var meets = block < frame.block_count;
+        if (meets) {
+            let bounds = sphere_bounds[block];
+            meets = shaft_meets(test, bounds.xyz, bounds.w);
+        }
+        let slot = place(lane, meets);
+        if (meets) {
+            blocks[slot.x] = block;
+        }
+        workgroupBarrier();
+        // Two blocks at a time.
+        for (var first = 0u; first < slot.y; first += 2u) {
+            let half = first + lane / SPHERE_BLOCK;
+            var index = frame.sphere_count;
+            if (half < slot.y) {
+                index = blocks[half] * SPHERE_BLOCK + lane % SPHERE_BLOCK;
+            }
+            var hit = index < frame.sphere_count;
+            if (hit) {
+                let sphere = spheres[index];
+                hit = shaft_meets(test, sphere.center, sphere.radius);
+                // Whose receivers they are is not known: what the smaller sphere hides, the whole one hides too.
+                if (hit && shaft_darkens(test, sphere.center, sphere.own_radius, sphere.own_distance)) {
+                    atomicStore(&dark, 1u);
+                }
+            }
+            let entry = place(lane, hit);
+            if (hit && count + entry.x < LIST_ROOM) {
+                lists[list + 2u + count + entry.x] = index;
+            }
+            count += entry.y;
+        }
+        // One sphere is enough.
+        if (atomicLoad(&dark) != 0u) {
+            break;
+        }
+    }
+    workgroupBarrier();
+    if (lane == 0u) {
+        let full = select(0u, LIST_FULL, count > LIST_ROOM);
+        lists[list] = min(count, LIST_ROOM);
+        lists[list + 1u] = full | select(0u, LIST_DARK, atomicLoad(&dark) != 0u);
+    }
+}

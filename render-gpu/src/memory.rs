@@ -1,0 +1,84 @@
+use crate::{Gpu, GpuError};
+use wgpu::BufferUsages;
+
+/// A buffer that grows, and knows what it was told last.
+#[derive(Debug)]
+pub(crate) struct Memory {
+    label: &'static str,
+    usage: BufferUsages,
+    buffer: Option<wgpu::Buffer>,
+    /// What was uploaded last; only what differs is uploaded again.
+    last: Vec<u8>,
+}
+
+/// Parts that are compared and uploaded as one.
+const CHUNK: usize = 256;
+
+impl Memory {
+    pub(crate) const fn new(label: &'static str, usage: BufferUsages) -> Self {
+        Self { label, usage, buffer: None, last: Vec::new() }
+    }
+
+    /// The buffer, at least so large.
+    ///
+    /// A buffer that grows loses what is in it.
+    pub(crate) fn sized(&mut self, gpu: &Gpu, size: u64) -> Result<&wgpu::Buffer, GpuError> {
+        let size = size.max(16).next_multiple_of(16);
+        if self.buffer.as_ref().is_none_or(|buffer| buffer.size() < size) {
+            let limits = gpu.device().limits();
+            let bindable = if self.usage.contains(BufferUsages::STORAGE) {
+                limits.max_storage_buffer_binding_size
+            } else {
+                u64::MAX
+            };
+            let allowed = limits.max_buffer_size.min(bindable);
+            if size > allowed {
+                return Err(GpuError::Limits { what: self.label, needed: size, allowed });
+            }
+            self.last.clear();
+            let descriptor =
+                wgpu::BufferDescriptor { label: Some(self.label), size, usage: self.usage, mapped_at_creation: false };
+            self.buffer = Some(gpu.scoped(self.label, || gpu.device().create_buffer(&descriptor))?);
+        }
+        self.buffer.as_ref().ok_or(GpuError::OutOfMemory)
+    }
+
+    /// Makes these its first bytes. Uploads what differs from the last time; returns how many bytes that were.
+    pub(crate) fn hold(&mut self, gpu: &Gpu, bytes: &[u8]) -> Result<usize, GpuError> {
+        debug_assert!(bytes.len().is_multiple_of(4), "buffers are written by words");
+        self.sized(gpu, bytes.len() as u64)?;
+        let Some(buffer) = &self.buffer else { return Ok(0) };
+        let mut uploaded = 0;
+        let mut at = 0;
+        while at < bytes.len() {
+            let differs = |k: usize| {
+                let end = (k + CHUNK).min(bytes.len());
+                self.last.get(k..end) != Some(&bytes[k..end])
+            };
+            if !differs(at) {
+                at += CHUNK;
+                continue;
+            }
+            let start = at;
+            while at < bytes.len() && differs(at) {
+                at += CHUNK;
+            }
+            let end = at.min(bytes.len());
+            gpu.queue().write_buffer(buffer, start as u64, &bytes[start..end]);
+            uploaded += end - start;
+        }
+        self.last.clear();
+        self.last.extend_from_slice(bytes);
+        Ok(uploaded)
+    }
+
+    /// The buffer, if there is one.
+    pub(crate) fn get(&self) -> Option<&wgpu::Buffer> {
+        self.buffer.as_ref()
+    }
+
+    /// All of it, to be bound.
+    pub(crate) fn whole(&self) -> Option<wgpu::BufferBinding<'_>> {
+        self.buffer.as_ref().map(wgpu::Buffer::as_entire_buffer_binding)
+    }
+}

@@ -1,0 +1,148 @@
+//! The texts of the kernels: each is a module of its own, of the pieces that a frame uses and no other.
+
+use crate::kernel::{
+    Access::{Read, Uniform, Write},
+    Binding, Slot,
+};
+use crate::kernels;
+use brdf::Models;
+use lobe_core::wgsl as core;
+use visibility_spheres::wgsl as spheres;
+
+/// Bytes of a tile's list.
+pub(crate) const LIST_BYTES: u64 = 4 * (512 + 2);
+
+/// What the kernels of a frame depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Variant {
+    /// Depth of the masks, and whether their rows have 64 samples.
+    pub(crate) depth: u32,
+    pub(crate) coarse: bool,
+    pub(crate) models: Models,
+    pub(crate) strategies: Strategies,
+}
+
+/// Which strategies have blockers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Strategies {
+    pub(crate) spheres: bool,
+    pub(crate) maps: bool,
+}
+
+impl Strategies {
+    pub(crate) const fn any(self) -> bool {
+        self.spheres || self.maps
+    }
+
+    /// The bindings of those that there are.
+    fn bindings(self) -> Vec<Binding> {
+        let mut bindings = Vec::new();
+        if self.spheres {
+            bindings.extend([(Slot::Spheres, Read), (Slot::Lists, Read), (Slot::Bounds, Read)]);
+        }
+        if self.maps {
+            bindings.push((Slot::Maps, Read));
+        }
+        bindings
+    }
+
+    /// Calls of those that there are.
+    fn calls(self) -> impl Iterator<Item = &'static str> {
+        [(self.spheres, "spheres"), (self.maps, "maps")].into_iter().filter_map(|(has, name)| has.then_some(name))
+    }
+}
+
+impl Variant {
+    /// Whether all reflectance is Lambert's.
+    fn is_lambert(&self) -> bool {
+        self.models.names().all(|name| name == "lambert")
+    }
+}
+
+/// A kernel's entry point, text and bindings.
+pub(crate) struct Text {
+    pub(crate) entry: &'static str,
+    pub(crate) text: String,
+    pub(crate) bindings: Vec<Binding>,
+}
+
+impl Text {
+    fn new(entry: &'static str, pieces: &[&str], bindings: &[Binding]) -> Self {
+        Self { entry, text: pieces.join("\n"), bindings: bindings.to_vec() }
+    }
+}
+
+/// Follows spheres with the bounds of their blocks: [`bound_groups`] workgroups.
+pub(crate) fn bounds() -> Text {
+    let pieces = [kernels::FRAME, spheres::PACKED, kernels::BOUNDS];
+    Text::new("bounds", &pieces, &[(Slot::Frame, Uniform), (Slot::Spheres, Read), (Slot::Bounds, Write)])
+}
+
+/// Workgroups for so many blocks.
+pub(crate) const fn bound_groups(blocks: u32) -> u32 {
+    blocks.div_ceil(64)
+}
+
+/// The spheres that each tile has to look at.
+pub(crate) fn cull() -> Text {
+    let pieces = [kernels::FRAME, spheres::PACKED, spheres::SHAFT_TEST, core::GEOMETRY, kernels::CULL];
+    let bindings = [
+        (Slot::Frame, Uniform),
+        (Slot::Points, Read),
+        (Slot::Spheres, Read),
+        (Slot::Lists, Write),
+        (Slot::Bounds, Read),
+    ];
+    Text::new("cull", &pieces, &bindings)
+}
+
+/// The size of the penumbra kernel's dispatch.
+pub(crate) fn args() -> Text {
+    let pieces = [kernels::FRAME, kernels::QUEUE, kernels::ARGS];
+    Text::new("args_of_queue", &pieces, &[(Slot::Frame, Uniform), (Slot::Queue, Write), (Slot::Indirect, Write)])
+}
+
+/// The bindings of the kernels that shade.
+const SHADED: [Binding; 5] = [
+    (Slot::Frame, Uniform),
+    (Slot::Points, Read),
+    (Slot::Materials, Read),
+    (Slot::Radiance, Write),
+    (Slot::Queue, Write),
+];
+
+/// What every point sees of a light.
+pub(crate) fn classify(variant: &Variant) -> Text {
+    let reflectance = brdf::wgsl::compose(variant.models);
+    let cap = if variant.is_lambert() { core::CAP_LAMBERT } else { core::CAP };
+    let strategies = variant.strategies;
+    let all = strategies.calls().map(|name| match name {
+        "spheres" => "coverage = max(coverage, spheres_coverage(tile, at, cone));",
+        _ => "coverage = max(coverage, maps_coverage(at, cone));",
+    });
+    let hook = format!(
+        "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {{ var coverage = LIT; {} return coverage; }}",
+        all.collect::<String>()
+    );
+    let mut pieces = vec![
+        kernels::FRAME,
+        kernels::QUEUE,
+        core::SPECIAL,
+        core::GEOMETRY,
+        core::LOBE,
+        cap,
+        &reflectance,
+        &hook,
+        kernels::CLASSIFY,
+    ];
+    if strategies.spheres {
+        pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
+    }
+    Text::new("classify", &pieces, &[SHADED.as_slice(), &strategies.bindings()].concat())
+}
+
+/// What the points in a penumbra see.
+pub(crate) fn penumbra(variant: &Variant) -> Text {
+    let _ = variant;
+    Text::new("penumbra", &[], &[])
+}

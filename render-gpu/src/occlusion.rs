@@ -1,0 +1,97 @@
+use crate::kernel::{Kernel, Slot};
+use crate::memory::Memory;
+use crate::module::{self, Strategies};
+use crate::{Gpu, GpuError};
+use visibility_shadowmap::ShadowMapBlockers;
+use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
+use wgpu::BufferUsages;
+
+/// What hides lights from points: any of these together; nothing by default.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Occlusion<'a> {
+    /// The `spheres` strategy.
+    pub spheres: Option<&'a SphereBlockers>,
+    /// The `shadow-map` strategy.
+    pub maps: Option<&'a ShadowMapBlockers>,
+}
+
+/// Blockers on the GPU.
+#[derive(Debug)]
+pub(crate) struct Blockers {
+    strategies: Strategies,
+    sphere_count: u32,
+    packed: Vec<BlockerSphere>,
+    spheres: Memory,
+    bounds: Memory,
+    /// Makes the bounds; and whether it has to.
+    bound: Option<Kernel>,
+    moved: bool,
+}
+
+impl Default for Blockers {
+    fn default() -> Self {
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        Self {
+            strategies: Strategies::default(),
+            sphere_count: 0,
+            packed: Vec::new(),
+            spheres: Memory::new("blocker spheres", storage),
+            bounds: Memory::new("bounds of blockers", storage),
+            bound: None,
+            moved: false,
+        }
+    }
+}
+
+impl Blockers {
+    /// Takes over what blocks now.
+    pub(crate) fn hold(&mut self, gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
+        self.packed.clear();
+        if let Some(spheres) = occlusion.spheres {
+            spheres.pack(&mut self.packed);
+        }
+        self.sphere_count = self.packed.len() as u32;
+        self.strategies.spheres = self.sphere_count > 0;
+        if self.strategies.spheres {
+            self.moved |= self.spheres.hold(gpu, bytemuck::cast_slice(&self.packed))? > 0;
+            self.bounds.sized(gpu, 16 * u64::from(self.block_count()))?;
+            if self.bound.is_none() {
+                let text = module::bounds();
+                self.bound = Some(Kernel::new(gpu, text.entry, &text.text, &text.bindings)?);
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) const fn strategies(&self) -> Strategies {
+        self.strategies
+    }
+
+    pub(crate) const fn sphere_count(&self) -> u32 {
+        self.sphere_count
+    }
+
+    /// Blocks of neighbours, a bound each.
+    pub(crate) const fn block_count(&self) -> u32 {
+        self.sphere_count.div_ceil(SPHERE_BLOCK as u32)
+    }
+
+    /// Its buffer for a slot.
+    pub(crate) fn resource(&self, slot: Slot) -> Option<wgpu::BufferBinding<'_>> {
+        match slot {
+            Slot::Spheres => self.spheres.whole(),
+            Slot::Bounds => self.bounds.whole(),
+            _ => None,
+        }
+    }
+
+    /// Whether spheres have moved since this was asked last.
+    pub(crate) fn take_moved(&mut self) -> bool {
+        core::mem::take(&mut self.moved)
+    }
+
+    /// The kernel that follows moved spheres, and its workgroups.
+    pub(crate) fn follower(&self) -> Option<(&Kernel, u64)> {
+        self.bound.as_ref().map(|kernel| (kernel, module::bound_groups(self.block_count()).into()))
+    }
+}

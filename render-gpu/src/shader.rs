@@ -1,0 +1,401 @@
+use crate::clock::{Clock, Stage};
+use crate::kernel::{Kernel, Slot};
+use crate::kernels::{self, queue::QUEUE_HEADER};
+use crate::layout::{GpuFrame, GpuReceiver};
+use crate::memory::Memory;
+use crate::module::{self, Variant};
+use crate::occlusion::{Blockers, Occlusion};
+use crate::{Gpu, GpuError};
+use brdf::{Material, Models, PackedMaterials};
+use core::num::NonZeroU64;
+use glam::Vec3;
+use lighting::{MAX_DEPTH, is_coarse};
+use scene::{Frame, Shade, ShadeStats, ShadingPoints};
+use std::time::Instant;
+use wgpu::BufferUsages;
+
+/// Points that are culled together: as in `render-cpu`.
+const TILE: u64 = 64;
+/// Points of a slice, at most: what the buffers of a frame are sized for, and what one submission works on.
+const SLICE: u64 = 1 << 20;
+/// The same on a software device, whose kernels are no faster for more.
+const SOFTWARE_SLICE: u64 = 1 << 16;
+/// Bytes of the queue before its items.
+const HEADER: u64 = 4 * QUEUE_HEADER as u64;
+/// From one light's uniform to the next: the largest alignment that a device may ask for.
+const FRAME_STRIDE: u64 = 256;
+
+/// Shades points with lobe sums on the GPU: the same sums as `render_cpu::CpuShader`, in WGSL.
+///
+/// # Method
+/// Per light, four kernels: tiles of 64 points are culled against the blockers; each point takes its unshadowed integrals
+/// and asks how much of the light it sees; points in a penumbra are queued; each of these gets its mask and its shares from
+/// a workgroup of its own, one thread a row. Kernels are put together from what a frame uses (its reflectance models,
+/// strategies, depth), compiled when they are first used, and kept.
+///
+/// # Accuracy
+/// That of the CPU's path to within rounding: a sample at the end of a mask's row may fall to the other side.
+///
+/// # Cost
+/// Memory for a slice of at most 2²⁰ points, whatever the frame's size: per point 64 bytes, 16 of radiance, 4 for each of
+/// its lobes and 4, and 32 for its tile's list. Only what differs from the last call is uploaded.
+///
+/// ```no_run
+/// use render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
+/// use scene::{Frame, Shade, ShadingPoints};
+/// let gpu = Gpu::blocking(&GpuOptions::default())?;
+/// let mut shader = GpuShader::new(&gpu, Occlusion::default())?;
+/// let frame = Frame { materials: &[], lights: &[], tolerance: 0.003, depth: 5, threshold: 0.0 };
+/// shader.shade(&ShadingPoints::default(), &frame, &mut [])?;
+/// # Ok::<(), render_gpu::GpuError>(())
+/// ```
+#[derive(Debug)]
+pub struct GpuShader {
+    gpu: Gpu,
+    slice: u64,
+    blockers: Blockers,
+    kernels: Vec<(Variant, Kernels)>,
+    materials: Memory,
+    /// The materials that were packed last, and the most lobes that one has.
+    packed_of: Vec<Material>,
+    max_lobes: u32,
+    frames: Memory,
+    queue: Memory,
+    indirect: Memory,
+    lists: Memory,
+    clock: Option<Clock>,
+    /// Of points that come from the CPU.
+    points: Memory,
+    radiance: Memory,
+    staging: Memory,
+}
+
+/// The kernels of a variant.
+#[derive(Debug)]
+struct Kernels {
+    cull: Option<Kernel>,
+    classify: Kernel,
+    args: Option<Kernel>,
+    penumbra: Option<Kernel>,
+}
+
+impl GpuShader {
+    /// A shader with these blockers. Kernels are compiled with the first frame.
+    ///
+    /// # Errors
+    /// [`GpuError`] where the device is too small for the blockers, or lost.
+    pub fn new(gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<Self, GpuError> {
+        gpu.check()?;
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let mut shader = Self {
+            gpu: gpu.clone(),
+            slice: if gpu.is_software() { SOFTWARE_SLICE } else { SLICE },
+            blockers: Blockers::default(),
+            kernels: Vec::new(),
+            materials: Memory::new("materials", storage),
+            packed_of: Vec::new(),
+            max_lobes: 0,
+            frames: Memory::new("lights", BufferUsages::UNIFORM | BufferUsages::COPY_DST),
+            queue: Memory::new("queue", storage | BufferUsages::COPY_SRC),
+            indirect: Memory::new("dispatch", storage | BufferUsages::INDIRECT),
+            lists: Memory::new("lists", storage),
+            clock: Clock::new(gpu),
+            points: Memory::new("points", storage),
+            radiance: Memory::new("radiance", storage | BufferUsages::COPY_SRC),
+            staging: Memory::new("read-back", BufferUsages::MAP_READ | BufferUsages::COPY_DST),
+        };
+        shader.occlude(occlusion)?;
+        Ok(shader)
+    }
+
+    /// Other blockers, or the same ones moved: only what differs is uploaded.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn occlude(&mut self, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
+        self.blockers.hold(&self.gpu, occlusion)
+    }
+
+    /// The GPU.
+    #[must_use]
+    pub const fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// At most so many points in one submission (made a multiple of 64): for tests and small memories.
+    #[must_use]
+    pub fn with_slice(self, points: u32) -> Self {
+        Self { slice: u64::from(points).max(1).next_multiple_of(TILE).min(SLICE), ..self }
+    }
+
+    /// Points that the device's limits allow in a slice.
+    fn slice(&self, stride: u64) -> u64 {
+        let limits = self.gpu.device().limits();
+        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let per_point = (size_of::<GpuReceiver>() as u64).max(4 * stride).max(module::LIST_BYTES / TILE + 1);
+        let groups = u64::from(limits.max_compute_workgroups_per_dimension) * TILE;
+        let fits = ((most - HEADER).min(most) / per_point).min(groups);
+        self.slice.min((fits / TILE).max(1) * TILE)
+    }
+
+    /// The kernels for a frame, compiled if they are new.
+    fn kernels(&mut self, frame: &Frame<'_>) -> Result<usize, GpuError> {
+        let variant = Variant {
+            depth: frame.depth.clamp(1, MAX_DEPTH),
+            coarse: is_coarse(frame.tolerance),
+            models: Models::of(frame.materials),
+            strategies: self.blockers.strategies(),
+        };
+        if let Some(known) = self.kernels.iter().position(|(known, _)| *known == variant) {
+            return Ok(known);
+        }
+        let make = |text: module::Text| Kernel::new(&self.gpu, text.entry, &text.text, &text.bindings);
+        let blocked = variant.strategies.any();
+        let kernels = Kernels {
+            cull: variant.strategies.spheres.then(|| make(module::cull())).transpose()?,
+            classify: make(module::classify(&variant))?,
+            args: blocked.then(|| make(module::args())).transpose()?,
+            penumbra: blocked.then(|| make(module::penumbra(&variant))).transpose()?,
+        };
+        self.kernels.push((variant, kernels));
+        Ok(self.kernels.len() - 1)
+    }
+
+    /// What does not depend on the slice: kernels, materials; returns the kernels' number and the words of a queue item.
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(usize, u64), GpuError> {
+        let kernels = self.kernels(frame)?;
+        if self.packed_of != frame.materials {
+            let packed = PackedMaterials::new(frame.materials);
+            self.materials.hold(&self.gpu, bytemuck::cast_slice(&packed.words))?;
+            self.max_lobes = packed.max_lobes;
+            self.packed_of = frame.materials.to_vec();
+        }
+        Ok((kernels, 1 + u64::from(self.max_lobes)))
+    }
+
+    /// Shades points that are on the GPU, `count` [`GpuReceiver`]s from the beginning of `points`, and writes each one's
+    /// radiance (RGB and a zero) to `radiance`. Submits to the queue and does not wait.
+    ///
+    /// Both are storage buffers of the same device; their sizes are the caller's care. Points whose material is
+    /// [`NO_MATERIAL`](crate::NO_MATERIAL) get zero. Materials and lights are checked by nobody: a number out of range gives
+    /// some other material's lobes.
+    ///
+    /// # Errors
+    /// [`GpuError`].
+    pub fn submit(
+        &mut self,
+        frame: &Frame<'_>,
+        points: &wgpu::Buffer,
+        count: u32,
+        radiance: &wgpu::Buffer,
+    ) -> Result<(), GpuError> {
+        let (kernels, stride) = self.prepare(frame)?;
+        let slice = self.slice(stride);
+        let mut first = 0;
+        while first < u64::from(count) {
+            let part = Part { first, count: slice.min(u64::from(count) - first), stride, points, radiance };
+            let encoder = self.record(kernels, frame, &part)?;
+            self.gpu.scoped("the commands of a slice", || self.gpu.queue().submit([encoder.finish()]))?;
+            first += part.count;
+        }
+        Ok(())
+    }
+
+    /// One uniform a light.
+    fn uniforms(&self, frame: &Frame<'_>, part: &Part<'_>) -> Vec<u8> {
+        let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
+        let (sphere_count, block_count) = (self.blockers.sphere_count(), self.blockers.block_count());
+        for (index, (light, bytes)) in
+            frame.lights.iter().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)).enumerate()
+        {
+            let uniform = GpuFrame {
+                light: light.ball.center.extend(light.ball.radius).to_array(),
+                radiance: light.radiance.to_array(),
+                tolerance: frame.tolerance,
+                threshold: frame.threshold,
+                point_count: part.count as u32,
+                light_index: index as u32,
+                queue_stride: part.stride as u32,
+                sphere_count,
+                block_count,
+                map: 0,
+                pad: 0,
+            };
+            bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));
+        }
+        bytes
+    }
+
+    /// The commands for one slice.
+    fn record(&mut self, kernels: usize, frame: &Frame<'_>, part: &Part<'_>) -> Result<wgpu::CommandEncoder, GpuError> {
+        let gpu = self.gpu.clone();
+        let tiles = part.count.div_ceil(TILE);
+        let uniforms = self.uniforms(frame, part);
+        self.frames.hold(&gpu, &uniforms)?;
+        let queue = self.queue.sized(&gpu, HEADER + 4 * part.stride * part.count)?.clone();
+        let indirect = self.indirect.sized(&gpu, 12)?.clone();
+        if self.blockers.strategies().spheres {
+            self.lists.sized(&gpu, tiles * module::LIST_BYTES)?;
+        }
+        let (clock, moved) = (self.clock.take(), self.blockers.take_moved());
+        let recorder = Recorder { shader: self, part, tiles, queue: &queue, indirect: &indirect, clock };
+        let recorded = gpu.scoped("the commands of a slice", || recorder.record(kernels, frame.lights.len(), moved));
+        let (encoder, clock) = recorded?;
+        self.clock = clock;
+        Ok(encoder)
+    }
+
+    fn resource<'b>(&'b self, slot: Slot, part: &Part<'b>) -> Option<wgpu::BufferBinding<'b>> {
+        let slice = |buffer: &'b wgpu::Buffer, size: u64| wgpu::BufferBinding {
+            buffer,
+            offset: part.first * size,
+            size: NonZeroU64::new(part.count * size),
+        };
+        match slot {
+            Slot::Frame => self.frames.get().map(|buffer| wgpu::BufferBinding {
+                buffer,
+                offset: 0,
+                size: NonZeroU64::new(size_of::<GpuFrame>() as u64),
+            }),
+            Slot::Points => Some(slice(part.points, size_of::<GpuReceiver>() as u64)),
+            Slot::Radiance => Some(slice(part.radiance, 16)),
+            Slot::Materials => self.materials.whole(),
+            Slot::Queue => self.queue.whole(),
+            Slot::Indirect => self.indirect.whole(),
+            Slot::Lists => self.lists.whole(),
+            _ => self.blockers.resource(slot),
+        }
+    }
+}
+
+/// Writes the commands of a slice.
+struct Recorder<'a> {
+    shader: &'a GpuShader,
+    part: &'a Part<'a>,
+    tiles: u64,
+    queue: &'a wgpu::Buffer,
+    indirect: &'a wgpu::Buffer,
+    clock: Option<Clock>,
+}
+
+/// What a pass does.
+#[derive(Clone, Copy)]
+enum Work<'a> {
+    Groups(u64),
+    Indirect(&'a wgpu::Buffer),
+}
+
+impl Recorder<'_> {
+    fn record(mut self, kernels: usize, lights: usize, moved: bool) -> (wgpu::CommandEncoder, Option<Clock>) {
+        let (gpu, (_, kernels)) = (&self.shader.gpu, &self.shader.kernels[kernels]);
+        let bind = |kernel: &Kernel| kernel.bind(gpu, |slot| self.shader.resource(slot, self.part));
+        let steps: Vec<(&Kernel, wgpu::BindGroup, Stage, Work<'_>)> = [
+            (kernels.cull.as_ref(), Stage::Cull, Work::Groups(self.tiles)),
+            (Some(&kernels.classify), Stage::Classify, Work::Groups(self.tiles)),
+            (kernels.args.as_ref(), Stage::Classify, Work::Groups(1)),
+            (kernels.penumbra.as_ref(), Stage::Penumbra, Work::Indirect(self.indirect)),
+        ]
+        .into_iter()
+        .filter_map(|(kernel, stage, work)| kernel.map(|kernel| (kernel, bind(kernel), stage, work)))
+        .collect();
+        let follower = self.shader.blockers.follower().filter(|_| moved);
+        let moved = follower.map(|(kernel, groups)| (kernel, bind(kernel), Stage::Cull, Work::Groups(groups)));
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.clear_buffer(self.part.radiance, 16 * self.part.first, Some(16 * self.part.count));
+        encoder.clear_buffer(self.queue, 0, Some(HEADER));
+        if let Some(clock) = &mut self.clock {
+            clock.restart();
+        }
+        if let Some(step) = &moved {
+            self.pass(&mut encoder, 0, step);
+        }
+        for light in 0..lights as u64 {
+            if light > 0 {
+                encoder.clear_buffer(self.queue, 0, Some(4));
+            }
+            for step in &steps {
+                self.pass(&mut encoder, light, step);
+            }
+        }
+        (encoder, self.clock)
+    }
+
+    fn pass(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        light: u64,
+        (kernel, group, stage, work): &(&Kernel, wgpu::BindGroup, Stage, Work<'_>),
+    ) {
+        let timestamp_writes = self.clock.as_mut().and_then(|clock| clock.next(*stage));
+        let label = Some(kernel.label());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+        pass.set_pipeline(kernel.pipeline());
+        let offset = [(light * FRAME_STRIDE) as u32];
+        pass.set_bind_group(0, group, if kernel.has_frame() { &offset } else { &[] });
+        match work {
+            Work::Groups(count) => pass.dispatch_workgroups(*count as u32, 1, 1),
+            Work::Indirect(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
+        }
+    }
+}
+
+/// A slice of points.
+struct Part<'a> {
+    first: u64,
+    count: u64,
+    /// Words of a queue item.
+    stride: u64,
+    points: &'a wgpu::Buffer,
+    radiance: &'a wgpu::Buffer,
+}
+
+impl Shade for GpuShader {
+    type Error = GpuError;
+
+    /// # Panics
+    /// When `out` is not as long as the points.
+    fn shade(&mut self, points: &ShadingPoints, frame: &Frame<'_>, out: &mut [Vec3]) -> Result<ShadeStats, GpuError> {
+        assert_eq!(points.receivers.len(), out.len(), "one output a point");
+        let start = Instant::now();
+        let mut stats = ShadeStats::default();
+        let (kernels, stride) = self.prepare(frame)?;
+        let slice = self.slice(stride) as usize;
+        let gpu = self.gpu.clone();
+        let mut packed = Vec::with_capacity(slice.min(out.len()));
+        let slices = points.receivers.chunks(slice).zip(points.materials.chunks(slice)).zip(out.chunks_mut(slice));
+        for ((receivers, materials), out) in slices {
+            packed.clear();
+            packed.extend(receivers.iter().zip(materials).map(|(at, material)| GpuReceiver::new(at, *material)));
+            self.points.hold(&gpu, bytemuck::cast_slice(&packed))?;
+            let count = packed.len() as u64;
+            let buffer = self.points.sized(&gpu, 0)?.clone();
+            let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
+            let part = Part { first: 0, count, stride, points: &buffer, radiance: &radiance };
+            let mut encoder = self.record(kernels, frame, &part)?;
+            let staging = self.staging.sized(&gpu, 16 * count + HEADER)?.clone();
+            let queue = self.queue.sized(&gpu, 0)?.clone();
+            gpu.scoped("the commands of a slice", || {
+                encoder.copy_buffer_to_buffer(&radiance, 0, &staging, 0, 16 * count);
+                encoder.copy_buffer_to_buffer(&queue, 0, &staging, 16 * count, HEADER);
+                if let Some(clock) = &self.clock {
+                    clock.resolve(&mut encoder);
+                }
+                gpu.queue().submit([encoder.finish()]);
+            })?;
+            let counts = &mut stats.counts;
+            gpu.read(&staging, 16 * count + HEADER, |bytes| {
+                let (pixels, header) = bytes.split_at(16 * count as usize);
+                for (out, pixel) in out.iter_mut().zip(pixels.chunks_exact(16)) {
+                    let [r, g, b, _]: [f32; 4] = bytemuck::pod_read_unaligned(pixel);
+                    *out = Vec3::new(r, g, b);
+                }
+                *counts += kernels::counts(bytemuck::cast_slice(header));
+            })?;
+            if let Some(clock) = &self.clock {
+                clock.read(&gpu, &mut stats.stages)?;
+            }
+        }
+        stats.seconds = start.elapsed().as_secs_f64();
+        Ok(stats)
+    }
+}

@@ -1,0 +1,182 @@
+//! The same picture from CPU and GPU.
+
+use crate::call::trial;
+use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
+use glam::Vec3;
+use libtest_mimic::Trial;
+use lighting::{MaskVisibility, SphereLight};
+use lobe_core::{Sphere, Unshadowed, VisibilityLobes};
+use render_cpu::{CpuShader, GBuffer, World, blockers};
+use render_gpu::{Gpu, GpuShader, Occlusion};
+use scene::{Counts, Frame, Scene, Shade, ShadingPoints};
+use std::ops::ControlFlow;
+use visibility_spheres::SphereBlockers;
+
+/// Largest and mean difference, as shares of the picture's largest value.
+const LARGEST: f32 = 1e-3;
+const MEAN: f64 = 1e-5;
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("parity_without_blockers", gpu, without_blockers),
+        trial("parity_of_materials", gpu, of_materials),
+        trial("parity_of_depths_and_tolerances", gpu, of_depths_and_tolerances),
+        trial("parity_of_many_lights", gpu, of_many_lights),
+        trial("slices_change_nothing", gpu, slices_change_nothing),
+        trial("two_runs_give_the_same_bits", gpu, two_runs_give_the_same_bits),
+    ]
+}
+
+/// A scene, what the camera sees of it, and what blocks.
+pub(crate) struct View {
+    pub(crate) scene: Scene,
+    pub(crate) points: ShadingPoints,
+    pub(crate) spheres: SphereBlockers,
+}
+
+impl View {
+    pub(crate) fn new(scene: Scene, width: u32, height: u32) -> Self {
+        let points = GBuffer::new(&World::new(&scene), width, height, 1).points;
+        let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact balls");
+        let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
+        let spheres = spheres.with_self_shadows(&set.self_shadows);
+        Self { scene, points, spheres }
+    }
+
+    pub(crate) fn frame(&self, tolerance: f32, depth: u32) -> Frame<'_> {
+        Frame { materials: &self.scene.materials, lights: &self.scene.lights, tolerance, depth, threshold: 0.0 }
+    }
+
+    pub(crate) fn cpu(&self, visibility: impl VisibilityLobes, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
+        let mut out = vec![Vec3::ZERO; self.points.receivers.len()];
+        let stats = CpuShader::new(visibility).shade(&self.points, frame, &mut out).expect("room for all lobes");
+        (out, stats.counts)
+    }
+
+    pub(crate) fn gpu(&self, shader: &mut GpuShader, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
+        let mut out = vec![Vec3::NAN; self.points.receivers.len()];
+        let stats = shader.shade(&self.points, frame, &mut out).expect("the GPU shades");
+        (out, stats.counts)
+    }
+
+    /// With the spheres on both sides.
+    pub(crate) fn compare_spheres(&self, gpu: &Gpu, name: &str, tolerance: f32, depth: u32) {
+        let frame = self.frame(tolerance, depth);
+        let want = self.cpu(MaskVisibility::new(self.spheres.clone(), depth), &frame);
+        let occlusion = Occlusion { spheres: Some(&self.spheres), ..Occlusion::default() };
+        let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
+        assert_same(name, &want, &self.gpu(&mut shader, &frame));
+    }
+}
+
+/// Pictures the same to the stated differences, and as many points in each class but for some on its limit.
+pub(crate) fn assert_same(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Counts)) {
+    let peak = want.0.iter().map(|v| v.max_element()).fold(0.0, f32::max);
+    let (mut largest, mut sum, mut place) = (0.0_f32, 0.0, 0);
+    for (i, (want, got)) in want.0.iter().zip(&got.0).enumerate() {
+        assert!(got.is_finite(), "{name}: point {i} is {got}");
+        let difference = (*got - *want).abs().max_element() / peak;
+        sum += f64::from(difference);
+        if difference > largest {
+            (largest, place) = (difference, i);
+        }
+    }
+    let mean = sum / want.0.len() as f64;
+    let (w, g) = (want.1, got.1);
+    println!(
+        "{name}: largest {largest:.1e} (point {place}), mean {mean:.1e}; lit {} {}, dark {} {}, penumbra {} {}, integrals {} {}, pruned {} {}",
+        w.lit_points,
+        g.lit_points,
+        w.dark_points,
+        g.dark_points,
+        w.penumbra_points,
+        g.penumbra_points,
+        w.integrals,
+        g.integrals,
+        w.pruned,
+        g.pruned
+    );
+    assert!(peak > 0.0, "{name}: nothing is lit");
+    assert!(largest <= LARGEST && mean <= MEAN, "{name}: largest {largest:.2e} at point {place}, mean {mean:.2e}");
+    // Whose coverage is within rounding of a limit may change its class.
+    let apart = |a: u64, b: u64| assert!(a.abs_diff(b) <= 1 + want.0.len() as u64 / 2000, "{name}: {w:?} {g:?}");
+    apart(w.lit_points, g.lit_points);
+    apart(w.dark_points, g.dark_points);
+    apart(w.penumbra_points, g.penumbra_points);
+    assert_eq!((w.integrals, w.pruned), (g.integrals, g.pruned), "{name}");
+}
+
+fn builtin() -> View {
+    View::new(scene::builtin(), 96, 54)
+}
+
+fn without_blockers(gpu: &Gpu) {
+    let view = builtin();
+    let frame = view.frame(0.003, 5);
+    let want = view.cpu(Unshadowed, &frame);
+    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
+    assert_same("unshadowed", &want, &view.gpu(&mut shader, &frame));
+}
+
+/// The built-in scene with all objects of one model.
+fn of_materials(gpu: &Gpu) {
+    let kd = Vec3::new(0.5, 0.4, 0.3);
+    let shiny = LafortuneLobe::diagonal(Vec3::new(-0.9, -0.8, 0.95), 30.0, Vec3::splat(0.3));
+    let retro = LafortuneLobe::diagonal(Vec3::new(0.7, 0.7, 0.6), 6.0, Vec3::new(0.2, 0.1, 0.1));
+    let models: [(&str, Material); 8] = [
+        ("lambert", Lambert { albedo: kd }.into()),
+        ("phong 40", Phong { kd, ks: Vec3::splat(0.3), exponent: 40.0 }.into()),
+        ("modified phong 10", ModifiedPhong { kd, ks: Vec3::splat(0.4), exponent: 10.0 }.into()),
+        ("modified phong 800", ModifiedPhong { kd, ks: Vec3::splat(0.4), exponent: 800.0 }.into()),
+        ("modified phong 0.5", ModifiedPhong { kd, ks: Vec3::splat(0.4), exponent: 0.5 }.into()),
+        ("lafortune", Lafortune { diffuse: kd, lobes: vec![shiny, retro] }.into()),
+        ("rough metal", MetallicRoughness::new(kd, 1.0, 0.4).expect("in range").into()),
+        ("smooth plastic", MetallicRoughness::new(kd, 0.0, 0.15).expect("in range").into()),
+    ];
+    let mut view = builtin();
+    for (name, material) in models {
+        view.scene.materials.fill(material);
+        view.compare_spheres(gpu, name, 0.003, 5);
+    }
+}
+
+fn of_depths_and_tolerances(gpu: &Gpu) {
+    let view = builtin();
+    for (depth, tolerance) in [(3, 0.003), (4, 0.003), (6, 0.001), (3, 0.01), (4, 0.01), (5, 0.006), (6, 0.01)] {
+        view.compare_spheres(gpu, &format!("depth {depth}, tolerance {tolerance}"), tolerance, depth);
+    }
+}
+
+fn of_many_lights(gpu: &Gpu) {
+    let mut view = builtin();
+    for count in [1, 4, 16] {
+        let light = |k: u32| {
+            let turn = 2.4 * k as f32;
+            let center = Vec3::new(4.0 * turn.cos(), 2.5 + 0.3 * k as f32, 2.0 + 3.0 * turn.sin());
+            SphereLight::new(Sphere { center, radius: 0.1 + 0.05 * k as f32 }, Vec3::splat(20.0))
+        };
+        view.scene.lights = (0..count).map(light).collect();
+        view.compare_spheres(gpu, &format!("{count} lights"), 0.003, 5);
+    }
+}
+
+fn slices_change_nothing(gpu: &Gpu) {
+    let view = builtin();
+    let frame = view.frame(0.003, 5);
+    let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
+    let shader = || GpuShader::new(gpu, occlusion).expect("a shader");
+    let whole = view.gpu(&mut shader(), &frame);
+    let sliced = view.gpu(&mut shader().with_slice(500), &frame);
+    assert_eq!(whole, sliced);
+}
+
+fn two_runs_give_the_same_bits(gpu: &Gpu) {
+    let view = builtin();
+    let frame = view.frame(0.003, 5);
+    let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
+    let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
+    let first = view.gpu(&mut shader, &frame);
+    assert_eq!(first, view.gpu(&mut shader, &frame), "the same shader");
+    let mut other = GpuShader::new(gpu, occlusion).expect("a shader");
+    assert_eq!(first, view.gpu(&mut other, &frame), "another one");
+}
