@@ -9,8 +9,8 @@ struct Queue {
 }
 @group(0) @binding(4) var<storage, read_write> queue: Queue;
 
-// Point–light pairs by what is seen of the light; those that `classify` queues are counted by the penumbra kernel, which
-// may find that a mask is wholly lit or dark.
+// Point–light pairs by what is seen of the light. `classify` counts as penumbra what it queues; the penumbra kernel moves to
+// the others what it finds to be wholly lit or dark.
 const LIT_POINTS = 0u;
 const DARK_POINTS = 1u;
 const PENUMBRA_POINTS = 2u;
