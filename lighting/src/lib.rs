@@ -9,6 +9,8 @@
 mod contour;
 mod cut;
 mod edges;
+#[doc(hidden)]
+pub mod hooks;
 mod mask;
 mod mixture;
 mod node;

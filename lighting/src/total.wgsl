@@ -1,9 +1,10 @@
-// Sums over the threads of a workgroup, always in the same order. Needs the header.
+// What threads of a workgroup find together. Needs the header.
 
 var<workgroup> totals: array<vec4f, LANES>;
 var<workgroup> whole_total: vec4f;
+var<workgroup> decision: bool;
 
-// The sum over all threads, the same for each of them. Only where all threads come by.
+// The sum over all threads, always in the same order, the same for each of them. Only where all threads come by.
 fn total(lane: u32, value: vec4f) -> vec4f {
     totals[lane] = value;
     workgroupBarrier();
@@ -19,4 +20,12 @@ fn total(lane: u32, value: vec4f) -> vec4f {
         whole_total = ((totals[0] + totals[4]) + (totals[2] + totals[6])) + ((totals[1] + totals[5]) + (totals[3] + totals[7]));
     }
     return workgroupUniformLoad(&whole_total);
+}
+
+// What the first thread says: for a decision that all take alike. Only where all threads come by.
+fn decide(lane: u32, what: bool) -> bool {
+    if (lane == 0u) {
+        decision = what;
+    }
+    return workgroupUniformLoad(&decision);
 }

@@ -1,10 +1,35 @@
-// What MaskVisibility does besides masks: how they are turned, how far a lobe's window reaches. Needs edges.wgsl and
-// special.wgsl of lobe-core.
+// What MaskVisibility makes of blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, and of the strategies that
+// there are `blockers_edges(lane, tile, at, light, window) -> vec2f` (a thread's part of the sum of edges) and
+// `blockers_splat(lane, tile, at, light, mask)`.
 
 // How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
 const HORIZON = 4.0;
 
-// The edge of the horizon where it cuts the light.
+// The mask of the whole light. This and what follows only where all threads come by.
+fn visibility_mask(lane: u32, tile: u32, at: Receiver, light: Cone) -> Mask {
+    let across = visibility_across(lane, tile, at, light, light);
+    let mask = mask_reset(square_facing(light, across), lane, at.normal);
+    blockers_splat(lane, tile, at, light, mask);
+    return mask;
+}
+
+// How much of what emits the mask leaves.
+fn visibility_coverage(lane: u32) -> u32 {
+    let emits = emitting.y - min(emitting.x, emitting.y);
+    let areas = total(lane, vec4f(f32(row_count(lit)), f32(emits), 0.0, 0.0));
+    if (areas.x == areas.y) {
+        return LIT;
+    }
+    return select(PARTIAL, DARK, areas.x == 0.0);
+}
+
+// Across most edges that cross a window: those of blockers and, where it cuts the light, the horizon.
+fn visibility_across(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec3f {
+    let basis = edges_frame(window.axis);
+    let edges = total(lane, vec4f(blockers_edges(lane, tile, at, light, window), 0.0, 0.0)).xy;
+    return edges_across(basis, EDGES_NOTHING + edges + horizon_edge(basis, at.normal, window));
+}
+
 fn horizon_edge(basis: EdgeFrame, normal: vec3f, cone: Cone) -> vec2f {
     let cos = dot(normal, cone.axis);
     // The horizon's chord: its distance from the middle is cos β/(sin β tan θ).
@@ -15,6 +40,3 @@ fn horizon_edge(basis: EdgeFrame, normal: vec3f, cone: Cone) -> vec2f {
     }
     return vec2f(0.0);
 }
-
-// How far a lobe's own window reaches, in its standard deviations: √(2 ln(2/τ)).
-fn zoom_sigmas(tolerance: f32) -> f32 { return sqrt(2.0 * ln_1p(2.0 / clamp(tolerance, 1e-6, 0.5) - 1.0)); }

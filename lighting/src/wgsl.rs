@@ -13,17 +13,25 @@ pub const MASK: &str = include_str!("mask.wgsl");
 /// The sum of edges that turns a mask; needs `geometry.wgsl`.
 pub const EDGES: &str = include_str!("edges.wgsl");
 
-/// Sums over the threads of a workgroup; needs [`header`].
+/// What threads find together; needs [`header`].
 pub const TOTAL: &str = include_str!("total.wgsl");
 /// The share of a lobe's light that a mask leaves; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
 pub const SHARE: &str = include_str!("share.wgsl");
-/// What [`SHARE`] sums where all lobes are Lambert's.
-pub const LAMBERT: &str = concat!(include_str!("share_lambert.wgsl"), include_str!("share_lambert_only.wgsl"));
-/// What [`SHARE`] sums for any lobes; needs `special.wgsl` of `lobe-core`.
-pub const LOBES: &str =
-    concat!(include_str!("share_lambert.wgsl"), include_str!("share_glossy.wgsl"), include_str!("share_both.wgsl"));
-/// How masks are turned at the horizon, how far windows reach; needs [`EDGES`] and `special.wgsl` of `lobe-core`.
+/// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], `blockers_edges` and `blockers_splat`.
 pub const VISIBILITY: &str = include_str!("visibility.wgsl");
+/// What a lobe sees where all lobes are Lambert's; needs [`SHARE`].
+pub const LAMBERT: &str = concat!(
+    include_str!("visibility_whole.wgsl"),
+    include_str!("share_lambert.wgsl"),
+    include_str!("share_lambert_only.wgsl")
+);
+/// What any lobe sees; needs [`SHARE`], [`VISIBILITY`] and `special.wgsl` of `lobe-core`.
+pub const LOBES: &str = concat!(
+    include_str!("visibility_window.wgsl"),
+    include_str!("share_lambert.wgsl"),
+    include_str!("share_glossy.wgsl"),
+    include_str!("share_both.wgsl")
+);
 
 /// The golden section by half, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
 const GOLDEN: u32 = 0x4f1b_bcdd;
@@ -38,11 +46,8 @@ pub fn header(depth: u32, coarse: bool) -> String {
     assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
     let side = 1_u32 << depth;
     let lanes = side.max(32);
-    let (width, columns, row) = if coarse {
-        (COARSE, 16, include_str!("row_coarse.wgsl"))
-    } else {
-        (WIDTH, 32, include_str!("row.wgsl"))
-    };
+    let (width, columns, row) =
+        if coarse { (COARSE, 16, include_str!("row_coarse.wgsl")) } else { (WIDTH, 32, include_str!("row.wgsl")) };
     format!(
         "const DEPTH = {depth}u;\nconst SIDE = {side}u;\nconst WIDTH = {width}u;\nconst LANES = {lanes}u;\nconst COLUMNS = \
          {columns}u;\nconst GOLDEN = {GOLDEN}u;\n{row}"
@@ -57,7 +62,8 @@ mod tests {
     /// Whether a text states the value of a constant.
     #[track_caller]
     fn states(text: &str, name: &str, value: f32) {
-        let mut lines = text.lines().filter_map(|line| line.strip_prefix("const ")?.strip_suffix(';')?.split_once(" = "));
+        let mut lines =
+            text.lines().filter_map(|line| line.strip_prefix("const ")?.strip_suffix(';')?.split_once(" = "));
         let (_, found) = lines.find(|(found, _)| *found == name).expect("the constant");
         assert_eq!(found.parse::<f32>().expect("a number"), value, "{name}");
     }

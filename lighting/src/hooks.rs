@@ -1,0 +1,27 @@
+//! For tests of the WGSL alone: what a mask is made of.
+
+use crate::share::{Counts, share};
+use crate::{Mask, UnitSquare};
+use glam::Vec3;
+use lobe_core::{Lobe, Receiver};
+
+/// A mask without blockers, by the choice of [`MaskVisibility`](crate::MaskVisibility) with coarse rows.
+#[must_use]
+pub fn mask(square: &UnitSquare, depth: u32, coarse: bool, normal: Vec3) -> Mask {
+    let mut mask = Mask::default();
+    mask.set_coarse(coarse);
+    mask.reset(square, depth, normal);
+    mask
+}
+
+/// The lit samples of a row.
+#[must_use]
+pub fn row(mask: &Mask, j: usize) -> [u64; 4] {
+    mask.lit(j).0
+}
+
+/// The share of a lobe's light that the mask leaves.
+#[must_use]
+pub fn share_of(mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
+    share(mask, at, lobe, &mut Counts::default())
+}

@@ -1,0 +1,24 @@
+// Lobes narrower than the light are seen through a mask of their own. Needs visibility.wgsl, share.wgsl, and special.wgsl of
+// lobe-core.
+
+// The share of the light that a lobe sees. Only where all threads come by; the mask of the whole light is as before.
+fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: Mask, lobe: Lobe) -> f32 {
+    let sigmas = zoom_sigmas(tolerance);
+    let square = square_zoomed(whole.square, lobe, at.normal, sigmas);
+    if (!decide(lane, !is_lambert(at, lobe) && square.half < whole.square.half)) {
+        return share(lane, whole, at, lobe);
+    }
+    let whole_lit = lit;
+    let whole_emitting = emitting;
+    let turn = visibility_across(lane, tile, at, light, square_cone(square, light.distance));
+    let window = square_zoomed(square_facing(light, turn), lobe, at.normal, sigmas);
+    let mask = mask_reset(window, lane, at.normal);
+    blockers_splat(lane, tile, at, light, mask);
+    let seen = share(lane, mask, at, lobe);
+    lit = whole_lit;
+    emitting = whole_emitting;
+    return seen;
+}
+
+// How far a lobe's own window reaches, in its standard deviations: √(2 ln(2/τ)).
+fn zoom_sigmas(tolerance: f32) -> f32 { return sqrt(2.0 * ln_1p(2.0 / clamp(tolerance, 1e-6, 0.5) - 1.0)); }
