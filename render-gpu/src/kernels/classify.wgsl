@@ -69,6 +69,8 @@ fn classify_point(tile: u32, point: u32) {
         radiance[point] += vec4f(sum, 0.0);
     } else if (coverage == DARK) {
         count(DARK_POINTS);
+    } else if (coverage == PARTIAL) {
+        count(PENUMBRA_POINTS);
     }
 }
 
