@@ -90,8 +90,18 @@ impl SphereBlockers {
         &self.spheres
     }
 
+    /// The object of each.
+    pub(crate) fn objects(&self) -> &[u32] {
+        &self.objects
+    }
+
+    /// Those that can block, neighbours near each other.
+    pub(crate) fn order(&self) -> &[u32] {
+        self.tree.order()
+    }
+
     /// A sphere as receivers of its own object see it, and its τ.
-    fn own(&self, index: usize) -> (Sphere, f32) {
+    pub(crate) fn own(&self, index: usize) -> (Sphere, f32) {
         let sphere = self.spheres[index];
         match self.self_shadows.get(index) {
             Some(s) => (Sphere { radius: sphere.radius * s.radius, ..sphere }, sphere.radius * s.distance),

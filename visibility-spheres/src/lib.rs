@@ -4,12 +4,15 @@ mod block;
 mod blockers;
 mod cone_test;
 mod ellipse;
+mod packed;
 mod set;
 mod shaft_test;
 mod sphere_tree;
 mod splat;
+pub mod wgsl;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
+pub use crate::packed::{BlockerSphere, SPHERE_BLOCK};
 pub use crate::set::{
     BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, SetFileError, SetQuality,
     SphereSet, Verdict, preview,

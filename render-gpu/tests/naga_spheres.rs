@@ -1,0 +1,108 @@
+//! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are Rust's.
+
+use lighting::wgsl as lighting;
+use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, wgsl};
+
+const FRAME: &str = include_str!("../src/kernels/frame.wgsl");
+const QUEUE: &str = include_str!("../src/kernels/queue.wgsl");
+const BOUNDS: &str = include_str!("../src/kernels/bounds.wgsl");
+const CULL: &str = include_str!("../src/kernels/cull.wgsl");
+const CLASSIFY: &str = include_str!("../src/kernels/classify.wgsl");
+const ARGS: &str = include_str!("../src/kernels/args.wgsl");
+
+/// The hook of `classify`, for spheres only.
+const HOOK: &str = "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
+    return spheres_coverage(tile, at, cone);
+}";
+
+/// Parses and validates pieces joined.
+fn module(pieces: &[&str]) -> naga::Module {
+    let text = pieces.join("\n");
+    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
+        panic!("{}", error.emit_to_string(&text));
+    }
+    module
+}
+
+fn constant(module: &naga::Module, name: &str) -> u32 {
+    let found = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name));
+    let (_, constant) = found.unwrap_or_else(|| panic!("no constant {name}"));
+    match module.global_expressions[constant.init] {
+        naga::Expression::Literal(naga::Literal::U32(value)) => value,
+        ref other => panic!("{name} is {other:?}"),
+    }
+}
+
+#[test]
+fn culling_validates() {
+    let bounds = module(&[BOUNDS, FRAME, wgsl::PACKED]);
+    let cull = module(&[CULL, FRAME, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY]);
+    let args = module(&[ARGS, QUEUE, FRAME]);
+    let groups = [(&bounds, "bounds", 64), (&cull, "cull", 64), (&args, "args_of_queue", 1)];
+    for (module, name, threads) in groups {
+        assert_eq!((module.entry_points[0].name.as_str(), module.entry_points[0].workgroup_size[0]), (name, threads));
+    }
+}
+
+#[test]
+fn classification_validates() {
+    let stub = "fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
+    let models = brdf::Models::of(&[brdf::Material::lambert(glam::Vec3::ONE)]);
+    let reflectance = brdf::wgsl::compose(models);
+    let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE];
+    let mut pieces = vec![CLASSIFY, QUEUE, FRAME, HOOK, stub, &reflectance, GEOMETRY, LOBE, SPECIAL];
+    pieces.extend(parts);
+    assert_eq!(module(&pieces).entry_points[0].workgroup_size, [64, 1, 1]);
+}
+
+#[test]
+fn splats_validate_at_all_depths() {
+    for depth in 1..=::lighting::MAX_DEPTH {
+        for coarse in [false, true] {
+            let header = lighting::header(depth, coarse);
+            module(&[
+                &header,
+                wgsl::SPHERES_SPLAT,
+                wgsl::SPHERES,
+                wgsl::ELLIPSE,
+                wgsl::SPLAT,
+                wgsl::BLOCKED_CONE,
+                wgsl::CONE_TEST,
+                wgsl::PACKED,
+                lighting::MASK,
+                lighting::EDGES,
+                lighting::SQUARE,
+                FRAME,
+                GEOMETRY,
+                LOBE,
+                SPECIAL,
+            ]);
+        }
+    }
+}
+
+#[test]
+fn a_blocker_has_rusts_layout() {
+    use std::mem::{offset_of, size_of};
+    let module = module(&[wgsl::PACKED]);
+    let found = module.types.iter().find_map(|(_, ty)| match &ty.inner {
+        naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some("BlockerSphere") => {
+            Some((*span, members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect::<Vec<_>>()))
+        }
+        _ => None,
+    });
+    let want = [
+        ("center", offset_of!(BlockerSphere, center)),
+        ("radius", offset_of!(BlockerSphere, radius)),
+        ("object", offset_of!(BlockerSphere, object)),
+        ("own_radius", offset_of!(BlockerSphere, own_radius)),
+        ("own_distance", offset_of!(BlockerSphere, own_distance)),
+        ("pad", offset_of!(BlockerSphere, pad)),
+    ];
+    let want = want.map(|(name, offset)| (name.to_owned(), offset as u32)).to_vec();
+    assert_eq!(found, Some((size_of::<BlockerSphere>() as u32, want)));
+    assert_eq!(constant(&module, "SPHERE_BLOCK") as usize, SPHERE_BLOCK);
+}

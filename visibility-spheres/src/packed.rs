@@ -1,0 +1,47 @@
+use crate::SphereBlockers;
+use bytemuck::{Pod, Zeroable};
+
+/// How many neighbours of [`SphereBlockers::pack`] share a bound on the GPU: `SPHERE_BLOCK` of `packed.wgsl`.
+pub const SPHERE_BLOCK: usize = 32;
+
+/// A blocker as kernels read it: `BlockerSphere` of `packed.wgsl`, 32 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BlockerSphere {
+    /// Centre.
+    pub center: [f32; 3],
+    /// Radius.
+    pub radius: f32,
+    /// Number of the object that it stands for.
+    pub object: u32,
+    /// Radius for receivers of that object.
+    pub own_radius: f32,
+    /// For them: how far away a ray must leave it to be blocked (τ).
+    pub own_distance: f32,
+    /// Nothing.
+    pub pad: u32,
+}
+
+impl SphereBlockers {
+    /// Replaces `out` by the spheres that can block, as kernels read them: neighbours in space are neighbours in the list, so
+    /// that each [`SPHERE_BLOCK`] of them have a small bound.
+    ///
+    /// The order is that of the hierarchy: after [`update`](Self::update) the same as before unless that says that it made a
+    /// new one. Spheres that block nothing (radius zero or less, anything infinite or NaN) are left out. O(n).
+    pub fn pack(&self, out: &mut Vec<BlockerSphere>) {
+        out.clear();
+        out.extend(self.order().iter().map(|index| {
+            let index = *index as usize;
+            let (own, own_distance) = self.own(index);
+            let sphere = self.spheres()[index];
+            BlockerSphere {
+                center: sphere.center.to_array(),
+                radius: sphere.radius,
+                object: self.objects()[index],
+                own_radius: own.radius,
+                own_distance,
+                pad: 0,
+            }
+        }));
+    }
+}

@@ -1,0 +1,20 @@
+// Blockers as `SphereBlockers::pack` writes them: neighbours in space, in blocks that have a bound each.
+struct BlockerSphere {
+    center: vec3f,
+    radius: f32,
+    object: u32,
+    // For receivers of its own object: the radius, and how far away a ray must leave it to be blocked.
+    own_radius: f32,
+    own_distance: f32,
+    pad: u32,
+}
+
+const SPHERE_BLOCK = 32u;
+
+// The list of a tile of points: how many spheres, flags, their indices, ascending.
+const LIST_ROOM = 512u;
+const LIST_WORDS = LIST_ROOM + 2u;
+// More spheres than there is room for: the list says nothing.
+const LIST_FULL = 1u;
+// One sphere hides all of the light from all of the tile: the list may be short.
+const LIST_DARK = 2u;

@@ -1,0 +1,92 @@
+// What spheres hide of one light: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
+// blocked_cone, frame and lobe-core's geometry.
+@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
+@group(0) @binding(7) var<storage, read> lists: array<u32>;
+@group(0) @binding(11) var<storage, read> sphere_bounds: array<vec4f>;
+
+// The light as a ball, and the power of the receiver with respect to it.
+struct LightBall {
+    sin: f32,
+    cos: f32,
+    radius: f32,
+    power: f32,
+}
+
+fn light_ball(cone: Cone) -> LightBall {
+    let sin = sqrt(cone_sin_sq(cone));
+    let cos = cone_cos(cone);
+    return LightBall(sin, cos, cone.distance * sin, cone.distance * cone.distance * (cos * cos));
+}
+
+struct Look {
+    blocked: BlockedCone,
+    // LIT where it hides nothing.
+    coverage: u32,
+}
+
+// What one sphere hides of a light.
+fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look {
+    let sphere = spheres[index];
+    let own = sphere.object == at.object;
+    let radius = select(sphere.radius, sphere.own_radius, own);
+    let to = sphere.center - at.position;
+    var blocked = blocked_cone(to, radius, select(0.0, sphere.own_distance, own));
+    if (blocked.empty) {
+        return Look(blocked, LIT);
+    }
+    let between = to - cone.axis * cone.distance;
+    if (sqrt(dot(between, between)) >= radius + light.radius) {
+        if (dot(to, to) - radius * radius >= light.power) {
+            return Look(blocked, LIT);
+        }
+    } else {
+        blocked.meets_light = true;
+    }
+    return Look(blocked, blocked_cover(blocked, cone.axis, light.sin, light.cos));
+}
+
+// How much of the light a receiver of a tile sees, for one thread.
+fn spheres_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
+    let list = tile * LIST_WORDS;
+    let flags = lists[list + 1u];
+    if ((flags & LIST_DARK) != 0u) {
+        return DARK;
+    }
+    let test = cone_test(at.position, cone);
+    let light = light_ball(cone);
+    var coverage = LIT;
+    if ((flags & LIST_FULL) == 0u) {
+        let count = lists[list];
+        for (var k = 0u; k < count; k++) {
+            let index = lists[list + 2u + k];
+            coverage = spheres_cover(index, coverage, test, at, cone, light);
+            if (coverage == DARK) {
+                break;
+            }
+        }
+        return coverage;
+    }
+    for (var block = 0u; block < frame.block_count; block++) {
+        let bounds = sphere_bounds[block];
+        if (!cone_meets(test, bounds.xyz, bounds.w)) {
+            continue;
+        }
+        let end = min((block + 1u) * SPHERE_BLOCK, frame.sphere_count);
+        for (var index = block * SPHERE_BLOCK; index < end; index++) {
+            coverage = spheres_cover(index, coverage, test, at, cone, light);
+            if (coverage == DARK) {
+                return DARK;
+            }
+        }
+    }
+    return coverage;
+}
+
+// The coverage by what is before and one sphere more.
+fn spheres_cover(index: u32, before: u32, test: ConeTest, at: Receiver, cone: Cone, light: LightBall) -> u32 {
+    let sphere = spheres[index];
+    if (!cone_meets(test, sphere.center, sphere.radius)) {
+        return before;
+    }
+    return max(before, spheres_look(index, at, cone, light).coverage);
+}

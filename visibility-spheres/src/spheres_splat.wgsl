@@ -1,0 +1,139 @@
+// What spheres block on a mask, by a workgroup of LANES threads. Needs spheres, splat, ellipse, and lighting's edges.wgsl.
+
+const ELLIPSE = 0u;
+const WIDE = 1u;
+const IN_FRONT = 2u;
+const ALL = 3u;
+
+// One sphere made ready for the rows.
+struct Splat {
+    kind: u32,
+    ellipse: Ellipse,
+    blocked: BlockedCone,
+}
+var<workgroup> splats: array<Splat, LANES>;
+// Which of them block anything; two by turns.
+var<workgroup> splats_used: array<atomic<u32>, 4>;
+
+// How many spheres the threads take in turn: those of the list, or all of them.
+fn spheres_count(tile: u32) -> u32 {
+    let list = tile * LIST_WORDS;
+    return select(lists[list], frame.sphere_count, (lists[list + 1u] & LIST_FULL) != 0u);
+}
+
+// The `k`-th of them.
+fn spheres_index(tile: u32, k: u32) -> u32 {
+    let list = tile * LIST_WORDS;
+    if ((lists[list + 1u] & LIST_FULL) != 0u) {
+        return k;
+    }
+    return lists[list + 2u + k];
+}
+
+// Whether the spheres from `first` on, one a thread, may hide something: of a list all do.
+fn spheres_near(tile: u32, first: u32, test: ConeTest) -> bool {
+    if ((lists[tile * LIST_WORDS + 1u] & LIST_FULL) == 0u) {
+        return true;
+    }
+    var near = false;
+    let end = min((first + LANES + (SPHERE_BLOCK - 1u)) / SPHERE_BLOCK, frame.block_count);
+    for (var block = first / SPHERE_BLOCK; block < end; block++) {
+        let bounds = sphere_bounds[block];
+        near = near || cone_meets(test, bounds.xyz, bounds.w);
+    }
+    return near;
+}
+
+// This thread's part of the sum of edges: the rims of those spheres that meet `light`, as they cross `window`.
+fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
+    let ball = light_ball(light);
+    let test = cone_test(at.position, light);
+    let across = edges_frame(window.axis);
+    let tan = cone_tan(window);
+    let count = spheres_count(tile);
+    var sum = vec2f(0.0);
+    for (var first = 0u; first < count; first += LANES) {
+        if (first + lane >= count || !spheres_near(tile, first, test)) {
+            continue;
+        }
+        let seen = spheres_look(spheres_index(tile, first + lane), at, light, ball);
+        if (seen.coverage != LIT) {
+            sum += blocked_add_edge(seen.blocked, across, window.axis, tan);
+        }
+    }
+    return sum;
+}
+
+// Blocks what the spheres hide of the mask: each thread makes one ready, then takes all of these to its own row.
+fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
+    let ball = light_ball(light);
+    let test = cone_test(at.position, light);
+    let count = spheres_count(tile);
+    workgroupBarrier();
+    if (lane < 4u) {
+        atomicStore(&splats_used[lane], 0u);
+    }
+    var turn = 0u;
+    for (var first = 0u; first < count; first += LANES) {
+        if (!spheres_near(tile, first, test)) {
+            continue;
+        }
+        workgroupBarrier();
+        if (first + lane < count) {
+            let seen = spheres_look(spheres_index(tile, first + lane), at, light, ball);
+            if (seen.coverage != LIT) {
+                splats[lane] = splat_of(seen.blocked, mask);
+                atomicOr(&splats_used[turn + lane / 32u], 1u << (lane % 32u));
+            }
+        }
+        // Nobody reads the others any more.
+        turn = 2u - turn;
+        if (lane < 2u) {
+            atomicStore(&splats_used[turn + lane], 0u);
+        }
+        workgroupBarrier();
+        for (var half = 0u; half < LANES / 32u; half++) {
+            var used = atomicLoad(&splats_used[2u - turn + half]);
+            while (used != 0u && lane < SIDE && !mask_is_row_dark()) {
+                splat_row(32u * half + firstTrailingBit(used), light, ball, mask, lane);
+                used &= used - 1u;
+            }
+        }
+    }
+}
+
+fn splat_of(blocked: BlockedCone, mask: Mask) -> Splat {
+    var splat: Splat;
+    splat.blocked = blocked;
+    let local = square_local(mask.square, blocked.to);
+    if (blocked.meets_light) {
+        splat.kind = IN_FRONT;
+    } else if (blocked.cos > 0.0 && local.z > 1.001 * blocked.tangent_radius) {
+        splat.kind = ELLIPSE;
+        splat.ellipse = ellipse(local, blocked.tangent_radius, mask);
+    } else if (blocked.cos <= -1.0) {
+        splat.kind = ALL;
+    } else {
+        splat.kind = WIDE;
+        splat.blocked.to = local / max(sqrt(dot(local, local)), 1.1754944e-38);
+    }
+    return splat;
+}
+
+// Blocks what one of the spheres made ready hides of the own row `j`.
+fn splat_row(slot: u32, light: Cone, ball: LightBall, mask: Mask, j: u32) {
+    switch splats[slot].kind {
+        case ELLIPSE: {
+            ellipse_splat(splats[slot].ellipse, j);
+        }
+        case WIDE: {
+            splat_wide(splats[slot].blocked.to, splats[slot].blocked.cos, mask, j);
+        }
+        case IN_FRONT: {
+            splat_in_front(splats[slot].blocked, light.axis * light.distance, ball.radius, mask, j);
+        }
+        default: {
+            mask_block_all();
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! The same in WGSL, to be joined as text with what each needs.
+//!
+//! All of it wants lobe-core's geometry, a binding `frame` with `sphere_count` and `block_count`, and [`PACKED`].
+
+/// The struct of a blocker, the layout of a tile's list.
+pub const PACKED: &str = include_str!("packed.wgsl");
+/// Which spheres meet a shaft: for culling.
+pub const SHAFT_TEST: &str = include_str!("shaft_test.wgsl");
+/// Which spheres a light's cone may meet.
+pub const CONE_TEST: &str = include_str!("cone_test.wgsl");
+/// The cone that a sphere blocks.
+pub const BLOCKED_CONE: &str = include_str!("blocked_cone.wgsl");
+/// Bindings 6, 7 and 11, and `spheres_coverage`: with [`CONE_TEST`] and [`BLOCKED_CONE`].
+pub const SPHERES: &str = include_str!("spheres.wgsl");
+/// A ball on a mask: with lighting's mask.
+pub const ELLIPSE: &str = include_str!("ellipse.wgsl");
+/// Other cones on a mask: with [`BLOCKED_CONE`] and lighting's mask and edges.
+pub const SPLAT: &str = include_str!("splat.wgsl");
+/// `spheres_edges` and `spheres_splat`: with all of these but [`SHAFT_TEST`].
+pub const SPHERES_SPLAT: &str = include_str!("spheres_splat.wgsl");
