@@ -19,6 +19,18 @@ pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Sen
 /// Evaluates WGSL statements for rows of `inputs` numbers each: `pieces` are joined before; `body` reads `x(0), x(1) …` and
 /// calls `y(0, value)`, … up to `outputs`.
 pub(crate) fn call(gpu: &Gpu, pieces: &[&str], body: &str, rows: &[f32], inputs: usize, outputs: usize) -> Vec<f32> {
+    call_with(gpu, pieces, body, rows, [inputs, outputs], &[])
+}
+
+/// [`call`] with further buffers that the pieces read: binding from 2 on and words of each.
+pub(crate) fn call_with(
+    gpu: &Gpu,
+    pieces: &[&str],
+    body: &str,
+    rows: &[f32],
+    [inputs, outputs]: [usize; 2],
+    words: &[(u32, &[u32])],
+) -> Vec<f32> {
     let count = rows.len() / inputs;
     let main = format!(
         "@group(0) @binding(0) var<storage, read> in: array<f32>;
@@ -31,7 +43,46 @@ pub(crate) fn call(gpu: &Gpu, pieces: &[&str], body: &str, rows: &[f32], inputs:
             if (row < {count}u) {{ {body} }}
         }}"
     );
-    let text = pieces.iter().chain([&main.as_str()]).copied().collect::<Vec<_>>().join("\n");
+    run(gpu, pieces, &main, rows, count * outputs, words, count.div_ceil(64))
+}
+
+/// [`call`] by a workgroup of LANES threads for each row of `inputs`: all threads come by `body`, each with its `lane`.
+pub(crate) fn call_groups(
+    gpu: &Gpu,
+    pieces: &[&str],
+    body: &str,
+    rows: &[f32],
+    [inputs, outputs]: [usize; 2],
+) -> Vec<f32> {
+    let count = rows.len() / inputs;
+    let main = format!(
+        "@group(0) @binding(0) var<storage, read> in: array<f32>;
+        @group(0) @binding(1) var<storage, read_write> out: array<f32>;
+        var<private> row: u32;
+        fn x(k: u32) -> f32 {{ return in[row * {inputs}u + k]; }}
+        fn y(k: u32, value: f32) {{ out[row * {outputs}u + k] = value; }}
+        @compute @workgroup_size(LANES) fn main(
+            @builtin(workgroup_id) id: vec3u,
+            @builtin(local_invocation_index) lane: u32,
+        ) {{
+            row = id.x;
+            {body}
+        }}"
+    );
+    run(gpu, pieces, &main, rows, count * outputs, &[], count)
+}
+
+/// Dispatches so many workgroups of a module that reads `rows` and writes `size` numbers.
+fn run(
+    gpu: &Gpu,
+    pieces: &[&str],
+    main: &str,
+    rows: &[f32],
+    size: usize,
+    words: &[(u32, &[u32])],
+    groups: usize,
+) -> Vec<f32> {
+    let text = pieces.iter().chain([&main]).copied().collect::<Vec<_>>().join("\n");
     let device = gpu.device();
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
@@ -45,12 +96,14 @@ pub(crate) fn call(gpu: &Gpu, pieces: &[&str], body: &str, rows: &[f32], inputs:
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
     });
-    let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: None,
-        contents: bytemuck::cast_slice(rows),
-        usage: wgpu::BufferUsages::STORAGE,
-    });
-    let size = (4 * count * outputs) as u64;
+    let filled = |contents| {
+        let usage = wgpu::BufferUsages::STORAGE;
+        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+    };
+    let input = filled(bytemuck::cast_slice(rows));
+    let further: Vec<_> =
+        words.iter().map(|(binding, words)| (*binding, filled(bytemuck::cast_slice(words)))).collect();
+    let size = (4 * size) as u64;
     let buffer =
         |usage| device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
     let out = buffer(wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
@@ -58,17 +111,19 @@ pub(crate) fn call(gpu: &Gpu, pieces: &[&str], body: &str, rows: &[f32], inputs:
     fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
         wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
     }
+    let mut entries = vec![entry(0, &input), entry(1, &out)];
+    entries.extend(further.iter().map(|(binding, buffer)| entry(*binding, buffer)));
     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
         layout: &pipeline.get_bind_group_layout(0),
-        entries: &[entry(0, &input), entry(1, &out)],
+        entries: &entries,
     });
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(count.div_ceil(64) as u32, 1, 1);
+        pass.dispatch_workgroups(groups as u32, 1, 1);
     }
     encoder.copy_buffer_to_buffer(&out, 0, &read, 0, size);
     gpu.queue().submit([encoder.finish()]);

@@ -1,0 +1,249 @@
+//! Lobes of the materials against those of `brdf`.
+
+use crate::call::{call_with, trial};
+use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, PackedMaterials, Phong};
+use glam::{DMat3, Mat3, Quat, Vec3};
+use libtest_mimic::Trial;
+use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::{BrdfLobes, Lobe, LobeBuffer, OWN_NONE, Receiver, orthonormal_basis};
+use render_gpu::Gpu;
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("materials_lambert", gpu, |gpu| agree(gpu, &several(lambert, 8))),
+        trial("materials_phong", gpu, |gpu| agree(gpu, &several(phong, 100))),
+        trial("materials_modified_phong", gpu, |gpu| agree(gpu, &several(modified_phong, 100))),
+        trial("materials_lafortune", gpu, |gpu| agree(gpu, &several(lafortune, 150))),
+        trial("materials_metallic_roughness", gpu, |gpu| agree(gpu, &several(metallic_roughness, 24))),
+        trial("materials_of_all_models", gpu, |gpu| {
+            let models = [lambert, phong, modified_phong, lafortune, metallic_roughness];
+            agree(gpu, &models.map(|model| several(model, 8)).concat());
+        }),
+        trial("materials_lafortune_without_an_axis", gpu, no_axis),
+    ]
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    /// In [0, 1).
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        let (z, phi) = (2.0 * self.next() - 1.0, core::f32::consts::TAU * self.next());
+        let s = (1.0 - z * z).sqrt();
+        Vec3::new(s * phi.cos(), s * phi.sin(), z).normalize()
+    }
+
+    /// A colour, black now and then, coloured else.
+    fn color(&mut self) -> Vec3 {
+        let color = Vec3::new(self.next(), self.next(), self.next());
+        if self.next() < 0.2 { Vec3::ZERO } else { color }
+    }
+
+    /// From 0 to 1e6, every magnitude.
+    fn exponent(&mut self) -> f32 {
+        if self.next() < 0.1 { 0.0 } else { 10.0_f32.powf(8.0 * self.next() - 2.0) }
+    }
+}
+
+fn several(model: fn(&mut Random) -> Material, count: usize) -> Vec<Material> {
+    let mut random = Random(7);
+    let all: Vec<Material> = (0..count).map(|_| model(&mut random)).collect();
+    all.iter().for_each(|material| material.validate().unwrap());
+    all
+}
+
+fn lambert(random: &mut Random) -> Material {
+    Lambert { albedo: random.color() }.into()
+}
+
+fn phong(random: &mut Random) -> Material {
+    Phong { kd: random.color(), ks: random.color(), exponent: random.exponent() }.into()
+}
+
+fn modified_phong(random: &mut Random) -> Material {
+    ModifiedPhong { kd: random.color(), ks: random.color(), exponent: random.exponent() }.into()
+}
+
+fn lafortune(random: &mut Random) -> Material {
+    let lobes = (0..1 + (3.0 * random.next()) as usize).map(|_| lafortune_lobe(random)).collect();
+    Lafortune { diffuse: random.color(), lobes }.into()
+}
+
+/// Mirrors, shrinking ones, flat ones, growing ones with exponents that allow it; along the axes or turned.
+fn lafortune_lobe(random: &mut Random) -> LafortuneLobe {
+    let mut exponent = random.exponent();
+    let signs = Vec3::new(-1.0, -1.0, 1.0);
+    let size = |random: &mut Random, low: f32| low + (1.0 - low) * random.next();
+    let c = match (5.0 * random.next()) as u32 {
+        0 => signs,
+        1 => signs * size(random, 0.9999),
+        2 => signs * Vec3::new(size(random, 0.0), size(random, 0.9), size(random, 0.5)),
+        3 => Vec3::new(random.next(), 0.0, random.next() - 0.5),
+        _ => {
+            exponent = exponent.min(30.0);
+            Vec3::new(size(random, -2.0), size(random, -2.0), 2.0 * random.next())
+        }
+    };
+    let mut matrix = Mat3::from_diagonal(c);
+    if random.next() < 0.5 {
+        let turn = Mat3::from_quat(Quat::from_axis_angle(random.direction(), 6.0 * random.next()));
+        matrix = turn * matrix * turn.transpose();
+        // Exactly as high as allowed would be a matter of rounding.
+        exponent = exponent.min(1e6);
+    }
+    LafortuneLobe { matrix, exponent, scale: random.color() + Vec3::X }
+}
+
+fn metallic_roughness(random: &mut Random) -> Material {
+    let base = random.color();
+    let end = |x: f32| (1.2 * x - 0.1).clamp(0.0, 1.0);
+    MetallicRoughness::new(base, end(random.next()), end(random.next())).unwrap().into()
+}
+
+fn receiver(normal: Vec3, view: Vec3) -> Receiver {
+    Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE }
+}
+
+/// Views from along the normal to grazing and below the horizon; normals at the poles, where bases turn.
+fn receivers() -> Vec<Receiver> {
+    let mut random = Random(3);
+    let mut all = Vec::new();
+    for i in 0..40 {
+        let normal = match i % 10 {
+            0 => Vec3::Z,
+            1 => -Vec3::Z,
+            2 => Vec3::new(1e-7, -1e-7, -1.0).normalize(),
+            3 => Vec3::X,
+            _ => random.direction(),
+        };
+        let (t, b) = orthonormal_basis(normal);
+        let (sin, cos) = random.direction().truncate().normalize().into();
+        let aside = t * cos + b * sin;
+        let up = match i / 5 {
+            0 => 1.0,
+            1 => 1.0 - 1e-6 * random.next(),
+            2 => 1e-4 * random.next(),
+            3 => -0.3 * random.next(),
+            _ => random.next(),
+        };
+        all.push(receiver(normal, (normal * up + aside * (1.0 - up * up).sqrt()).normalize()));
+    }
+    all.push(receiver(Vec3::Z, Vec3::X));
+    all
+}
+
+/// All lobes that the GPU makes of materials, as many as each has, for each of the receivers.
+fn lobes(gpu: &Gpu, materials: &[Material], receivers: &[Receiver]) -> Vec<Vec<Lobe>> {
+    let packed = PackedMaterials::new(materials);
+    let pairs = (0..materials.len()).flat_map(|m| receivers.iter().map(move |at| (m, at)));
+    let mut rows: Vec<f32> = Vec::new();
+    for (material, at) in pairs {
+        for k in 0..packed.max_lobes {
+            rows.extend(at.normal.to_array().into_iter().chain(at.view.to_array()));
+            rows.extend([material as f32, k as f32]);
+        }
+    }
+    let text = brdf::wgsl::compose(packed.models);
+    let binding = "@group(0) @binding(2) var<storage, read> materials: array<u32>;";
+    let body = "
+        let n = vec3f(x(0), x(1), x(2));
+        let at = Receiver(vec3f(0.0), OWN_NONE, n, u32(x(6)), n, 0u, vec3f(x(3), x(4), x(5)), 0u);
+        var lobe = Lobe();
+        if u32(x(7)) < brdf_lobe_count(at.material) { lobe = brdf_lobe(at.material, at, u32(x(7))); }
+        y(0, lobe.axis.x); y(1, lobe.axis.y); y(2, lobe.axis.z); y(3, lobe.exponent);
+        y(4, lobe.flux.x); y(5, lobe.flux.y); y(6, lobe.flux.z); y(7, lobe.cosine);";
+    let pieces = [text.as_str(), binding, SPECIAL, GEOMETRY, LOBE];
+    let got = call_with(gpu, &pieces, body, &rows, [8, 8], &[(2, &packed.words)]);
+    assert!(got.iter().all(|value| value.is_finite()));
+    let lobes: Vec<Lobe> = bytemuck::cast_slice(&got).to_vec();
+    lobes.chunks(packed.max_lobes as usize).map(<[Lobe]>::to_vec).collect()
+}
+
+/// What no sum sees: an exponential's last numbers end earlier on some machines.
+fn visible(lobe: &Lobe) -> bool {
+    lobe.flux.max_element() > 1e-30
+}
+
+/// The GPU's lobes are those of Rust, in the same order.
+fn agree(gpu: &Gpu, materials: &[Material]) {
+    let receivers = receivers();
+    let all = lobes(gpu, materials, &receivers);
+    let mut worst = [0.0_f32; 3];
+    for (i, got) in all.iter().enumerate() {
+        let (material, at) = (&materials[i / receivers.len()], &receivers[i % receivers.len()]);
+        let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
+        material.brdf_lobes(at, &mut buffer.writer()).unwrap();
+        let want: Vec<Lobe> = buffer.lobes().iter().filter(visible).collect();
+        let got: Vec<&Lobe> = got.iter().filter(|lobe| visible(lobe)).collect();
+        let name = material.model_name();
+        assert_eq!(got.len(), want.len(), "{name} {i}: {got:?}\n{want:?}");
+        for (got, want) in got.iter().zip(&want) {
+            let errors = [
+                (got.axis - want.axis).length(),
+                (got.exponent - want.exponent).abs() / want.exponent.max(1.0),
+                (got.flux - want.flux).length() / want.flux.length(),
+            ];
+            let allowed = allowed(material, at, want);
+            for k in 0..3 {
+                worst[k] = worst[k].max(errors[k] / allowed[k] * TOLERANCE);
+                assert!(errors[k] <= allowed[k], "{name} {i}: {got:?}\n{want:?}\n{errors:?} of {allowed:?}");
+            }
+            assert_eq!(got.cosine, want.cosine);
+            if want.exponent == 1.0 && want.axis == at.normal {
+                assert_eq!((got.exponent, got.axis), (want.exponent, want.axis), "a Lambert lobe is exact");
+            }
+        }
+    }
+    println!("worst of axis, exponent, flux, conditioned to {TOLERANCE:.0e}: {worst:?}");
+}
+
+/// Some roundings of f32.
+const TOLERANCE: f32 = 2e-6;
+
+/// Errors of axis, exponent and flux: the tolerance, times what the lobe makes of a rounding of its arguments.
+fn allowed(material: &Material, at: &Receiver, want: &Lobe) -> [f32; 3] {
+    match material {
+        Material::Lafortune(m) if want.cosine == 1.0 => {
+            let (t, b) = orthonormal_basis(at.normal);
+            let view = Vec3::new(t.dot(at.view), b.dot(at.view), at.normal.dot(at.view)).as_dvec3();
+            // Which one it is, is known by its exponent; the most sensitive else.
+            let own = m.lobes.iter().filter(|lobe| lobe.exponent == want.exponent);
+            let sensitive = own.map(|lobe| {
+                let q = DMat3::from_cols_array(&lobe.matrix.to_cols_array().map(f64::from));
+                let length = (q * view).length();
+                let largest = lobe.matrix.to_cols_array().iter().fold(0.0_f32, |s, x| s.max(x.abs()));
+                // gain = exp(e/2·ln(1 + ωᵀQω)): its logarithm's own rounding, and that of ω and of Q's eigenvectors.
+                let square = (q.transpose() * q - DMat3::IDENTITY) * view;
+                let steep = f64::from(lobe.exponent) * square.length() / (length * length).max(1e-30);
+                let ln_gain = f64::from(lobe.exponent) * length.ln();
+                [1.0 + largest / length as f32, 1.0 + (0.15 * steep + 0.25 * ln_gain.abs()) as f32]
+            });
+            let [axis, flux] = sensitive.fold([1.0_f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+            [TOLERANCE * axis, TOLERANCE, TOLERANCE * flux]
+        }
+        // A place among 48 rows has 1/48 of an f32's digits, and rows differ by up to a half.
+        Material::MetallicRoughness(_) if want.axis != at.normal => [TOLERANCE, 24.0 * TOLERANCE, 24.0 * TOLERANCE],
+        _ => [TOLERANCE; 3],
+    }
+}
+
+/// `M ω = 0`: no lobe, and no NaN.
+fn no_axis(gpu: &Gpu) {
+    let at = [receiver(Vec3::Z, Vec3::X), receiver(Vec3::X, Vec3::NEG_Y)];
+    for c in [Vec3::Z, Vec3::ZERO, Vec3::splat(1e-32)] {
+        for exponent in [0.0, 1e-6, 0.5, 1.0, 200.0, 1e5, 1e7] {
+            let lobe = LafortuneLobe::diagonal(c, exponent, Vec3::ONE);
+            let got = lobes(gpu, &[Lafortune { diffuse: Vec3::ZERO, lobes: vec![lobe] }.into()], &at);
+            assert!(got.iter().flatten().all(|lobe| lobe.flux == Vec3::ZERO));
+        }
+    }
+}
