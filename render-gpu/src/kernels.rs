@@ -9,6 +9,7 @@ pub(crate) const QUEUE: &str = include_str!("kernels/queue.wgsl");
 pub(crate) const BOUNDS: &str = include_str!("kernels/bounds.wgsl");
 pub(crate) const CULL: &str = include_str!("kernels/cull.wgsl");
 pub(crate) const CLASSIFY: &str = include_str!("kernels/classify.wgsl");
+pub(crate) const PENUMBRA: &str = include_str!("kernels/penumbra.wgsl");
 pub(crate) const ARGS: &str = include_str!("kernels/args.wgsl");
 
 /// What kernels have counted, from the head of the queue.

@@ -6,7 +6,8 @@ use crate::kernel::{
 };
 use crate::kernels;
 use brdf::Models;
-use lobe_core::wgsl as core;
+use lighting::wgsl as masks;
+use lobe_core::wgsl as lobes;
 use visibility_spheres::wgsl as spheres;
 
 /// Bytes of a tile's list.
@@ -85,7 +86,7 @@ pub(crate) const fn bound_groups(blocks: u32) -> u32 {
 
 /// The spheres that each tile has to look at.
 pub(crate) fn cull() -> Text {
-    let pieces = [kernels::FRAME, spheres::PACKED, spheres::SHAFT_TEST, core::GEOMETRY, kernels::CULL];
+    let pieces = [kernels::FRAME, spheres::PACKED, spheres::SHAFT_TEST, lobes::GEOMETRY, kernels::CULL];
     let bindings = [
         (Slot::Frame, Uniform),
         (Slot::Points, Read),
@@ -114,7 +115,7 @@ const SHADED: [Binding; 5] = [
 /// What every point sees of a light.
 pub(crate) fn classify(variant: &Variant) -> Text {
     let reflectance = brdf::wgsl::compose(variant.models);
-    let cap = if variant.is_lambert() { core::CAP_LAMBERT } else { core::CAP };
+    let cap = if variant.is_lambert() { lobes::CAP_LAMBERT } else { lobes::CAP };
     let strategies = variant.strategies;
     let all = strategies.calls().map(|name| match name {
         "spheres" => "coverage = max(coverage, spheres_coverage(tile, at, cone));",
@@ -127,9 +128,9 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     let mut pieces = vec![
         kernels::FRAME,
         kernels::QUEUE,
-        core::SPECIAL,
-        core::GEOMETRY,
-        core::LOBE,
+        lobes::SPECIAL,
+        lobes::GEOMETRY,
+        lobes::LOBE,
         cap,
         &reflectance,
         &hook,
@@ -143,6 +144,52 @@ pub(crate) fn classify(variant: &Variant) -> Text {
 
 /// What the points in a penumbra see.
 pub(crate) fn penumbra(variant: &Variant) -> Text {
-    let _ = variant;
-    Text::new("penumbra", &[], &[])
+    let reflectance = brdf::wgsl::compose(variant.models);
+    let header = masks::header(variant.depth, variant.coarse);
+    let strategies = variant.strategies;
+    let edges =
+        if strategies.spheres { "return spheres_edges(lane, tile, at, light, window);" } else { "return vec2f(0.0);" };
+    let splats = strategies.calls().map(|name| match name {
+        "spheres" => "spheres_splat(lane, tile, at, light, mask);",
+        _ => "maps_splat(lane, at, light, mask);",
+    });
+    let splats: String = splats.collect();
+    let hooks = format!(
+        "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {{ {edges} }}\n\
+        fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {{ {splats} }}"
+    );
+    let mut pieces = vec![
+        kernels::FRAME,
+        kernels::QUEUE,
+        lobes::SPECIAL,
+        lobes::GEOMETRY,
+        lobes::LOBE,
+        &reflectance,
+        &header,
+        masks::SQUARE,
+        masks::MASK,
+        masks::EDGES,
+        masks::TOTAL,
+        masks::SHARE,
+        masks::VISIBILITY,
+        if variant.is_lambert() { masks::LAMBERT } else { masks::LOBES },
+        &hooks,
+        kernels::PENUMBRA,
+    ];
+    if strategies.spheres {
+        pieces.extend([
+            spheres::PACKED,
+            spheres::CONE_TEST,
+            spheres::BLOCKED_CONE,
+            spheres::SPHERES,
+            spheres::ELLIPSE,
+            spheres::SPLAT,
+            spheres::SPHERES_SPLAT,
+        ]);
+    }
+    Text::new("penumbra", &pieces, &[SHADED.as_slice(), &strategies.bindings()].concat())
 }
+
+#[cfg(test)]
+#[path = "module_tests.rs"]
+mod tests;

@@ -38,10 +38,14 @@ fn classify_point(tile: u32, point: u32) {
     var item = 0u;
     for (var k = 0u; k < lobes; k++) {
         let lobe = brdf_lobe(at.material, at, k);
-        let integral = cap_integral(at, lobe, cone);
+        // A lobe without flux is not there.
+        var integral = 0.0;
+        if (any(lobe.flux != vec3f(0.0))) {
+            integral = cap_integral(at, lobe, cone);
+            count(INTEGRALS);
+        }
         let unshadowed = lobe.flux * frame.radiance * integral;
         let brightest = max(max(unshadowed.x, unshadowed.y), unshadowed.z);
-        count(INTEGRALS);
         if (brightest > frame.threshold) {
             if (coverage == UNKNOWN) {
                 coverage = coverage_of(tile, at, cone);

@@ -1,0 +1,102 @@
+//! Every kernel that can be put together, without a GPU.
+
+use super::*;
+use crate::kernel::Access;
+use crate::layout::GpuFrame;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, StorageAccess, TypeInner};
+
+/// Validates a kernel, and that it is told of just the buffers that it declares.
+#[track_caller]
+fn check(name: &str, text: &Text) -> naga::Module {
+    let Text { entry, text, bindings } = text;
+    let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)));
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all())
+        .validate(&module)
+        .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)));
+    let number = module.entry_points.iter().position(|e| e.name == *entry).expect("the entry point");
+    let mut declared: Vec<(u32, Access)> = Vec::new();
+    for (handle, variable) in module.global_variables.iter() {
+        let Some(binding) = &variable.binding else { continue };
+        // The frame comes along with the queue.
+        if variable.name.as_deref() != Some("frame") && info.get_entry_point(number)[handle].is_empty() {
+            panic!("{name}: {:?} is declared and not used", variable.name);
+        }
+        let access = match variable.space {
+            AddressSpace::Uniform => Access::Uniform,
+            AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => Access::Write,
+            _ => Access::Read,
+        };
+        declared.push((binding.binding, access));
+    }
+    let mut told: Vec<(u32, Access)> = bindings.iter().map(|(slot, access)| (*slot as u32, *access)).collect();
+    declared.sort_by_key(|d| d.0);
+    told.sort_by_key(|t| t.0);
+    assert_eq!(told, declared, "{name}");
+    module
+}
+
+fn variants() -> impl Iterator<Item = Variant> {
+    let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b11, 0b1_1111].map(Models::from_bits);
+    let strategies = [(true, false), (false, true), (true, true)];
+    models.into_iter().flat_map(move |models| {
+        strategies.into_iter().flat_map(move |(spheres, maps)| {
+            (1..=6).flat_map(move |depth| {
+                let strategies = Strategies { spheres, maps };
+                [false, true].map(move |coarse| Variant { depth, coarse, models, strategies })
+            })
+        })
+    })
+}
+
+#[test]
+fn every_kernel_is_valid() {
+    check("bounds", &bounds());
+    check("cull", &cull());
+    check("args", &args());
+    for variant in variants() {
+        check(&format!("classify {variant:?}"), &classify(&variant));
+        check(&format!("penumbra {variant:?}"), &penumbra(&variant));
+    }
+}
+
+#[test]
+fn a_kernel_has_only_what_its_scene_uses() {
+    let lambert = Variant {
+        depth: 5,
+        coarse: false,
+        models: Models::from_bits(1),
+        strategies: Strategies { spheres: true, maps: false },
+    };
+    let unshadowed = Variant { strategies: Strategies::default(), ..lambert };
+    let text = classify(&unshadowed).text;
+    assert!(!text.contains("slab") && !text.contains("spheres_") && !text.contains("phong"), "one closed integral");
+    let text = penumbra(&lambert).text;
+    assert!(!text.contains("glossy") && !text.contains("maps_") && !text.contains("lafortune"));
+}
+
+#[test]
+fn the_frame_is_laid_out_as_in_rust() {
+    let module = check("args", &args());
+    let (_, frame) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some("Frame")).expect("the struct");
+    let TypeInner::Struct { members, span } = &frame.inner else { panic!("a struct") };
+    assert_eq!(*span as usize, size_of::<GpuFrame>());
+    let offsets: Vec<(&str, u32)> = members.iter().map(|m| (m.name.as_deref().expect("a name"), m.offset)).collect();
+    macro_rules! rust {
+        ($($field:ident),*) => { [$((stringify!($field), core::mem::offset_of!(GpuFrame, $field) as u32)),*] };
+    }
+    let rust = rust!(
+        light,
+        radiance,
+        tolerance,
+        threshold,
+        point_count,
+        light_index,
+        queue_stride,
+        sphere_count,
+        block_count,
+        map,
+        pad
+    );
+    assert_eq!(offsets, rust);
+}
