@@ -45,6 +45,9 @@ pub enum GpuError {
         /// What the device said.
         reason: String,
     },
+    /// A pose does not fit the spheres that follow it.
+    #[error("the pose does not fit the spheres: {0}")]
+    Bind(#[from] visibility_spheres::BindError),
     /// The GPU has no implementation of this.
     #[error("the GPU cannot do this: {0}")]
     Unsupported(String),

@@ -15,6 +15,8 @@ pub(crate) enum Slot {
     Maps = 8,
     Tables = 9,
     Bounds = 11,
+    Rig = 12,
+    Bones = 13,
 }
 
 /// How a kernel uses a buffer.

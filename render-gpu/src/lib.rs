@@ -9,10 +9,12 @@ mod layout;
 mod memory;
 mod module;
 mod occlusion;
+mod pose;
 mod shader;
 
 pub use self::error::GpuError;
 pub use self::gpu::{Gpu, GpuOptions};
 pub use self::layout::{GpuReceiver, NO_MATERIAL};
 pub use self::occlusion::Occlusion;
+pub use self::pose::GpuPose;
 pub use self::shader::GpuShader;

@@ -72,6 +72,11 @@ impl Memory {
         Ok(uploaded)
     }
 
+    /// Somebody else has written to it: all is uploaded the next time.
+    pub(crate) fn forget(&mut self) {
+        self.last.clear();
+    }
+
     /// The buffer, if there is one.
     pub(crate) fn get(&self) -> Option<&wgpu::Buffer> {
         self.buffer.as_ref()

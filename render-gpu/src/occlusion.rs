@@ -1,7 +1,8 @@
 use crate::kernel::{Kernel, Slot};
 use crate::memory::Memory;
 use crate::module::{self, Strategies};
-use crate::{Gpu, GpuError};
+use crate::{Gpu, GpuError, GpuPose};
+use glam::Mat4;
 use visibility_shadowmap::ShadowMapBlockers;
 use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
 use wgpu::BufferUsages;
@@ -59,6 +60,16 @@ impl Blockers {
                 let text = module::bounds();
                 self.bound = Some(Kernel::new(gpu, text.entry, &text.text, &text.bindings)?);
             }
+        }
+        Ok(())
+    }
+
+    /// Moves the spheres that follow bones.
+    pub(crate) fn pose(&mut self, gpu: &Gpu, pose: &mut GpuPose, poses: &[(&[Mat4], &[f32])]) -> Result<(), GpuError> {
+        if let Some(spheres) = self.spheres.whole().filter(|_| self.strategies.spheres) {
+            pose.submit(gpu, poses, spheres)?;
+            self.spheres.forget();
+            self.moved = true;
         }
         Ok(())
     }

@@ -5,10 +5,10 @@ use crate::layout::{GpuFrame, GpuReceiver};
 use crate::memory::Memory;
 use crate::module::{self, Variant};
 use crate::occlusion::{Blockers, Occlusion};
-use crate::{Gpu, GpuError};
+use crate::{Gpu, GpuError, GpuPose};
 use brdf::{Material, Models, PackedMaterials};
 use core::num::NonZeroU64;
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use lighting::{MAX_DEPTH, is_coarse};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
@@ -114,6 +114,15 @@ impl GpuShader {
     /// As [`new`](Self::new).
     pub fn occlude(&mut self, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
         self.blockers.hold(&self.gpu, occlusion)
+    }
+
+    /// The blockers in another pose, of which `pose` was made: the spheres that follow bones are moved on the GPU, and stay
+    /// so until they are posed again or [`occlude`](Self::occlude) says something else. Bytes of bones are uploaded.
+    ///
+    /// # Errors
+    /// [`GpuError::Bind`] for fewer joints or morph weights than the spheres need; nothing has moved then.
+    pub fn pose(&mut self, pose: &mut GpuPose, poses: &[(&[Mat4], &[f32])]) -> Result<(), GpuError> {
+        self.blockers.pose(&self.gpu, pose, poses)
     }
 
     /// The GPU.

@@ -109,6 +109,15 @@ impl SphereBlockers {
         }
     }
 
+    /// What [`own`](Self::own) is whatever the sphere's radius: factors of the radius for radius and τ, and what τ has
+    /// besides.
+    pub(crate) fn own_law(&self, index: usize) -> [f32; 3] {
+        match self.self_shadows.get(index) {
+            Some(s) => [s.radius, s.distance, 0.0],
+            None => [1.0, 0.0, self.own(index).1],
+        }
+    }
+
     /// Brings the candidates in the order of their numbers, so that a mask does not depend on the hierarchy.
     fn list(&self, scratch: &mut SphereScratch) {
         scratch.candidates.sort_unstable();

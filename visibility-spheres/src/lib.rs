@@ -14,8 +14,8 @@ pub mod wgsl;
 pub use crate::blockers::{SphereBlockers, SphereScratch};
 pub use crate::packed::{BlockerSphere, SPHERE_BLOCK};
 pub use crate::set::{
-    BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, SetFileError, SetQuality,
-    SphereSet, Verdict, preview,
+    BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, Rig, RigPart, SetFileError,
+    SetQuality, SphereSet, Verdict, preview,
 };
 
 #[cfg(test)]

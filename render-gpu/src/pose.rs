@@ -1,0 +1,103 @@
+use crate::kernel::{Access, Kernel, Slot};
+use crate::memory::Memory;
+use crate::{Gpu, GpuError};
+use glam::Mat4;
+use visibility_spheres::Rig;
+use wgpu::BufferUsages;
+
+/// Blocker spheres that follow bones on the GPU: a pose uploads its bones, 48 bytes a joint, and no spheres.
+///
+/// The same as [`BoundSet::pose`](visibility_spheres::BoundSet::pose) to within f32's rounding. Used by
+/// [`GpuShader::pose`](crate::GpuShader::pose), or alone on a buffer of one's own.
+///
+/// The spheres keep the order that they had when the blockers were made. A pose in which neighbours have come far apart
+/// costs time, nothing else; blockers made anew in that pose mend it.
+///
+/// ```no_run
+/// # fn of(gpu: &render_gpu::Gpu, shader: &mut render_gpu::GpuShader, blockers: &visibility_spheres::SphereBlockers,
+/// # body: &visibility_spheres::BoundSet, frames: &[Vec<glam::Mat4>]) -> Result<(), render_gpu::GpuError> {
+/// use visibility_spheres::{Rig, RigPart};
+/// let mut pose = render_gpu::GpuPose::new(gpu, Rig::new(blockers, &[RigPart { first: 0, set: body }])?)?;
+/// for joints in frames {
+///     shader.pose(&mut pose, &[(joints, &[])])?;
+///     // shader.shade(…)
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct GpuPose {
+    rig: Rig,
+    kernel: Kernel,
+    words: Memory,
+    bones: Memory,
+    floats: Vec<f32>,
+}
+
+/// Threads of a workgroup.
+const GROUP: u32 = 64;
+
+impl GpuPose {
+    /// Compiles the kernel and uploads what never changes.
+    ///
+    /// # Errors
+    /// [`GpuError`].
+    pub fn new(gpu: &Gpu, rig: Rig) -> Result<Self, GpuError> {
+        let bindings = [(Slot::Spheres, Access::Write), (Slot::Rig, Access::Read), (Slot::Bones, Access::Read)];
+        let pieces = [lobe_core::wgsl::SPECIAL, visibility_spheres::wgsl::PACKED, visibility_spheres::wgsl::POSE];
+        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+        let (needed, limits) = (rig.spheres().div_ceil(GROUP).into(), gpu.device().limits());
+        let allowed = limits.max_compute_workgroups_per_dimension.into();
+        if needed > allowed {
+            return Err(GpuError::Limits { what: "spheres that follow bones", needed, allowed });
+        }
+        let mut words = Memory::new("rig", storage);
+        words.hold(gpu, bytemuck::cast_slice(rig.words()))?;
+        Ok(Self {
+            rig,
+            kernel: Kernel::new(gpu, "pose_spheres", &pieces.join("\n"), &bindings)?,
+            words,
+            bones: Memory::new("bones", storage),
+            floats: Vec::new(),
+        })
+    }
+
+    /// Writes the spheres of a pose to a storage buffer that holds the blockers as
+    /// [`SphereBlockers::pack`](visibility_spheres::SphereBlockers::pack) wrote them: of each part of the rig its joints,
+    /// bind space to the world, and the weights of its morph targets. Submits to the queue and does not wait.
+    ///
+    /// Whatever the bones are, the spheres are finite; where that takes it, they are of radius 0.
+    ///
+    /// # Errors
+    /// [`GpuError::Bind`] for fewer joints or weights than the rig needs; nothing is changed then.
+    pub fn submit(
+        &mut self,
+        gpu: &Gpu,
+        poses: &[(&[Mat4], &[f32])],
+        spheres: wgpu::BufferBinding<'_>,
+    ) -> Result<(), GpuError> {
+        self.rig.bones(poses, &mut self.floats)?;
+        if self.rig.spheres() == 0 {
+            return Ok(());
+        }
+        self.bones.hold(gpu, bytemuck::cast_slice(&self.floats))?;
+        gpu.scoped("the commands of a pose", || {
+            let group = self.kernel.bind(gpu, |slot| match slot {
+                Slot::Spheres => Some(spheres.clone()),
+                Slot::Rig => self.words.whole(),
+                Slot::Bones => self.bones.whole(),
+                _ => None,
+            });
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            {
+                let label = Some(self.kernel.label());
+                let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes: None };
+                let mut pass = encoder.begin_compute_pass(&descriptor);
+                pass.set_pipeline(self.kernel.pipeline());
+                pass.set_bind_group(0, &group, &[]);
+                pass.dispatch_workgroups(self.rig.spheres().div_ceil(GROUP), 1, 1);
+            }
+            gpu.queue().submit([encoder.finish()]);
+        })
+    }
+}
