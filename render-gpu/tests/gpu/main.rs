@@ -2,6 +2,8 @@
 
 mod call;
 mod functions;
+mod materials;
+mod pose;
 
 use render_gpu::{Gpu, GpuOptions};
 
@@ -14,5 +16,7 @@ fn main() {
     let gpu = gpu.ok();
     let mut trials = Vec::new();
     trials.extend(functions::trials(gpu.as_ref()));
+    trials.extend(materials::trials(gpu.as_ref()));
+    trials.extend(pose::trials(gpu.as_ref()));
     libtest_mimic::run(&arguments, trials).exit();
 }
