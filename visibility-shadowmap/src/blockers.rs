@@ -72,6 +72,10 @@ impl ShadowMapBlockers {
         &self.maps
     }
 
+    pub(crate) fn casters(&self) -> &[bool] {
+        &self.casters
+    }
+
     fn map_of(&self, light: &Sphere) -> Option<usize> {
         self.maps.iter().position(|map| map.light == *light)
     }

@@ -81,6 +81,11 @@ impl Layer {
         self.levels.len() as u32
     }
 
+    /// The texels row by row.
+    pub(crate) fn q(&self) -> &[f32] {
+        &self.q
+    }
+
     pub(crate) fn node(&self, level: u32, i: usize, j: usize) -> Node {
         if level == 0 {
             let q = self.q[j * self.width + i];
@@ -159,7 +164,7 @@ impl Layer {
     }
 
     /// The corners of the four texels of a node of level 1, where all texels around them are of one surface.
-    fn smooth_corners(&self, i: usize, j: usize) -> Option<[[f32; 4]; 4]> {
+    pub(crate) fn smooth_corners(&self, i: usize, j: usize) -> Option<[[f32; 4]; 4]> {
         let (x, y) = ((2 * i).checked_sub(1)?, (2 * j).checked_sub(1)?);
         if x + 4 > self.width || y + 4 > self.height {
             return None;

@@ -43,11 +43,14 @@ mod fit;
 mod layer;
 mod map;
 mod options;
+mod packed;
 mod probe;
 mod raster;
 #[cfg(test)]
 mod tests;
+pub mod wgsl;
 
 pub use crate::blockers::{ShadowMapBlockers, ShadowMapScratch};
 pub use crate::map::{Advice, Fineness, ShadowMap};
 pub use crate::options::{Bounds, MapError, MapOptions};
+pub use crate::packed::PackedMaps;

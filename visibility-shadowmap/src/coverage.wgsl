@@ -1,0 +1,59 @@
+// Whether texels may hide some of a light, one thread a receiver: `select` of blockers.rs, from the pyramids' roots.
+// Needs probe.wgsl, own_face.wgsl and `frame`.
+
+const MAP_DIAGONAL = 0.70710678;
+
+// Cells a side of the mask for a tolerance: 2^depth, as `depth_for` of lighting.
+fn map_cells(tolerance: f32) -> f32 {
+    return select(select(64.0, 32.0, tolerance >= 0.002), 16.0, tolerance >= 0.008);
+}
+
+fn maps_coverage(at: Receiver, cone: Cone) -> u32 {
+    let map = frame.map;
+    if map == 0u {
+        return LIT;
+    }
+    let own = map_own_face(at, cone);
+    if own != LIT {
+        return own;
+    }
+    let square = square_facing(cone, vec3f(0.0));
+    let cell = 2.0 * square.half / map_cells(frame.tolerance);
+    for (var f = 0u; f < shadow_map[map]; f++) {
+        let face = map + 1u + MAP_FACE * f;
+        let probe = map_probe(face, frame.light, at, square, vec2f(-square.half), vec2f(square.half), cell);
+        // All of the cells at the rim.
+        let rows = transpose(probe.image);
+        let disc = rows[2] * (square.disc + 1.5 * cell);
+        let aside = (rows[0] + rows[1]) * MAP_DIAGONAL;
+        let across = (rows[0] - rows[1]) * MAP_DIAGONAL;
+        let rim = transpose(mat4x4f(disc - aside, disc + aside, disc - across, disc + across));
+        for (var l = 0u; l < shadow_map[face + 15u]; l++) {
+            let layer = map_layer(face, l);
+            var item = MapItem(layer.top, 0u, 0u);
+            loop {
+                let node = map_node(layer, item);
+                var verdict = MAP_NO;
+                if node.low <= node.high {
+                    let block = map_block(probe, layer, item, node);
+                    verdict = map_judge(probe, layer, item, node, block);
+                    if verdict != MAP_NO && map_is_outside(rim, block) {
+                        verdict = MAP_NO;
+                    }
+                }
+                if verdict >= MAP_BLOCKS {
+                    return PARTIAL;
+                }
+                if verdict == MAP_SPLIT {
+                    item = map_first_part(item);
+                } else {
+                    item = map_next(layer, item);
+                    if item.level == layer.top {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+    return LIT;
+}

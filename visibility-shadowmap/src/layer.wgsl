@@ -1,0 +1,151 @@
+// Depth layers and their pyramids, as packed.rs lays them out.
+@group(0) @binding(8) var<storage, read> shadow_map: array<u32>;
+
+// Part of a layer: `2^level` texels a side, at most.
+struct MapItem { level: u32, i: u32, j: u32 }
+
+// Where a layer's parts are, in words.
+struct MapLayer { q: u32, nodes: u32, top: u32, width: u32, height: u32 }
+
+// Bounds of q, `low > high` when there is no surface; the largest difference to the bilinear function of the corners.
+struct MapNode { low: f32, high: f32, deviation: f32 }
+
+// What a texel's q is above: an empty one has less.
+const MAP_EMPTY = -1.0;
+const MAP_NO_CORNERS = 0xffffffffu;
+// Words of a face.
+const MAP_FACE = 20u;
+
+fn map_f32(k: u32) -> f32 { return bitcast<f32>(shadow_map[k]); }
+
+fn map_vec3(k: u32) -> vec3f { return vec3f(map_f32(k), map_f32(k + 1u), map_f32(k + 2u)); }
+
+// Layer `k` of a face that begins at `face`.
+fn map_layer(face: u32, k: u32) -> MapLayer {
+    let at = shadow_map[face + 16u + k];
+    return MapLayer(shadow_map[at + 1u], at + 1u, shadow_map[at], shadow_map[face + 13u], shadow_map[face + 14u]);
+}
+
+fn map_q(layer: MapLayer, i: u32, j: u32) -> f32 { return map_f32(layer.q + j * layer.width + i); }
+
+// Nodes across and along a level.
+fn map_size(layer: MapLayer, level: u32) -> vec2u {
+    return (vec2u(layer.width, layer.height) + vec2u((1u << level) - 1u)) >> vec2u(level);
+}
+
+// Where a node of level 1 or more is.
+fn map_node_at(layer: MapLayer, level: u32, i: u32, j: u32) -> u32 {
+    let columns = (layer.width + (1u << level) - 1u) >> level;
+    return shadow_map[layer.nodes + level] + 4u * (j * columns + i);
+}
+
+fn map_node(layer: MapLayer, item: MapItem) -> MapNode {
+    if item.level == 0u {
+        let q = map_q(layer, item.i, item.j);
+        return MapNode(select(1.0, q, q > MAP_EMPTY), select(-1.0, q, q > MAP_EMPTY), 0.0);
+    }
+    let at = map_node_at(layer, item.level, item.i, item.j);
+    return MapNode(map_f32(at), map_f32(at + 1u), map_f32(at + 2u));
+}
+
+// Texels of a node: columns from, to, rows from, to.
+fn map_texels(layer: MapLayer, item: MapItem) -> vec4u {
+    let start = vec2u(item.i, item.j) << vec2u(item.level);
+    let to = min(start + vec2u(1u << item.level), vec2u(layer.width, layer.height));
+    return vec4u(start.x, to.x, start.y, to.y);
+}
+
+// The first child of a node.
+fn map_first_part(item: MapItem) -> MapItem { return MapItem(item.level - 1u, 2u * item.i, 2u * item.j); }
+
+// The node after one that is not looked into: its next sibling, or that of the next ancestor that has one; the root when
+// there is none. So a walk needs no stack.
+fn map_next(layer: MapLayer, item: MapItem) -> MapItem {
+    var at = item;
+    while at.level < layer.top {
+        let size = map_size(layer, at.level);
+        if (at.i & 1u) == 0u && at.i + 1u < size.x {
+            at.i += 1u;
+            break;
+        }
+        if (at.j & 1u) == 0u && at.j + 1u < size.y {
+            at.i &= 0xfffffffeu;
+            at.j += 1u;
+            break;
+        }
+        at = MapItem(at.level + 1u, at.i >> 1u, at.j >> 1u);
+    }
+    return at;
+}
+
+// q at corner `k` of a texel, counter-clockwise from the lower left. Where all texels around the node of level 1 are of one
+// surface it is a mean, else it is in a table.
+fn map_corner(layer: MapLayer, i: u32, j: u32, k: u32) -> f32 {
+    let table = shadow_map[map_node_at(layer, 1u, i >> 1u, j >> 1u) + 3u];
+    if table != MAP_NO_CORNERS {
+        return map_f32(table + 4u * ((i & 1u) + 2u * (j & 1u)) + k);
+    }
+    let x = i + select(0u, 1u, k == 1u || k == 2u) - 1u;
+    let y = j + (k >> 1u) - 1u;
+    return ((map_q(layer, x, y) + map_q(layer, x + 1u, y + 1u)) + (map_q(layer, x + 1u, y) + map_q(layer, x, y + 1u))) * 0.25;
+}
+
+// q at the corners of a node's texels.
+fn map_corners(layer: MapLayer, texels: vec4u) -> vec4f {
+    let to = texels.yw - vec2u(1u);
+    return vec4f(
+        map_corner(layer, texels.x, texels.z, 0u),
+        map_corner(layer, to.x, texels.z, 1u),
+        map_corner(layer, to.x, to.y, 2u),
+        map_corner(layer, texels.x, to.y, 3u)
+    );
+}
+
+fn map_is_there(layer: MapLayer, i: u32, j: u32) -> bool {
+    return i < layer.width && j < layer.height && map_q(layer, min(i, layer.width - 1u), min(j, layer.height - 1u)) > MAP_EMPTY;
+}
+
+// How far q at the edges of a node (below, right, above, left) may be from where the node puts it: 0 at an outline.
+fn map_edge_deviations(layer: MapLayer, texels: vec4u, deviation: f32) -> vec4f {
+    if deviation <= 0.0 {
+        return vec4f(0.0);
+    }
+    let x = (texels.x + texels.y) >> 1u;
+    let y = (texels.z + texels.w) >> 1u;
+    let there = vec4<bool>(
+        map_is_there(layer, x, texels.z - 1u),
+        map_is_there(layer, texels.y, y),
+        map_is_there(layer, x, texels.w),
+        map_is_there(layer, texels.x - 1u, y)
+    );
+    return select(vec4f(0.0), vec4f(deviation), there);
+}
+
+// A rectangle and its q.
+struct MapPart { rectangle: vec4f, q: f32 }
+
+// A rectangle of the same area as the texels with a surface, on the side where more of them are, and their mean q.
+fn map_part(layer: MapLayer, texels: vec4u) -> MapPart {
+    var sum = vec4f(0.0);
+    for (var y = texels.z; y < texels.w; y++) {
+        for (var x = texels.x; x < texels.y; x++) {
+            let q = map_q(layer, x, y);
+            if q > MAP_EMPTY {
+                sum += vec4f(f32(x) + 0.5, f32(y) + 0.5, q, 1.0);
+            }
+        }
+    }
+    let count = max(sum.w, 1.0);
+    let box = vec4f(texels);
+    let size = box.yw - box.xz;
+    let share = sum.w / (size.x * size.y);
+    let aside = sum.xy / count - 0.5 * (box.xz + box.yw);
+    let part = size * share;
+    var rectangle = box;
+    if abs(aside.x) >= abs(aside.y) {
+        if aside.x >= 0.0 { rectangle.x = box.y - part.x; } else { rectangle.y = box.x + part.x; }
+    } else {
+        if aside.y >= 0.0 { rectangle.z = box.w - part.y; } else { rectangle.w = box.z + part.y; }
+    }
+    return MapPart(rectangle, sum.z / count);
+}

@@ -1,0 +1,189 @@
+//! All maps in one buffer of words, as the WGSL reads them.
+//!
+//! Floats are by their bits. Word 0 is the number n of objects that [`ShadowMapBlockers::with_casters`] speaks of; bit `k % 32`
+//! of word `1 + k / 32` says whether object k casts. Then, each at a place that others name:
+//!
+//! | what | words |
+//! |---|---|
+//! | map | number of faces, then the faces |
+//! | face ([`FACE`]) | right, up, forward (9), left, bottom, side of a texel, z₀ (4), width, height, number of layers (3), their places (4) |
+//! | layer | levels of the pyramid, place of the texels, place of each level from the first |
+//! | texels | q, row by row; [`EMPTY`] without a surface |
+//! | level | nodes row by row: least q, largest q, deviation, place of the texels' corners (4 words) |
+//! | corners | of the node's four texels, q at their four corners; only of level 1 where they are not means of four texels |
+//!
+//! Nothing is infinite: WGSL does not promise infinities.
+
+use crate::blockers::ShadowMapBlockers;
+use crate::face::Face;
+use crate::layer::{self, Layer};
+use lobe_core::Sphere;
+
+/// Words of a face.
+const FACE: usize = 20;
+/// The q of a texel without a surface; others are above −1.
+const EMPTY: f32 = -1e20;
+/// The deviation of a node that has such texels.
+const UNEVEN: f32 = 1e20;
+/// The place of corners that are means.
+const NO_CORNERS: u32 = u32::MAX;
+
+/// The maps of [`ShadowMapBlockers`] as one buffer for the GPU.
+#[derive(Clone, Debug, Default)]
+pub struct PackedMaps {
+    words: Vec<u32>,
+    maps: Vec<(Sphere, u32)>,
+}
+
+impl PackedMaps {
+    /// What the kernels know as `shadow_map`: about nine bytes a texel and layer, 16 more for texels at outlines.
+    #[must_use]
+    pub fn words(&self) -> &[u32] {
+        &self.words
+    }
+
+    /// What the kernels know as `frame.map`: where a light's map is, 0 for a light without one, which is not shadowed.
+    #[must_use]
+    pub fn map_of(&self, light: &Sphere) -> u32 {
+        self.maps.iter().find(|(ball, _)| ball == light).map_or(0, |(_, at)| *at)
+    }
+}
+
+impl ShadowMapBlockers {
+    /// Everything in one buffer, for the WGSL in [`wgsl`](crate::wgsl).
+    ///
+    /// # Cost
+    /// A copy of the maps; corners at outlines are worked out anew.
+    #[must_use]
+    pub fn pack(&self) -> PackedMaps {
+        let casters = self.casters();
+        let mut words = vec![0; 1 + casters.len().div_ceil(32)];
+        words[0] = casters.len() as u32;
+        for (k, _) in casters.iter().enumerate().filter(|(_, casts)| **casts) {
+            words[1 + k / 32] |= 1 << (k % 32);
+        }
+        let mut maps = Vec::with_capacity(self.maps().len());
+        for map in self.maps() {
+            maps.push((map.light, words.len() as u32));
+            words.push(map.faces.len() as u32);
+            let first = words.len();
+            words.resize(first + FACE * map.faces.len(), 0);
+            for (k, face) in map.faces.iter().enumerate() {
+                let record = pack_face(face, &mut words);
+                words[first + FACE * k..][..FACE].copy_from_slice(&record);
+            }
+        }
+        PackedMaps { words, maps }
+    }
+}
+
+/// Appends the face's layers and returns what names them.
+fn pack_face(face: &Face, out: &mut Vec<u32>) -> [u32; FACE] {
+    let mut record = [0; FACE];
+    let axes = [face.frame.right, face.frame.up, face.frame.forward].map(|axis| axis.as_vec3().to_array());
+    let numbers = [face.left, face.bottom, face.texel, face.z0].map(|x| x as f32);
+    for (word, x) in record.iter_mut().zip(axes.as_flattened().iter().chain(&numbers)) {
+        *word = x.to_bits();
+    }
+    record[13..16].copy_from_slice(&[face.width as u32, face.height as u32, face.layers.len() as u32]);
+    for (word, layer) in record[16..].iter_mut().zip(&face.layers) {
+        *word = pack_layer(layer, out);
+    }
+    record
+}
+
+fn pack_layer(layer: &Layer, out: &mut Vec<u32>) -> u32 {
+    let (at, top) = (out.len(), layer.top());
+    out.resize(at + 2 + top as usize, 0);
+    (out[at], out[at + 1]) = (top, out.len() as u32);
+    out.extend(layer.q().iter().map(|q| q.max(EMPTY).to_bits()));
+    let mut corners = Vec::new();
+    for level in 1..=top {
+        out[at + 1 + level as usize] = out.len() as u32;
+        let (columns, rows) = layer.size(level);
+        for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
+            let node = layer.node(level, i, j);
+            let numbers = [node.min.min(1.0 - EMPTY), node.max.max(EMPTY), node.deviation.min(UNEVEN)];
+            out.extend(numbers.map(f32::to_bits));
+            let outline = level == 1 && !node.is_empty() && layer.smooth_corners(i, j).is_none();
+            out.push(if outline { corners.len() as u32 } else { NO_CORNERS });
+            if outline {
+                for (i, j) in (0..4).map(|k| (2 * i + (k & 1), 2 * j + (k >> 1))) {
+                    let (width, height) = layer.size(0);
+                    let q = if i < width && j < height { layer.corners(0, i, j) } else { [layer::EMPTY; 4] };
+                    corners.extend(q.map(|q| q.max(EMPTY).to_bits()));
+                }
+            }
+        }
+    }
+    // Now that it is known where the corners are.
+    let (columns, rows) = layer.size(1);
+    let (nodes, place) = (out[at + 2] as usize, out.len() as u32);
+    for word in out[nodes..][..4 * columns * rows].iter_mut().skip(3).step_by(4) {
+        if *word != NO_CORNERS {
+            *word += place;
+        }
+    }
+    out.extend(corners);
+    at as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lobe_core::oracle::Random;
+
+    /// As `map_corner` of layer.wgsl reads it.
+    fn corner(words: &[u32], at: usize, layer: &Layer, (i, j, k): (usize, usize, usize)) -> f32 {
+        let float = |k: usize| f32::from_bits(words[k]);
+        let (columns, _) = layer.size(1);
+        let table = words[words[at + 2] as usize + 4 * (j / 2 * columns + i / 2) + 3];
+        if table != NO_CORNERS {
+            return float(table as usize + 4 * ((i & 1) + 2 * (j & 1)) + k);
+        }
+        let (x, y) = (i + usize::from(k == 1 || k == 2) - 1, j + (k >> 1) - 1);
+        let q = |x: usize, y: usize| float(words[at + 1] as usize + y * layer.size(0).0 + x);
+        ((q(x, y) + q(x + 1, y + 1)) + (q(x + 1, y) + q(x, y + 1))) / 4.0
+    }
+
+    #[test]
+    fn a_layer_is_what_its_words_say() {
+        let mut random = Random::new(7);
+        let (width, height) = (29, 22);
+        // Smooth, a step, holes.
+        let q: Vec<f32> = (0..width * height)
+            .map(|k| {
+                let (x, y) = ((k % width) as f32, (k / width) as f32);
+                let step = if x + 0.5 * y > 21.0 { 1.5 } else { 0.0 };
+                if random.uniform() < 0.01 { layer::EMPTY } else { (0.1 * x).sin() * 0.1 + 0.003 * y * y * 0.1 + step }
+            })
+            .collect();
+        let layer = Layer::new(width, height, 0.05, q.clone()).expect("a surface");
+        let mut words = vec![0; 3];
+        let at = pack_layer(&layer, &mut words) as usize;
+        assert_eq!((at, words[at]), (3, layer.top()));
+        let (mut means, mut tables) = (0, 0);
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            if q[y * width + x] == layer::EMPTY {
+                assert_eq!(f32::from_bits(words[words[at + 1] as usize + y * width + x]), EMPTY);
+                continue;
+            }
+            let got = [0, 1, 2, 3].map(|k| corner(&words, at, &layer, (x, y, k)));
+            assert_eq!(got, layer.corners(0, x, y), "{x} {y}");
+            if layer.smooth_corners(x / 2, y / 2).is_some() { means += 1 } else { tables += 1 }
+        }
+        assert!(means > 100 && tables > 100, "{means} {tables}");
+        for level in 1..=layer.top() {
+            let (columns, rows) = layer.size(level);
+            for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
+                let node = words[at + 1 + level as usize] as usize + 4 * (j * columns + i);
+                let [min, max, deviation] = [0, 1, 2].map(|k| f32::from_bits(words[node + k]));
+                let want = layer.node(level, i, j);
+                assert_eq!(min > max, want.is_empty());
+                if !want.is_empty() {
+                    assert_eq!((min, max, deviation), (want.min, want.max, want.deviation.min(UNEVEN)));
+                }
+            }
+        }
+    }
+}

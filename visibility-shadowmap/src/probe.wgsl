@@ -1,0 +1,149 @@
+// What of a face can block one receiver's light. Needs layer.wgsl, geometry.wgsl of lobe-core and square.wgsl of lighting.
+//
+// In f32, where the Rust has f64: texels and q are counted from the place in the picture where the receiver itself is
+// seen. With T = L − x, that place at depth −F·T and q_x = z₀/(−F·T) − 1,
+//     (1 + q) m·(P − x) = (q − q_x) m·T + z₀ texel (Δi m·R + Δj m·U):
+// no difference of large numbers. A receiver that is far outside of a face's picture has only distant blockers there.
+
+const MAP_BIAS = 0.5;
+const MAP_TILT = 0.03125;
+const MAP_ROUNDING = 0.02;
+const MAP_SHIFT = 0.125;
+const MAP_SMALL = 0.5;
+const MAP_NEAR = 1e-4;
+
+// Verdicts.
+const MAP_NO = 0u;
+const MAP_SPLIT = 1u;
+const MAP_BLOCKS = 2u;
+const MAP_PARTLY = 3u;
+
+struct MapProbe {
+    // From (Δi, Δj, Δq, 1) to homogeneous plane coordinates.
+    image: mat4x3f,
+    // Where texels and q are counted from.
+    origin: vec3f,
+    // What holds for the whole of what blocks: above, clear, front. Rows are functions of (Δi, Δj, Δq, 1).
+    inner: mat4x4f,
+    // What bounds the window.
+    window: mat4x4f,
+    reach: f32,
+    small: f32,
+    slack: f32,
+}
+
+// A box of texels and depths: middle and half extents.
+struct MapBlock { middle: vec4f, half: vec3f }
+
+// One face as seen from one receiver through the window from `low` to `high` of a square; `cell`: side of a mask's cell.
+fn map_probe(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec2f, high: vec2f, cell: f32) -> MapProbe {
+    let right = map_vec3(face);
+    let up = map_vec3(face + 3u);
+    let forward = map_vec3(face + 6u);
+    let corner = vec2f(map_f32(face + 9u), map_f32(face + 10u));
+    let texel = map_f32(face + 11u);
+    let z0 = map_f32(face + 12u);
+
+    let to_light = light.xyz - at.position;
+    let distance = max(length(to_light), 1e-30);
+    let receiver = -vec3f(dot(right, to_light), dot(up, to_light), dot(forward, to_light));
+    // The face's middle, or where the receiver is seen, and how far the light's direction is from there.
+    var seen = corner + (0.5 * texel) * vec2f(vec2u(shadow_map[face + 13u], shadow_map[face + 14u]));
+    var toward = seen.x * right + seen.y * up + forward;
+    var off = toward;
+    var depth = -1.0;
+    if receiver.z > 0.25 * max(abs(receiver.x), abs(receiver.y)) {
+        seen = receiver.xy / receiver.z;
+        toward = -to_light / receiver.z;
+        off = vec3f(0.0);
+        depth = z0 / receiver.z - 1.0;
+    }
+
+    let i = (z0 * texel) * right;
+    let j = (z0 * texel) * up;
+    // The square faces the light: T is along its axis.
+    let image = mat4x3f(
+        square_local(square, i),
+        square_local(square, j),
+        vec3f(0.0, 0.0, distance),
+        z0 * square_local(square, off)
+    );
+    let rows = transpose(image);
+    let along = vec4f(dot(at.face, i), dot(at.face, j), dot(at.face, to_light), z0 * dot(at.face, off));
+    let above = along - vec4f(0.0, 0.0, 0.0, MAP_ROUNDING * texel * z0);
+    let clear = along + MAP_TILT * rows[2] - vec4f(0.0, 0.0, 0.0, MAP_BIAS * texel * z0);
+    // On the receiver's side of the circle in which its tangents touch the light.
+    let back = -to_light / distance;
+    let touch = light.w * light.w / distance;
+    let front = vec4f(dot(back, i), dot(back, j), -touch, z0 * dot(back, toward) - (1.0 + depth) * touch);
+
+    let farthest = length(square.center) + square.half;
+    return MapProbe(
+        image,
+        vec3f((seen - corner) / texel, depth),
+        transpose(mat4x4f(above, clear, front, vec4f(0.0, 0.0, 0.0, 1.0))),
+        transpose(mat4x4f(
+            rows[2] * high.x - rows[0],
+            rows[0] - rows[2] * low.x,
+            rows[2] * high.y - rows[1],
+            rows[1] - rows[2] * low.y
+        )),
+        // Of a point light nothing is merged that is not flat.
+        select(farthest * distance / (MAP_SHIFT * max(cell, 1e-30)), 1e15, cell <= 0.0),
+        z0 * texel / (MAP_SMALL * max(cell, 1e-30)),
+        2.0 * MAP_SHIFT * cell
+    );
+}
+
+// All of a node's texels, corners included.
+fn map_block(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode) -> MapBlock {
+    let box = vec4f(map_texels(layer, item));
+    var low = node.low;
+    var high = node.high;
+    if item.level == 0u {
+        // A texel's own bounds don't have its corners in them, those of the node above do.
+        let above = map_node_at(layer, 1u, item.i >> 1u, item.j >> 1u);
+        low = map_f32(above);
+        high = map_f32(above + 1u);
+    }
+    let middle = 0.5 * vec3f(box.xz + box.yw, low + high) - probe.origin;
+    return MapBlock(vec4f(middle, 1.0), 0.5 * vec3f(box.yw - box.xz, high - low));
+}
+
+// How much functions differ over a block.
+fn map_spread(functions: mat4x4f, half: vec3f) -> vec4f {
+    return abs(functions[0]) * half.x + abs(functions[1]) * half.y + abs(functions[2]) * half.z;
+}
+
+// Whether some function is negative all over a block.
+fn map_is_outside(functions: mat4x4f, block: MapBlock) -> bool {
+    return any(functions * block.middle + map_spread(functions, block.half) <= vec4f(0.0));
+}
+
+// Whether all of them are positive all over it.
+fn map_is_inside(functions: mat4x4f, block: MapBlock) -> bool {
+    return all(functions * block.middle - map_spread(functions, block.half) > vec4f(0.0));
+}
+
+fn map_judge(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, block: MapBlock) -> u32 {
+    if map_is_outside(probe.window, block) || map_is_outside(probe.inner, block) {
+        return MAP_NO;
+    }
+    if item.level == 0u {
+        // A texel is there with its centre.
+        let middle = vec4f(block.middle.xy, node.low - probe.origin.z, 1.0);
+        return select(MAP_NO, MAP_BLOCKS, all(probe.inner * middle > vec4f(0.0)));
+    }
+    if map_is_inside(probe.inner, block) {
+        let depth = (probe.image * block.middle).z;
+        let spread = abs(vec3f(probe.image[0].z, probe.image[1].z, probe.image[2].z)) * block.half;
+        let nearest = depth - (spread.x + spread.y + spread.z);
+        if node.deviation * probe.reach <= nearest {
+            return MAP_BLOCKS;
+        }
+        if f32(1u << item.level) * probe.small <= nearest && block.half.z * probe.reach <= nearest {
+            return MAP_PARTLY;
+        }
+    }
+    return MAP_SPLIT;
+}

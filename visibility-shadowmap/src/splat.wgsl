@@ -1,0 +1,166 @@
+// What texels hide of a light: `splat` of blockers.rs for the thread's own row, from the pyramids' roots. No barriers.
+// Needs probe.wgsl, own_face.wgsl, canvas.wgsl and `frame`.
+
+// Clears bits of the own row `lit`; every thread of the workgroup calls it.
+fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
+    let map = frame.map;
+    if map == 0u || lane >= SIDE || emitting.x >= emitting.y {
+        return;
+    }
+    let square = mask.square;
+    let cell = mask_cell(mask);
+    canvas_begin(lane, mask);
+    if map_own_face(at, light) == PARTIAL {
+        map_draw_below(square_local(square, at.face), square);
+    }
+    // The own row's lines are 3/8 of a cell from its middle at most, and edges move by an eighth of one.
+    let y = mask_row_y(mask, lane) + vec2f(-0.53125, 0.53125) * cell;
+    let x = canvas_range() + vec2f(-0.15625, 0.15625) * cell;
+    for (var f = 0u; f < shadow_map[map]; f++) {
+        let face = map + 1u + MAP_FACE * f;
+        let probe = map_probe(face, frame.light, at, square, vec2f(x.x, y.x), vec2f(x.y, y.y), cell);
+        for (var l = 0u; l < shadow_map[face + 15u]; l++) {
+            map_draw_layer(probe, map_layer(face, l));
+        }
+    }
+    canvas_write(lane, mask);
+}
+
+fn map_draw_layer(probe: MapProbe, layer: MapLayer) {
+    var item = MapItem(layer.top, 0u, 0u);
+    loop {
+        let node = map_node(layer, item);
+        var verdict = MAP_NO;
+        if node.low <= node.high {
+            let block = map_block(probe, layer, item, node);
+            verdict = map_judge(probe, layer, item, node, block);
+            // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
+            if verdict != MAP_NO && map_is_covered(probe, block) {
+                verdict = MAP_NO;
+            }
+        }
+        if verdict == MAP_SPLIT {
+            item = map_first_part(item);
+            continue;
+        }
+        if verdict != MAP_NO {
+            let texels = map_texels(layer, item);
+            if verdict == MAP_PARTLY {
+                let part = map_part(layer, texels);
+                map_draw(probe, part.rectangle, vec4f(part.q), vec4f(0.0));
+            } else {
+                let deviations = map_edge_deviations(layer, texels, node.deviation);
+                map_draw(probe, vec4f(texels), map_corners(layer, texels), deviations);
+            }
+        }
+        item = map_next(layer, item);
+        if item.level == layer.top {
+            break;
+        }
+    }
+}
+
+// Whether all of a node's image on the own row is covered already.
+fn map_is_covered(probe: MapProbe, block: MapBlock) -> bool {
+    let middle = probe.image * block.middle;
+    let spread = abs(probe.image[0]) * block.half.x + abs(probe.image[1]) * block.half.y + abs(probe.image[2]) * block.half.z;
+    let low = middle - spread;
+    let high = middle + spread;
+    let most = max(abs(low), abs(high));
+    if low.z < MAP_NEAR * max(max(most.x, most.y), most.z) {
+        // It reaches behind the receiver.
+        return false;
+    }
+    let far = 1.0 / high.z;
+    let near = 1.0 / low.z;
+    return canvas_is_covered(
+        min(low.xy * far, low.xy * near) - probe.slack,
+        max(high.xy * far, high.xy * near) + probe.slack
+    );
+}
+
+// A rectangle of texels with q at its corners, and how far its neighbours' q may be from the edges.
+fn map_draw(probe: MapProbe, rectangle: vec4f, q: vec4f, deviations: vec4f) {
+    let i = rectangle.xy - probe.origin.x;
+    let j = rectangle.zw - probe.origin.y;
+    let k = q - probe.origin.z;
+    let corners = mat4x3f(
+        probe.image * vec4f(i.x, j.x, k.x, 1.0),
+        probe.image * vec4f(i.y, j.x, k.y, 1.0),
+        probe.image * vec4f(i.y, j.y, k.z, 1.0),
+        probe.image * vec4f(i.x, j.y, k.w, 1.0)
+    );
+    let most = max(max(abs(corners[0]), abs(corners[1])), max(abs(corners[2]), abs(corners[3])));
+    let near = MAP_NEAR * max(max(most.x, most.y), most.z);
+    let nearest = min(min(corners[0].z, corners[1].z), min(corners[2].z, corners[3].z));
+    if nearest >= near {
+        let points = mat4x2f(
+            corners[0].xy / corners[0].z,
+            corners[1].xy / corners[1].z,
+            corners[2].xy / corners[2].z,
+            corners[3].xy / corners[3].z
+        );
+        var grow = vec4f(0.0);
+        if any(deviations > vec4f(0.0)) {
+            let lengths = vec4f(
+                dot(points[0], points[0]), dot(points[1], points[1]), dot(points[2], points[2]), dot(points[3], points[3])
+            );
+            let farthest = sqrt(max(max(lengths.x, lengths.y), max(lengths.z, lengths.w)));
+            // Within the window it is no more than what a node is merged for; slack is twice that.
+            let shift = min(farthest * (probe.image[2].z * deviations / nearest + 1e-5), vec4f(0.5 * probe.slack));
+            grow = select(vec4f(0.0), shift, deviations > vec4f(0.0));
+        }
+        canvas_quadrilateral(points, grow);
+    } else {
+        map_draw_clipped(corners, near);
+    }
+}
+
+// The part of a quadrilateral in homogeneous plane coordinates that is before the receiver.
+fn map_draw_clipped(corners: mat4x3f, near: f32) {
+    canvas_open();
+    var before = corners;
+    for (var k = 0u; k < 4u; k++) {
+        let p = before[k];
+        let next = before[(k + 1u) & 3u];
+        let here = p.z - near;
+        let there = next.z - near;
+        if here >= 0.0 {
+            canvas_corner(p.xy / p.z);
+        }
+        if (here >= 0.0) != (there >= 0.0) {
+            // From the inner end, so that both neighbours of an edge find the same point.
+            var at = next + (p - next) * (there / (there - here));
+            if here >= 0.0 {
+                at = p + (next - p) * (here / (here - there));
+            }
+            canvas_corner(at.xy / at.z);
+        }
+    }
+    canvas_close();
+}
+
+// The part of the window below a plane through the receiver; `n` in the square's frame.
+fn map_draw_below(n: vec3f, square: UnitSquare) {
+    let low = square.center - square.half;
+    let high = square.center + square.half;
+    var before = mat4x2f(low, vec2f(high.x, low.y), high, vec2f(low.x, high.y));
+    canvas_open();
+    for (var k = 0u; k < 4u; k++) {
+        let p = before[k];
+        let next = before[(k + 1u) & 3u];
+        let here = -(dot(n.xy, p) + n.z);
+        let there = -(dot(n.xy, next) + n.z);
+        if here >= 0.0 {
+            canvas_corner(p);
+        }
+        if (here >= 0.0) != (there >= 0.0) {
+            if here >= 0.0 {
+                canvas_corner(p + (next - p) * (here / (here - there)));
+            } else {
+                canvas_corner(next + (p - next) * (there / (there - here)));
+            }
+        }
+    }
+    canvas_close();
+}

@@ -1,0 +1,20 @@
+//! The same in WGSL: texts that are joined to a shader module, in any order.
+//!
+//! Binding 8 of group 0 is [`PackedMaps::words`](crate::PackedMaps::words). All need a variable `frame` with
+//! `light: vec4f` (centre and radius), `tolerance: f32` and `map: u32`, which is
+//! [`PackedMaps::map_of`](crate::PackedMaps::map_of) the light; `geometry.wgsl` and `lobe.wgsl` of `lobe-core`,
+//! `square.wgsl` of `lighting`, and [`COMMON`].
+
+/// Layers, probes and own faces.
+pub const COMMON: &str =
+    concat!(include_str!("layer.wgsl"), "\n", include_str!("probe.wgsl"), "\n", include_str!("own_face.wgsl"));
+
+/// `fn maps_coverage(at: Receiver, cone: Cone) -> u32`, one thread a receiver: whether texels can hide some of a light. As
+/// [`Blockers::select`](lighting::Blockers::select) of [`ShadowMapBlockers`](crate::ShadowMapBlockers).
+pub const COVERAGE: &str = include_str!("coverage.wgsl");
+
+/// `fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask)`, one thread a row of the mask: clears of the row `lit`
+/// what [`Blockers::splat`](lighting::Blockers::splat) does. Has no barriers. Needs `mask.wgsl` and the header of `lighting`.
+///
+/// A thread keeps four lines of `16 · 2^depth` samples: 256 bytes at depth 5, 512 at depth 6.
+pub const SPLAT: &str = concat!(include_str!("canvas.wgsl"), "\n", include_str!("splat.wgsl"));
