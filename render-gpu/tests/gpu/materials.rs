@@ -190,7 +190,7 @@ fn agree(gpu: &Gpu, materials: &[Material]) {
             let errors = [
                 (got.axis - want.axis).length(),
                 (got.exponent - want.exponent).abs() / want.exponent.max(1.0),
-                (got.flux - want.flux).length() / want.flux.length(),
+                (got.flux - want.flux).abs().max_element() / want.flux.max_element(),
             ];
             let allowed = allowed(material, at, want);
             for k in 0..3 {
@@ -221,9 +221,11 @@ fn allowed(material: &Material, at: &Receiver, want: &Lobe) -> [f32; 3] {
                 let q = DMat3::from_cols_array(&lobe.matrix.to_cols_array().map(f64::from));
                 let length = (q * view).length();
                 let largest = lobe.matrix.to_cols_array().iter().fold(0.0_f32, |s, x| s.max(x.abs()));
-                // gain = exp(e/2·ln(1 + ωᵀQω)): its logarithm's own rounding, and that of ω and of Q's eigenvectors.
+                // gain = exp(e/2·ln(1 + ωᵀQω)), small ones by |Mω| itself: what a rounding of ω does to that, and to the
+                // logarithm.
                 let square = (q.transpose() * q - DMat3::IDENTITY) * view;
-                let steep = f64::from(lobe.exponent) * square.length() / (length * length).max(1e-30);
+                let turn = (square.length() / (length * length)).min(f64::from(largest) / length);
+                let steep = f64::from(lobe.exponent) * turn;
                 let ln_gain = f64::from(lobe.exponent) * length.ln();
                 [1.0 + largest / length as f32, 1.0 + (0.15 * steep + 0.25 * ln_gain.abs()) as f32]
             });
