@@ -2,7 +2,9 @@
 
 mod call;
 mod functions;
+mod masks;
 mod materials;
+mod parity;
 mod pose;
 
 use render_gpu::{Gpu, GpuOptions};
@@ -16,6 +18,8 @@ fn main() {
     let gpu = gpu.ok();
     let mut trials = Vec::new();
     trials.extend(functions::trials(gpu.as_ref()));
+    trials.extend(masks::trials(gpu.as_ref()));
+    trials.extend(parity::trials(gpu.as_ref()));
     trials.extend(materials::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
     libtest_mimic::run(&arguments, trials).exit();

@@ -1,0 +1,368 @@
+//! Squares, edges, masks and their shares in WGSL against the Rust that they mirror.
+
+use crate::call::{call, call_groups, trial};
+use glam::Vec3;
+use libtest_mimic::Trial;
+use lighting::{Blockers, Edges, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
+use lobe_core::oracle::Random;
+use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::{Cone, Coverage, Lobe, OWN_NONE, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum};
+use render_gpu::Gpu;
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("squares", gpu, squares),
+        trial("edges", gpu, edges),
+        trial("fine_masks_and_shares", gpu, |gpu| masks(gpu, false)),
+        trial("coarse_masks_and_shares", gpu, |gpu| masks(gpu, true)),
+        trial("visibility_of_one_edge", gpu, visibility),
+    ]
+}
+
+/// Mean and largest of some differences.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    count: usize,
+    sum: f64,
+    worst: f64,
+}
+
+impl Spread {
+    fn add(&mut self, got: f32, want: f32) {
+        let difference = f64::from((got - want).abs());
+        assert!(difference.is_finite(), "{got}, not {want}");
+        self.count += 1;
+        self.sum += difference;
+        self.worst = self.worst.max(difference);
+    }
+
+    fn check(&self, what: &str, mean: f64, worst: f64) {
+        let found = self.sum / self.count.max(1) as f64;
+        println!("{what}: {} values, mean {found:.1e}, worst {:.1e}", self.count, self.worst);
+        assert!(self.count > 0 && found <= mean && self.worst <= worst, "{what}: mean {found:.1e}, {:.1e}", self.worst);
+    }
+}
+
+/// A light, a receiver that sees at least its rim, and a lobe that sees at least a little of it.
+struct Case {
+    light: Cone,
+    at: Receiver,
+    lobe: Lobe,
+}
+
+impl Case {
+    /// Every third lobe is Lambert's; every third light may be cut by the horizon.
+    fn new(number: usize, random: &mut Random) -> Self {
+        let theta = random.log_uniform(0.003, 1.2);
+        let axis = random.axis();
+        let quarter = core::f64::consts::FRAC_PI_2;
+        let end = if number.is_multiple_of(4) { quarter + 0.7 * theta } else { (quarter - theta).max(0.0) };
+        let tilt = random.between(0.0, end);
+        let normal = random.axis_at(axis, tilt).as_vec3().normalize();
+        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+        let light = Cone {
+            axis: axis.as_vec3().normalize(),
+            one_minus_cos: (2.0 * (0.5 * theta).sin().powi(2)) as f32,
+            distance: 3.0,
+        };
+        let exponent = random.log_uniform(0.5, 1e5);
+        let aside = random.between(0.0, (theta + 2.0 / f64::sqrt(exponent)).min(1.5));
+        let glossy = Lobe::new(random.axis_at(axis, aside).as_vec3().normalize(), exponent as f32, Vec3::ONE);
+        let lobe = match number % 3 {
+            0 => Lobe::new(normal, 1.0, Vec3::ONE),
+            1 => glossy,
+            _ => glossy.times_cosine(),
+        };
+        Self { light, at, lobe }
+    }
+
+    /// Axis, 1 − cos θ and distance; normal; axis, exponent and cosine of the lobe.
+    fn row(&self) -> [f32; 13] {
+        let (a, n, f) = (self.light.axis, self.at.normal, self.lobe);
+        let [e, d] = [self.light.one_minus_cos, self.light.distance];
+        [a.x, a.y, a.z, e, d, n.x, n.y, n.z, f.axis.x, f.axis.y, f.axis.z, f.exponent, f.cosine]
+    }
+}
+
+/// Reads what [`Case::row`] wrote.
+const CASE: &str = "
+    let light = Cone(vec3f(x(0u), x(1u), x(2u)), x(3u), x(4u));
+    var at: Receiver;
+    at.normal = vec3f(x(5u), x(6u), x(7u));
+    let lobe = Lobe(vec3f(x(8u), x(9u), x(10u)), x(11u), vec3f(1.0), x(12u));";
+
+/// Directions to a few roundings, windows to as many of the light's disc.
+fn squares(gpu: &Gpu) {
+    let mut random = Random::new(71);
+    let cases: Vec<_> = (0..4000).map(|number| Case::new(number, &mut random)).collect();
+    let across: Vec<_> = (0..cases.len())
+        .map(|number| if number % 50 == 0 { Vec3::ZERO } else { random.axis().as_vec3() * 3.0 })
+        .collect();
+    let rows: Vec<f32> = (cases.iter().zip(&across))
+        .flat_map(|(case, across)| case.row().into_iter().chain([across.x, across.y, across.z]))
+        .collect();
+    let body = format!(
+        "{CASE}
+        let square = square_facing(light, vec3f(x(13u), x(14u), x(15u)));
+        let window = square_zoomed(square, lobe, at.normal, 3.6);
+        let back = square_local(square, square_world(square, at.normal));
+        for (var k = 0u; k < 3u; k++) {{
+            y(k, square.right[k]);
+            y(3u + k, square.up[k]);
+            y(9u + k, back[k]);
+        }}
+        y(6u, window.center.x);
+        y(7u, window.center.y);
+        y(8u, window.half);"
+    );
+    let got = call(gpu, &[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL], &body, &rows, 16, 12);
+    let (mut turns, mut windows) = (Spread::default(), Spread::default());
+    for ((case, across), got) in cases.iter().zip(&across).zip(got.chunks(12)) {
+        let square = UnitSquare::facing(&case.light, *across);
+        let window = square.zoomed(&case.lobe, case.at.normal, 3.6);
+        let back = square.local(square.world(case.at.normal));
+        for k in 0..3 {
+            turns.add(got[k], square.right[k]);
+            turns.add(got[3 + k], square.up[k]);
+            turns.add(got[9 + k], back[k]);
+        }
+        for (got, want) in got[6..9].iter().zip([window.center.x, window.center.y, window.half]) {
+            windows.add(got / square.disc, want / square.disc);
+        }
+    }
+    turns.check("turns", 1e-7, 3e-6);
+    windows.check("windows", 1e-6, 1e-4);
+}
+
+/// Two circles and an edge; where they nearly cancel, rounding decides.
+fn edges(gpu: &Gpu) {
+    let mut random = Random::new(72);
+    let rows: Vec<[f32; 17]> = (0..4000)
+        .map(|_| {
+            let mut row = [0.0; 17];
+            for v in row.chunks_mut(5).take(3) {
+                let axis = random.axis().as_vec3();
+                v[..3].copy_from_slice(&axis.to_array());
+                v[3..].copy_from_slice(&[random.log_uniform(0.1, 10.0) as f32, random.log_uniform(0.1, 10.0) as f32]);
+            }
+            row[15..].copy_from_slice(&[random.uniform() as f32, random.uniform() as f32]);
+            row
+        })
+        .collect();
+    let body = "
+        let basis = edges_frame(vec3f(x(0u), x(1u), x(2u)));
+        var sum = EDGES_NOTHING + edges_add_circle(basis, vec3f(x(5u), x(6u), x(7u)), x(8u), x(9u));
+        sum += edges_add_circle(basis, vec3f(x(10u), x(11u), x(12u)), x(13u), x(14u));
+        sum += edges_add(basis, vec3f(x(15u), x(16u), x(4u)), x(3u));
+        let across = edges_across(basis, sum);
+        y(0u, across.x);
+        y(1u, across.y);
+        y(2u, across.z);";
+    let got = call(gpu, &[wgsl::EDGES, GEOMETRY], body, rows.as_flattened(), 17, 3);
+    let mut spread = Spread::default();
+    for (row, got) in rows.iter().zip(got.chunks(3)) {
+        let axis = Vec3::from_slice(row);
+        let mut edges = Edges::new(&Cone { axis, one_minus_cos: 0.1, distance: 1.0 });
+        edges.add_circle(Vec3::from_slice(&row[5..]), row[8], row[9]);
+        edges.add_circle(Vec3::from_slice(&row[10..]), row[13], row[14]);
+        edges.add(Vec3::new(row[15], row[16], row[4]), row[3]);
+        let want = edges.across();
+        for k in 0..3 {
+            spread.add(got[k], want[k]);
+        }
+    }
+    spread.check("edges", 1e-6, 1e-3);
+}
+
+/// All pieces of masks, but for the kernel.
+fn pieces(header: &str) -> Vec<&str> {
+    let masks = [wgsl::SQUARE, wgsl::MASK, wgsl::TOTAL, wgsl::SHARE, wgsl::EDGES, wgsl::VISIBILITY, wgsl::LOBES];
+    [header, GEOMETRY, LOBE, SPECIAL].into_iter().chain(masks).collect()
+}
+
+/// Bits of a mask with spans along rows and shapes along heights, then the share. Positions of samples are rounded to
+/// 2⁻¹⁶ of a sample at most: a bit in some ten thousand ends may differ.
+fn masks(gpu: &Gpu, coarse: bool) {
+    const HOOKS: &str = "
+        fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f { return vec2f(0.0); }
+        fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {}";
+    const BODY: &str = "
+        let square = UnitSquare(
+            vec3f(x(13u), x(14u), x(15u)), vec3f(x(16u), x(17u), x(18u)), light.axis, vec2f(x(19u), x(20u)), x(21u), x(22u),
+        );
+        let mask = mask_reset(square, lane, at.normal);
+        // Two edges through the window: one by spans, one by heights.
+        mask_block_span(mask, lane, -1e30, x(23u) + x(24u) * mask_row_y(mask, lane));
+        for (var k = 0u; k < 8u; k++) {
+            let height = mask_row_y(mask, lane) + mask_cell(mask) * row_height(k);
+            mask_block_line(lane, k, mask_sample(mask, x(25u) + x(26u) * height), WIDTH);
+        }
+        if (lane < SIDE) {
+            for (var k = 0u; k < 16u; k++) {
+                let word = row_words(lit, k / 2u);
+                y(16u * lane + k, f32((word >> (16u * (k & 1u))) & 0xffffu));
+            }
+        }
+        let seen = share(lane, mask, at, lobe);
+        if (lane == 0u) {
+            y(16u * SIDE, seen);
+        }";
+    let words = if coarse {
+        "fn row_words(row: Row, k: u32) -> u32 { return select(0u, select(row.a.x, row.a.y, k == 1u), k < 2u); }"
+    } else {
+        "fn row_words(row: Row, k: u32) -> u32 { return select(row.a[k & 3u], row.b[k & 3u], k > 3u); }"
+    };
+    let (mut bits, mut differing) = (0, 0);
+    let mut forms = [Spread::default(); 4];
+    for depth in 3..=6 {
+        let mut random = Random::new(73 + u64::from(depth));
+        let mut rows = Vec::new();
+        let mut wants = Vec::new();
+        for number in 0..800 {
+            let case = Case::new(number, &mut random);
+            let whole = UnitSquare::facing(&case.light, random.axis().as_vec3());
+            let zooms = number % 5 > 1;
+            let square = if zooms { whole.zoomed(&case.lobe, case.at.normal, 3.6) } else { whole };
+            let mut at = |center: f32| center + square.half * random.between(-1.0, 1.0) as f32;
+            let (left, right) = (at(square.center.x), at(square.center.x));
+            let slopes = [random.between(-0.7, 0.7) as f32, random.between(-20.0, 20.0) as f32];
+            let (a, b) = (left - slopes[0] * square.center.y, right - slopes[1] * square.center.y);
+            rows.extend(case.row());
+            rows.extend(square.right.to_array().into_iter().chain(square.up.to_array()));
+            rows.extend([square.center.x, square.center.y, square.half, square.disc, a, slopes[0], b, slopes[1]]);
+            let mut mask = hooks::mask(&square, depth, coarse, case.at.normal);
+            for j in 0..mask.side() {
+                mask.block_span(j, f32::NEG_INFINITY, a + slopes[0] * mask.row_y(j));
+                mask.block_area(j, |y| (b + slopes[1] * y, f32::INFINITY));
+            }
+            wants.push((case, mask));
+        }
+        let header = wgsl::header(depth, coarse) + words + HOOKS;
+        let body = format!("{CASE}{BODY}");
+        let side = 1 << depth;
+        let got = call_groups(gpu, &pieces(&header), &body, &rows, [27, 16 * side + 1]);
+        for ((case, mask), got) in wants.iter().zip(got.chunks(16 * side + 1)) {
+            let before = differing;
+            for j in 0..side {
+                let halves = hooks::row(mask, j).map(|word| [0, 16, 32, 48].map(|shift| word >> shift & 0xffff));
+                for (got, want) in got[16 * j..].iter().zip(halves.as_flattened()) {
+                    differing += (*got as u64 ^ want).count_ones();
+                }
+            }
+            bits += (side * if coarse { 64 } else { 256 }) as u32;
+            if differing == before {
+                let form = match (case.lobe.exponent == 1.0, mask.square().half < mask.square().disc) {
+                    (true, _) => usize::from(mask.square().half > 0.2),
+                    (false, zoomed) => 2 + usize::from(zoomed),
+                };
+                forms[form].add(got[16 * side], hooks::share_of(mask, &case.at, &case.lobe));
+            }
+        }
+    }
+    println!("{differing} of {bits} bits differ");
+    // Ends of spans are one in a hundred of all bits.
+    assert!(f64::from(differing) <= 1e-5 * f64::from(bits), "{differing} of {bits} bits differ");
+    // The logarithm of a weight, e times that of a cosine near 1, is known to e·2⁻²⁴ and as much differs: e is up to 1e5 in
+    // windows, less where all of a light is seen.
+    let limits =
+        [("Lambert, small light", 2e-6), ("Lambert", 2e-6), ("other, whole light", 2e-6), ("other, window", 2e-5)];
+    for (form, (name, mean)) in forms.iter().zip(limits) {
+        assert!(form.count > 300, "{name}: {} masks are alike", form.count);
+        form.check(name, mean, 1e-3);
+    }
+}
+
+/// Hides the side of a plane through the receiver that its normal points to.
+#[derive(Clone, Copy)]
+struct Curtain(Vec3);
+
+impl Blockers for Curtain {
+    type Scratch = ();
+    fn scratch(&self) {}
+    fn select(&self, _: &VisibilityQuery<'_>, _: &mut ()) -> Coverage {
+        Coverage::Partial
+    }
+    fn edges(&self, _: &VisibilityQuery<'_>, (): &(), edges: &mut Edges) {
+        edges.add(self.0, 1.5);
+    }
+    fn splat(&self, _: &VisibilityQuery<'_>, _: &mut (), mask: &mut Mask) {
+        let n = mask.square().local(self.0);
+        for j in 0..mask.side() {
+            let rest = n.y * mask.row_y(j) + n.z;
+            if n.x > 0.0 {
+                mask.block_span(j, -rest / n.x, f32::INFINITY);
+            } else {
+                mask.block_span(j, f32::NEG_INFINITY, -rest / n.x);
+            }
+        }
+    }
+}
+
+/// All that [`MaskVisibility`] does, for one edge across the light or beside it.
+fn visibility(gpu: &Gpu) {
+    const HOOKS: &str = "
+        fn curtain() -> vec3f { return vec3f(x(13u), x(14u), x(15u)); }
+        fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
+            return select(vec2f(0.0), edges_add(edges_frame(window.axis), curtain(), 1.5), lane == 5u);
+        }
+        fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
+            let n = square_local(mask.square, curtain());
+            let rest = n.y * mask_row_y(mask, lane) + n.z;
+            if (n.x > 0.0) {
+                mask_block_span(mask, lane, -rest / n.x, 1e30);
+            } else {
+                mask_block_span(mask, lane, -1e30, -rest / n.x);
+            }
+        }";
+    let body = format!(
+        "{CASE}
+        let mask = visibility_mask(lane, 0u, at, light);
+        let coverage = visibility_coverage(lane);
+        let seen = visible_share(lane, 0u, at, light, x(16u), mask, lobe);
+        let again = share(lane, mask, at, lobe);
+        if (lane == 0u) {{
+            y(0u, f32(coverage));
+            y(1u, seen);
+            y(2u, again);
+        }}"
+    );
+    for (depth, tolerance) in [(3, 0.01), (4, 0.01), (5, 0.003), (6, 0.001)] {
+        let mut random = Random::new(74 + u64::from(depth));
+        let (mut rows, mut cases) = (Vec::new(), Vec::new());
+        for number in 0..600 {
+            let case = Case::new(number, &mut random);
+            // From the light's middle to beyond its rim.
+            let off = random.between(-1.1, 1.1) * f64::from(case.light.tan()).atan();
+            let edge = random.axis_at(case.light.axis.as_dvec3(), core::f64::consts::FRAC_PI_2 + off);
+            let edge = edge.as_vec3();
+            rows.extend(case.row().into_iter().chain(edge.to_array()).chain([tolerance]));
+            cases.push((case, edge));
+        }
+        let header = wgsl::header(depth, lighting::is_coarse(tolerance)) + HOOKS;
+        let got = call_groups(gpu, &pieces(&header), &body, &rows, [17, 3]);
+        let (mut spread, mut classes) = (Spread::default(), [0; 3]);
+        for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {
+            let query = VisibilityQuery { at: &case.at, cone: &case.light, tolerance };
+            let strategy = MaskVisibility::new(Curtain(*edge), depth);
+            let mut scratch = strategy.scratch();
+            let coverage = strategy.coverage(&query, &mut scratch);
+            let class = match coverage {
+                Coverage::Lit => 0_u8,
+                Coverage::Partial => 1,
+                Coverage::Dark => 2,
+            };
+            classes[usize::from(class)] += 1;
+            assert_eq!(got[0], f32::from(class), "{coverage:?}");
+            if coverage == Coverage::Partial {
+                let mut sum = VisibilitySum::with_capacity(0);
+                strategy.visibility_lobes(&query, &case.lobe, 1.0, &mut scratch, &mut sum).expect("no lobes");
+                spread.add(got[1], sum.base);
+            }
+            // The mask of the whole light is left as it was.
+            assert!((0.0..=1.0).contains(&got[2]));
+        }
+        assert!(classes.iter().all(|count| *count > 10), "{classes:?}");
+        // A bit of the smallest masks is a thousandth of the light, or more of a lobe's window.
+        spread.check(&format!("visibility at depth {depth}"), 1e-5, 1e-2);
+    }
+}
