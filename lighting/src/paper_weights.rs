@@ -57,6 +57,14 @@ impl PaperWeights {
         Self { depth, by_distance }
     }
 
+    /// The weights as the WGSL of [`wgsl::PAPER`](crate::wgsl::PAPER) reads them behind the pairs of
+    /// [`Tables::pack`](lobe_core::paper::Tables::pack): level by level for each distance, two a pair.
+    #[must_use]
+    pub fn pack(&self) -> Vec<[f32; 2]> {
+        let weights = self.by_distance.as_flattened();
+        weights.chunks(2).map(|pair| [pair[0], pair.get(1).copied().unwrap_or(0.0)]).collect()
+    }
+
     /// Depth of the quad-tree that these weights are for.
     #[must_use]
     pub fn depth(&self) -> u32 {

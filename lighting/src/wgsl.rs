@@ -5,6 +5,7 @@
 
 use crate::MAX_DEPTH;
 use crate::row::{COARSE, WIDTH};
+use crate::shadow_tree::ShadowTree;
 
 /// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`.
 pub const SQUARE: &str = include_str!("square.wgsl");
@@ -32,6 +33,20 @@ pub const LOBES: &str = concat!(
     include_str!("share_glossy.wgsl"),
     include_str!("share_both.wgsl")
 );
+
+/// The paper's shadow nodes and their lobes; needs [`paper_header`], [`SQUARE`], [`MASK`], [`TOTAL`] and `wgsl::PAPER` of
+/// `lobe-core`, behind whose table the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) follow.
+pub const PAPER: &str = include_str!("paper.wgsl");
+
+/// [`header`] of the masks from which a paper's quad-tree of `depth` is read, fine ones, with `PAPER_DEPTH`.
+///
+/// # Panics
+/// As [`header`].
+#[must_use]
+pub fn paper_header(depth: u32) -> String {
+    let mask = ShadowTree::uncovered(depth).mask_depth();
+    format!("const PAPER_DEPTH = {depth}u;\n{}", header(mask, false))
+}
 
 /// The golden section by half, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
 const GOLDEN: u32 = 0x4f1b_bcdd;

@@ -23,3 +23,8 @@ pub const CAP: &str = concat!(
     include_str!("cap/chord.wgsl"),
     include_str!("cap/cap.wgsl"),
 );
+
+/// The paper's tables, storage buffer of binding 9, and the lobes that come from them: `paper_product`, `paper_light_lobe`,
+/// `paper_occluder`, `paper_reflected`. The buffer is that of [`Tables::pack`](crate::paper::Tables::pack). Needs
+/// [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].
+pub const PAPER: &str = include_str!("paper/paper.wgsl");

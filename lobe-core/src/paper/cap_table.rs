@@ -2,7 +2,7 @@ use crate::{Cone, Lobe};
 use glam::Vec3;
 
 /// Values in each table (§5.2).
-const VALUES: usize = 1000;
+pub(super) const VALUES: usize = 1000;
 
 /// The least-squares lobe of a uniformly bright cone of radiance 1: `w_light` and `e_light` of Eq. 30.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,6 +83,10 @@ impl CapTable {
             [light.weight, (light.exponent + 1.0) * q, (fit_occluder(q) + 1.0) * q].map(|x| x as f32)
         };
         Self { rows: (0..VALUES).map(row).collect() }
+    }
+
+    pub(super) fn rows(&self) -> &[[f32; 3]] {
+        &self.rows
     }
 
     fn lookup(&self, one_minus_cos: f32) -> [f32; 3] {

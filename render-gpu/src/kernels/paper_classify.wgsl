@@ -1,0 +1,77 @@
+// `classify` by the paper's method, as `Integrator::by_paper`: the product of reflectance and light comes from the table.
+// A point is queued where any blocker may shade it, umbra included. Needs frame.wgsl, queue.wgsl, brdf's lobes, paper.wgsl of
+// lobe-core and `blockers_coverage(tile, at, cone)`.
+@group(0) @binding(1) var<storage, read> points: array<Receiver>;
+@group(0) @binding(2) var<storage, read> materials: array<u32>;
+@group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;
+
+const NO_MATERIAL = 0xffffffffu;
+// Not asked yet.
+const UNKNOWN = 3u;
+// Marks a queued point that one blocker hides the whole light from.
+const HIDDEN = 0x80000000u;
+
+var<workgroup> tally: array<atomic<u32>, 5>;
+
+fn count(what: u32) {
+    atomicAdd(&tally[what], 1u);
+}
+
+fn classify_point(tile: u32, point: u32) {
+    let at = points[point];
+    if (at.material == NO_MATERIAL) {
+        return;
+    }
+    let cone = cone_of_sphere(at.position, frame.light);
+    let light = paper_light_lobe(cone, frame.radiance);
+    let lobes = brdf_lobe_count(at.material);
+    var sum = vec3f(0.0);
+    var coverage = UNKNOWN;
+    for (var k = 0u; k < lobes; k++) {
+        let unshadowed = paper_reflected(at, brdf_lobe(at.material, at, k), light).flux;
+        count(INTEGRALS);
+        if (max(max(unshadowed.x, unshadowed.y), unshadowed.z) <= frame.threshold) {
+            count(PRUNED);
+            continue;
+        }
+        if (coverage == UNKNOWN) {
+            coverage = LIT;
+            // Inside the light there is no disc to cover.
+            if (cone.one_minus_cos <= 1.0) {
+                coverage = blockers_coverage(tile, at, cone);
+            }
+            // A point light has no square.
+            if (coverage != LIT && cone.one_minus_cos > 0.0) {
+                let item = atomicAdd(&queue.count, 1u) * frame.queue_stride;
+                queue.items[item] = point | select(0u, HIDDEN, coverage == DARK);
+                coverage = PARTIAL;
+            } else if (coverage == PARTIAL) {
+                coverage = DARK;
+            }
+        }
+        if (coverage == LIT) {
+            sum += unshadowed;
+        }
+    }
+    if (coverage == LIT) {
+        count(LIT_POINTS);
+        radiance[point] += vec4f(sum, 0.0);
+    } else if (coverage == DARK) {
+        count(DARK_POINTS);
+    } else if (coverage == PARTIAL) {
+        count(PENUMBRA_POINTS);
+    }
+}
+
+@compute @workgroup_size(64)
+fn classify(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let tile = group.x;
+    let point = tile * 64u + lane;
+    if (point < frame.point_count) {
+        classify_point(tile, point);
+    }
+    workgroupBarrier();
+    if (lane < 5u) {
+        atomicAdd(&queue.counters[lane], atomicLoad(&tally[lane]));
+    }
+}
