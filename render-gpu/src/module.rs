@@ -8,6 +8,7 @@ use crate::kernels;
 use brdf::Models;
 use lighting::wgsl as masks;
 use lobe_core::wgsl as lobes;
+use visibility_shadowmap::wgsl as maps;
 use visibility_spheres::wgsl as spheres;
 
 /// Bytes of a tile's list.
@@ -139,6 +140,9 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.spheres {
         pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
     }
+    if strategies.maps {
+        pieces.extend([masks::SQUARE, maps::COMMON, maps::COVERAGE]);
+    }
     Text::new("classify", &pieces, &[SHADED.as_slice(), &strategies.bindings()].concat())
 }
 
@@ -186,6 +190,9 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
             spheres::SPLAT,
             spheres::SPHERES_SPLAT,
         ]);
+    }
+    if strategies.maps {
+        pieces.extend([maps::COMMON, maps::SPLAT]);
     }
     Text::new("penumbra", &pieces, &[SHADED.as_slice(), &strategies.bindings()].concat())
 }

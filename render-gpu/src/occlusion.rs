@@ -3,7 +3,8 @@ use crate::memory::Memory;
 use crate::module::{self, Strategies};
 use crate::{Gpu, GpuError, GpuPose};
 use glam::Mat4;
-use visibility_shadowmap::ShadowMapBlockers;
+use lobe_core::Sphere;
+use visibility_shadowmap::{PackedMaps, ShadowMapBlockers};
 use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
 use wgpu::BufferUsages;
 
@@ -27,6 +28,8 @@ pub(crate) struct Blockers {
     /// Makes the bounds; and whether it has to.
     bound: Option<Kernel>,
     moved: bool,
+    packed_maps: Option<PackedMaps>,
+    maps: Memory,
 }
 
 impl Default for Blockers {
@@ -40,6 +43,8 @@ impl Default for Blockers {
             bounds: Memory::new("bounds of blockers", storage),
             bound: None,
             moved: false,
+            packed_maps: None,
+            maps: Memory::new("shadow maps", storage),
         }
     }
 }
@@ -51,6 +56,11 @@ impl Blockers {
         if let Some(spheres) = occlusion.spheres {
             spheres.pack(&mut self.packed);
         }
+        self.packed_maps = occlusion.maps.map(ShadowMapBlockers::pack);
+        if let Some(maps) = &self.packed_maps {
+            self.maps.hold(gpu, bytemuck::cast_slice(maps.words()))?;
+        }
+        self.strategies.maps = self.packed_maps.is_some();
         self.sphere_count = self.packed.len() as u32;
         self.strategies.spheres = self.sphere_count > 0;
         if self.strategies.spheres {
@@ -87,11 +97,17 @@ impl Blockers {
         self.sphere_count.div_ceil(SPHERE_BLOCK as u32)
     }
 
+    /// Where a light's shadow map is.
+    pub(crate) fn map_of(&self, light: &Sphere) -> u32 {
+        self.packed_maps.as_ref().map_or(0, |maps| maps.map_of(light))
+    }
+
     /// Its buffer for a slot.
     pub(crate) fn resource(&self, slot: Slot) -> Option<wgpu::BufferBinding<'_>> {
         match slot {
             Slot::Spheres => self.spheres.whole(),
             Slot::Bounds => self.bounds.whole(),
+            Slot::Maps => self.maps.whole(),
             _ => None,
         }
     }

@@ -173,6 +173,7 @@ impl GpuShader {
     /// What does not depend on the slice: kernels, materials; returns the kernels' number and the words of a queue item.
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<(usize, u64), GpuError> {
         let kernels = self.kernels(frame)?;
+        self.materials.sized(&self.gpu, 0)?;
         if self.packed_of != frame.materials {
             let packed = PackedMaterials::new(frame.materials);
             self.materials.hold(&self.gpu, bytemuck::cast_slice(&packed.words))?;
@@ -227,7 +228,7 @@ impl GpuShader {
                 queue_stride: part.stride as u32,
                 sphere_count,
                 block_count,
-                map: 0,
+                map: self.blockers.map_of(&light.ball),
                 pad: 0,
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));
@@ -240,6 +241,7 @@ impl GpuShader {
         let gpu = self.gpu.clone();
         let tiles = part.count.div_ceil(TILE);
         let uniforms = self.uniforms(frame, part);
+        self.frames.sized(&gpu, FRAME_STRIDE)?;
         self.frames.hold(&gpu, &uniforms)?;
         let queue = self.queue.sized(&gpu, HEADER + 4 * part.stride * part.count)?.clone();
         let indirect = self.indirect.sized(&gpu, 12)?.clone();

@@ -1,11 +1,13 @@
 //! Tests that want a GPU, a software one at least: shown as ignored where there is none.
 
 mod call;
+mod canvas;
 mod functions;
 mod masks;
 mod materials;
 mod parity;
 mod pose;
+mod robust;
 
 use render_gpu::{Gpu, GpuOptions};
 
@@ -22,5 +24,7 @@ fn main() {
     trials.extend(parity::trials(gpu.as_ref()));
     trials.extend(materials::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
+    trials.extend(robust::trials(gpu.as_ref()));
+    trials.extend(canvas::trials(gpu.as_ref()));
     libtest_mimic::run(&arguments, trials).exit();
 }

@@ -4,12 +4,13 @@ use crate::call::trial;
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use libtest_mimic::Trial;
-use lighting::{MaskVisibility, SphereLight};
+use lighting::{MaskVisibility, Mixture, SphereLight};
 use lobe_core::{Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
-use scene::{Counts, Frame, Scene, Shade, ShadingPoints};
+use scene::{Counts, Frame, Mesh, Scene, Shade, ShadingPoints, Shape};
 use std::ops::ControlFlow;
+use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 use visibility_spheres::SphereBlockers;
 
 /// Largest and mean difference, as shares of the picture's largest value.
@@ -22,6 +23,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("parity_of_materials", gpu, of_materials),
         trial("parity_of_depths_and_tolerances", gpu, of_depths_and_tolerances),
         trial("parity_of_many_lights", gpu, of_many_lights),
+        trial("parity_of_shadow_maps", gpu, of_shadow_maps),
         trial("slices_change_nothing", gpu, slices_change_nothing),
         trial("two_runs_give_the_same_bits", gpu, two_runs_give_the_same_bits),
     ]
@@ -157,6 +159,34 @@ fn of_many_lights(gpu: &Gpu) {
         };
         view.scene.lights = (0..count).map(light).collect();
         view.compare_spheres(gpu, &format!("{count} lights"), 0.003, 5);
+    }
+}
+
+/// The built-in scene's meshes by maps, alone and with the balls by spheres.
+fn of_shadow_maps(gpu: &Gpu) {
+    let view = builtin();
+    let mut all = Mesh::default();
+    for object in &view.scene.objects {
+        if let Shape::Mesh(mesh) = &object.shape {
+            all.append(mesh);
+        }
+    }
+    let receivers = Bounds::of(view.points.receivers.iter().map(|r| r.position));
+    let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
+    let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options).expect("a map");
+    let casters = view.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
+    let maps = ShadowMapBlockers::new(view.scene.lights.iter().map(map).collect()).with_casters(casters);
+    for (tolerance, depth) in [(0.003, 5), (0.01, 4)] {
+        let frame = view.frame(tolerance, depth);
+        let want = view.cpu(MaskVisibility::new(maps.clone(), depth), &frame);
+        let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
+        assert_same(&format!("maps, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
+
+        let mixture = Mixture::new(maps.clone(), view.spheres.clone());
+        let want = view.cpu(MaskVisibility::new(mixture, depth), &frame);
+        shader.occlude(Occlusion { spheres: Some(&view.spheres), maps: Some(&maps) }).expect("room for them");
+        assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
     }
 }
 

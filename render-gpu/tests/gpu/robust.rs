@@ -1,0 +1,172 @@
+//! What a caller can do wrong, and what is very small or very large.
+
+use crate::call::trial;
+use crate::parity::{View, assert_same};
+use glam::Vec3;
+use libtest_mimic::Trial;
+use lighting::{MaskVisibility, SphereLight};
+use lobe_core::Sphere;
+use render_gpu::{Gpu, GpuError, GpuShader, Occlusion};
+use scene::{Frame, Shade, ShadingPoints};
+use visibility_spheres::SphereBlockers;
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("nothing_to_shade", gpu, nothing_to_shade),
+        trial("one_point", gpu, one_point),
+        trial("no_spheres_at_all", gpu, no_spheres_at_all),
+        trial("a_hundred_thousand_spheres", gpu, a_hundred_thousand_spheres),
+        trial("sixty_four_lights", gpu, sixty_four_lights),
+        trial("points_that_are_not_finite_stay_alone", gpu, points_that_are_not_finite_stay_alone),
+        trial("a_lost_device_is_an_error", gpu, a_lost_device_is_an_error),
+        trial("small_limits", gpu, small_limits),
+        trial("several_at_once", gpu, several_at_once),
+    ]
+}
+
+fn spheres(view: &View) -> Occlusion<'_> {
+    Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() }
+}
+
+fn small() -> View {
+    View::new(scene::builtin(), 32, 18)
+}
+
+fn nothing_to_shade(gpu: &Gpu) {
+    let view = small();
+    let mut shader = GpuShader::new(gpu, spheres(&view)).expect("a shader");
+    let none = shader.shade(&ShadingPoints::default(), &view.frame(0.003, 5), &mut []).expect("nothing is fine");
+    assert_eq!(none.counts.integrals, 0);
+    let dark = Frame { lights: &[], ..view.frame(0.003, 5) };
+    assert!(view.gpu(&mut shader, &dark).0.iter().all(|v| *v == Vec3::ZERO), "no light, no radiance");
+    let frame = Frame { materials: &[], lights: &[], ..dark };
+    let mut other = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
+    other.shade(&ShadingPoints::default(), &frame, &mut []).expect("nothing at all is fine");
+}
+
+fn one_point(gpu: &Gpu) {
+    let view = View::new(scene::builtin(), 1, 1);
+    assert_eq!(view.points.receivers.len(), 1);
+    view.compare_spheres(gpu, "1×1", 0.003, 5);
+}
+
+fn no_spheres_at_all(gpu: &Gpu) {
+    let view = small();
+    let none = SphereBlockers::new(&[], &[], &[]);
+    let frame = view.frame(0.003, 5);
+    let want = view.cpu(MaskVisibility::new(none.clone(), 5), &frame);
+    let mut shader = GpuShader::new(gpu, Occlusion { spheres: Some(&none), ..Occlusion::default() }).expect("a shader");
+    assert_same("no spheres", &want, &view.gpu(&mut shader, &frame));
+    // And some afterwards.
+    shader.occlude(spheres(&view)).expect("room for them");
+    let want = view.cpu(MaskVisibility::new(view.spheres.clone(), 5), &frame);
+    assert_same("spheres again", &want, &view.gpu(&mut shader, &frame));
+}
+
+/// A cloud of motes between lights and floor: tiles have more in their shafts than a list has room for.
+fn a_hundred_thousand_spheres(gpu: &Gpu) {
+    let mut view = small();
+    let fraction = |k: u32, step: f64| (f64::from(k) * step).fract() as f32;
+    let mote = |k: u32| Sphere {
+        center: Vec3::new(
+            8.0 * fraction(k, 0.819_172_513_4) - 5.0,
+            0.8 + 3.0 * fraction(k, 0.671_043_606_7),
+            6.0 * fraction(k, 0.549_700_477_9) - 3.5,
+        ),
+        radius: 0.002 + 0.01 * fraction(k, 0.754_877_666_2).powi(4),
+    };
+    let motes: Vec<Sphere> = (0..100_000).map(mote).collect();
+    view.spheres = SphereBlockers::new(&motes, &vec![99; motes.len()], &[]);
+    view.compare_spheres(gpu, "100 000 spheres", 0.01, 4);
+}
+
+fn sixty_four_lights(gpu: &Gpu) {
+    let mut view = small();
+    let light = |k: u32| {
+        let turn = 2.4 * k as f32;
+        let center = Vec3::new(5.0 * turn.cos(), 2.0 + 0.08 * k as f32, 2.0 + 4.0 * turn.sin());
+        SphereLight::new(Sphere { center, radius: 0.05 + 0.01 * k as f32 }, Vec3::splat(5.0))
+    };
+    view.scene.lights = (0..64).map(light).collect();
+    view.compare_spheres(gpu, "64 lights", 0.003, 5);
+}
+
+fn points_that_are_not_finite_stay_alone(gpu: &Gpu) {
+    let mut view = small();
+    let frame =
+        |view: &View| view.gpu(&mut GpuShader::new(gpu, spheres(view)).expect("a shader"), &view.frame(0.003, 5)).0;
+    let before = frame(&view);
+    let broken = [3, 100, 101, 300];
+    view.points.receivers[3].position.x = f32::NAN;
+    view.points.receivers[100].normal = Vec3::NAN;
+    view.points.receivers[101].position = Vec3::INFINITY;
+    view.points.receivers[300].view = Vec3::splat(f32::NEG_INFINITY);
+    let after = frame(&view);
+    for (i, (before, after)) in before.iter().zip(&after).enumerate() {
+        if !broken.contains(&i) {
+            // Bounds of a tile change what is listed, not what is seen.
+            assert!(
+                (*before - *after).abs().max_element() <= 1e-5 * before.max_element(),
+                "point {i}: {before} {after}"
+            );
+        }
+    }
+}
+
+fn a_lost_device_is_an_error(_: &Gpu) {
+    let gpu = Gpu::blocking(&render_gpu::GpuOptions::default()).expect("another device");
+    let view = small();
+    let frame = view.frame(0.003, 5);
+    let mut shader = GpuShader::new(&gpu, spheres(&view)).expect("a shader");
+    let mut out = vec![Vec3::ZERO; view.points.receivers.len()];
+    shader.shade(&view.points, &frame, &mut out).expect("still there");
+    gpu.device().destroy();
+    for _ in 0..2 {
+        let error = shader.shade(&view.points, &frame, &mut out).expect_err("the device is gone");
+        assert!(matches!(error, GpuError::Lost { .. }), "{error:?}");
+    }
+    let error = GpuShader::new(&gpu, spheres(&view)).map(|_| ()).expect_err("nor is there a new shader");
+    assert!(matches!(error, GpuError::Lost { .. }), "{error:?}");
+}
+
+/// A caller's device with less than the adapter has: smaller slices, or a clear message.
+fn small_limits(_: &Gpu) {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let device = |limits: wgpu::Limits| {
+        let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default());
+        let adapter = pollster::block_on(adapter).expect("an adapter");
+        let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
+        Gpu::from_device(device, queue)
+    };
+    let view = small();
+    let frame = view.frame(0.003, 5);
+    let want = view.cpu(MaskVisibility::new(view.spheres.clone(), 5), &frame);
+
+    // Room for three tiles' points.
+    let gpu = device(wgpu::Limits { max_storage_buffer_binding_size: 3 * 64 * 64, ..wgpu::Limits::default() });
+    let mut shader = GpuShader::new(&gpu, spheres(&view)).expect("a shader");
+    assert_same("bindings of 12 kB", &want, &view.gpu(&mut shader, &frame));
+
+    let gpu = device(wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..wgpu::Limits::default() });
+    let error = GpuShader::new(&gpu, spheres(&view)).map(|_| ()).expect_err("too few buffers");
+    assert!(matches!(error, GpuError::Limits { needed: 8, allowed: 4, .. }), "{error:?}");
+    assert!(error.to_string().contains("use the CPU"));
+
+    let gpu = device(wgpu::Limits { max_storage_buffer_binding_size: 2048, ..wgpu::Limits::default() });
+    let many = SphereBlockers::new(&vec![Sphere { center: Vec3::ZERO, radius: 1.0 }; 1000], &vec![0; 1000], &[]);
+    let error = GpuShader::new(&gpu, Occlusion { spheres: Some(&many), ..Occlusion::default() }).map(|_| ());
+    assert!(matches!(error, Err(GpuError::Limits { needed: 32_000, .. })), "{error:?}");
+}
+
+fn several_at_once(gpu: &Gpu) {
+    let view = small();
+    let frame = view.frame(0.003, 5);
+    let alone = view.gpu(&mut GpuShader::new(gpu, spheres(&view)).expect("a shader"), &frame);
+    let all: Vec<_> = std::thread::scope(|scope| {
+        let run = || view.gpu(&mut GpuShader::new(gpu, spheres(&view)).expect("a shader"), &frame);
+        let threads: Vec<_> = (0..3).map(|_| scope.spawn(run)).collect();
+        threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    assert!(all.iter().all(|picture| *picture == alone));
+}
