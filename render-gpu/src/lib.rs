@@ -1,5 +1,6 @@
 //! Shading on the GPU through wgpu: the same lobe sums in WGSL.
 
+mod canvas;
 mod clock;
 mod error;
 mod gpu;
@@ -12,6 +13,7 @@ mod occlusion;
 mod pose;
 mod shader;
 
+pub use self::canvas::GpuCanvas;
 pub use self::error::GpuError;
 pub use self::gpu::{Gpu, GpuOptions};
 pub use self::layout::{GpuReceiver, NO_MATERIAL};

@@ -2,6 +2,7 @@
 
 mod call;
 mod canvas;
+mod canvas;
 mod functions;
 mod masks;
 mod materials;
@@ -25,6 +26,7 @@ fn main() {
     trials.extend(materials::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
     trials.extend(robust::trials(gpu.as_ref()));
+    trials.extend(canvas::trials(gpu.as_ref()));
     trials.extend(canvas::trials(gpu.as_ref()));
     libtest_mimic::run(&arguments, trials).exit();
 }

@@ -1,10 +1,13 @@
 //! Spheres that follow bones on the GPU, against `BoundSet::pose`.
 
 use crate::call::trial;
+use brdf::Material;
 use glam::{Mat3, Mat4, Quat, Vec3};
 use libtest_mimic::Trial;
-use lobe_core::{SelfShadow, Sphere};
-use render_gpu::{Gpu, GpuError, GpuPose};
+use lighting::SphereLight;
+use lobe_core::{OWN_NONE, Receiver, SelfShadow, Sphere};
+use render_gpu::{Gpu, GpuError, GpuPose, GpuShader, Occlusion};
+use scene::{Frame, Shade, ShadingPoints};
 use visibility_spheres::{BlockerSphere, BoundSet, BuildOptions, Carriers, Rig, RigPart, SphereBlockers, SphereSet};
 use wgpu::util::DeviceExt;
 
@@ -13,6 +16,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("pose_follows_bones_and_morphs", gpu, follows_bones_and_morphs),
         trial("pose_is_finite_whatever_the_bones", gpu, finite_whatever_the_bones),
         trial("pose_refuses_too_few_bones", gpu, too_few_bones),
+        trial("pose_moves_shadows", gpu, moves_shadows),
     ]
 }
 
@@ -217,4 +221,58 @@ fn too_few_bones(gpu: &Gpu) {
         assert!(matches!(error, GpuError::Bind(_)) && !error.to_string().contains('\n'), "{error}");
     }
     posed(gpu, &mut pose, &packed, &[whole; 2]).unwrap();
+}
+
+/// The same picture whether spheres are posed here or there, one pose after another.
+fn moves_shadows(gpu: &Gpu) {
+    let crowd = Crowd::new();
+    let floor = |i: usize| {
+        let (x, z) = ((i % 32) as f32 * 0.2 - 3.1, (i / 32) as f32 * 0.2 - 3.1);
+        let normal = Vec3::Y;
+        Receiver { position: Vec3::new(x, -1.0, z), normal, face: normal, view: normal, object: OWN_NONE }
+    };
+    let points = ShadingPoints { receivers: (0..1024).map(floor).collect(), materials: vec![0; 1024] };
+    let materials = [Material::lambert(Vec3::ONE)];
+    let lights = [SphereLight::new(Sphere { center: Vec3::new(1.0, 6.0, 0.5), radius: 0.5 }, Vec3::ONE)];
+    let frame = Frame { materials: &materials, lights: &lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+    let shade = |shader: &mut GpuShader| {
+        let mut out = vec![Vec3::ZERO; 1024];
+        shader.shade(&points, &frame, &mut out).unwrap();
+        out
+    };
+    fn occlusion(spheres: &SphereBlockers) -> Occlusion<'_> {
+        Occlusion { spheres: Some(spheres), ..Occlusion::default() }
+    }
+    let mut shader = GpuShader::new(gpu, occlusion(&crowd.blockers)).unwrap();
+    let mut pose = crowd.pose(gpu);
+    let still = shade(&mut shader);
+    let mut random = Random(5);
+    for _ in 0..3 {
+        let joints: [[Mat4; 3]; 2] = core::array::from_fn(|_| {
+            let joint = |random: &mut Random| random.joint(0) * Mat4::from_scale(Vec3::splat(0.8));
+            core::array::from_fn(|_| joint(&mut random))
+        });
+        shader.pose(&mut pose, &joints.each_ref().map(|joints| (joints.as_slice(), [0.5, 0.5].as_slice()))).unwrap();
+        let got = shade(&mut shader);
+
+        let mut spheres = crowd.blockers.spheres().to_vec();
+        for (first, joints) in crowd.firsts.iter().zip(&joints) {
+            let mut posed = Vec::new();
+            crowd.set.pose(joints, &[0.5, 0.5], &mut posed).unwrap();
+            spheres[*first..first + posed.len()].copy_from_slice(&posed);
+        }
+        let mut blockers = crowd.blockers.clone();
+        blockers.update(&spheres);
+        let want = shade(&mut GpuShader::new(gpu, occlusion(&blockers)).unwrap());
+        let apart = |a: &[Vec3], b: &[Vec3]| {
+            a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
+                / a.iter().map(|v| v.max_element()).fold(0.0, f32::max)
+        };
+        println!("posed: {:.1e} apart, {:.1e} from the rest pose", apart(&want, &got), apart(&want, &still));
+        // A sphere moved by a rounding moves samples at its rim.
+        assert!(apart(&want, &got) < 1e-3 && apart(&want, &still) > 0.1);
+    }
+    // What was posed is forgotten.
+    shader.occlude(occlusion(&crowd.blockers)).unwrap();
+    assert_eq!(shade(&mut shader), still);
 }

@@ -1,0 +1,171 @@
+use crate::layout::GpuReceiver;
+use crate::{Gpu, GpuError};
+use core::num::NonZeroU64;
+use lobe_core::wgsl::GEOMETRY;
+use wgpu::util::DeviceExt;
+
+/// Side of the pixel tiles in whose order points are listed.
+const TILE: u32 = 8;
+
+/// Writes radiance to a caller's texture: linear RGB, and alpha 0 where a pixel has no point
+/// ([`NO_MATERIAL`](crate::NO_MATERIAL)), else 1.
+///
+/// The points of a `width`×`height` picture are one a pixel, tile by tile of 8 × 8 pixels, left to right, top to bottom, and
+/// so within a tile ([`place`](Self::place)); tiles that reach over the edge have all their 64 points
+/// ([`points`](Self::points)). Neighbours in the list are then neighbours in space, which is what culling wants.
+///
+/// ```no_run
+/// # fn of(gpu: &render_gpu::Gpu, shader: &mut render_gpu::GpuShader, frame: &scene::Frame<'_>, points: &wgpu::Buffer,
+/// # radiance: &wgpu::Buffer, texture: &wgpu::Texture) -> Result<(), render_gpu::GpuError> {
+/// use render_gpu::GpuCanvas;
+/// let canvas = GpuCanvas::new(gpu, texture.format())?;
+/// shader.submit(frame, points, GpuCanvas::points(texture.width(), texture.height()), radiance)?;
+/// canvas.submit(gpu, points, radiance, texture)?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct GpuCanvas {
+    format: wgpu::TextureFormat,
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl GpuCanvas {
+    /// Compiles the kernel for textures of a format: `Rgba16Float` or `Rgba32Float`.
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`] for other formats.
+    pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Result<Self, GpuError> {
+        let name = match format {
+            wgpu::TextureFormat::Rgba16Float => "rgba16float",
+            wgpu::TextureFormat::Rgba32Float => "rgba32float",
+            other => {
+                let message =
+                    format!("write radiance to a texture of format {other:?}; use Rgba16Float or Rgba32Float");
+                return Err(GpuError::Unsupported(message));
+            }
+        };
+        let binding = format!("@group(0) @binding(10) var canvas: texture_storage_2d<{name}, write>;");
+        let text = [binding.as_str(), GEOMETRY, include_str!("kernels/canvas.wgsl")].join("\n");
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty,
+            count: None,
+        };
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let read = wgpu::BufferBindingType::Storage { read_only: true };
+        let texture = wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format,
+            view_dimension: wgpu::TextureViewDimension::D2,
+        };
+        gpu.scoped("the kernel of a canvas", || {
+            let device = gpu.device();
+            let label = Some("canvas_of_points");
+            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label,
+                source: wgpu::ShaderSource::Wgsl(text.into()),
+            });
+            let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label,
+                entries: &[
+                    entry(0, buffer(wgpu::BufferBindingType::Uniform)),
+                    entry(1, buffer(read)),
+                    entry(3, buffer(read)),
+                    entry(10, texture),
+                ],
+            });
+            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label,
+                bind_group_layouts: &[Some(&layout)],
+                ..Default::default()
+            });
+            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label,
+                layout: Some(&pipeline_layout),
+                module: &module,
+                entry_point: label,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+            Self { format, layout, pipeline }
+        })
+    }
+
+    /// How many points a picture has.
+    #[must_use]
+    pub const fn points(width: u32, height: u32) -> u32 {
+        width.div_ceil(TILE) * height.div_ceil(TILE) * TILE * TILE
+    }
+
+    /// Where the point of a pixel is among them.
+    #[must_use]
+    pub const fn place(width: u32, x: u32, y: u32) -> u32 {
+        (y / TILE * width.div_ceil(TILE) + x / TILE) * (TILE * TILE) + y % TILE * TILE + x % TILE
+    }
+
+    /// Writes every pixel of a texture (two-dimensional, with the usage `STORAGE_BINDING`), of a point and a radiance for
+    /// each as [`GpuShader::submit`](crate::GpuShader::submit) wants and writes them. Submits to the queue and does not wait.
+    ///
+    /// # Errors
+    /// [`GpuError`]; [`GpuError::Refused`] for buffers that are too small, and textures of another format or usage.
+    pub fn submit(
+        &self,
+        gpu: &Gpu,
+        points: &wgpu::Buffer,
+        radiance: &wgpu::Buffer,
+        texture: &wgpu::Texture,
+    ) -> Result<(), GpuError> {
+        const POINT: u64 = size_of::<GpuReceiver>() as u64;
+        if texture.format() != self.format {
+            let (reason, what) = (format!("it is made for {:?}", self.format), "a texture");
+            return Err(GpuError::Refused { what, reason });
+        }
+        let [columns, rows] = [texture.width().div_ceil(TILE), texture.height().div_ceil(TILE)];
+        let in_row = u64::from(columns * TILE * TILE);
+        // As many rows of tiles as may be bound at a time.
+        let most = gpu.device().limits().max_storage_buffer_binding_size / (POINT * in_row);
+        let band = rows.min(most.max(1) as u32);
+        gpu.scoped("the commands of a canvas", || {
+            let device = gpu.device();
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut first = 0;
+            while first < rows {
+                let count = band.min(rows - first);
+                let part = |buffer, size: u64| {
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer,
+                        offset: u64::from(first) * in_row * size,
+                        size: NonZeroU64::new(u64::from(count) * in_row * size),
+                    })
+                };
+                let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some("band"),
+                    contents: bytemuck::bytes_of(&[first, 0, 0, 0]),
+                    usage: wgpu::BufferUsages::UNIFORM,
+                });
+                let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+                let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("canvas_of_points"),
+                    layout: &self.layout,
+                    entries: &[
+                        entry(0, uniform.as_entire_binding()),
+                        entry(1, part(points, POINT)),
+                        entry(3, part(radiance, 16)),
+                        entry(10, wgpu::BindingResource::TextureView(&view)),
+                    ],
+                });
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(&self.pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                pass.dispatch_workgroups(columns, count, 1);
+                drop(pass);
+                first += count;
+            }
+            gpu.queue().submit([encoder.finish()]);
+        })
+    }
+}
