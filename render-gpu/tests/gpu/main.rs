@@ -2,7 +2,6 @@
 
 mod call;
 mod canvas;
-mod canvas;
 mod functions;
 mod masks;
 mod materials;
@@ -26,7 +25,6 @@ fn main() {
     trials.extend(materials::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
     trials.extend(robust::trials(gpu.as_ref()));
-    trials.extend(canvas::trials(gpu.as_ref()));
     trials.extend(canvas::trials(gpu.as_ref()));
     libtest_mimic::run(&arguments, trials).exit();
 }
