@@ -126,11 +126,17 @@ impl Gpu {
     }
 
     fn explain(&self, what: &'static str, error: &wgpu::Error) -> GpuError {
+        // A loss is told when the device is looked after.
+        let _ = self.device.poll(wgpu::PollType::Poll);
         if let Some(reason) = self.lost() {
             return GpuError::Lost { reason };
         }
+        let chain = core::iter::successors(Some(error as &dyn core::error::Error), |error| error.source());
+        let reason = chain.last().map_or_else(|| error.to_string(), ToString::to_string);
         match error {
             wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory,
+            // A caller's device has the caller's callback.
+            _ if reason.contains("device is lost") => GpuError::Lost { reason },
             _ => GpuError::Refused { what, reason: error.to_string() },
         }
     }

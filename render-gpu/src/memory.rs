@@ -48,25 +48,27 @@ impl Memory {
         debug_assert!(bytes.len().is_multiple_of(4), "buffers are written by words");
         self.sized(gpu, bytes.len() as u64)?;
         let Some(buffer) = &self.buffer else { return Ok(0) };
-        let mut uploaded = 0;
+        let mut parts = Vec::new();
         let mut at = 0;
         while at < bytes.len() {
-            let differs = |k: usize| {
-                let end = (k + CHUNK).min(bytes.len());
-                self.last.get(k..end) != Some(&bytes[k..end])
-            };
-            if !differs(at) {
-                at += CHUNK;
-                continue;
+            let end = (at + CHUNK).min(bytes.len());
+            if self.last.get(at..end) != Some(&bytes[at..end]) {
+                match parts.last_mut() {
+                    Some((_, last)) if *last == at => *last = end,
+                    _ => parts.push((at, end)),
+                }
             }
-            let start = at;
-            while at < bytes.len() && differs(at) {
-                at += CHUNK;
-            }
-            let end = at.min(bytes.len());
-            gpu.queue().write_buffer(buffer, start as u64, &bytes[start..end]);
-            uploaded += end - start;
+            at = end;
         }
+        let uploaded = parts.iter().map(|(from, to)| to - from).sum();
+        if uploaded == 0 {
+            return Ok(0);
+        }
+        gpu.scoped(self.label, || {
+            for (from, to) in parts {
+                gpu.queue().write_buffer(buffer, from as u64, &bytes[from..to]);
+            }
+        })?;
         self.last.clear();
         self.last.extend_from_slice(bytes);
         Ok(uploaded)
