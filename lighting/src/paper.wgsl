@@ -1,7 +1,9 @@
 // The paper's shadow nodes (§5.3) by a workgroup, from a mask of DEPTH: those of a quad-tree of PAPER_DEPTH, which is one
 // less, or the same at the greatest depth. Needs `paper_header`, mask.wgsl, square.wgsl, total.wgsl, paper.wgsl of lobe-core.
 
+// Samples of a cell, and those of them in one word.
 const CELL_SAMPLES = WIDTH / SIDE;
+const PART = min(CELL_SAMPLES, 32u);
 
 // Rows of all levels as bits, row r of level l at 2^l + r: nodes that the disc touches, and those where any of it is seen.
 var<workgroup> tree_touched: array<vec2u, 2u * SIDE>;
@@ -9,7 +11,10 @@ var<workgroup> tree_seen: array<vec2u, 2u * SIDE>;
 
 // Nodes k and above of a row of 64.
 fn cells_above(k: u32) -> vec2u {
-    return words_from(k, vec4u(0u, 32u, 32u, 32u)).xy;
+    let shift = min(max(vec2u(k), vec2u(0u, 32u)) - vec2u(0u, 32u), vec2u(32u));
+    // A shift by 32 is not defined, two by half as much are.
+    let half = shift >> vec2u(1u);
+    return (vec2u(0xffffffffu) << half) << (shift - half);
 }
 
 // Cells of the own row that emit at all.
@@ -23,15 +28,10 @@ fn lit_cells() -> vec2u {
     var cells = vec2u(0u);
     for (var k = 0u; k < 8u; k++) {
         let four = select(lit.a, lit.b, k >= 4u);
-        var word = four[k & 3u];
+        let word = four[k & 3u];
         var bits = 0u;
-        if CELL_SAMPLES >= 32u {
-            bits = select(0u, 1u, word != 0u);
-        } else {
-            for (var i = 0u; i < 32u / CELL_SAMPLES; i++) {
-                let cell = (word >> (i * CELL_SAMPLES)) & ((1u << CELL_SAMPLES) - 1u);
-                bits |= select(0u, 1u, cell != 0u) << i;
-            }
+        for (var i = 0u; i < 32u / PART; i++) {
+            bits |= select(0u, 1u, ((word >> (i * PART)) & (0xffffffffu >> (32u - PART))) != 0u) << i;
         }
         let first = k * 32u / CELL_SAMPLES;
         cells |= select(vec2u(bits << (first & 31u), 0u), vec2u(0u, bits << (first & 31u)), first >= 32u);

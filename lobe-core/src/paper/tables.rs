@@ -39,7 +39,8 @@ impl Tables {
     pub fn pack(&self) -> Vec<[f32; 2]> {
         let resolution = self.products.resolution();
         let mut pairs = vec![[resolution.angles as f32, resolution.per_interval as f32]];
-        pairs.extend(self.caps.rows().iter().flat_map(|[weight, light, occluder]| [[*weight, *light], [*occluder, 0.0]]));
+        let row = |[weight, light, occluder]: &[f32; 3]| [[*weight, *light], [*occluder, 0.0]];
+        pairs.extend(self.caps.rows().iter().flat_map(row));
         pairs.extend(self.products.entries());
         pairs
     }
