@@ -112,8 +112,7 @@ fn mask_block_samples(start: u32, end: u32) { lit = row_without(lit, row_span(st
 fn mask_block_line(j: u32, k: u32, start: u32, end: u32) {
     // Bits reversed, so that any few of them are spread.
     let order = ((k & 1u) << 2u) | (k & 2u) | (k >> 2u);
-    let line = row_masked(row_span(start, end), 0x01010101u << ((order + j) & 7u));
-    lit = row_without(lit, line);
+    lit = row_without_line(lit, (order + j) & 7u, start, end);
 }
 
 // Blocks every sample of the own row.

@@ -1,18 +1,44 @@
-// One row of a mask: 256 samples as bits. Sample k is bit k % 32 of word k / 32.
+// One row of a mask: 256 samples as bits, in eight planes: bit c of plane k is sample 8c + k. A span starts and ends in each
+// plane at one of two neighbouring bits, and a line of `mask_block_line` is one plane.
 
+// Planes 0…3 and 4…7.
 struct Row { a: vec4u, b: vec4u }
+
+const PLANES_A = vec4u(0u, 1u, 2u, 3u);
+const PLANES_B = vec4u(4u, 5u, 6u, 7u);
 
 fn row_none() -> Row { return Row(vec4u(0u), vec4u(0u)); }
 
 // Samples from `start` up to `end`.
 fn row_span(start: u32, end: u32) -> Row {
-    return Row(words_span(start, end, vec4u(0u, 32u, 64u, 96u)), words_span(start, end, vec4u(128u, 160u, 192u, 224u)));
+    let s = plane_from(start >> 3u);
+    let e = plane_from(end >> 3u);
+    return Row(planes_span(PLANES_A, start, s, end, e), planes_span(PLANES_B, start, s, end, e));
+}
+
+fn planes_span(planes: vec4u, start: u32, s: u32, end: u32, e: u32) -> vec4u {
+    // A plane before the start's own one has its first sample a bit later.
+    let starts = select(vec4u(s), vec4u(s << 1u), planes < vec4u(start & 7u));
+    let ends = select(vec4u(e), vec4u(e << 1u), planes < vec4u(end & 7u));
+    return starts & ~ends;
+}
+
+// Bits from `k` on, up to 32.
+fn plane_from(k: u32) -> u32 {
+    // A shift by 32 is not defined, two by half as much are.
+    return (0xffffffffu << (k >> 1u)) << (k - (k >> 1u));
 }
 
 fn row_without(row: Row, blocked: Row) -> Row { return Row(row.a & ~blocked.a, row.b & ~blocked.b); }
 
-// The same pattern of 32 samples is taken of each word.
-fn row_masked(row: Row, pattern: u32) -> Row { return Row(row.a & vec4u(pattern), row.b & vec4u(pattern)); }
+// Without those of samples `start` up to `end` that are in one plane.
+fn row_without_line(row: Row, plane: u32, start: u32, end: u32) -> Row {
+    let line = plane_from((start + 7u - plane) >> 3u) & ~plane_from((end + 7u - plane) >> 3u);
+    return Row(
+        row.a & ~select(vec4u(0u), vec4u(line), PLANES_A == vec4u(plane)),
+        row.b & ~select(vec4u(0u), vec4u(line), PLANES_B == vec4u(plane))
+    );
+}
 
 fn row_is_none(row: Row) -> bool { return all((row.a | row.b) == vec4u(0u)); }
 
@@ -21,28 +47,33 @@ fn row_count(row: Row) -> u32 {
     return (counts.x + counts.y) + (counts.z + counts.w);
 }
 
-fn words_span(start: u32, end: u32, first: vec4u) -> vec4u {
-    return words_from(start, first) & ~words_from(end, first);
+// Samples 32k … 32k + 31 as bits.
+fn row_samples(row: Row, k: u32) -> u32 {
+    return plane_spread(row.a.x, k) | plane_spread(row.a.y, k) << 1u
+        | plane_spread(row.a.z, k) << 2u | plane_spread(row.a.w, k) << 3u
+        | plane_spread(row.b.x, k) << 4u | plane_spread(row.b.y, k) << 5u
+        | plane_spread(row.b.z, k) << 6u | plane_spread(row.b.w, k) << 7u;
 }
 
-// Samples k and above, in words whose first samples are `first`.
-fn words_from(k: u32, first: vec4u) -> vec4u {
-    let shift = min(max(vec4u(k), first) - first, vec4u(32u));
-    // A shift by 32 is not defined, two by half as much are.
-    let half = shift >> vec4u(1u);
-    return (vec4u(0xffffffffu) << half) << (shift - half);
+// Four bits, one a byte.
+fn plane_spread(plane: u32, k: u32) -> u32 { return (((plane >> (4u * k)) & 0xfu) * 0x00204081u) & 0x01010101u; }
+
+// Samples in columns of eight, half a byte for each column: of word i, half byte n is column 4n + i.
+alias Counts = vec4u;
+
+fn row_counts(row: Row) -> Counts {
+    return (planes_counts(row.a.x) + planes_counts(row.a.y)) + (planes_counts(row.a.z) + planes_counts(row.a.w))
+        + (planes_counts(row.b.x) + planes_counts(row.b.y)) + (planes_counts(row.b.z) + planes_counts(row.b.w));
 }
 
-// Numbers of the four columns of a group: columns of eight samples, whose counts are those of bytes.
-fn row_columns(group: u32) -> vec4u { return 4u * group + vec4u(0u, 1u, 2u, 3u); }
+fn planes_counts(plane: u32) -> vec4u { return (vec4u(plane) >> PLANES_A) & vec4u(0x11111111u); }
+
+// Numbers of the four columns of a group.
+fn row_columns(group: u32) -> vec4u { return vec4u(0u, 8u, 16u, 24u) + (group & 3u) + (group & 4u); }
 
 // Samples in each of the four.
-fn row_counts(row: Row, group: u32) -> vec4f {
-    let four = select(row.a, row.b, group >= 4u);
-    let two = select(four.xy, four.zw, (group & 2u) != 0u);
-    let word = select(two.x, two.y, (group & 1u) != 0u);
-    let pairs = word - ((word >> 1u) & 0x55555555u);
-    let fours = (pairs & 0x33333333u) + ((pairs >> 2u) & 0x33333333u);
-    let bytes = (fours + (fours >> 4u)) & 0x0f0f0f0fu;
-    return vec4f((vec4u(bytes) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(0xffu));
+fn counts_of(counts: Counts, group: u32) -> vec4f {
+    let two = select(counts.xy, counts.zw, (group & 2u) != 0u);
+    let word = select(two.x, two.y, (group & 1u) != 0u) >> (group & 4u);
+    return vec4f((vec4u(word) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(0xfu));
 }

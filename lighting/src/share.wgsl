@@ -13,6 +13,8 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
     workgroupBarrier();
     let emits = row_span(emitting.x, emitting.y);
     var sum = vec4f(0.0, 0.0, f32(row_count(lit)), f32(row_count(emits)));
+    let open = row_counts(lit);
+    let all = row_counts(emits);
     // Threads without a row, and rows that emit nothing, add nothing.
     if (emitting.x < emitting.y) {
         let y = mask_row_y(mask, lane);
@@ -24,8 +26,8 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
                 // A column that emits in part is seen in its middle, which may be below the horizon.
                 w = select(vec4f(0.0), w, w > vec4f(0.0));
             }
-            sum.x += dot(row_counts(lit, group), w);
-            sum.y += dot(row_counts(emits, group), w);
+            sum.x += dot(counts_of(open, group), w);
+            sum.y += dot(counts_of(all, group), w);
         }
     }
     sum = total(lane, sum);

@@ -198,20 +198,17 @@ fn masks(gpu: &Gpu, coarse: bool) {
             mask_block_line(lane, k, mask_sample(mask, x(25u) + x(26u) * height), WIDTH);
         }
         if (lane < SIDE) {
-            for (var k = 0u; k < 16u; k++) {
-                let word = row_words(lit, k / 2u);
-                y(16u * lane + k, f32((word >> (16u * (k & 1u))) & 0xffffu));
+            for (var k = 0u; k < WIDTH / 16u; k++) {
+                let word = row_samples(lit, k / 2u);
+                y(WIDTH / 16u * lane + k, f32((word >> (16u * (k & 1u))) & 0xffffu));
             }
         }
         let seen = share(lane, mask, at, lobe);
         if (lane == 0u) {
-            y(16u * SIDE, seen);
+            y(WIDTH / 16u * SIDE, seen);
         }";
-    let words = if coarse {
-        "fn row_words(row: Row, k: u32) -> u32 { return select(0u, select(row.a.x, row.a.y, k == 1u), k < 2u); }"
-    } else {
-        "fn row_words(row: Row, k: u32) -> u32 { return select(row.a[k & 3u], row.b[k & 3u], k > 3u); }"
-    };
+    // A coarse row has two words.
+    let words = if coarse { 4 } else { 16 };
     let (mut bits, mut differing) = (0, 0);
     let mut forms = [Spread::default(); 4];
     for depth in 3..=6 {
@@ -237,25 +234,25 @@ fn masks(gpu: &Gpu, coarse: bool) {
             }
             wants.push((case, mask));
         }
-        let header = wgsl::header(depth, coarse) + words + HOOKS;
+        let header = wgsl::header(depth, coarse) + HOOKS;
         let body = format!("{CASE}{BODY}");
         let side = 1 << depth;
-        let got = call_groups(gpu, &pieces(&header), &body, &rows, [27, 16 * side + 1]);
-        for ((case, mask), got) in wants.iter().zip(got.chunks(16 * side + 1)) {
+        let got = call_groups(gpu, &pieces(&header), &body, &rows, [27, words * side + 1]);
+        for ((case, mask), got) in wants.iter().zip(got.chunks(words * side + 1)) {
             let before = differing;
             for j in 0..side {
                 let halves = hooks::row(mask, j).map(|word| [0, 16, 32, 48].map(|shift| word >> shift & 0xffff));
-                for (got, want) in got[16 * j..].iter().zip(halves.as_flattened()) {
+                for (got, want) in got[words * j..][..words].iter().zip(halves.as_flattened()) {
                     differing += (*got as u64 ^ want).count_ones();
                 }
             }
-            bits += (side * if coarse { 64 } else { 256 }) as u32;
+            bits += (16 * words * side) as u32;
             if differing == before {
                 let form = match (case.lobe.exponent == 1.0, mask.square().half < mask.square().disc) {
                     (true, _) => usize::from(mask.square().half > 0.2),
                     (false, zoomed) => 2 + usize::from(zoomed),
                 };
-                forms[form].add(got[16 * side], hooks::share_of(mask, &case.at, &case.lobe));
+                forms[form].add(got[words * side], hooks::share_of(mask, &case.at, &case.lobe));
             }
         }
     }
