@@ -27,8 +27,7 @@ fn emitting_cells() -> vec2u {
 fn lit_cells() -> vec2u {
     var cells = vec2u(0u);
     for (var k = 0u; k < 8u; k++) {
-        let four = select(lit.a, lit.b, k >= 4u);
-        let word = four[k & 3u];
+        let word = row_samples(lit, k);
         var bits = 0u;
         for (var i = 0u; i < 32u / PART; i++) {
             bits |= select(0u, 1u, ((word >> (i * PART)) & (0xffffffffu >> (32u - PART))) != 0u) << i;
