@@ -14,9 +14,12 @@ pub(crate) enum Slot {
     Lists = 7,
     Maps = 8,
     Tables = 9,
+    Nodes = 10,
     Bounds = 11,
     Rig = 12,
     Bones = 13,
+    Primitives = 14,
+    Normals = 15,
 }
 
 /// How a kernel uses a buffer.

@@ -3,6 +3,7 @@
 mod call;
 mod canvas;
 mod functions;
+mod gbuffer;
 mod masks;
 mod materials;
 mod parity;
@@ -20,6 +21,7 @@ fn main() {
     let gpu = gpu.ok();
     let mut trials = Vec::new();
     trials.extend(functions::trials(gpu.as_ref()));
+    trials.extend(gbuffer::trials(gpu.as_ref()));
     trials.extend(masks::trials(gpu.as_ref()));
     trials.extend(parity::trials(gpu.as_ref()));
     trials.extend(materials::trials(gpu.as_ref()));

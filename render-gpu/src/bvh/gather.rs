@@ -1,0 +1,118 @@
+//! What of a scene rays may meet.
+
+use super::{BALL, BLOCKS, FLAT, GpuPrimitive, VISIBLE};
+use crate::GpuError;
+use glam::Vec3;
+use lobe_core::Sphere;
+use scene::{Object, Proxy, Scene, Shape};
+
+/// The primitives of a scene.
+pub(super) struct Gathered {
+    /// In units of the hierarchy.
+    pub(super) primitives: Vec<GpuPrimitive>,
+    /// Which of its object each is.
+    pub(super) names: Vec<u32>,
+    /// Nine numbers for each triangle that has normals.
+    pub(super) normals: Vec<f32>,
+    pub(super) scale: f32,
+    pub(super) extent: f32,
+}
+
+/// The triangles with an area and the balls with a radius of all objects that are seen or block. Something that is neither
+/// where there is none: a hierarchy has a node at least.
+pub(super) fn gather(scene: &Scene) -> Result<Gathered, GpuError> {
+    let (needed, allowed) = (scene.objects.len() as u64, u64::from(BLOCKS));
+    if needed > allowed {
+        return Err(GpuError::Limits { what: "the number of objects", needed, allowed });
+    }
+    let mut all = Gathered { primitives: vec![], names: vec![], normals: vec![], scale: 1.0, extent: 0.0 };
+    for (number, object) in scene.objects.iter().enumerate() {
+        if object.visible || object.proxy != Proxy::None {
+            add(&mut all, number as u32, object, scene);
+        }
+    }
+    let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for p in &all.primitives {
+        let [from, to] = bounds(p);
+        (low, high) = (low.min(from), high.max(to));
+    }
+    if all.primitives.is_empty() {
+        all.primitives.push(GpuPrimitive { corners: FLAT, ..GpuPrimitive::default() });
+        all.names.push(0);
+        return Ok(all);
+    }
+    all.extent = (high - low).length();
+    let far = low.abs().max(high.abs()).max_element();
+    all.scale = hierarchy_scale(all.extent.max(far));
+    for p in &mut all.primitives {
+        [&mut p.a, &mut p.b, &mut p.c].into_iter().flatten().for_each(|x| *x *= all.scale);
+    }
+    Ok(all)
+}
+
+fn add(all: &mut Gathered, number: u32, object: &Object, scene: &Scene) {
+    let material = object.material as u32;
+    let seen = if object.visible { VISIBLE } else { 0 };
+    match &object.shape {
+        Shape::Mesh(mesh) => {
+            for (index, corners) in mesh.triangles.iter().enumerate() {
+                let [a, b, c] = corners.map(|i| mesh.positions[i as usize]);
+                let (b, c) = (b - a, c - a);
+                if b.cross(c) == Vec3::ZERO {
+                    continue;
+                }
+                let mut first = FLAT;
+                if !mesh.normals.is_empty() {
+                    first = all.normals.len() as u32;
+                    all.normals.extend(corners.iter().flat_map(|i| mesh.normals[*i as usize].to_array()));
+                }
+                all.names.push(index as u32);
+                all.primitives.push(GpuPrimitive {
+                    a: a.into(),
+                    object: number | seen | BLOCKS,
+                    b: b.into(),
+                    material,
+                    c: c.into(),
+                    corners: first,
+                });
+            }
+        }
+        Shape::Spheres(balls) => {
+            for (index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.radius > 0.0) {
+                let hides = if scene.lights.iter().any(|l| is_lamp(ball, l.ball)) { 0 } else { BLOCKS };
+                all.names.push(index as u32);
+                all.primitives.push(GpuPrimitive {
+                    a: ball.center.into(),
+                    object: number | seen | hides | BALL,
+                    b: [ball.radius, 0.0, 0.0],
+                    material,
+                    c: [0.0; 3],
+                    corners: FLAT,
+                });
+            }
+        }
+    }
+}
+
+/// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
+fn is_lamp(ball: &Sphere, light: Sphere) -> bool {
+    let slack = 1e-3 * light.radius;
+    (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
+}
+
+/// The smallest box around a primitive.
+pub(super) fn bounds(p: &GpuPrimitive) -> [Vec3; 2] {
+    let a = Vec3::from(p.a);
+    if p.object & BALL != 0 {
+        return [a - p.b[0], a + p.b[0]];
+    }
+    let (b, c) = (a + Vec3::from(p.b), a + Vec3::from(p.c));
+    [a.min(b).min(c), a.max(b).max(c)]
+}
+
+/// The power of two that brings coordinates up to `size` to about a million: products of three of them stay far from the
+/// ends of f32.
+fn hierarchy_scale(size: f32) -> f32 {
+    let exponent = (20.0 - size.log2().floor()).clamp(-100.0, 60.0);
+    f32::from_bits(((127.0 + exponent) as u32) << 23)
+}

@@ -1,0 +1,87 @@
+use super::TILE;
+use bytemuck::{Pod, Zeroable};
+use core::ops::Range;
+use scene::Camera;
+
+/// `View` of trace.wgsl: the rays of a camera, and a window of its image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct GpuView {
+    eye: [f32; 3],
+    unit: f32,
+    corner: [f32; 3],
+    across: u32,
+    right: [f32; 3],
+    left: u32,
+    down: [f32; 3],
+    top: u32,
+    columns: [u32; 2],
+    rows: [u32; 2],
+}
+
+impl GpuView {
+    /// As `render_cpu` has its rays; the eye in units of which `scale` are a world unit.
+    pub(super) fn new(
+        camera: &Camera,
+        [width, height]: [u32; 2],
+        columns: &Range<u32>,
+        rows: &Range<u32>,
+        scale: f32,
+    ) -> Self {
+        let forward = (camera.target - camera.eye).normalize();
+        let right = forward.cross(camera.up).normalize();
+        let up = right.cross(forward);
+        let half = (0.5 * camera.vertical_fov).tan();
+        let (w, h) = (width as f32, height as f32);
+        let first = |range: &Range<u32>| range.start / TILE * TILE;
+        Self {
+            eye: (camera.eye * scale).into(),
+            unit: 1.0 / scale,
+            corner: (forward - right * (w / h * half) + up * half).into(),
+            across: (columns.end - first(columns)).div_ceil(TILE),
+            right: (right * (2.0 * half / h)).into(),
+            left: first(columns),
+            down: (up * (-2.0 * half / h)).into(),
+            top: first(rows),
+            columns: [columns.start, columns.end],
+            rows: [rows.start, rows.end],
+        }
+    }
+
+    /// Columns and rows of tiles.
+    pub(super) const fn tiles(&self) -> [u32; 2] {
+        let down = (self.rows[1] - self.top).div_ceil(TILE);
+        if self.columns[0] == self.columns[1] || self.rows[0] == self.rows[1] { [0; 2] } else { [self.across, down] }
+    }
+
+    /// The number of a place's pixel in the window; none outside.
+    pub(super) fn pixel(&self, place: u32) -> Option<u32> {
+        let ([across, down], area) = (self.tiles(), TILE * TILE);
+        if place / area >= across * down {
+            return None;
+        }
+        let (tile, lane) = (place / area, place % area);
+        let x = self.left + tile % across * TILE + lane % TILE;
+        let y = self.top + tile / across * TILE + lane / TILE;
+        let ([left, right], [top, bottom]) = (self.columns, self.rows);
+        let inside = (left..right).contains(&x) && (top..bottom).contains(&y);
+        inside.then(|| (y - top) * (right - left) + (x - left))
+    }
+
+    #[cfg(test)]
+    pub(super) const OFFSETS: [usize; 10] = {
+        use core::mem::offset_of;
+        [
+            offset_of!(Self, eye),
+            offset_of!(Self, unit),
+            offset_of!(Self, corner),
+            offset_of!(Self, across),
+            offset_of!(Self, right),
+            offset_of!(Self, left),
+            offset_of!(Self, down),
+            offset_of!(Self, top),
+            offset_of!(Self, columns),
+            offset_of!(Self, rows),
+        ]
+    };
+}

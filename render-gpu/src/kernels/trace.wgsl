@@ -1,0 +1,163 @@
+// The visible points of a window of the image: one ray through each pixel's centre. Needs bvh.wgsl and geometry.wgsl, and
+// STACK, at least the depth of the hierarchy.
+
+// The same struct as `gbuffer::GpuView`. Lengths are in the hierarchy's units.
+struct View {
+    eye: vec3f,
+    // World units a unit.
+    unit: f32,
+    // Direction through the image's corner, and its change a pixel to the right and down.
+    corner: vec3f,
+    // Tiles in a row of the window.
+    across: u32,
+    right: vec3f,
+    // First column and row of the first tile.
+    left: u32,
+    down: vec3f,
+    top: u32,
+    // First and one past the last.
+    columns: vec2u,
+    rows: vec2u,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read_write> points: array<Receiver>;
+// Three normals of three numbers for each triangle that has them.
+@group(0) @binding(15) var<storage, read> normals: array<f32>;
+
+const NO_MATERIAL = 0xffffffffu;
+const NOTHING = 0xffffffffu;
+
+// A workgroup is a tile of 8 × 8 pixels.
+@compute @workgroup_size(64)
+fn trace(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let pixel = vec2u(view.left + tile.x * 8u + lane % 8u, view.top + tile.y * 8u + lane / 8u);
+    var out: Receiver;
+    out.normal = vec3f(0.0, 0.0, 1.0);
+    out.face = out.normal;
+    out.view = out.normal;
+    out.material = NO_MATERIAL;
+    let first = vec2u(view.columns.x, view.rows.x);
+    let end = vec2u(view.columns.y, view.rows.y);
+    if all(pixel >= first) && all(pixel < end) {
+        let at = vec2f(pixel) + 0.5;
+        let toward = view.corner + view.right * at.x + view.down * at.y;
+        let direction = toward * (1.0 / sqrt(dot(toward, toward)));
+        let found = nearest(view.eye, direction);
+        if found != NOTHING {
+            out = surface(found, direction);
+        }
+    }
+    points[(tile.y * view.across + tile.x) * 64u + lane] = out;
+}
+
+// The nearest visible primitive on a ray, or NOTHING.
+fn nearest(origin: vec3f, direction: vec3f) -> u32 {
+    let ray = slabs(origin, direction);
+    var limit = NEVER;
+    var found = NOTHING;
+    // One sibling waits on each level.
+    var stack: array<u32, STACK>;
+    var waiting = 0u;
+    var current = ROOT;
+    loop {
+        let count = nodes[current].count;
+        let first = nodes[current].first;
+        var next = NOTHING;
+        if count > 0u {
+            for (var i = first; i < first + count; i++) {
+                let t = meet(i, origin, direction);
+                if t < limit {
+                    limit = t;
+                    found = i;
+                }
+            }
+        } else {
+            let a = enter(ray, nodes[first].low, nodes[first].high, limit);
+            let b = enter(ray, nodes[first + 1u].low, nodes[first + 1u].high, limit);
+            let swapped = b < a;
+            if min(a, b) < NEVER {
+                next = select(first, first + 1u, swapped);
+                if max(a, b) < NEVER && waiting < STACK {
+                    stack[waiting] = select(first + 1u, first, swapped);
+                    waiting += 1u;
+                }
+            }
+        }
+        if next == NOTHING {
+            if waiting == 0u {
+                break;
+            }
+            waiting -= 1u;
+            next = stack[waiting];
+        }
+        current = next;
+    }
+    return found;
+}
+
+fn meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
+    let p = primitives[number];
+    if (p.object & VISIBLE) == 0u {
+        return NEVER;
+    }
+    if (p.object & BALL) != 0u {
+        return meet_ball(p, origin, direction);
+    }
+    return meet_triangle(p, origin, direction, 1.5e-7);
+}
+
+// What the surface is like where the ray meets a primitive. The position comes from the primitive and not along the ray:
+// so it is off the surface by rounding only.
+fn surface(number: u32, direction: vec3f) -> Receiver {
+    let p = primitives[number];
+    var out: Receiver;
+    out.object = p.object & OBJECT;
+    out.material = p.material;
+    var position: vec3f;
+    if (p.object & BALL) != 0u {
+        let to = p.a - view.eye;
+        let along = dot(to, direction);
+        let aside = to - direction * along;
+        let half = sqrt(max(p.b.x * p.b.x - dot(aside, aside), 0.0));
+        let inside = along < half;
+        let outward = unit_or(direction * select(-half, half, inside) - aside, -direction);
+        position = p.a + outward * p.b.x;
+        out.normal = select(outward, -outward, dot(outward, direction) > 0.0);
+        out.face = out.normal;
+    } else {
+        let s = view.eye - p.a;
+        let across = cross(direction, p.c);
+        let inverse = 1.0 / dot(p.b, across);
+        let u = clamp(dot(s, across) * inverse, 0.0, 1.0);
+        let v = clamp(dot(direction, cross(s, p.b)) * inverse, 0.0, 1.0 - u);
+        position = p.a + p.b * u + p.c * v;
+        let n = unit_or(cross(p.b, p.c), -direction);
+        out.face = select(n, -n, dot(n, direction) > 0.0);
+        out.normal = out.face;
+        if p.corners != NO_CORNERS {
+            let mean = corner(p.corners) * (1.0 - u - v) + corner(p.corners + 3u) * u + corner(p.corners + 6u) * v;
+            let smoothed = unit_or(mean, vec3f(0.0));
+            // On the side of the face that is seen; a normal that still looks away is no use to a viewer.
+            let turned = select(smoothed, -smoothed, dot(smoothed, out.face) < 0.0);
+            out.normal = select(out.face, turned, dot(turned, direction) < 0.0);
+        }
+    }
+    out.position = position * view.unit;
+    out.view = unit_or(view.eye - position, -direction);
+    return out;
+}
+
+fn corner(first: u32) -> vec3f {
+    return vec3f(normals[first], normals[first + 1u], normals[first + 2u]);
+}
+
+fn unit_or(v: vec3f, otherwise: vec3f) -> vec3f {
+    // In two steps: squares of tiny edges would vanish.
+    let size = max(max(abs(v.x), abs(v.y)), abs(v.z));
+    if size < 1e-37 {
+        return otherwise;
+    }
+    let w = v / size;
+    return w * (1.0 / sqrt(dot(w, w)));
+}

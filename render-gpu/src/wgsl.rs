@@ -1,0 +1,6 @@
+//! Texts of this crate's own kernels: pieces to be joined.
+
+/// The hierarchy and its primitives, and where rays meet them.
+pub const BVH: &str = include_str!("kernels/bvh.wgsl");
+/// The kernel of visible points. Needs [`BVH`], `lobe_core::wgsl::GEOMETRY` and a constant `STACK`.
+pub const TRACE: &str = include_str!("kernels/trace.wgsl");

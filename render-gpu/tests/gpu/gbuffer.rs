@@ -1,0 +1,240 @@
+//! Visible points found on the GPU against `render_cpu::GBuffer`.
+
+use crate::call::trial;
+use core::f32::consts::PI;
+use glam::{Mat4, Vec3};
+use libtest_mimic::Trial;
+use lobe_core::{Receiver, Sphere};
+use render_cpu::{GBuffer, World};
+use render_gpu::{Gpu, GpuGBuffer};
+use scene::{Camera, Mesh, Object, Proxy, Scene, Shape, builtin};
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("points_of_the_built_in_scene", gpu, |gpu| same(gpu, &builtin(), 240, 136)),
+        trial("points_of_many_triangles", gpu, |gpu| same(gpu, &globes(), 160, 90)),
+        trial("points_of_one_pixel", gpu, |gpu| same(gpu, &builtin(), 1, 1)),
+        trial("points_of_windows", gpu, windows),
+        trial("points_of_nothing", gpu, nothing),
+        trial("points_from_inside", gpu, from_inside),
+        trial("points_at_all_scales", gpu, scales),
+        trial("points_follow_motion", gpu, motion),
+        trial("points_have_no_cracks", gpu, no_cracks),
+    ]
+}
+
+/// A globe of `4n²` triangles, smooth or flat.
+fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
+    let at = |i: u32, k: u32| {
+        let ((s, c), (x, z)) = ((PI * i as f32 / n as f32).sin_cos(), (PI * k as f32 / n as f32).sin_cos());
+        center + radius * Vec3::new(s * x, c, s * z)
+    };
+    let positions = (0..=n).flat_map(|i| (0..2 * n).map(move |k| at(i, k))).collect();
+    let number = |i: u32, k: u32| i * 2 * n + k % (2 * n);
+    let quads = (0..n).flat_map(|i| (0..2 * n).map(move |k| [(i, k), (i + 1, k), (i + 1, k + 1), (i, k + 1)]));
+    let triangles = quads.flat_map(|q| {
+        let [a, b, c, d] = q.map(|(i, k)| number(i, k));
+        [[a, b, c], [a, c, d]]
+    });
+    let mut mesh = Mesh { positions, normals: Vec::new(), triangles: triangles.collect() };
+    mesh.remove_degenerate();
+    if smooth {
+        mesh.smooth_normals();
+    }
+    mesh
+}
+
+/// Meshes of some 20 000 triangles, smooth and flat, one that is not seen; balls; a tilted floor.
+fn globes() -> Scene {
+    let mut scene = builtin();
+    let tilt = Vec3::new(0.0, -0.2, -3.9);
+    scene.objects = vec![
+        Object::mesh("floor", Mesh::quad(Vec3::NEG_Y, Vec3::X * 5.0, tilt), 0, Proxy::None),
+        Object::mesh("smooth", globe(60, Vec3::new(-1.0, 0.3, 0.0), 1.0, true), 1, Proxy::None),
+        Object::mesh("flat", globe(40, Vec3::new(1.2, 0.4, 0.5), 0.9, false), 2, Proxy::None),
+        Object { visible: false, ..Object::mesh("veil", globe(9, Vec3::Z * 4.0, 0.5, false), 2, Proxy::Count(1)) },
+        Object::spheres("row", (0..30).map(|i| ball(0.3 * i as f32 - 4.5, 0.12)).collect(), 3),
+    ];
+    scene.camera = Camera { eye: Vec3::new(0.4, 1.8, 6.5), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 };
+    scene
+}
+
+fn ball(x: f32, radius: f32) -> Sphere {
+    Sphere { center: Vec3::new(x, 0.9 + 0.03 * x * x, -1.0), radius }
+}
+
+/// Everything moved and scaled.
+fn placed(mut scene: Scene, scale: f32, shift: Vec3) -> Scene {
+    let place = Mat4::from_translation(shift) * Mat4::from_scale(Vec3::splat(scale));
+    let moved = |b: &Sphere| Sphere { center: place.transform_point3(b.center), radius: b.radius * scale };
+    for object in &mut scene.objects {
+        match &mut object.shape {
+            Shape::Mesh(mesh) => mesh.transform(&place),
+            Shape::Spheres(balls) => balls.iter_mut().for_each(|b| *b = moved(b)),
+        }
+    }
+    scene.lights.iter_mut().for_each(|l| l.ball = moved(&l.ball));
+    scene.camera.eye = place.transform_point3(scene.camera.eye);
+    scene.camera.target = place.transform_point3(scene.camera.target);
+    scene
+}
+
+/// How the points of an image differ.
+#[derive(Debug, Default)]
+struct Differences {
+    points: usize,
+    /// Pixels where the one sees something and the other nothing, or another object or material.
+    other: usize,
+    /// Points elsewhere, or with another normal.
+    moved: usize,
+    position: f32,
+    off_plane: f32,
+    normal: f32,
+}
+
+/// Compares by pixel: positions to 1e-5 of the scene's size and normals to 1e-4 count as the same.
+fn differences(gpu: &mut GpuGBuffer, scene: &Scene, width: u32, height: u32) -> Differences {
+    let world = World::new(scene);
+    let want = GBuffer::new(&world, width, height, 1);
+    let (points, pixels) = gpu.read(&scene.camera, width, height, 0..width, 0..height).expect("points");
+    let mut by_pixel: Vec<Vec<(Receiver, u32)>> = vec![Vec::new(); (width * height) as usize];
+    for ((at, material), pixel) in points.receivers.iter().zip(&points.materials).zip(&pixels) {
+        by_pixel[*pixel as usize].push((*at, *material));
+    }
+    let mut out = Differences { points: want.len(), ..Differences::default() };
+    out.other += points.receivers.len().saturating_sub(want.len());
+    let bounds = scene.bounds();
+    let size = (bounds.max - bounds.min).length();
+    for ((at, material), pixel) in want.points.receivers.iter().zip(&want.points.materials).zip(&want.pixels) {
+        let [(found, of)] = by_pixel[*pixel as usize][..] else {
+            out.other += 1;
+            continue;
+        };
+        if found.object != at.object || of != *material {
+            out.other += 1;
+            continue;
+        }
+        let apart = (found.position - at.position) / size;
+        let turned = (found.normal - at.normal).length().max((found.face - at.face).length());
+        if apart.length() > 1e-5 || turned > 1e-4 || (found.view - at.view).length() > 1e-4 {
+            out.moved += 1;
+            continue;
+        }
+        out.position = out.position.max(apart.length());
+        out.off_plane = out.off_plane.max(apart.dot(at.face).abs());
+        out.normal = out.normal.max(turned);
+    }
+    out
+}
+
+/// At most one pixel in 10 000, and one, differs.
+fn check(gpu: &mut GpuGBuffer, scene: &Scene, width: u32, height: u32) -> Differences {
+    let found = differences(gpu, scene, width, height);
+    println!("{width}×{height}: {found:?}");
+    assert!(found.other + found.moved <= 1 + (width * height) as usize / 10_000, "{found:?}");
+    found
+}
+
+fn same(gpu: &Gpu, scene: &Scene, width: u32, height: u32) {
+    let found = check(&mut GpuGBuffer::new(gpu, scene).expect("geometry"), scene, width, height);
+    assert!(found.points > (width * height / 3) as usize, "{found:?}");
+    // A few roundings of coordinates as large as the scene.
+    assert!(found.off_plane < 3e-7, "{found:?}");
+}
+
+/// The same points in windows that cut tiles, in `GBuffer`'s order.
+fn windows(gpu: &Gpu) {
+    let scene = globes();
+    let world = World::new(&scene);
+    let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");
+    for (columns, rows) in [(0..90, 0..50), (3..61, 5..44), (40..41, 17..18), (8..64, 8..8)] {
+        let want = GBuffer::window(&world, 90, 50, 1, columns.clone(), rows.clone());
+        let (points, pixels) = ours.read(&scene.camera, 90, 50, columns, rows).expect("points");
+        // At this size no pixel's centre is at an edge.
+        assert_eq!(pixels, want.pixels);
+        let objects = |p: &[Receiver]| p.iter().map(|r| r.object).collect::<Vec<_>>();
+        assert_eq!(objects(&points.receivers), objects(&want.points.receivers));
+        assert_eq!(points.materials, want.points.materials);
+    }
+}
+
+fn nothing(gpu: &Gpu) {
+    let mut scene = Scene { objects: Vec::new(), ..builtin() };
+    let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");
+    assert!(ours.read(&scene.camera, 33, 17, 0..33, 0..17).expect("points").1.is_empty());
+    assert_eq!(ours.trace(&scene.camera, 33, 17, 0..33, 0..17).expect("points").count, 5 * 3 * 64);
+    // Something that the camera looks away from.
+    scene.objects.push(Object::spheres("behind", vec![Sphere { center: Vec3::Z * 30.0, radius: 1.0 }], 0));
+    ours.update(&scene).expect("geometry");
+    assert!(ours.read(&scene.camera, 33, 17, 0..33, 0..17).expect("points").1.is_empty());
+}
+
+/// The eye in a globe and in a ball: their inner sides.
+fn from_inside(gpu: &Gpu) {
+    let mut scene = globes();
+    for eye in [Vec3::new(-1.0, 0.3, 0.2), Vec3::new(1.2, 0.5, 0.4), ball(0.0, 0.12).center + 0.01] {
+        scene.camera = Camera { eye, target: Vec3::new(0.3, 0.1, 3.0), up: Vec3::Y, vertical_fov: 2.2 };
+        let found = check(&mut GpuGBuffer::new(gpu, &scene).expect("geometry"), &scene, 100, 60);
+        assert_eq!(found.points, 6000);
+    }
+}
+
+fn scales(gpu: &Gpu) {
+    for (scale, shift) in [(1e-4, 0.0), (1e4, 0.0), (1e-12, 0.0), (1.0, 100.0)] {
+        let scene = placed(globes(), scale, Vec3::splat(shift));
+        println!("scale {scale}, moved by {shift}");
+        let found = check(&mut GpuGBuffer::new(gpu, &scene).expect("geometry"), &scene, 100, 60);
+        assert!(found.points > 2000);
+    }
+}
+
+/// After objects have moved: as from a new hierarchy. Only what moved is uploaded.
+fn motion(gpu: &Gpu) {
+    let mut scene = globes();
+    let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");
+    let all = ours.world().uploaded();
+    ours.update(&scene).expect("geometry");
+    assert_eq!(ours.world().uploaded(), 0);
+    let Shape::Spheres(balls) = &mut scene.objects[4].shape else { unreachable!("balls") };
+    balls[0].center.y += 0.2;
+    ours.update(&scene).expect("geometry");
+    let few = ours.world().uploaded();
+    assert!((1..all / 20).contains(&few), "{few} of {all} bytes for one ball");
+    check(&mut ours, &scene, 100, 60);
+    for turn in [0.3, 2.0] {
+        let Shape::Mesh(mesh) = &mut scene.objects[1].shape else { unreachable!("a mesh") };
+        mesh.transform(&(Mat4::from_rotation_y(turn) * Mat4::from_translation(Vec3::Y * 0.1)));
+        ours.update(&scene).expect("geometry");
+        check(&mut ours, &scene, 100, 60);
+    }
+    // Other triangles.
+    scene.objects.swap(1, 2);
+    scene.objects.truncate(3);
+    ours.update(&scene).expect("geometry");
+    check(&mut ours, &scene, 100, 60);
+}
+
+/// No ray gets into a closed surface of triangles smaller than pixels, nor through a grid whose edges are at their centres.
+fn no_cracks(gpu: &Gpu) {
+    let mut scene = builtin();
+    scene.camera = Camera { eye: Vec3::new(0.3, 0.8, 4.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.45 };
+    scene.objects = vec![Object::mesh("globe", globe(250, Vec3::ZERO, 1.0, false), 0, Proxy::None)];
+    let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");
+    let (points, _) = ours.read(&scene.camera, 400, 400, 0..400, 0..400).expect("points");
+    assert!(points.receivers.len() > 100_000);
+    assert_eq!(points.receivers.iter().filter(|r| r.position.dot(r.view) < -0.02).count(), 0);
+
+    let n = 16u32;
+    let at = |i: u32| i as f32 / n as f32 * 2.0 - 1.0;
+    let positions = (0..=n).flat_map(|y| (0..=n).map(move |x| Vec3::new(at(x), at(y), 0.0))).collect();
+    let quads = (0..n).flat_map(|y| (0..n).map(move |x| y * (n + 1) + x));
+    let triangles = quads.flat_map(|i| [[i, i + 1, i + n + 2], [i, i + n + 2, i + n + 1]]).collect();
+    let grid = Mesh { positions, normals: Vec::new(), triangles };
+    scene.objects = vec![Object::mesh("grid", grid, 0, Proxy::None)];
+    scene.camera = Camera { eye: Vec3::Z * 4.0, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.4 };
+    ours.update(&scene).expect("geometry");
+    for size in [255, 256] {
+        let (_, pixels) = ours.read(&scene.camera, size, size, 0..size, 0..size).expect("points");
+        assert_eq!(pixels.len() as u32, size * size);
+    }
+}
