@@ -3,6 +3,7 @@
 mod call;
 mod canvas;
 mod functions;
+mod maps;
 mod gbuffer;
 mod masks;
 mod materials;
@@ -22,6 +23,7 @@ fn main() {
     let mut trials = Vec::new();
     trials.extend(functions::trials(gpu.as_ref()));
     trials.extend(gbuffer::trials(gpu.as_ref()));
+    trials.extend(maps::trials(gpu.as_ref()));
     trials.extend(masks::trials(gpu.as_ref()));
     trials.extend(parity::trials(gpu.as_ref()));
     trials.extend(materials::trials(gpu.as_ref()));

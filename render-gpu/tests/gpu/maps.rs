@@ -1,0 +1,499 @@
+//! Coverage and masks of shadow maps against the Rust ones that they mirror.
+
+use crate::call::{call_with, trial};
+use glam::{Vec2, Vec3};
+use libtest_mimic::Trial;
+use lighting::{Blockers as _, MAX_DEPTH, Mask, UnitSquare, depth_for};
+use lobe_core::oracle::Random;
+use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::{Cone, Coverage, Receiver, Sphere, VisibilityQuery};
+use render_gpu::Gpu;
+use visibility_shadowmap::{MapOptions, PackedMaps, ShadowMap, ShadowMapBlockers, wgsl};
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("maps_coverage", gpu, coverage),
+        trial("maps_masks", gpu, masks),
+        trial("maps_masks_of_windows", gpu, masks_of_windows),
+        trial("maps_of_several_lights", gpu, several_lights),
+        trial("maps_far_from_the_origin", gpu, far_from_the_origin),
+        trial("maps_of_tiny_lights", gpu, tiny_lights),
+        trial("maps_own_face", gpu, own_face),
+    ]
+}
+
+/// Triangles, smooth normals, and the object of each triangle.
+#[derive(Clone, Debug, Default)]
+struct Mesh {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    objects: Vec<u32>,
+}
+
+/// A ball with bumps and a fence are objects 0, floors are 1.
+const SOLID: u32 = 0;
+const FLOOR: u32 = 1;
+
+impl Mesh {
+    fn floor(self, height: f32, size: f32) -> Self {
+        let corner = |x: f32, z: f32| Vec3::new(x * size, height, z * size);
+        self.quad([corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)], FLOOR)
+    }
+
+    fn quad(mut self, corners: [Vec3; 4], object: u32) -> Self {
+        let first = self.positions.len() as u32;
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+        self.positions.extend(corners);
+        self.normals.extend([normal; 4]);
+        self.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        self.objects.extend([object; 2]);
+        self
+    }
+
+    fn cuboid(mut self, low: Vec3, high: Vec3) -> Self {
+        let corner = |k: usize| Vec3::select(glam::BVec3::new(k & 1 == 1, k & 2 == 2, k & 4 == 4), high, low);
+        for face in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
+            self = self.quad(face.map(corner), SOLID);
+        }
+        self
+    }
+
+    /// Thin pickets.
+    fn fence() -> Self {
+        (0..21_u8).fold(Self::default(), |mesh, k| {
+            let x = -1.0 + 0.1 * f32::from(k);
+            mesh.cuboid(Vec3::new(x - 0.025, 0.0, -0.01), Vec3::new(x + 0.025, 1.0, 0.01))
+        })
+    }
+
+    /// A ball with bumps, smooth normals.
+    fn bumpy(center: Vec3, radius: f32) -> Self {
+        let n = 24;
+        let mut mesh = Self::default();
+        for j in 0..=n {
+            for i in 0..2 * n {
+                let step = std::f32::consts::PI / n as f32;
+                let (polar, around) = (step * j as f32, step * i as f32);
+                let (sin, cos) = polar.sin_cos();
+                let direction = Vec3::new(sin * around.cos(), cos, sin * around.sin());
+                let bump = 1.0 + 0.1 * sin * (6.0 * polar).sin() * (5.0 * around).cos();
+                mesh.positions.push(center + direction * radius * bump);
+            }
+        }
+        for j in 0..n {
+            for i in 0..2 * n {
+                let at = |i: u32, j: u32| j * 2 * n + i % (2 * n);
+                mesh.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+        mesh.objects = vec![SOLID; mesh.triangles.len()];
+        mesh.normals = vec![Vec3::ZERO; mesh.positions.len()];
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+            for v in t {
+                mesh.normals[*v as usize] += (b - a).cross(c - a);
+            }
+        }
+        mesh.normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Y));
+        mesh
+    }
+
+    /// A ball, walls and a floor all around the origin.
+    fn room() -> Self {
+        let mut mesh = Self::bumpy(Vec3::new(1.2, -0.4, 0.5), 0.4).floor(-2.0, 3.0);
+        for (low, high) in [([-1.5, -0.6, -0.3], [-1.2, 0.5, 0.4]), ([-0.2, 0.9, -0.5], [0.5, 1.1, 0.4])] {
+            mesh = mesh.cuboid(low.into(), high.into());
+        }
+        mesh = mesh.cuboid(Vec3::new(-0.5, -0.7, 1.1), Vec3::new(0.6, -0.2, 1.4));
+        mesh.cuboid(Vec3::new(-0.4, -0.3, -1.6), Vec3::new(0.3, 0.4, -1.3))
+    }
+
+    fn moved(mut self, by: Vec3) -> Self {
+        self.positions.iter_mut().for_each(|p| *p += by);
+        self
+    }
+
+    fn map(&self, light: Sphere, resolution: u32, layers: u32) -> ShadowMap {
+        let options = MapOptions { resolution, layers, receivers: None };
+        ShadowMap::build(&self.positions, &self.triangles, light, &options).expect("a good mesh")
+    }
+
+    /// Points on the triangles, and one in four in the air around them, that have some of the light above their horizon.
+    fn receivers(&self, random: &mut Random, light: Sphere, count: usize) -> Vec<Receiver> {
+        let mut out = Vec::with_capacity(count);
+        while out.len() < count {
+            let k = random.bits() as usize % self.triangles.len();
+            let corners = self.triangles[k].map(|v| v as usize);
+            let [a, b, c] = corners.map(|v| self.positions[v]);
+            let (mut s, mut t) = (random.uniform() as f32, random.uniform() as f32);
+            if s + t > 1.0 {
+                (s, t) = (1.0 - s, 1.0 - t);
+            }
+            let weights = [1.0 - s - t, s, t];
+            let mut position = a * weights[0] + b * weights[1] + c * weights[2];
+            let normal: Vec3 = corners.iter().zip(weights).map(|(v, w)| self.normals[*v] * w).sum();
+            let (mut normal, mut face) = (normal.normalize(), (b - a).cross(c - a).normalize());
+            if face.dot(normal) < 0.0 {
+                face = -face;
+            }
+            let flat = face.dot(normal) > 0.9999;
+            if random.bits() % 4 == 0 {
+                position += 0.7 * random.uniform() as f32 * random.axis().as_vec3();
+                normal = random.axis().as_vec3();
+                face = normal;
+            } else if flat {
+                face = normal;
+            }
+            let cone = Cone::of_sphere(position, light);
+            if cone.one_minus_cos < 0.5 && normal.dot(cone.axis) > -0.9 * cone.sin_sq().sqrt() {
+                out.push(Receiver { position, normal, face, view: normal, object: self.objects[k] });
+            }
+        }
+        out
+    }
+}
+
+/// A scene under one light.
+struct Case {
+    name: &'static str,
+    mesh: Mesh,
+    light: Sphere,
+    resolution: u32,
+    layers: u32,
+    depth: u32,
+}
+
+/// A light at a place that appears from the origin under a half-angle in degrees.
+fn light(center: [f32; 3], half_angle: f32) -> Sphere {
+    let center = Vec3::from(center);
+    Sphere { center, radius: center.length() * half_angle.to_radians().sin() }
+}
+
+fn cases() -> Vec<Case> {
+    let bumpy = || Mesh::bumpy(Vec3::new(0.0, 0.9, 0.0), 0.8).floor(0.0, 2.5);
+    let fence = || Mesh::fence().floor(0.0, 2.0);
+    let case = |name, mesh, light, resolution, layers, depth| Case { name, mesh, light, resolution, layers, depth };
+    vec![
+        case("ball 0.5°, 1024²", bumpy(), light([1.5, 5.0, 0.8], 0.5), 1024, 3, 5),
+        case("ball 5°, 256²", bumpy(), light([1.5, 5.0, 0.8], 5.0), 256, 4, 5),
+        case("ball 15°, 128²", bumpy(), light([3.5, 2.0, 0.8], 15.0), 128, 3, 4),
+        case("fence 1°, 512²", fence(), light([1.0, 3.0, 3.0], 1.0), 512, 3, 6),
+        case("fence 6°, 256²", fence(), light([-1.0, 2.0, 4.0], 6.0), 256, 1, 3),
+        case("room 128²", Mesh::room(), Sphere { center: Vec3::new(0.05, 0.1, -0.07), radius: 0.12 }, 128, 3, 5),
+        case("room 512²", Mesh::room(), Sphere { center: Vec3::new(0.05, 0.1, -0.07), radius: 0.04 }, 512, 3, 5),
+    ]
+}
+
+/// What is asked: of a receiver, a light, and of masks the turn and the window: its centre and half side in discs.
+#[derive(Clone, Copy, Debug)]
+struct Question {
+    at: Receiver,
+    light: Sphere,
+    tolerance: f32,
+    across: Vec3,
+    window: [f32; 3],
+}
+
+/// What the tolerance is for a depth.
+fn tolerance_for(depth: u32) -> f32 {
+    let tolerance = [0.01, 0.003, 0.001][depth.clamp(4, 6) as usize - 4];
+    assert_eq!(depth_for(tolerance), depth.clamp(4, 6));
+    tolerance
+}
+
+fn questions(random: &mut Random, receivers: &[Receiver], light: Sphere, depth: u32, zoomed: bool) -> Vec<Question> {
+    let tolerance = tolerance_for(depth);
+    let question = |at: &Receiver| {
+        let half = if zoomed { random.between(0.1, 0.7) as f32 } else { 1.0 };
+        let mut aside = || random.between(-0.6, 0.6) as f32 * (1.0 - half);
+        let window = [aside(), aside(), half];
+        Question { at: *at, light, tolerance, across: random.axis().as_vec3(), window }
+    };
+    receivers.iter().map(question).collect()
+}
+
+/// Numbers of a question for WGSL.
+const INPUTS: usize = 22;
+
+const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
+    var<private> frame: Frame;
+    fn v(k: u32) -> vec3f { return vec3f(x(k), x(k + 1u), x(k + 2u)); }
+    fn receiver() -> Receiver {
+        frame = Frame(vec4f(v(10u), x(13u)), x(14u), u32(x(15u)));
+        return Receiver(v(0u), u32(x(3u)), v(4u), 0u, v(7u), 0u, v(4u), 0u);
+    }";
+
+fn numbers(question: &Question, packed: &PackedMaps) -> [f32; INPUTS] {
+    let Question { at, light, tolerance, across, window } = question;
+    let mut out = [0.0; INPUTS];
+    let object = [at.object as f32];
+    let rest = [light.radius, *tolerance, packed.map_of(light) as f32];
+    let parts: [&[f32]; 8] = [
+        &at.position.to_array(),
+        &object,
+        &at.normal.to_array(),
+        &at.face.to_array(),
+        &light.center.to_array(),
+        &rest,
+        &across.to_array(),
+        window,
+    ];
+    out.iter_mut().zip(parts.concat()).for_each(|(to, x)| *to = x);
+    out
+}
+
+fn gpu_coverage(gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
+    let rows: Vec<f32> = questions.iter().flat_map(|q| numbers(q, packed)).collect();
+    let pieces = [FRAME, wgsl::COMMON, wgsl::COVERAGE, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
+    let body = "let at = receiver();
+        y(0u, f32(maps_coverage(at, cone_of_sphere(at.position, frame.light))));";
+    let got = call_with(gpu, &pieces, body, &rows, [INPUTS, 1], &[(8, packed.words())]);
+    got.into_iter().map(|c| [Coverage::Lit, Coverage::Partial, Coverage::Dark][c as usize]).collect()
+}
+
+fn rust_coverage(blockers: &ShadowMapBlockers, questions: &[Question]) -> Vec<Coverage> {
+    let mut scratch = blockers.scratch();
+    let coverage = |q: &Question| {
+        let cone = Cone::of_sphere(q.at.position, q.light);
+        blockers.select(&VisibilityQuery { at: &q.at, cone: &cone, tolerance: q.tolerance }, &mut scratch)
+    };
+    questions.iter().map(coverage).collect()
+}
+
+/// What a mask says: emitting and lit area in cells, and the lit cells of each row.
+struct Seen {
+    emitting: f32,
+    lit: f32,
+    cells: [u64; 1 << MAX_DEPTH],
+}
+
+fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32) -> Vec<Seen> {
+    let side = 1 << depth;
+    let mut rows = Vec::with_capacity(questions.len() * side * (INPUTS + 1));
+    for question in questions {
+        let numbers = numbers(question, packed);
+        for lane in 0..side {
+            rows.extend(numbers);
+            rows.push(lane as f32);
+        }
+    }
+    let header = lighting::wgsl::header(depth, false);
+    let masks = [&header, lighting::wgsl::MASK, lighting::wgsl::SQUARE];
+    let pieces = [FRAME, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, masks[0], masks[1], masks[2]];
+    let body = "let at = receiver();
+        let cone = cone_of_sphere(at.position, frame.light);
+        var square = square_facing(cone, v(16u));
+        square.center = square.disc * vec2f(x(19u), x(20u));
+        square.half = square.disc * x(21u);
+        let lane = u32(x(22u));
+        let mask = mask_reset(square, lane, at.normal);
+        maps_splat(lane, at, cone, mask);
+        y(0u, f32(emitting.y - min(emitting.x, emitting.y)));
+        y(1u, f32(row_count(lit)));
+        for (var k = 0u; k < 4u; k++) {
+            var cells = 0u;
+            for (var i = 0u; i < 16u; i++) {
+                let first = (16u * k + i) * (WIDTH / SIDE);
+                let rest = row_without(lit, row_span(min(first, WIDTH), min(first + WIDTH / SIDE, WIDTH)));
+                cells |= select(0u, 1u << i, row_count(rest) != row_count(lit));
+            }
+            y(2u + k, f32(cells));
+        }";
+    let got = call_with(gpu, &pieces, body, &rows, [INPUTS + 1, 6], &[(8, packed.words())]);
+    let cell = (256 >> depth) as f32;
+    let seen = |rows: &[f32]| {
+        let mut seen = Seen { emitting: 0.0, lit: 0.0, cells: [0; 1 << MAX_DEPTH] };
+        for (row, cells) in rows.chunks_exact(6).zip(&mut seen.cells) {
+            seen.emitting += row[0] / cell;
+            seen.lit += row[1] / cell;
+            *cells = (0..4).map(|k| (row[2 + k] as u64) << (16 * k)).sum();
+        }
+        seen
+    };
+    got.chunks_exact(6 * side).map(seen).collect()
+}
+
+fn rust_masks(blockers: &ShadowMapBlockers, questions: &[Question], depth: u32) -> Vec<Seen> {
+    let (mut scratch, mut mask) = (blockers.scratch(), Mask::default());
+    let seen = |q: &Question| {
+        let cone = Cone::of_sphere(q.at.position, q.light);
+        let query = VisibilityQuery { at: &q.at, cone: &cone, tolerance: q.tolerance };
+        blockers.select(&query, &mut scratch);
+        let mut square = UnitSquare::facing(&cone, q.across);
+        square.center = square.disc * Vec2::new(q.window[0], q.window[1]);
+        square.half = square.disc * q.window[2];
+        mask.reset(&square, depth, q.at.normal);
+        blockers.splat(&query, &mut scratch, &mut mask);
+        let (emitting, lit) = mask.areas();
+        let cells = core::array::from_fn(|j| if j < mask.side() { mask.lit_cells(j) } else { 0 });
+        Seen { emitting, lit, cells }
+    };
+    questions.iter().map(seen).collect()
+}
+
+/// How many receivers a share of what is asked may be of another class.
+fn compare_coverage(gpu: &Gpu, name: &str, blockers: &ShadowMapBlockers, questions: &[Question], most: f64) {
+    let packed = blockers.pack();
+    let (want, got) = (rust_coverage(blockers, questions), gpu_coverage(gpu, &packed, questions));
+    let differ = want.iter().zip(&got).filter(|(want, got)| want != got).count();
+    let count = |what| want.iter().filter(|w| **w == what).count();
+    let (lit, partial, dark) = (count(Coverage::Lit), count(Coverage::Partial), count(Coverage::Dark));
+    println!(
+        "{name}: {} KiB, {lit} lit, {partial} partial, {dark} dark, {differ} differ",
+        packed.words().len() * 4 / 1024
+    );
+    assert!(lit > 20 && partial > 20, "{name}: {lit} {partial} {dark}");
+    assert!(differ as f64 <= most * questions.len() as f64, "{name}: {differ} of {} differ", questions.len());
+}
+
+/// Masks of those receivers that may see a part: mean difference of the share, and the largest.
+fn compare_masks(
+    gpu: &Gpu,
+    name: &str,
+    blockers: &ShadowMapBlockers,
+    questions: &[Question],
+    depth: u32,
+    [mean, largest]: [f64; 2],
+) {
+    let packed = blockers.pack();
+    let partial = rust_coverage(blockers, questions);
+    let questions = questions.iter().zip(partial).filter(|(_, c)| *c == Coverage::Partial).map(|(q, _)| *q);
+    let questions: Vec<Question> = questions.collect();
+    // Most of them in penumbrae, some that are wholly lit or dark after all.
+    let (mut penumbrae, mut others) = (0, 0);
+    let (questions, want): (Vec<Question>, Vec<Seen>) = questions
+        .iter()
+        .copied()
+        .zip(rust_masks(blockers, &questions, depth))
+        .filter(|(_, seen)| {
+            let is_between = seen.lit > 0.0 && seen.lit < seen.emitting;
+            let (count, most) = if is_between { (&mut penumbrae, 100) } else { (&mut others, 20) };
+            *count += 1;
+            *count <= most
+        })
+        .unzip();
+    let got = gpu_masks(gpu, &packed, &questions, depth);
+    let (mut sum, mut worst, mut place, mut cells, mut all, mut between) = (0.0_f64, 0.0_f64, 0, 0, 0, 0);
+    for (k, (want, got)) in want.iter().zip(&got).enumerate() {
+        // Ends of rows may be a sample off.
+        assert!((want.emitting - got.emitting).abs() <= 0.02 * want.emitting + 1.0, "{name}: {k}");
+        let share = |seen: &Seen| f64::from(seen.lit / seen.emitting.max(1.0));
+        between += usize::from(share(want) > 0.0 && share(want) < 1.0);
+        let difference = (share(want) - share(got)).abs();
+        sum += difference;
+        if difference > worst {
+            (worst, place) = (difference, k);
+        }
+        cells += want.cells.iter().zip(&got.cells).map(|(a, b)| (a ^ b).count_ones()).sum::<u32>();
+        all += want.cells.iter().map(|a| a.count_ones()).sum::<u32>();
+    }
+    let count = want.len();
+    println!(
+        "{name}, depth {depth}: {count} masks, {between} in penumbrae, share differs by {:.1e} in the mean, {worst:.1e} at most \
+         (receiver {place}: {} of {}, not {}), {cells} of {all} cells",
+        sum / count as f64,
+        got[place].lit,
+        got[place].emitting,
+        want[place].lit,
+    );
+    assert!(between >= 10, "{name}: {between} of {count}");
+    assert!(sum <= mean * count as f64 && worst <= largest, "{name}: {} {worst}", sum / count as f64);
+}
+
+fn coverage(gpu: &Gpu) {
+    for (k, case) in cases().into_iter().enumerate() {
+        let mut random = Random::new(10 + k as u64);
+        let blockers = ShadowMapBlockers::new(vec![case.mesh.map(case.light, case.resolution, case.layers)]);
+        let receivers = case.mesh.receivers(&mut random, case.light, 1500);
+        let questions = questions(&mut random, &receivers, case.light, case.depth, false);
+        // Rounding of a texel that touches the light or the receiver's plane.
+        compare_coverage(gpu, case.name, &blockers, &questions, 0.002);
+    }
+}
+
+fn masks(gpu: &Gpu) {
+    for (k, case) in cases().into_iter().enumerate() {
+        let mut random = Random::new(20 + k as u64);
+        let blockers = ShadowMapBlockers::new(vec![case.mesh.map(case.light, case.resolution, case.layers)]);
+        let receivers = case.mesh.receivers(&mut random, case.light, 8000);
+        let questions = questions(&mut random, &receivers, case.light, case.depth, false);
+        compare_masks(gpu, case.name, &blockers, &questions, case.depth, [1e-4, 1e-2]);
+    }
+}
+
+fn masks_of_windows(gpu: &Gpu) {
+    for (k, case) in cases().into_iter().enumerate() {
+        let mut random = Random::new(30 + k as u64);
+        let blockers = ShadowMapBlockers::new(vec![case.mesh.map(case.light, case.resolution, case.layers)]);
+        let receivers = case.mesh.receivers(&mut random, case.light, 8000);
+        let questions = questions(&mut random, &receivers, case.light, case.depth, true);
+        compare_masks(gpu, case.name, &blockers, &questions, case.depth, [2e-4, 2e-2]);
+    }
+}
+
+fn several_lights(gpu: &Gpu) {
+    let mesh = Mesh::bumpy(Vec3::new(0.0, 0.9, 0.0), 0.8).floor(0.0, 2.5);
+    let lights = [[1.5, 5.0, 0.8], [-2.0, 3.0, 0.5], [0.5, 4.0, -3.0], [0.0, 6.0, 0.0]].map(|at| light(at, 4.0));
+    let maps = [0, 1, 3].map(|k| mesh.map(lights[k], 128 << (k % 2), 3));
+    let blockers = ShadowMapBlockers::new(maps.to_vec());
+    let mut all = Vec::new();
+    for light in lights {
+        let mut random = Random::new(40);
+        let receivers = mesh.receivers(&mut random, light, 300);
+        all.extend(questions(&mut random, &receivers, light, 5, false));
+    }
+    let unshadowed = &all[600..900];
+    assert!(gpu_coverage(gpu, &blockers.pack(), unshadowed).iter().all(|c| *c == Coverage::Lit));
+    compare_coverage(gpu, "several lights", &blockers, &all, 0.002);
+    compare_masks(gpu, "several lights", &blockers, &all, 5, [1e-4, 1e-2]);
+}
+
+fn far_from_the_origin(gpu: &Gpu) {
+    let by = Vec3::new(1e4, -3e3, 7e3);
+    let mesh = Mesh::bumpy(Vec3::new(0.0, 0.9, 0.0), 0.8).floor(0.0, 2.5).moved(by);
+    let near = light([1.5, 5.0, 0.8], 2.0);
+    let light = Sphere { center: near.center + by, ..near };
+    let blockers = ShadowMapBlockers::new(vec![mesh.map(light, 512, 3)]);
+    let mut random = Random::new(50);
+    let receivers = mesh.receivers(&mut random, light, 3000);
+    let questions = questions(&mut random, &receivers, light, 5, false);
+    compare_coverage(gpu, "moved by 1e4", &blockers, &questions, 0.005);
+    compare_masks(gpu, "moved by 1e4", &blockers, &questions, 5, [1e-4, 1e-2]);
+}
+
+fn tiny_lights(gpu: &Gpu) {
+    let mesh = Mesh::bumpy(Vec3::new(0.0, 0.9, 0.0), 0.8).floor(0.0, 2.5);
+    let light = light([1.5, 5.0, 0.8], 0.1);
+    let blockers = ShadowMapBlockers::new(vec![mesh.map(light, 1024, 3)]);
+    let mut random = Random::new(60);
+    let receivers = mesh.receivers(&mut random, light, 40_000);
+    let questions = questions(&mut random, &receivers, light, 5, false);
+    compare_coverage(gpu, "0.1°", &blockers, &questions, 0.005);
+    // A share of a light that is 1/600 of its distance wide: f32 resolves 1e-7 of the distance, and where the blocker is as
+    // near as the light is wide that is magnified.
+    compare_masks(gpu, "0.1°", &blockers, &questions, 5, [1e-3, 0.1]);
+}
+
+fn own_face(gpu: &Gpu) {
+    let mesh = Mesh::bumpy(Vec3::new(0.0, 0.9, 0.0), 0.8);
+    let light = light([3.0, 3.0, 0.8], 6.0);
+    let blockers = ShadowMapBlockers::new(vec![mesh.map(light, 256, 3)]).with_casters(vec![true, false]);
+    let mut random = Random::new(70);
+    // On its own: shading normals that see the light, faces that see a part of it or nothing.
+    let mut receivers = mesh.receivers(&mut random, light, 4000);
+    receivers.retain(|at| {
+        let cone = Cone::of_sphere(at.position, light);
+        at.face != at.normal && at.face.dot(cone.axis) < cone.sin_sq().sqrt()
+    });
+    let mut others = mesh.receivers(&mut random, light, 200);
+    others.iter_mut().for_each(|at| at.object = FLOOR);
+    let count = receivers.len();
+    receivers.extend(others);
+    let questions = questions(&mut random, &receivers, light, 5, false);
+    let classes = rust_coverage(&blockers, &questions[..count]);
+    assert!(classes.iter().filter(|c| **c == Coverage::Partial).count() > 20 && classes.contains(&Coverage::Dark));
+    compare_coverage(gpu, "own face", &blockers, &questions, 0.002);
+    compare_masks(gpu, "own face", &blockers, &questions, 5, [1e-4, 1e-2]);
+}

@@ -1,0 +1,41 @@
+//! The WGSL of shadow maps without a GPU: every variant validates.
+
+use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use visibility_shadowmap::wgsl;
+
+/// What kernels declare.
+const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
+    @group(0) @binding(0) var<uniform> frame: Frame;";
+
+fn validate(pieces: &[&str]) -> naga::Module {
+    let common = [FRAME, wgsl::COMMON, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
+    let text = common.iter().chain(pieces).copied().collect::<Vec<_>>().join("\n");
+    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
+        panic!("{}", error.emit_to_string(&text));
+    }
+    module
+}
+
+#[test]
+fn coverage_validates() {
+    validate(&[wgsl::COVERAGE]);
+}
+
+#[test]
+fn splat_validates_for_every_mask_and_keeps_two_words_a_row_and_line() {
+    for depth in 1..=lighting::MAX_DEPTH {
+        for coarse in [false, true] {
+            let header = lighting::wgsl::header(depth, coarse);
+            let module = validate(&[&header, lighting::wgsl::MASK, wgsl::SPLAT]);
+            let (_, bits) = module
+                .global_variables
+                .iter()
+                .find(|(_, v)| v.name.as_deref() == Some("canvas_bits"))
+                .expect("a canvas");
+            // Four lines of 16 samples a cell.
+            assert_eq!(module.types[bits.ty].inner.size(module.to_ctx()), (4 * 16 / 8) << depth);
+        }
+    }
+}
