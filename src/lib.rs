@@ -16,6 +16,7 @@ pub use brdf;
 pub use lighting;
 pub use lobe_core;
 pub use render_cpu;
+pub use render_gpu;
 pub use scene;
 pub use visibility_shadowmap;
 pub use visibility_spheres;

@@ -88,6 +88,54 @@ fn unwritable_outputs_are_refused() {
     refuse(folder, &["reference", "scene.toml", "--size", "512x512", "--spp", "1000000", "-o", "no/ref.exr"], "no/ref");
 }
 
+/// What a GPU does not have is refused before anything is made, with what to do instead; also where there is no GPU.
+#[test]
+fn what_a_gpu_lacks_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), format!("{SCENE}{TABLE}")).unwrap();
+    let gpu = |scene: &str, options: &[&str], what: &str| {
+        let args = [&["render", scene, "-o", "a.exr", "--device", "gpu"], options].concat();
+        refuse(folder, &args, &format!("--device gpu: {what}"));
+    };
+    gpu("scene.toml", &["--layers"], "--layers");
+    gpu("scene.toml", &["--visibility", "rays"], "--visibility rays");
+    // Few triangles, so by rays where nothing else is said.
+    gpu("table.toml", &[], "object \"table\" is by rays");
+    gpu("table.toml", &["--frames", "0..1"], "object \"table\" is by rays");
+    assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
+    refuse(folder, &["render", "--device", "tpu"], "cpu, gpu, auto");
+    let help = succeed(folder, &["render", "--help"]);
+    assert!(help.contains("--device <DEVICE>") && help.contains("Possible values:"), "{help}");
+    for word in ["- cpu:", "- gpu:", "- auto:"] {
+        assert!(help.contains(word), "{word} in {help}");
+    }
+}
+
+/// Without a driver a GPU that is asked for is an error that says what to install, and one that may be left is left.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_gpu_that_is_not_there() {
+    let folder = folder();
+    let folder = folder.path();
+    let run = |device: &str, name: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+        command.args(["render", "scene.toml", "-o", name, "--device", device]).current_dir(folder);
+        // Of all backends Vulkan, of all its drivers none.
+        command.env("WGPU_BACKEND", "vulkan").env("VK_ICD_FILENAMES", "/none").env("VK_DRIVER_FILES", "/none");
+        let ran = command.output().unwrap();
+        (ran.status.code(), String::from_utf8(ran.stderr).unwrap())
+    };
+    let (code, told) = run("gpu", "a.exr");
+    assert!(code == Some(2) && told.lines().count() == 1, "{told}");
+    assert!(told.starts_with("lobes: error: --device gpu: no GPU adapter") && told.contains("install"), "{told}");
+    assert_eq!(names(folder), ["scene.toml"]);
+    let (code, told) = run("auto", "a.exr");
+    assert_eq!((code, told.as_str()), (Some(0), "lobes: note: --device auto: cpu, since there is no GPU adapter\n"));
+    assert_eq!(run("cpu", "b.exr"), (Some(0), String::new()));
+    assert_eq!(fs::read(folder.join("a.exr")).unwrap(), fs::read(folder.join("b.exr")).unwrap());
+}
+
 /// What a command reads it does not replace, and a picture gets a picture's name.
 #[test]
 fn inputs_are_not_overwritten() {

@@ -1,14 +1,14 @@
 //! Tolerance and depth for a frame time, by measuring.
 
 use crate::console::note;
+use crate::device::{Backend, Shader};
 use crate::failure::Failure;
 use crate::picture::{Bands, seconds};
 use crate::quality::LADDER;
 use crate::strategy::{Occlusion, Plan, Work};
-use cosine_lobes::lobe_core::VisibilityLobes;
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::render_cpu::{CpuShader, World};
-use cosine_lobes::scene::{Frame, Shade, ShadingPoints};
+use cosine_lobes::render_cpu::World;
+use cosine_lobes::scene::{Frame, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::ShadowMap;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
@@ -31,6 +31,7 @@ impl Budget<'_> {
     /// anew for it, and shading.
     pub(crate) fn choose(
         &self,
+        backend: &mut Backend,
         milliseconds: f32,
         bands: &Bands<'_>,
         frame: &Frame<'_>,
@@ -42,7 +43,7 @@ impl Budget<'_> {
         for (tolerance, depth) in LADDER {
             let frame = Frame { tolerance, depth, ..*frame };
             let occlusion = Occlusion::new(self.plan, self.world, self.spheres, self.maps.to_vec());
-            let shading = occlusion.shade(depth, self.tables, Twice { points: &points, frame: &frame })?;
+            let shading = occlusion.shade(backend, depth, self.tables, Twice { points: &points, frame: &frame })?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {
                 break;
@@ -71,9 +72,9 @@ struct Twice<'a> {
 }
 
 impl Work for Twice<'_> {
-    type Result = Result<f64, Failure>;
+    type Output = f64;
 
-    fn with<V: VisibilityLobes>(self, mut shader: CpuShader<'_, V>) -> Self::Result {
+    fn with<S: Shader>(self, shader: &mut S) -> Result<f64, Failure> {
         let mut out = vec![Vec3::ZERO; self.points.receivers.len()];
         let mut once = || shader.shade(self.points, self.frame, &mut out).map(|stats| stats.seconds);
         Ok(once()?.min(once()?))

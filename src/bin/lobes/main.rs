@@ -6,6 +6,7 @@ mod budget;
 mod check;
 mod compare;
 mod console;
+mod device;
 mod failure;
 mod files;
 mod fingerprint;

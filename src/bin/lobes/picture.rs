@@ -1,11 +1,11 @@
 //! A picture, shaded in bands.
 
 use crate::args::RenderArgs;
+use crate::device::Shader;
 use crate::failure::Failure;
 use crate::strategy::Work;
-use cosine_lobes::lobe_core::VisibilityLobes;
-use cosine_lobes::render_cpu::{CpuShader, GBuffer, TILE, World};
-use cosine_lobes::scene::{Frame, Shade, ShadeStats, ShadingPoints};
+use cosine_lobes::render_cpu::{GBuffer, TILE, World};
+use cosine_lobes::scene::{Frame, ShadeStats, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::Bounds;
 use cosine_lobes::{ExrLayer, Window};
 use glam::Vec3;
@@ -114,6 +114,8 @@ pub(crate) struct Planes {
     lobes: Vec<f32>,
     products: Vec<f32>,
     pub(crate) points: usize,
+    /// Seconds of compiling kernels.
+    pub(crate) kernels: f64,
     /// One entry a repetition.
     pub(crate) stats: Vec<ShadeStats>,
 }
@@ -128,9 +130,9 @@ pub(crate) struct Shading<'a, 'w> {
 }
 
 impl Work for Shading<'_, '_> {
-    type Result = Result<Planes, Failure>;
+    type Output = Planes;
 
-    fn with<V: VisibilityLobes>(self, mut shader: CpuShader<'_, V>) -> Self::Result {
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Planes, Failure> {
         let Self { args, frame, bands, progress } = self;
         let scene = bands.world.scene();
         let mut planes = Planes { lights: vec![Vec::new(); frame.lights.len()], ..Planes::default() };
@@ -138,6 +140,8 @@ impl Work for Shading<'_, '_> {
         let window = bands.window.clone();
         planes.beauty.try_reserve_exact(window.columns.len() * window.rows.len())?;
         planes.stats.resize(args.repeat as usize, ShadeStats::default());
+        // Compiles what there is to compile.
+        seconds(&mut planes.kernels, || shader.shade(&ShadingPoints::default(), frame, &mut []))?;
         for rows in bands.ranges(window.rows.start as u32..window.rows.end as u32) {
             progress(rows.start - window.rows.start as u32);
             let g = bands.points(&window, rows);

@@ -1,6 +1,7 @@
 use crate::args::{Method, RenderArgs, name};
 use crate::budget::Budget;
 use crate::console::{self, note, say};
+use crate::device::Backend;
 use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
@@ -36,12 +37,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let word = name(&args.visibility);
         return Err(Failure::new(format_args!("--map-resolution: no shadow map is made with --visibility {word}")));
     }
+    let mut backend = Backend::new(args, &plan, &scene)?;
     let all = moments.len();
     let paths = |moment: &Moment| -> Vec<PathBuf> {
         let of = |path: &PathBuf| moment.frame.map_or(path.clone(), |frame| files::numbered(path, frame));
         args.output.iter().map(of).collect()
     };
-    let stamp = args.frames.is_some().then(|| Stamp::new(args, &scene, &animation));
+    let stamp = args.frames.is_some().then(|| Stamp::new(args, &backend.name(), &scene, &animation));
     let there = |moment: &Moment| stamp.as_ref().is_some_and(|stamp| stamp.made(&paths(moment), moment.time));
     let moments: Vec<Moment> = moments.into_iter().filter(|m| !there(m)).collect();
     let open = |moment: &Moment| {
@@ -53,7 +55,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let stats_file = args.stats.as_ref().map(Output::create).transpose()?;
     let quiet = args.view.quiet;
 
-    let mut figures = Figures { skipped: all - moments.len(), ..Figures::default() };
+    let mut figures = Figures { skipped: all - moments.len(), device: backend.name(), ..Figures::default() };
     if !moments.is_empty() {
         let spheres = seconds(&mut clocks.spheres, || input::make_spheres(&mut scene, &animation, &plan, quiet))?;
         let tables = match args.method {
@@ -81,7 +83,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             let progress = |row: u32| bar.set_position(done + u64::from(row));
             let (spheres, tables) = (blockers.get(), tables.as_ref());
             let job = Job { args, window: &window, plan: &plan, spheres, tables, progress: &progress };
-            let planes = job.picture(&world, &mut figures, &mut clocks)?;
+            let planes = job.picture(&world, &mut backend, &mut figures, &mut clocks)?;
             hierarchy = Some(world.into_hierarchy());
             let layers = if args.layers { planes.layers() } else { Vec::new() };
             let [width, height] = window.size();
@@ -119,7 +121,13 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// One picture of a world.
-    fn picture(&self, world: &World<'_>, figures: &mut Figures, clocks: &mut FrameClocks) -> Result<Planes, Failure> {
+    fn picture(
+        &self,
+        world: &World<'_>,
+        backend: &mut Backend,
+        figures: &mut Figures,
+        clocks: &mut FrameClocks,
+    ) -> Result<Planes, Failure> {
         let Self { args, window, plan, spheres, tables, progress } = *self;
         let scene = world.scene();
         let mut bands = Bands::new(world, args.view.samples, window.clone());
@@ -138,7 +146,7 @@ impl Job<'_> {
             (None, Some(budget)) => {
                 let (maps, fixed, quiet) = (&maps, clocks.maps, args.view.quiet);
                 let choice = Budget { world, plan, spheres, maps, tables, fixed, quiet };
-                (frame.tolerance, frame.depth) = choice.choose(budget, &bands, &frame)?;
+                (frame.tolerance, frame.depth) = choice.choose(backend, budget, &bands, &frame)?;
             }
             (None, None) => {}
         }
@@ -148,11 +156,13 @@ impl Job<'_> {
         figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
         let planes = Occlusion::new(plan, world, spheres, maps).shade(
+            backend,
             frame.depth,
             tables,
             Shading { args, frame: &frame, bands: &mut bands, progress },
         )?;
         clocks.gbuffer = bands.seconds;
+        figures.kernels += planes.kernels;
         figures.runs.extend(planes.stats.iter().map(|stats| (*stats, planes.points)));
         Ok(planes)
     }

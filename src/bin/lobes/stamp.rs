@@ -1,19 +1,19 @@
 //! What the pictures of a sequence are made from, as a line that their files carry.
 
-use crate::args::{RenderArgs, ViewArgs};
+use crate::args::{Device, RenderArgs, ViewArgs};
 use crate::fingerprint::Fingerprint;
 use cosine_lobes::read_stamp;
 use cosine_lobes::scene::{Animation, Proxy, Scene};
 use std::path::PathBuf;
 
-/// All that decides the pictures of a sequence but the moment: the program's version, the options, the scene as it was
+/// All that decides the pictures of a sequence but the moment: the program's version, the options, what shades, the scene as it was
 /// loaded, what moves in it, and the sphere-set files that it names.
 pub(crate) struct Stamp {
     sequence: u64,
 }
 
 impl Stamp {
-    pub(crate) fn new(args: &RenderArgs, scene: &Scene, animation: &Animation) -> Self {
+    pub(crate) fn new(args: &RenderArgs, device: &str, scene: &Scene, animation: &Animation) -> Self {
         // Options that decide nothing, or that scene, animation and moment tell about.
         let view = ViewArgs {
             file: None,
@@ -27,8 +27,16 @@ impl Stamp {
             json: false,
             ..args.view.clone()
         };
-        let options = RenderArgs { view, output: Vec::new(), frames: None, stats: None, repeat: 1, ..args.clone() };
-        let all = Fingerprint::new().debug(&options).debug(scene).debug(animation);
+        let options = RenderArgs {
+            view,
+            output: Vec::new(),
+            frames: None,
+            stats: None,
+            repeat: 1,
+            device: Device::Cpu,
+            ..args.clone()
+        };
+        let all = Fingerprint::new().debug(&options).debug(&device).debug(scene).debug(animation);
         let sets = scene.objects.iter().filter_map(|o| match &o.proxy {
             Proxy::File(path) => std::fs::read(path).ok(),
             _ => None,

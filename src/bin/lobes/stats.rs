@@ -41,6 +41,10 @@ pub(crate) struct Figures {
     pub(crate) setting: Option<(f32, u32)>,
     /// Frames that were there already.
     pub(crate) skipped: usize,
+    /// What shades.
+    pub(crate) device: String,
+    /// Seconds of compiling kernels, for all frames.
+    pub(crate) kernels: f64,
     pub(crate) spheres: usize,
     pub(crate) triangles: usize,
     /// Resolution of each light's shadow map, and bytes of all.
@@ -64,7 +68,7 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
     let updates = || figures.frames.iter().skip(1);
     let update = |clock: fn(&FrameClocks) -> f64| median(updates().map(clock).collect());
     json!({
-        "device": name(&args.device),
+        "device": figures.device,
         "method": name(&args.method),
         "visibility": name(&args.visibility),
         "width": scene.width,
@@ -108,6 +112,7 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
         "load_seconds": clocks.load,
         "spheres_seconds": clocks.spheres,
         "tables_seconds": clocks.tables,
+        "kernels_seconds": figures.kernels,
         "hierarchy_seconds": figures.frames.first().map_or(0.0, |f| f.hierarchy),
         "map_seconds": of(|f| f.maps),
         "gbuffer_seconds": of(|f| f.gbuffer),
@@ -145,8 +150,12 @@ pub(crate) fn print(args: &RenderArgs, stats: &Value) {
         }
         _ => String::new(),
     };
+    let device = match stats["device"].as_str() {
+        Some("cpu") | None => String::new(),
+        Some(name) => format!(" on {name}"),
+    };
     say(format_args!(
-        "shading {} ({} points, {} spheres, {} lights, {share:.1} % in penumbra), G-buffer {}, spheres {}{maps}, \
+        "shading {}{device} ({} points, {} spheres, {} lights, {share:.1} % in penumbra), G-buffer {}, spheres {}{maps}, \
          writing {}",
         milliseconds("seconds"),
         stats["points"],

@@ -2,10 +2,13 @@
 
 use crate::advice::is_flat;
 use crate::args::Visibility;
+use crate::device::{Backend, Shader};
+use crate::failure::Failure;
 use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::lobe_core::{Method, Unshadowed, VisibilityLobes};
+use cosine_lobes::lobe_core::{Method, Unshadowed};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SphereSource, World};
+use cosine_lobes::render_gpu;
 use cosine_lobes::scene::{BlockerSet, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_shadowmap::{Bounds, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -196,10 +199,20 @@ impl<'a> Occlusion<'a> {
 
     /// Does the work with the shader that these blockers make by the paper's method, where its tables are given, or by
     /// moments. What is not there is not in the shader; mixtures of any kinds share one.
-    pub(crate) fn shade<W: Work>(self, depth: u32, tables: Option<&Tables>, work: W) -> W::Result {
+    pub(crate) fn shade<W: Work>(
+        self,
+        backend: &mut Backend,
+        depth: u32,
+        tables: Option<&Tables>,
+        work: W,
+    ) -> Result<W::Output, Failure> {
+        if let Backend::Gpu(shader) = backend {
+            shader.occlude(render_gpu::Occlusion { spheres: self.spheres, maps: self.maps.as_ref() })?;
+            return work.with(shader.as_mut());
+        }
         match (self.spheres, self.maps, self.rays) {
             (None, None, None) => {
-                work.with(CpuShader::with_method(Unshadowed, tables.map_or(Method::Moments, Method::Paper)))
+                work.with(&mut CpuShader::with_method(Unshadowed, tables.map_or(Method::Moments, Method::Paper)))
             }
             (Some(spheres), None, None) => masked(spheres, depth, tables, work),
             (spheres, maps, rays) => masked(Mixture::new(spheres, Mixture::new(maps, rays)), depth, tables, work),
@@ -207,21 +220,26 @@ impl<'a> Occlusion<'a> {
     }
 }
 
-/// Something to be done with a shader of whatever visibility.
+/// Something to be done with a shader of whatever device and visibility.
 pub(crate) trait Work {
     /// What comes of it.
-    type Result;
+    type Output;
 
     /// Does it.
-    fn with<V: VisibilityLobes>(self, shader: CpuShader<'_, V>) -> Self::Result;
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, Failure>;
 }
 
-fn masked<B: Blockers, W: Work>(blockers: B, depth: u32, tables: Option<&Tables>, work: W) -> W::Result {
+fn masked<B: Blockers, W: Work>(
+    blockers: B,
+    depth: u32,
+    tables: Option<&Tables>,
+    work: W,
+) -> Result<W::Output, Failure> {
     match tables {
-        None => work.with(CpuShader::new(MaskVisibility::new(blockers, depth))),
+        None => work.with(&mut CpuShader::new(MaskVisibility::new(blockers, depth))),
         Some(tables) => {
             let visibility = PaperVisibility::new(blockers, depth, tables);
-            work.with(CpuShader::with_method(visibility, Method::Paper(tables)))
+            work.with(&mut CpuShader::with_method(visibility, Method::Paper(tables)))
         }
     }
 }

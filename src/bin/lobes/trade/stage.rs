@@ -2,14 +2,14 @@ use super::setting::{Setting, Technique};
 use super::truth::Truth;
 use crate::args::{TradeArgs, TradeGeometry, Visibility};
 use crate::console::STOP;
+use crate::device::{Backend, Shader};
 use crate::failure::Failure;
 use crate::picture::seconds;
 use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
 use cosine_lobes::Picture;
 use cosine_lobes::lighting::depth_for;
-use cosine_lobes::lobe_core::VisibilityLobes;
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::render_cpu::{CpuShader, GBuffer, RayShader, World};
+use cosine_lobes::render_cpu::{GBuffer, RayShader, World};
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::{Bounds, ShadowMap};
 use glam::Vec3;
@@ -136,7 +136,8 @@ impl<'a> Stage<'a> {
                     crate::args::Method::Paper => self.tables.as_ref(),
                     crate::args::Method::Moments => None,
                 };
-                let shot = Occlusion::new(&plan, self.world, spheres, maps).shade(depth, tables, timed)?;
+                let shot =
+                    Occlusion::new(&plan, self.world, spheres, maps).shade(&mut Backend::Cpu, depth, tables, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }
         }
@@ -184,9 +185,9 @@ impl Timed<'_> {
 }
 
 impl Work for Timed<'_> {
-    type Result = Result<Shot, Failure>;
+    type Output = Shot;
 
-    fn with<V: VisibilityLobes>(self, mut shader: CpuShader<'_, V>) -> Self::Result {
-        self.run(&mut shader)
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Shot, Failure> {
+        self.run(shader)
     }
 }

@@ -1,0 +1,73 @@
+//! The same picture by `--device cpu` and `--device gpu`.
+
+use crate::support::*;
+use cosine_lobes::read_exr;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+crate::tests![strategies, settings, shadow_maps, samples_and_threshold];
+
+/// Largest and mean difference, as shares of the picture's largest value.
+const LARGEST: f32 = 1e-3;
+const MEAN: f64 = 1e-5;
+
+/// Renders by both and compares; the GPU's figures.
+pub(crate) fn same(folder: &Path, options: &[&str]) -> Value {
+    let render = |device: &str, name: &str| {
+        json(folder, &[&["render", "--device", device, "-o", name, "--json", "-q"], options].concat())
+    };
+    let (cpu, gpu) = (render("cpu", "cpu.exr"), render("gpu", "gpu.exr"));
+    let [want, got] = ["cpu.exr", "gpu.exr"].map(|name| read_exr(&folder.join(name)).unwrap());
+    let peak = want.pixels().iter().map(|p| p.max_element()).fold(0.0, f32::max);
+    assert!(peak > 0.0, "{options:?}: a black picture");
+    let apart: Vec<f32> =
+        want.pixels().iter().zip(got.pixels()).map(|(a, b)| (*a - *b).abs().max_element() / peak).collect();
+    let largest = apart.iter().copied().fold(0.0, f32::max);
+    let mean = apart.iter().map(|d| f64::from(*d)).sum::<f64>() / apart.len() as f64;
+    println!("{options:?}: largest {largest:.1e}, mean {mean:.1e}");
+    assert!(got.pixels().iter().all(|p| p.is_finite()), "{options:?}");
+    assert!(largest <= LARGEST && mean <= MEAN, "{options:?}: largest {largest:.2e}, mean {mean:.2e}");
+    for key in ["points", "lights", "spheres", "tolerance", "depth", "visibility", "method", "map_resolutions"] {
+        assert_eq!(cpu[key], gpu[key], "{options:?}: {key}");
+    }
+    for key in ["lit_points", "dark_points", "penumbra_points"] {
+        let [a, b] = [&cpu, &gpu].map(|stats| stats["counts"][key].as_u64().unwrap());
+        assert!(a.abs_diff(b) <= 1 + cpu["points"].as_u64().unwrap() / 2000, "{options:?}: {key} {a} {b}");
+    }
+    assert_eq!(cpu["device"], "cpu");
+    assert!(gpu["device"] != "cpu" && gpu["device"].as_str().is_some_and(|name| !name.is_empty()), "{gpu}");
+    gpu
+}
+
+/// The built-in scene: exact balls, five materials, two lights.
+fn strategies() {
+    let folder = folder();
+    for visibility in ["scene", "spheres", "none"] {
+        same(folder.path(), &["--size", "96x54", "--visibility", visibility]);
+    }
+}
+
+fn settings() {
+    let folder = folder();
+    for options in [&["--quality", "draft"][..], &["--quality", "high"], &["--tolerance", "0.02", "--depth", "6"]] {
+        same(folder.path(), &[&["--size", "64x36"], options].concat());
+    }
+}
+
+/// A table's top in the map, a ball beside it.
+fn shadow_maps() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), SCENE.to_owned() + TABLE).unwrap();
+    let gpu = same(folder, &["table.toml", "--visibility", "shadow-map"]);
+    assert!(gpu["map_bytes"].as_u64().unwrap() > 0 && gpu["spheres"] == 1, "{gpu}");
+    same(folder, &["--size", "64x36", "--visibility", "shadow-map", "--map-resolution", "256"]);
+}
+
+fn samples_and_threshold() {
+    let folder = folder();
+    same(folder.path(), &["scene.toml", "--samples", "3"]);
+    let pruned = same(folder.path(), &["--size", "64x36", "--threshold", "0.05"])["counts"]["pruned"].as_u64().unwrap();
+    assert!(pruned > 0);
+}

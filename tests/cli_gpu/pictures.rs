@@ -1,0 +1,125 @@
+//! Sequences, parts and files.
+
+use crate::support::*;
+use cosine_lobes::read_exr;
+use serde_json::Value;
+use std::fs;
+
+crate::tests![
+    two_runs_give_the_same_files,
+    a_sequence_is_the_pictures_of_its_moments,
+    parts_make_the_whole_to_the_bit,
+    a_time_budget_is_kept,
+    auto_says_what_it_takes,
+    an_interrupt_leaves_no_file,
+];
+
+fn two_runs_give_the_same_files() {
+    let folder = folder();
+    let folder = folder.path();
+    for name in ["a", "b"] {
+        let [png, exr] = ["png", "exr"].map(|ending| format!("{name}.{ending}"));
+        succeed(folder, &["render", "--size", "64x36", "--device", "gpu", "-q", "-o", &png, "-o", &exr]);
+    }
+    for ending in ["png", "exr"] {
+        let [a, b] = ["a", "b"].map(|name| fs::read(folder.join(format!("{name}.{ending}"))).unwrap());
+        assert!(a == b, "{ending}");
+    }
+}
+
+/// Each frame is what its moment alone gives, and the CPU's to within what devices differ by; what was made by another
+/// device is made anew.
+fn a_sequence_is_the_pictures_of_its_moments() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("roll.toml"), rolling().replace("spheres = 8", "spheres = 1")).unwrap();
+    let base = ["render", "roll.toml", "-o", "r.exr", "--frames", "2..5", "--visibility", "shadow-map", "--json", "-q"];
+    let made = |device: &str| {
+        let stats = json(folder, &[&base[..], &["--device", device]].concat());
+        [&stats["frames"], &stats["skipped_frames"]].map(|n| n.as_u64().unwrap())
+    };
+    assert_eq!(made("cpu"), [3, 0]);
+    let read = |name: &str| read_exr(&folder.join(name)).unwrap();
+    let cpu = read("r.0004.exr");
+    assert_eq!((made("gpu"), made("gpu")), ([3, 0], [0, 3]));
+    let gpu = read("r.0004.exr");
+    let one = ["render", "roll.toml", "-o", "one.exr", "--frame", "4", "--visibility", "shadow-map", "-q"];
+    succeed(folder, &[&one[..], &["--device", "gpu"]].concat());
+    assert_eq!(read("one.exr"), gpu);
+    assert_ne!(read("r.0002.exr"), gpu);
+    let peak = cpu.pixels().iter().map(|p| p.max_element()).fold(0.0, f32::max);
+    let apart = |(a, b): (&glam::Vec3, &glam::Vec3)| (*a - *b).abs().max_element() / peak;
+    let largest = cpu.pixels().iter().zip(gpu.pixels()).map(apart).fold(0.0, f32::max);
+    assert!(largest <= 1e-3, "{largest}");
+    assert_eq!(made("cpu"), [3, 0]);
+}
+
+fn parts_make_the_whole_to_the_bit() {
+    let folder = folder();
+    let folder = folder.path();
+    let render = |output: &str, further: &[&str]| {
+        succeed(folder, &[&["render", "--size", "48x32", "--device", "gpu", "-q", "-o", output], further].concat());
+    };
+    render("whole.exr", &[]);
+    for part in ["1/3", "2/3", "3/3"] {
+        render(&format!("tile{}.exr", &part[..1]), &["--tiles", part]);
+    }
+    succeed(folder, &["merge", "tile2.exr", "tile1.exr", "tile3.exr", "-o", "tiles.exr", "-q"]);
+    for (name, crop) in [("a.exr", "0,0,19,32"), ("b.exr", "19,0,48,5"), ("c.exr", "19,5,48,32")] {
+        render(name, &["--crop", crop]);
+    }
+    succeed(folder, &["merge", "a.exr", "b.exr", "c.exr", "-o", "windows.exr", "-q"]);
+    let [whole, tiles, windows] = ["whole.exr", "tiles.exr", "windows.exr"].map(|n| fs::read(folder.join(n)).unwrap());
+    assert!(tiles == whole, "tiles");
+    assert!(windows == whole, "windows");
+}
+
+/// What is measured is the GPU: time without end takes the best setting.
+fn a_time_budget_is_kept() {
+    let folder = folder();
+    let args = ["render", "scene.toml", "--device", "gpu", "--json", "--time-budget"];
+    let depth = |budget: &str| json(folder.path(), &[&args[..], &[budget]].concat())["depth"].as_u64().unwrap();
+    assert_eq!((depth("1e6"), depth("1e-6")), (6, 2));
+}
+
+/// One line: the GPU where it is hardware, else the CPU, and why.
+fn auto_says_what_it_takes() {
+    let folder = folder();
+    let folder = folder.path();
+    let ran = |options: &[&str]| {
+        let ran = lobes(folder, &[&["render", "scene.toml", "--device", "auto", "--json"], options].concat());
+        assert!(ran.status.success());
+        let stats: Value = serde_json::from_slice(&ran.stdout).unwrap();
+        (String::from_utf8(ran.stderr).unwrap(), stats["device"].as_str().unwrap().to_owned())
+    };
+    let (told, device) = ran(&[]);
+    assert!(told.lines().count() == 1 && told.contains(&format!("--device auto: {device}")), "{told} {device}");
+    assert_eq!(ran(&["-q"]), (String::new(), device));
+    // What only the CPU has is left to it.
+    let (told, device) = ran(&["--visibility", "rays"]);
+    assert!(device == "cpu" && told.contains("--device auto: cpu, since --visibility rays"), "{told}");
+}
+
+#[cfg(unix)]
+fn an_interrupt_leaves_no_file() {
+    use std::process::{Command, Stdio};
+    let folder = folder();
+    let folder = folder.path();
+    let args = ["render", "-o", "a.exr", "--size", "640x360", "--repeat", "10000", "--device", "gpu"];
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+    let mut child = command.current_dir(folder).args(args).stderr(Stdio::piped()).spawn().unwrap();
+    // Into shading: outputs are opened before.
+    while names(folder).len() == 1 {
+        assert!(child.try_wait().unwrap().is_none(), "ended early");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130));
+    assert_eq!(String::from_utf8_lossy(&ended.stderr), "lobes: interrupted; nothing half-written\n");
+    assert_eq!(names(folder), ["scene.toml"]);
+}
+
+#[cfg(not(unix))]
+fn an_interrupt_leaves_no_file() {}
