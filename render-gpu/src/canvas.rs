@@ -1,18 +1,16 @@
 use crate::layout::GpuReceiver;
-use crate::{Gpu, GpuError};
+use crate::{Gpu, GpuError, TILE};
 use core::num::NonZeroU64;
 use lobe_core::wgsl::GEOMETRY;
 use wgpu::util::DeviceExt;
-
-/// Side of the pixel tiles in whose order points are listed.
-const TILE: u32 = 8;
 
 /// Writes radiance to a caller's texture: linear RGB, and alpha 0 where a pixel has no point
 /// ([`NO_MATERIAL`](crate::NO_MATERIAL)), else 1.
 ///
 /// The points of a `width`×`height` picture are one a pixel, tile by tile of 8 × 8 pixels, left to right, top to bottom, and
 /// so within a tile ([`place`](Self::place)); tiles that reach over the edge have all their 64 points
-/// ([`points`](Self::points)). Neighbours in the list are then neighbours in space, which is what culling wants.
+/// ([`points`](Self::points)). That is how [`GpuGBuffer`](crate::GpuGBuffer) leaves them; neighbours in the list are
+/// neighbours in space, which is what culling wants.
 ///
 /// ```no_run
 /// # fn of(gpu: &render_gpu::Gpu, shader: &mut render_gpu::GpuShader, frame: &scene::Frame<'_>, points: &wgpu::Buffer,

@@ -1,0 +1,62 @@
+//! The kernels of poses and canvases without a GPU: they validate, and their constants are Rust's.
+
+use glam::{Mat4, Vec3};
+use lobe_core::wgsl::{GEOMETRY, SPECIAL};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use visibility_spheres::{BuildOptions, Carriers, Rig, RigPart, SphereBlockers, SphereSet, wgsl};
+
+fn module(pieces: &[&str]) -> naga::Module {
+    let text = pieces.join("\n");
+    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
+        panic!("{}", error.emit_to_string(&text));
+    }
+    module
+}
+
+fn constant(module: &naga::Module, name: &str) -> usize {
+    let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+    let init = found.map(|(_, constant)| &module.global_expressions[constant.init]);
+    match init {
+        Some(naga::Expression::Literal(naga::Literal::U32(value))) => *value as usize,
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+#[test]
+fn a_rig_has_the_words_that_its_kernel_reads() {
+    let pose = module(&[SPECIAL, wgsl::PACKED, wgsl::POSE]);
+    let entry = &pose.entry_points[0];
+    assert_eq!((entry.name.as_str(), entry.workgroup_size), ("pose_spheres", [64, 1, 1]));
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let set = SphereSet::build(&corners, &triangles, &BuildOptions::new(3)).unwrap();
+    for targets in [vec![], vec![corners.to_vec(); 2]] {
+        let carriers = Carriers {
+            joints: &[[0; 4]; 4],
+            weights: &[[1.0, 0.0, 0.0, 0.0]; 4],
+            targets: &targets,
+            rest_joints: &[Mat4::IDENTITY],
+            rest_morph: &[0.0; 2],
+        };
+        let bound = set.bind(&corners, &triangles, &carriers).unwrap();
+        let spheres = &bound.rest().spheres;
+        let blockers = SphereBlockers::new(spheres, &vec![0; spheres.len()], &[]);
+        let rig = Rig::new(&blockers, &[RigPart { first: 0, set: &bound }]).unwrap();
+        let each = constant(&pose, "RIG_WORDS") + targets.len() * constant(&pose, "MORPH_WORDS");
+        assert_eq!(rig.words().len(), 1 + spheres.len() * each);
+        assert_eq!(rig.spheres() as usize, spheres.len());
+        // One sphere too few.
+        assert!(Rig::new(&blockers, &[RigPart { first: 1, set: &bound }]).is_err());
+    }
+}
+
+#[test]
+fn a_canvas_of_either_format_validates() {
+    for format in ["rgba16float", "rgba32float"] {
+        let binding = format!("@group(0) @binding(10) var canvas: texture_storage_2d<{format}, write>;");
+        let canvas = module(&[&binding, GEOMETRY, include_str!("../src/kernels/canvas.wgsl")]);
+        assert_eq!(canvas.entry_points[0].workgroup_size, [render_gpu::TILE, render_gpu::TILE, 1]);
+        assert_eq!(constant(&canvas, "NO_MATERIAL"), render_gpu::NO_MATERIAL as usize);
+    }
+}
