@@ -1,9 +1,7 @@
 // The paper's shadow nodes (§5.3) by a workgroup, from a mask of DEPTH: those of a quad-tree of PAPER_DEPTH, which is one
 // less, or the same at the greatest depth. Needs `paper_header`, mask.wgsl, square.wgsl, total.wgsl, paper.wgsl of lobe-core.
 
-// Samples of a cell, and those of them in one word.
 const CELL_SAMPLES = WIDTH / SIDE;
-const PART = min(CELL_SAMPLES, 32u);
 
 // Rows of all levels as bits, row r of level l at 2^l + r: nodes that the disc touches, and those where any of it is seen.
 var<workgroup> tree_touched: array<vec2u, 2u * SIDE>;
@@ -25,15 +23,12 @@ fn emitting_cells() -> vec2u {
 
 // Cells of the own row that emit and are not blocked from end to end.
 fn lit_cells() -> vec2u {
-    var cells = vec2u(0u);
-    for (var k = 0u; k < 8u; k++) {
-        let word = row_samples(lit, k);
-        var bits = 0u;
-        for (var i = 0u; i < 32u / PART; i++) {
-            bits |= select(0u, 1u, ((word >> (i * PART)) & (0xffffffffu >> (32u - PART))) != 0u) << i;
-        }
-        let first = k * 32u / CELL_SAMPLES;
-        cells |= select(vec2u(bits << (first & 31u), 0u), vec2u(0u, bits << (first & 31u)), first >= 32u);
+    // Four samples are one bit of the four planes of either half.
+    let low = (lit.a.x | lit.a.y) | (lit.a.z | lit.a.w);
+    let high = (lit.b.x | lit.b.y) | (lit.b.z | lit.b.w);
+    var cells = spread(low) | (spread(high) << vec2u(1u));
+    for (var side = 64u; side > SIDE; side /= 2u) {
+        cells = pairs(cells);
     }
     return cells;
 }
@@ -48,14 +43,19 @@ fn pairs(bits: vec2u) -> vec2u {
     return vec2u(b.x | (b.y << 16u), 0u);
 }
 
-// Bits 2k and 2k + 1 of the result: bit k, of 32.
-fn twice(bits: vec2u) -> vec2u {
-    var b = vec2u(bits.x & 0xffffu, bits.x >> 16u);
+// Bit 2k of the result: bit k.
+fn spread(bits: u32) -> vec2u {
+    var b = vec2u(bits & 0xffffu, bits >> 16u);
     b = (b | (b << vec2u(8u))) & vec2u(0x00ff00ffu);
     b = (b | (b << vec2u(4u))) & vec2u(0x0f0f0f0fu);
     b = (b | (b << vec2u(2u))) & vec2u(0x33333333u);
-    b = (b | (b << vec2u(1u))) & vec2u(0x55555555u);
-    return b | (b << vec2u(1u));
+    return (b | (b << vec2u(1u))) & vec2u(0x55555555u);
+}
+
+// Bits 2k and 2k + 1 of the result: bit k, of 32.
+fn twice(bits: vec2u) -> vec2u {
+    let even = spread(bits.x);
+    return even | (even << vec2u(1u));
 }
 
 // `ShadowTree::read`, and its levels above. Only where all threads come by.

@@ -10,6 +10,8 @@ pub(crate) const BOUNDS: &str = include_str!("kernels/bounds.wgsl");
 pub(crate) const CULL: &str = include_str!("kernels/cull.wgsl");
 pub(crate) const CLASSIFY: &str = include_str!("kernels/classify.wgsl");
 pub(crate) const PENUMBRA: &str = include_str!("kernels/penumbra.wgsl");
+pub(crate) const PAPER_CLASSIFY: &str = include_str!("kernels/paper_classify.wgsl");
+pub(crate) const PAPER_PENUMBRA: &str = include_str!("kernels/paper_penumbra.wgsl");
 pub(crate) const ARGS: &str = include_str!("kernels/args.wgsl");
 
 /// What kernels have counted, from the head of the queue.

@@ -12,6 +12,7 @@ mod layout;
 mod memory;
 mod module;
 mod occlusion;
+mod paper;
 mod pose;
 mod shader;
 pub mod wgsl;

@@ -22,6 +22,8 @@ pub(crate) struct Variant {
     pub(crate) coarse: bool,
     pub(crate) models: Models,
     pub(crate) strategies: Strategies,
+    /// By the paper's method, and not by moments.
+    pub(crate) paper: bool,
 }
 
 /// Which strategies have blockers.
@@ -55,6 +57,12 @@ impl Strategies {
 }
 
 impl Variant {
+    /// The buffers of the kernels that shade.
+    fn bindings(&self) -> Vec<Binding> {
+        let tables: &[Binding] = if self.paper { &[(Slot::Tables, Read)] } else { &[] };
+        [SHADED.as_slice(), &self.strategies.bindings(), tables].concat()
+    }
+
     /// Whether all reflectance is Lambert's.
     fn is_lambert(&self) -> bool {
         self.models.names().all(|name| name == "lambert")
@@ -116,7 +124,11 @@ const SHADED: [Binding; 5] = [
 /// What every point sees of a light.
 pub(crate) fn classify(variant: &Variant) -> Text {
     let reflectance = brdf::wgsl::compose(variant.models);
-    let cap = if variant.is_lambert() { lobes::CAP_LAMBERT } else { lobes::CAP };
+    let (integral, kernel) = if variant.paper {
+        (lobes::PAPER, kernels::PAPER_CLASSIFY)
+    } else {
+        (if variant.is_lambert() { lobes::CAP_LAMBERT } else { lobes::CAP }, kernels::CLASSIFY)
+    };
     let strategies = variant.strategies;
     let all = strategies.calls().map(|name| match name {
         "spheres" => "coverage = max(coverage, spheres_coverage(tile, at, cone));",
@@ -132,10 +144,10 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         lobes::SPECIAL,
         lobes::GEOMETRY,
         lobes::LOBE,
-        cap,
+        integral,
         &reflectance,
         &hook,
-        kernels::CLASSIFY,
+        kernel,
     ];
     if strategies.spheres {
         pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
@@ -143,13 +155,14 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.maps {
         pieces.extend([masks::SQUARE, maps::COMMON, maps::COVERAGE]);
     }
-    Text::new("classify", &pieces, &[SHADED.as_slice(), &strategies.bindings()].concat())
+    Text::new("classify", &pieces, &variant.bindings())
 }
 
 /// What the points in a penumbra see.
 pub(crate) fn penumbra(variant: &Variant) -> Text {
     let reflectance = brdf::wgsl::compose(variant.models);
-    let header = masks::header(variant.depth, variant.coarse);
+    let header =
+        if variant.paper { masks::paper_header(variant.depth) } else { masks::header(variant.depth, variant.coarse) };
     let strategies = variant.strategies;
     let edges =
         if strategies.spheres { "return spheres_edges(lane, tile, at, light, window);" } else { "return vec2f(0.0);" };
@@ -174,12 +187,14 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         masks::MASK,
         masks::EDGES,
         masks::TOTAL,
-        masks::SHARE,
-        masks::VISIBILITY,
-        if variant.is_lambert() { masks::LAMBERT } else { masks::LOBES },
         &hooks,
-        kernels::PENUMBRA,
     ];
+    if variant.paper {
+        pieces.extend([lobes::PAPER, masks::PAPER, kernels::PAPER_PENUMBRA]);
+    } else {
+        let shares = if variant.is_lambert() { masks::LAMBERT } else { masks::LOBES };
+        pieces.extend([masks::SHARE, masks::VISIBILITY, shares, kernels::PENUMBRA]);
+    }
     if strategies.spheres {
         pieces.extend([
             spheres::PACKED,
@@ -194,7 +209,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     if strategies.maps {
         pieces.extend([maps::COMMON, maps::SPLAT]);
     }
-    Text::new("penumbra", &pieces, &[SHADED.as_slice(), &strategies.bindings()].concat())
+    Text::new("penumbra", &pieces, &variant.bindings())
 }
 
 #[cfg(test)]

@@ -43,7 +43,13 @@ fn variants() -> impl Iterator<Item = Variant> {
         strategies.into_iter().flat_map(move |(spheres, maps)| {
             (1..=6).flat_map(move |depth| {
                 let strategies = Strategies { spheres, maps };
-                [false, true].map(move |coarse| Variant { depth, coarse, models, strategies })
+                [(false, false), (true, false), (false, true)].map(move |(coarse, paper)| Variant {
+                    depth,
+                    coarse,
+                    models,
+                    strategies,
+                    paper,
+                })
             })
         })
     })
@@ -67,6 +73,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
         coarse: false,
         models: Models::from_bits(1),
         strategies: Strategies { spheres: true, maps: false },
+        paper: false,
     };
     let unshadowed = Variant { strategies: Strategies::default(), ..lambert };
     let text = classify(&unshadowed).text;

@@ -5,11 +5,13 @@ use crate::layout::{GpuFrame, GpuReceiver};
 use crate::memory::Memory;
 use crate::module::{self, Variant};
 use crate::occlusion::{Blockers, Occlusion};
+use crate::paper::Paper;
 use crate::{Gpu, GpuError, GpuPose};
 use brdf::{Material, Models, PackedMaterials};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
 use lighting::{MAX_DEPTH, is_coarse};
+use lobe_core::Method;
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 use wgpu::BufferUsages;
@@ -55,6 +57,8 @@ pub struct GpuShader {
     slice: u64,
     blockers: Blockers,
     kernels: Vec<(Variant, Kernels)>,
+    /// The paper's method, where that is asked for.
+    paper: Option<Paper>,
     materials: Memory,
     /// The materials that were packed last, and the most lobes that one has.
     packed_of: Vec<Material>,
@@ -92,6 +96,7 @@ impl GpuShader {
             slice: if gpu.is_software() { SOFTWARE_SLICE } else { SLICE },
             blockers: Blockers::default(),
             kernels: Vec::new(),
+            paper: None,
             materials: Memory::new("materials", storage),
             packed_of: Vec::new(),
             max_lobes: 0,
@@ -131,6 +136,17 @@ impl GpuShader {
         &self.gpu
     }
 
+    /// Another method than moments. The paper's takes its tables (4.3 MB) to the GPU and solves for its weights with the first
+    /// frame of a depth; it is the same as `PaperVisibility` with [`Method::Paper`] on the CPU.
+    #[must_use]
+    pub fn with_method(self, method: Method<'_>) -> Self {
+        let paper = match method {
+            Method::Moments => None,
+            Method::Paper(tables) => Some(Paper::new(tables)),
+        };
+        Self { paper, ..self }
+    }
+
     /// At most so many points in one submission (made a multiple of 64): for tests and small memories.
     #[must_use]
     pub fn with_slice(self, points: u32) -> Self {
@@ -151,9 +167,10 @@ impl GpuShader {
     fn kernels(&mut self, frame: &Frame<'_>) -> Result<usize, GpuError> {
         let variant = Variant {
             depth: frame.depth.clamp(1, MAX_DEPTH),
-            coarse: is_coarse(frame.tolerance),
+            coarse: self.paper.is_none() && is_coarse(frame.tolerance),
             models: Models::of(frame.materials),
             strategies: self.blockers.strategies(),
+            paper: self.paper.is_some(),
         };
         if let Some(known) = self.kernels.iter().position(|(known, _)| *known == variant) {
             return Ok(known);
@@ -172,6 +189,9 @@ impl GpuShader {
 
     /// What does not depend on the slice: kernels, materials; returns the kernels' number and the words of a queue item.
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<(usize, u64), GpuError> {
+        if let Some(paper) = &mut self.paper {
+            paper.hold(&self.gpu, frame.depth.clamp(1, MAX_DEPTH))?;
+        }
         let kernels = self.kernels(frame)?;
         self.materials.sized(&self.gpu, 0)?;
         if self.packed_of != frame.materials {
@@ -274,6 +294,7 @@ impl GpuShader {
             Slot::Queue => self.queue.whole(),
             Slot::Indirect => self.indirect.whole(),
             Slot::Lists => self.lists.whole(),
+            Slot::Tables => self.paper.as_ref().and_then(Paper::resource),
             _ => self.blockers.resource(slot),
         }
     }

@@ -7,6 +7,7 @@ mod maps;
 mod gbuffer;
 mod masks;
 mod materials;
+mod paper;
 mod parity;
 mod pose;
 mod robust;
@@ -27,6 +28,7 @@ fn main() {
     trials.extend(masks::trials(gpu.as_ref()));
     trials.extend(parity::trials(gpu.as_ref()));
     trials.extend(materials::trials(gpu.as_ref()));
+    trials.extend(paper::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
     trials.extend(robust::trials(gpu.as_ref()));
     trials.extend(canvas::trials(gpu.as_ref()));
