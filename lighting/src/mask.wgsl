@@ -23,6 +23,11 @@ fn row_index(position: f32) -> u32 {
     return u32(round(min(x, f32(WIDTH))));
 }
 
+fn row_indices(positions: vec4f) -> vec4u {
+    let x = select(vec4f(0.0), positions, positions > vec4f(0.0));
+    return vec4u(round(min(x, vec4f(f32(WIDTH)))));
+}
+
 // Shift of the samples of row `j`, in samples within ±½: the fraction of a multiple of the golden section, by its bits.
 fn row_phase(j: u32) -> f32 {
     return f32(bitcast<i32>((2u * j + 1u) * GOLDEN ^ 0x80000000u)) * 0x1p-32f;
@@ -114,6 +119,16 @@ fn mask_block_line(j: u32, k: u32, start: u32, end: u32) {
     let order = ((k & 1u) << 2u) | (k & 2u) | (k >> 2u);
     lit = row_without_line(lit, (order + j) & 7u, start, end);
 }
+
+// Heights of four of the eight lines of row `j`, as row_height; `first` is 0 or 4.
+fn mask_heights(j: u32, first: u32) -> vec4f {
+    let order = (vec4u(0u, 1u, 2u, 3u) + (first - j)) & vec4u(7u);
+    let k = ((order & vec4u(1u)) << vec4u(2u)) | (order & vec4u(2u)) | (order >> vec4u(2u));
+    return (vec4f(k) + 0.5) * 0.125 - 0.5;
+}
+
+// Blocks what mask_block_line does of the four lines that have these heights.
+fn mask_block_lines(first: u32, starts: vec4u, ends: vec4u) { lit = row_without_lines(lit, first, starts, ends); }
 
 // Blocks every sample of the own row.
 fn mask_block_all() { lit = row_none(); }

@@ -40,6 +40,21 @@ fn row_without_line(row: Row, plane: u32, start: u32, end: u32) -> Row {
     );
 }
 
+// The same with four planes from `first` on, 0 or 4.
+fn row_without_lines(row: Row, first: u32, starts: vec4u, ends: vec4u) -> Row {
+    let k = 7u - (PLANES_A + first);
+    let lines = planes_from((starts + k) >> vec4u(3u)) & ~planes_from((ends + k) >> vec4u(3u));
+    if (first == 0u) {
+        return Row(row.a & ~lines, row.b);
+    }
+    return Row(row.a, row.b & ~lines);
+}
+
+fn planes_from(k: vec4u) -> vec4u {
+    let half = k >> vec4u(1u);
+    return (vec4u(0xffffffffu) << half) << (k - half);
+}
+
 fn row_is_none(row: Row) -> bool { return all((row.a | row.b) == vec4u(0u)); }
 
 fn row_count(row: Row) -> u32 {

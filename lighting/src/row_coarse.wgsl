@@ -23,6 +23,14 @@ fn row_without_line(row: Row, plane: u32, start: u32, end: u32) -> Row {
     return Row(row.a & ~(row_span(start, end).a & vec2u(0x01010101u << plane)));
 }
 
+// The same with four planes from `first` on, 0 or 4.
+fn row_without_lines(row: Row, first: u32, starts: vec4u, ends: vec4u) -> Row {
+    let a = row_without_line(row, first, starts.x, ends.x);
+    let b = row_without_line(a, first + 1u, starts.y, ends.y);
+    let c = row_without_line(b, first + 2u, starts.z, ends.z);
+    return row_without_line(c, first + 3u, starts.w, ends.w);
+}
+
 fn row_is_none(row: Row) -> bool { return (row.a.x | row.a.y) == 0u; }
 
 fn row_count(row: Row) -> u32 { return countOneBits(row.a.x) + countOneBits(row.a.y); }

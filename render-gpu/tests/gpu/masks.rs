@@ -191,11 +191,17 @@ fn masks(gpu: &Gpu, coarse: bool) {
             vec3f(x(13u), x(14u), x(15u)), vec3f(x(16u), x(17u), x(18u)), light.axis, vec2f(x(19u), x(20u)), x(21u), x(22u),
         );
         let mask = mask_reset(square, lane, at.normal);
-        // Two edges through the window: one by spans, one by heights.
+        // Edges through the window: one by spans, one by heights.
         mask_block_span(mask, lane, -1e30, x(23u) + x(24u) * mask_row_y(mask, lane));
         for (var k = 0u; k < 8u; k++) {
             let height = mask_row_y(mask, lane) + mask_cell(mask) * row_height(k);
             mask_block_line(lane, k, mask_sample(mask, x(25u) + x(26u) * height), WIDTH);
+        }
+        // And one more by heights, four at once.
+        for (var first = 0u; first < 8u; first += 4u) {
+            let height = mask_row_y(mask, lane) + mask_cell(mask) * mask_heights(lane, first);
+            let position = (x(27u) + x(28u) * height - mask.left) * mask.scale;
+            mask_block_lines(first, vec4u(0u), row_indices(position));
         }
         if (lane < SIDE) {
             for (var k = 0u; k < WIDTH / 16u; k++) {
@@ -221,23 +227,25 @@ fn masks(gpu: &Gpu, coarse: bool) {
             let zooms = number % 5 > 1;
             let square = if zooms { whole.zoomed(&case.lobe, case.at.normal, 3.6) } else { whole };
             let mut at = |center: f32| center + square.half * random.between(-1.0, 1.0) as f32;
-            let (left, right) = (at(square.center.x), at(square.center.x));
-            let slopes = [random.between(-0.7, 0.7) as f32, random.between(-20.0, 20.0) as f32];
-            let (a, b) = (left - slopes[0] * square.center.y, right - slopes[1] * square.center.y);
+            let ends = [0; 3].map(|_| at(square.center.x));
+            let slopes = [0.7, 20.0, 20.0].map(|most| random.between(-most, most) as f32);
+            let [a, b, c] = core::array::from_fn(|k| ends[k] - slopes[k] * square.center.y);
             rows.extend(case.row());
             rows.extend(square.right.to_array().into_iter().chain(square.up.to_array()));
             rows.extend([square.center.x, square.center.y, square.half, square.disc, a, slopes[0], b, slopes[1]]);
+            rows.extend([c, slopes[2]]);
             let mut mask = hooks::mask(&square, depth, coarse, case.at.normal);
             for j in 0..mask.side() {
                 mask.block_span(j, f32::NEG_INFINITY, a + slopes[0] * mask.row_y(j));
                 mask.block_area(j, |y| (b + slopes[1] * y, f32::INFINITY));
+                mask.block_area(j, |y| (f32::NEG_INFINITY, c + slopes[2] * y));
             }
             wants.push((case, mask));
         }
         let header = wgsl::header(depth, coarse) + HOOKS;
         let body = format!("{CASE}{BODY}");
         let side = 1 << depth;
-        let got = call_groups(gpu, &pieces(&header), &body, &rows, [27, words * side + 1]);
+        let got = call_groups(gpu, &pieces(&header), &body, &rows, [29, words * side + 1]);
         for ((case, mask), got) in wants.iter().zip(got.chunks(words * side + 1)) {
             let before = differing;
             for j in 0..side {
