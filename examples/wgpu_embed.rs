@@ -60,7 +60,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
         mapped_at_creation: false,
     });
 
-    // Each frame: a light that has moved is 64 bytes for the GPU, nothing else is uploaded.
+    // Each frame: a light that has moved is 256 bytes for the GPU, nothing else is uploaded.
     let prefix = std::env::args().nth(1).unwrap_or_else(|| "embed".to_owned());
     println!("{}: {WIDTH}×{HEIGHT}, {} spheres", gpu.name(), spheres.spheres().len());
     for picture in 0..2 {

@@ -77,7 +77,7 @@ impl Blockers {
     /// Moves the spheres that follow bones.
     pub(crate) fn pose(&mut self, gpu: &Gpu, pose: &mut GpuPose, poses: &[(&[Mat4], &[f32])]) -> Result<(), GpuError> {
         if let Some(spheres) = self.spheres.whole().filter(|_| self.strategies.spheres) {
-            pose.submit(gpu, poses, spheres)?;
+            pose.submit(gpu, poses, &spheres)?;
             self.spheres.forget();
             self.moved = true;
         }

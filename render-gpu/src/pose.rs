@@ -74,7 +74,7 @@ impl GpuPose {
         &mut self,
         gpu: &Gpu,
         poses: &[(&[Mat4], &[f32])],
-        spheres: wgpu::BufferBinding<'_>,
+        spheres: &wgpu::BufferBinding<'_>,
     ) -> Result<(), GpuError> {
         self.rig.bones(poses, &mut self.floats)?;
         if self.rig.spheres() == 0 {

@@ -33,7 +33,7 @@ fn filled(gpu: &Gpu, contents: &[u8]) -> wgpu::Buffer {
 
 /// The red of pixel (x, y), and whether there is anything.
 fn pixel(x: u32, y: u32) -> (f32, bool) {
-    (1000.0 * y as f32 + x as f32, (x + y) % 3 > 0)
+    (1000.0 * y as f32 + x as f32, !(x + y).is_multiple_of(3))
 }
 
 fn each_point_at_its_pixel(gpu: &Gpu) {
@@ -50,10 +50,10 @@ fn each_point_at_its_pixel(gpu: &Gpu) {
             points[place].material = if there { 0 } else { NO_MATERIAL };
         }
         let texture = texture(gpu, Rgba32Float, width, height);
-        let canvas = GpuCanvas::new(gpu, Rgba32Float).unwrap();
+        let canvas = GpuCanvas::new(gpu, Rgba32Float).expect("it fits");
         let (points, radiance) =
             (filled(gpu, bytemuck::cast_slice(&points)), filled(gpu, bytemuck::cast_slice(&radiance)));
-        canvas.submit(gpu, &points, &radiance, &texture).unwrap();
+        canvas.submit(gpu, &points, &radiance, &texture).expect("it fits");
         let read = gpu.device().create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: u64::from(16 * width * height),
@@ -77,15 +77,15 @@ fn each_point_at_its_pixel(gpu: &Gpu) {
 }
 
 fn other_textures(gpu: &Gpu) {
-    let error = GpuCanvas::new(gpu, Rgba8Unorm).unwrap_err();
+    let error = GpuCanvas::new(gpu, Rgba8Unorm).expect_err("refused");
     assert!(matches!(&error, GpuError::Unsupported(_)) && error.to_string().contains("Rgba16Float"), "{error}");
-    let canvas = GpuCanvas::new(gpu, Rgba32Float).unwrap();
+    let canvas = GpuCanvas::new(gpu, Rgba32Float).expect("it fits");
     let buffer = filled(gpu, &[0; 4096]);
     let other = texture(gpu, wgpu::TextureFormat::Rgba16Float, 8, 8);
-    let error = canvas.submit(gpu, &buffer, &buffer, &other).unwrap_err();
+    let error = canvas.submit(gpu, &buffer, &buffer, &other).expect_err("refused");
     assert!(matches!(&error, GpuError::Refused { .. }), "{error}");
     // 4096 bytes are 64 points, 16 × 8 pixels are 128.
-    let error = canvas.submit(gpu, &buffer, &buffer, &texture(gpu, Rgba32Float, 16, 8)).unwrap_err();
+    let error = canvas.submit(gpu, &buffer, &buffer, &texture(gpu, Rgba32Float, 16, 8)).expect_err("refused");
     assert!(matches!(&error, GpuError::Refused { .. }), "{error}");
-    canvas.submit(gpu, &buffer, &buffer, &texture(gpu, Rgba32Float, 8, 8)).unwrap();
+    canvas.submit(gpu, &buffer, &buffer, &texture(gpu, Rgba32Float, 8, 8)).expect("it fits");
 }

@@ -57,7 +57,7 @@ impl Random {
 fn several(model: fn(&mut Random) -> Material, count: usize) -> Vec<Material> {
     let mut random = Random(7);
     let all: Vec<Material> = (0..count).map(|_| model(&mut random)).collect();
-    all.iter().for_each(|material| material.validate().unwrap());
+    all.iter().for_each(|material| material.validate().expect("a valid material"));
     all
 }
 
@@ -106,7 +106,7 @@ fn lafortune_lobe(random: &mut Random) -> LafortuneLobe {
 fn metallic_roughness(random: &mut Random) -> Material {
     let base = random.color();
     let end = |x: f32| (1.2 * x - 0.1).clamp(0.0, 1.0);
-    MetallicRoughness::new(base, end(random.next()), end(random.next())).unwrap().into()
+    MetallicRoughness::new(base, end(random.next()), end(random.next())).expect("a valid material").into()
 }
 
 fn receiver(normal: Vec3, view: Vec3) -> Receiver {
@@ -181,7 +181,7 @@ fn agree(gpu: &Gpu, materials: &[Material]) {
     for (i, got) in all.iter().enumerate() {
         let (material, at) = (&materials[i / receivers.len()], &receivers[i % receivers.len()]);
         let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
-        material.brdf_lobes(at, &mut buffer.writer()).unwrap();
+        material.brdf_lobes(at, &mut buffer.writer()).expect("room for all lobes");
         let want: Vec<Lobe> = buffer.lobes().iter().filter(visible).collect();
         let got: Vec<&Lobe> = got.iter().filter(|lobe| visible(lobe)).collect();
         let name = material.model_name();

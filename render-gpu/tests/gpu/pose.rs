@@ -42,7 +42,7 @@ fn tube() -> BoundSet {
         triangles.push([ends[1], (rings - 1) * sides + i, (rings - 1) * sides + next]);
     }
     let options = BuildOptions { rounds: 1, ..BuildOptions::new(40) };
-    let set = SphereSet::build(&positions, &triangles, &options).unwrap();
+    let set = SphereSet::build(&positions, &triangles, &options).expect("it fits");
     let share = |p: &Vec3| [(0.5 - p.x).clamp(0.0, 1.0), (p.x - 0.5).clamp(0.0, 1.0)];
     let weights: Vec<[f32; 4]> = positions
         .iter()
@@ -60,7 +60,7 @@ fn tube() -> BoundSet {
         rest_joints: &[Mat4::IDENTITY; 3],
         rest_morph: &[0.0; 2],
     };
-    set.bind(&positions, &triangles, &carriers).unwrap()
+    set.bind(&positions, &triangles, &carriers).expect("it fits")
 }
 
 /// Balls that stand still, a tube, one more ball, the tube once more; sphere i is of object i.
@@ -88,7 +88,7 @@ impl Crowd {
 
     fn pose(&self, gpu: &Gpu) -> GpuPose {
         let parts = self.firsts.map(|first| RigPart { first, set: &self.set });
-        GpuPose::new(gpu, Rig::new(&self.blockers, &parts).unwrap()).unwrap()
+        GpuPose::new(gpu, Rig::new(&self.blockers, &parts).expect("it fits")).expect("it fits")
     }
 
     /// The blockers as they are in the buffer.
@@ -111,7 +111,7 @@ fn posed(
         contents: bytemuck::cast_slice(packed),
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
     });
-    pose.submit(gpu, poses, buffer.as_entire_buffer_binding())?;
+    pose.submit(gpu, poses, &buffer.as_entire_buffer_binding())?;
     let read = gpu.device().create_buffer(&wgpu::BufferDescriptor {
         label: None,
         size: buffer.size(),
@@ -166,12 +166,12 @@ fn follows_bones_and_morphs(gpu: &Gpu) {
             (core::array::from_fn(|_| random.joint(kind)), [random.next(), if kind < 2 { 0.0 } else { random.next() }])
         });
         let poses = bodies.each_ref().map(|(joints, morph)| (joints.as_slice(), morph.as_slice()));
-        let got = posed(gpu, &mut pose, &packed, &poses).unwrap();
+        let got = posed(gpu, &mut pose, &packed, &poses).expect("it fits");
         let mut want = crowd.blockers.spheres().to_vec();
         let mut size = vec![0.0; want.len()];
         for (first, (joints, morph)) in crowd.firsts.iter().zip(poses) {
             let mut spheres = Vec::new();
-            crowd.set.pose(joints, morph, &mut spheres).unwrap();
+            crowd.set.pose(joints, morph, &mut spheres).expect("it fits");
             want[*first..first + spheres.len()].copy_from_slice(&spheres);
             let largest = |joint: &Mat4| joint.to_cols_array().iter().fold(0.0_f32, |most, x| most.max(x.abs()));
             size[*first..first + spheres.len()].fill(joints.iter().map(largest).fold(0.0, f32::max));
@@ -204,7 +204,7 @@ fn finite_whatever_the_bones(gpu: &Gpu) {
     for bad in [f32::NAN, f32::INFINITY, 3e38, 1e-42, 0.0] {
         let joints = [Mat4::from_diagonal(Vec3::splat(bad).extend(1.0)); 3];
         let poses: [(&[Mat4], &[f32]); 2] = [(&joints, &[0.0; 2]), (&[Mat4::IDENTITY; 3], &[f32::MAX, f32::MIN])];
-        for sphere in posed(gpu, &mut pose, &packed, &poses).unwrap() {
+        for sphere in posed(gpu, &mut pose, &packed, &poses).expect("it fits") {
             let values = [sphere.radius, sphere.own_radius, sphere.own_distance];
             assert!(values.iter().chain(&sphere.center).all(|x| x.is_finite()), "{bad}: {sphere:?}");
             assert!(sphere.radius >= 0.0);
@@ -217,10 +217,10 @@ fn too_few_bones(gpu: &Gpu) {
     let (mut pose, packed) = (crowd.pose(gpu), crowd.packed());
     let whole: (&[Mat4], &[f32]) = (&[Mat4::IDENTITY; 3], &[0.0; 2]);
     for poses in [vec![], vec![whole], vec![whole, (&whole.0[..2], whole.1)], vec![(whole.0, &whole.1[..1]), whole]] {
-        let error = posed(gpu, &mut pose, &packed, &poses).unwrap_err();
+        let error = posed(gpu, &mut pose, &packed, &poses).expect_err("refused");
         assert!(matches!(error, GpuError::Bind(_)) && !error.to_string().contains('\n'), "{error}");
     }
-    posed(gpu, &mut pose, &packed, &[whole; 2]).unwrap();
+    posed(gpu, &mut pose, &packed, &[whole; 2]).expect("it fits");
 }
 
 /// The same picture whether spheres are posed here or there, one pose after another.
@@ -237,13 +237,13 @@ fn moves_shadows(gpu: &Gpu) {
     let frame = Frame { materials: &materials, lights: &lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
     let shade = |shader: &mut GpuShader| {
         let mut out = vec![Vec3::ZERO; 1024];
-        shader.shade(&points, &frame, &mut out).unwrap();
+        shader.shade(&points, &frame, &mut out).expect("it fits");
         out
     };
     fn occlusion(spheres: &SphereBlockers) -> Occlusion<'_> {
         Occlusion { spheres: Some(spheres), ..Occlusion::default() }
     }
-    let mut shader = GpuShader::new(gpu, occlusion(&crowd.blockers)).unwrap();
+    let mut shader = GpuShader::new(gpu, occlusion(&crowd.blockers)).expect("it fits");
     let mut pose = crowd.pose(gpu);
     let still = shade(&mut shader);
     let mut random = Random(5);
@@ -252,18 +252,20 @@ fn moves_shadows(gpu: &Gpu) {
             let joint = |random: &mut Random| random.joint(0) * Mat4::from_scale(Vec3::splat(0.8));
             core::array::from_fn(|_| joint(&mut random))
         });
-        shader.pose(&mut pose, &joints.each_ref().map(|joints| (joints.as_slice(), [0.5, 0.5].as_slice()))).unwrap();
+        shader
+            .pose(&mut pose, &joints.each_ref().map(|joints| (joints.as_slice(), [0.5, 0.5].as_slice())))
+            .expect("it fits");
         let got = shade(&mut shader);
 
         let mut spheres = crowd.blockers.spheres().to_vec();
         for (first, joints) in crowd.firsts.iter().zip(&joints) {
             let mut posed = Vec::new();
-            crowd.set.pose(joints, &[0.5, 0.5], &mut posed).unwrap();
+            crowd.set.pose(joints, &[0.5, 0.5], &mut posed).expect("it fits");
             spheres[*first..first + posed.len()].copy_from_slice(&posed);
         }
         let mut blockers = crowd.blockers.clone();
         blockers.update(&spheres);
-        let want = shade(&mut GpuShader::new(gpu, occlusion(&blockers)).unwrap());
+        let want = shade(&mut GpuShader::new(gpu, occlusion(&blockers)).expect("it fits"));
         let apart = |a: &[Vec3], b: &[Vec3]| {
             a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
                 / a.iter().map(|v| v.max_element()).fold(0.0, f32::max)
@@ -273,6 +275,6 @@ fn moves_shadows(gpu: &Gpu) {
         assert!(apart(&want, &got) < 1e-3 && apart(&want, &still) > 0.1);
     }
     // What was posed is forgotten.
-    shader.occlude(occlusion(&crowd.blockers)).unwrap();
+    shader.occlude(occlusion(&crowd.blockers)).expect("it fits");
     assert_eq!(shade(&mut shader), still);
 }
