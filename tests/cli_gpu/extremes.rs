@@ -5,7 +5,15 @@ use crate::support::*;
 use std::fmt::Write;
 use std::fs;
 
-crate::tests![nothing_blocks, one_pixel, a_row_of_tiles, many_lights, many_spheres, nothing_is_seen];
+crate::tests![
+    nothing_blocks,
+    one_pixel,
+    a_row_of_tiles,
+    many_lights,
+    many_spheres,
+    nothing_is_seen,
+    what_is_wrong_is_refused
+];
 
 /// No spheres at all.
 fn nothing_blocks() {
@@ -21,7 +29,7 @@ fn nothing_blocks() {
 
 fn one_pixel() {
     let folder = folder();
-    let stats = same(folder.path(), &["scene.toml", "--size", "1x1"]);
+    let stats = same(folder.path(), &["--size", "1x1"]);
     assert_eq!(stats["points"], 1);
 }
 
@@ -80,4 +88,14 @@ fn nothing_is_seen() {
         assert_eq!(stats["points"], 0, "{stats}");
     }
     assert_eq!(fs::read(folder.join("cpu.png")).unwrap(), fs::read(folder.join("gpu.png")).unwrap());
+}
+
+/// As by the CPU: one line, code 2, no file.
+fn what_is_wrong_is_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("nan.toml"), SCENE.replace("radius = 0.6\nradiance", "radius = nan\nradiance")).unwrap();
+    refuse(folder, &["render", "nan.toml", "-o", "a.png", "--device", "gpu"], "nan.toml:");
+    refuse(folder, &["render", "scene.toml", "-o", "no/a.png", "--device", "gpu"], "no/a.png");
+    refuse(folder, &["render", "scene.toml", "-o", "a.jpg", "--device", "gpu"], ".png or .exr");
 }
