@@ -52,15 +52,19 @@ fn ellipse_splat(e: Ellipse, j: u32) {
     let away = abs(t);
     // An end of the ellipse is in this row, or its edge runs along it.
     if (e.half_height - away < 0.5 || abs(e.shear) * half + e.k2 * away > e.flat * half) {
-        for (var k = 0u; k < 8u; k++) {
-            let t = f32(j) + (0.5 - e.y) + row_height(k);
-            let half = sqrt(max(e.k0 - e.k2 * t * t, 0.0));
-            let middle = e.x + e.shear * t;
-            mask_block_line(j, k, row_index(middle - half), row_index(middle + half));
-        }
+        ellipse_lines(e, j, 0u);
+        ellipse_lines(e, j, 4u);
         return;
     }
     let mean = half - half * e.bend / (square * square);
     let middle = e.x + e.shear * t - row_phase(j);
     mask_block_samples(row_index(middle - mean), row_index(middle + mean));
+}
+
+// Four of the eight lines of the own row `j`, by the planes of their samples: from plane `first` on.
+fn ellipse_lines(e: Ellipse, j: u32, first: u32) {
+    let t = f32(j) + (0.5 - e.y) + mask_heights(j, first);
+    let half = sqrt(max(e.k0 - e.k2 * t * t, vec4f(0.0)));
+    let middle = e.x + e.shear * t;
+    mask_block_lines(first, row_indices(middle - half), row_indices(middle + half));
 }

@@ -11,6 +11,7 @@ mod paper;
 mod parity;
 mod pose;
 mod robust;
+mod spheres;
 
 use render_gpu::{Gpu, GpuOptions};
 
@@ -31,6 +32,7 @@ fn main() {
     trials.extend(paper::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
     trials.extend(robust::trials(gpu.as_ref()));
+    trials.extend(spheres::trials(gpu.as_ref()));
     trials.extend(canvas::trials(gpu.as_ref()));
     libtest_mimic::run(&arguments, trials).exit();
 }
