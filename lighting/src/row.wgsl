@@ -84,7 +84,7 @@ fn row_counts(row: Row) -> Counts {
 fn planes_counts(plane: u32) -> vec4u { return (vec4u(plane) >> PLANES_A) & vec4u(0x11111111u); }
 
 // Numbers of the four columns of a group.
-fn row_columns(group: u32) -> vec4u { return vec4u(0u, 8u, 16u, 24u) + (group & 3u) + (group & 4u); }
+fn row_columns(group: u32) -> vec4u { return vec4u(0u, 8u, 16u, 24u) + group; }
 
 // Samples in each of the four.
 fn counts_of(counts: Counts, group: u32) -> vec4f {

@@ -11,14 +11,14 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
         columns[lane] = weights_columns(weights, middles(mask, lane));
     }
     workgroupBarrier();
-    let emits = row_span(emitting.x, emitting.y);
-    var sum = vec4f(0.0, 0.0, f32(row_count(lit)), f32(row_count(emits)));
-    let open = row_counts(lit);
-    let all = row_counts(emits);
+    var sum = vec4f(0.0, 0.0, f32(row_count(lit)), 0.0);
     // Threads without a row, and rows that emit nothing, add nothing.
     if (emitting.x < emitting.y) {
         let y = mask_row_y(mask, lane);
         let factors = weights_row(weights, y);
+        let counts = row_counts(lit);
+        // What emits, in columns.
+        let ends = vec2f(emitting) / f32(WIDTH / COLUMNS);
         for (var group = 0u; group < COLUMNS / 4u; group++) {
             var w = columns[group] * factors;
             if (!weights.by_row) {
@@ -26,9 +26,12 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
                 // A column that emits in part is seen in its middle, which may be below the horizon.
                 w = select(vec4f(0.0), w, w > vec4f(0.0));
             }
-            sum.x += dot(counts_of(open, group), w);
-            sum.y += dot(counts_of(all, group), w);
+            let column = vec4f(row_columns(group));
+            sum.x += dot(counts_of(counts, group), w);
+            sum.y += dot(saturate(ends.y - column) - saturate(ends.x - column), w);
         }
+        sum.y *= f32(WIDTH / COLUMNS);
+        sum.w = f32(emitting.y - emitting.x);
     }
     sum = total(lane, sum);
     // Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.
