@@ -16,6 +16,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("fine_masks_and_shares", gpu, |gpu| masks(gpu, false)),
         trial("coarse_masks_and_shares", gpu, |gpu| masks(gpu, true)),
         trial("visibility_of_one_edge", gpu, visibility),
+        trial("visibility_of_extremes", gpu, extremes),
     ]
 }
 
@@ -303,8 +304,9 @@ impl Blockers for Curtain {
     }
 }
 
-/// All that [`MaskVisibility`] does, for one edge across the light or beside it.
-fn visibility(gpu: &Gpu) {
+/// All that [`MaskVisibility`] does for a curtain's edge before each case: the difference of shares, and how many are lit, partly
+/// lit, dark.
+fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: f32) -> (Spread, [u32; 3]) {
     const HOOKS: &str = "
         fn curtain() -> vec3f { return vec3f(x(13u), x(14u), x(15u)); }
         fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
@@ -331,43 +333,81 @@ fn visibility(gpu: &Gpu) {
             y(2u, again);
         }}"
     );
+    let rows: Vec<f32> = cases
+        .iter()
+        .flat_map(|(case, edge)| case.row().into_iter().chain(edge.to_array()).chain([tolerance]))
+        .collect();
+    let header = wgsl::header(depth, lighting::is_coarse(tolerance)) + HOOKS;
+    let got = call_groups(gpu, &pieces(&header), &body, &rows, [17, 3]);
+    let (mut spread, mut classes) = (Spread::default(), [0; 3]);
+    for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {
+        let query = VisibilityQuery { at: &case.at, cone: &case.light, tolerance };
+        let strategy = MaskVisibility::new(Curtain(*edge), depth);
+        let mut scratch = strategy.scratch();
+        let coverage = strategy.coverage(&query, &mut scratch);
+        let class = match coverage {
+            Coverage::Lit => 0_u8,
+            Coverage::Partial => 1,
+            Coverage::Dark => 2,
+        };
+        classes[usize::from(class)] += 1;
+        assert_eq!(got[0], f32::from(class), "{coverage:?}");
+        if coverage == Coverage::Partial {
+            let mut sum = VisibilitySum::with_capacity(0);
+            strategy.visibility_lobes(&query, &case.lobe, 1.0, &mut scratch, &mut sum).expect("no lobes");
+            spread.add(got[1], sum.base);
+        }
+        // The mask of the whole light is left as it was.
+        assert!((0.0..=1.0).contains(&got[2]));
+    }
+    (spread, classes)
+}
+
+/// An edge somewhere between a light's middle and beyond its rim.
+fn edge_across(light: &Cone, random: &mut Random) -> Vec3 {
+    let off = random.between(-1.1, 1.1) * f64::from(light.tan()).atan();
+    random.axis_at(light.axis.as_dvec3(), core::f64::consts::FRAC_PI_2 + off).as_vec3()
+}
+
+fn visibility(gpu: &Gpu) {
     for (depth, tolerance) in [(3, 0.01), (4, 0.01), (5, 0.003), (6, 0.001)] {
         let mut random = Random::new(74 + u64::from(depth));
-        let (mut rows, mut cases) = (Vec::new(), Vec::new());
-        for number in 0..600 {
-            let case = Case::new(number, &mut random);
-            // From the light's middle to beyond its rim.
-            let off = random.between(-1.1, 1.1) * f64::from(case.light.tan()).atan();
-            let edge = random.axis_at(case.light.axis.as_dvec3(), core::f64::consts::FRAC_PI_2 + off);
-            let edge = edge.as_vec3();
-            rows.extend(case.row().into_iter().chain(edge.to_array()).chain([tolerance]));
-            cases.push((case, edge));
-        }
-        let header = wgsl::header(depth, lighting::is_coarse(tolerance)) + HOOKS;
-        let got = call_groups(gpu, &pieces(&header), &body, &rows, [17, 3]);
-        let (mut spread, mut classes) = (Spread::default(), [0; 3]);
-        for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {
-            let query = VisibilityQuery { at: &case.at, cone: &case.light, tolerance };
-            let strategy = MaskVisibility::new(Curtain(*edge), depth);
-            let mut scratch = strategy.scratch();
-            let coverage = strategy.coverage(&query, &mut scratch);
-            let class = match coverage {
-                Coverage::Lit => 0_u8,
-                Coverage::Partial => 1,
-                Coverage::Dark => 2,
-            };
-            classes[usize::from(class)] += 1;
-            assert_eq!(got[0], f32::from(class), "{coverage:?}");
-            if coverage == Coverage::Partial {
-                let mut sum = VisibilitySum::with_capacity(0);
-                strategy.visibility_lobes(&query, &case.lobe, 1.0, &mut scratch, &mut sum).expect("no lobes");
-                spread.add(got[1], sum.base);
-            }
-            // The mask of the whole light is left as it was.
-            assert!((0.0..=1.0).contains(&got[2]));
-        }
+        let cases: Vec<_> = (0..600)
+            .map(|number| {
+                let case = Case::new(number, &mut random);
+                let edge = edge_across(&case.light, &mut random);
+                (case, edge)
+            })
+            .collect();
+        let (spread, classes) = compare_visibility(gpu, &cases, depth, tolerance);
         assert!(classes.iter().all(|count| *count > 10), "{classes:?}");
         // A bit of the smallest masks is a thousandth of the light, or more of a lobe's window.
         spread.check(&format!("visibility at depth {depth}"), 1e-5, 1e-2);
+    }
+}
+
+/// The smallest and the widest lights, the broadest and the narrowest lobes, mirrors among them: numbers in [0, 1], and the
+/// same as Rust's.
+fn extremes(gpu: &Gpu) {
+    let mut random = Random::new(80);
+    let mut cases = Vec::new();
+    for one_minus_cos in [1e-20_f32, 1e-12, 1e-7, 0.9, 0.999_999, 1.0] {
+        for exponent in [0.0, 1e-3, 3.0, 1e6, 1e9, f32::INFINITY] {
+            for number in 0..12 {
+                let mut case = Case::new(1 + number % 2, &mut random);
+                case.light.one_minus_cos = one_minus_cos;
+                case.lobe.exponent = exponent;
+                if number % 3 == 0 {
+                    case.lobe.axis = case.light.axis;
+                }
+                let edge = edge_across(&case.light, &mut random);
+                cases.push((case, edge));
+            }
+        }
+    }
+    for depth in [5, 6] {
+        let (spread, classes) = compare_visibility(gpu, &cases, depth, 0.001);
+        assert!(classes[1] > 100, "{classes:?}");
+        spread.check(&format!("extremes at depth {depth}"), 1e-4, 2e-2);
     }
 }
