@@ -18,6 +18,11 @@ impl Paper {
         Self { tables: tables.clone(), depth: None, memory }
     }
 
+    /// Whether it was made of these tables.
+    pub(crate) fn is_of(&self, tables: &Tables) -> bool {
+        self.tables.products == tables.products
+    }
+
     /// Solves for the weights of a depth, if it is another one.
     pub(crate) fn hold(&mut self, gpu: &Gpu, depth: u32) -> Result<(), GpuError> {
         if self.depth != Some(depth) {

@@ -139,12 +139,17 @@ impl GpuShader {
     /// Another method than moments. The paper's takes its tables (4.3 MB) to the GPU and solves for its weights with the first
     /// frame of a depth; it is the same as `PaperVisibility` with [`Method::Paper`] on the CPU.
     #[must_use]
-    pub fn with_method(self, method: Method<'_>) -> Self {
-        let paper = match method {
-            Method::Moments => None,
-            Method::Paper(tables) => Some(Paper::new(tables)),
-        };
-        Self { paper, ..self }
+    pub fn with_method(mut self, method: Method<'_>) -> Self {
+        self.set_method(method);
+        self
+    }
+
+    /// [`with_method`](Self::with_method) between frames. Tables that are there already stay.
+    pub fn set_method(&mut self, method: Method<'_>) {
+        let known = self.paper.take();
+        if let Method::Paper(tables) = method {
+            self.paper = Some(known.filter(|known| known.is_of(tables)).unwrap_or_else(|| Paper::new(tables)));
+        }
     }
 
     /// At most so many points in one submission (made a multiple of 64): for tests and small memories.

@@ -1,6 +1,6 @@
 //! What shades: the cores of the CPU, or a GPU.
 
-use crate::args::{Device, Method, RenderArgs, Visibility};
+use crate::args::{Device, RenderArgs, Visibility};
 use crate::console::note;
 use crate::failure::Failure;
 use crate::strategy::Plan;
@@ -79,9 +79,6 @@ fn hardware(backend: Result<Backend, GpuError>) -> Result<Backend, String> {
 fn lack(args: &RenderArgs, plan: &Plan, scene: &Scene) -> Option<String> {
     if args.layers {
         return Some("--layers are made by the CPU only".to_owned());
-    }
-    if args.method == Method::Paper {
-        return Some("--method paper is there on the CPU only".to_owned());
     }
     if args.visibility == Visibility::Rays {
         return Some("--visibility rays is there on the CPU only (spheres, shadow-map and none on both)".to_owned());

@@ -207,6 +207,7 @@ impl<'a> Occlusion<'a> {
         work: W,
     ) -> Result<W::Output, Failure> {
         if let Backend::Gpu(shader) = backend {
+            shader.set_method(tables.map_or(Method::Moments, Method::Paper));
             shader.occlude(render_gpu::Occlusion { spheres: self.spheres, maps: self.maps.as_ref() })?;
             return work.with(shader.as_mut());
         }
