@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-crate::tests![strategies, settings, paper, shadow_maps, samples_and_threshold, the_paper_s_method];
+crate::tests![strategies, settings, paper, shadow_maps, samples_and_threshold];
 
 /// Largest and mean difference, as shares of the picture's largest value.
 const LARGEST: f32 = 1e-3;
@@ -59,6 +59,8 @@ fn settings() {
 fn paper() {
     let folder = folder();
     same(folder.path(), &["--size", "48x27", "--method", "paper"]);
+    let maps = ["--visibility", "shadow-map", "--depth", "4", "--threshold", "0.01"];
+    same(folder.path(), &[&["--size", "48x27", "--method", "paper"], &maps[..]].concat());
 }
 
 /// A table's top in the map, a ball beside it.
@@ -69,14 +71,6 @@ fn shadow_maps() {
     let gpu = same(folder, &["table.toml", "--visibility", "shadow-map"]);
     assert!(gpu["map_bytes"].as_u64().unwrap() > 0 && gpu["spheres"] == 1, "{gpu}");
     same(folder, &["--size", "64x36", "--visibility", "shadow-map", "--map-resolution", "256"]);
-}
-
-fn the_paper_s_method() {
-    let folder = folder();
-    for visibility in ["spheres", "shadow-map", "none"] {
-        same(folder.path(), &["--size", "48x27", "--method", "paper", "--visibility", visibility]);
-    }
-    same(folder.path(), &["--size", "48x27", "--method", "paper", "--depth", "3", "--threshold", "0.01"]);
 }
 
 fn samples_and_threshold() {
