@@ -11,6 +11,8 @@ use crate::shadow_tree::ShadowTree;
 pub const SQUARE: &str = include_str!("square.wgsl");
 /// The own row of the mask; needs [`header`] and [`SQUARE`].
 pub const MASK: &str = include_str!("mask.wgsl");
+/// The contour of what hides, by questions; needs [`MASK`] and `light_is_hidden`.
+pub const CONTOUR: &str = include_str!("contour.wgsl");
 /// The sum of edges that turns a mask; needs `geometry.wgsl`.
 pub const EDGES: &str = include_str!("edges.wgsl");
 

@@ -129,6 +129,11 @@ impl GpuWorld {
         self.primitives.whole()
     }
 
+    /// Those of nodes and primitives, to be kept until the next update.
+    pub(crate) fn buffers(&self) -> Option<[wgpu::Buffer; 2]> {
+        Some([self.nodes.get()?.clone(), self.primitives.get()?.clone()])
+    }
+
     pub(crate) fn normals(&self) -> Option<wgpu::BufferBinding<'_>> {
         self.normals.whole()
     }

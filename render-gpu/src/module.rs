@@ -4,7 +4,7 @@ use crate::kernel::{
     Access::{Read, Uniform, Write},
     Binding, Slot,
 };
-use crate::kernels;
+use crate::{kernels, wgsl};
 use brdf::Models;
 use lighting::wgsl as masks;
 use lobe_core::wgsl as lobes;
@@ -31,11 +31,13 @@ pub(crate) struct Variant {
 pub(crate) struct Strategies {
     pub(crate) spheres: bool,
     pub(crate) maps: bool,
+    /// Size of the stack of shadow rays.
+    pub(crate) rays: Option<u32>,
 }
 
 impl Strategies {
     pub(crate) const fn any(self) -> bool {
-        self.spheres || self.maps
+        self.spheres || self.maps || self.rays.is_some()
     }
 
     /// The bindings of those that there are.
@@ -47,12 +49,16 @@ impl Strategies {
         if self.maps {
             bindings.push((Slot::Maps, Read));
         }
+        if self.rays.is_some() {
+            bindings.extend([(Slot::Nodes, Read), (Slot::Primitives, Read)]);
+        }
         bindings
     }
 
     /// Calls of those that there are.
     fn calls(self) -> impl Iterator<Item = &'static str> {
-        [(self.spheres, "spheres"), (self.maps, "maps")].into_iter().filter_map(|(has, name)| has.then_some(name))
+        let all = [(self.spheres, "spheres"), (self.maps, "maps"), (self.rays.is_some(), "rays")];
+        all.into_iter().filter_map(|(has, name)| has.then_some(name))
     }
 }
 
@@ -112,6 +118,11 @@ pub(crate) fn args() -> Text {
     Text::new("args_of_queue", &pieces, &[(Slot::Frame, Uniform), (Slot::Queue, Write), (Slot::Indirect, Write)])
 }
 
+/// The size of the stack of shadow rays.
+fn stack(strategies: Strategies) -> String {
+    strategies.rays.map_or_else(String::new, |size| format!("const STACK = {size}u;"))
+}
+
 /// The bindings of the kernels that shade.
 const SHADED: [Binding; 5] = [
     (Slot::Frame, Uniform),
@@ -132,12 +143,14 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     let strategies = variant.strategies;
     let all = strategies.calls().map(|name| match name {
         "spheres" => "coverage = max(coverage, spheres_coverage(tile, at, cone));",
+        "rays" => "coverage = max(coverage, rays_coverage(at, cone));",
         _ => "coverage = max(coverage, maps_coverage(at, cone));",
     });
     let hook = format!(
         "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {{ var coverage = LIT; {} return coverage; }}",
         all.collect::<String>()
     );
+    let stack = stack(strategies);
     let mut pieces = vec![
         kernels::FRAME,
         kernels::QUEUE,
@@ -151,6 +164,9 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     ];
     if strategies.spheres {
         pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
+    }
+    if strategies.rays.is_some() {
+        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
     }
     if strategies.maps {
         pieces.extend([masks::SQUARE, maps::COMMON, maps::COVERAGE]);
@@ -168,9 +184,11 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         if strategies.spheres { "return spheres_edges(lane, tile, at, light, window);" } else { "return vec2f(0.0);" };
     let splats = strategies.calls().map(|name| match name {
         "spheres" => "spheres_splat(lane, tile, at, light, mask);",
+        "rays" => "rays_splat(lane, at, light, mask);",
         _ => "maps_splat(lane, at, light, mask);",
     });
     let splats: String = splats.collect();
+    let stack = stack(strategies);
     let hooks = format!(
         "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {{ {edges} }}\n\
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {{ {splats} }}"
@@ -205,6 +223,9 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
             spheres::SPLAT,
             spheres::SPHERES_SPLAT,
         ]);
+    }
+    if strategies.rays.is_some() {
+        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS, masks::CONTOUR, wgsl::RAYS_SPLAT]);
     }
     if strategies.maps {
         pieces.extend([maps::COMMON, maps::SPLAT]);

@@ -38,11 +38,12 @@ fn check(name: &str, text: &Text) -> naga::Module {
 
 fn variants() -> impl Iterator<Item = Variant> {
     let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b11, 0b1_1111].map(Models::from_bits);
-    let strategies = [(true, false), (false, true), (true, true)];
+    let strategies = [(true, false), (false, true), (true, true), (false, false)];
     models.into_iter().flat_map(move |models| {
         strategies.into_iter().flat_map(move |(spheres, maps)| {
             (1..=6).flat_map(move |depth| {
-                let strategies = Strategies { spheres, maps };
+                let rays = (!spheres).then_some(64);
+                let strategies = Strategies { spheres, maps, rays };
                 [(false, false), (true, false), (false, true)].map(move |(coarse, paper)| Variant {
                     depth,
                     coarse,
@@ -72,7 +73,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
         depth: 5,
         coarse: false,
         models: Models::from_bits(1),
-        strategies: Strategies { spheres: true, maps: false },
+        strategies: Strategies { spheres: true, maps: false, rays: None },
         paper: false,
     };
     let unshadowed = Variant { strategies: Strategies::default(), ..lambert };

@@ -1,7 +1,7 @@
 use crate::kernel::{Kernel, Slot};
 use crate::memory::Memory;
 use crate::module::{self, Strategies};
-use crate::{Gpu, GpuError, GpuPose};
+use crate::{Gpu, GpuError, GpuPose, GpuWorld};
 use glam::Mat4;
 use lobe_core::Sphere;
 use visibility_shadowmap::{PackedMaps, ShadowMapBlockers};
@@ -15,6 +15,8 @@ pub struct Occlusion<'a> {
     pub spheres: Option<&'a SphereBlockers>,
     /// The `shadow-map` strategy.
     pub maps: Option<&'a ShadowMapBlockers>,
+    /// The `rays` strategy: everything there. Given anew after each of its updates.
+    pub rays: Option<&'a GpuWorld>,
 }
 
 /// Blockers on the GPU.
@@ -25,6 +27,8 @@ pub(crate) struct Blockers {
     packed: Vec<BlockerSphere>,
     spheres: Memory,
     bounds: Memory,
+    /// Nodes and primitives of what shadow rays meet.
+    world: Option<[wgpu::Buffer; 2]>,
     /// Makes the bounds; and whether it has to.
     bound: Option<Kernel>,
     moved: bool,
@@ -41,6 +45,7 @@ impl Default for Blockers {
             packed: Vec::new(),
             spheres: Memory::new("blocker spheres", storage),
             bounds: Memory::new("bounds of blockers", storage),
+            world: None,
             bound: None,
             moved: false,
             packed_maps: None,
@@ -52,6 +57,8 @@ impl Default for Blockers {
 impl Blockers {
     /// Takes over what blocks now.
     pub(crate) fn hold(&mut self, gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
+        self.strategies.rays = occlusion.rays.map(GpuWorld::stack);
+        self.world = occlusion.rays.and_then(GpuWorld::buffers);
         self.packed.clear();
         if let Some(spheres) = occlusion.spheres {
             spheres.pack(&mut self.packed);
@@ -107,6 +114,8 @@ impl Blockers {
         match slot {
             Slot::Spheres => self.spheres.whole(),
             Slot::Bounds => self.bounds.whole(),
+            Slot::Nodes => self.world.as_ref().map(|[nodes, _]| nodes.as_entire_buffer_binding()),
+            Slot::Primitives => self.world.as_ref().map(|[_, all]| all.as_entire_buffer_binding()),
             Slot::Maps => self.maps.whole(),
             _ => None,
         }

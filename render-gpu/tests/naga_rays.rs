@@ -1,8 +1,9 @@
 //! The WGSL of rays without a GPU.
 
 use lobe_core::wgsl::GEOMETRY;
+use lobe_core::wgsl::{LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use render_gpu::wgsl::{BVH, TRACE};
+use render_gpu::wgsl::{BVH, RAYS, RAYS_SPLAT, TRACE};
 
 fn validate(pieces: &[&str]) {
     let text = pieces.join("\n");
@@ -18,5 +19,24 @@ fn visible_points_validate() {
     validate(&[BVH]);
     for stack in [32, 64, 1024] {
         validate(&[TRACE, &format!("const STACK = {stack}u;"), BVH, GEOMETRY]);
+    }
+}
+
+/// Masks of all sizes; the workgroup's memory is within what every device has.
+#[test]
+fn shadow_rays_validate() {
+    const STACK: &str = "const STACK = 32u;";
+    validate(&[RAYS, STACK, BVH, GEOMETRY]);
+    for (depth, coarse) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
+        let header = lighting::wgsl::header(depth, coarse);
+        let masks = [header.as_str(), lighting::wgsl::SQUARE, lighting::wgsl::MASK, lighting::wgsl::CONTOUR];
+        let main = "@compute @workgroup_size(LANES) fn main(@builtin(local_invocation_index) lane: u32) {
+            let light = Cone(vec3f(0.0, 0.0, 1.0), 0.01, 5.0);
+            var at: Receiver;
+            let mask = mask_reset(square_facing(light, vec3f(1.0)), lane, light.axis);
+            rays_splat(lane, at, light, mask);
+        }";
+        let pieces = [&masks[..], &[RAYS_SPLAT, RAYS, STACK, BVH, GEOMETRY, LOBE, SPECIAL, main]].concat();
+        validate(&pieces);
     }
 }

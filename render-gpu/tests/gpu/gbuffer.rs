@@ -64,7 +64,7 @@ fn ball(x: f32, radius: f32) -> Sphere {
 }
 
 /// Everything moved and scaled.
-fn placed(mut scene: Scene, scale: f32, shift: Vec3) -> Scene {
+pub(crate) fn placed(mut scene: Scene, scale: f32, shift: Vec3) -> Scene {
     let place = Mat4::from_translation(shift) * Mat4::from_scale(Vec3::splat(scale));
     let moved = |b: &Sphere| Sphere { center: place.transform_point3(b.center), radius: b.radius * scale };
     for object in &mut scene.objects {

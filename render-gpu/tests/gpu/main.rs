@@ -3,13 +3,14 @@
 mod call;
 mod canvas;
 mod functions;
-mod maps;
 mod gbuffer;
+mod maps;
 mod masks;
 mod materials;
 mod paper;
 mod parity;
 mod pose;
+mod rays;
 mod robust;
 mod spheres;
 
@@ -31,6 +32,7 @@ fn main() {
     trials.extend(materials::trials(gpu.as_ref()));
     trials.extend(paper::trials(gpu.as_ref()));
     trials.extend(pose::trials(gpu.as_ref()));
+    trials.extend(rays::trials(gpu.as_ref()));
     trials.extend(robust::trials(gpu.as_ref()));
     trials.extend(spheres::trials(gpu.as_ref()));
     trials.extend(canvas::trials(gpu.as_ref()));

@@ -185,7 +185,7 @@ fn of_shadow_maps(gpu: &Gpu) {
 
         let mixture = Mixture::new(maps.clone(), view.spheres.clone());
         let want = view.cpu(MaskVisibility::new(mixture, depth), &frame);
-        shader.occlude(Occlusion { spheres: Some(&view.spheres), maps: Some(&maps) }).expect("room for them");
+        shader.occlude(Occlusion { spheres: Some(&view.spheres), maps: Some(&maps), rays: None }).expect("room for them");
         assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
     }
 }

@@ -208,7 +208,7 @@ impl<'a> Occlusion<'a> {
     ) -> Result<W::Output, Failure> {
         if let Backend::Gpu(shader) = backend {
             shader.set_method(tables.map_or(Method::Moments, Method::Paper));
-            shader.occlude(render_gpu::Occlusion { spheres: self.spheres, maps: self.maps.as_ref() })?;
+            shader.occlude(render_gpu::Occlusion { spheres: self.spheres, maps: self.maps.as_ref(), rays: None })?;
             return work.with(shader.as_mut());
         }
         match (self.spheres, self.maps, self.rays) {

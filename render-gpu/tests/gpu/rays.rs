@@ -1,0 +1,207 @@
+//! Shadow rays on the GPU against `RayBlockers`.
+
+use crate::call::trial;
+use crate::gbuffer::placed;
+use brdf::Material;
+use core::sync::atomic::AtomicBool;
+use glam::{Mat4, Vec3};
+use libtest_mimic::Trial;
+use lighting::{MaskVisibility, SphereLight};
+use lobe_core::{Sphere, Unshadowed};
+use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
+use render_gpu::{Gpu, GpuShader, GpuWorld, Occlusion};
+use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("rays_on_the_built_in_scene", gpu, on_the_built_in_scene),
+        trial("rays_behind_a_fence", gpu, behind_a_fence),
+        trial("rays_through_masks_of_all_depths", gpu, masks_of_all_depths),
+        trial("rays_of_tiny_lights", gpu, tiny_lights),
+        trial("rays_at_all_scales", gpu, at_all_scales),
+        trial("rays_follow_motion", gpu, follow_motion),
+        trial("rays_near_monte_carlo", gpu, near_monte_carlo),
+        trial("rays_twice_the_same_bits", gpu, twice_the_same_bits),
+    ]
+}
+
+/// Thin pickets and two rails on a floor, under a light of half-angle 6°.
+fn fence() -> Scene {
+    let mut mesh = Mesh::default();
+    for i in 0..33 {
+        let x = (i as f32 - 16.0) * 0.06;
+        mesh.append(&Mesh::cuboid(Vec3::new(x, 0.4, 0.0), Vec3::new(0.025, 0.8, 0.015)));
+    }
+    for y in [0.2, 0.62] {
+        mesh.append(&Mesh::cuboid(Vec3::new(0.0, y, 0.015), Vec3::new(2.0, 0.04, 0.015)));
+    }
+    let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 6.0, Vec3::NEG_Z * 6.0);
+    let center = 4.0 * Vec3::new(-0.5, 0.9, 0.55).normalize();
+    let light = Sphere { center, radius: 4.0 * 6.0_f32.to_radians().sin() };
+    let eye = Vec3::new(1.0, 1.4, 2.6);
+    Scene {
+        camera: Camera { eye, target: Vec3::new(0.1, 0.2, -0.2), up: Vec3::Y, vertical_fov: 0.6 },
+        materials: vec![Material::lambert(Vec3::splat(0.5))],
+        objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("fence", mesh, 0, Proxy::Count(64))],
+        lights: vec![SphereLight::new(light, Vec3::splat(90.0))],
+        ..builtin()
+    }
+}
+
+fn frame(scene: &Scene, tolerance: f32, depth: u32) -> Frame<'_> {
+    Frame { materials: &scene.materials, lights: &scene.lights, tolerance, depth, threshold: 0.0 }
+}
+
+/// The radiance from the GPU, and the counts.
+fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
+    let world = GpuWorld::new(gpu, scene).expect("geometry");
+    let mut shader = GpuShader::new(gpu, Occlusion { rays: Some(&world), ..Occlusion::default() }).expect("a shader");
+    let mut out = vec![Vec3::NAN; points.receivers.len()];
+    let stats = shader.shade(points, frame, &mut out).expect("the GPU shades");
+
+    (out, stats.counts)
+}
+
+fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
+    let mut out = vec![Vec3::ZERO; points.receivers.len()];
+    let visibility = MaskVisibility::new(RayBlockers::new(world), frame.depth);
+    let stats = CpuShader::new(visibility).shade(points, frame, &mut out).expect("room for all lobes");
+    (out, stats.counts)
+}
+
+fn unshadowed(points: &ShadingPoints, frame: &Frame<'_>) -> Vec<f32> {
+    let mut out = vec![Vec3::ZERO; points.receivers.len()];
+    CpuShader::new(Unshadowed).shade(points, frame, &mut out).expect("room for all lobes");
+    out.into_iter().map(Vec3::element_sum).collect()
+}
+
+/// As shares of the unshadowed radiance: mean difference over penumbrae, mean over all points, largest.
+fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32, depth: u32) {
+    let world = World::new(scene);
+    let points = GBuffer::new(&world, size[0], size[1], 1).points;
+    let frame = frame(scene, tolerance, depth);
+    let whole = unshadowed(&points, &frame);
+    let (want, counts) = from_cpu(&world, &points, &frame);
+    let (got, ours) = from_gpu(gpu, scene, &points, &frame);
+    let (mut sum, mut in_penumbra, mut largest, mut n) = (0.0, 0.0, 0.0_f64, 0);
+    for ((want, got), whole) in want.iter().zip(&got).zip(&whole) {
+        assert!(got.is_finite(), "{got}");
+        if *whole > 0.0 {
+            let share = f64::from(want.element_sum() / whole);
+            let difference = (f64::from(got.element_sum() / whole) - share).abs();
+            sum += difference;
+            largest = largest.max(difference);
+            if (0.005..0.995).contains(&share) {
+                in_penumbra += difference;
+                n += 1;
+            }
+        }
+    }
+    let (mean, penumbra) = (sum / want.len() as f64, in_penumbra / f64::from(n.max(1)));
+    println!(
+        "{name}: {n} of {} in penumbra, mean {penumbra:.1e} there, {mean:.1e} of all, largest {largest:.1e}; {counts:?} {ours:?}",
+        want.len()
+    );
+    // Rounding of rays that graze an edge; now and then a cell that one contour asks for and the other leaves to its block.
+    assert!(n > 30 && penumbra < 5e-5 && mean < 2e-5 && largest < 0.01, "{name}");
+    let apart = |a: u64, b: u64| assert!(a.abs_diff(b) <= 2 + want.len() as u64 / 1000, "{name}: {counts:?} {ours:?}");
+    apart(counts.lit_points, ours.lit_points);
+    apart(counts.dark_points, ours.dark_points);
+    apart(counts.penumbra_points, ours.penumbra_points);
+}
+
+fn on_the_built_in_scene(gpu: &Gpu) {
+    compare(gpu, "built in", &builtin(), [64, 36], 0.003, 5);
+}
+
+fn behind_a_fence(gpu: &Gpu) {
+    compare(gpu, "fence", &fence(), [64, 48], 0.003, 5);
+}
+
+fn masks_of_all_depths(gpu: &Gpu) {
+    for (depth, tolerance) in [(3, 0.003), (4, 0.01), (6, 0.001)] {
+        compare(gpu, &format!("depth {depth}"), &fence(), [48, 36], tolerance, depth);
+    }
+}
+
+/// Lights whose penumbrae are narrower than pixels: what a single ray says.
+fn tiny_lights(gpu: &Gpu) {
+    let mut scene = builtin();
+    for light in &mut scene.lights {
+        light.ball.radius *= 1e-4;
+        light.radiance *= 1e8;
+    }
+    let world = World::new(&scene);
+    let points = GBuffer::new(&world, 64, 36, 1).points;
+    let frame = frame(&scene, 0.003, 5);
+    let ((_, want), (_, got)) = (from_cpu(&world, &points, &frame), from_gpu(gpu, &scene, &points, &frame));
+    println!("{want:?} {got:?}");
+    assert!(want.lit_points > 1000 && want.dark_points > 300);
+    assert!(want.lit_points.abs_diff(got.lit_points) < 4 && want.dark_points.abs_diff(got.dark_points) < 4);
+}
+
+/// The unit of length does not matter, nor does the place.
+fn at_all_scales(gpu: &Gpu) {
+    for (scale, shift) in [(1e-4, 0.0), (1e4, 0.0), (1.0, 30.0)] {
+        let scene = placed(fence(), scale, Vec3::splat(shift));
+        compare(gpu, &format!("scale {scale}, moved by {shift}"), &scene, [40, 30], 0.003, 5);
+    }
+}
+
+/// A scene that moves: the same from a refitted hierarchy as from a new one.
+fn follow_motion(gpu: &Gpu) {
+    let mut scene = fence();
+    let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
+    let mut world = GpuWorld::new(gpu, &scene).expect("geometry");
+    let mut shader = GpuShader::new(gpu, Occlusion { rays: Some(&world), ..Occlusion::default() }).expect("a shader");
+    let shade = |shader: &mut GpuShader, scene: &Scene| {
+        let mut out = vec![Vec3::NAN; points.receivers.len()];
+        shader.shade(&points, &frame(scene, 0.003, 5), &mut out).expect("the GPU shades");
+        out
+    };
+    let before = shade(&mut shader, &scene);
+    let Shape::Mesh(mesh) = &mut scene.objects[1].shape else { unreachable!("a mesh") };
+    mesh.transform(&Mat4::from_translation(Vec3::new(0.03, 0.0, -0.1)));
+    world.update(&scene).expect("geometry");
+    shader.occlude(Occlusion { rays: Some(&world), ..Occlusion::default() }).expect("a shader");
+    let moved = shade(&mut shader, &scene);
+    assert!(before != moved && moved == from_gpu(gpu, &scene, &points, &frame(&scene, 0.003, 5)).0);
+}
+
+/// The error of V against many shadow rays is the CPU's.
+fn near_monte_carlo(gpu: &Gpu) {
+    let scene = builtin();
+    let world = World::new(&scene);
+    let g = GBuffer::new(&world, 72, 40, 1);
+    let none = BlockerSet::default();
+    let job = ReferenceJob { world: &world, gbuffer: &g, blockers: &none, geometry: Geometry::Mesh, seed: 1 };
+    let mut reference = Reference::new(job);
+    reference.advance(1024, &AtomicBool::new(false), &|_| {});
+    let truth = reference.estimate();
+    let frame = frame(&scene, 0.003, 5);
+    let whole = unshadowed(&g.points, &frame);
+    let error = |out: &[Vec3]| {
+        let mut errors = Vec::new();
+        for (i, out) in out.iter().enumerate() {
+            let sum = |v: Vec3| f64::from(v.element_sum());
+            let want = sum(truth.radiance[i]) / sum(truth.unshadowed[i]);
+            if whole[i] > 0.0 && (0.01..=0.99).contains(&want) {
+                errors.push((sum(*out) / f64::from(whole[i]) - want).abs());
+            }
+        }
+        errors.sort_by(f64::total_cmp);
+        (errors.iter().sum::<f64>() / errors.len() as f64, errors[errors.len() * 99 / 100])
+    };
+    let cpu = error(&from_cpu(&world, &g.points, &frame).0);
+    let ours = error(&from_gpu(gpu, &scene, &g.points, &frame).0);
+    println!("error against shadow rays, mean and 99th percentile: {ours:?}, of the CPU's masks {cpu:?}");
+    assert!(ours.0 < 1.02 * cpu.0 && ours.1 < 1.05 * cpu.1);
+}
+
+fn twice_the_same_bits(gpu: &Gpu) {
+    let scene = fence();
+    let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
+    let frame = frame(&scene, 0.003, 5);
+    let look = || from_gpu(gpu, &scene, &points, &frame);
+    assert_eq!(look(), look());
+}
