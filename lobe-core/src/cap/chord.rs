@@ -279,8 +279,31 @@ fn smaller(x: f32, than: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::nodes;
+    use super::{EDGE, FEW, KAPPA, MANY, PIECE, nodes};
     use core::f32::consts::PI;
+
+    #[test]
+    fn wgsl_has_the_same_nodes() {
+        let halves = [&nodes::<FEW>()[..], &nodes::<MANY>(), &nodes::<PIECE>(), &nodes::<EDGE>()];
+        let text = include_str!("chord.wgsl");
+        let found: Vec<[f32; 2]> = text
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("vec2f(")?.strip_suffix("),")?.split_once(", "))
+            .map(|(cos, sin)| [cos, sin].map(|x| x.parse().expect("a number")))
+            .collect();
+        let want = halves.iter().flat_map(|all| all[..all.len() / 2].iter().map(|(cos, sin)| [*cos, *sin]));
+        assert_eq!(found, want.collect::<Vec<_>>());
+        // The second halves are the first ones, mirrored.
+        for all in halves {
+            for (a, b) in all.iter().zip(all.iter().rev()) {
+                assert!((a.0 + b.0).abs() < 1e-7 && (a.1 - b.1).abs() < 1e-7);
+            }
+        }
+        for (name, count) in [("FEW", FEW), ("MANY", MANY), ("PIECE", PIECE), ("EDGE", EDGE)] {
+            assert!(text.contains(&format!("const {name} = {count}u;")), "{name}");
+        }
+        assert!(text.contains(&format!("const KAPPA = {KAPPA:.1}f;")));
+    }
 
     #[test]
     fn nodes_are_those_of_the_rule() {
