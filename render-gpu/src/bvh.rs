@@ -53,6 +53,8 @@ pub struct GpuWorld {
     normals: Memory,
     scale: f32,
     uploaded: usize,
+    /// For each object whether it blocks; empty when all do.
+    blocks: Vec<bool>,
 }
 
 impl GpuWorld {
@@ -61,6 +63,19 @@ impl GpuWorld {
     /// # Errors
     /// [`GpuError::Limits`] when there are too many triangles for the device, [`GpuError::OutOfMemory`], [`GpuError::Lost`].
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
+        Self::make(gpu, scene, Vec::new())
+    }
+
+    /// The same where only those objects block that `blocks` says yes to by their number: for the `rays` strategy beside
+    /// others that have the rest.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn only(gpu: &Gpu, scene: &Scene, blocks: impl Fn(u32) -> bool) -> Result<Self, GpuError> {
+        Self::make(gpu, scene, (0..scene.objects.len() as u32).map(blocks).collect())
+    }
+
+    fn make(gpu: &Gpu, scene: &Scene, blocks: Vec<bool>) -> Result<Self, GpuError> {
         let memory = |label| Memory::new(label, BufferUsages::STORAGE | BufferUsages::COPY_DST);
         let mut world = Self {
             gpu: gpu.clone(),
@@ -70,6 +85,7 @@ impl GpuWorld {
             normals: memory("the triangles' normals"),
             scale: 1.0,
             uploaded: 0,
+            blocks,
         };
         world.update(scene)?;
         Ok(world)
@@ -81,14 +97,14 @@ impl GpuWorld {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn update(&mut self, scene: &Scene) -> Result<(), GpuError> {
-        let Gathered { mut primitives, names, normals, scale, extent } = gather(scene)?;
+        let Gathered { mut primitives, names, normals, scale, extent } = gather(scene, &self.blocks)?;
         let old = self.tree.take().filter(|_| self.scale == scale);
         let mut tree = old
             .and_then(|tree| tree.refitted(&primitives, &names))
             .map_or_else(|| Tree::new(&primitives, names), Ok)?;
         tree.arrange(&mut primitives);
         self.scale = scale;
-        self.uploaded = self.nodes.hold(&self.gpu, bytemuck::cast_slice(tree.nodes(scale, extent)))?;
+        self.uploaded = self.nodes.hold(&self.gpu, bytemuck::cast_slice(&tree.packed(scale, extent, &self.blocks)))?;
         self.uploaded += self.primitives.hold(&self.gpu, bytemuck::cast_slice(&primitives))?;
         self.uploaded += self.normals.hold(&self.gpu, bytemuck::cast_slice(&normals))?;
         self.tree = Some(tree);

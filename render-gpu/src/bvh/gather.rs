@@ -20,7 +20,7 @@ pub(super) struct Gathered {
 
 /// The triangles with an area and the balls with a radius of all objects that are seen or block. Something that is neither
 /// where there is none: a hierarchy has a node at least.
-pub(super) fn gather(scene: &Scene) -> Result<Gathered, GpuError> {
+pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuError> {
     let (needed, allowed) = (scene.objects.len() as u64, u64::from(BLOCKS));
     if needed > allowed {
         return Err(GpuError::Limits { what: "the number of objects", needed, allowed });
@@ -28,7 +28,8 @@ pub(super) fn gather(scene: &Scene) -> Result<Gathered, GpuError> {
     let mut all = Gathered { primitives: vec![], names: vec![], normals: vec![], scale: 1.0, extent: 0.0 };
     for (number, object) in scene.objects.iter().enumerate() {
         if object.visible || object.proxy != Proxy::None {
-            add(&mut all, number as u32, object, scene);
+            let blocks = blocks.is_empty() || blocks.get(number).is_some_and(|blocks| *blocks);
+            add(&mut all, number as u32, object, scene, if blocks { BLOCKS } else { 0 });
         }
     }
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -50,7 +51,7 @@ pub(super) fn gather(scene: &Scene) -> Result<Gathered, GpuError> {
     Ok(all)
 }
 
-fn add(all: &mut Gathered, number: u32, object: &Object, scene: &Scene) {
+fn add(all: &mut Gathered, number: u32, object: &Object, scene: &Scene, blocks: u32) {
     let material = object.material as u32;
     let seen = if object.visible { VISIBLE } else { 0 };
     match &object.shape {
@@ -69,7 +70,7 @@ fn add(all: &mut Gathered, number: u32, object: &Object, scene: &Scene) {
                 all.names.push(index as u32);
                 all.primitives.push(GpuPrimitive {
                     a: a.into(),
-                    object: number | seen | BLOCKS,
+                    object: number | seen | blocks,
                     b: b.into(),
                     material,
                     c: c.into(),
@@ -79,7 +80,7 @@ fn add(all: &mut Gathered, number: u32, object: &Object, scene: &Scene) {
         }
         Shape::Spheres(balls) => {
             for (index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.radius > 0.0) {
-                let hides = if scene.lights.iter().any(|l| is_lamp(ball, l.ball)) { 0 } else { BLOCKS };
+                let hides = if scene.lights.iter().any(|l| is_lamp(ball, l.ball)) { 0 } else { blocks };
                 all.names.push(index as u32);
                 all.primitives.push(GpuPrimitive {
                     a: ball.center.into(),

@@ -94,10 +94,15 @@ impl Tree {
         *primitives = self.order.iter().map(|number| primitives[*number as usize]).collect();
     }
 
-    /// All nodes; the first one has the units of the hierarchy a world unit, and the size of the scene.
-    pub(super) fn nodes(&mut self, scale: f32, extent: f32) -> &[GpuNode] {
-        self.nodes[0].low = [scale, extent, 0.0];
-        &self.nodes
+    /// All nodes as the GPU takes them. The first has the units of the hierarchy a world unit, the size of the scene, and
+    /// whether all objects block; if not, it says where there is a node for each object whose count is 1 if it does.
+    pub(super) fn packed(&self, scale: f32, extent: f32, blocks: &[bool]) -> Vec<GpuNode> {
+        let mut nodes = Vec::with_capacity(self.nodes.len() + blocks.len());
+        nodes.extend_from_slice(&self.nodes);
+        let count = u32::from(blocks.is_empty());
+        nodes[0] = GpuNode { low: [scale, extent, 0.0], count, first: nodes.len() as u32, ..GpuNode::default() };
+        nodes.extend(blocks.iter().map(|blocks| GpuNode { count: u32::from(*blocks), ..GpuNode::default() }));
+        nodes
     }
 
     pub(super) fn primitive_count(&self) -> usize {

@@ -1,7 +1,7 @@
 // The hierarchy of bvh.rs and the primitives in it, both in its units.
 
 // 32 bytes. The first one is no node: `low` has the units of the hierarchy a world unit, and the size of the scene in world
-// units. A leaf has `count` primitives from `first` on; an inner node has count 0 and its children at `first` and
+// units; where its count is 0 there is one from `first` on for each object, whose count is 1 if it blocks. A leaf has `count` primitives from `first` on; an inner node has count 0 and its children at `first` and
 // `first + 1`.
 struct BvhNode {
     low: vec3f,

@@ -19,6 +19,10 @@ fn rays_leave(at: Receiver) -> vec3f {
     return (at.position + at.face * (5e-7 * max(nodes[0].low.y, size))) * nodes[0].low.x;
 }
 
+fn rays_have(object: u32) -> bool {
+    return nodes[0].count != 0u || nodes[nodes[0].first + object].count != 0u;
+}
+
 // True when a blocking triangle or ball lies on the ray nearer than `distance`.
 fn rays_occluded(origin: vec3f, direction: vec3f, distance: f32) -> bool {
     let ray = slabs(origin, direction);
@@ -74,7 +78,7 @@ fn rays_occluded(origin: vec3f, direction: vec3f, distance: f32) -> bool {
 fn rays_coverage(at: Receiver, cone: Cone) -> u32 {
     let sine = sqrt(cone_sin_sq(cone));
     let elevation = dot(at.face, cone.axis);
-    if elevation <= -sine && at.object != OWN_NONE {
+    if elevation <= -sine && at.object != OWN_NONE && rays_have(at.object) {
         return DARK;
     }
     let origin = rays_leave(at);

@@ -185,7 +185,8 @@ fn of_shadow_maps(gpu: &Gpu) {
 
         let mixture = Mixture::new(maps.clone(), view.spheres.clone());
         let want = view.cpu(MaskVisibility::new(mixture, depth), &frame);
-        shader.occlude(Occlusion { spheres: Some(&view.spheres), maps: Some(&maps), rays: None }).expect("room for them");
+        let both = Occlusion { spheres: Some(&view.spheres), maps: Some(&maps), rays: None };
+        shader.occlude(both).expect("room for them");
         assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
     }
 }

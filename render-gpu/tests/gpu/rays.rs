@@ -3,14 +3,16 @@
 use crate::call::trial;
 use crate::gbuffer::placed;
 use brdf::Material;
+use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
-use lighting::{MaskVisibility, SphereLight};
+use lighting::{MaskVisibility, Mixture, SphereLight};
 use lobe_core::{Sphere, Unshadowed};
-use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
+use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
 use render_gpu::{Gpu, GpuShader, GpuWorld, Occlusion};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
+use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
@@ -21,6 +23,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("rays_at_all_scales", gpu, at_all_scales),
         trial("rays_follow_motion", gpu, follow_motion),
         trial("rays_near_monte_carlo", gpu, near_monte_carlo),
+        trial("rays_of_some_objects", gpu, of_some_objects),
         trial("rays_twice_the_same_bits", gpu, twice_the_same_bits),
     ]
 }
@@ -146,6 +149,36 @@ fn at_all_scales(gpu: &Gpu) {
         let scene = placed(fence(), scale, Vec3::splat(shift));
         compare(gpu, &format!("scale {scale}, moved by {shift}"), &scene, [40, 30], 0.003, 5);
     }
+}
+
+/// Only some objects by rays, the others by spheres: as the CPU's mixture of both.
+fn of_some_objects(gpu: &Gpu) {
+    let scene = builtin();
+    let by_rays = |object: u32| object == 2 || object == 4;
+    let world = World::new(&scene);
+    let points = GBuffer::new(&world, 64, 36, 1).points;
+    let mut set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact balls");
+    let keep: Vec<bool> = set.objects.iter().map(|o| !by_rays(*o)).collect();
+    let mut kept = keep.iter();
+    set.spheres.retain(|_| *kept.next().expect("one a sphere"));
+    let mut kept = keep.iter();
+    set.objects.retain(|_| *kept.next().expect("one a sphere"));
+    let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
+    let frame = frame(&scene, 0.003, 5);
+    let (mut want, mut got) = (vec![Vec3::ZERO; points.receivers.len()], vec![Vec3::NAN; points.receivers.len()]);
+    let mixture = Mixture::new(spheres.clone(), RayBlockers::new(&world).only(by_rays));
+    let visibility = MaskVisibility::new(mixture, frame.depth);
+    let counts = CpuShader::new(visibility).shade(&points, &frame, &mut want).expect("room for all lobes").counts;
+    let ours = GpuWorld::only(gpu, &scene, by_rays).expect("geometry");
+    let occlusion = Occlusion { spheres: Some(&spheres), rays: Some(&ours), ..Occlusion::default() };
+    let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
+    let found = shader.shade(&points, &frame, &mut got).expect("the GPU shades").counts;
+    let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
+    let apart: Vec<f32> = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element() / peak).collect();
+    let (mean, largest) = (apart.iter().sum::<f32>() / apart.len() as f32, apart.iter().copied().fold(0.0, f32::max));
+    println!("mean {mean:.1e}, largest {largest:.1e} of the peak; {counts:?} {found:?}");
+    assert!(mean < 1e-5 && largest < 2e-3);
+    assert!(counts.dark_points.abs_diff(found.dark_points) < 4 && counts.lit_points.abs_diff(found.lit_points) < 4);
 }
 
 /// A scene that moves: the same from a refitted hierarchy as from a new one.
