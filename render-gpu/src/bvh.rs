@@ -99,7 +99,7 @@ impl GpuWorld {
     pub fn update(&mut self, scene: &Scene) -> Result<(), GpuError> {
         let Gathered { mut primitives, names, normals, scale, extent } = gather(scene, &self.blocks)?;
         let old = self.tree.take().filter(|_| self.scale == scale);
-        let mut tree = old
+        let tree = old
             .and_then(|tree| tree.refitted(&primitives, &names))
             .map_or_else(|| Tree::new(&primitives, names), Ok)?;
         tree.arrange(&mut primitives);
