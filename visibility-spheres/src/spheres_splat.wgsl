@@ -1,9 +1,9 @@
 // What spheres block on a mask, by a workgroup of LANES threads. Needs spheres, splat, ellipse, and lighting's edges.wgsl.
 
+// Kinds of splats.
 const ELLIPSE = 0u;
 const WIDE = 1u;
 const IN_FRONT = 2u;
-const ALL = 3u;
 
 // One sphere made ready for the rows.
 struct Splat {
@@ -12,8 +12,9 @@ struct Splat {
     blocked: BlockedCone,
 }
 var<workgroup> splats: array<Splat, LANES>;
-// Which of them block anything; two by turns.
-var<workgroup> splats_used: array<atomic<u32>, 4>;
+// Which of them block anything: bits of 64 for each kind; two sets by turns.
+var<workgroup> splats_used: array<atomic<u32>, 12>;
+const SPLATS_USED = 6u;
 
 // How many spheres the threads take in turn: those of the list, or all of them.
 fn spheres_count(tile: u32) -> u32 {
@@ -70,7 +71,7 @@ fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     let test = cone_test(at.position, light);
     let count = spheres_count(tile);
     workgroupBarrier();
-    if (lane < 4u) {
+    if (lane < 2u * SPLATS_USED) {
         atomicStore(&splats_used[lane], 0u);
     }
     var turn = 0u;
@@ -82,23 +83,43 @@ fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         if (first + lane < count) {
             let seen = spheres_look(spheres_index(tile, first + lane), at, light, ball);
             if (seen.coverage != LIT) {
-                splats[lane] = splat_of(seen.blocked, mask);
-                atomicOr(&splats_used[turn + lane / 32u], 1u << (lane % 32u));
+                let splat = splat_of(seen.blocked, mask);
+                splats[lane] = splat;
+                atomicOr(&splats_used[turn + 2u * splat.kind + lane / 32u], 1u << (lane % 32u));
             }
         }
+        let used = turn;
         // Nobody reads the others any more.
-        turn = 2u - turn;
-        if (lane < 2u) {
+        turn = SPLATS_USED - turn;
+        if (lane < SPLATS_USED) {
             atomicStore(&splats_used[turn + lane], 0u);
         }
         workgroupBarrier();
         for (var half = 0u; half < LANES / 32u; half++) {
-            var used = atomicLoad(&splats_used[2u - turn + half]);
-            while (used != 0u && lane < SIDE && !mask_is_row_dark()) {
-                splat_row(32u * half + firstTrailingBit(used), light, ball, mask, lane);
-                used &= used - 1u;
-            }
+            splat_row(used + half, 32u * half, light, ball, mask, lane);
         }
+    }
+}
+
+// Blocks what 32 of the spheres made ready hide of the own row `j`. A loop for each kind: software devices run all branches.
+fn splat_row(used: u32, first: u32, light: Cone, ball: LightBall, mask: Mask, j: u32) {
+    let mine = select(0u, 0xffffffffu, j < SIDE);
+    var bits = atomicLoad(&splats_used[used + 2u * ELLIPSE]) & mine;
+    while (bits != 0u && !mask_is_row_dark()) {
+        ellipse_splat(splats[first + firstTrailingBit(bits)].ellipse, j);
+        bits &= bits - 1u;
+    }
+    bits = atomicLoad(&splats_used[used + 2u * WIDE]) & mine;
+    while (bits != 0u && !mask_is_row_dark()) {
+        let slot = first + firstTrailingBit(bits);
+        splat_wide(splats[slot].blocked.to, splats[slot].blocked.cos, mask, j);
+        bits &= bits - 1u;
+    }
+    bits = atomicLoad(&splats_used[used + 2u * IN_FRONT]) & mine;
+    while (bits != 0u && !mask_is_row_dark()) {
+        let slot = first + firstTrailingBit(bits);
+        splat_in_front(splats[slot].blocked, light.axis * light.distance, ball.radius, mask, j);
+        bits &= bits - 1u;
     }
 }
 
@@ -111,29 +132,9 @@ fn splat_of(blocked: BlockedCone, mask: Mask) -> Splat {
     } else if (blocked.cos > 0.0 && local.z > 1.001 * blocked.tangent_radius) {
         splat.kind = ELLIPSE;
         splat.ellipse = ellipse(local, blocked.tangent_radius, mask);
-    } else if (blocked.cos <= -1.0) {
-        splat.kind = ALL;
     } else {
         splat.kind = WIDE;
         splat.blocked.to = local / max(sqrt(dot(local, local)), 1.1754944e-38);
     }
     return splat;
-}
-
-// Blocks what one of the spheres made ready hides of the own row `j`.
-fn splat_row(slot: u32, light: Cone, ball: LightBall, mask: Mask, j: u32) {
-    switch splats[slot].kind {
-        case ELLIPSE: {
-            ellipse_splat(splats[slot].ellipse, j);
-        }
-        case WIDE: {
-            splat_wide(splats[slot].blocked.to, splats[slot].blocked.cos, mask, j);
-        }
-        case IN_FRONT: {
-            splat_in_front(splats[slot].blocked, light.axis * light.distance, ball.radius, mask, j);
-        }
-        default: {
-            mask_block_all();
-        }
-    }
 }

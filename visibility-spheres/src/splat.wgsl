@@ -89,6 +89,10 @@ const SPAN_LIMIT = 1e9;
 // Blocks of the own row `j` what is in any cone, with the unit axis `m` and the cosine in the square's frame: between, or
 // outside, the roots of a quadratic.
 fn splat_wide(m: vec3f, cos: f32, mask: Mask, j: u32) {
+    if (cos <= -1.0) {
+        mask_block_all();
+        return;
+    }
     let flat = 2.0 * FLAT * mask_cell(mask);
     let below = row_spans(m, cos, mask_row_y(mask, max(j, 1u) - 1u));
     let here = row_spans(m, cos, mask_row_y(mask, j));
