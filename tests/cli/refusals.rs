@@ -99,10 +99,7 @@ fn what_a_gpu_lacks_is_refused() {
         refuse(folder, &args, &format!("--device gpu: {what}"));
     };
     gpu("scene.toml", &["--layers"], "--layers");
-    gpu("scene.toml", &["--visibility", "rays"], "--visibility rays");
-    // Few triangles, so by rays where nothing else is said.
-    gpu("table.toml", &[], "object \"table\" is by rays");
-    gpu("table.toml", &["--frames", "0..1"], "object \"table\" is by rays");
+    gpu("table.toml", &["--layers", "--visibility", "spheres"], "--layers");
     assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
     refuse(folder, &["render", "--device", "tpu"], "cpu, gpu, auto");
     let help = succeed(folder, &["render", "--help"]);

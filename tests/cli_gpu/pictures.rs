@@ -96,8 +96,8 @@ fn auto_says_what_it_takes() {
     assert!(told.lines().count() == 1 && told.contains(&format!("--device auto: {device}")), "{told} {device}");
     assert_eq!(ran(&["-q"]), (String::new(), device));
     // What only the CPU has is left to it.
-    let (told, device) = ran(&["--visibility", "rays"]);
-    assert!(device == "cpu" && told.contains("--device auto: cpu, since --visibility rays"), "{told}");
+    let (told, device) = ran(&["--layers", "-o", "a.exr"]);
+    assert!(device == "cpu" && told.contains("--device auto: cpu, since --layers"), "{told}");
 }
 
 #[cfg(unix)]

@@ -1,29 +1,29 @@
 //! What shades: the cores of the CPU, or a GPU.
 
-use crate::args::{Device, RenderArgs, Visibility};
+use crate::args::{Device, RenderArgs};
 use crate::console::note;
 use crate::failure::Failure;
-use crate::strategy::Plan;
-use cosine_lobes::lobe_core::VisibilityLobes;
+use cosine_lobes::lobe_core::{Method, VisibilityLobes};
 use cosine_lobes::render_cpu::{CpuShader, Layers};
-use cosine_lobes::render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, Occlusion};
-use cosine_lobes::scene::{Frame, Scene, Shade, ShadeStats, ShadingPoints, Strategy};
+use cosine_lobes::render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion};
+use cosine_lobes::scene::{Frame, Scene, Shade, ShadeStats, ShadingPoints};
+use cosine_lobes::visibility_shadowmap::ShadowMapBlockers;
+use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
 use std::error::Error;
 
 /// What shades all frames of a command.
 pub(crate) enum Backend {
     Cpu,
-    Gpu(Box<GpuShader>),
+    Gpu(Box<GpuBackend>),
 }
 
 impl Backend {
     /// The device that is asked for. What a GPU lacks is refused, or left to the CPU where the choice is free.
-    pub(crate) fn new(args: &RenderArgs, plan: &Plan, scene: &Scene) -> Result<Self, Failure> {
-        let lack = || lack(args, plan, scene);
+    pub(crate) fn new(args: &RenderArgs) -> Result<Self, Failure> {
         match args.device {
             Device::Cpu => Ok(Self::Cpu),
-            Device::Gpu => match lack() {
+            Device::Gpu => match lack(args) {
                 Some(lack) => Err(Failure::new(format_args!("--device gpu: {lack}"))),
                 None => open().map_err(|error| match error {
                     // What wgpu tells of it is a list of all that it was built without.
@@ -35,8 +35,8 @@ impl Backend {
                 }),
             },
             Device::Auto => {
-                let backend = match lack() {
-                    Some(lack) => Err(lack),
+                let backend = match lack(args) {
+                    Some(lack) => Err(lack.to_owned()),
                     None => hardware(open()),
                 };
                 if !args.view.quiet {
@@ -54,41 +54,59 @@ impl Backend {
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Cpu => "cpu".to_owned(),
-            Self::Gpu(shader) => shader.gpu().name(),
+            Self::Gpu(gpu) => gpu.shader.gpu().name(),
         }
     }
 }
 
 fn open() -> Result<Backend, GpuError> {
     let gpu = Gpu::blocking(&GpuOptions::default())?;
-    Ok(Backend::Gpu(Box::new(GpuShader::new(&gpu, Occlusion::default())?)))
+    let shader = GpuShader::new(&gpu, Occlusion::default())?;
+    Ok(Backend::Gpu(Box::new(GpuBackend { shader, world: None })))
 }
 
 /// A GPU that is worth choosing: software ones are slower than the CPU's own path.
 fn hardware(backend: Result<Backend, GpuError>) -> Result<Backend, String> {
     match backend {
-        Ok(Backend::Gpu(shader)) if shader.gpu().is_software() => {
-            Err(format!("{} is no hardware", shader.gpu().name()))
+        Ok(Backend::Gpu(gpu)) if gpu.shader.gpu().is_software() => {
+            Err(format!("{} is no hardware", gpu.shader.gpu().name()))
         }
         Err(GpuError::NoAdapter { .. }) => Err("there is no GPU adapter".to_owned()),
         other => other.map_err(|error| error.to_string()),
     }
 }
 
-/// What the command or the scene needs and a GPU does not have, and what to do about it.
-fn lack(args: &RenderArgs, plan: &Plan, scene: &Scene) -> Option<String> {
-    if args.layers {
-        return Some("--layers are made by the CPU only".to_owned());
+/// What is asked for and a GPU does not have.
+fn lack(args: &RenderArgs) -> Option<&'static str> {
+    args.layers.then_some(LAYERS)
+}
+
+const LAYERS: &str = "--layers are made by the CPU only";
+
+/// A GPU's shader, and what its rays meet.
+pub(crate) struct GpuBackend {
+    shader: GpuShader,
+    world: Option<GpuWorld>,
+}
+
+impl GpuBackend {
+    /// The shader with these blockers; `traced` is a scene of just the objects that are by rays.
+    pub(crate) fn occluded(
+        &mut self,
+        method: Method<'_>,
+        spheres: Option<&SphereBlockers>,
+        maps: Option<&ShadowMapBlockers>,
+        traced: Option<&Scene>,
+    ) -> Result<&mut GpuShader, GpuError> {
+        match (traced, &mut self.world) {
+            (None, world) => *world = None,
+            (Some(scene), Some(world)) => world.update(scene)?,
+            (Some(scene), world) => *world = Some(GpuWorld::new(self.shader.gpu(), scene)?),
+        }
+        self.shader.set_method(method);
+        self.shader.occlude(Occlusion { spheres, maps, rays: self.world.as_ref() })?;
+        Ok(&mut self.shader)
     }
-    if args.visibility == Visibility::Rays {
-        return Some("--visibility rays is there on the CPU only (spheres, shadow-map and none on both)".to_owned());
-    }
-    let object = (0..scene.objects.len()).find(|object| plan.of(*object) == Strategy::Rays)?;
-    let name = &scene.objects[object].name;
-    Some(format!(
-        "object \"{name}\" is by rays, which are there on the CPU only (instead its key `visibility`, or --visibility \
-         for all objects: spheres, shadow-map or none)"
-    ))
 }
 
 /// What shades, whatever it computes on.
@@ -120,6 +138,6 @@ impl Shader for GpuShader {
         _: &Frame<'_>,
         _: &mut [Vec3],
     ) -> Result<(ShadeStats, Layers), Failure> {
-        Err(Failure::new("--layers are made by the CPU only"))
+        Err(Failure::new(LAYERS))
     }
 }

@@ -37,7 +37,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let word = name(&args.visibility);
         return Err(Failure::new(format_args!("--map-resolution: no shadow map is made with --visibility {word}")));
     }
-    let mut backend = Backend::new(args, &plan, &scene)?;
+    let mut backend = Backend::new(args)?;
     let all = moments.len();
     let paths = |moment: &Moment| -> Vec<PathBuf> {
         let of = |path: &PathBuf| moment.frame.map_or(path.clone(), |frame| files::numbered(path, frame));

@@ -8,12 +8,12 @@ use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility}
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{Method, Unshadowed};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SphereSource, World};
-use cosine_lobes::render_gpu;
 use cosine_lobes::scene::{BlockerSet, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_shadowmap::{Bounds, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// The finest map that is taken unless asked for.
 const FITTED: u32 = 2048;
@@ -99,6 +99,18 @@ impl Plan {
         (0..self.objects.len()).any(|o| self.in_maps(scene, o))
     }
 
+    /// The scene of just those objects that are by rays; numbers stay.
+    fn traced<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
+        let mut traced = Cow::Borrowed(scene);
+        for (number, strategy) in self.objects.iter().enumerate() {
+            if *strategy != Strategy::Rays {
+                let object = &mut traced.to_mut().objects[number];
+                (object.visible, object.proxy) = (false, Proxy::None);
+            }
+        }
+        traced
+    }
+
     /// Bytes that the maps of all lights take at most, where each is one picture and none is asked to be finer: 32 a texel,
     /// 8 of each of four layers.
     pub(crate) fn most_map_bytes(&self, scene: &Scene) -> u64 {
@@ -169,6 +181,8 @@ impl KeptSpheres {
 
 /// What blocks light in one frame, by strategy.
 pub(crate) struct Occlusion<'a> {
+    plan: &'a Plan,
+    world: &'a World<'a>,
     spheres: Option<&'a SphereBlockers>,
     maps: Option<ShadowMapBlockers>,
     rays: Option<RayBlockers<'a>>,
@@ -194,7 +208,7 @@ impl<'a> Occlusion<'a> {
             let casters = (0..scene.objects.len()).map(|o| plan.in_maps(scene, o));
             ShadowMapBlockers::new(maps).with_casters(casters.collect())
         });
-        Self { spheres, maps, rays }
+        Self { plan, world, spheres, maps, rays }
     }
 
     /// Does the work with the shader that these blockers make by the paper's method, where its tables are given, or by
@@ -206,10 +220,10 @@ impl<'a> Occlusion<'a> {
         tables: Option<&Tables>,
         work: W,
     ) -> Result<W::Output, Failure> {
-        if let Backend::Gpu(shader) = backend {
-            shader.set_method(tables.map_or(Method::Moments, Method::Paper));
-            shader.occlude(render_gpu::Occlusion { spheres: self.spheres, maps: self.maps.as_ref(), rays: None })?;
-            return work.with(shader.as_mut());
+        if let Backend::Gpu(gpu) = backend {
+            let traced = self.rays.is_some().then(|| self.plan.traced(self.world.scene()));
+            let method = tables.map_or(Method::Moments, Method::Paper);
+            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced.as_deref())?);
         }
         match (self.spheres, self.maps, self.rays) {
             (None, None, None) => {
