@@ -12,7 +12,7 @@ use visibility_shadowmap::wgsl as maps;
 use visibility_spheres::wgsl as spheres;
 
 /// Bytes of a tile's list.
-pub(crate) const LIST_BYTES: u64 = 4 * (512 + 2);
+pub(crate) const LIST_BYTES: u64 = 4 * visibility_spheres::LIST_WORDS as u64;
 
 /// What the kernels of a frame depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

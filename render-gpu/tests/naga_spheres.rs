@@ -3,7 +3,7 @@
 use lighting::wgsl as lighting;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, wgsl};
+use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
 
 const FRAME: &str = include_str!("../src/kernels/frame.wgsl");
 const QUEUE: &str = include_str!("../src/kernels/queue.wgsl");
@@ -40,6 +40,7 @@ fn constant(module: &naga::Module, name: &str) -> u32 {
 fn culling_validates() {
     let bounds = module(&[BOUNDS, FRAME, wgsl::PACKED]);
     let cull = module(&[CULL, FRAME, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY]);
+    assert_eq!(constant(&cull, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
     let args = module(&[ARGS, QUEUE, FRAME]);
     let groups = [(&bounds, "bounds", 64), (&cull, "cull", 64), (&args, "args_of_queue", 1)];
     for (module, name, threads) in groups {
@@ -55,7 +56,9 @@ fn classification_validates() {
     let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE];
     let mut pieces = vec![CLASSIFY, QUEUE, FRAME, HOOK, stub, &reflectance, GEOMETRY, LOBE, SPECIAL];
     pieces.extend(parts);
-    assert_eq!(module(&pieces).entry_points[0].workgroup_size, [64, 1, 1]);
+    let classify = module(&pieces);
+    assert_eq!(classify.entry_points[0].workgroup_size, [64, 1, 1]);
+    assert_eq!(constant(&classify, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
 }
 
 #[test]
@@ -105,4 +108,5 @@ fn a_blocker_has_rusts_layout() {
     let want = want.map(|(name, offset)| (name.to_owned(), offset as u32)).to_vec();
     assert_eq!(found, Some((size_of::<BlockerSphere>() as u32, want)));
     assert_eq!(constant(&module, "SPHERE_BLOCK") as usize, SPHERE_BLOCK);
+    assert_eq!(constant(&module, "LIST_WORDS") as usize, LIST_WORDS);
 }

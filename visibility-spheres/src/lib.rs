@@ -12,7 +12,7 @@ mod splat;
 pub mod wgsl;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
-pub use crate::packed::{BlockerSphere, SPHERE_BLOCK};
+pub use crate::packed::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK};
 pub use crate::set::{
     BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, Rig, RigPart, SetFileError,
     SetQuality, SphereSet, Verdict, preview,

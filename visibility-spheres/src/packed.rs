@@ -4,6 +4,9 @@ use bytemuck::{Pod, Zeroable};
 /// How many neighbours of [`SphereBlockers::pack`] share a bound on the GPU: `SPHERE_BLOCK` of `packed.wgsl`.
 pub const SPHERE_BLOCK: usize = 32;
 
+/// Words of a tile's list: `LIST_WORDS` of `packed.wgsl`.
+pub const LIST_WORDS: usize = 514;
+
 /// A blocker as kernels read it: `BlockerSphere` of `packed.wgsl`, 32 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]

@@ -13,3 +13,24 @@ pub(crate) const PENUMBRA_POINTS: usize = 2;
 pub(crate) const INTEGRALS: usize = 3;
 /// Reflectance lobes dropped below the threshold.
 pub(crate) const PRUNED: usize = 4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_are_those_of_the_kernels() {
+        let all = [
+            ("LIT_POINTS", LIT_POINTS),
+            ("DARK_POINTS", DARK_POINTS),
+            ("PENUMBRA_POINTS", PENUMBRA_POINTS),
+            ("INTEGRALS", INTEGRALS),
+            ("PRUNED", PRUNED),
+        ];
+        for (name, number) in all {
+            assert!(crate::kernels::QUEUE.contains(&format!("const {name} = {number}u;")), "{name}");
+        }
+        let counters = QUEUE_HEADER - 1;
+        assert!(crate::kernels::QUEUE.contains(&format!("counters: array<atomic<u32>, {counters}>")));
+    }
+}

@@ -8,7 +8,7 @@ use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 use render_gpu::{Gpu, GpuReceiver};
-use visibility_spheres::{BlockerSphere, SphereBlockers, wgsl};
+use visibility_spheres::{BlockerSphere, LIST_WORDS, SphereBlockers, wgsl};
 use wgpu::util::DeviceExt;
 
 const FRAME: &str = include_str!("../../src/kernels/frame.wgsl");
@@ -16,8 +16,7 @@ const BOUNDS: &str = include_str!("../../src/kernels/bounds.wgsl");
 const CULL: &str = include_str!("../../src/kernels/cull.wgsl");
 
 const TILE: usize = 64;
-/// `LIST_WORDS` and `LIST_FULL` of `packed.wgsl`.
-const LIST_WORDS: usize = 514;
+/// `LIST_FULL` of `packed.wgsl`.
 const LIST_FULL: u32 = 1;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -347,8 +346,13 @@ fn class(coverage: Coverage) -> u32 {
 fn lists(gpu: &Gpu) {
     let mut random = Random::new(80);
     let (mut listed, mut all, mut full) = (0, 0, 0);
-    for count in [1, 33, 400, 5000] {
-        let setup = Setup::new(&mut random, 6, count, Place::Everywhere);
+    // Points, lights that reach nearly to the receivers, and around them.
+    let lights = [None, None, None, None, Some(0.0), Some(0.98), Some(0.999), Some(1.3)];
+    for (count, of_distance) in [1, 33, 400, 5000, 33, 33, 33, 33].into_iter().zip(lights) {
+        let mut setup = Setup::new(&mut random, 6, count, Place::Everywhere);
+        if let Some(share) = of_distance {
+            setup.light.radius = share * setup.light.center.length();
+        }
         let words = Words::new(gpu, &setup);
         let mut packed = Vec::new();
         setup.blockers().pack(&mut packed);
