@@ -12,7 +12,12 @@ pub const SQUARE: &str = include_str!("square.wgsl");
 /// The own row of the mask; needs [`header`] and [`SQUARE`].
 pub const MASK: &str = include_str!("mask.wgsl");
 /// The contour of what hides, by questions; needs [`MASK`] and `light_is_hidden`.
-pub const CONTOUR: &str = include_str!("contour.wgsl");
+pub const CONTOUR: &str = concat!(
+    include_str!("contour_bits.wgsl"),
+    include_str!("contour_cells.wgsl"),
+    include_str!("contour_spans.wgsl"),
+    include_str!("contour.wgsl")
+);
 /// The sum of edges that turns a mask; needs `geometry.wgsl`.
 pub const EDGES: &str = include_str!("edges.wgsl");
 

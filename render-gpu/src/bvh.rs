@@ -43,7 +43,8 @@ const STACK_STEP: u32 = 32;
 /// Holds what `render_cpu::World` holds, by the same rules: the objects that the camera sees and those that block light;
 /// no triangles without area. The kernels know them in units that bring the scene's size to about 2²⁰.
 ///
-/// Building takes about 1 µs a triangle on the CPU; at most as many triangles as fit a binding (48 bytes each).
+/// Building takes about 1.5 µs a triangle on the CPU, [`update`](Self::update) 0.3 µs, upload included (250 000 triangles). There
+/// may be as many as fit a binding of 48 bytes each: 2.8 million in 128 MiB.
 #[derive(Debug)]
 pub struct GpuWorld {
     gpu: Gpu,

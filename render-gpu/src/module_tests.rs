@@ -14,6 +14,10 @@ fn check(name: &str, text: &Text) -> naga::Module {
     let info = Validator::new(ValidationFlags::all(), Capabilities::all())
         .validate(&module)
         .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)));
+    // What every device has.
+    let shared = module.global_variables.iter().filter(|(_, g)| g.space == AddressSpace::WorkGroup);
+    let shared: u32 = shared.map(|(_, g)| module.types[g.ty].inner.size(module.to_ctx())).sum();
+    assert!(shared <= 16384, "{name}: {shared} bytes of a workgroup's memory");
     let number = module.entry_points.iter().position(|e| e.name == *entry).expect("the entry point");
     let mut declared: Vec<(u32, Access)> = Vec::new();
     for (handle, variable) in module.global_variables.iter() {

@@ -40,3 +40,12 @@ fn shadow_rays_validate() {
         validate(&pieces);
     }
 }
+
+/// The rim's directions are those of `Contour`: 32 around the light, from half a step on; the first quadrant is written down.
+#[test]
+fn rim_is_rusts() {
+    for k in 0..8 {
+        let (sin, cos) = (core::f64::consts::TAU * (f64::from(k) + 0.5) / 32.0).sin_cos();
+        assert!(lighting::wgsl::CONTOUR.contains(&format!("vec2f({cos:.11}, {sin:.11})")), "{cos} {sin}");
+    }
+}

@@ -1,0 +1,188 @@
+// What the contour of contour.wgsl covers: heights between rows, parts of cells, runs of a row.
+
+// How far the steps of a bisection are shifted: a little from line to line.
+fn contour_shift(line: u32) -> f32 {
+    let order = ((line & 1u) << 2u) | (line & 2u) | ((line >> 2u) & 1u);
+    return (f32(order) / 8.0 - 7.0 / 16.0) / f32(CONTOUR_STEPS);
+}
+
+// How far from the dark point (0) to the lit one (1) a step is.
+fn contour_way(line: u32, step: u32) -> f32 {
+    let shift = contour_shift(line);
+    let low = select(0.0, f32(step) / f32(CONTOUR_STEPS) + shift, step > 0u);
+    let high = select(1.0, f32(step + 1u) / f32(CONTOUR_STEPS) + shift, step + 1u < CONTOUR_STEPS);
+    return 0.5 * (low + high);
+}
+
+fn contour_slot(layer: u32, i: u32, j: u32) -> u32 { return (layer * LANES + j) * CONTOUR_ROW + i / 8u; }
+
+// Notes the step of a crossing, of cells that are never neighbours.
+fn contour_note(layer: u32, i: u32, j: u32, step: u32) {
+    atomicOr(&contour_answers[contour_slot(layer, i, j)], (step + 1u) << (8u * (i / 2u % 4u)));
+}
+
+// One more than the step; 0 where none was noted.
+fn contour_noted(layer: u32, i: u32, j: u32) -> u32 {
+    return (atomicLoad(&contour_answers[contour_slot(layer, i, j)]) >> (8u * (i / 2u % 4u))) & 0xffu;
+}
+
+fn contour_forget(lane: u32) {
+    for (var k = lane; k < CONTOUR_BYTES; k += LANES) {
+        atomicStore(&contour_answers[k], 0u);
+    }
+    workgroupBarrier();
+}
+
+// Where the contour runs along between rows `j` and `j + 1`: first columns of pairs, and all columns.
+struct Flat { starts: vec2u, all: vec2u }
+
+fn contour_flat(j: u32) -> Flat {
+    var out = Flat(vec2u(0u), vec2u(0u));
+    if (j + 1u >= SIDE) {
+        return out;
+    }
+    let both = contour_emit[j] & contour_emit[j + 1u];
+    let low = contour_steps(j);
+    let high = contour_steps(j + 1u);
+    var flat = (contour_dark_of(j) ^ contour_dark_of(j + 1u)) & both & ~low & ~high;
+    while (bits_any(flat)) {
+        let first = bits_first(flat);
+        let end = bits_end(flat, first);
+        flat &= ~bits_ones(end);
+        let left = vec2<bool>(
+            first > 0u && bits_has(low & both, first - 1u),
+            first > 0u && bits_has(high & both, first - 1u)
+        );
+        let right = vec2<bool>(end < SIDE && bits_has(low & both, end), end < SIDE && bits_has(high & both, end));
+        // It comes through one line and leaves through the other.
+        if (left.x != left.y && right.x != right.y && left.x != right.x) {
+            continue;
+        }
+        out.all |= bits_ones(end) & ~bits_ones(first);
+        for (var i = first; i < end; i += 2u) {
+            out.starts |= bits_one(i);
+        }
+    }
+    return out;
+}
+
+// Cells of row `j` with nothing that emits beyond them; and those of them whose way to the light's rim is asked for, where it
+// runs along the row.
+fn contour_outer(mask: Mask, j: u32, above: bool) -> Flat {
+    var out = Flat(vec2u(0u), contour_emit[j] & ~contour_steps(j));
+    if (above && j + 1u < SIDE) {
+        out.all &= ~contour_emit[j + 1u];
+    } else if (!above && j > 0u) {
+        out.all &= ~contour_emit[j - 1u];
+    }
+    let disc_sq = mask.square.disc * mask.square.disc;
+    let y = mask_row_y(mask, j);
+    let cell = mask_cell(mask);
+    var rest = out.all;
+    while (bits_any(rest)) {
+        let i = bits_first(rest);
+        rest &= ~bits_one(i);
+        let x = mask_cell_center(mask, i, j).x;
+        let height = sqrt(max(disc_sq - x * x, 0.0)) - select(-y, y, above);
+        // Not where the rim is steep, nor at the window's border or the horizon.
+        if (2.0 * x * x <= disc_sq && height >= 0.05 * cell && height <= cell) {
+            out.starts |= bits_one(i);
+            rest &= ~bits_one(i + 1u);
+        }
+    }
+    return out;
+}
+
+// What the contour between two rows covers of a cell of the lower (or upper) of them, in 127ths.
+fn contour_between(flat: Flat, i: u32, gap: u32, lower: bool) -> f32 {
+    if (!bits_has(flat.all, i)) {
+        return 0.0;
+    }
+    let start = select(i - 1u, i, bits_has(flat.starts, i));
+    let way = contour_way(start / 2u, contour_noted(0u, start, gap) - 1u);
+    // Beyond half the way it reaches into the lit cells; before, it leaves some of the dark ones.
+    let below = bits_has(contour_dark_of(gap), start);
+    let own = (below == lower) == (way < 0.5);
+    return select(0.0, trunc((way - 0.5) * CONTOUR_WHOLE), own);
+}
+
+// The same between a row and the rim.
+fn contour_beyond(outer: Flat, i: u32, j: u32, layer: u32) -> f32 {
+    let hides = contour_dark_of(j);
+    var start = i;
+    if (!bits_has(outer.starts, i)) {
+        if (i == 0u || !bits_has(outer.starts, i - 1u)) {
+            return 0.0;
+        }
+        start = i - 1u;
+    }
+    let noted = contour_noted(layer, start, j);
+    if (noted == 0u || !bits_has(outer.all, i) || bits_has(hides, i) != bits_has(hides, start)) {
+        return 0.0;
+    }
+    let way = contour_way(start / 2u, noted - 1u);
+    return trunc(0.5 * CONTOUR_WHOLE * select(way, way - 1.0, bits_has(hides, i)));
+}
+
+// Blocks the cells of the own row that are covered in part. Returns those that are covered as a whole.
+fn contour_write_parts(j: u32, mask: Mask) -> vec2u {
+    let emits = contour_emit[j];
+    var whole = contour_dark_of(j) & emits;
+    let flat = contour_flats[j];
+    let before = max(j, 1u) - 1u;
+    var flat_before = Flat(vec2u(0u), vec2u(0u));
+    if (j > 0u) {
+        flat_before = contour_flats[before];
+    }
+    let inner = contour_flats[LANES + j];
+    let outer = contour_flats[2u * LANES + j];
+    var rest = emits & (flat.all | flat_before.all | inner.all | outer.all);
+    while (bits_any(rest)) {
+        let i = bits_first(rest);
+        rest &= ~bits_one(i);
+        let between = contour_between(flat, i, j, true) + contour_between(flat_before, i, before, false);
+        let covered = between + contour_beyond(inner, i, j, 1u) + contour_beyond(outer, i, j, 2u);
+        if (covered == 0.0) {
+            continue;
+        }
+        let share = clamp(covered, -128.0, 127.0) / CONTOUR_WHOLE + select(0.0, 1.0, bits_has(whole, i));
+        whole &= ~bits_one(i);
+        let part = contour_part(i, j);
+        let cell = mask_cell(mask);
+        let left = mask_cell_center(mask, i, j).x + (part.x - f32(i) - 0.5) * cell;
+        // Ends among the samples of a cell that differ from cell to cell, else a whole row would round alike.
+        let shift = (row_phase(i) + row_phase(j)) / mask.scale;
+        mask_block_span(mask, j, left, left + share * part.y * cell + shift);
+    }
+    return whole;
+}
+
+// Where the contour is beside a dark cell `i` of row `j`, toward its neighbour `next`.
+fn contour_edge(mask: Mask, i: u32, next: u32, j: u32, layer: u32) -> f32 {
+    if (bits_has(contour_dark_of(j), next)) {
+        return 0.5 * (mask_cell_center(mask, i, j).x + mask_cell_center(mask, next, j).x);
+    }
+    let start = contour_sample(mask, i, j);
+    let way = contour_way(j, contour_noted(layer, i, j) - 1u);
+    return start + (contour_sample(mask, next, j) - start) * way;
+}
+
+// Blocks the runs of cells that are covered as a whole.
+fn contour_write_runs(lane: u32, mask: Mask, whole: vec2u) {
+    let emits = contour_emit[lane];
+    var rest = whole;
+    while (bits_any(rest)) {
+        let first = bits_first(rest);
+        let end = bits_end(rest, first);
+        rest &= ~bits_ones(end);
+        var left = -1e30;
+        var right = 1e30;
+        if (first > 0u && bits_has(emits, first - 1u)) {
+            left = contour_edge(mask, first, first - 1u, lane, 0u);
+        }
+        if (end < SIDE && bits_has(emits, end)) {
+            right = contour_edge(mask, end - 1u, end, lane, 1u);
+        }
+        mask_block_span(mask, lane, left, right);
+    }
+}
