@@ -36,7 +36,8 @@ pub struct PackedMaps {
 }
 
 impl PackedMaps {
-    /// What the kernels know as `shadow_map`: about nine bytes a texel and layer, 16 more for texels at outlines.
+    /// What the kernels know as `shadow_map`: 9.3 bytes a texel and layer, 16 more for texels at outlines
+    /// (a body over a floor, four layers: 39 MiB at 1024², 155 MiB at 2048²). A device may allow no more than 128 MiB.
     #[must_use]
     pub fn words(&self) -> &[u32] {
         &self.words
@@ -53,7 +54,7 @@ impl ShadowMapBlockers {
     /// Everything in one buffer, for the WGSL in [`wgsl`](crate::wgsl).
     ///
     /// # Cost
-    /// A copy of the maps; corners at outlines are worked out anew.
+    /// A copy of the maps; corners at outlines are worked out anew: a third to two thirds of the time that building them took.
     #[must_use]
     pub fn pack(&self) -> PackedMaps {
         let casters = self.casters();

@@ -4,6 +4,13 @@
 //! `light: vec4f` (centre and radius), `tolerance: f32` and `map: u32`, which is
 //! [`PackedMaps::map_of`](crate::PackedMaps::map_of) the light; `geometry.wgsl` and `lobe.wgsl` of `lobe-core`,
 //! `square.wgsl` of `lighting`, and [`COMMON`].
+//!
+//! # Accuracy
+//! What Rust works out in f64 is in f32 here, with texels and depths counted from where the receiver is seen: 1e-7 of the
+//! distance to the light, magnified where a blocker is much nearer to the receiver than the light. A mask's share differs
+//! from Rust's by 1e-5 in the mean for lights of a half-angle of 1° and more (3e-4 at most for 5°, a sample of a row),
+//! 6e-5 for 0.5° (2e-3 at most), 2e-4 for 0.1° (3e-3 at most), penumbrae of bodies on themselves included; scenes moved by
+//! 1e4 lose no more.
 
 /// Layers, probes and own faces.
 pub const COMMON: &str =
