@@ -8,9 +8,8 @@ use wgpu::util::DeviceExt;
 pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Send + 'static) -> Trial {
     let there = gpu.cloned();
     let run = move || {
-        if let Some(gpu) = there {
-            test(&gpu);
-        }
+        let gpu = there.ok_or("there is no GPU adapter")?;
+        test(&gpu);
         Ok(())
     };
     Trial::test(name, run).with_ignored_flag(gpu.is_none())
