@@ -20,6 +20,12 @@ const UNLIKE: f32 = 2e-5;
 /// Radii that are tried, and how often each sphere is fitted to what the others leave.
 const RADII: [f32; 7] = [1.0, 0.94, 0.88, 0.82, 0.76, 0.7, 0.64];
 const SWEEPS: usize = 5;
+/// A point from which spheres take much of its light shows as a spot: its lit rays cost up to so many times as much, by the
+/// square of the share that it loses. Bunny, 64 spheres: of all points 0.53 % are dark by mistake without this, 0.37 % with
+/// 8, 0.33 % with 30, where the mean error of V begins to grow.
+const SPOT: f32 = 8.0;
+/// How often that share is found anew.
+const ROUNDS: usize = 3;
 
 /// One ray from the surface past a sphere about unit radii: where along the ray the centre is, and the squared distance of the two.
 struct Pass {
@@ -44,7 +50,8 @@ impl Pass {
 pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Vec4]) -> Vec<SelfShadow> {
     let start = self_distance(surface, spheres);
     let rays = rays(surface, tree);
-    let dark: Vec<bool> = rays.iter().map(|ray| ray.2).collect();
+    // What each ray costs if it is wrong, less than zero if it is dark.
+    let mut costs: Vec<f32> = rays.iter().map(|ray| if ray.2 { -1.0 } else { DARK_SPOT }).collect();
     let passes: Vec<Vec<Pass>> = spheres
         .par_iter()
         .map(|ball| {
@@ -65,11 +72,14 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
         passes.iter().filter(|p| p.exit(radius) > distance).for_each(|p| covers[p.ray as usize] += 1);
     }
     let unlike = UNLIKE * rays.len() as f32;
-    for _ in 0..SWEEPS {
+    for sweep in 0..ROUNDS * SWEEPS {
+        if sweep > 0 && sweep % SWEEPS == 0 {
+            weigh_spots(&rays, &covers, &mut costs);
+        }
         for ((ball, passes), found) in spheres.iter().zip(&passes).zip(&mut found) {
             passes.iter().filter(|p| p.exit(found.0) > found.1).for_each(|p| covers[p.ray as usize] -= 1);
             let free: Vec<&Pass> = passes.iter().filter(|p| covers[p.ray as usize] == 0).collect();
-            *found = best(&free, &dark, ball.w, start, unlike);
+            *found = best(&free, &costs, ball.w, start, unlike);
             passes.iter().filter(|p| p.exit(found.0) > found.1).for_each(|p| covers[p.ray as usize] += 1);
         }
     }
@@ -83,14 +93,30 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     spheres.iter().zip(found).map(ratio).collect()
 }
 
-/// The radius and distance that get the fewest of the rays wrong.
-fn best(free: &[&Pass], dark: &[bool], radius: f32, start: f32, unlike: f32) -> (f32, f32) {
+/// Makes the lit rays dear of points that lose much of their light. Never cheaper: so rounds settle.
+fn weigh_spots(rays: &[(Vec3, Vec3, bool)], covers: &[u32], costs: &mut [f32]) {
+    let mut first = 0;
+    for rays in rays.chunk_by(|a, b| a.0 == b.0) {
+        let covers = &covers[first..first + rays.len()];
+        let lit = rays.iter().filter(|ray| !ray.2).count();
+        let lost = rays.iter().zip(covers).filter(|(ray, covers)| !ray.2 && **covers > 0).count();
+        let share = lost as f32 / lit.max(1) as f32;
+        let cost = DARK_SPOT * (1.0 + (SPOT - 1.0) * share * share);
+        for cost_of in costs[first..first + rays.len()].iter_mut().filter(|cost| **cost > 0.0) {
+            *cost_of = cost_of.max(cost);
+        }
+        first += rays.len();
+    }
+}
+
+/// The radius and distance that get the rays wrong that cost least.
+fn best(free: &[&Pass], costs: &[f32], radius: f32, start: f32, unlike: f32) -> (f32, f32) {
     let (mut best, mut least) = ((radius, start), f32::INFINITY);
     for scale in RADII {
         let r = radius * scale;
-        let mut exits: Vec<(f32, bool)> =
-            free.iter().map(|p| (p.exit(r), dark[p.ray as usize])).filter(|e| e.0 > 0.0).collect();
-        exits.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut exits: Vec<(f32, f32)> =
+            free.iter().map(|p| (p.exit(r), costs[p.ray as usize])).filter(|e| e.0 > 0.0).collect();
+        exits.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
         // From blocking nothing to blocking all that leaves it farther than a tenth of the set's distance. Against that,
         // each dark ray that is blocked is one less wrong, each lit one more.
         let price = |distance: f32| if start > 0.0 { unlike * (distance / start).ln().abs() } else { 0.0 };
@@ -102,13 +128,13 @@ fn best(free: &[&Pass], dark: &[bool], radius: f32, start: f32, unlike: f32) -> 
             }
         };
         consider(0.0, nothing);
-        for (k, (exit, dark)) in exits.iter().enumerate() {
+        for (k, (exit, cost)) in exits.iter().enumerate() {
             let next = exits.get(k + 1).map_or(0.0, |e| e.0);
             let distance = 0.5 * (exit + next);
             if distance < 0.1 * start {
                 break;
             }
-            wrong += if *dark { -1.0 } else { DARK_SPOT };
+            wrong += cost;
             consider(wrong, distance);
         }
     }
