@@ -1,8 +1,12 @@
 use crate::GpuError;
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 /// Storage buffers that a kernel may have: what every adapter allows.
 const STORAGE_BUFFERS: u32 = 8;
+
+/// How long another thread that waits for the same device may take to pass on what it was told.
+const TELLING: Duration = Duration::from_secs(10);
 
 /// Which adapter to take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -157,7 +161,8 @@ impl Gpu {
             });
         })?;
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
-        match receiver.try_recv() {
+        // Whoever else waits for this device may be the one that is about to tell.
+        match receiver.recv_timeout(TELLING) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(lost(error.to_string())),
             Err(error) => return Err(lost(error.to_string())),
