@@ -153,14 +153,7 @@ impl GpuGBuffer {
                 Slot::Normals => world.normals(),
                 _ => None,
             });
-            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                pass.set_pipeline(kernel.1.pipeline());
-                pass.set_bind_group(0, &group, &[0]);
-                pass.dispatch_workgroups(tiles[0], tiles[1], 1);
-            }
-            gpu.queue().submit([encoder.finish()]);
+            kernel.1.submit(gpu, &group, tiles);
         })
     }
 

@@ -97,6 +97,19 @@ impl Kernel {
         })
     }
 
+    /// Submits it alone, with so many workgroups along x and y and its uniform from the beginning; does not wait.
+    pub(crate) fn submit(&self, gpu: &Gpu, group: &wgpu::BindGroup, groups: [u32; 2]) {
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let label = Some(self.label);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, group, if self.has_frame() { &[0] } else { &[] });
+            pass.dispatch_workgroups(groups[0], groups[1], 1);
+        }
+        gpu.queue().submit([encoder.finish()]);
+    }
+
     /// Whether it reads the frame, whose slot is chosen when it runs.
     pub(crate) fn has_frame(&self) -> bool {
         self.slots.contains(&Slot::Frame)

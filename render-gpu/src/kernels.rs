@@ -6,6 +6,8 @@ use scene::Counts;
 
 pub(crate) const FRAME: &str = include_str!("kernels/frame.wgsl");
 pub(crate) const QUEUE: &str = include_str!("kernels/queue.wgsl");
+pub(crate) const POINTS: &str = include_str!("kernels/points.wgsl");
+pub(crate) const TILES: &str = include_str!("kernels/tiles.wgsl");
 pub(crate) const BOUNDS: &str = include_str!("kernels/bounds.wgsl");
 pub(crate) const CULL: &str = include_str!("kernels/cull.wgsl");
 pub(crate) const CLASSIFY: &str = include_str!("kernels/classify.wgsl");

@@ -54,10 +54,10 @@ pub(crate) struct GpuFrame {
     pub(crate) tolerance: f32,
     pub(crate) threshold: f32,
     pub(crate) point_count: u32,
-    pub(crate) light_index: u32,
     pub(crate) queue_stride: u32,
     pub(crate) sphere_count: u32,
     pub(crate) block_count: u32,
     pub(crate) map: u32,
-    pub(crate) pad: u32,
+    pub(crate) pad0: u32,
+    pub(crate) pad1: u32,
 }

@@ -154,6 +154,8 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     let mut pieces = vec![
         kernels::FRAME,
         kernels::QUEUE,
+        kernels::POINTS,
+        kernels::TILES,
         lobes::SPECIAL,
         lobes::GEOMETRY,
         lobes::LOBE,
@@ -196,6 +198,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let mut pieces = vec![
         kernels::FRAME,
         kernels::QUEUE,
+        kernels::POINTS,
         lobes::SPECIAL,
         lobes::GEOMETRY,
         lobes::LOBE,

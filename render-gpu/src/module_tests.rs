@@ -103,12 +103,12 @@ fn the_frame_is_laid_out_as_in_rust() {
         tolerance,
         threshold,
         point_count,
-        light_index,
         queue_stride,
         sphere_count,
         block_count,
         map,
-        pad
+        pad0,
+        pad1
     );
     assert_eq!(offsets, rust);
 }

@@ -88,16 +88,7 @@ impl GpuPose {
                 Slot::Bones => self.bones.whole(),
                 _ => None,
             });
-            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            {
-                let label = Some(self.kernel.label());
-                let descriptor = wgpu::ComputePassDescriptor { label, timestamp_writes: None };
-                let mut pass = encoder.begin_compute_pass(&descriptor);
-                pass.set_pipeline(self.kernel.pipeline());
-                pass.set_bind_group(0, &group, &[]);
-                pass.dispatch_workgroups(self.rig.spheres().div_ceil(GROUP), 1, 1);
-            }
-            gpu.queue().submit([encoder.finish()]);
+            self.kernel.submit(gpu, &group, [self.rig.spheres().div_ceil(GROUP), 1]);
         })
     }
 }

@@ -17,7 +17,7 @@ use std::time::Instant;
 use wgpu::BufferUsages;
 
 /// Points that are culled together: as in `render-cpu`.
-const TILE: u64 = 64;
+const TILE: u64 = (crate::TILE * crate::TILE) as u64;
 /// Points of a slice, at most: what the buffers of a frame are sized for, and what one submission works on.
 const SLICE: u64 = 1 << 20;
 /// The same on a software device, whose kernels are no faster for more.
@@ -164,7 +164,7 @@ impl GpuShader {
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let per_point = (size_of::<GpuReceiver>() as u64).max(4 * stride).max(module::LIST_BYTES / TILE + 1);
         let groups = u64::from(limits.max_compute_workgroups_per_dimension) * TILE;
-        let fits = ((most - HEADER).min(most) / per_point).min(groups);
+        let fits = (most.saturating_sub(HEADER) / per_point).min(groups);
         self.slice.min((fits / TILE).max(1) * TILE)
     }
 
@@ -240,21 +240,18 @@ impl GpuShader {
     fn uniforms(&self, frame: &Frame<'_>, part: &Part<'_>) -> Vec<u8> {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
         let (sphere_count, block_count) = (self.blockers.sphere_count(), self.blockers.block_count());
-        for (index, (light, bytes)) in
-            frame.lights.iter().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)).enumerate()
-        {
+        for (light, bytes) in frame.lights.iter().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
             let uniform = GpuFrame {
                 light: light.ball.center.extend(light.ball.radius).to_array(),
                 radiance: light.radiance.to_array(),
                 tolerance: frame.tolerance,
                 threshold: frame.threshold,
                 point_count: part.count as u32,
-                light_index: index as u32,
                 queue_stride: part.stride as u32,
                 sphere_count,
                 block_count,
                 map: self.blockers.map_of(&light.ball),
-                pad: 0,
+                ..GpuFrame::default()
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }

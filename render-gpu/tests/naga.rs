@@ -66,14 +66,26 @@ fn kernels_of_the_paper_validate() {
     use lighting::wgsl as masks;
     let frame = [include_str!("../src/kernels/frame.wgsl"), include_str!("../src/kernels/queue.wgsl"), HOOKS];
     let core = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::PAPER];
-    module(&[frame.as_slice(), &core, &[include_str!("../src/kernels/paper_classify.wgsl")]].concat());
+    module(
+        &[
+            frame.as_slice(),
+            &core,
+            &[
+                include_str!("../src/kernels/points.wgsl"),
+                include_str!("../src/kernels/tiles.wgsl"),
+                include_str!("../src/kernels/paper_classify.wgsl"),
+            ],
+        ]
+        .concat(),
+    );
     let splat = "fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         mask_block_span(mask, lane, 0.0, 1.0);
     }";
     let masks = [masks::SQUARE, masks::MASK, masks::TOTAL, masks::PAPER];
     for depth in 1..=lighting::MAX_DEPTH {
         let header = lighting::wgsl::paper_header(depth);
-        let kernel = [include_str!("../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
+        let points = include_str!("../src/kernels/points.wgsl");
+        let kernel = [points, include_str!("../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
         let module = module(&[frame.as_slice(), &core, &masks, &kernel].concat());
         let entry = &module.entry_points[0];
         assert_eq!(entry.workgroup_size, [if depth < 5 { 32 } else { 64 }, 1, 1]);

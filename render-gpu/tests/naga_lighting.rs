@@ -45,6 +45,7 @@ fn penumbrae_validate() {
     let kernel = [
         include_str!("../src/kernels/frame.wgsl"),
         include_str!("../src/kernels/queue.wgsl"),
+        include_str!("../src/kernels/points.wgsl"),
         include_str!("../src/kernels/penumbra.wgsl"),
     ];
     let common = [wgsl::MASK, wgsl::SQUARE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];

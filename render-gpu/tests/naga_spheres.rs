@@ -9,7 +9,11 @@ const FRAME: &str = include_str!("../src/kernels/frame.wgsl");
 const QUEUE: &str = include_str!("../src/kernels/queue.wgsl");
 const BOUNDS: &str = include_str!("../src/kernels/bounds.wgsl");
 const CULL: &str = include_str!("../src/kernels/cull.wgsl");
-const CLASSIFY: &str = include_str!("../src/kernels/classify.wgsl");
+const CLASSIFY: &str = concat!(
+    include_str!("../src/kernels/points.wgsl"),
+    include_str!("../src/kernels/tiles.wgsl"),
+    include_str!("../src/kernels/classify.wgsl")
+);
 const ARGS: &str = include_str!("../src/kernels/args.wgsl");
 
 /// The hook of `classify`, for spheres only.

@@ -1,19 +1,6 @@
 // What each point sees of one light: all of it, and its radiance is added; nothing; or a part, and the point is queued with
 // its integrals. As `Integrator::by_moments`. 64 threads, one tile. Needs frame.wgsl, queue.wgsl, brdf's lobes,
-// `cap_integral` and `blockers_coverage(tile, at, cone)`.
-@group(0) @binding(1) var<storage, read> points: array<Receiver>;
-@group(0) @binding(2) var<storage, read> materials: array<u32>;
-@group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;
-
-const NO_MATERIAL = 0xffffffffu;
-// Not asked yet.
-const UNKNOWN = 3u;
-
-var<workgroup> tally: array<atomic<u32>, 5>;
-
-fn count(what: u32) {
-    atomicAdd(&tally[what], 1u);
-}
+// `cap_integral`, points.wgsl, tiles.wgsl and `blockers_coverage(tile, at, cone)`.
 
 // `MaskVisibility::coverage`, before any mask is made.
 fn coverage_of(tile: u32, at: Receiver, cone: Cone) -> u32 {
@@ -68,25 +55,5 @@ fn classify_point(tile: u32, point: u32) {
             queue.items[item + 1u + k] = bitcast<u32>(integral);
         }
     }
-    if (coverage == LIT) {
-        count(LIT_POINTS);
-        radiance[point] += vec4f(sum, 0.0);
-    } else if (coverage == DARK) {
-        count(DARK_POINTS);
-    } else if (coverage == PARTIAL) {
-        count(PENUMBRA_POINTS);
-    }
-}
-
-@compute @workgroup_size(64)
-fn classify(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let tile = group.x;
-    let point = tile * 64u + lane;
-    if (point < frame.point_count) {
-        classify_point(tile, point);
-    }
-    workgroupBarrier();
-    if (lane < 5u) {
-        atomicAdd(&queue.counters[lane], atomicLoad(&tally[lane]));
-    }
+    told(point, coverage, sum);
 }

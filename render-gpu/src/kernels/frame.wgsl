@@ -6,14 +6,14 @@ struct Frame {
     tolerance: f32,
     threshold: f32,
     point_count: u32,
-    light_index: u32,
     // Words of a queue item: the point and the integral of each of its lobes.
     queue_stride: u32,
     sphere_count: u32,
     block_count: u32,
     // Where the light's shadow map is, or what says that it has none.
     map: u32,
-    pad: u32,
+    pad0: u32,
+    pad1: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

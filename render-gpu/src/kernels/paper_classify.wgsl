@@ -1,21 +1,6 @@
 // `classify` by the paper's method, as `Integrator::by_paper`: the product of reflectance and light comes from the table.
-// A point is queued where any blocker may shade it, umbra included. Needs frame.wgsl, queue.wgsl, brdf's lobes, paper.wgsl of
-// lobe-core and `blockers_coverage(tile, at, cone)`.
-@group(0) @binding(1) var<storage, read> points: array<Receiver>;
-@group(0) @binding(2) var<storage, read> materials: array<u32>;
-@group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;
-
-const NO_MATERIAL = 0xffffffffu;
-// Not asked yet.
-const UNKNOWN = 3u;
-// Marks a queued point that one blocker hides the whole light from.
-const HIDDEN = 0x80000000u;
-
-var<workgroup> tally: array<atomic<u32>, 5>;
-
-fn count(what: u32) {
-    atomicAdd(&tally[what], 1u);
-}
+// A point is queued where any blocker may shade it, umbra included. Needs frame.wgsl, queue.wgsl, points.wgsl, tiles.wgsl, brdf's lobes,
+// paper.wgsl of lobe-core and `blockers_coverage(tile, at, cone)`.
 
 fn classify_point(tile: u32, point: u32) {
     let at = points[point];
@@ -53,25 +38,5 @@ fn classify_point(tile: u32, point: u32) {
             sum += unshadowed;
         }
     }
-    if (coverage == LIT) {
-        count(LIT_POINTS);
-        radiance[point] += vec4f(sum, 0.0);
-    } else if (coverage == DARK) {
-        count(DARK_POINTS);
-    } else if (coverage == PARTIAL) {
-        count(PENUMBRA_POINTS);
-    }
-}
-
-@compute @workgroup_size(64)
-fn classify(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let tile = group.x;
-    let point = tile * 64u + lane;
-    if (point < frame.point_count) {
-        classify_point(tile, point);
-    }
-    workgroupBarrier();
-    if (lane < 5u) {
-        atomicAdd(&queue.counters[lane], atomicLoad(&tally[lane]));
-    }
+    told(point, coverage, sum);
 }

@@ -1,11 +1,6 @@
 // One queued point, one workgroup, by the paper's method: shadow nodes of the light's square, a lobe each. As
-// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, queue.wgsl, lighting's pieces and paper.wgsl, that of
+// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, queue.wgsl, points.wgsl, lighting's pieces and paper.wgsl, that of
 // lobe-core, brdf's lobes and `blockers_splat(lane, tile, at, light, mask)`.
-@group(0) @binding(1) var<storage, read> points: array<Receiver>;
-@group(0) @binding(2) var<storage, read> materials: array<u32>;
-@group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;
-
-const HIDDEN = 0x80000000u;
 
 @compute @workgroup_size(LANES)
 fn penumbra(

@@ -1,8 +1,5 @@
 // One queued point, one workgroup: its mask of one light, and what each of its reflectance lobes sees of it. As
-// `Integrator::by_moments`. Needs frame.wgsl, queue.wgsl, lighting's pieces, brdf's lobes and the strategies.
-@group(0) @binding(1) var<storage, read> points: array<Receiver>;
-@group(0) @binding(2) var<storage, read> materials: array<u32>;
-@group(0) @binding(3) var<storage, read_write> radiance: array<vec4f>;
+// `Integrator::by_moments`. Needs frame.wgsl, queue.wgsl, points.wgsl, lighting's pieces, brdf's lobes and the strategies.
 
 @compute @workgroup_size(LANES)
 fn penumbra(

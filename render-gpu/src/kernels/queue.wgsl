@@ -18,6 +18,9 @@ const PENUMBRA_POINTS = 2u;
 const INTEGRALS = 3u;
 const PRUNED = 4u;
 
+// By the paper's method: marks a queued point that one blocker hides the whole light from.
+const HIDDEN = 0x80000000u;
+
 // A dispatch has at most so many workgroups along x.
 const QUEUE_WIDEST = 32768u;
 
