@@ -78,7 +78,7 @@ const EDGE: f32 = 1e-6;
 
 impl Corners {
     /// Distance along the ray or infinity (T. Möller, B. Trumbore, *Fast, Minimum Storage Ray-Triangle Intersection*,
-    /// 1997), both sides.
+    /// 1997), both sides. A ray that starts on it does not meet it: obvhs enters no box that ends there, but others.
     #[inline]
     fn intersect(&self, ray: &Ray) -> f32 {
         let p = ray.direction.cross(self.e2);
@@ -90,7 +90,7 @@ impl Corners {
         // An inverse of ±∞ or NaN (ray in the plane) fails one of the comparisons.
         if u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE {
             let t = self.e2.dot(q) * inverse;
-            if t >= ray.tmin && t <= ray.tmax {
+            if t > ray.tmin && t <= ray.tmax {
                 return t;
             }
         }
@@ -121,7 +121,7 @@ impl Ball {
         }
         let half = half_sq.sqrt();
         for t in [along - half, along + half] {
-            if t >= ray.tmin && t <= ray.tmax {
+            if t > ray.tmin && t <= ray.tmax {
                 return t;
             }
         }
@@ -377,6 +377,26 @@ mod tests {
         assert!(!hidden(&scene) && World::new(&scene).hit(from, Vec3::Y).is_some());
         scene.objects.push(scene::Object::spheres("shade", vec![Sphere { radius: 1.05 * light.radius, ..light }], 0));
         assert!(hidden(&scene));
+    }
+
+    /// A point at an edge lies on another face, too: that one hides nothing from it, whatever its box.
+    #[test]
+    fn a_surface_does_not_hide_what_starts_on_it() {
+        let mut scene = floor_and_ball();
+        let corners = [Vec3::new(-8.0, -8.0, -8.0), Vec3::new(8.0, 8.0, -8.0), Vec3::new(0.0, 0.0, 8.0)];
+        let mesh = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
+        let ball = Sphere { center: Vec3::new(0.0, 40.0, 0.0), radius: 2.0 };
+        scene.objects = vec![
+            scene::Object::mesh("slope", mesh, 0, scene::Proxy::Count(8)),
+            scene::Object::spheres("ball", vec![ball], 0),
+        ];
+        let world = World::new(&scene);
+        for direction in [Vec3::Y, Vec3::NEG_Y, Vec3::X] {
+            assert!(!world.occluded(Vec3::ZERO, direction, 10.0));
+            assert!(world.occluded(Vec3::ZERO - direction, direction, 10.0));
+        }
+        let top = Vec3::new(0.0, 42.0, 0.0);
+        assert!(!world.occluded(top, Vec3::Y, 10.0) && world.occluded(top + Vec3::Y, Vec3::NEG_Y, 10.0));
     }
 
     /// Points, their faces, and which of them see a point above the scene, to the bit at any scale.

@@ -67,7 +67,7 @@ fn enter(ray: Slabs, low: vec3f, high: vec3f, limit: f32) -> f32 {
     return select(NEVER, near, near <= far * 1.000001);
 }
 
-// Distance to a triangle, both sides, or NEVER (T. Möller, B. Trumbore, 1997); `blur` is what rounding may change of the
+// Distance to a triangle, both sides, or NEVER; a ray that starts on it does not meet it (T. Möller, B. Trumbore, 1997); `blur` is what rounding may change of the
 // barycentric coordinates times the determinant, over the lengths of the edges.
 fn meet_triangle(t: Primitive, origin: vec3f, direction: vec3f, blur: f32) -> f32 {
     let p = cross(direction, t.c);
@@ -83,10 +83,10 @@ fn meet_triangle(t: Primitive, origin: vec3f, direction: vec3f, blur: f32) -> f3
     let size = blur * sqrt(dot(s, s) * max(dot(t.b, t.b), dot(t.c, t.c)));
     let edge = min(BVH_EDGE + size * abs(inverse), WIDEST);
     let along = dot(t.c, q) * inverse;
-    return select(NEVER, along, u >= -edge && v >= -edge && u + v <= 1.0 + edge && along >= 0.0);
+    return select(NEVER, along, u >= -edge && v >= -edge && u + v <= 1.0 + edge && along > 0.0);
 }
 
-// Distance to a ball, from inside to its far side, or NEVER.
+// Distance to a ball, from inside or its surface to the far side, or NEVER.
 fn meet_ball(ball: Primitive, origin: vec3f, direction: vec3f) -> f32 {
     let to = ball.a - origin;
     let along = dot(to, direction);
@@ -94,6 +94,6 @@ fn meet_ball(ball: Primitive, origin: vec3f, direction: vec3f) -> f32 {
     let aside = to - direction * along;
     let half_sq = ball.b.x * ball.b.x - dot(aside, aside);
     let half = sqrt(max(half_sq, 0.0));
-    let t = select(along + half, along - half, along >= half);
-    return select(NEVER, t, half_sq >= 0.0 && t >= 0.0);
+    let t = select(along + half, along - half, along > half);
+    return select(NEVER, t, half_sq >= 0.0 && t > 0.0);
 }

@@ -9,7 +9,7 @@ use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
 use lighting::{MaskVisibility, Mixture, PaperVisibility, SphereLight};
 use lobe_core::paper::{ProductTable, Resolution, Tables};
-use lobe_core::{Method, Sphere, Unshadowed};
+use lobe_core::{Method, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
 use render_gpu::{Gpu, GpuShader, GpuWorld, Occlusion};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
@@ -21,6 +21,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("rays_behind_a_fence", gpu, behind_a_fence),
         trial("rays_through_masks_of_all_depths", gpu, masks_of_all_depths),
         trial("rays_of_tiny_lights", gpu, tiny_lights),
+        trial("rays_from_an_edge", gpu, from_an_edge),
         trial("rays_at_all_scales", gpu, at_all_scales),
         trial("rays_follow_motion", gpu, follow_motion),
         trial("rays_near_monte_carlo", gpu, near_monte_carlo),
@@ -143,6 +144,35 @@ fn tiny_lights(gpu: &Gpu) {
     println!("{want:?} {got:?}");
     assert!(want.lit_points > 1000 && want.dark_points > 300);
     assert!(want.lit_points.abs_diff(got.lit_points) < 4 && want.dark_points.abs_diff(got.dark_points) < 4);
+}
+
+/// Points at the upper edge of a box: on its top exactly, and by a hair inside of its back. The top hides nothing from them.
+fn from_an_edge(gpu: &Gpu) {
+    let mesh = Mesh::cuboid(Vec3::new(0.0, 0.5, 0.0), Vec3::ONE);
+    let light = Sphere { center: Vec3::new(0.25, 6.0, 4.5), radius: 0.7 };
+    let scene = Scene {
+        objects: vec![Object::mesh("box", mesh, 0, Proxy::Count(8))],
+        lights: vec![SphereLight::new(light, Vec3::splat(90.0))],
+        ..fence()
+    };
+    let at = |k: i32| Receiver {
+        position: Vec3::new(k as f32 / 16.0, 1.0, -0.5),
+        normal: Vec3::Z,
+        face: Vec3::Z,
+        view: Vec3::Z,
+        object: 0,
+    };
+    let receivers: Vec<_> = (-7..8).map(at).collect();
+    let points = ShadingPoints { materials: vec![0; receivers.len()], receivers };
+    let world = World::new(&scene);
+    let frame = frame(&scene, 0.003, 5);
+    let ((want, counts), (got, ours)) = (from_cpu(&world, &points, &frame), from_gpu(gpu, &scene, &points, &frame));
+    let whole = unshadowed(&points, &frame);
+    for ((want, got), whole) in want.iter().zip(&got).zip(whole) {
+        println!("{want} {got} of {whole}");
+        assert!(want.element_sum() > 0.99 * whole && (*want - *got).abs().max_element() < 1e-4 * whole);
+    }
+    assert_eq!((counts.dark_points, ours.dark_points), (0, 0));
 }
 
 /// The unit of length does not matter, nor does the place.
