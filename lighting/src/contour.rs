@@ -23,7 +23,7 @@ const STRIDE: usize = 2;
 ///
 /// # Accuracy
 /// Straight edges at all angles across the light, error of the dark share, mean / worst (questions): depth 4 0.17 / 1.1 %
-/// (130), 5 0.07 / 0.6 % (215), 6 0.03 / 0.3 % (390). The worst are edges exactly along the rows. Shapes that fit between
+/// (130), 5 0.07 / 0.6 % (220), 6 0.03 / 0.3 % (400). The worst are edges exactly along the rows. Shapes that fit between
 /// four cells of the coarse grid without touching the rim can be missed: up to 2.5 % of the light at depth 5.
 ///
 /// # Cost
@@ -175,27 +175,31 @@ impl Contour {
         best.1
     }
 
-    /// Asks for the unknown ones among neighbours that differ, until none is left.
+    /// Asks for the unknown ones among neighbours that differ, until none is left: for all of them that are seen before any
+    /// of them is asked for, so that the order does not matter (and many can ask together).
     fn follow(&mut self, side: usize, ask: &mut impl FnMut(usize, usize) -> bool) {
-        let mut open = true;
-        while open {
-            open = false;
-            for j in 0..side {
-                let (e, d) = (self.emitting[j], self.dark[j]);
-                // Bit i: cells i and i + 1 differ.
-                let right = (d ^ d >> 1) & e & e >> 1;
-                let mut differ = right | right << 1;
-                for k in [j.wrapping_sub(1), j + 1] {
-                    if k < side {
-                        differ |= (d ^ self.dark[k]) & self.emitting[k];
-                    }
-                }
-                for i in Bits(differ & e & !self.known[j]) {
+        loop {
+            let open: [u64; SIDE] = core::array::from_fn(|j| if j < side { self.open(side, j) } else { 0 });
+            if open == [0; SIDE] {
+                break;
+            }
+            for (j, open) in open.into_iter().enumerate() {
+                for i in Bits(open) {
                     self.cell(i, j, ask);
-                    open = true;
                 }
             }
         }
+    }
+
+    /// Unknown cells of row `j` that differ from a neighbour.
+    fn open(&self, side: usize, j: usize) -> u64 {
+        let mut differ = self.steps(j);
+        for k in [j.wrapping_sub(1), j + 1] {
+            if k < side {
+                differ |= (self.dark[j] ^ self.dark[k]) & self.emitting[k];
+            }
+        }
+        differ & self.emitting[j] & !self.known[j]
     }
 
     /// Whether a single lit or dark cell lies between two others in a row or column.

@@ -108,8 +108,8 @@ fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32,
         "{name}: {n} of {} in penumbra, mean {penumbra:.1e} there, {mean:.1e} of all, largest {largest:.1e}; {counts:?} {ours:?}",
         want.len()
     );
-    // Rounding of rays that graze an edge; now and then a cell that one contour asks for and the other leaves to its block.
-    assert!(n > 30 && penumbra < 5e-5 && mean < 2e-5 && largest < 0.01, "{name}");
+    // A ray that passes an edge by a few millionths of a triangle's side goes by rounding: a step of a bisection, two samples.
+    assert!(n > 30 && penumbra < 1e-5 && mean < 2e-6 && largest < 1e-3, "{name}");
     let apart = |a: u64, b: u64| assert!(a.abs_diff(b) <= 2 + want.len() as u64 / 1000, "{name}: {counts:?} {ours:?}");
     apart(counts.lit_points, ours.lit_points);
     apart(counts.dark_points, ours.dark_points);
@@ -224,8 +224,7 @@ fn by_the_papers_method(gpu: &Gpu) {
     let occlusion = Occlusion { rays: Some(&ours), ..Occlusion::default() };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_method(Method::Paper(&tables));
     let found = shader.shade(&points, &frame, &mut got).expect("the GPU shades").counts;
-    // A ray that grazes an edge may decide a leaf of the quad-tree, one of 256.
-    check_picture(&want, &got, 1e-2);
+    check_picture(&want, &got, 1e-3);
     println!("{counts:?} {found:?}");
     assert!(counts.penumbra_points > 50 && counts.penumbra_points.abs_diff(found.penumbra_points) < 3);
 }
