@@ -3,6 +3,7 @@
 use crate::args::{Device, RenderArgs};
 use crate::console::note;
 use crate::failure::Failure;
+use crate::strategy::Plan;
 use cosine_lobes::lobe_core::{Method, VisibilityLobes};
 use cosine_lobes::render_cpu::{CpuShader, Layers};
 use cosine_lobes::render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion};
@@ -90,18 +91,21 @@ pub(crate) struct GpuBackend {
 }
 
 impl GpuBackend {
-    /// The shader with these blockers; `traced` is a scene of just the objects that are by rays.
+    /// The shader with these blockers; `traced` is the scene, where some of its objects are by rays, and the plan that says
+    /// which: the same one with each call.
     pub(crate) fn occluded(
         &mut self,
         method: Method<'_>,
         spheres: Option<&SphereBlockers>,
         maps: Option<&ShadowMapBlockers>,
-        traced: Option<&Scene>,
+        traced: Option<(&Scene, &Plan)>,
     ) -> Result<&mut GpuShader, GpuError> {
         match (traced, &mut self.world) {
             (None, world) => *world = None,
-            (Some(scene), Some(world)) => world.update(scene)?,
-            (Some(scene), world) => *world = Some(GpuWorld::new(self.shader.gpu(), scene)?),
+            (Some((scene, _)), Some(world)) => world.update(scene)?,
+            (Some((scene, plan)), world) => {
+                *world = Some(GpuWorld::only(self.shader.gpu(), scene, |o| plan.traces(o))?)
+            }
         }
         self.shader.set_method(method);
         self.shader.occlude(Occlusion { spheres, maps, rays: self.world.as_ref() })?;

@@ -13,7 +13,6 @@ use cosine_lobes::visibility_shadowmap::{Bounds, MapError, MapOptions, ShadowMap
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 /// The finest map that is taken unless asked for.
 const FITTED: u32 = 2048;
@@ -69,6 +68,11 @@ impl Plan {
         self.objects[object]
     }
 
+    /// Whether an object is by rays.
+    pub(crate) fn traces(&self, object: u32) -> bool {
+        self.of(object as usize) == Strategy::Rays
+    }
+
     /// Whether any object takes this strategy.
     pub(crate) fn uses(&self, strategy: Strategy) -> bool {
         self.objects.contains(&strategy)
@@ -97,18 +101,6 @@ impl Plan {
     /// Whether there are any triangles for shadow maps.
     pub(crate) fn wants_maps(&self, scene: &Scene) -> bool {
         (0..self.objects.len()).any(|o| self.in_maps(scene, o))
-    }
-
-    /// The scene of just those objects that are by rays; numbers stay.
-    fn traced<'s>(&self, scene: &'s Scene) -> Cow<'s, Scene> {
-        let mut traced = Cow::Borrowed(scene);
-        for (number, strategy) in self.objects.iter().enumerate() {
-            if *strategy != Strategy::Rays {
-                let object = &mut traced.to_mut().objects[number];
-                (object.visible, object.proxy) = (false, Proxy::None);
-            }
-        }
-        traced
     }
 
     /// Bytes that the maps of all lights take at most, where each is one picture and none is asked to be finer: 32 a texel,
@@ -197,11 +189,10 @@ impl<'a> Occlusion<'a> {
         mut maps: Vec<ShadowMap>,
     ) -> Self {
         maps.retain(|map| map.faces() > 0);
-        let by_rays = |o: u32| plan.of(o as usize) == Strategy::Rays;
         let all = plan.objects.iter().all(|s| *s == Strategy::Rays);
         let rays = plan.uses(Strategy::Rays).then(|| match all {
             true => RayBlockers::new(world),
-            false => RayBlockers::new(world).only(by_rays),
+            false => RayBlockers::new(world).only(|o| plan.traces(o)),
         });
         let maps = (!maps.is_empty()).then(|| {
             let scene = world.scene();
@@ -221,9 +212,9 @@ impl<'a> Occlusion<'a> {
         work: W,
     ) -> Result<W::Output, Failure> {
         if let Backend::Gpu(gpu) = backend {
-            let traced = self.rays.is_some().then(|| self.plan.traced(self.world.scene()));
+            let traced = self.rays.is_some().then(|| (self.world.scene(), self.plan));
             let method = tables.map_or(Method::Moments, Method::Paper);
-            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced.as_deref())?);
+            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced)?);
         }
         match (self.spheres, self.maps, self.rays) {
             (None, None, None) => {
