@@ -5,7 +5,7 @@ use crate::parity::View;
 use brdf::{Lambert, ModifiedPhong, Phong};
 use glam::Vec3;
 use libtest_mimic::Trial;
-use lighting::{PaperVisibility, PaperWeights, SphereLight};
+use lighting::{Blockers, Mixture, PaperVisibility, PaperWeights, SphereLight};
 use lobe_core::oracle::Random;
 use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Cone, Lobe, Method, Sphere, wgsl};
@@ -18,6 +18,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("paper_products", gpu, paper_products),
         trial("paper_caps", gpu, paper_caps),
         trial("parity_of_the_paper", gpu, parity_of_the_paper),
+        trial("parity_of_the_paper_with_maps", gpu, parity_of_the_paper_with_maps),
         trial("parity_of_the_printed_table", gpu, parity_of_the_printed_table),
     ]
 }
@@ -127,17 +128,31 @@ fn paper_caps(gpu: &Gpu) {
     assert!(worst < 3e-6);
 }
 
-/// Pictures of both, with the spheres: differences as shares of the picture's largest value, points of each class.
+/// [`compare_blockers`] with the spheres.
 fn compare(gpu: &Gpu, view: &View, tables: &Tables, name: &str, depth: u32, threshold: f32) {
+    let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
     let frame = scene::Frame { threshold, ..view.frame(0.003, depth) };
-    let visibility = PaperVisibility::new(view.spheres.clone(), depth, tables);
+    compare_blockers(gpu, view, tables, name, &frame, view.spheres.clone(), occlusion);
+}
+
+/// Pictures of both: differences as shares of the picture's largest value, points of each class.
+fn compare_blockers(
+    gpu: &Gpu,
+    view: &View,
+    tables: &Tables,
+    name: &str,
+    frame: &scene::Frame<'_>,
+    blockers: impl Blockers,
+    occlusion: Occlusion<'_>,
+) {
+    let depth = frame.depth;
+    let visibility = PaperVisibility::new(blockers, depth, tables);
     let mut want = vec![Vec3::ZERO; view.points.receivers.len()];
     let mut cpu = CpuShader::with_method(visibility, Method::Paper(tables));
-    let w = cpu.shade(&view.points, &frame, &mut want).expect("room for all lobes").counts;
-    let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
+    let w = cpu.shade(&view.points, frame, &mut want).expect("room for all lobes").counts;
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_method(Method::Paper(tables));
-    let (got, g) = view.gpu(&mut shader, &frame);
-    let again = view.gpu(&mut shader, &frame);
+    let (got, g) = view.gpu(&mut shader, frame);
+    let again = view.gpu(&mut shader, frame);
     assert!((&got, &g) == (&again.0, &again.1), "{name}: two runs differ");
     let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
     let differences: Vec<f32> = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element() / peak).collect();
@@ -180,6 +195,21 @@ fn parity_of_the_paper(gpu: &Gpu) {
     };
     view.scene.lights = (0..4).map(light).collect();
     compare(gpu, &view, &tables, "modified phong, four lights", 4, 0.0);
+}
+
+/// The meshes by maps, alone and with the balls by spheres.
+fn parity_of_the_paper_with_maps(gpu: &Gpu) {
+    let tables = tables();
+    let view = View::new(scene::builtin(), 64, 36);
+    let maps = view.maps();
+    for depth in 3..=6 {
+        let frame = view.frame(0.003, depth);
+        let alone = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        compare_blockers(gpu, &view, &tables, "maps", &frame, maps.clone(), alone);
+        let mixture = Mixture::new(maps.clone(), view.spheres.clone());
+        let both = Occlusion { spheres: Some(&view.spheres), ..alone };
+        compare_blockers(gpu, &view, &tables, "maps and spheres", &frame, mixture, both);
+    }
 }
 
 fn parity_of_the_printed_table(gpu: &Gpu) {

@@ -49,6 +49,21 @@ impl View {
         Frame { materials: &self.scene.materials, lights: &self.scene.lights, tolerance, depth, threshold: 0.0 }
     }
 
+    /// Shadow maps of the meshes.
+    pub(crate) fn maps(&self) -> ShadowMapBlockers {
+        let mut all = Mesh::default();
+        for object in &self.scene.objects {
+            if let Shape::Mesh(mesh) = &object.shape {
+                all.append(mesh);
+            }
+        }
+        let receivers = Bounds::of(self.points.receivers.iter().map(|r| r.position));
+        let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
+        let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options).expect("a map");
+        let casters = self.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
+        ShadowMapBlockers::new(self.scene.lights.iter().map(map).collect()).with_casters(casters)
+    }
+
     pub(crate) fn cpu(&self, visibility: impl VisibilityLobes, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
         let mut out = vec![Vec3::ZERO; self.points.receivers.len()];
         let stats = CpuShader::new(visibility).shade(&self.points, frame, &mut out).expect("room for all lobes");
@@ -165,17 +180,7 @@ fn of_many_lights(gpu: &Gpu) {
 /// The built-in scene's meshes by maps, alone and with the balls by spheres.
 fn of_shadow_maps(gpu: &Gpu) {
     let view = builtin();
-    let mut all = Mesh::default();
-    for object in &view.scene.objects {
-        if let Shape::Mesh(mesh) = &object.shape {
-            all.append(mesh);
-        }
-    }
-    let receivers = Bounds::of(view.points.receivers.iter().map(|r| r.position));
-    let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
-    let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options).expect("a map");
-    let casters = view.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
-    let maps = ShadowMapBlockers::new(view.scene.lights.iter().map(map).collect()).with_casters(casters);
+    let maps = view.maps();
     for (tolerance, depth) in [(0.003, 5), (0.01, 4)] {
         let frame = view.frame(tolerance, depth);
         let want = view.cpu(MaskVisibility::new(maps.clone(), depth), &frame);
