@@ -37,6 +37,15 @@ pub enum GpuError {
         /// What is known of it.
         reason: String,
     },
+    /// The driver ended loops before they were done: Mesa's software one after 65 535 rounds of all loops of a thread.
+    #[error(
+        "the GPU's driver ended the loops of {threads} threads too early, as Mesa's software driver does after 65 535 rounds; \
+         use fewer blockers, another device, or the CPU"
+    )]
+    LoopsCut {
+        /// How many threads.
+        threads: u32,
+    },
     /// A shader or a command was refused: a defect of this crate or of the driver.
     #[error("the GPU refused {what}: {reason}")]
     Refused {

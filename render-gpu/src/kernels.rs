@@ -16,9 +16,14 @@ pub(crate) const PAPER_CLASSIFY: &str = include_str!("kernels/paper_classify.wgs
 pub(crate) const PAPER_PENUMBRA: &str = include_str!("kernels/paper_penumbra.wgsl");
 pub(crate) const ARGS: &str = include_str!("kernels/args.wgsl");
 
+/// A counter in the head of the queue.
+pub(crate) fn count(header: &[u32], which: usize) -> u32 {
+    header.get(1 + which).copied().unwrap_or(0)
+}
+
 /// What kernels have counted, from the head of the queue.
 pub(crate) fn counts(header: &[u32]) -> Counts {
-    let count = |which: usize| header.get(1 + which).copied().unwrap_or(0).into();
+    let count = |which| count(header, which).into();
     Counts {
         lobes: 0,
         integrals: count(queue::INTEGRALS),

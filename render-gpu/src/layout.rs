@@ -58,6 +58,7 @@ pub(crate) struct GpuFrame {
     pub(crate) sphere_count: u32,
     pub(crate) block_count: u32,
     pub(crate) map: u32,
+    /// 2.
+    pub(crate) rounds: u32,
     pub(crate) pad0: u32,
-    pub(crate) pad1: u32,
 }

@@ -107,8 +107,8 @@ fn the_frame_is_laid_out_as_in_rust() {
         sphere_count,
         block_count,
         map,
-        pad0,
-        pad1
+        rounds,
+        pad0
     );
     assert_eq!(offsets, rust);
 }

@@ -1,6 +1,7 @@
 use crate::clock::{Clock, Stage};
 use crate::kernel::{Kernel, Slot};
-use crate::kernels::{self, queue::QUEUE_HEADER};
+use crate::kernels;
+use crate::kernels::queue::{CUT, QUEUE_HEADER};
 use crate::layout::{GpuFrame, GpuReceiver};
 use crate::memory::Memory;
 use crate::module::{self, Variant};
@@ -216,7 +217,7 @@ impl GpuShader {
     /// some other material's lobes.
     ///
     /// # Errors
-    /// [`GpuError`].
+    /// [`GpuError`], but never [`GpuError::LoopsCut`]: nobody waits for it here.
     pub fn submit(
         &mut self,
         frame: &Frame<'_>,
@@ -251,6 +252,7 @@ impl GpuShader {
                 sphere_count,
                 block_count,
                 map: self.blockers.map_of(&light.ball),
+                rounds: 2,
                 ..GpuFrame::default()
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));
@@ -416,15 +418,20 @@ impl Shade for GpuShader {
                 }
                 gpu.queue().submit([encoder.finish()]);
             })?;
-            let counts = &mut stats.counts;
+            let (counts, mut cut) = (&mut stats.counts, 0);
             gpu.read(&staging, 16 * count + HEADER, |bytes| {
                 let (pixels, header) = bytes.split_at(16 * count as usize);
                 for (out, pixel) in out.iter_mut().zip(pixels.chunks_exact(16)) {
                     let [r, g, b, _]: [f32; 4] = bytemuck::pod_read_unaligned(pixel);
                     *out = Vec3::new(r, g, b);
                 }
-                *counts += kernels::counts(bytemuck::cast_slice(header));
+                let header = bytemuck::cast_slice(header);
+                *counts += kernels::counts(header);
+                cut = kernels::count(header, CUT);
             })?;
+            if cut > 0 {
+                return Err(GpuError::LoopsCut { threads: cut });
+            }
             if let Some(clock) = &self.clock {
                 clock.read(&gpu, &mut stats.stages)?;
             }

@@ -12,8 +12,9 @@ struct Frame {
     block_count: u32,
     // Where the light's shadow map is, or what says that it has none.
     map: u32,
+    // 2: what a loop that nobody ends early comes to.
+    rounds: u32,
     pad0: u32,
-    pad1: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

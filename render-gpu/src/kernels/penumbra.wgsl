@@ -36,5 +36,5 @@ fn penumbra(
             atomicSub(&queue.counters[PENUMBRA_POINTS], 1u);
             atomicAdd(&queue.counters[select(DARK_POINTS, LIT_POINTS, coverage == LIT)], 1u);
         }
-    }
+    }    note_cut_loops();
 }

@@ -13,6 +13,8 @@ pub(crate) const PENUMBRA_POINTS: usize = 2;
 pub(crate) const INTEGRALS: usize = 3;
 /// Reflectance lobes dropped below the threshold.
 pub(crate) const PRUNED: usize = 4;
+/// Threads whose loops the driver has ended early.
+pub(crate) const CUT: usize = 5;
 
 #[cfg(test)]
 mod tests {
@@ -26,6 +28,7 @@ mod tests {
             ("PENUMBRA_POINTS", PENUMBRA_POINTS),
             ("INTEGRALS", INTEGRALS),
             ("PRUNED", PRUNED),
+            ("CUT", CUT),
         ];
         for (name, number) in all {
             assert!(crate::kernels::QUEUE.contains(&format!("const {name} = {number}u;")), "{name}");

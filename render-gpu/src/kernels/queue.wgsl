@@ -17,6 +17,8 @@ const PENUMBRA_POINTS = 2u;
 // Integrals of reflectance lobes; lobes dropped below the threshold.
 const INTEGRALS = 3u;
 const PRUNED = 4u;
+// Threads whose loops the driver has ended early.
+const CUT = 5u;
 
 // By the paper's method: marks a queued point that one blocker hides the whole light from.
 const HIDDEN = 0x80000000u;
@@ -28,6 +30,18 @@ const QUEUE_WIDEST = 32768u;
 fn queue_size(count: u32) -> vec2u {
     let rows = max((count + (QUEUE_WIDEST - 1u)) / QUEUE_WIDEST, 1u);
     return vec2u((count + (rows - 1u)) / rows, rows);
+}
+
+// Mesa's software driver ends a thread's loops after 65 535 rounds of all of them together, from then on each after one. Counts
+// the threads that this has happened to: called last.
+fn note_cut_loops() {
+    var rounds = 0u;
+    for (var k = 0u; k < frame.rounds; k++) {
+        rounds++;
+    }
+    if (rounds < frame.rounds) {
+        atomicAdd(&queue.counters[CUT], 1u);
+    }
 }
 
 fn queue_point(item: u32) -> u32 {

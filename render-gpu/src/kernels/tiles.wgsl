@@ -28,6 +28,7 @@ fn classify(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index
     let point = tile * 64u + lane;
     if (point < frame.point_count) {
         classify_point(tile, point);
+        note_cut_loops();
     }
     workgroupBarrier();
     if (lane < 5u) {
