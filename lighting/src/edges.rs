@@ -1,4 +1,5 @@
 use core::f32::consts::FRAC_1_SQRT_2;
+use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::Cone;
 
@@ -48,10 +49,28 @@ impl Edges {
 
     /// What of a circle's rim lies on the light's disc: radius and distance of the centre in radii of the disc, the centre
     /// in the world direction `to`. With α half the arc: `∫ ρ cos 2t dt = ρ sin 2α` over ±α, in direction of the centre.
-    #[inline]
     pub fn add_circle(&mut self, to: Vec3, radius: f32, distance: f32) {
-        let cos = ((distance * distance + radius * radius - 1.0) / (2.0 * distance * radius)).clamp(-1.0, 1.0);
-        self.add(to, 2.0 * radius * (1.0 - cos * cos).sqrt() * cos);
+        dispatch!(Level::new(), simd => {
+            let one = |x: f32| f32x8::simd_from(simd, [x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            self.add_circles(simd, [one(to.x), one(to.y), one(to.z)], one(radius), one(distance));
+        });
+    }
+
+    /// [`add_circle`](Self::add_circle) of eight; a radius of zero adds nothing.
+    #[inline(always)]
+    pub fn add_circles<S: Simd>(&mut self, simd: S, to: [f32x8<S>; 3], radius: f32x8<S>, distance: f32x8<S>) {
+        let (one, two) = (f32x8::splat(simd, 1.0), f32x8::splat(simd, 2.0));
+        let most = f32x8::splat(simd, f32::MAX);
+        let cos = ((distance * distance + radius * radius - one) / (two * distance * radius)).max(-one).min(one);
+        let length = two * radius * (one - cos * cos).sqrt() * cos;
+        let (u, v) = (self.right, self.up);
+        let x = to[0] * u.x + to[1] * u.y + to[2] * u.z;
+        let y = to[0] * v.x + to[1] * v.y + to[2] * v.z;
+        let square = x * x + y * y;
+        let adds = square.simd_gt(f32x8::splat(simd, 0.0)) & length.abs().simd_le(most);
+        let scale = length / square;
+        let scale = adds.select(scale, f32x8::splat(simd, 0.0));
+        self.sum += Vec2::new(sum((x * x - y * y) * scale), sum(two * x * y * scale));
     }
 
     /// The unit direction, at right angles to the light's axis, across which most edges run.
@@ -69,6 +88,12 @@ impl Edges {
         debug_assert!(half.max_element() >= 0.99 * FRAC_1_SQRT_2 || half.min_element() <= -0.5);
         self.right * half.x + self.up * half.y
     }
+}
+
+#[inline(always)]
+fn sum<S: Simd>(lanes: f32x8<S>) -> f32 {
+    let [a, b, c, d, e, f, g, h]: [f32; 8] = lanes.into();
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// Two unit vectors that complete an axis to a basis, without a step except where it points straight down.

@@ -1,6 +1,6 @@
 use crate::UnitSquare;
 use crate::row::{self, COARSE, EIGHT, Row, SUBLINES, WIDTH};
-use fearless_simd::{Level, Simd, dispatch, prelude::*, u32x8};
+use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
@@ -33,6 +33,9 @@ pub struct Mask {
     lit: [Row; SIDE],
     halves: [[u32; SIDE + EIGHT]; 2],
     coarse: bool,
+    /// Of eight rows each: samples that any of them has lit, those of a coarse mask as one word; and which are out of date.
+    open: [Row; SIDE / EIGHT],
+    stale: u32,
 }
 
 /// What emits where the window shows a whole disc: the same for all lights.
@@ -67,6 +70,8 @@ impl Default for Mask {
             lit: [row::NONE; SIDE],
             halves: [[0; SIDE + EIGHT]; 2],
             coarse: false,
+            open: [row::NONE; SIDE / EIGHT],
+            stale: u32::MAX,
         }
     }
 }
@@ -80,6 +85,7 @@ impl Mask {
         assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
         self.depth = depth;
         self.square = *square;
+        self.stale = u32::MAX;
         self.fit();
         let n = square.local(normal);
         let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * n.truncate().length_squared();
@@ -140,6 +146,7 @@ impl Mask {
 
     #[inline(always)]
     fn set(&mut self, j: usize, row: Row) {
+        self.stale |= 1 << (j / EIGHT);
         if self.coarse {
             (self.halves[0][j], self.halves[1][j]) = (row.0[0] as u32, (row.0[0] >> 32) as u32);
         } else {
@@ -235,6 +242,7 @@ impl Mask {
 
     /// Blocks every sample.
     pub fn block_all(&mut self) {
+        self.stale = u32::MAX;
         self.lit = [row::NONE; SIDE];
         self.halves = [[0; SIDE + EIGHT]; 2];
     }
@@ -259,6 +267,7 @@ impl Mask {
     /// together, with [`raster`](Self::raster). An empty interval blocks nothing; ends are at most the raster's width.
     #[inline(always)]
     pub fn block_rows<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
+        self.stale |= 3 << (j / EIGHT);
         if self.coarse {
             let blocked = row::halves(simd, from, to);
             for (rows, blocked) in self.halves.iter_mut().zip(blocked) {
@@ -277,6 +286,7 @@ impl Mask {
     /// [`block_area`](Self::block_area) with the ends of the eight lines in samples, without a shift.
     #[inline(always)]
     pub fn block_lines<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
+        self.stale |= 1 << (j / EIGHT);
         if self.coarse {
             let blocked = row::of_lines(simd, j, from, to);
             self.halves[0][j] &= !blocked[0];
@@ -350,20 +360,52 @@ impl Mask {
         if self.coarse { self.halves[0][j] | self.halves[1][j] == 0 } else { self.lit[j] == row::NONE }
     }
 
-    /// True when nothing of the eight rows from `j` on is lit.
+    /// True when nothing between two samples is lit in the eight rows from `j` on. `false` may be said of a dark part too:
+    /// rows are remembered eight by eight.
     #[must_use]
     #[inline(always)]
-    pub fn are_rows_dark(&self, j: usize) -> bool {
-        let end = (j + EIGHT).min(SIDE);
+    pub fn is_dark_between<S: Simd>(&mut self, simd: S, j: usize, from: u32, to: u32) -> bool {
+        let (first, last) = (j / EIGHT, ((j + EIGHT - 1) / EIGHT).min(SIDE / EIGHT - 1));
+        if self.stale >> first & 1 != 0 {
+            self.refresh(simd, first);
+        }
+        if self.stale >> last & 1 != 0 {
+            self.refresh(simd, last);
+        }
+        if self.coarse {
+            let open = self.open[first].0[0] | self.open[last].0[0];
+            return open & row::span_of_64(from, to) == 0;
+        }
+        let span = row::span(from, to);
+        let open = row::with(&self.open[first], &self.open[last]);
+        row::and(&open, &span) == row::NONE
+    }
+
+    /// The same of row `j` alone, exactly.
+    #[must_use]
+    #[inline(always)]
+    pub fn is_row_dark_between(&self, j: usize, from: u32, to: u32) -> bool {
+        if self.coarse {
+            let row = u64::from(self.halves[0][j]) | u64::from(self.halves[1][j]) << 32;
+            return row & row::span_of_64(from, to) == 0;
+        }
+        row::and(&self.lit[j], &row::span(from, to)) == row::NONE
+    }
+
+    #[inline(always)]
+    fn refresh<S: Simd>(&mut self, simd: S, block: usize) {
+        self.stale &= !(1 << block);
+        let rows = block * EIGHT..(block + 1) * EIGHT;
         if self.coarse {
             let [low, high] = &self.halves;
-            let mut any = 0;
-            for (low, high) in low[j..end].iter().zip(&high[j..end]) {
-                any |= low | high;
-            }
-            any == 0
+            self.open[block] =
+                row::coarse(row::any_of_eight(simd, &low[rows.clone()]), row::any_of_eight(simd, &high[rows]));
         } else {
-            self.lit[j..end].iter().all(|row| *row == row::NONE)
+            let mut any = row::NONE;
+            for row in &self.lit[rows] {
+                any = row::with(&any, row);
+            }
+            self.open[block] = any;
         }
     }
 
@@ -436,6 +478,14 @@ impl Raster {
     #[must_use]
     pub fn shifts(j: usize) -> &'static [f32; 8] {
         row::phases(j)
+    }
+
+    /// The first sample at or after each position.
+    #[inline(always)]
+    pub fn indices<S: Simd>(&self, simd: S, position: f32x8<S>) -> u32x8<S> {
+        let clamped = position.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, self.width));
+        // The last bits of a float that is large enough.
+        (clamped + f32x8::splat(simd, 12_582_912.0)).bitcast::<u32x8<S>>() & u32x8::splat(simd, 0x1ff)
     }
 
     /// Heights of the eight lines of [`Mask::block_lines`] above the row's own, in rows within ±½.

@@ -88,6 +88,12 @@ pub(crate) fn span(from: u32, to: u32) -> Row {
     without(&FROM[(from & 0x1ff) as usize], &FROM[(to & 0x1ff) as usize])
 }
 
+/// The same of a row of 64: `from` and `to` are at most 64.
+#[inline(always)]
+pub(crate) fn span_of_64(from: u32, to: u32) -> u64 {
+    u64::MAX.unbounded_shl(from) & !u64::MAX.unbounded_shl(to)
+}
+
 #[inline(always)]
 pub(crate) fn without(a: &Row, b: &Row) -> Row {
     let mut out = NONE;
@@ -155,10 +161,17 @@ pub(crate) fn of_lines<S: Simd>(simd: S, j: usize, from: u32x8<S>, to: u32x8<S>)
     [either(low & which), either(high & which)]
 }
 
+/// Bits that any of eight words has.
+#[inline(always)]
+pub(crate) fn any_of_eight<S: Simd>(simd: S, words: &[u32]) -> u32 {
+    either(u32x8::simd_from(simd, words.first_chunk().copied().unwrap_or_default()))
+}
+
 #[inline(always)]
 fn either<S: Simd>(words: u32x8<S>) -> u32 {
-    let [a, b, c, d, e, f, g, h]: [u32; SUBLINES] = words.into();
-    ((a | e) | (c | g)) | ((b | f) | (d | h))
+    let (low, high) = words.split();
+    let [a, b, c, d]: [u32; SUBLINES / 2] = (low | high).into();
+    (a | c) | (b | d)
 }
 
 /// Number of samples.

@@ -52,11 +52,6 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    pub(crate) fn clear(&mut self) {
-        self.blocks.clear();
-        self.len = 0;
-    }
-
     pub(crate) fn push(&mut self, sphere: &Sphere) {
         let lane = self.len % LANES;
         if lane == 0 {
@@ -85,4 +80,23 @@ impl Blocks {
 /// The lanes for which `flags` is set, as bits.
 pub(crate) fn bits(flags: [bool; LANES]) -> u32 {
     flags.iter().enumerate().fold(0, |bits, (lane, flag)| bits | u32::from(*flag) << lane)
+}
+
+/// Eight spheres that may hide something from the receivers of a group, as all receivers see them and as those of their own
+/// object do.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Candidates {
+    pub(crate) spheres: Block,
+    pub(crate) object: [u32; LANES],
+    pub(crate) own_radius: [f32; LANES],
+    pub(crate) tau: [f32; LANES],
+}
+
+impl Candidates {
+    pub(crate) fn set(&mut self, lane: usize, sphere: &Sphere, object: u32, own_radius: f32, tau: f32) {
+        self.spheres.set(lane, sphere);
+        self.object[lane] = object;
+        self.own_radius[lane] = own_radius;
+        self.tau[lane] = tau;
+    }
 }

@@ -1,8 +1,9 @@
-use crate::block::{Blocks, LANES};
+use crate::block::{Candidates, LANES};
 use crate::cone_test::ConeTest;
+use crate::hits::Hits;
+use crate::looks::LightBall;
 use crate::shaft_test::ShaftTest;
 use crate::sphere_tree::SphereTree;
-use crate::splat::BlockedCone;
 use fearless_simd::{Level, Simd, dispatch};
 use lighting::{Blockers, Edges, Mask};
 use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
@@ -122,7 +123,14 @@ impl SphereBlockers {
     fn list(&self, scratch: &mut SphereScratch) {
         scratch.candidates.sort_unstable();
         scratch.blocks.clear();
-        scratch.candidates.iter().for_each(|i| scratch.blocks.push(&self.spheres[*i as usize]));
+        for numbers in scratch.candidates.chunks(LANES) {
+            let mut block = Candidates::default();
+            for (lane, i) in numbers.iter().map(|i| *i as usize).enumerate() {
+                let (own, tau) = self.own(i);
+                block.set(lane, &self.spheres[i], self.objects[i], own.radius, tau);
+            }
+            scratch.blocks.push(block);
+        }
     }
 }
 
@@ -131,12 +139,19 @@ impl SphereBlockers {
 pub struct SphereScratch {
     /// Spheres in the current shaft, ascending, and the same again to be tested eight at once.
     candidates: Vec<u32>,
-    blocks: Blocks,
+    blocks: Vec<Candidates>,
     /// One sphere hides the whole light from the whole shaft.
     dark: bool,
     stack: Vec<(u32, u32)>,
     /// What meets the current receiver's light cone.
-    hits: Vec<BlockedCone>,
+    hits: Hits,
+}
+
+impl SphereScratch {
+    /// The lanes of a block that hold a sphere, as bits.
+    fn lanes(&self, number: usize) -> u32 {
+        (1 << (self.candidates.len() - number * LANES).min(LANES)) - 1
+    }
 }
 
 #[cfg(test)]
@@ -149,30 +164,24 @@ impl SphereScratch {
         self.dark
     }
 
-    pub(crate) fn hits(&self) -> &[BlockedCone] {
-        &self.hits
+    pub(crate) fn hits(&self) -> Vec<crate::splat::BlockedCone> {
+        self.hits.iter().collect()
     }
 
     /// How many candidates meet a shaft: one by one.
     pub(crate) fn meets(&self, test: &ShaftTest) -> u32 {
-        let blocks = self.blocks.blocks().iter().enumerate();
-        blocks.map(|(i, b)| (test.meets(b) & ((1 << self.blocks.lanes(i)) - 1)).count_ones()).sum()
+        let met = |(number, block): (usize, &Candidates)| test.meets(&block.spheres) & self.lanes(number);
+        self.blocks.iter().enumerate().map(|block| met(block).count_ones()).sum()
     }
 }
 
 #[cfg(test)]
 impl SphereBlockers {
     /// `select` without any culling: the same exact question to every sphere.
-    pub(crate) fn select_flat(&self, query: &VisibilityQuery<'_>) -> (Coverage, Vec<BlockedCone>) {
-        let light = LightBall::new(query);
-        let mut solid = self.tree.order().to_vec();
-        solid.sort_unstable();
-        let seen: Vec<_> = solid.iter().filter_map(|i| self.look(*i as usize, query, &light)).collect();
-        if seen.iter().any(|s| s.1 == Coverage::Dark) {
-            return (Coverage::Dark, Vec::new());
-        }
-        let coverage = if seen.is_empty() { Coverage::Lit } else { Coverage::Partial };
-        (coverage, seen.into_iter().map(|s| s.0).collect())
+    pub(crate) fn select_flat(&self, query: &VisibilityQuery<'_>) -> (Coverage, Vec<crate::splat::BlockedCone>) {
+        let mut scratch = self.scratch();
+        let coverage = dispatch!(Level::new(), simd => select_all(simd, query, &mut scratch, None));
+        (coverage, scratch.hits())
     }
 }
 
@@ -203,92 +212,43 @@ impl Blockers for SphereBlockers {
         if scratch.dark {
             return Coverage::Dark;
         }
-        dispatch!(Level::new(), simd => self.select_all(simd, query, scratch))
+        let test = ConeTest::new(query);
+        dispatch!(Level::new(), simd => select_all(simd, query, scratch, Some(&test)))
     }
 
     /// The spheres' rims.
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &SphereScratch, edges: &mut Edges) {
-        let tan = query.cone.tan();
-        for blocked in &scratch.hits {
-            blocked.add_edge(query.cone.axis, tan, edges);
-        }
+        dispatch!(Level::new(), simd => scratch.hits.add_edges(simd, query.cone, edges));
     }
 
-    fn splat(&self, _: &VisibilityQuery<'_>, scratch: &mut SphereScratch, mask: &mut Mask) {
-        dispatch!(Level::new(), simd => splat_all(simd, &scratch.hits, mask));
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, mask: &mut Mask) {
+        let light = LightBall::new(query).ball();
+        dispatch!(Level::new(), simd => scratch.hits.splat(simd, light, mask));
     }
 }
 
-/// Splats until nothing is lit any more.
+/// Asks all candidates that a test leaves, and keeps those that hide something.
 #[inline(always)]
-pub(crate) fn splat_all<S: Simd>(simd: S, hits: &[BlockedCone], mask: &mut Mask) {
-    for (number, blocked) in hits.iter().enumerate() {
-        if number % LANES == LANES - 1 && mask.is_dark() {
-            return;
+fn select_all<S: Simd>(
+    simd: S,
+    query: &VisibilityQuery<'_>,
+    scratch: &mut SphereScratch,
+    test: Option<&ConeTest>,
+) -> Coverage {
+    let light = LightBall::new(query);
+    for (number, block) in scratch.blocks.iter().enumerate() {
+        let which = match test {
+            Some(test) => test.meets(simd, &block.spheres) & scratch.lanes(number),
+            None => scratch.lanes(number),
+        };
+        if which == 0 {
+            continue;
         }
-        match blocked.meets_light {
-            None => blocked.splat(simd, mask),
-            Some((center, radius)) => blocked.splat_in_front(center, radius, mask),
+        let looks = light.look(simd, query, block);
+        if looks.darkens & which != 0 {
+            return Coverage::Dark;
         }
+        scratch.hits.extend(&looks, looks.hides & which);
     }
-}
-
-/// The light of a query as a ball.
-struct LightBall {
-    sin: f32,
-    cos: f32,
-    radius: f32,
-    /// Power of the receiver with respect to it.
-    power: f32,
-}
-
-impl LightBall {
-    fn new(query: &VisibilityQuery<'_>) -> Self {
-        let cone = query.cone;
-        let (sin, cos) = (cone.sin_sq().sqrt(), cone.cos());
-        Self { sin, cos, radius: cone.distance * sin, power: cone.distance * cone.distance * (cos * cos) }
-    }
-}
-
-impl SphereBlockers {
-    #[inline(always)]
-    fn select_all<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch) -> Coverage {
-        let light = LightBall::new(query);
-        let test = ConeTest::new(query);
-        for (number, block) in scratch.blocks.blocks().iter().enumerate() {
-            let mut maybe = test.meets(simd, block) & ((1 << scratch.blocks.lanes(number)) - 1);
-            while maybe != 0 {
-                let index = scratch.candidates[number * LANES + maybe.trailing_zeros() as usize] as usize;
-                maybe &= maybe - 1;
-                match self.look(index, query, &light) {
-                    Some((_, Coverage::Dark)) => return Coverage::Dark,
-                    Some((blocked, Coverage::Partial)) => scratch.hits.push(blocked),
-                    _ => {}
-                }
-            }
-        }
-        if scratch.hits.is_empty() { Coverage::Lit } else { Coverage::Partial }
-    }
-
-    /// What one sphere hides of a light; `None` when nothing.
-    #[inline(always)]
-    fn look(&self, index: usize, query: &VisibilityQuery<'_>, light: &LightBall) -> Option<(BlockedCone, Coverage)> {
-        let cone = query.cone;
-        let own = self.objects[index] == query.at.object;
-        let (sphere, tau) = if own { self.own(index) } else { (self.spheres[index], 0.0) };
-        let to = sphere.center - query.at.position;
-        let mut blocked = BlockedCone::new(to, sphere.radius, tau)?;
-        if cone.distance.is_finite() {
-            let apart = (to - cone.axis * cone.distance).length();
-            if apart >= sphere.radius + light.radius {
-                if to.length_squared() - sphere.radius * sphere.radius >= light.power {
-                    return None;
-                }
-            } else {
-                blocked.meets_light = Some((cone.axis * cone.distance, light.radius));
-            }
-        }
-        let coverage = blocked.cover(cone.axis, light.sin, light.cos);
-        (coverage != Coverage::Lit).then_some((blocked, coverage))
-    }
+    if scratch.hits.is_empty() { Coverage::Lit } else { Coverage::Partial }
 }

@@ -4,12 +4,15 @@ mod block;
 mod blockers;
 mod cone_test;
 mod ellipse;
+mod hits;
+mod looks;
 mod packed;
 mod set;
 mod shaft_test;
 mod sphere_tree;
 mod splat;
 pub mod wgsl;
+mod wide;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
 pub use crate::packed::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK};

@@ -1,8 +1,11 @@
 //! Splatting, selection and culling against rays in f64.
 
 use crate::SphereBlockers;
+use crate::hits::Hits;
+use crate::looks::cones;
 use crate::splat::{BlockedCone, order_by_ray};
 use core::f64::consts::PI;
+use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{DVec3, Vec3};
 use lighting::{Blockers, Mask, UnitSquare};
 use lobe_core::oracle::Random;
@@ -10,6 +13,25 @@ use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityQuery};
 
 fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
     Receiver { position, normal, face: normal, view: normal, object }
+}
+
+/// The cone that one sphere blocks under the self-distance τ; `None` if it is empty.
+fn blocked_cone(to: Vec3, radius: f32, tau: f32) -> Option<BlockedCone> {
+    dispatch!(Level::new(), simd => {
+        let [x, y, z] = to.to_array().map(|x| f32x8::splat(simd, x));
+        let (tangent_radius, cos, exists) =
+            cones(simd, [x, y, z], f32x8::splat(simd, radius), f32x8::splat(simd, tau));
+        let cone =
+            BlockedCone { to, radius, tangent_radius: tangent_radius[3], cos: cos[3], meets_light: false };
+        exists.all_true().then_some(cone)
+    })
+}
+
+/// Blocks what is in cones that don't meet the light.
+fn splat(cones: &[BlockedCone], level: Level, mask: &mut Mask) {
+    let mut hits = Hits::default();
+    cones.iter().for_each(|cone| hits.push(cone));
+    dispatch!(level, simd => hits.splat(simd, (Vec3::ZERO, 0.0), mask));
 }
 
 /// Entry and exit of a ray from the origin into a ball, both possibly negative.
@@ -48,7 +70,7 @@ fn self_distance_is_the_exit_of_the_ray() {
         let d = r * random.log_uniform(0.05, 3.0);
         let tau = random.log_uniform(0.01, 2.0) * r;
         let center = random.axis() * d;
-        let cone = BlockedCone::new(center.as_vec3(), r as f32, tau as f32);
+        let cone = blocked_cone(center.as_vec3(), r as f32, tau as f32);
         for _ in 0..20 {
             let v = random.axis();
             let Some(entry_exit) = chord(v, center, r) else {
@@ -79,7 +101,7 @@ fn self_distance_is_continuous_through_the_surface() {
         let mut largest = 0.0_f32;
         for k in 0..40_000 {
             let d = 0.2 + 2.0 * k as f32 / 40_000.0;
-            let angle = BlockedCone::new(Vec3::new(0.0, 0.0, d), 1.0, tau)
+            let angle = blocked_cone(Vec3::new(0.0, 0.0, d), 1.0, tau)
                 .map_or(0.0, |c| (1.0 - c.one_minus_cos()).clamp(-1.0, 1.0).acos());
             if let Some(last) = last {
                 largest = largest.max((angle - last).abs());
@@ -126,9 +148,9 @@ fn ellipse_rows_and_rays_agree() {
         }
         let tau = if case % 3 == 0 { 0.4 * r } else { 0.0 };
         let (to, r) = (center.as_vec3(), r as f32);
-        let Some(blocked) = BlockedCone::new(to, r, tau as f32) else { continue };
+        let Some(blocked) = blocked_cone(to, r, tau as f32) else { continue };
         let Some(cos) = exact_cos(to.as_dvec3(), f64::from(r), f64::from(tau as f32)) else { continue };
-        fearless_simd::dispatch!(fearless_simd::Level::new(), simd => blocked.splat(simd, &mut mask));
+        splat(&[blocked], Level::new(), &mut mask);
         for j in 0..mask.side() {
             for i in 0..mask.side() {
                 let p = mask.cell_center(i, j);
@@ -186,11 +208,11 @@ fn row_spans_are_exact() {
             let square = UnitSquare::facing(&cone, to);
             let mut mask = Mask::default();
             mask.reset(&square, 5, cone.axis);
-            let Some(blocked) = BlockedCone::new(to, r, 0.0) else { continue };
+            let Some(blocked) = blocked_cone(to, r, 0.0) else { continue };
             if f64::from(r) >= f64::from(to.length()) * 0.9999 {
                 continue;
             }
-            fearless_simd::dispatch!(fearless_simd::Level::new(), simd => blocked.splat(simd, &mut mask));
+            splat(&[blocked], Level::new(), &mut mask);
             let frame = [square.right, square.up, square.axis].map(|v| v.as_dvec3());
             let inside = |x: f64, y: f64| {
                 let v = (frame[0] * x + frame[1] * y + frame[2]).normalize();
@@ -263,7 +285,7 @@ fn order_is_the_rays() {
         };
         let to = (light + random.axis() * apart).as_vec3();
         let r = ball_radius as f32;
-        let Some(ball) = BlockedCone::new(to, r, 0.0) else { continue };
+        let Some(ball) = blocked_cone(to, r, 0.0) else { continue };
         for _ in 0..8 {
             let spread = (light_radius / distance).asin() * random.uniform().sqrt();
             let v = random.axis_at(axis, spread);
@@ -530,8 +552,6 @@ fn point_lights_are_hidden_by_what_their_direction_meets() {
 /// Spheres are drawn as the same bits with any vector instructions.
 #[test]
 fn masks_do_not_depend_on_the_registers() {
-    use crate::blockers::splat_all;
-    use fearless_simd::{Level, Simd, dispatch};
     let mut random = Random::new(21);
     let best = Level::new();
     let mut levels = vec![Level::baseline()];
@@ -550,13 +570,13 @@ fn masks_do_not_depend_on_the_registers() {
                 let (aside, away) = (theta * 1.5 * random.uniform(), random.log_uniform(0.1, 30.0));
                 let to = random.axis_at(axis, aside) * away;
                 let r = (to.length() * random.log_uniform(0.1, 1.5) * theta).min(to.length() * 1.1);
-                BlockedCone::new(to.as_vec3(), r as f32, if case % 4 == 0 { 0.3 } else { 0.0 })
+                blocked_cone(to.as_vec3(), r as f32, if case % 4 == 0 { 0.3 } else { 0.0 })
             })
             .collect();
         let draw = |level: Level| {
             let mut mask = Mask::default();
             mask.reset(&UnitSquare::facing(&cone, Vec3::X), 3 + case % 4, cone.axis);
-            dispatch!(level, simd => splat_all(simd, &hits, &mut mask));
+            splat(&hits, level, &mut mask);
             let cells: Vec<u64> = (0..mask.side()).map(|j| mask.lit_cells(j)).collect();
             (mask.areas(), cells)
         };

@@ -14,8 +14,8 @@ pub const BLOCKED_CONE: &str = include_str!("blocked_cone.wgsl");
 pub const SPHERES: &str = include_str!("spheres.wgsl");
 /// A ball on a mask: with lighting's mask.
 pub const ELLIPSE: &str = include_str!("ellipse.wgsl");
-/// Other cones on a mask: with [`BLOCKED_CONE`] and lighting's mask and edges.
-pub const SPLAT: &str = include_str!("splat.wgsl");
+/// Other cones on a mask: with [`BLOCKED_CONE`], [`ELLIPSE`] and lighting's mask and edges.
+pub const SPLAT: &str = concat!(include_str!("splat.wgsl"), "\n", include_str!("wide.wgsl"));
 /// `spheres_edges` and `spheres_splat`: with all of these but [`SHAFT_TEST`].
 pub const SPHERES_SPLAT: &str = include_str!("spheres_splat.wgsl");
 /// Bindings 6, 12 and 13, and the entry point `pose_spheres`, one sphere a thread, 64 a workgroup: a kernel of its own that
