@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-crate::tests![strategies, settings, paper, shadow_maps, rays, samples_and_threshold];
+crate::tests![strategies, settings, paper, shadow_maps, rays, samples_and_threshold, trade];
 
 /// Largest and mean difference, as shares of the picture's largest value.
 const LARGEST: f32 = 1e-3;
@@ -98,4 +98,27 @@ fn samples_and_threshold() {
     same(folder.path(), &["scene.toml", "--samples", "3"]);
     let pruned = same(folder.path(), &["--size", "64x36", "--threshold", "0.05"])["counts"]["pruned"].as_u64().unwrap();
     assert!(pruned > 0);
+}
+
+/// Both in one table: the same errors, whatever the time.
+fn trade() {
+    let folder = folder();
+    let settings = ["--method", "moments", "--tolerance", "0.003", "--depth", "4,5", "--spp", "1", "--repeat", "3"];
+    let sweep = |devices: &str| {
+        let devices = ["trade", "scene.toml", "-o", "out", "--reference-spp", "64", "--json", "--device", devices];
+        json(folder.path(), &[&devices[..], &settings].concat()).as_array().unwrap().clone()
+    };
+    let cpu = sweep("cpu");
+    let both = sweep("cpu,gpu");
+    // Spheres and rays at two depths, and two samplers.
+    assert_eq!((cpu.len(), both.len()), (6, 10));
+    assert!(cpu.iter().all(|row| row["device"] == "cpu" && both.iter().any(|b| b["seconds"] == row["seconds"])));
+    for gpu in both.iter().filter(|row| row["device"] != "cpu") {
+        let is_twin = |row: &&Value| ["visibility", "depth"].iter().all(|key| row[key] == gpu[key]);
+        let twin = cpu.iter().find(is_twin).unwrap();
+        let apart = (twin["mean"].as_f64().unwrap() - gpu["mean"].as_f64().unwrap()).abs();
+        assert!(apart < 1e-5 && gpu["seconds"].as_f64().unwrap() > 0.0, "{twin} {gpu}");
+    }
+    let text = fs::read_to_string(folder.path().join("out/trade.md")).unwrap();
+    assert!(text.contains("GPU ") && text.contains("moments / rays / gpu"), "{text}");
 }

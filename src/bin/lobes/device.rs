@@ -26,14 +26,7 @@ impl Backend {
             Device::Cpu => Ok(Self::Cpu),
             Device::Gpu => match lack(args) {
                 Some(lack) => Err(Failure::new(format_args!("--device gpu: {lack}"))),
-                None => open().map_err(|error| match error {
-                    // What wgpu tells of it is a list of all that it was built without.
-                    GpuError::NoAdapter { .. } => Failure::new(
-                        "--device gpu: no GPU adapter; install a Vulkan driver (a software one: packages libvulkan1 and \
-                         mesa-vulkan-drivers), or take --device cpu",
-                    ),
-                    error => Failure::new(format_args!("--device gpu: {error}")),
-                }),
+                None => Self::gpu(),
             },
             Device::Auto => {
                 let backend = match lack(args) {
@@ -49,6 +42,18 @@ impl Backend {
                 Ok(backend.unwrap_or(Self::Cpu))
             }
         }
+    }
+
+    /// A GPU, and no other device.
+    pub(crate) fn gpu() -> Result<Self, Failure> {
+        open().map_err(|error| match error {
+            // What wgpu tells of it is a list of all that it was built without.
+            GpuError::NoAdapter { .. } => Failure::new(
+                "--device gpu: no GPU adapter; install a Vulkan driver (a software one: packages libvulkan1 and \
+                 mesa-vulkan-drivers), or take --device cpu",
+            ),
+            error => Failure::new(format_args!("--device gpu: {error}")),
+        })
     }
 
     /// `cpu`, or what the GPU calls itself.

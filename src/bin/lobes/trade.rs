@@ -13,8 +13,9 @@ use self::record::Record;
 use self::row::Row;
 use self::stage::Stage;
 use self::truth::Truth;
-use crate::args::{Method, TradeArgs, TradeGeometry, Visibility, name};
+use crate::args::{Method, TradeArgs, TradeDevice, TradeGeometry, Visibility, name};
 use crate::console::{self, STOP, say};
+use crate::device::Backend;
 use crate::failure::Failure;
 use crate::fingerprint::Fingerprint;
 use crate::input;
@@ -40,6 +41,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
         )));
     }
     let strategies = strategies(args, &scene)?;
+    let gpu = if args.device.contains(&TradeDevice::Gpu) { Backend::gpu()? } else { Backend::Cpu };
     let failed = |e: std::io::Error| Failure::new(format_args!("{}: {e}", args.output.display()));
     std::fs::create_dir_all(&args.output).map_err(failed)?;
 
@@ -59,9 +61,9 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     gbuffer_times.sort_by(f64::total_cmp);
 
     let truth = Truth::find(args, &world, &gbuffer, &blockers)?;
-    let settings = setting::all(args, &strategies);
+    let settings = setting::all(args, &strategies, &gpu.name());
     let mut record = Record::open(&args.output, &stamp)?;
-    let mut stage = Stage::new(args, &world, &gbuffer, &blockers, gbuffer_times[1]);
+    let mut stage = Stage::new(args, &world, &gbuffer, &blockers, gbuffer_times[1], gpu);
     let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
     if settings.iter().any(|s| s.method == "paper") && (left(&record) > 0 || !args.output.join("sheet.png").exists()) {
         stage.tables = Some(paper_tables(view.quiet));

@@ -16,7 +16,7 @@ pub(crate) use self::merge::MergeArgs;
 pub(crate) use self::reference::{Geometry, ReferenceArgs};
 pub(crate) use self::render::{Device, Method, RenderArgs, Visibility};
 pub(crate) use self::spheres::SpheresArgs;
-pub(crate) use self::trade::{TradeArgs, TradeGeometry};
+pub(crate) use self::trade::{TradeArgs, TradeDevice, TradeGeometry};
 pub(crate) use self::view::ViewArgs;
 
 use crate::console;

@@ -13,7 +13,8 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   lobes trade scene.toml -o trade
   lobes trade scene.toml -o trade --tolerance 0.01,0.001 --depth 4,6 --spp 16,256
-  lobes trade model.glb -o trade --geometry mesh        all strategies against the true triangles")]
+  lobes trade model.glb -o trade --geometry mesh        all strategies against the true triangles
+  lobes trade scene.toml -o trade --device cpu,gpu      both in one table")]
 pub(crate) struct TradeArgs {
     #[command(flatten)]
     pub(crate) view: ViewArgs,
@@ -33,6 +34,10 @@ pub(crate) struct TradeArgs {
     /// Strategies, separated by commas; when left out, all that see the geometry
     #[arg(long, value_enum, value_delimiter = ',')]
     pub(crate) visibility: Vec<Visibility>,
+
+    /// What shades lobes, separated by commas; the sampler is the CPU's
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TradeDevice::Cpu])]
+    pub(crate) device: Vec<TradeDevice>,
 
     /// Tolerances, separated by commas
     #[arg(long, value_name = "T,…", value_delimiter = ',', value_parser = tolerance,
@@ -59,6 +64,14 @@ pub(crate) struct TradeArgs {
     /// Texels a side of each light's shadow map
     #[arg(long, value_name = "N", value_parser = map_resolution)]
     pub(crate) map_resolution: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TradeDevice {
+    /// All cores
+    Cpu,
+    /// The strongest graphics adapter, points sent to it and radiance read back in its time
+    Gpu,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

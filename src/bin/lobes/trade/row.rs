@@ -51,7 +51,7 @@ impl Row {
             scene: scene.to_owned(),
             method: setting.method.clone(),
             visibility: setting.visibility.clone(),
-            device: "cpu".to_owned(),
+            device: setting.device_name.clone(),
             tolerance: setting.tolerance.map(decimal),
             depth: setting.depth,
             spp: setting.spp,
@@ -72,13 +72,15 @@ impl Row {
     pub(super) fn is(&self, setting: &Setting) -> bool {
         self.method == setting.method
             && self.visibility == setting.visibility
+            && self.device == setting.device_name
             && self.tolerance == setting.tolerance.map(decimal)
             && (self.depth, self.spp) == (setting.depth, setting.spp)
     }
 
     /// What made it: one line or curve of a plot.
     pub(super) fn technique(&self) -> String {
-        format!("{} / {}", self.method, self.visibility)
+        let device = if self.device == "cpu" { "" } else { " / gpu" };
+        format!("{} / {}{device}", self.method, self.visibility)
     }
 
     /// What was turned.

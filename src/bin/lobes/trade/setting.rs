@@ -1,7 +1,7 @@
 //! What is swept.
 
 use super::word;
-use crate::args::{Method, TradeArgs, TradeGeometry, Visibility, name};
+use crate::args::{Method, TradeArgs, TradeDevice, TradeGeometry, Visibility, name};
 
 /// How a picture is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,22 +20,28 @@ pub(super) struct Setting {
     /// How the row calls method and strategy.
     pub(super) method: String,
     pub(super) visibility: String,
+    pub(super) device: TradeDevice,
+    /// `cpu`, or what the GPU calls itself.
+    pub(super) device_name: String,
     /// What is turned, where the technique has it.
     pub(super) tolerance: Option<f32>,
     pub(super) depth: Option<u32>,
     pub(super) spp: Option<u32>,
 }
 
-/// All combinations: tolerance and depth for moments, depth for the paper's method, whose lobes know no tolerance, samples for
+/// All combinations, on the CPU and the GPU of that name: tolerance and depth for moments, depth for the paper's method, whose lobes know no tolerance, samples for
 /// rays.
-pub(super) fn all(args: &TradeArgs, strategies: &[Visibility]) -> Vec<Setting> {
+pub(super) fn all(args: &TradeArgs, strategies: &[Visibility], gpu: &str) -> Vec<Setting> {
     let mut list = Vec::new();
-    for &method in &args.method {
+    let pairs = args.device.iter().flat_map(|device| args.method.iter().map(move |method| (*device, *method)));
+    for (device, method) in pairs {
         for visibility in strategies {
             let setting = |tolerance, depth| Setting {
                 technique: Technique::Lobes(method, *visibility),
                 method: word(method),
                 visibility: name(visibility),
+                device,
+                device_name: if device == TradeDevice::Gpu { gpu.to_owned() } else { name(&device) },
                 tolerance,
                 depth: Some(depth),
                 spp: None,
@@ -57,6 +63,8 @@ pub(super) fn all(args: &TradeArgs, strategies: &[Visibility]) -> Vec<Setting> {
             technique: Technique::Samples { culled },
             method: method.to_owned(),
             visibility: name(&seen),
+            device: TradeDevice::Cpu,
+            device_name: name(&TradeDevice::Cpu),
             tolerance: None,
             depth: None,
             spp: Some(*spp),

@@ -1,6 +1,6 @@
 use super::setting::{Setting, Technique};
 use super::truth::Truth;
-use crate::args::{TradeArgs, TradeGeometry, Visibility};
+use crate::args::{TradeArgs, TradeDevice, TradeGeometry, Visibility};
 use crate::console::STOP;
 use crate::device::{Backend, Shader};
 use crate::failure::Failure;
@@ -49,6 +49,8 @@ pub(super) struct Stage<'a> {
     spheres: KeptSpheres,
     gbuffer_seconds: f64,
     maps: Option<(Vec<ShadowMap>, f64)>,
+    /// Asked for; the CPU where nobody did.
+    gpu: Backend,
     /// Made where the paper's method is swept.
     pub(super) tables: Option<Tables>,
 }
@@ -60,10 +62,11 @@ impl<'a> Stage<'a> {
         gbuffer: &'a GBuffer,
         blockers: &'a BlockerSet,
         gbuffer_seconds: f64,
+        gpu: Backend,
     ) -> Self {
         let mut spheres = KeptSpheres::default();
         spheres.update(blockers);
-        Self { args, world, gbuffer, blockers, spheres, gbuffer_seconds, maps: None, tables: None }
+        Self { args, world, gbuffer, blockers, spheres, gbuffer_seconds, maps: None, gpu, tables: None }
     }
 
     pub(super) const fn gbuffer_seconds(&self) -> f64 {
@@ -91,8 +94,12 @@ impl<'a> Stage<'a> {
             TradeGeometry::Spheres => "the same blocker spheres",
             TradeGeometry::Mesh => "the true geometry",
         };
+        let gpu = match &self.gpu {
+            Backend::Cpu => String::new(),
+            gpu => format!(", GPU {}", gpu.name()),
+        };
         format!(
-            "{title}: {} x {} pixels, {} points, {} blocker spheres, {} triangles, {} lights, {} threads. Reference: Monte Carlo of \
+            "{title}: {} x {} pixels, {} points, {} blocker spheres, {} triangles, {} lights, {} threads{gpu}. Reference: Monte Carlo of \
              {geometry}, {} samples, own standard error in penumbra {:.4} %. Time: shading of one frame with visible points \
              given, median of repeated frames (quartiles); `frame` adds finding the points ({:.2} ms) and drawing shadow maps. \
              Errors: fractions of the unshadowed radiance over pixels between 1 % and 99 % lit.",
@@ -136,8 +143,11 @@ impl<'a> Stage<'a> {
                     crate::args::Method::Paper => self.tables.as_ref(),
                     crate::args::Method::Moments => None,
                 };
-                let shot =
-                    Occlusion::new(&plan, self.world, spheres, maps).shade(&mut Backend::Cpu, depth, tables, timed)?;
+                let backend = match setting.device {
+                    TradeDevice::Cpu => &mut Backend::Cpu,
+                    TradeDevice::Gpu => &mut self.gpu,
+                };
+                let shot = Occlusion::new(&plan, self.world, spheres, maps).shade(backend, depth, tables, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }
         }

@@ -45,19 +45,20 @@ pub(super) fn markdown(rows: &[Row], about: &str, points: usize) -> String {
     equal_errors(&mut text, rows);
     text.push_str("## All settings\n\nOn the Pareto front: ●.\n\n");
     text.push_str(
-        "| | method | visibility | setting | ms (quartiles) | frame ms | ns a point | mean | 99 % | FLIP |\n",
+        "| | method | visibility | device | setting | ms (quartiles) | frame ms | ns a point | mean | 99 % | FLIP |\n",
     );
-    text.push_str("|---|---|---|---|---|---|---|---|---|---|\n");
+    text.push_str("|---|---|---|---|---|---|---|---|---|---|---|\n");
     let mut sorted: Vec<&Row> = rows.iter().collect();
     sorted.sort_by(|a, b| a.technique().cmp(&b.technique()).then(a.seconds.total_cmp(&b.seconds)));
     for r in sorted {
         let [low, high] = r.quartiles.map(|s| 1e3 * s);
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {:.2} ({low:.2}–{high:.2}) | {:.2} | {:.0} | {:.4} % | {:.3} % | {:.5} |",
+            "| {} | {} | {} | {} | {} | {:.2} ({low:.2}–{high:.2}) | {:.2} | {:.0} | {:.4} % | {:.3} % | {:.5} |",
             if r.front { "●" } else { "" },
             r.method,
             r.visibility,
+            r.device,
             r.knobs(),
             1e3 * r.seconds,
             1e3 * r.frame_seconds,
