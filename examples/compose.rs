@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         material.brdf_lobes(&at, &mut lobes.writer())?;
         let term = LightTerm { cone: light.cone(&at), radiance: light.radiance(&at) };
         let (at, light, visibility) = (&at, &term, &visibility);
-        let call = Call { at, brdf: lobes.lobes(), light, visibility, tolerance: 0.003, unshadowed: &[] };
+        let call = Call { at, brdf: lobes.lobes(), light, visibility, tolerance: 0.003 };
         let lit = integrator.radiance(&call, &mut scratch, &mut sum, &mut ())?;
         pixels.push(lit.radiance);
     }

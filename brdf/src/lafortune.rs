@@ -1,9 +1,11 @@
 use crate::error::{MAX_COEFFICIENT, check_coefficient, check_exponent};
 use crate::sampling::{density, draw};
-use crate::{Brdf, BrdfSample, Lambert, MaterialError};
-use core::f32::consts::FRAC_1_PI;
+use crate::symmetric::eigen;
+use crate::term::{Diffuse, Shape, Term};
+use crate::{Brdf, BrdfSample, MaterialError};
+use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{DMat3, DVec3, Mat3, Vec3};
-use lobe_core::special::{exp, ln_1p};
+use lobe_core::special::{exp, ln_of};
 use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis, power};
 
 /// The Lafortune model: `f̃(v) = (ρ/π + Σ_i k_i·max(v·M_iω_o, 0)^e_i)·max(n·v, 0)` (Eqs. 27–29; E. Lafortune, S. Foo,
@@ -25,15 +27,40 @@ pub struct Lafortune {
 /// One term `k·max(v·Mω_o, 0)^e` of the [`Lafortune`] model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LafortuneLobe {
-    /// `M` in the local frame `(t, b, n)`; symmetric.
-    pub matrix: Mat3,
-    /// Exponent `e`, in [0, 1e7].
-    pub exponent: f32,
-    /// `k` per channel, in sr⁻¹.
-    pub scale: Vec3,
+    scale: Vec3,
+    pub(crate) term: LafortuneTerm,
 }
 
 impl LafortuneLobe {
+    /// The lobe with the symmetric matrix `M` in the local frame `(t, b, n)`, the exponent `e` in [0, 1e7] and `k` per
+    /// channel, in sr⁻¹.
+    #[must_use]
+    pub fn new(matrix: Mat3, exponent: f32, scale: Vec3) -> Self {
+        let m = as_dmat3(matrix);
+        let (vectors, values) = eigen(m.transpose() * m - DMat3::IDENTITY);
+        let flux = scale * (TAU / (exponent + 1.0));
+        let term = LafortuneTerm { matrix, vectors: vectors.as_mat3(), values: values.as_vec3(), flux, exponent };
+        Self { scale, term }
+    }
+
+    /// `M`.
+    #[must_use]
+    pub const fn matrix(&self) -> Mat3 {
+        self.term.matrix
+    }
+
+    /// `e`.
+    #[must_use]
+    pub const fn exponent(&self) -> f32 {
+        self.term.exponent
+    }
+
+    /// `k`.
+    #[must_use]
+    pub const fn scale(&self) -> Vec3 {
+        self.scale
+    }
+
     /// The lobe with `M = diag(C_x, C_y, C_z)`.
     ///
     /// # Signs
@@ -53,7 +80,7 @@ impl LafortuneLobe {
     /// ```
     #[must_use]
     pub fn diagonal(c: Vec3, exponent: f32, scale: Vec3) -> Self {
-        Self { matrix: Mat3::from_diagonal(c), exponent, scale }
+        Self::new(Mat3::from_diagonal(c), exponent, scale)
     }
 
     /// Checks the parameters: finite, scale not negative, exponent in range, matrix symmetric (to 1e-5 of its largest
@@ -63,49 +90,74 @@ impl LafortuneLobe {
     /// [`MaterialError`] that names what is wrong.
     pub fn validate(&self) -> Result<(), MaterialError> {
         check_coefficient("scale", self.scale)?;
-        check_exponent(self.exponent)?;
-        let entries = self.matrix.to_cols_array();
+        check_exponent(self.exponent())?;
+        let entries = self.matrix().to_cols_array();
         let largest = entries.iter().fold(0.0_f32, |m, x| m.max(x.abs()));
         if !entries.iter().all(|x| x.abs() <= MAX_COEFFICIENT) {
             return Err(MaterialError::Matrix);
         }
-        let skew = self.matrix - self.matrix.transpose();
+        let skew = self.matrix() - self.matrix().transpose();
         if skew.to_cols_array().iter().any(|x| x.abs() > 1e-5 * largest) {
             return Err(MaterialError::Asymmetric);
         }
         let k = f64::from(self.scale.max_element());
-        let ln_peak = k.ln() + f64::from(self.exponent) * spectral_norm(self.matrix).ln();
+        let ln_peak = k.ln() + f64::from(self.exponent()) * spectral_norm(self.matrix()).ln();
         if ln_peak > f64::from(MAX_COEFFICIENT).ln() {
             return Err(MaterialError::Peak { ln_peak });
         }
         Ok(())
     }
+}
 
-    /// Unit axis `Mω_o/|Mω_o|` in world space and `|Mω_o|^e`; none where `Mω_o = 0`.
+/// A lobe's constants, the same numbers on the GPU.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(crate) struct LafortuneTerm {
+    matrix: Mat3,
+    /// Eigenvectors, as columns, and eigenvalues of `MᵀM − 1`.
+    vectors: Mat3,
+    values: Vec3,
+    /// Without the gain.
+    flux: Vec3,
+    exponent: f32,
+}
+
+impl LafortuneTerm {
+    /// Unit axis `Mω_o/|Mω_o|` in world space and `|Mω_o|^e`; 0 where `Mω_o = 0`.
     ///
-    /// `|Mω|² = 1 + (Mω−ω)·(Mω+ω)` for a unit ω: computed so, in f64, a mirror-like lobe (`M² = I`) has a gain of 1, whereas
-    /// the rounded length of `Mω` to the power 1e5 is 1 % off.
-    fn axis_and_gain(&self, at: &Receiver) -> Option<(Vec3, f32)> {
-        let (t, b) = orthonormal_basis(at.normal);
-        let view = Vec3::new(t.dot(at.view), b.dot(at.view), at.normal.dot(at.view));
+    /// `|Mω|² − 1 = ωᵀ(MᵀM − 1)ω` for a unit ω. By the eigenvectors it loses no digits: a mirror-like lobe (`M² = 1`) has none
+    /// of it, and where a large exponent makes it matter all eigenvalues are negative, or the lobe would be too high. The
+    /// rounded length of `Mω` to the power 1e5 would be 1 % off.
+    #[inline(always)]
+    fn axis_and_gain(&self, normal: Vec3, view: Vec3) -> (Vec3, f32) {
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        let (t, b) = orthonormal_basis(normal);
+        let view = Vec3::new(t.dot(view), b.dot(view), normal.dot(view));
         let m = self.matrix * view;
-        let largest = m.abs().max_element();
-        if largest < 1e-30 {
-            return None;
-        }
-        let scaled = m / largest;
-        let axis = (t * scaled.x + b * scaled.y + at.normal * scaled.z).normalize();
-        let (exact, view) = (as_dmat3(self.matrix) * view.as_dvec3(), view.as_dvec3());
-        let excess = (exact - view).dot(exact + view) as f32;
-        let ln_length =
-            if excess > -0.5 { 0.5 * ln_1p(excess) } else { largest.ln() + 0.5 * scaled.length_squared().ln() };
-        Some((axis, exp(self.exponent * ln_length).min(MAX_COEFFICIENT)))
+        let largest = larger(larger(m.x.abs(), m.y.abs()), m.z.abs());
+        let is_zero = largest < 1e-30;
+        let scaled = m * (1.0 / if is_zero { 1.0 } else { largest });
+        let axis = t * scaled.x + b * scaled.y + normal * scaled.z;
+        let square = axis.dot(axis);
+        let axis = axis * (1.0 / if is_zero { 1.0 } else { square.sqrt() });
+        let along =
+            Vec3::new(self.vectors.x_axis.dot(view), self.vectors.y_axis.dot(view), self.vectors.z_axis.dot(view));
+        let excess = self.values.dot(along * along);
+        // Far below 1 the length itself has the digits.
+        let short = excess <= -0.5;
+        let ln = ln_of(if short { largest } else { 1.0 + excess }, if short { largest - 1.0 } else { excess });
+        let ln_length = if short { ln + 0.5 * ln_of(square, square - 1.0) } else { 0.5 * ln };
+        let gain = exp(self.exponent * ln_length);
+        let gain = if gain < MAX_COEFFICIENT { gain } else { MAX_COEFFICIENT };
+        (if is_zero { normal } else { axis }, if is_zero { 0.0 } else { gain })
     }
+}
 
-    fn lobe(&self, at: &Receiver) -> Option<Lobe> {
-        let (axis, gain) = self.axis_and_gain(at)?;
-        let scale = self.scale * gain;
-        (scale != Vec3::ZERO).then(|| Lobe::new(axis, self.exponent, scale).times_cosine())
+impl Shape<25> for LafortuneTerm {
+    #[inline(always)]
+    fn lobe(&self, normal: Vec3, view: Vec3) -> Lobe {
+        let (axis, gain) = self.axis_and_gain(normal, view);
+        Lobe { axis, exponent: self.exponent, flux: self.flux * gain, cosine: 1.0 }
     }
 }
 
@@ -145,7 +197,14 @@ impl Lafortune {
     }
 
     pub(crate) fn lobes<'a>(&'a self, at: &'a Receiver) -> impl Iterator<Item = Lobe> + Clone + 'a {
-        Lambert { albedo: self.diffuse }.lobes(at).chain(self.lobes.iter().filter_map(|l| l.lobe(at)))
+        (0..=self.lobes.len()).filter_map(|place| self.term(place)?.lobe(at))
+    }
+
+    pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {
+        match place {
+            0 => Some(Term::Diffuse(Diffuse(self.diffuse))),
+            _ => self.lobes.get(place - 1).map(|lobe| Term::Lafortune(&lobe.term)),
+        }
     }
 }
 
@@ -161,9 +220,9 @@ impl BrdfLobes for Lafortune {
 
 impl Brdf for Lafortune {
     fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
-        let term = |l: &LafortuneLobe| match l.axis_and_gain(at) {
-            Some((axis, gain)) => l.scale * gain * power(axis, v, l.exponent),
-            None => Vec3::ZERO,
+        let term = |l: &LafortuneLobe| {
+            let (axis, gain) = l.term.axis_and_gain(at.normal, at.view);
+            l.scale * gain * power(axis, v, l.exponent())
         };
         let specular: Vec3 = self.lobes.iter().map(term).sum();
         (self.diffuse * FRAC_1_PI + specular) * at.normal.dot(v).max(0.0)

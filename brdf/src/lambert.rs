@@ -1,5 +1,6 @@
 use crate::error::check_coefficient;
 use crate::sampling::{density, draw};
+use crate::term::{Diffuse, Term};
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
@@ -24,7 +25,11 @@ impl Lambert {
     }
 
     pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
-        (self.albedo != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, self.albedo)).into_iter()
+        self.term(0).and_then(|term| term.lobe(at)).into_iter()
+    }
+
+    pub(crate) fn term(&self, place: usize) -> Option<Term<'static>> {
+        (place == 0).then_some(Term::Diffuse(Diffuse(self.albedo)))
     }
 }
 

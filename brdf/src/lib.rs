@@ -53,6 +53,8 @@ mod sampling;
 #[cfg(test)]
 mod suite;
 mod symmetric;
+mod term;
+mod tile;
 pub mod wgsl;
 
 pub use crate::error::MaterialError;
@@ -64,3 +66,4 @@ pub use crate::model::{Brdf, BrdfSample};
 pub use crate::modified_phong::ModifiedPhong;
 pub use crate::packed::{Models, PackedMaterials};
 pub use crate::phong::Phong;
+pub use crate::tile::tile_lobes;

@@ -1,3 +1,4 @@
+use crate::term::Term;
 use crate::{Brdf, BrdfSample, Lafortune, Lambert, MaterialError, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use lobe_core::{BrdfLobes, LobesFull, LobesMut, Receiver};
@@ -62,6 +63,24 @@ impl Material {
             Self::ModifiedPhong(_) => "modified-phong",
             Self::Lafortune(_) => "lafortune",
             Self::MetallicRoughness(_) => "metallic-roughness",
+        }
+    }
+}
+
+impl Material {
+    /// How many places for lobes a receiver of a tile needs.
+    pub(crate) fn places(&self) -> usize {
+        each!(self, m => m.max_lobes())
+    }
+
+    /// What the lobe at a place is made of; none beyond the last, and of models whose lobes have no such constants.
+    pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {
+        match self {
+            Self::Lambert(m) => m.term(place),
+            Self::Phong(m) => m.term(place),
+            Self::ModifiedPhong(m) => m.term(place),
+            Self::Lafortune(m) => m.term(place),
+            Self::MetallicRoughness(_) => None,
         }
     }
 }

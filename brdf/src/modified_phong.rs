@@ -1,6 +1,7 @@
 use crate::error::{check_coefficient, check_exponent};
 use crate::phong::mirrored_view;
 use crate::sampling::{density, draw};
+use crate::term::{Diffuse, Mirror, Term};
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
@@ -33,11 +34,16 @@ impl ModifiedPhong {
     }
 
     pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
-        let diffuse = (self.kd != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, self.kd));
+        [0, 1].map(|place| self.term(place).and_then(|term| term.lobe(at))).into_iter().flatten()
+    }
+
+    pub(crate) fn term(&self, place: usize) -> Option<Term<'static>> {
         let e = self.exponent;
-        let specular = (self.ks != Vec3::ZERO)
-            .then(|| Lobe::with_flux(mirrored_view(at), e, self.ks * ((e + 2.0) / (e + 1.0))).times_cosine());
-        diffuse.into_iter().chain(specular)
+        match place {
+            0 => Some(Term::Diffuse(Diffuse(self.kd))),
+            1 => Some(Term::Mirror(Mirror { flux: self.ks * ((e + 2.0) / (e + 1.0)), exponent: e, cosine: 1.0 })),
+            _ => None,
+        }
     }
 }
 
@@ -55,7 +61,7 @@ impl Brdf for ModifiedPhong {
     fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
         let cos = at.normal.dot(v).max(0.0);
         let e = self.exponent;
-        (self.kd * FRAC_1_PI + self.ks * ((e + 2.0) / TAU * power(mirrored_view(at), v, e))) * cos
+        (self.kd * FRAC_1_PI + self.ks * ((e + 2.0) / TAU * power(mirrored_view(at.normal, at.view), v, e))) * cos
     }
 
     fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {

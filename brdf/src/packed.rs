@@ -1,9 +1,8 @@
 use crate::ggx::FAMILY_COUNT;
 use crate::metallic_roughness::normal_reflectance;
-use crate::symmetric::eigen;
-use crate::{Lafortune, LafortuneLobe, Material, MetallicRoughness};
+use crate::{Lafortune, Material, MetallicRoughness};
 use core::f32::consts::{PI, TAU};
-use glam::{DMat3, Vec3};
+use glam::Vec3;
 
 /// The models that occur among some materials: what a shader needs the code of.
 ///
@@ -123,21 +122,11 @@ fn phong([diffuse, specular]: [Vec3; 2], exponent: f32, words: &mut Vec<u32>) ->
 fn lafortune(model: &Lafortune, words: &mut Vec<u32>) -> u32 {
     let mut lobes = lambert(model.diffuse, words);
     words.push(1 - lobes);
-    for lobe in model.lobes.iter().filter(|lobe| lobe.scale != Vec3::ZERO) {
-        lafortune_lobe(lobe, words);
+    for lobe in model.lobes.iter().filter(|lobe| lobe.scale() != Vec3::ZERO) {
+        push(words, bytemuck::cast::<_, [f32; 25]>(lobe.term));
         lobes += 1;
     }
     lobes
-}
-
-fn lafortune_lobe(lobe: &LafortuneLobe, words: &mut Vec<u32>) {
-    push(words, lobe.matrix.to_cols_array());
-    let m = DMat3::from_cols_array(&lobe.matrix.to_cols_array().map(f64::from));
-    let (vectors, values) = eigen(m.transpose() * m - DMat3::IDENTITY);
-    push(words, vectors.to_cols_array().map(|x| x as f32));
-    push(words, values.as_vec3().to_array());
-    push(words, (lobe.scale * (TAU / (lobe.exponent + 1.0))).to_array());
-    push(words, [lobe.exponent]);
 }
 
 fn metallic_roughness(model: &MetallicRoughness, words: &mut Vec<u32>) -> u32 {
@@ -173,7 +162,7 @@ fn metallic_roughness(model: &MetallicRoughness, words: &mut Vec<u32>) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Lambert, ModifiedPhong, Phong};
+    use crate::{LafortuneLobe, Lambert, ModifiedPhong, Phong};
 
     #[test]
     fn what_reflects_nothing_is_not_counted() {

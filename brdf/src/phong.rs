@@ -1,7 +1,8 @@
 use crate::error::{check_coefficient, check_exponent};
 use crate::sampling::{density, draw};
+use crate::term::{Diffuse, Mirror, Term};
 use crate::{Brdf, BrdfSample, MaterialError};
-use core::f32::consts::PI;
+use core::f32::consts::{PI, TAU};
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, power};
 
@@ -32,15 +33,23 @@ impl Phong {
     }
 
     pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
-        let diffuse = (self.kd != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, PI * self.kd));
-        let specular = (self.ks != Vec3::ZERO).then(|| Lobe::new(mirrored_view(at), self.exponent, self.ks));
-        diffuse.into_iter().chain(specular)
+        [0, 1].map(|place| self.term(place).and_then(|term| term.lobe(at))).into_iter().flatten()
+    }
+
+    pub(crate) fn term(&self, place: usize) -> Option<Term<'static>> {
+        let e = self.exponent;
+        match place {
+            0 => Some(Term::Diffuse(Diffuse(PI * self.kd))),
+            1 => Some(Term::Mirror(Mirror { flux: self.ks * (TAU / (e + 1.0)), exponent: e, cosine: 0.0 })),
+            _ => None,
+        }
     }
 }
 
 /// `r = 2(n·ω_o)n − ω_o`.
-pub(crate) fn mirrored_view(at: &Receiver) -> Vec3 {
-    2.0 * at.normal.dot(at.view) * at.normal - at.view
+#[inline(always)]
+pub(crate) fn mirrored_view(normal: Vec3, view: Vec3) -> Vec3 {
+    2.0 * normal.dot(view) * normal - view
 }
 
 impl BrdfLobes for Phong {
@@ -59,7 +68,7 @@ impl Brdf for Phong {
         if cos <= 0.0 {
             return Vec3::ZERO;
         }
-        self.kd * cos + self.ks * power(mirrored_view(at), v, self.exponent)
+        self.kd * cos + self.ks * power(mirrored_view(at.normal, at.view), v, self.exponent)
     }
 
     fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {

@@ -1,9 +1,9 @@
 //! What every model must pass, against f64 formulas and quadratures that share no code with it.
 
-use crate::{Brdf, Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
+use crate::{Brdf, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use core::f64::consts::PI;
 use glam::{DMat3, DVec3, Mat3, Vec3};
-use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver, orthonormal_basis};
+use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver, Tile, TileLobes, orthonormal_basis};
 
 const EXTREME_EXPONENTS: [f32; 7] = [0.0, 1e-6, 0.5, 1.0, 200.0, 1e5, 1e7];
 
@@ -76,10 +76,10 @@ fn oracle(material: &Material, at: &Receiver, v: DVec3) -> DVec3 {
             let (lo, lv) = (frame.transpose() * o, frame.transpose() * v);
             let mut f = m.diffuse.as_dvec3() / PI;
             for l in &m.lobes {
-                let q = DMat3::from_cols_array(&l.matrix.to_cols_array().map(f64::from));
+                let q = DMat3::from_cols_array(&l.matrix().to_cols_array().map(f64::from));
                 let d = lv.dot(q * lo);
                 if d > 0.0 {
-                    f += l.scale.as_dvec3() * d.powf(f64::from(l.exponent));
+                    f += l.scale().as_dvec3() * d.powf(f64::from(l.exponent()));
                 }
             }
             f * cos
@@ -94,12 +94,12 @@ fn lafortune() -> Lafortune {
         LafortuneLobe::diagonal(Vec3::new(-1.0, -1.0, 0.9), 15.0, Vec3::new(0.2, 0.1, 0.05)), // off-specular
         LafortuneLobe::diagonal(Vec3::new(0.8, 0.8, 0.8), 6.0, Vec3::splat(0.1)),             // retro-reflective
         LafortuneLobe::diagonal(Vec3::new(-1.0, -0.6, 0.9), 8.0, Vec3::splat(0.1)),           // anisotropic
-        LafortuneLobe { matrix: turned, exponent: 12.0, scale: Vec3::splat(0.3) },
+        LafortuneLobe::new(turned, 12.0, Vec3::splat(0.3)),
     ];
     let c = |x: f32| Mat3::from_diagonal(Vec3::new(-x, -x, x));
     // A matrix and an exponent for each channel.
     for (channel, (matrix, exponent)) in [(c(0.9), 5.0), (c(0.95), 10.0), (c(1.0), 20.0)].into_iter().enumerate() {
-        lobes.push(LafortuneLobe { matrix, exponent, scale: Vec3::AXES[channel] * 0.2 });
+        lobes.push(LafortuneLobe::new(matrix, exponent, Vec3::AXES[channel] * 0.2));
     }
     Lafortune { diffuse: Vec3::new(0.2, 0.3, 0.4), lobes }
 }
@@ -148,7 +148,7 @@ fn eval_and_lobe_sum_equal_the_printed_formulas() {
                 let e = match &material {
                     Material::Phong(m) => m.exponent,
                     Material::ModifiedPhong(m) => m.exponent,
-                    Material::Lafortune(m) => m.lobes[0].exponent,
+                    Material::Lafortune(m) => m.lobes[0].exponent(),
                     Material::Lambert(_) | Material::MetallicRoughness(_) => 1.0,
                 };
                 // A rounding of 1e-7 in the axis shifts the argument of a lobe's steepest point, where its value is
@@ -290,7 +290,7 @@ fn densities_integrate_to_what_is_not_refused() {
             Material::ModifiedPhong(m) => m.exponent,
             _ => 1.0,
         };
-        if e > 300.0 || matches!(&material, Material::Lafortune(m) if m.lobes[0].exponent > 300.0) {
+        if e > 300.0 || matches!(&material, Material::Lafortune(m) if m.lobes[0].exponent() > 300.0) {
             continue; // too narrow for the quadrature; the estimate below covers them
         }
         for at in receivers() {
@@ -388,14 +388,7 @@ fn bad_parameters_are_refused_in_one_line() {
         (ModifiedPhong { kd: Vec3::ONE, ks: -Vec3::ONE, exponent: 1.0 }.into(), "ks"),
         (lobe(Vec3::splat(f32::NAN), 2.0).into(), "matrix"),
         (lobe(Vec3::splat(1.1), 1e5).into(), "peak"),
-        (
-            Lafortune {
-                diffuse: Vec3::ZERO,
-                lobes: vec![LafortuneLobe { matrix: skew, exponent: 1.0, scale: Vec3::ONE }],
-            }
-            .into(),
-            "symmetric",
-        ),
+        (Lafortune { diffuse: Vec3::ZERO, lobes: vec![LafortuneLobe::new(skew, 1.0, Vec3::ONE)] }.into(), "symmetric"),
     ];
     for (material, word) in bad {
         let message = material.validate().unwrap_err().to_string();
@@ -409,4 +402,34 @@ fn a_full_buffer_is_an_error() {
     let model = ModifiedPhong { kd: Vec3::ONE, ks: Vec3::ONE, exponent: 3.0 };
     let mut buffer = LobeBuffer::with_capacity(1);
     assert!(model.brdf_lobes(&receivers()[0], &mut buffer.writer()).is_err());
+}
+
+#[test]
+fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
+    use lobe_core::lanes::Level;
+    let mut random = Random(6);
+    let glossy = MetallicRoughness::new(Vec3::new(0.9, 0.6, 0.3), 0.5, 0.3).unwrap();
+    let mut materials = materials();
+    materials.extend([glossy.into(), Material::lambert(Vec3::ZERO)]);
+    let receivers: Vec<Receiver> =
+        (0..100).map(|i| receiver(random.direction(), if i % 9 == 0 { Vec3::X } else { random.direction() })).collect();
+    let (mut tile, mut lobes) = (Tile::default(), TileLobes::default());
+    for receivers in [&receivers[..], &receivers[..16], &receivers[..1], &[]] {
+        tile.set(receivers);
+        // One material for all, for some, and for each its own.
+        for run in [1000, 16, 5, 1] {
+            let count = materials.len();
+            let of: Vec<u32> = (0..receivers.len()).map(|i| ((i / run * 7 + run) % count) as u32).collect();
+            for level in [Level::new(), Level::baseline()] {
+                crate::tile::lobes_at(level, &materials, &of, &tile, &mut lobes);
+                for (i, at) in receivers.iter().enumerate() {
+                    let material = &materials[of[i] as usize];
+                    let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
+                    material.brdf_lobes(at, &mut buffer.writer()).unwrap();
+                    let got: Vec<_> = lobes.of(i).map(|(_, lobe)| lobe).collect();
+                    assert_eq!(got, buffer.lobes().iter().collect::<Vec<_>>(), "{level:?} {material:?} {at:?}");
+                }
+            }
+        }
+    }
 }

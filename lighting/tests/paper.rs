@@ -105,7 +105,7 @@ fn shade<V: VisibilityLobes>(method: Method<'_>, visibility: &V, at: &Receiver, 
     brdf.writer().push(f).expect("room for all lobes");
     let light = LightTerm { cone: *cone, radiance: Vec3::ONE };
     let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::with_capacity(visibility.max_lobes()));
-    let call = Call { at, brdf: brdf.lobes(), light: &light, visibility, tolerance: 0.003, unshadowed: &[] };
+    let call = Call { at, brdf: brdf.lobes(), light: &light, visibility, tolerance: 0.003 };
     Integrator { method, threshold: 0.0 }.radiance(&call, &mut scratch, &mut sum, &mut ()).expect("room for all lobes")
 }
 
@@ -422,7 +422,7 @@ fn threshold_drops_visibility_products() {
     for threshold in [0.0, 1e-5, 3e-5, 1e-4, 1e-3] {
         let mut probe = Pruned::default();
         let (brdf, visibility) = (brdf.lobes(), &strategy);
-        let call = Call { at: &at, brdf, light: &light, visibility, tolerance: 0.003, unshadowed: &[] };
+        let call = Call { at: &at, brdf, light: &light, visibility, tolerance: 0.003 };
         let lit = Integrator { method: Method::Paper(tables()), threshold }
             .radiance(&call, &mut scratch, &mut sum, &mut probe)
             .unwrap();

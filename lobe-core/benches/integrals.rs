@@ -3,10 +3,11 @@
 use core::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
+use lobe_core::lanes::{WIDTH, set_row};
 use lobe_core::oracle::{self, CapLobe, Random};
 use lobe_core::{
-    Cone, Lobe, LobeBuffer, OWN_NONE, Receiver, VisibilitySum, cap_integral, cap_integrals, product_of_angle,
-    products_of_angle, visible_fraction,
+    Cone, Lobe, OWN_NONE, Receiver, Sphere, Tile, TileLight, TileLobes, VisibilitySum, cap_integral, cap_integrals,
+    product_of_angle, products_of_angle, visible_fraction,
 };
 
 /// Pairs at a time.
@@ -65,22 +66,26 @@ fn caps(c: &mut Criterion) {
         ("exponent 0.5", 0.5, 0.5, 0.1),
     ] {
         let mut random = Random::new(2);
-        let (mut at, mut cones) = (Vec::new(), Vec::new());
-        let mut buffer = LobeBuffer::with_capacity(TILE);
-        let mut lobes = buffer.writer();
+        let (mut at, mut own) = (Vec::new(), Vec::new());
         for _ in 0..TILE {
             let normal = random.axis();
             let light = random.axis_at(normal, beta);
             let axis = if exponent == 1.0 { normal } else { random.axis_at(light, off) };
-            at.push(receiver(normal.as_vec3()));
-            cones.push(Cone { axis: light.as_vec3(), one_minus_cos: 0.005_478_1, distance: 1.0 });
-            lobes.push(Lobe::with_flux(axis.as_vec3(), exponent, Vec3::ONE)).expect("room");
+            at.push(Receiver { position: -light.as_vec3(), ..receiver(normal.as_vec3()) });
+            own.push(Lobe::with_flux(axis.as_vec3(), exponent, Vec3::ONE));
         }
-        let of: Vec<u32> = (0..TILE as u32).collect();
-        let mut out = [0.0; TILE];
-        cap_integrals(&at, &cones, &of, buffer.lobes(), &mut out);
+        let (mut tile, mut light, mut lobes) = (Tile::default(), TileLight::default(), TileLobes::default());
+        tile.set(&at);
+        light.set(&tile, Sphere { center: Vec3::ZERO, radius: 6.0_f32.to_radians().sin() });
+        lobes.reset(&tile, 1);
+        for (k, lobe) in own.iter().enumerate() {
+            set_row(lobes.block_mut(0, k / WIDTH), k % WIDTH, &bytemuck::cast(*lobe));
+        }
+        let cones: Vec<Cone> = (0..TILE).map(|k| light.cone(k)).collect();
+        let mut out = Vec::new();
+        cap_integrals(&light, &lobes, &mut out);
         let errors = (0..TILE).map(|k| {
-            let (lobe, cone) = (buffer.lobes().get(k), &cones[k]);
+            let (lobe, cone) = (own[k], &cones[k]);
             let truth = CapLobe {
                 axis: lobe.axis.as_dvec3().normalize(),
                 exponent: f64::from(exponent),
@@ -95,12 +100,12 @@ fn caps(c: &mut Criterion) {
         });
         print_errors(&format!("cap, {name}, of the on-axis value"), errors.collect());
         group.bench_function(BenchmarkId::new("tile", name), |b| {
-            b.iter(|| cap_integrals(black_box(&at), &cones, &of, buffer.lobes(), black_box(&mut out)));
+            b.iter(|| cap_integrals(black_box(&light), &lobes, black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new("one by one", name), |b| {
             b.iter(|| {
                 for (k, out) in out.iter_mut().enumerate() {
-                    *out = cap_integral(black_box(&at[k]), &buffer.lobes().get(k), &cones[k]);
+                    *out = cap_integral(black_box(&at[k]), &own[k], &cones[k]);
                 }
             });
         });

@@ -44,7 +44,8 @@ pub struct SelfShadow {
 /// The directions in which a light is seen from a receiver: all `v` with `axis·v ≥ cos θ`.
 ///
 /// Carries `1 − cos θ` and never `cos θ`, which for a small light has lost all its digits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Cone {
     /// Unit direction toward the light's centre.
     pub axis: Vec3,
@@ -58,18 +59,19 @@ impl Cone {
     /// The cone in which a ball is seen from `x`: `sin θ = r/d`, `1 − cos θ = sin²θ/(1 + cos θ)`.
     ///
     /// The whole sphere of directions when `x` is inside the ball.
+    #[inline(always)]
     #[must_use]
     pub fn of_sphere(x: Vec3, ball: Sphere) -> Self {
+        // Choices and no branches: it is taken of many receivers at once.
         let to = ball.center - x;
         let distance = to.length();
-        if distance <= ball.radius || distance <= 0.0 {
-            let axis = if distance > 0.0 { to / distance } else { Vec3::Z };
-            // A point at the receiver is still a point.
-            return Self { axis, one_minus_cos: if ball.radius > 0.0 { 2.0 } else { 0.0 }, distance };
-        }
-        let sin = ball.radius / distance;
+        let inside = distance <= ball.radius || distance <= 0.0;
+        let axis = if distance > 0.0 { to / distance } else { Vec3::Z };
+        let sin = if inside { 0.0 } else { ball.radius / distance };
         let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
-        Self { axis: to / distance, one_minus_cos: sin * sin / (1.0 + cos), distance }
+        // A point at the receiver is still a point.
+        let all = if ball.radius > 0.0 { 2.0 } else { 0.0 };
+        Self { axis, one_minus_cos: if inside { all } else { sin * sin / (1.0 + cos) }, distance }
     }
 
     /// `cos θ`.

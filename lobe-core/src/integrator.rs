@@ -79,10 +79,6 @@ pub struct Call<'a, V: ?Sized> {
     pub visibility: &'a V,
     /// Asked mean error, see [`VisibilityQuery::tolerance`].
     pub tolerance: f32,
-    /// [`cap_integral`] of each reflectance lobe over the light, where the caller has them already (taken for many points
-    /// at once by [`cap_integrals`](crate::cap_integrals)); empty, and the integrator takes them. The paper's method has
-    /// no use for them.
-    pub unshadowed: &'a [f32],
 }
 
 /// Puts the three lobe sums together: the rendering equation for one receiver and one light (Eq. 21).
@@ -106,9 +102,6 @@ impl Integrator<'_> {
     ///
     /// # Errors
     /// [`LobesFull`] when `sum` is smaller than the strategy's `max_lobes`.
-    ///
-    /// # Panics
-    /// When `call.unshadowed` is neither empty nor as long as `call.brdf`.
     pub fn radiance<V: VisibilityLobes + ?Sized>(
         &self,
         call: &Call<'_, V>,
@@ -122,30 +115,6 @@ impl Integrator<'_> {
         }
     }
 
-    /// [`radiance`](Self::radiance) by moments where all of the light is known to be seen, from the lobes' unshadowed
-    /// integrals.
-    #[must_use]
-    pub fn unoccluded(&self, brdf: Lobes<'_>, light: Vec3, unshadowed: &[f32], probe: &mut impl Probe) -> Lit {
-        let [.., red, green, blue, _] = brdf.columns();
-        let mut lit = Lit::default();
-        let mut seen = false;
-        for (k, integral) in unshadowed.iter().enumerate() {
-            let unshadowed = Vec3::new(red[k], green[k], blue[k]) * light * *integral;
-            lit.unshadowed += unshadowed;
-            if unshadowed.max_element() > self.threshold {
-                lit.radiance += unshadowed;
-                seen = true;
-            } else if unshadowed.max_element() > 0.0 {
-                probe.prune();
-            }
-        }
-        probe.count(0, unshadowed.len());
-        if seen {
-            probe.coverage(Coverage::Lit);
-        }
-        lit
-    }
-
     fn by_moments<V: VisibilityLobes + ?Sized>(
         &self,
         call: &Call<'_, V>,
@@ -153,13 +122,11 @@ impl Integrator<'_> {
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
     ) -> Result<Lit, LobesFull> {
-        let given = !call.unshadowed.is_empty();
-        assert!(!given || call.unshadowed.len() == call.brdf.len(), "one integral a reflectance lobe");
         let query = call.query();
         let mut lit = Lit::default();
         let mut coverage = None;
-        for (k, f) in call.brdf.iter().enumerate() {
-            let integral = if given { call.unshadowed[k] } else { cap_integral(call.at, &f, &call.light.cone) };
+        for f in call.brdf.iter() {
+            let integral = cap_integral(call.at, &f, &call.light.cone);
             let unshadowed = f.flux * call.light.radiance * integral;
             probe.count(0, 1);
             probe.end(Stage::Lighting);
@@ -170,18 +137,10 @@ impl Integrator<'_> {
                 }
                 continue;
             }
-            let fraction = match *coverage.get_or_insert_with(|| call.look(scratch, probe)) {
+            let fraction = match *coverage.get_or_insert_with(|| look(call.visibility, &query, scratch, probe)) {
                 Coverage::Lit => 1.0,
                 Coverage::Dark => 0.0,
-                Coverage::Partial => {
-                    call.visibility.visibility_lobes(&query, &f, integral, scratch, sum)?;
-                    probe.end(Stage::VisibilityLobes);
-                    let fraction = visible_fraction(call.at, &f, integral, sum);
-                    let lobes = sum.lobes.lobes().len();
-                    probe.count(lobes, lobes + sum.whole.lobes().len());
-                    probe.end(Stage::Integration);
-                    fraction
-                }
+                Coverage::Partial => partly_seen(call.visibility, &query, &f, integral, scratch, sum, probe)?,
             };
             lit.radiance += unshadowed * fraction;
         }
@@ -217,7 +176,7 @@ impl Integrator<'_> {
                 probe.prune();
                 continue;
             }
-            let seen = *coverage.get_or_insert_with(|| call.look(scratch, probe));
+            let seen = *coverage.get_or_insert_with(|| look(call.visibility, &query, scratch, probe));
             if seen != Coverage::Partial {
                 lit.radiance += if seen == Coverage::Lit { unshadowed } else { Vec3::ZERO };
                 continue;
@@ -246,14 +205,38 @@ impl<V: VisibilityLobes + ?Sized> Call<'_, V> {
     fn query(&self) -> VisibilityQuery<'_> {
         VisibilityQuery { at: self.at, cone: &self.light.cone, tolerance: self.tolerance }
     }
+}
 
-    /// Asks the strategy how much of the light is seen, and tells the probe.
-    fn look(&self, scratch: &mut V::Scratch, probe: &mut impl Probe) -> Coverage {
-        let seen = self.visibility.coverage(&self.query(), scratch);
-        probe.coverage(seen);
-        probe.end(Stage::Mask);
-        seen
-    }
+/// Asks the strategy how much of the light is seen, and tells the probe.
+pub(crate) fn look<V: VisibilityLobes + ?Sized>(
+    visibility: &V,
+    query: &VisibilityQuery<'_>,
+    scratch: &mut V::Scratch,
+    probe: &mut impl Probe,
+) -> Coverage {
+    let seen = visibility.coverage(query, scratch);
+    probe.coverage(seen);
+    probe.end(Stage::Mask);
+    seen
+}
+
+/// What the strategy's lobes let through of a reflectance lobe, where a part of the light is seen.
+pub(crate) fn partly_seen<V: VisibilityLobes + ?Sized>(
+    visibility: &V,
+    query: &VisibilityQuery<'_>,
+    f: &Lobe,
+    unshadowed: f32,
+    scratch: &mut V::Scratch,
+    sum: &mut VisibilitySum,
+    probe: &mut impl Probe,
+) -> Result<f32, LobesFull> {
+    visibility.visibility_lobes(query, f, unshadowed, scratch, sum)?;
+    probe.end(Stage::VisibilityLobes);
+    let fraction = visible_fraction(query.at, f, unshadowed, sum);
+    let lobes = sum.lobes.lobes().len();
+    probe.count(lobes, lobes + sum.whole.lobes().len());
+    probe.end(Stage::Integration);
+    Ok(fraction)
 }
 
 /// The share of an unshadowed integral that a visibility sum lets through, for one reflectance lobe.

@@ -1,36 +1,60 @@
 //! Loops that become vector instructions: a function of a row of numbers, taken of sixteen rows at once.
+//!
+//! Written once for one row, it gives the same bits at every width.
 
-use fearless_simd::{Level, dispatch};
+pub use fearless_simd::Level;
+
+use fearless_simd::dispatch;
 
 /// Rows of a block: one AVX-512 register of f32, two of AVX2, four of SSE2.
-pub(crate) const WIDTH: usize = 16;
+pub const WIDTH: usize = 16;
 
 /// `C` columns of a block.
-pub(crate) type Columns<const C: usize> = [[f32; WIDTH]; C];
+pub type Columns<const C: usize> = [[f32; WIDTH]; C];
 
-/// A function of a row, to be taken of all rows of a block. A trait and not a closure, because only a method can be told to
-/// stay inside the loop.
-pub(crate) trait Lane<const C: usize, const D: usize> {
-    fn value(row: [f32; C]) -> [f32; D];
+/// Columns that are kept. Each is a cache line: vector loads that cross one cost twice.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Kept<const C: usize>(pub Columns<C>);
+
+impl<const C: usize> Default for Kept<C> {
+    fn default() -> Self {
+        Self([[0.0; WIDTH]; C])
+    }
 }
 
-/// `F` of every row.
-pub(crate) fn map<F: Lane<C, D>, const C: usize, const D: usize>(level: Level, columns: &Columns<C>) -> Columns<D> {
+/// A function of two rows, to be taken of all rows of two blocks. A trait and not a closure, because only a method can be
+/// told to stay inside the loop (`#[inline(always)]`). What all rows have in common is `self`.
+pub trait Lane<const A: usize, const B: usize, const D: usize> {
+    /// The function. To become vector instructions it must have no loops and no calls, and its branches must be choices
+    /// between two numbers.
+    fn value(&self, a: [f32; A], b: [f32; B]) -> [f32; D];
+}
+
+/// Writes `lane` of every row.
+pub fn map<F: Lane<A, B, D>, const A: usize, const B: usize, const D: usize>(
+    level: Level,
+    lane: &F,
+    a: &Columns<A>,
+    b: &Columns<B>,
+    out: &mut Columns<D>,
+) {
     dispatch!(level, _simd => {
-        let mut out = [[0.0; WIDTH]; D];
+        // Known to be apart from what is read.
+        let mut columns = [[0.0; WIDTH]; D];
         for j in 0..WIDTH {
-            let values = F::value(row(columns, j));
-            for (column, value) in out.iter_mut().zip(values) {
-                column[j] = value;
-            }
+            set_row(&mut columns, j, &lane.value(row(a, j), row(b, j)));
         }
-        out
-    })
+        for (out, column) in out.iter_mut().zip(&columns) {
+            *out = *column;
+        }
+    });
 }
 
 /// Row `j`.
 #[inline(always)]
-pub(crate) fn row<const C: usize>(columns: &Columns<C>, j: usize) -> [f32; C] {
+#[must_use]
+pub fn row<const C: usize>(columns: &Columns<C>, j: usize) -> [f32; C] {
     let mut row = [0.0; C];
     for (value, column) in row.iter_mut().zip(columns) {
         *value = column[j];
@@ -38,8 +62,37 @@ pub(crate) fn row<const C: usize>(columns: &Columns<C>, j: usize) -> [f32; C] {
     row
 }
 
-/// Rows that wait until there are [`WIDTH`] of them, and where their results go. A column is a cache line: vector loads that
-/// cross one cost twice.
+/// Writes row `j`.
+#[inline(always)]
+pub fn set_row<const C: usize>(columns: &mut Columns<C>, j: usize, row: &[f32; C]) {
+    for (column, value) in columns.iter_mut().zip(row) {
+        column[j] = *value;
+    }
+}
+
+/// Which rows of a column hold this number, one bit each.
+#[inline(always)]
+pub(crate) fn rows_with(column: &[f32; WIDTH], number: f32) -> u32 {
+    column.iter().enumerate().fold(0, |bits, (j, x)| bits | u32::from(*x == number) << j)
+}
+
+/// Which rows of a column are above this number, one bit each.
+#[inline(always)]
+pub(crate) fn rows_above(column: &[f32; WIDTH], number: f32) -> u32 {
+    column.iter().enumerate().fold(0, |bits, (j, x)| bits | u32::from(*x > number) << j)
+}
+
+/// The bits' numbers, ascending.
+#[inline(always)]
+pub(crate) fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let j = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        j
+    })
+}
+
+/// Rows that wait until there are [`WIDTH`] of them, and where their results go.
 #[repr(C, align(64))]
 pub(crate) struct Block<const C: usize> {
     pub(crate) columns: Columns<C>,
@@ -54,11 +107,9 @@ impl<const C: usize> Block<C> {
 
     /// True when it is full now.
     #[inline(always)]
-    pub(crate) fn push(&mut self, row: [f32; C], k: usize) -> bool {
+    pub(crate) fn push(&mut self, row: &[f32; C], k: usize) -> bool {
         let j = self.len % WIDTH;
-        for (column, value) in self.columns.iter_mut().zip(row) {
-            column[j] = value;
-        }
+        set_row(&mut self.columns, j, row);
         self.of[j] = k as u32;
         self.len = j + 1;
         self.len == WIDTH

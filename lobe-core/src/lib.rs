@@ -26,7 +26,7 @@ mod cap;
 pub mod conformance;
 mod geometry;
 mod integrator;
-mod lanes;
+pub mod lanes;
 mod lobe;
 mod lobes;
 mod moments;
@@ -38,6 +38,8 @@ mod source;
 pub mod special;
 #[cfg(test)]
 mod tests;
+mod tile;
+mod tile_integrator;
 pub mod wgsl;
 
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
@@ -51,3 +53,5 @@ pub use crate::source::{
     BrdfLobes, Coverage, DynScratch, DynVisibility, LightLobes, Unshadowed, VisibilityLobes, VisibilityQuery,
     VisibilitySum,
 };
+pub use crate::tile::{Tile, TileLight, TileLobes};
+pub use crate::tile_integrator::{TileCall, TileLit};

@@ -101,8 +101,7 @@ impl LobesMut<'_> {
         if self.len() == self.capacity {
             return Err(LobesFull);
         }
-        let values =
-            [lobe.axis.x, lobe.axis.y, lobe.axis.z, lobe.exponent, lobe.flux.x, lobe.flux.y, lobe.flux.z, lobe.cosine];
+        let values: [f32; COLUMNS] = bytemuck::cast(lobe);
         for (column, value) in self.columns.iter_mut().zip(values) {
             column.push(value);
         }

@@ -175,7 +175,7 @@ impl VisibilitySum {
 /// let boxed: Box<dyn DynVisibility> = Box::new(Veil);
 /// let (mut scratch, mut sum) = (boxed.scratch(), VisibilitySum::default());
 /// let call =
-///     Call { at: &at, brdf: brdf.lobes(), light: &light, visibility: &boxed, tolerance: 0.003, unshadowed: &[] };
+///     Call { at: &at, brdf: brdf.lobes(), light: &light, visibility: &boxed, tolerance: 0.003 };
 /// let lit = Integrator::default().radiance(&call, &mut scratch, &mut sum, &mut ()).unwrap();
 /// assert_eq!(lit.radiance, 0.5 * lit.unshadowed);
 /// ```

@@ -37,7 +37,8 @@ pub fn ln_1p(y: f32) -> f32 {
 
 /// `ln u` for `u ≥ 0` by `u` and `y = u − 1`, of which either may have lost its digits where the other is small.
 #[inline(always)]
-pub(crate) fn ln_of(u: f32, y: f32) -> f32 {
+#[must_use]
+pub fn ln_of(u: f32, y: f32) -> f32 {
     // Bits of √½, where a power of two ends and the next begins.
     const HALF_ROOT: i32 = 0x3f35_04f3;
     let bits = u.to_bits() as i32;

@@ -1,5 +1,6 @@
 //! The closed forms against the f64 oracle.
 
+use crate::lanes::{WIDTH, set_row};
 use crate::oracle::{self, CapLobe, Random};
 use crate::*;
 use core::f64::consts::{PI, TAU};
@@ -408,9 +409,7 @@ pub(crate) fn levels() -> Vec<fearless_simd::Level> {
 #[test]
 fn many_at_once_are_the_single_ones_on_every_machine() {
     let mut random = Random::new(24);
-    let (mut at, mut cones, mut of) = (Vec::new(), Vec::new(), Vec::new());
-    let mut buffer = LobeBuffer::with_capacity(6000);
-    let mut writer = buffer.writer();
+    let (mut at, mut cones, mut rows) = (Vec::new(), Vec::new(), [Vec::new(), Vec::new()]);
     for k in 0..3000_u32 {
         let normal = random.axis();
         let theta = random.log_uniform(0.05, 40.0).to_radians();
@@ -419,20 +418,56 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
         let one_minus_cos = if k % 97 == 0 { 2.0 } else { (2.0 * (0.5 * theta).sin().powi(2)) as f32 };
         at.push(receiver(normal));
         cones.push(Cone { axis: light.as_vec3().normalize(), one_minus_cos, distance: 1.0 });
-        writer.push(Lobe::new(normal.as_vec3(), 1.0, Vec3::ONE)).unwrap();
-        let e = if k % 31 == 0 { EXTREME[(k / 31 % 12) as usize] } else { random.exponent(1e6) as f32 };
+        rows[0].push(Lobe::new(normal.as_vec3(), 1.0, Vec3::ONE));
+        // Some blocks of one kind, most of all.
+        let gloss = if k / 16 % 5 == 0 { 30.0 * f64::from(1 + k / 16 % 3 * 20) } else { random.exponent(1e6) };
+        let e = if k % 31 == 0 { EXTREME[(k / 31 % 12) as usize] } else { gloss as f32 };
         let off = random.uniform() * (theta + 4.0 / f64::from(e + 0.1).sqrt());
         let axis = random.axis_at(light, off.min(PI)).as_vec3().normalize();
-        writer.push(Lobe { cosine: (k % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) }).unwrap();
-        of.extend([k, k]);
+        let flux = if k % 11 == 0 { Vec3::ZERO } else { Vec3::ONE };
+        rows[1].push(Lobe { cosine: (k % 2) as f32, ..Lobe::with_flux(axis, e, flux) });
     }
-    let lobes = buffer.lobes();
+    let (mut tile, mut lobes, mut out) = (Tile::default(), TileLobes::default(), Vec::new());
+    tile.set(&at);
+    lobes.reset(&tile, 2);
+    for (place, rows) in rows.iter().enumerate() {
+        for (block, rows) in rows.chunks(WIDTH).enumerate() {
+            rows.iter().enumerate().for_each(|(j, l)| set_row(lobes.block_mut(place, block), j, &bytemuck::cast(*l)));
+        }
+    }
+    let light = TileLight::of_cones(&tile, &cones);
     for level in levels() {
-        let mut out = vec![f32::NAN; lobes.len()];
-        crate::cap::integrals_at(level, &at, &cones, &of, lobes, &mut out);
-        for (k, value) in out.into_iter().enumerate() {
-            let single = cap_integral(&at[k / 2], &lobes.get(k), &cones[k / 2]);
-            assert_eq!(value.to_bits(), single.to_bits(), "{level:?}: {value} {single} {:?}", lobes.get(k));
+        crate::cap::integrals_at(level, &light, &lobes, &mut out);
+        for (i, (at, cone)) in at.iter().zip(&cones).enumerate() {
+            for (k, lobe) in lobes.of(i) {
+                let single = cap_integral(at, &lobe, cone);
+                assert_eq!(out[k].to_bits(), single.to_bits(), "{level:?}: {} {single} {lobe:?}", out[k]);
+            }
+            let empty = rows[1][i].flux == Vec3::ZERO;
+            assert!(lobes.of(i).count() == if empty { 1 } else { 2 } && (!empty || out[3008 + i] == 0.0));
+        }
+    }
+}
+
+#[test]
+fn cones_and_balls_of_tiles_are_the_single_ones() {
+    let mut random = Random::new(26);
+    for count in [0, 1, 16, 63, 64, 200] {
+        let mut point = || random.axis().as_vec3() * random.log_uniform(1e-3, 1e3) as f32;
+        let at: Vec<Receiver> = (0..count).map(|_| Receiver { position: point(), ..receiver(DVec3::Z) }).collect();
+        let mut tile = Tile::default();
+        tile.set(&at);
+        let ball = tile.ball();
+        assert!(at.iter().all(|at| at.position.distance(ball.center) <= ball.radius));
+        let mut balls = vec![Sphere { center: point(), radius: 0.5 }, Sphere { center: point(), radius: 0.0 }];
+        balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.3 }));
+        balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.0 }));
+        for ball in balls {
+            let mut light = TileLight::default();
+            light.set(&tile, ball);
+            for (i, at) in at.iter().enumerate() {
+                assert_eq!(light.cone(i), Cone::of_sphere(at.position, ball));
+            }
         }
     }
 }

@@ -11,7 +11,6 @@ use self::reflectance::{Reflectance, Sum};
 use self::spheres::{Eight, Seen, SphereTargets};
 use crate::World;
 use crate::reference::mix;
-use crate::shade::bounding_ball;
 use crate::wide::{LANES, Wide};
 use crate::world::{Primitive, Region};
 use core::convert::Infallible;
@@ -21,7 +20,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::SphereLight;
-use lobe_core::{Cone, Coverage, LightLobes, Receiver, Shaft, orthonormal_basis};
+use lobe_core::{Cone, Coverage, LightLobes, Receiver, Shaft, Tile, orthonormal_basis};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
@@ -136,7 +135,8 @@ impl<'a> RayShader<'a> {
         out: &mut [Vec3],
     ) {
         out.fill(Vec3::ZERO);
-        let ball = bounding_ball(receivers);
+        scratch.tile.set(receivers);
+        let ball = scratch.tile.ball();
         let mut rays = 0;
         for (number, light) in frame.lights.iter().enumerate() {
             if self.culled {
@@ -277,6 +277,7 @@ struct Pair<'a> {
 /// Working memory of a thread.
 #[derive(Default)]
 struct Scratch {
+    tile: Tile,
     list: Vec<Eight>,
     seen: Seen,
     primitives: Vec<Primitive>,

@@ -1,8 +1,9 @@
+use brdf::tile_lobes;
 use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
-    BrdfLobes, Call, Cone, Coverage, Integrator, LightLobes, LightTerm, LobeBuffer, LobesFull, Method, Probe, Receiver,
-    Shaft, Sphere, Stage, VisibilityLobes, VisibilitySum, cap_integrals,
+    Coverage, Integrator, LobesFull, Method, Probe, Receiver, Shaft, Stage, Tile, TileCall, TileLight, TileLit,
+    TileLobes, VisibilityLobes, VisibilitySum, cap_integrals,
 };
 use rayon::prelude::*;
 use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
@@ -99,13 +100,12 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
     ) -> Result<(ShadeStats, Vec<Option<Layers>>), LobesFull> {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
         let start = Instant::now();
-        let brdf_lobes = frame.materials.iter().map(BrdfLobes::max_lobes).max().unwrap_or(0);
         let memory = || Memory {
-            brdf: LobeBuffer::with_capacity(brdf_lobes * GROUP),
-            of: Vec::with_capacity(brdf_lobes * GROUP),
-            ends: [0; GROUP],
-            cones: Vec::with_capacity(GROUP),
-            unshadowed: vec![0.0; brdf_lobes * GROUP],
+            tile: Tile::default(),
+            lobes: TileLobes::default(),
+            cones: TileLight::default(),
+            integrals: Vec::new(),
+            lit: TileLit::default(),
             scratch: self.visibility.scratch(),
             sum: VisibilitySum::with_capacity(self.visibility.max_lobes()),
         };
@@ -156,7 +156,6 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         out: &mut [Vec3],
     ) -> Result<(), LobesFull> {
         let integrator = Integrator { method: self.method, threshold: frame.threshold };
-        let ball = bounding_ball(receivers);
         out.fill(Vec3::ZERO);
         let count = receivers.len();
         if let Some(layers) = layers.as_mut() {
@@ -166,55 +165,43 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             layers.integrals.resize(count, 0);
         }
         work.restart();
-        let Memory { brdf, of, ends, cones, unshadowed, scratch, sum } = memory;
-        of.clear();
-        let mut lobes = brdf.writer();
-        for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
-            frame.materials[*material as usize].brdf_lobes(at, &mut lobes)?;
-            of.resize(lobes.len(), i as u32);
-            ends[i] = lobes.len();
-        }
+        let Memory { tile, lobes, cones, integrals, lit, scratch, sum } = memory;
+        tile.set(receivers);
+        let ball = tile.ball();
+        tile_lobes(frame.materials, materials, tile, lobes);
         work.lap(0);
-        let brdf = brdf.lobes();
-        let given = matches!(self.method, Method::Moments);
         for (l, light) in frame.lights.iter().enumerate() {
-            cones.clear();
-            cones.extend(receivers.iter().map(|at| light.cone(at)));
-            let unshadowed = &mut unshadowed[..brdf.len()];
-            if given {
-                cap_integrals(receivers, cones, of, brdf, unshadowed);
+            cones.set(tile, light.ball);
+            if matches!(self.method, Method::Moments) {
+                cap_integrals(cones, lobes, integrals);
             }
             work.lap(1);
-            let all = self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
+            let entered = self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
             work.lap(2);
-            let mut start = 0;
-            for (i, at) in receivers.iter().enumerate() {
-                let lobes = start..ends[i];
-                start = ends[i];
-                let before = (work.lobes, work.integrals);
-                let lit = if given && all == Coverage::Lit {
-                    let (brdf, unshadowed) = (brdf.range(lobes.clone()), &unshadowed[lobes]);
-                    integrator.unoccluded(brdf, light.radiance, unshadowed, work)
-                } else {
-                    let call = Call {
-                        at,
-                        brdf: brdf.range(lobes.clone()),
-                        light: &LightTerm { cone: cones[i], radiance: light.radiance },
-                        visibility: &self.visibility,
-                        tolerance: frame.tolerance,
-                        unshadowed: if given { &unshadowed[lobes] } else { &[] },
-                    };
-                    integrator.radiance(&call, scratch, sum, work)?
-                };
-                out[i] += lit.radiance;
-                if let Some(layers) = layers.as_mut() {
+            let call = TileCall {
+                at: receivers,
+                lobes,
+                light: cones,
+                radiance: light.radiance,
+                integrals,
+                visibility: &self.visibility,
+                entered,
+                tolerance: frame.tolerance,
+            };
+            integrator.tile(&call, scratch, sum, work, lit)?;
+            for (i, out) in out.iter_mut().enumerate() {
+                *out += lit.radiance(i);
+            }
+            if let Some(layers) = layers.as_mut() {
+                for i in 0..count {
+                    let (lit, [lobes, integrals]) = lit.get(i);
                     layers.unshadowed[i] += lit.unshadowed;
                     layers.lights[i * frame.lights.len() + l] = lit.radiance;
-                    layers.lobes[i] += (work.lobes - before.0) as u32;
-                    layers.integrals[i] += (work.integrals - before.1) as u32;
+                    layers.lobes[i] += lobes;
+                    layers.integrals[i] += integrals;
                 }
-                work.lap(4);
             }
+            work.lap(4);
         }
         Ok(())
     }
@@ -230,13 +217,13 @@ impl<V: VisibilityLobes> Shade for CpuShader<'_, V> {
 
 /// One thread's memory.
 struct Memory<V: VisibilityLobes> {
-    /// Reflectance lobes of a group, the point of each, and where each point's end.
-    brdf: LobeBuffer,
-    of: Vec<u32>,
-    ends: [usize; GROUP],
-    /// A light's cones, and the lobes' integrals over them.
-    cones: Vec<Cone>,
-    unshadowed: Vec<f32>,
+    /// A group and its reflectance lobes.
+    tile: Tile,
+    lobes: TileLobes,
+    /// A light as the group sees it, the lobes' integrals over it, and what they come to.
+    cones: TileLight,
+    integrals: Vec<f32>,
+    lit: TileLit,
     scratch: V::Scratch,
     sum: VisibilitySum,
 }
@@ -318,20 +305,4 @@ impl Probe for Work {
             Coverage::Partial => self.partial += 1,
         }
     }
-}
-
-/// A ball around the box of some points.
-pub(crate) fn bounding_ball(receivers: &[Receiver]) -> Sphere {
-    let mut low = Vec3::INFINITY;
-    let mut high = Vec3::NEG_INFINITY;
-    for r in receivers {
-        low = low.min(r.position);
-        high = high.max(r.position);
-    }
-    if receivers.is_empty() {
-        return Sphere::default();
-    }
-    let center = 0.5 * (low + high);
-    let radius = receivers.iter().map(|r| (r.position - center).length()).fold(0.0, f32::max);
-    Sphere { center, radius: radius * 1.000_01 }
 }

@@ -193,7 +193,7 @@ fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {
     let (exponent, scale) = (t.require("exponent")?.number()?, t.require("scale")?.color()?);
     let lobe = match t.one_of(&["c", "matrix"])? {
         ("c", c) => LafortuneLobe::diagonal(c.vec3()?, exponent, scale),
-        (_, m) => LafortuneLobe { matrix: m.mat3()?, exponent, scale },
+        (_, m) => LafortuneLobe::new(m.mat3()?, exponent, scale),
     };
     t.finish()?;
     lobe.validate().map_err(|e| value.error(e))?;

@@ -1,9 +1,14 @@
 use super::chord::{self, Chord};
 use super::pair::Pair;
-use super::{Form, Seen, finish, lambert, slab};
-use crate::lanes::{Block, Lane, WIDTH, map, row};
+use super::{Seen, finish, form, lambert, slab};
+use crate::Lobe;
+use crate::lanes::{Block, Columns, Lane, Level, WIDTH, map, ones, row, rows_with};
 use core::f32::consts::FRAC_1_PI;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::dispatch;
+use glam::Vec3;
+
+/// From so many of one kind on a block is evaluated where it lies; fewer move together with others of their kind.
+const DENSE: u32 = 12;
 
 /// Integrals that wait for others of their kind: a block of each kind, evaluated when it is full.
 pub(super) struct Blocks {
@@ -29,40 +34,57 @@ impl Blocks {
         }
     }
 
-    /// Takes an integral; its value will be added to `out[k]`.
-    #[inline(always)]
-    pub(super) fn push(&mut self, level: Level, form: Form, pair: &Pair, light: &Seen, k: usize, out: &mut [f32]) {
-        match form {
-            Form::Slab => {
-                if self.slab.push(bytemuck::cast(*pair), k) {
-                    self.slab(level, out);
-                }
+    /// Takes a block of lights and lobes; their integrals go to `out` from `first` on, at once or when others like them
+    /// have come.
+    pub(super) fn take(&mut self, level: Level, seen: &Columns<10>, lobes: &Columns<8>, first: usize, out: &mut [f32]) {
+        let mut sorted = [[0.0; WIDTH]; 2];
+        map(level, &Sort, seen, lobes, &mut sorted);
+        let [forms, values] = &sorted;
+        out[first..first + WIDTH].copy_from_slice(values);
+        let mut waiting = rows_with(forms, form::DONE) ^ ((1 << WIDTH) - 1);
+        let whole = rows_with(forms, form::WHOLE);
+        if whole.count_ones() >= DENSE {
+            let of = core::array::from_fn(|j| (first + j) as u32);
+            let mut chords = [[0.0; WIDTH]; 15];
+            map(level, &Whole, seen, lobes, &mut chords);
+            self.chords(level, &chords, whole, &of, out);
+            waiting ^= whole;
+        }
+        for j in ones(waiting) {
+            let (light, lobe): (Seen, Lobe) = (bytemuck::cast(row(seen, j)), bytemuck::cast(row(lobes, j)));
+            self.push(level, forms[j], &light, &lobe, first + j, out);
+        }
+    }
+
+    fn push(&mut self, level: Level, form: f32, light: &Seen, lobe: &Lobe, k: usize, out: &mut [f32]) {
+        if form == form::WHOLE {
+            if self.whole.push(&bytemuck::cast(light.pair(lobe)), k) {
+                self.whole(level, out);
             }
-            Form::Whole => {
-                if self.whole.push(bytemuck::cast(*pair), k) {
-                    self.whole(level, out);
-                }
+        } else if form == form::SLAB {
+            if self.slab.push(&bytemuck::cast(light.pair(lobe)), k) {
+                self.slab(level, out);
             }
-            Form::Crossed => {
-                if self.crossed.push([light.cos_beta, light.sin_sq], k) {
-                    self.crossed(level, out);
-                }
+        } else if form == form::CROSSED {
+            if self.crossed.push(&[light.cos_beta, light.sin_sq], k) {
+                self.crossed(level, out);
             }
-            _ => self.push_pieces(level, form, pair, k, out),
+        } else {
+            self.pieces(level, form, &light.pair(lobe), k, out);
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn push_pieces(&mut self, level: Level, form: Form, pair: &Pair, k: usize, out: &mut [f32]) {
+    fn pieces(&mut self, level: Level, form: f32, pair: &Pair, k: usize, out: &mut [f32]) {
         for piece in Chord::pieces(pair) {
             let row = bytemuck::cast(piece);
-            if matches!(form, Form::Edge) {
-                if self.edge.push(row, k) {
-                    sum::<{ chord::EDGE }, true>(level, &mut self.edge, out);
+            if form == form::EDGE {
+                if self.edge.push(&row, k) {
+                    flush::<{ chord::EDGE }, true>(level, &mut self.edge, out);
                 }
-            } else if self.piece.push(row, k) {
-                sum::<{ chord::PIECE }, true>(level, &mut self.piece, out);
+            } else if self.piece.push(&row, k) {
+                flush::<{ chord::PIECE }, true>(level, &mut self.piece, out);
             }
         }
     }
@@ -72,81 +94,126 @@ impl Blocks {
         self.whole(level, out);
         self.slab(level, out);
         self.crossed(level, out);
-        sum::<{ chord::FEW }, false>(level, &mut self.few, out);
-        sum::<{ chord::MANY }, false>(level, &mut self.many, out);
-        sum::<{ chord::PIECE }, true>(level, &mut self.piece, out);
-        sum::<{ chord::EDGE }, true>(level, &mut self.edge, out);
+        flush::<{ chord::FEW }, false>(level, &mut self.few, out);
+        flush::<{ chord::MANY }, false>(level, &mut self.many, out);
+        flush::<{ chord::PIECE }, true>(level, &mut self.piece, out);
+        flush::<{ chord::EDGE }, true>(level, &mut self.edge, out);
     }
 
     fn crossed(&mut self, level: Level, out: &mut [f32]) {
         if self.crossed.len > 0 {
-            let [values] = map::<Crossed, 2, 1>(level, &self.crossed.columns);
-            self.crossed.flush(&values, out);
+            let mut values = [[0.0; WIDTH]];
+            map(level, &Crossed, &self.crossed.columns, &[], &mut values);
+            self.crossed.flush(&values[0], out);
         }
     }
 
     fn slab(&mut self, level: Level, out: &mut [f32]) {
         if self.slab.len > 0 {
-            let [values] = map::<Slab, 12, 1>(level, &self.slab.columns);
-            self.slab.flush(&values, out);
+            let mut values = [[0.0; WIDTH]];
+            map(level, &Slab, &self.slab.columns, &[], &mut values);
+            self.slab.flush(&values[0], out);
         }
     }
 
-    /// From axes to chords, which then wait with those that want as many nodes.
     fn whole(&mut self, level: Level, out: &mut [f32]) {
-        if self.whole.len == 0 {
-            return;
+        if self.whole.len > 0 {
+            let mut chords = [[0.0; WIDTH]; 15];
+            map(level, &Whole, &self.whole.columns, &[], &mut chords);
+            let (rows, of) = ((1 << self.whole.len) - 1, self.whole.of);
+            self.whole.len = 0;
+            self.chords(level, &chords, rows, &of, out);
         }
-        let chords = map::<Whole, 12, 14>(level, &self.whole.columns);
-        for j in 0..self.whole.len {
-            // The weight is the first of a chord's numbers.
-            if chords[0][j] <= 0.0 {
-                continue;
-            }
-            let (row, k) = (row(&chords, j), self.whole.of[j] as usize);
-            if bytemuck::cast::<_, Chord>(row).is_narrow() {
-                if self.few.push(row, k) {
-                    sum::<{ chord::FEW }, false>(level, &mut self.few, out);
-                }
-            } else if self.many.push(row, k) {
-                sum::<{ chord::MANY }, false>(level, &mut self.many, out);
-            }
+    }
+
+    /// Chords and how many nodes they want: enough of a kind are summed, others wait.
+    fn chords(&mut self, level: Level, chords: &Columns<15>, rows: u32, of: &[u32; WIDTH], out: &mut [f32]) {
+        let [columns @ .., nodes] = chords;
+        let few = rows & rows_with(nodes, chord::FEW as f32);
+        let many = rows & rows_with(nodes, chord::MANY as f32);
+        sum_or_wait::<{ chord::FEW }>(level, columns, few, of, &mut self.few, out);
+        sum_or_wait::<{ chord::MANY }>(level, columns, many, of, &mut self.many, out);
+    }
+}
+
+fn sum_or_wait<const N: usize>(
+    level: Level,
+    columns: &Columns<14>,
+    rows: u32,
+    of: &[u32; WIDTH],
+    block: &mut Block<14>,
+    out: &mut [f32],
+) {
+    if rows.count_ones() >= DENSE {
+        let values = sum::<N, false>(level, columns);
+        for j in ones(rows) {
+            out[of[j] as usize] += values[j];
         }
-        self.whole.len = 0;
+        return;
+    }
+    for j in ones(rows) {
+        if block.push(&row(columns, j), of[j] as usize) {
+            flush::<N, false>(level, block, out);
+        }
+    }
+}
+
+/// What a lobe of a tile needs, and its value where that is all.
+struct Sort;
+impl Lane<10, 8, 2> for Sort {
+    #[inline(always)]
+    fn value(&self, seen: [f32; 10], lobe: [f32; 8]) -> [f32; 2] {
+        let lobe: Lobe = bytemuck::cast(lobe);
+        let [form, value] = form::of(&bytemuck::cast(seen), &lobe);
+        let empty = lobe.flux == Vec3::ZERO;
+        [if empty { form::DONE } else { form }, if empty { 0.0 } else { value }]
     }
 }
 
 struct Crossed;
-impl Lane<2, 1> for Crossed {
+impl Lane<2, 0, 1> for Crossed {
     #[inline(always)]
-    fn value([cos_beta, sin_sq]: [f32; 2]) -> [f32; 1] {
+    fn value(&self, [cos_beta, sin_sq]: [f32; 2], []: [f32; 0]) -> [f32; 1] {
         [lambert::through_horizon(cos_beta, sin_sq) * FRAC_1_PI]
     }
 }
 
 struct Slab;
-impl Lane<12, 1> for Slab {
+impl Lane<12, 0, 1> for Slab {
     #[inline(always)]
-    fn value(row: [f32; 12]) -> [f32; 1] {
+    fn value(&self, row: [f32; 12], []: [f32; 0]) -> [f32; 1] {
         [slab::slab(&bytemuck::cast::<_, Pair>(row))]
     }
 }
 
+/// Chords, and how many nodes they want.
 struct Whole;
-impl Lane<12, 14> for Whole {
+impl Whole {
     #[inline(always)]
-    fn value(row: [f32; 12]) -> [f32; 14] {
-        bytemuck::cast(Chord::whole(&bytemuck::cast::<_, Pair>(row)))
+    fn of(pair: &Pair) -> [f32; 15] {
+        let chord = Chord::whole(pair);
+        let nodes = if chord.is_narrow() { chord::FEW as f32 } else { chord::MANY as f32 };
+        let mut all = [if chord.weight > 0.0 { nodes } else { 0.0 }; 15];
+        all[..14].copy_from_slice(&bytemuck::cast::<_, [f32; 14]>(chord));
+        all
+    }
+}
+impl Lane<10, 8, 15> for Whole {
+    #[inline(always)]
+    fn value(&self, seen: [f32; 10], lobe: [f32; 8]) -> [f32; 15] {
+        Self::of(&bytemuck::cast::<_, Seen>(seen).pair(&bytemuck::cast(lobe)))
+    }
+}
+impl Lane<12, 0, 15> for Whole {
+    #[inline(always)]
+    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 15] {
+        Self::of(&bytemuck::cast(pair))
     }
 }
 
 /// The chord sums of a block.
-fn sum<const N: usize, const CUT: bool>(level: Level, block: &mut Block<14>, out: &mut [f32]) {
-    if block.len == 0 {
-        return;
-    }
+fn sum<const N: usize, const CUT: bool>(level: Level, columns: &Columns<14>) -> [f32; WIDTH] {
     let nodes = const { chord::nodes::<N>() };
-    let columns = &block.columns;
     let sums = dispatch!(level, _simd => {
         let mut sums = [0.0; WIDTH];
         for (cos, sin) in nodes {
@@ -157,6 +224,12 @@ fn sum<const N: usize, const CUT: bool>(level: Level, block: &mut Block<14>, out
         }
         sums
     });
-    let values: [f32; WIDTH] = core::array::from_fn(|j| finish(columns[0][j], sums[j]));
-    block.flush(&values, out);
+    core::array::from_fn(|j| finish(columns[0][j], sums[j]))
+}
+
+fn flush<const N: usize, const CUT: bool>(level: Level, block: &mut Block<14>, out: &mut [f32]) {
+    if block.len > 0 {
+        let values = sum::<N, CUT>(level, &block.columns);
+        block.flush(&values, out);
+    }
 }

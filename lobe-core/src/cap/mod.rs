@@ -11,7 +11,8 @@ pub use self::lambert::sphere_light_irradiance;
 use self::blocks::Blocks;
 use self::chord::Chord;
 use self::pair::Pair;
-use crate::{Cone, Lobe, Lobes, Receiver, is_lambert};
+use crate::lanes::WIDTH;
+use crate::{Cone, Lobe, Receiver, TileLight, TileLobes};
 use core::cell::RefCell;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
@@ -45,132 +46,98 @@ const MIRROR: f32 = 1e9;
 #[must_use]
 pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
     let level = Level::new();
-    let light = Seen::new(at, cone);
-    let form = Form::new(at, lobe, &light);
-    match form {
-        Form::Done(value) => value,
-        Form::Crossed => lambert::through_horizon(light.cos_beta, light.sin_sq) * FRAC_1_PI,
-        Form::Slab => slab::slab(&light.pair(at, lobe)),
-        Form::Whole => {
-            let chord = Chord::whole(&light.pair(at, lobe));
-            if chord.is_narrow() {
-                over_nodes::<{ chord::FEW }, false>(level, &chord)
-            } else {
-                over_nodes::<{ chord::MANY }, false>(level, &chord)
-            }
+    let light = Seen::new(at.normal, cone);
+    let [form, value] = form::of(&light, lobe);
+    let pair = light.pair(lobe);
+    if form == form::CROSSED {
+        lambert::through_horizon(light.cos_beta, light.sin_sq) * FRAC_1_PI
+    } else if form == form::SLAB {
+        slab::slab(&pair)
+    } else if form == form::WHOLE {
+        let chord = Chord::whole(&pair);
+        if chord.is_narrow() {
+            over_nodes::<{ chord::FEW }, false>(level, &chord)
+        } else {
+            over_nodes::<{ chord::MANY }, false>(level, &chord)
         }
-        Form::Pieces | Form::Edge => Chord::pieces(&light.pair(at, lobe))
-            .map(|chord| match form {
-                Form::Edge => over_nodes::<{ chord::EDGE }, true>(level, &chord),
-                _ => over_nodes::<{ chord::PIECE }, true>(level, &chord),
-            })
-            .fold(0.0, |sum, x| sum + x),
+    } else if form == form::PIECES {
+        Chord::pieces(&pair).fold(0.0, |sum, chord| sum + over_nodes::<{ chord::PIECE }, true>(level, &chord))
+    } else if form == form::EDGE {
+        Chord::pieces(&pair).fold(0.0, |sum, chord| sum + over_nodes::<{ chord::EDGE }, true>(level, &chord))
+    } else {
+        value
     }
 }
 
-/// [`cap_integral`] of many lobes, as when a tile of receivers meets one light: `out[k]` is the integral of `lobes[k]` at
-/// the receiver `at[of[k]]` over `cones[of[k]]`, bit for bit what the single call gives, on every machine.
+/// [`cap_integral`] of all lobes of a tile over one light: `out[k]` is that of row `k`, counted through all blocks, bit for
+/// bit what the single call gives, on every machine; 0 for empty places.
 ///
-/// Lobes of one kind are taken sixteen at a time, as many in one instruction as the processor offers. Keep the lobes of a
-/// receiver together.
-///
-/// # Cost
-/// Instructions a lobe with AVX2, full blocks: Lambert 100 (through the horizon 155), slab 220, chords 420 (six) and 530
-/// (ten), 200 where lobe and light do not meet; through the horizon 2800, exponents below 1 2300.
+/// Lobes of one kind are taken sixteen at a time, as many in one instruction as the processor offers.
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::{Cone, Lobe, LobeBuffer, OWN_NONE, Receiver, cap_integral, cap_integrals};
+/// use lobe_core::lanes::set_row;
+/// use lobe_core::{Lobe, OWN_NONE, Receiver, Sphere, Tile, TileLight, TileLobes, cap_integral, cap_integrals};
 /// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
-/// let cone = Cone { axis: Vec3::new(0.0, 0.6, 0.8), one_minus_cos: 0.01, distance: 2.0 };
-/// let mut buffer = LobeBuffer::with_capacity(2);
-/// let mut writer = buffer.writer();
-/// writer.push(Lobe::new(Vec3::Z, 1.0, Vec3::ONE)).unwrap();
-/// writer.push(Lobe::new(Vec3::new(0.0, 0.5, 0.86).normalize(), 40.0, Vec3::ONE)).unwrap();
-/// let mut out = [0.0; 2];
-/// cap_integrals(&[at], &[cone], &[0, 0], buffer.lobes(), &mut out);
-/// assert_eq!(out[1], cap_integral(&at, &buffer.lobes().get(1), &cone));
+/// let gloss = Lobe::new(Vec3::new(0.0, 0.5, 0.86).normalize(), 40.0, Vec3::ONE);
+/// let (mut tile, mut light, mut lobes, mut out) = Default::default();
+/// Tile::set(&mut tile, &[at]);
+/// TileLight::set(&mut light, &tile, Sphere { center: Vec3::new(0.0, 1.2, 1.6), radius: 0.3 });
+/// TileLobes::reset(&mut lobes, &tile, 1);
+/// set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(gloss));
+/// cap_integrals(&light, &lobes, &mut out);
+/// assert_eq!(out[0], cap_integral(&at, &gloss, &light.cone(0)));
 /// ```
-///
-/// # Panics
-/// When `of` or `out` is not as long as `lobes`, or a number in `of` is not that of a receiver and a cone.
-pub fn cap_integrals(at: &[Receiver], cones: &[Cone], of: &[u32], lobes: Lobes<'_>, out: &mut [f32]) {
-    integrals_at(Level::new(), at, cones, of, lobes, out);
+pub fn cap_integrals(light: &TileLight, lobes: &TileLobes, out: &mut Vec<f32>) {
+    integrals_at(Level::new(), light, lobes, out);
 }
 
-pub(crate) fn integrals_at(
-    level: Level,
-    at: &[Receiver],
-    cones: &[Cone],
-    of_lobe: &[u32],
-    lobes: Lobes<'_>,
-    out: &mut [f32],
-) {
-    assert!(of_lobe.len() == lobes.len() && out.len() == lobes.len(), "one receiver and one output a lobe");
+pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, out: &mut Vec<f32>) {
     // A thread's own, so that nobody has to carry them about, or clear them.
     thread_local! {
         static BLOCKS: RefCell<Blocks> = const { RefCell::new(Blocks::new()) };
     }
+    out.resize(lobes.blocks() * WIDTH, 0.0);
     BLOCKS.with_borrow_mut(|blocks| {
-        out.fill(0.0);
-        let n = lobes.len();
-        let [x, y, z, exponent, _, _, _, cosine] = lobes.columns();
-        let (x, y, z, exponent, cosine) = (&x[..n], &y[..n], &z[..n], &exponent[..n], &cosine[..n]);
-        let (of_lobe, out) = (&of_lobe[..n], &mut out[..n]);
-        let mut last: Option<(u32, Seen)> = None;
-        for k in 0..n {
-            // The lobes of a receiver follow each other.
-            let of = of_lobe[k];
-            let at = &at[of as usize];
-            let light = match last {
-                Some((seen_from, light)) if seen_from == of => light,
-                _ => Seen::new(at, &cones[of as usize]),
-            };
-            last = Some((of, light));
-            let axis = Vec3::new(x[k], y[k], z[k]);
-            let lobe = Lobe { axis, exponent: exponent[k], flux: Vec3::ZERO, cosine: cosine[k] };
-            match Form::new(at, &lobe, &light) {
-                Form::Done(value) => out[k] = value,
-                form => blocks.push(level, form, &light.pair(at, &lobe), &light, k, out),
-            }
+        for number in 0..lobes.blocks() {
+            let seen = &light.seen[number % lobes.blocks_of_place()].0;
+            blocks.take(level, seen, lobes.block(number), number * WIDTH, out);
         }
         blocks.finish(level, out);
     });
 }
 
-/// A light above a receiver's horizon.
-#[derive(Clone, Copy)]
-struct Seen {
+/// A light above a receiver's horizon. Ten numbers, so that many of them lie in columns.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(crate) struct Seen {
+    normal: Vec3,
     axis: Vec3,
     one_minus_cos: f32,
-    /// Cosine of the angle β between its axis and the normal; sin²θ.
+    /// Cosine of the angle β between its axis and the normal; sin θ and its square.
     cos_beta: f32,
+    sin: f32,
     sin_sq: f32,
-    /// Whether the horizon leaves all of it; whether any.
-    above: bool,
-    below: bool,
 }
 
 impl Seen {
     #[inline(always)]
-    fn new(at: &Receiver, cone: &Cone) -> Self {
+    pub(crate) fn new(normal: Vec3, cone: &Cone) -> Self {
         // Inside the light: everything above the horizon.
         let inside = cone.one_minus_cos > 1.0;
-        let (axis, one_minus_cos) = if inside { (at.normal, 1.0) } else { (cone.axis, cone.one_minus_cos) };
+        let axis = if inside { normal } else { cone.axis };
+        let one_minus_cos = if inside { 1.0 } else { cone.one_minus_cos };
         let sin_sq = one_minus_cos * (2.0 - one_minus_cos);
-        let sin = sin_sq.sqrt();
-        let cos_beta = at.normal.dot(axis);
-        let below = one_minus_cos <= 0.0 || cos_beta <= -sin;
-        Self { axis, one_minus_cos, cos_beta, sin_sq, above: cos_beta >= sin, below }
+        Self { normal, axis, one_minus_cos, cos_beta: normal.dot(axis), sin: sin_sq.sqrt(), sin_sq }
     }
 
     #[inline(always)]
-    fn pair(&self, at: &Receiver, lobe: &Lobe) -> Pair {
+    fn pair(&self, lobe: &Lobe) -> Pair {
         Pair {
             axis: lobe.axis,
             exponent: lobe.exponent,
             cosine: if lobe.cosine > 0.0 { 1.0 } else { 0.0 },
-            normal: at.normal,
+            normal: self.normal,
             light: self.axis,
             one_minus_cos: self.one_minus_cos,
         }
@@ -178,44 +145,46 @@ impl Seen {
 }
 
 /// How an integral is taken.
-#[derive(Clone, Copy)]
-enum Form {
-    /// It has been.
-    Done(f32),
-    /// Lambert, a light that the horizon crosses.
-    Crossed,
-    /// A wide light and a narrow lobe above the horizon.
-    Slab,
-    /// A light above the horizon.
-    Whole,
-    /// A light that the horizon crosses.
-    Pieces,
-    /// A lobe that ends with an infinite slope.
-    Edge,
-}
+mod form {
+    use super::{MIRROR, Seen, slab};
+    use crate::Lobe;
 
-impl Form {
+    /// It has been.
+    pub(super) const DONE: f32 = 0.0;
+    /// Lambert, a light that the horizon crosses.
+    pub(super) const CROSSED: f32 = 1.0;
+    /// A wide light and a narrow lobe above the horizon.
+    pub(super) const SLAB: f32 = 2.0;
+    /// A light above the horizon.
+    pub(super) const WHOLE: f32 = 3.0;
+    /// A light that the horizon crosses.
+    pub(super) const PIECES: f32 = 4.0;
+    /// A lobe that ends with an infinite slope.
+    pub(super) const EDGE: f32 = 5.0;
+
+    /// The form, and the value where that is done.
     #[inline(always)]
-    fn new(at: &Receiver, lobe: &Lobe, light: &Seen) -> Self {
+    pub(super) fn of(light: &Seen, lobe: &Lobe) -> [f32; 2] {
         let e = lobe.exponent;
-        if light.below {
-            Self::Done(0.0)
-        } else if is_lambert(at, lobe) {
-            if light.above { Self::Done(light.sin_sq * light.cos_beta) } else { Self::Crossed }
-        } else if e >= MIRROR {
-            let inside = 0.5 * (lobe.axis - light.axis).length_squared() <= light.one_minus_cos;
-            let cos = at.normal.dot(lobe.axis);
-            let value = if lobe.cosine > 0.0 { cos } else { 1.0 };
-            Self::Done(if inside && cos > 0.0 { value } else { 0.0 })
-        } else if e < 1.0 {
-            Self::Edge
-        } else if !light.above {
-            Self::Pieces
-        } else if e >= slab::EXPONENT && 0.5 * (e + 1.0) * light.one_minus_cos >= slab::WIDTH {
-            Self::Slab
-        } else {
-            Self::Whole
-        }
+        // Whether the horizon leaves all of it; whether none.
+        let above = light.cos_beta >= light.sin;
+        let below = light.one_minus_cos <= 0.0 || light.cos_beta <= -light.sin;
+        let lambert = e == 1.0 && lobe.cosine == 0.0 && lobe.axis == light.normal;
+        let wide = e >= slab::EXPONENT && 0.5 * (e + 1.0) * light.one_minus_cos >= slab::WIDTH;
+        let chords = if above { WHOLE } else { PIECES };
+        let glossy = if e < 1.0 { EDGE } else { chords };
+        let glossy = if wide && above { SLAB } else { glossy };
+        let glossy = if e >= MIRROR { DONE } else { glossy };
+        let diffuse = if above { DONE } else { CROSSED };
+        let form = if lambert { diffuse } else { glossy };
+
+        let cos = light.normal.dot(lobe.axis);
+        let inside = 0.5 * (lobe.axis - light.axis).length_squared() <= light.one_minus_cos;
+        let mirrored = if lobe.cosine > 0.0 { cos } else { 1.0 };
+        let mirrored = if inside && cos > 0.0 { mirrored } else { 0.0 };
+        let value = if lambert { light.sin_sq * light.cos_beta } else { mirrored };
+        let done = form == DONE && !below;
+        [if below { DONE } else { form }, if done { value } else { 0.0 }]
     }
 }
 

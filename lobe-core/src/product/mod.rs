@@ -76,14 +76,16 @@ pub(crate) fn products_at(level: Level, e1: &[f32], e2: &[f32], one_minus_cos: &
         for (column, from) in columns.iter_mut().zip([e1, e2, one_minus_cos]) {
             column[..count].copy_from_slice(&from[start..start + count]);
         }
-        let [values] = map::<High, 3, 1>(level, &columns);
+        let mut values = [[0.0; WIDTH]];
+        map(level, &High, &columns, &[], &mut values);
+        let [values] = values;
         out[start..start + count].copy_from_slice(&values[..count]);
         if values.iter().fold(f32::MAX, |least, value| least.min(*value)) >= 0.0 {
             continue;
         }
         for j in (0..count).filter(|&j| values[j] < 0.0) {
             out[start + j] = 0.0;
-            if waiting.push(row(&columns, j), start + j) {
+            if waiting.push(&row(&columns, j), start + j) {
                 let values = low_block(level, &waiting.columns);
                 waiting.flush(&values, out);
             }
@@ -96,16 +98,17 @@ pub(crate) fn products_at(level: Level, e1: &[f32], e2: &[f32], one_minus_cos: &
 }
 
 struct High;
-impl Lane<3, 1> for High {
+impl Lane<3, 0, 1> for High {
     #[inline(always)]
-    fn value([e1, e2, one_minus_cos]: [f32; 3]) -> [f32; 1] {
+    fn value(&self, [e1, e2, one_minus_cos]: [f32; 3], []: [f32; 0]) -> [f32; 1] {
         [high(e1, e2, one_minus_cos)]
     }
 }
 
 /// [`low`] of every row, node by node.
 fn low_block(level: Level, columns: &Columns<3>) -> [f32; WIDTH] {
-    let arcs = map::<ToArc, 3, 7>(level, columns);
+    let mut arcs = [[0.0; WIDTH]; 7];
+    map(level, &ToArc, columns, &[], &mut arcs);
     dispatch!(level, _simd => {
         let mut sums = [0.0; WIDTH];
         for node in Arc::NODES {
@@ -122,9 +125,9 @@ fn low_block(level: Level, columns: &Columns<3>) -> [f32; WIDTH] {
 }
 
 struct ToArc;
-impl Lane<3, 7> for ToArc {
+impl Lane<3, 0, 7> for ToArc {
     #[inline(always)]
-    fn value([e1, e2, one_minus_cos]: [f32; 3]) -> [f32; 7] {
+    fn value(&self, [e1, e2, one_minus_cos]: [f32; 3], []: [f32; 0]) -> [f32; 7] {
         bytemuck::cast(Arc::new(&Peak::new(e1, e2, one_minus_cos), e1, e2))
     }
 }

@@ -100,7 +100,7 @@ fn lafortune_lobe(random: &mut Random) -> LafortuneLobe {
         // Exactly as high as allowed would be a matter of rounding.
         exponent = exponent.min(1e6);
     }
-    LafortuneLobe { matrix, exponent, scale: random.color() + Vec3::X }
+    LafortuneLobe::new(matrix, exponent, random.color() + Vec3::X)
 }
 
 fn metallic_roughness(random: &mut Random) -> Material {
@@ -216,17 +216,17 @@ fn allowed(material: &Material, at: &Receiver, want: &Lobe) -> [f32; 3] {
             let (t, b) = orthonormal_basis(at.normal);
             let view = Vec3::new(t.dot(at.view), b.dot(at.view), at.normal.dot(at.view)).as_dvec3();
             // Which one it is, is known by its exponent; the most sensitive else.
-            let own = m.lobes.iter().filter(|lobe| lobe.exponent == want.exponent);
+            let own = m.lobes.iter().filter(|lobe| lobe.exponent() == want.exponent);
             let sensitive = own.map(|lobe| {
-                let q = DMat3::from_cols_array(&lobe.matrix.to_cols_array().map(f64::from));
+                let q = DMat3::from_cols_array(&lobe.matrix().to_cols_array().map(f64::from));
                 let length = (q * view).length();
-                let largest = lobe.matrix.to_cols_array().iter().fold(0.0_f32, |s, x| s.max(x.abs()));
+                let largest = lobe.matrix().to_cols_array().iter().fold(0.0_f32, |s, x| s.max(x.abs()));
                 // gain = exp(e/2·ln(1 + ωᵀQω)), small ones by |Mω| itself: what a rounding of ω does to that, and to the
                 // logarithm.
                 let square = (q.transpose() * q - DMat3::IDENTITY) * view;
                 let turn = (square.length() / (length * length)).min(f64::from(largest) / length);
-                let steep = f64::from(lobe.exponent) * turn;
-                let ln_gain = f64::from(lobe.exponent) * length.ln();
+                let steep = f64::from(lobe.exponent()) * turn;
+                let ln_gain = f64::from(lobe.exponent()) * length.ln();
                 [1.0 + largest / length as f32, 1.0 + (0.15 * steep + 0.25 * ln_gain.abs()) as f32]
             });
             let [axis, flux] = sensitive.fold([1.0_f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
