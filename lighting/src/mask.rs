@@ -365,7 +365,7 @@ impl Mask {
     #[must_use]
     #[inline(always)]
     pub fn is_dark_between<S: Simd>(&mut self, simd: S, j: usize, from: u32, to: u32) -> bool {
-        let (first, last) = (j / EIGHT, ((j + EIGHT - 1) / EIGHT).min(SIDE / EIGHT - 1));
+        let (first, last) = (j / EIGHT, j.div_ceil(EIGHT).min(SIDE / EIGHT - 1));
         if self.stale >> first & 1 != 0 {
             self.refresh(simd, first);
         }
