@@ -57,14 +57,20 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
                 }
                 continue;
             }
-            *lobes = [[0.0; WIDTH]; 8];
+            let (mut last, mut term) = (of[0], first.term(place));
             for (j, number) in of.iter().enumerate() {
-                match materials[*number as usize].term(place) {
+                if *number != last {
+                    (last, term) = (*number, materials[*number as usize].term(place));
+                }
+                match &term {
                     None => {}
-                    Some(Term::Diffuse(shape)) => own.0.set(j, &shape),
-                    Some(Term::Mirror(shape)) => own.1.set(j, &shape),
+                    Some(Term::Diffuse(shape)) => own.0.set(j, shape),
+                    Some(Term::Mirror(shape)) => own.1.set(j, shape),
                     Some(Term::Lafortune(shape)) => own.2.set(j, shape),
                 }
+            }
+            if [own.0.count, own.1.count, own.2.count].iter().all(|count| *count < WIDTH) {
+                *lobes = [[0.0; WIDTH]; 8];
             }
             own.0.write(level, at, lobes);
             own.1.write(level, at, lobes);

@@ -40,13 +40,23 @@ pub fn map<F: Lane<A, B, D>, const A: usize, const B: usize, const D: usize>(
     out: &mut Columns<D>,
 ) {
     dispatch!(level, _simd => {
-        // Known to be apart from what is read.
-        let mut columns = [[0.0; WIDTH]; D];
         for j in 0..WIDTH {
-            set_row(&mut columns, j, &lane.value(row(a, j), row(b, j)));
+            set_row(out, j, &lane.value(row(a, j), row(b, j)));
         }
-        for (out, column) in out.iter_mut().zip(&columns) {
-            *out = *column;
+    });
+}
+
+/// Puts `lane` of every row in the place of the row.
+pub(crate) fn update<F: Lane<A, B, A>, const A: usize, const B: usize>(
+    level: Level,
+    lane: &F,
+    a: &mut Columns<A>,
+    b: &Columns<B>,
+) {
+    dispatch!(level, _simd => {
+        for j in 0..WIDTH {
+            let values = lane.value(row(a, j), row(b, j));
+            set_row(a, j, &values);
         }
     });
 }

@@ -18,12 +18,16 @@ impl Tile {
     pub fn set(&mut self, receivers: &[Receiver]) {
         self.len = receivers.len();
         self.blocks.resize(self.len.div_ceil(WIDTH), Kept::default());
-        for (block, receivers) in self.blocks.iter_mut().zip(receivers.chunks(WIDTH)) {
-            let last = receivers.last().into_iter().cycle();
-            for (j, r) in receivers.iter().chain(last).take(WIDTH).enumerate() {
+        let set = |block: &mut Kept<9>, receivers: &[Receiver; WIDTH]| {
+            for (j, r) in receivers.iter().enumerate() {
                 let (p, n, v) = (r.position, r.normal, r.view);
                 set_row(&mut block.0, j, &[p.x, p.y, p.z, n.x, n.y, n.z, v.x, v.y, v.z]);
             }
+        };
+        let (full, rest) = receivers.as_chunks();
+        self.blocks.iter_mut().zip(full).for_each(|(block, receivers)| set(block, receivers));
+        if let (Some(block), [.., last]) = (self.blocks.get_mut(full.len()), rest) {
+            set(block, &core::array::from_fn(|j| *rest.get(j).unwrap_or(last)));
         }
     }
 

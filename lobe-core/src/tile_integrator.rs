@@ -1,5 +1,5 @@
 use crate::integrator::{look, partly_seen};
-use crate::lanes::{Kept, Lane, Level, WIDTH, map, ones, row, rows_above};
+use crate::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
 use crate::{
     Call, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, LobesFull, Method, Probe, Receiver, TileLight,
     TileLobes, VisibilityLobes, VisibilityQuery, VisibilitySum,
@@ -86,8 +86,8 @@ impl Integrator<'_> {
         probe: &mut impl Probe,
         out: &mut TileLit,
     ) -> Result<(), LobesFull> {
-        out.blocks.clear();
         out.blocks.resize(call.at.len().div_ceil(WIDTH), Kept::default());
+        out.blocks.iter_mut().for_each(|block| block.0[1..].as_flattened_mut().fill(0.0));
         match self.method {
             Method::Moments => self.tile_by_moments(call, scratch, sum, probe, out),
             Method::Paper(_) => self.tile_one_by_one(call, scratch, sum, probe, out),
@@ -106,12 +106,12 @@ impl Integrator<'_> {
         for (number, integrals) in call.integrals.chunks_exact(WIDTH).enumerate() {
             let sums = &mut out.blocks[number % call.lobes.blocks_of_place()].0;
             sums[0].copy_from_slice(integrals);
-            map(level, &add, &sums.clone(), call.lobes.block(number), sums);
+            update(level, &add, sums, call.lobes.block(number));
         }
         for first in (0..call.at.len()).step_by(WIDTH) {
             let [.., integrals, _, seen, dropped] = &out.blocks[first / WIDTH].0;
             let rows = WIDTH.min(call.at.len() - first);
-            let total = |column: &[f32; WIDTH]| column[..rows].iter().sum::<f32>() as usize;
+            let total = |column: &[f32; WIDTH]| total(column, rows);
             probe.count(0, total(integrals));
             (0..total(dropped)).for_each(|_| probe.prune());
             for j in ones(rows_above(seen, 0.0) & ((1 << rows) - 1)) {
@@ -185,6 +185,17 @@ impl Integrator<'_> {
         out.brdf = brdf;
         Ok(())
     }
+}
+
+/// Sum of small whole numbers.
+fn total(column: &[f32; WIDTH], rows: usize) -> usize {
+    let mut sums: [f32; WIDTH] = core::array::from_fn(|j| if j < rows { column[j] } else { 0.0 });
+    // By halves, since one after the other would wait for each other.
+    for half in [8, 4, 2, 1] {
+        let (low, high) = sums.split_at_mut(half);
+        low.iter_mut().zip(high).for_each(|(a, b)| *a += *b);
+    }
+    sums[0] as usize
 }
 
 /// Counts for one receiver, and passes all on.
