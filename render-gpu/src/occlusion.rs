@@ -55,22 +55,27 @@ impl Default for Blockers {
 }
 
 impl Blockers {
-    /// Takes over what blocks now.
+    /// Takes over what blocks now; after an error nothing does.
     pub(crate) fn hold(&mut self, gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
-        self.strategies.rays = occlusion.rays.map(GpuWorld::stack);
+        let mut strategies = Strategies { rays: occlusion.rays.map(GpuWorld::stack), ..Strategies::default() };
+        self.strategies = Strategies::default();
         self.world = occlusion.rays.and_then(GpuWorld::buffers);
         self.packed.clear();
         if let Some(spheres) = occlusion.spheres {
             spheres.pack(&mut self.packed);
         }
-        self.packed_maps = occlusion.maps.map(ShadowMapBlockers::pack);
-        if let Some(maps) = &self.packed_maps {
-            self.maps.hold(gpu, bytemuck::cast_slice(maps.words()))?;
+        let old_maps = self.packed_maps.take();
+        if let Some(maps) = occlusion.maps {
+            let mut packed = old_maps.unwrap_or_default();
+            if packed.update(maps) > 0 {
+                self.maps.hold(gpu, bytemuck::cast_slice(packed.words()))?;
+            }
+            self.packed_maps = Some(packed);
+            strategies.maps = true;
         }
-        self.strategies.maps = self.packed_maps.is_some();
         self.sphere_count = self.packed.len() as u32;
-        self.strategies.spheres = self.sphere_count > 0;
-        if self.strategies.spheres {
+        strategies.spheres = self.sphere_count > 0;
+        if strategies.spheres {
             self.moved |= self.spheres.hold(gpu, bytemuck::cast_slice(&self.packed))? > 0;
             self.bounds.sized(gpu, 16 * u64::from(self.block_count()))?;
             if self.bound.is_none() {
@@ -78,6 +83,7 @@ impl Blockers {
                 self.bound = Some(Kernel::new(gpu, text.entry, &text.text, &text.bindings)?);
             }
         }
+        self.strategies = strategies;
         Ok(())
     }
 

@@ -114,10 +114,11 @@ impl GpuShader {
         Ok(shader)
     }
 
-    /// Other blockers, or the same ones moved: only what differs is uploaded.
+    /// Other blockers, or the same ones moved: only what differs is uploaded, and shadow maps that were there before are not
+    /// packed anew.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// As [`new`](Self::new); nothing blocks then.
     pub fn occlude(&mut self, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
         self.blockers.hold(&self.gpu, occlusion)
     }

@@ -7,6 +7,7 @@ use crate::raster::draw;
 use core::fmt;
 use glam::Vec3;
 use lobe_core::Sphere;
+use std::sync::Arc;
 
 /// Depth maps around one light's centre: what its light meets first, and what is hidden behind that.
 ///
@@ -19,7 +20,8 @@ use lobe_core::Sphere;
 #[derive(Clone, Debug)]
 pub struct ShadowMap {
     pub(crate) light: Sphere,
-    pub(crate) faces: Vec<Face>,
+    /// Shared by clones.
+    pub(crate) faces: Arc<[Face]>,
     resolution: u32,
     /// What is drawn; `None` when nothing is.
     casters: Option<Bounds>,
@@ -115,7 +117,7 @@ impl ShadowMap {
         }
         faces.retain(|face| !face.layers.is_empty());
         let casters = Bounds::of(casters.iter().flatten().map(|p| (*p + center).as_vec3()));
-        Ok(Self { light, faces, resolution: options.resolution, casters })
+        Ok(Self { light, faces: faces.into(), resolution: options.resolution, casters })
     }
 
     /// The coarsest map that is fine enough: draws a rough one first and takes the resolution, from 256 to the one in the

@@ -17,7 +17,9 @@
 use crate::blockers::ShadowMapBlockers;
 use crate::face::Face;
 use crate::layer::{self, Layer};
+use crate::map::ShadowMap;
 use lobe_core::Sphere;
+use std::sync::{Arc, Weak};
 
 /// Words of a face.
 const FACE: usize = 20;
@@ -32,7 +34,28 @@ const NO_CORNERS: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub struct PackedMaps {
     words: Vec<u32>,
-    maps: Vec<(Sphere, u32)>,
+    maps: Vec<Place>,
+}
+
+/// Where a map is.
+#[derive(Clone, Debug)]
+struct Place {
+    light: Sphere,
+    /// What was packed: the same as long as it is there.
+    faces: Weak<[Face]>,
+    from: usize,
+    to: usize,
+}
+
+impl Place {
+    fn new(map: &ShadowMap, from: usize, to: usize) -> Self {
+        Self { light: map.light, faces: Arc::downgrade(&map.faces), from, to }
+    }
+
+    /// Whether it is this map's or a clone's.
+    fn is_of(&self, map: &ShadowMap) -> bool {
+        self.light == map.light && Weak::ptr_eq(&self.faces, &Arc::downgrade(&map.faces))
+    }
 }
 
 impl PackedMaps {
@@ -46,7 +69,46 @@ impl PackedMaps {
     /// What the kernels know as `frame.map`: where a light's map is, 0 for a light without one, which is not shadowed.
     #[must_use]
     pub fn map_of(&self, light: &Sphere) -> u32 {
-        self.maps.iter().find(|(ball, _)| ball == light).map_or(0, |(_, at)| *at)
+        self.maps.iter().find(|place| place.light == *light).map_or(0, |place| place.from as u32)
+    }
+
+    /// Makes these the maps of other blockers, such as those of the next frame. Maps that were there before (the same or clones, in
+    /// the same order) are left as they are, others take the place of those that they replace; all are packed anew where one
+    /// finds no room. Returns the number of words written, 0 where nothing has changed.
+    pub fn update(&mut self, blockers: &ShadowMapBlockers) -> usize {
+        let (head, maps) = (pack_casters(blockers.casters()), blockers.maps());
+        let room = self.maps.first().map_or(self.words.len(), |place| place.from);
+        if self.maps.len() != maps.len() || room != head.len() {
+            return self.renew(blockers);
+        }
+        let mut written = 0;
+        if self.words[..head.len()] != head {
+            self.words[..head.len()].copy_from_slice(&head);
+            written = head.len();
+        }
+        let mut words = Vec::new();
+        for (place, map) in self.maps.iter_mut().zip(maps).filter(|(place, map)| !place.is_of(map)) {
+            words.clear();
+            pack_map(map, place.from, &mut words);
+            let Some(room) = self.words[place.from..place.to].get_mut(..words.len()) else {
+                return self.renew(blockers);
+            };
+            room.copy_from_slice(&words);
+            written += words.len();
+            *place = Place::new(map, place.from, place.to);
+        }
+        written
+    }
+
+    fn renew(&mut self, blockers: &ShadowMapBlockers) -> usize {
+        self.words = pack_casters(blockers.casters());
+        self.maps.clear();
+        for map in blockers.maps() {
+            let from = self.words.len();
+            pack_map(map, 0, &mut self.words);
+            self.maps.push(Place::new(map, from, self.words.len()));
+        }
+        self.words.len()
     }
 }
 
@@ -57,29 +119,35 @@ impl ShadowMapBlockers {
     /// A copy of the maps; corners at outlines are worked out anew: a third to two thirds of the time that building them took.
     #[must_use]
     pub fn pack(&self) -> PackedMaps {
-        let casters = self.casters();
-        let mut words = vec![0; 1 + casters.len().div_ceil(32)];
-        words[0] = casters.len() as u32;
-        for (k, _) in casters.iter().enumerate().filter(|(_, casts)| **casts) {
-            words[1 + k / 32] |= 1 << (k % 32);
-        }
-        let mut maps = Vec::with_capacity(self.maps().len());
-        for map in self.maps() {
-            maps.push((map.light, words.len() as u32));
-            words.push(map.faces.len() as u32);
-            let first = words.len();
-            words.resize(first + FACE * map.faces.len(), 0);
-            for (k, face) in map.faces.iter().enumerate() {
-                let record = pack_face(face, &mut words);
-                words[first + FACE * k..][..FACE].copy_from_slice(&record);
-            }
-        }
-        PackedMaps { words, maps }
+        let mut packed = PackedMaps::default();
+        packed.renew(self);
+        packed
+    }
+}
+
+/// The words before the first map.
+fn pack_casters(casters: &[bool]) -> Vec<u32> {
+    let mut words = vec![0; 1 + casters.len().div_ceil(32)];
+    words[0] = casters.len() as u32;
+    for (k, _) in casters.iter().enumerate().filter(|(_, casts)| **casts) {
+        words[1 + k / 32] |= 1 << (k % 32);
+    }
+    words
+}
+
+/// Appends a map to words of which `before` more come first.
+fn pack_map(map: &ShadowMap, before: usize, words: &mut Vec<u32>) {
+    words.push(map.faces.len() as u32);
+    let first = words.len();
+    words.resize(first + FACE * map.faces.len(), 0);
+    for (k, face) in map.faces.iter().enumerate() {
+        let record = pack_face(face, before, words);
+        words[first + FACE * k..][..FACE].copy_from_slice(&record);
     }
 }
 
 /// Appends the face's layers and returns what names them.
-fn pack_face(face: &Face, out: &mut Vec<u32>) -> [u32; FACE] {
+fn pack_face(face: &Face, before: usize, out: &mut Vec<u32>) -> [u32; FACE] {
     let mut record = [0; FACE];
     let axes = [face.frame.right, face.frame.up, face.frame.forward].map(|axis| axis.as_vec3().to_array());
     let numbers = [face.left, face.bottom, face.texel, face.z0].map(|x| x as f32);
@@ -88,19 +156,19 @@ fn pack_face(face: &Face, out: &mut Vec<u32>) -> [u32; FACE] {
     }
     record[13..16].copy_from_slice(&[face.width as u32, face.height as u32, face.layers.len() as u32]);
     for (word, layer) in record[16..].iter_mut().zip(&face.layers) {
-        *word = pack_layer(layer, out);
+        *word = pack_layer(layer, before, out);
     }
     record
 }
 
-fn pack_layer(layer: &Layer, out: &mut Vec<u32>) -> u32 {
+fn pack_layer(layer: &Layer, before: usize, out: &mut Vec<u32>) -> u32 {
     let (at, top) = (out.len(), layer.top());
     out.resize(at + 2 + top as usize, 0);
-    (out[at], out[at + 1]) = (top, out.len() as u32);
+    (out[at], out[at + 1]) = (top, (before + out.len()) as u32);
     out.extend(layer.q().iter().map(|q| q.max(EMPTY).to_bits()));
     let mut corners = Vec::new();
     for level in 1..=top {
-        out[at + 1 + level as usize] = out.len() as u32;
+        out[at + 1 + level as usize] = (before + out.len()) as u32;
         let (columns, rows) = layer.size(level);
         for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
             let node = layer.node(level, i, j);
@@ -119,19 +187,21 @@ fn pack_layer(layer: &Layer, out: &mut Vec<u32>) -> u32 {
     }
     // Now that it is known where the corners are.
     let (columns, rows) = layer.size(1);
-    let (nodes, place) = (out[at + 2] as usize, out.len() as u32);
+    let (nodes, place) = (out[at + 2] as usize - before, (before + out.len()) as u32);
     for word in out[nodes..][..4 * columns * rows].iter_mut().skip(3).step_by(4) {
         if *word != NO_CORNERS {
             *word += place;
         }
     }
     out.extend(corners);
-    at as u32
+    (before + at) as u32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::MapOptions;
+    use glam::Vec3;
     use lobe_core::oracle::Random;
 
     /// As `map_corner` of layer.wgsl reads it.
@@ -145,6 +215,54 @@ mod tests {
         let (x, y) = (i + usize::from(k == 1 || k == 2) - 1, j + (k >> 1) - 1);
         let q = |x: usize, y: usize| float(words[at + 1] as usize + y * layer.size(0).0 + x);
         ((q(x, y) + q(x + 1, y + 1)) + (q(x + 1, y) + q(x, y + 1))) / 4.0
+    }
+
+    /// A slanted quad over the origin, drawn for a light somewhere above.
+    fn map(x: f32, resolution: u32) -> ShadowMap {
+        let corners = [
+            Vec3::new(-1.0, 1.0, -1.0),
+            Vec3::new(1.0, 1.2, -1.0),
+            Vec3::new(1.0, 1.2, 1.0),
+            Vec3::new(-1.0, 1.0, 1.0),
+        ];
+        let light = Sphere { center: Vec3::new(x, 5.0, 0.3), radius: 0.2 };
+        let options = MapOptions { resolution, ..MapOptions::default() };
+        ShadowMap::build(&corners, &[[0, 1, 2], [0, 2, 3]], light, &options).expect("a quad")
+    }
+
+    #[test]
+    fn only_maps_that_have_changed_are_packed() {
+        let of = |maps: &[&ShadowMap]| {
+            ShadowMapBlockers::new(maps.iter().copied().cloned().collect()).with_casters(vec![true, false])
+        };
+        let (a, b, c) = (map(-1.0, 64), map(0.0, 64), map(1.0, 32));
+        let mut packed = of(&[&a, &b, &c]).pack();
+        let all = packed.words.len();
+        assert_eq!(packed.update(&of(&[&a, &b, &c])), 0);
+        // The casters alone.
+        assert_eq!(packed.update(&of(&[&a, &b, &c]).with_casters(vec![false, true])), 2);
+        assert_eq!(packed.update(&of(&[&a, &b, &c])), 2);
+        // One that is smaller takes the place of the second.
+        let small = map(0.5, 32);
+        let before = packed.words.clone();
+        let written = packed.update(&of(&[&a, &small, &c]));
+        assert!(written > 100 && written < all / 2, "{written} of {all}");
+        assert_eq!((packed.map_of(&b.light), packed.map_of(&small.light)), (0, packed.maps[1].from as u32));
+        let mut alone = Vec::new();
+        pack_map(&small, packed.maps[1].from, &mut alone);
+        assert_eq!(packed.words[packed.maps[1].from..][..written], alone);
+        for other in [0, 2] {
+            let place = packed.maps[other].from..packed.maps[other].to;
+            assert_eq!(packed.words[place.clone()], before[place]);
+        }
+        // One that is larger: all anew, as from nothing. The same where there are fewer.
+        let large = map(0.5, 128);
+        for maps in [&[&a, &large, &c][..], &[&a, &c], &[]] {
+            let want = of(maps).pack();
+            assert_eq!(packed.update(&of(maps)), want.words.len());
+            assert_eq!(packed.words, want.words);
+        }
+        assert_eq!(packed.update(&of(&[]).with_casters(vec![true; 40])), 3);
     }
 
     #[test]
@@ -161,7 +279,7 @@ mod tests {
             .collect();
         let layer = Layer::new(width, height, 0.05, q.clone()).expect("a surface");
         let mut words = vec![0; 3];
-        let at = pack_layer(&layer, &mut words) as usize;
+        let at = pack_layer(&layer, 0, &mut words) as usize;
         assert_eq!((at, words[at]), (3, layer.top()));
         let (mut means, mut tables) = (0, 0);
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {

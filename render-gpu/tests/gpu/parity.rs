@@ -24,6 +24,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("parity_of_depths_and_tolerances", gpu, of_depths_and_tolerances),
         trial("parity_of_many_lights", gpu, of_many_lights),
         trial("parity_of_shadow_maps", gpu, of_shadow_maps),
+        trial("maps_that_change_and_maps_that_stay", gpu, maps_that_change),
         trial("slices_change_nothing", gpu, slices_change_nothing),
         trial("two_runs_give_the_same_bits", gpu, two_runs_give_the_same_bits),
     ]
@@ -194,6 +195,24 @@ fn of_shadow_maps(gpu: &Gpu) {
         shader.occlude(both).expect("room for them");
         assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
     }
+}
+
+/// A light moves, its map is another; that of the other light is the one that is there.
+fn maps_that_change(gpu: &Gpu) {
+    let mut view = View::new(scene::builtin(), 48, 27);
+    let before = view.maps();
+    let mut shader = GpuShader::new(gpu, Occlusion { maps: Some(&before), ..Occlusion::default() }).expect("a shader");
+    let first = view.gpu(&mut shader, &view.frame(0.003, 5));
+    view.scene.lights[1].ball.center.x += 0.4;
+    let casters = view.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
+    let maps = vec![before.maps()[0].clone(), view.maps().maps()[1].clone()];
+    let after = ShadowMapBlockers::new(maps).with_casters(casters);
+    let frame = view.frame(0.003, 5);
+    let occlusion = Occlusion { maps: Some(&after), ..Occlusion::default() };
+    shader.occlude(occlusion).expect("room for it");
+    let got = view.gpu(&mut shader, &frame);
+    assert_same("a map that changed", &view.cpu(MaskVisibility::new(after.clone(), 5), &frame), &got);
+    assert!(got != first && got == view.gpu(&mut GpuShader::new(gpu, occlusion).expect("a shader"), &frame));
 }
 
 fn slices_change_nothing(gpu: &Gpu) {

@@ -177,10 +177,21 @@ fn small_limits(_: &Gpu) {
     assert!(matches!(error, GpuError::Limits { needed: 8, allowed: 4, .. }), "{error:?}");
     assert!(error.to_string().contains("use the CPU"));
 
-    let gpu = device(wgpu::Limits { max_storage_buffer_binding_size: 2048, ..wgpu::Limits::default() });
+    let gpu = device(wgpu::Limits { max_storage_buffer_binding_size: 3 * 64 * 64, ..wgpu::Limits::default() });
     let many = SphereBlockers::new(&vec![Sphere { center: Vec3::ZERO, radius: 1.0 }; 1000], &vec![0; 1000], &[]);
     let error = GpuShader::new(&gpu, Occlusion { spheres: Some(&many), ..Occlusion::default() }).map(|_| ());
     assert!(matches!(error, Err(GpuError::Limits { needed: 32_000, .. })), "{error:?}");
+    // What finds no room leaves nothing that blocks, and what was there before finds room again.
+    let few = SphereBlockers::new(&[Sphere { center: Vec3::Y, radius: 0.5 }], &[99], &[]);
+    let few = Occlusion { spheres: Some(&few), ..Occlusion::default() };
+    let mut shader = GpuShader::new(&gpu, few).expect("a shader");
+    let counts = |shader: &mut GpuShader| view.gpu(shader, &frame).1;
+    let before = counts(&mut shader);
+    assert!(shader.occlude(Occlusion { spheres: Some(&many), ..few }).is_err() && before.penumbra_points > 0);
+    let unshadowed = counts(&mut shader);
+    assert_eq!((unshadowed.penumbra_points, unshadowed.dark_points), (0, 0));
+    shader.occlude(few).expect("room for it");
+    assert_eq!(counts(&mut shader), before);
 }
 
 fn several_at_once(gpu: &Gpu) {
