@@ -33,9 +33,6 @@ pub struct Mask {
     lit: [Row; SIDE],
     halves: [[u32; SIDE + EIGHT]; 2],
     coarse: bool,
-    /// Of eight rows each: samples that any of them has lit, those of a coarse mask as one word; and which are out of date.
-    open: [Row; SIDE / EIGHT],
-    stale: u32,
 }
 
 /// What emits where the window shows a whole disc: the same for all lights.
@@ -70,8 +67,6 @@ impl Default for Mask {
             lit: [row::NONE; SIDE],
             halves: [[0; SIDE + EIGHT]; 2],
             coarse: false,
-            open: [row::NONE; SIDE / EIGHT],
-            stale: u32::MAX,
         }
     }
 }
@@ -85,7 +80,6 @@ impl Mask {
         assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
         self.depth = depth;
         self.square = *square;
-        self.stale = u32::MAX;
         self.fit();
         let n = square.local(normal);
         let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * n.truncate().length_squared();
@@ -146,7 +140,6 @@ impl Mask {
 
     #[inline(always)]
     fn set(&mut self, j: usize, row: Row) {
-        self.stale |= 1 << (j / EIGHT);
         if self.coarse {
             (self.halves[0][j], self.halves[1][j]) = (row.0[0] as u32, (row.0[0] >> 32) as u32);
         } else {
@@ -242,7 +235,6 @@ impl Mask {
 
     /// Blocks every sample.
     pub fn block_all(&mut self) {
-        self.stale = u32::MAX;
         self.lit = [row::NONE; SIDE];
         self.halves = [[0; SIDE + EIGHT]; 2];
     }
@@ -267,7 +259,6 @@ impl Mask {
     /// together, with [`raster`](Self::raster). An empty interval blocks nothing; ends are at most the raster's width.
     #[inline(always)]
     pub fn block_rows<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
-        self.stale |= 3 << (j / EIGHT);
         if self.coarse {
             let blocked = row::halves(simd, from, to);
             for (rows, blocked) in self.halves.iter_mut().zip(blocked) {
@@ -286,7 +277,6 @@ impl Mask {
     /// [`block_area`](Self::block_area) with the ends of the eight lines in samples, without a shift.
     #[inline(always)]
     pub fn block_lines<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
-        self.stale |= 1 << (j / EIGHT);
         if self.coarse {
             let blocked = row::of_lines(simd, j, from, to);
             self.halves[0][j] &= !blocked[0];
@@ -360,28 +350,25 @@ impl Mask {
         if self.coarse { self.halves[0][j] | self.halves[1][j] == 0 } else { self.lit[j] == row::NONE }
     }
 
-    /// True when nothing between two samples is lit in the eight rows from `j` on. `false` may be said of a dark part too:
-    /// rows are remembered eight by eight.
+    /// True when nothing between two samples is lit in the eight rows from `j` on.
     #[must_use]
     #[inline(always)]
-    pub fn is_dark_between<S: Simd>(&mut self, simd: S, j: usize, from: u32, to: u32) -> bool {
-        let (first, last) = (j / EIGHT, j.div_ceil(EIGHT).min(SIDE / EIGHT - 1));
-        if self.stale >> first & 1 != 0 {
-            self.refresh(simd, first);
-        }
-        if self.stale >> last & 1 != 0 {
-            self.refresh(simd, last);
-        }
+    pub fn are_rows_dark_between<S: Simd>(&self, simd: S, j: usize, from: u32, to: u32) -> bool {
         if self.coarse {
-            let open = self.open[first].0[0] | self.open[last].0[0];
-            return open & row::span_of_64(from, to) == 0;
+            let span = row::span_of_64(from, to);
+            let [low, high] = &self.halves;
+            let low = row::eight(simd, &low[j..]) & u32x8::splat(simd, span as u32);
+            let high = row::eight(simd, &high[j..]) & u32x8::splat(simd, (span >> 32) as u32);
+            return (low | high).simd_eq(u32x8::splat(simd, 0)).all_true();
         }
-        let span = row::span(from, to);
-        let open = row::with(&self.open[first], &self.open[last]);
-        row::and(&open, &span) == row::NONE
+        let mut any = row::NONE;
+        for row in &self.lit[j..(j + EIGHT).min(SIDE)] {
+            any = row::with(&any, row);
+        }
+        row::and(&any, &row::span(from, to)) == row::NONE
     }
 
-    /// The same of row `j` alone, exactly.
+    /// The same of row `j` alone.
     #[must_use]
     #[inline(always)]
     pub fn is_row_dark_between(&self, j: usize, from: u32, to: u32) -> bool {
@@ -390,23 +377,6 @@ impl Mask {
             return row & row::span_of_64(from, to) == 0;
         }
         row::and(&self.lit[j], &row::span(from, to)) == row::NONE
-    }
-
-    #[inline(always)]
-    fn refresh<S: Simd>(&mut self, simd: S, block: usize) {
-        self.stale &= !(1 << block);
-        let rows = block * EIGHT..(block + 1) * EIGHT;
-        if self.coarse {
-            let [low, high] = &self.halves;
-            self.open[block] =
-                row::coarse(row::any_of_eight(simd, &low[rows.clone()]), row::any_of_eight(simd, &high[rows]));
-        } else {
-            let mut any = row::NONE;
-            for row in &self.lit[rows] {
-                any = row::with(&any, row);
-            }
-            self.open[block] = any;
-        }
     }
 
     /// Part of a cell of row `j` that emits, as (start, length) in cells.

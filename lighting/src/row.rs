@@ -161,10 +161,10 @@ pub(crate) fn of_lines<S: Simd>(simd: S, j: usize, from: u32x8<S>, to: u32x8<S>)
     [either(low & which), either(high & which)]
 }
 
-/// Bits that any of eight words has.
+/// The first eight words.
 #[inline(always)]
-pub(crate) fn any_of_eight<S: Simd>(simd: S, words: &[u32]) -> u32 {
-    either(u32x8::simd_from(simd, words.first_chunk().copied().unwrap_or_default()))
+pub(crate) fn eight<S: Simd>(simd: S, words: &[u32]) -> u32x8<S> {
+    u32x8::simd_from(simd, words.first_chunk().copied().unwrap_or_default())
 }
 
 #[inline(always)]

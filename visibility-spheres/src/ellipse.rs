@@ -134,7 +134,7 @@ impl Ellipse {
         let mut t = f32x8::splat(simd, first as f32 + (0.5 - self.y)) + f32x8::simd_from(simd, LANE);
         let mut base = first;
         while base < end {
-            if mask.is_dark_between(simd, base, left, right) {
+            if mask.are_rows_dark_between(simd, base, left, right) {
                 base += LANES;
                 t += f32x8::splat(simd, LANES as f32);
                 continue;
