@@ -42,39 +42,77 @@ fn hides_in_front(blocked: BlockedCone, light: vec3f, light_radius: f32, mask: M
 }
 
 // Blocks of the own row `j` where the ball is in front of the light that it meets (centre and radius): at most two runs of
-// cell centres and one to the end, their ends found between two centres by bisection.
+// cell centres and one to the end, their ends found between two centres by bisection. Rounds of loops are few: Mesa's software
+// driver has 65 535 of them for a thread.
 fn splat_in_front(blocked: BlockedCone, light: vec3f, light_radius: f32, mask: Mask, j: u32) {
-    let y = mask_row_y(mask, j);
     let far = 1e9;
-    var before = mask_cell_center(mask, 0u, j).x;
-    var hidden = hides_in_front(blocked, light, light_radius, mask, before, y);
+    var cells = vec2u(0u);
+    for (var first = 0u; first < SIDE; first += 8u) {
+        let eight = hidden_cells(blocked, light, light_radius, mask, first, j) << (first & 31u);
+        cells |= select(vec2u(eight, 0u), vec2u(0u, eight), first >= 32u);
+    }
+    // Bit i: cells i and i + 1 differ.
+    var differ = (cells ^ vec2u((cells.x >> 1u) | (cells.y << 31u), cells.y >> 1u)) & CELL_PAIRS;
+    var hidden = (cells.x & 1u) != 0u;
     var start = -far;
     var runs = 0u;
-    for (var i = 1u; i < SIDE; i++) {
-        let center = mask_cell_center(mask, i, j).x;
-        if (hides_in_front(blocked, light, light_radius, mask, center, y) != hidden) {
-            var low = before;
-            var high = center;
-            for (var step = 0u; step < 8u; step++) {
-                let middle = 0.5 * (low + high);
-                if (hides_in_front(blocked, light, light_radius, mask, middle, y) == hidden) {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            let edge = 0.5 * (low + high);
-            if (!hidden) {
-                start = edge;
-            } else if (runs < 2u) {
-                mask_block_span(mask, j, start, edge);
-                runs++;
-            }
-            hidden = !hidden;
+    while (any(differ != vec2u(0u))) {
+        let i = select(32u + firstTrailingBit(differ.y), firstTrailingBit(differ.x), differ.x != 0u);
+        differ = select(vec2u(0u, differ.y & (differ.y - 1u)), vec2u(differ.x & (differ.x - 1u), differ.y), differ.x != 0u);
+        var ends = vec2f(mask_cell_center(mask, i, j).x, mask_cell_center(mask, i + 1u, j).x);
+        ends = nearer_ends(blocked, light, light_radius, mask, ends, hidden, j);
+        ends = nearer_ends(blocked, light, light_radius, mask, ends, hidden, j);
+        ends = nearer_ends(blocked, light, light_radius, mask, ends, hidden, j);
+        ends = nearer_ends(blocked, light, light_radius, mask, ends, hidden, j);
+        ends = nearer_ends(blocked, light, light_radius, mask, ends, hidden, j);
+        ends = nearer_ends(blocked, light, light_radius, mask, ends, hidden, j);
+        ends = nearer_ends(blocked, light, light_radius, mask, ends, hidden, j);
+        ends = nearer_ends(blocked, light, light_radius, mask, ends, hidden, j);
+        let edge = 0.5 * (ends.x + ends.y);
+        if (!hidden) {
+            start = edge;
+        } else if (runs < 2u) {
+            mask_block_span(mask, j, start, edge);
+            runs++;
         }
-        before = center;
+        hidden = !hidden;
     }
     if (hidden) {
         mask_block_span(mask, j, start, far);
     }
+}
+
+// Neighbours in a row, by the left one.
+const CELL_PAIRS = vec2u(0xffffffffu >> (32u - min(SIDE - 1u, 32u)), (1u << (max(SIDE, 33u) - 33u)) - 1u);
+
+// Which of eight cells from `first` on are hidden, by their centres.
+fn hidden_cells(blocked: BlockedCone, light: vec3f, light_radius: f32, mask: Mask, first: u32, j: u32) -> u32 {
+    return hidden_cell(blocked, light, light_radius, mask, first, j)
+        | hidden_cell(blocked, light, light_radius, mask, first + 1u, j) << 1u
+        | hidden_cell(blocked, light, light_radius, mask, first + 2u, j) << 2u
+        | hidden_cell(blocked, light, light_radius, mask, first + 3u, j) << 3u
+        | hidden_cell(blocked, light, light_radius, mask, first + 4u, j) << 4u
+        | hidden_cell(blocked, light, light_radius, mask, first + 5u, j) << 5u
+        | hidden_cell(blocked, light, light_radius, mask, first + 6u, j) << 6u
+        | hidden_cell(blocked, light, light_radius, mask, first + 7u, j) << 7u;
+}
+
+fn hidden_cell(blocked: BlockedCone, light: vec3f, light_radius: f32, mask: Mask, i: u32, j: u32) -> u32 {
+    let center = mask_cell_center(mask, i, j);
+    return select(0u, 1u, hides_in_front(blocked, light, light_radius, mask, center.x, center.y));
+}
+
+// Half of an interval at whose start it is hidden or not, as said.
+fn nearer_ends(
+    blocked: BlockedCone,
+    light: vec3f,
+    light_radius: f32,
+    mask: Mask,
+    ends: vec2f,
+    hidden: bool,
+    j: u32,
+) -> vec2f {
+    let middle = 0.5 * (ends.x + ends.y);
+    let as_start = hides_in_front(blocked, light, light_radius, mask, middle, mask_row_y(mask, j)) == hidden;
+    return select(vec2f(ends.x, middle), vec2f(middle, ends.y), as_start);
 }
