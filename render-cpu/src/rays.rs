@@ -22,7 +22,7 @@ const LISTED: usize = 48;
 /// # Accuracy and cost
 /// Error of V over penumbrae against Monte Carlo of the same triangles (light of half-angle 6°, masks of depth 5), mean /
 /// 99th percentile, and rays a penumbra receiver: floor under the Stanford bunny 0.07 / 0.28 %, 256; the bunny itself 0.07 /
-/// 0.35 %, 226; floor behind a picket fence, three pickets across the light, 0.13 / 0.58 %, 613. Depth 4: 0.17 / 0.59 %, 158
+/// 0.35 %, 226; floor behind a picket fence, three pickets across the light, 0.12 / 0.52 %, 575. Depth 4: 0.17 / 0.59 %, 158
 /// on the bunny's floor, but 0.47 / 2.6 % behind the fence. Lit receivers cost next to none.
 #[derive(Debug)]
 pub struct RayBlockers<'w> {
