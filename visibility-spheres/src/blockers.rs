@@ -222,8 +222,7 @@ impl Blockers for SphereBlockers {
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, mask: &mut Mask) {
-        let light = LightBall::new(query).ball();
-        dispatch!(Level::new(), simd => scratch.hits.splat(simd, light, mask));
+        dispatch!(Level::new(), simd => scratch.hits.splat(simd, query.cone, mask));
     }
 }
 

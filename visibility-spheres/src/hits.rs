@@ -95,9 +95,9 @@ impl Hits {
         }
     }
 
-    /// Splats them, until nothing is lit any more. `light` is the ball that some of them meet: centre and radius.
+    /// Splats them, until nothing is lit any more. `light` is the cone of the ball that some of them meet.
     #[inline(always)]
-    pub(crate) fn splat<S: Simd>(&self, simd: S, light: (Vec3, f32), mask: &mut Mask) {
+    pub(crate) fn splat<S: Simd>(&self, simd: S, light: &Cone, mask: &mut Mask) {
         let square = *mask.square();
         for (number, hit) in self.blocks.iter().enumerate() {
             if number > 0 && mask.is_dark() {
@@ -113,7 +113,7 @@ impl Hits {
                 if narrow >> lane & 1 != 0 {
                     ellipses.splat(simd, lane, mask);
                 } else if hit.meets_light[lane] {
-                    hit.get(lane).splat_in_front(light.0, light.1, mask);
+                    hit.get(lane).splat_in_front(light, mask);
                 } else {
                     splat_wide(simd, square.local(hit.get(lane).to), hit.cos[lane], mask);
                 }

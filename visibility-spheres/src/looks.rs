@@ -60,11 +60,6 @@ impl LightBall {
         Self { axis: cone.axis, sin, cos, distance, radius, power: distance * distance * (cos * cos) }
     }
 
-    /// Its centre, seen from the receiver, and its radius.
-    pub(crate) fn ball(&self) -> (Vec3, f32) {
-        (self.axis * self.distance, self.radius)
-    }
-
     /// What eight candidates hide from the receiver of a query. Where in doubt, something.
     #[inline(always)]
     pub(crate) fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, block: &Candidates) -> Looks<S> {

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use lighting::Mask;
+use lobe_core::Cone;
 
 /// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,10 +37,11 @@ impl BlockedCone {
         }
     }
 
-    /// Blocks where the ball is in front of the light that it meets (centre and radius): runs of cell centres, their ends
-    /// found between two centres by bisection.
-    pub(crate) fn splat_in_front(&self, light: Vec3, light_radius: f32, mask: &mut Mask) {
+    /// Blocks where the ball is in front of the light that it meets: runs of cell centres, their ends found between two
+    /// centres by bisection.
+    pub(crate) fn splat_in_front(&self, cone: &Cone, mask: &mut Mask) {
         let square = *mask.square();
+        let (light, light_radius) = (cone.axis * cone.distance, cone.distance * cone.sin_sq().sqrt());
         for j in 0..mask.side() {
             if mask.is_row_dark(j) {
                 continue;

@@ -31,7 +31,8 @@ fn blocked_cone(to: Vec3, radius: f32, tau: f32) -> Option<BlockedCone> {
 fn splat(cones: &[BlockedCone], level: Level, mask: &mut Mask) {
     let mut hits = Hits::default();
     cones.iter().for_each(|cone| hits.push(cone));
-    dispatch!(level, simd => hits.splat(simd, (Vec3::ZERO, 0.0), mask));
+    let cone = Cone { axis: mask.square().axis, one_minus_cos: 0.1, distance: f32::INFINITY };
+    dispatch!(level, simd => hits.splat(simd, &cone, mask));
 }
 
 /// Entry and exit of a ray from the origin into a ball, both possibly negative.
