@@ -3,11 +3,12 @@
 use crate::Mask;
 use crate::row::{self, EIGHT, Row, WIDTH};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lobe_core::special::{exp, ln_1p};
 use lobe_core::{Lobe, Receiver, is_lambert};
 
 const ROWS: usize = 1 << crate::MAX_DEPTH;
+const NUMBERS: [f32; EIGHT] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 /// Blocks of eight columns: what a weight is taken for. A column of a fine mask has eight samples, of a coarse one four.
 const FINE: usize = 4;
 const COARSE: usize = 2;
@@ -147,10 +148,22 @@ fn lambert<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, norma
         inverse * inverse
     };
     let columns = by_column::<B>(mask, 0.0, weight);
-    by_row::<S, B, false>(simd, mask, counts, &columns, |y| {
-        let w = weight(y);
-        [w * (normal.y * y + normal.z), w * normal.x, 0.0]
-    })
+    by_row::<S, B, _>(simd, mask, counts, &columns, &LambertRows { normal })
+}
+
+struct LambertRows {
+    normal: Vec3,
+}
+
+impl Rows for LambertRows {
+    const THIRD: bool = false;
+
+    #[inline(always)]
+    fn factors<S: Simd>(&self, simd: S, y: f32x8<S>) -> [f32x8<S>; 3] {
+        let inverse = f32x8::splat(simd, 1.0) / (y * y + 1.0);
+        let w = inverse * inverse;
+        [w * (y * self.normal.y + self.normal.z), w * self.normal.x, f32x8::splat(simd, 0.0)]
+    }
 }
 
 #[inline(always)]
@@ -191,15 +204,44 @@ fn glossy<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, at: &R
     };
     let (hxx, hyy, hxy) = (h(0, 0), h(1, 1), h(0, 1));
     let columns = by_column::<B>(mask, c.x, |dx| exp((g.x + 0.5 * hxx * dx) * dx));
-    let at_peak = if cosine { normal } else { Vec3::Z };
-    by_row::<S, B, true>(simd, mask, counts, &columns, |y| {
-        let dy = y - c.y;
-        let w = exp((g.y + 0.5 * hyy * dy) * dy);
+    let normal = if cosine { normal } else { Vec3::Z };
+    let rows = GlossyRows { peak: c, gradient: g.y, hyy, hxy, normal };
+    by_row::<S, B, _>(simd, mask, counts, &columns, &rows)
+}
+
+struct GlossyRows {
+    peak: Vec2,
+    gradient: f32,
+    hyy: f32,
+    hxy: f32,
+    normal: Vec3,
+}
+
+impl Rows for GlossyRows {
+    const THIRD: bool = true;
+
+    #[inline(always)]
+    fn factors<S: Simd>(&self, simd: S, y: f32x8<S>) -> [f32x8<S>; 3] {
+        let dy = y - self.peak.y;
+        let mut w: [f32; EIGHT] = ((dy * (0.5 * self.hyy) + self.gradient) * dy).into();
+        for w in &mut w {
+            *w = exp(*w);
+        }
+        let w = f32x8::simd_from(simd, w);
         // exp(h_xy dx dy) by its series, times n·p.
-        let t = hxy * dy;
-        let n = at_peak.x * c.x + at_peak.y * y + at_peak.z;
-        [w * n, w * (n * t + at_peak.x), w * (0.5 * n * t + at_peak.x) * t]
-    })
+        let t = dy * self.hxy;
+        let n = y * self.normal.y + (self.normal.x * self.peak.x + self.normal.z);
+        [w * n, w * (n * t + self.normal.x), w * (n * t * 0.5 + self.normal.x) * t]
+    }
+}
+
+/// What the three sums of a row are multiplied by. A trait and no closure: a closure is not told to stay inside the code that
+/// has the wide instructions.
+trait Rows {
+    /// Whether there is a third.
+    const THIRD: bool;
+    /// Of eight rows, at their heights.
+    fn factors<S: Simd>(&self, simd: S, y: f32x8<S>) -> [f32x8<S>; 3];
 }
 
 /// Weights by column: `u`, `u·dx`, `u·dx²`, with `dx` measured from `origin`.
@@ -219,32 +261,35 @@ fn by_column<const B: usize>(mask: &Mask, origin: f32, weight: impl Fn(f32) -> f
     weights
 }
 
-/// `row(y)` gives what a row's three sums are multiplied by; the third is zero unless `THIRD`.
 #[inline(always)]
-fn by_row<S: Simd, const B: usize, const THIRD: bool>(
+fn by_row<S: Simd, const B: usize, R: Rows>(
     simd: S,
     mask: &Mask,
     counts: &Counts,
     columns: &[[[f32; EIGHT]; B]; 3],
-    row: impl Fn(f32) -> [f32; 3],
+    rows: &R,
 ) -> f32 {
     let side = mask.side();
-    let mut factors = [[0.0; 3]; ROWS];
-    for (j, factors) in factors[..side].iter_mut().enumerate() {
-        *factors = row(mask.row_y(j));
+    let mut factors = [[0.0; ROWS]; 3];
+    let mut y = f32x8::simd_from(simd, NUMBERS) * mask.cell() + mask.row_y(0);
+    for first in (0..side).step_by(EIGHT) {
+        for (column, factor) in factors.iter_mut().zip(rows.factors(simd, y)) {
+            factor.store_slice(&mut column[first..first + EIGHT]);
+        }
+        y += f32x8::splat(simd, EIGHT as f32 * mask.cell());
     }
     let [u, v, w] = columns;
     let (mut lit, mut all) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.0));
     let (open, _) = counts.lit.as_chunks::<EIGHT>();
     let (emitting, _) = counts.emitting.as_chunks::<EIGHT>();
     let rows = open.chunks_exact(B).zip(emitting.chunks_exact(B));
-    for ((open, emitting), factors) in rows.zip(&factors[..side]) {
-        let p = f32x8::splat(simd, factors[0]);
-        let q = f32x8::splat(simd, factors[1]);
-        let r = f32x8::splat(simd, factors[2]);
+    for (j, (open, emitting)) in rows.take(side).enumerate() {
+        let p = f32x8::splat(simd, factors[0][j]);
+        let q = f32x8::splat(simd, factors[1][j]);
+        let r = f32x8::splat(simd, factors[2][j]);
         for block in 0..B {
             let mut weight = p * f32x8::simd_from(simd, u[block]) + q * f32x8::simd_from(simd, v[block]);
-            if THIRD {
+            if R::THIRD {
                 weight += r * f32x8::simd_from(simd, w[block]);
             }
             lit += f32x8::simd_from(simd, open[block]) * weight;
