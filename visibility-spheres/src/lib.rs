@@ -24,4 +24,6 @@ pub use crate::set::{
 #[cfg(test)]
 mod culling_tests;
 #[cfg(test)]
+mod splat_tests;
+#[cfg(test)]
 mod tests;
