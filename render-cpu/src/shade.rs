@@ -7,10 +7,13 @@ use lobe_core::{
 };
 use rayon::prelude::*;
 use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// Points that are culled together: an 8 × 8 pixel tile of a [`GBuffer`](crate::GBuffer).
 const GROUP: usize = 64;
+/// Groups that a thread takes at once, at most: what is dear is often side by side.
+const RUN: usize = 16;
 /// One group in this many is timed stage by stage; clocks would cost more than a lit point does.
 const TIMED: usize = 32;
 
@@ -100,19 +103,26 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
     ) -> Result<(ShadeStats, Vec<Option<Layers>>), LobesFull> {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
         let start = Instant::now();
-        let memory = || Memory {
-            tile: Tile::default(),
-            lobes: TileLobes::default(),
-            cones: TileLight::default(),
-            integrals: Vec::new(),
-            lit: TileLit::default(),
-            scratch: self.visibility.scratch(),
-            sum: VisibilitySum::with_capacity(self.visibility.max_lobes()),
+        // In a box: it is large, and changes hands often.
+        let memory = || {
+            Box::new(Memory {
+                tile: Tile::default(),
+                lobes: TileLobes::default(),
+                cones: TileLight::default(),
+                integrals: Vec::new(),
+                lit: TileLit::default(),
+                scratch: self.visibility.scratch(),
+                sum: VisibilitySum::with_capacity(self.visibility.max_lobes()),
+            })
         };
+        let pool = Mutex::new(Vec::new());
+        let lend = || Lent::new(&pool);
         let groups: Vec<(Work, Option<Layers>)> = out
             .par_chunks_mut(GROUP)
             .enumerate()
-            .map_init(memory, |memory, (group, out)| {
+            .with_max_len(RUN)
+            .map_init(lend, |lent, (group, out)| {
+                let memory = lent.memory.get_or_insert_with(memory);
                 let first = group * GROUP;
                 let receivers = &points.receivers[first..first + out.len()];
                 let materials = &points.materials[first..first + out.len()];
@@ -226,6 +236,25 @@ struct Memory<V: VisibilityLobes> {
     lit: TileLit,
     scratch: V::Scratch,
     sum: VisibilitySum,
+}
+
+/// Memory that goes back to others when a run of groups is done.
+struct Lent<'p, M> {
+    pool: &'p Mutex<Vec<M>>,
+    memory: Option<M>,
+}
+
+impl<'p, M> Lent<'p, M> {
+    /// None, if none is free.
+    fn new(pool: &'p Mutex<Vec<M>>) -> Self {
+        Self { pool, memory: pool.lock().unwrap_or_else(PoisonError::into_inner).pop() }
+    }
+}
+
+impl<M> Drop for Lent<'_, M> {
+    fn drop(&mut self) {
+        self.pool.lock().unwrap_or_else(PoisonError::into_inner).extend(self.memory.take());
+    }
 }
 
 /// One group's counters and clocks; stages in the order of Table 1.
