@@ -65,13 +65,6 @@ impl Material {
             Self::MetallicRoughness(_) => "metallic-roughness",
         }
     }
-}
-
-impl Material {
-    /// How many places for lobes a receiver of a tile needs.
-    pub(crate) fn places(&self) -> usize {
-        each!(self, m => m.max_lobes())
-    }
 
     /// What the lobe at a place is made of; none beyond the last, and of models whose lobes have no such constants.
     pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {

@@ -4,7 +4,7 @@ use crate::term::{Diffuse, Mirror, Shape, Term};
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
-use lobe_core::{Lobe, OWN_NONE, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobes, Lobe, OWN_NONE, Receiver, Tile, TileLobes};
 
 /// Lobes of all receivers of a tile, receiver `i` of material `of[i]`: those that
 /// [`brdf_lobes`](lobe_core::BrdfLobes::brdf_lobes) gives, in the same order, bit for bit.
@@ -36,7 +36,7 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
     for number in of {
         // Neighbours mostly have the same.
         if last != Some(number) {
-            places = places.max(materials[*number as usize].places());
+            places = places.max(materials[*number as usize].max_lobes());
             last = Some(number);
         }
     }

@@ -1,3 +1,4 @@
+use crate::lanes::sum;
 use core::f32::consts::FRAC_1_SQRT_2;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
@@ -88,12 +89,6 @@ impl Edges {
         debug_assert!(half.max_element() >= 0.99 * FRAC_1_SQRT_2 || half.min_element() <= -0.5);
         self.right * half.x + self.up * half.y
     }
-}
-
-#[inline(always)]
-fn sum<S: Simd>(lanes: f32x8<S>) -> f32 {
-    let [a, b, c, d, e, f, g, h]: [f32; 8] = lanes.into();
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// Two unit vectors that complete an axis to a basis, without a step except where it points straight down.

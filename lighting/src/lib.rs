@@ -11,6 +11,7 @@ mod cut;
 mod edges;
 #[doc(hidden)]
 pub mod hooks;
+mod lanes;
 mod mask;
 mod mixture;
 mod node;

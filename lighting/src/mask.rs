@@ -373,8 +373,7 @@ impl Mask {
     #[inline(always)]
     pub fn is_row_dark_between(&self, j: usize, from: u32, to: u32) -> bool {
         if self.coarse {
-            let row = u64::from(self.halves[0][j]) | u64::from(self.halves[1][j]) << 32;
-            return row & row::span_of_64(from, to) == 0;
+            return self.lit(j).0[0] & row::span_of_64(from, to) == 0;
         }
         row::and(&self.lit[j], &row::span(from, to)) == row::NONE
     }

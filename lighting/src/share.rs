@@ -1,6 +1,7 @@
 //! The share of a reflectance lobe's light that a mask leaves, summed over its samples.
 
 use crate::Mask;
+use crate::lanes::sum;
 use crate::row::{self, EIGHT, Row, WIDTH};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
@@ -326,12 +327,6 @@ fn by_sample<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, wei
         }
     }
     ratio(mask, sum(lit), sum(all))
-}
-
-#[inline(always)]
-fn sum<S: Simd>(lanes: f32x8<S>) -> f32 {
-    let [a, b, c, d, e, f, g, h]: [f32; EIGHT] = lanes.into();
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.

@@ -116,21 +116,23 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             })
         };
         let pool = Mutex::new(Vec::new());
-        let lend = || Lent::new(&pool);
         let groups: Vec<(Work, Option<Layers>)> = out
             .par_chunks_mut(GROUP)
             .enumerate()
             .with_max_len(RUN)
-            .map_init(lend, |lent, (group, out)| {
-                let memory = lent.memory.get_or_insert_with(memory);
-                let first = group * GROUP;
-                let receivers = &points.receivers[first..first + out.len()];
-                let materials = &points.materials[first..first + out.len()];
-                let mut layers = layers.then(Layers::default);
-                let mut work = Work::new(group.is_multiple_of(TIMED));
-                self.group(receivers, materials, frame, memory, &mut work, &mut layers, out)?;
-                Ok((work, layers))
-            })
+            .map_init(
+                || Lent::new(&pool),
+                |lent, (group, out)| {
+                    let memory = lent.memory.get_or_insert_with(memory);
+                    let first = group * GROUP;
+                    let receivers = &points.receivers[first..first + out.len()];
+                    let materials = &points.materials[first..first + out.len()];
+                    let mut layers = layers.then(Layers::default);
+                    let mut work = Work::new(group.is_multiple_of(TIMED));
+                    self.group(receivers, materials, frame, memory, &mut work, &mut layers, out)?;
+                    Ok((work, layers))
+                },
+            )
             .collect::<Result<_, LobesFull>>()?;
         let seconds = start.elapsed().as_secs_f64();
         let mut counts = Counts::default();

@@ -2,7 +2,7 @@
 
 use crate::block::LANES;
 use crate::ellipse::{FLAT, LANE};
-use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lighting::{MAX_DEPTH, Mask, Raster};
 
@@ -50,16 +50,12 @@ pub(crate) fn splat_wide<S: Simd>(simd: S, to: Vec3, cos: f32, mask: &mut Mask) 
         let ends = [load(simd, &from, base + 1), load(simd, &to, base + 1)];
         let [from, to] =
             [(ends[0] - raster.left) * raster.samples - shift, (ends[1] - raster.left) * raster.samples - shift];
-        let nothing = f32x8::splat(simd, 0.0);
-        let all = f32x8::splat(simd, raster.width);
         if cone.outside {
-            mask.block_rows(
-                simd,
-                base,
-                raster.indices(simd, nothing),
-                raster.indices(simd, flat.select(nothing, from)),
-            );
-            mask.block_rows(simd, base, raster.indices(simd, flat.select(all, to)), raster.indices(simd, all));
+            let (nothing, all) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, raster.width));
+            let before = raster.indices(simd, flat.select(nothing, from));
+            let behind = raster.indices(simd, flat.select(all, to));
+            mask.block_rows(simd, base, u32x8::splat(simd, 0), before);
+            mask.block_rows(simd, base, behind, u32x8::splat(simd, raster.width as u32));
         } else {
             mask.block_rows(simd, base, raster.indices(simd, from), raster.indices(simd, flat.select(from, to)));
         }
@@ -128,10 +124,8 @@ impl WideCone {
         let from = raster.indices(simd, (ends[0] - raster.left) * raster.samples);
         let to = raster.indices(simd, (ends[1] - raster.left) * raster.samples);
         if self.outside {
-            let nothing = raster.indices(simd, f32x8::splat(simd, 0.0));
-            mask.block_lines(simd, j, nothing, from);
-            let all = raster.indices(simd, f32x8::splat(simd, raster.width));
-            mask.block_lines(simd, j, to, all);
+            mask.block_lines(simd, j, u32x8::splat(simd, 0), from);
+            mask.block_lines(simd, j, to, u32x8::splat(simd, raster.width as u32));
         } else {
             mask.block_lines(simd, j, from, to);
         }

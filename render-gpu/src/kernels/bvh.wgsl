@@ -1,8 +1,8 @@
 // The hierarchy of bvh.rs and the primitives in it, both in its units.
 
 // 32 bytes. The first one is no node: `low` has the units of the hierarchy a world unit, and the size of the scene in world
-// units; where its count is 0 there is one from `first` on for each object, whose count is 1 if it blocks. A leaf has `count` primitives from `first` on; an inner node has count 0 and its children at `first` and
-// `first + 1`.
+// units; where its count is 0 there is one from `first` on for each object, whose count is 1 if it blocks. A leaf has `count`
+// primitives from `first` on; an inner node has count 0 and its children at `first` and `first + 1`.
 struct BvhNode {
     low: vec3f,
     count: u32,
@@ -67,8 +67,8 @@ fn enter(ray: Slabs, low: vec3f, high: vec3f, limit: f32) -> f32 {
     return select(NEVER, near, near <= far * 1.000001);
 }
 
-// Distance to a triangle, both sides, or NEVER; a ray that starts on it does not meet it (T. Möller, B. Trumbore, 1997); `blur` is what rounding may change of the
-// barycentric coordinates times the determinant, over the lengths of the edges.
+// Distance to a triangle, both sides, or NEVER; a ray that starts on it does not meet it (T. Möller, B. Trumbore, 1997);
+// `blur` is what rounding may change of the barycentric coordinates times the determinant, over the lengths of the edges.
 fn meet_triangle(t: Primitive, origin: vec3f, direction: vec3f, blur: f32) -> f32 {
     let p = cross(direction, t.c);
     let det = dot(t.b, p);

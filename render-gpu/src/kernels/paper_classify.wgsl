@@ -1,6 +1,6 @@
-// `classify` by the paper's method, as `Integrator::by_paper`: the product of reflectance and light comes from the table.
-// A point is queued where any blocker may shade it, umbra included. Needs frame.wgsl, queue.wgsl, points.wgsl, tiles.wgsl, brdf's lobes,
-// paper.wgsl of lobe-core and `blockers_coverage(tile, at, cone)`.
+// `classify` by the paper's method, as `Integrator::by_paper`: the product of reflectance and light comes from the table. A
+// point is queued where any blocker may shade it, umbra included. Needs frame.wgsl, queue.wgsl, points.wgsl, tiles.wgsl,
+// brdf's lobes, paper.wgsl of lobe-core and `blockers_coverage(tile, at, cone)`.
 
 fn classify_point(tile: u32, point: u32) {
     let at = points[point];

@@ -29,8 +29,8 @@ pub(super) struct Setting {
     pub(super) spp: Option<u32>,
 }
 
-/// All combinations, on the CPU and the GPU of that name: tolerance and depth for moments, depth for the paper's method, whose lobes know no tolerance, samples for
-/// rays.
+/// All combinations, on the CPU and the GPU of that name: tolerance and depth for moments, depth for the paper's method, whose
+/// lobes know no tolerance, samples for rays.
 pub(super) fn all(args: &TradeArgs, strategies: &[Visibility], gpu: &str) -> Vec<Setting> {
     let mut list = Vec::new();
     let pairs = args.device.iter().flat_map(|device| args.method.iter().map(move |method| (*device, *method)));
