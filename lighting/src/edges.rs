@@ -95,5 +95,5 @@ impl Edges {
 fn frame(axis: Vec3) -> (Vec3, Vec3) {
     let Vec3 { x, y, z } = axis;
     let a = 1.0 / (1.0 + y).max(1e-6);
-    (Vec3::new(1.0 - x * x * a, -x, -x * z * a).normalize(), Vec3::new(-x * z * a, -z, 1.0 - z * z * a).normalize())
+    (Vec3::new(1.0 - x * x * a, -x, -x * z * a), Vec3::new(-x * z * a, -z, 1.0 - z * z * a))
 }

@@ -12,7 +12,7 @@ fn edges_frame(axis: vec3f) -> EdgeFrame {
     let a = 1.0 / max(1.0 + axis.y, 1e-6);
     let right = vec3f(1.0 - axis.x * axis.x * a, -axis.x, -axis.x * axis.z * a);
     let up = vec3f(-axis.x * axis.z * a, -axis.z, 1.0 - axis.z * axis.z * a);
-    return EdgeFrame(right * (1.0 / sqrt(dot(right, right))), up * (1.0 / sqrt(dot(up, up))));
+    return EdgeFrame(right, up);
 }
 
 // An edge with `across` (world space, any length) at right angles to it, `length` radii of the light's disc long.

@@ -1,6 +1,6 @@
-use crate::UnitSquare;
 use crate::row::{self, COARSE, EIGHT, Row, SUBLINES, WIDTH};
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
+use crate::{LitBounds, Raster, UnitSquare};
+use fearless_simd::{Level, Simd, dispatch, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
@@ -378,6 +378,32 @@ impl Mask {
         row::and(&self.lit[j], &row::span(from, to)) == row::NONE
     }
 
+    /// The rows and the samples that all that is lit lies in; empty when nothing is.
+    #[must_use]
+    #[inline(always)]
+    pub fn lit_bounds<S: Simd>(&self, simd: S) -> LitBounds {
+        let (mut rows, mut columns) = (0_u64, row::NONE);
+        if self.coarse {
+            let zero = u32x8::splat(simd, 0);
+            let mut any = [zero; 2];
+            for base in (0..self.side()).step_by(EIGHT) {
+                let [low, high] = [&self.halves[0], &self.halves[1]].map(|rows| row::eight(simd, &rows[base..]));
+                any = [any[0] | low, any[1] | high];
+                rows |= u64::from((low | high).simd_ne(zero).to_bitmask() as u32) << base;
+            }
+            let [low, high]: [[u32; EIGHT]; 2] = [any[0].into(), any[1].into()];
+            let or = |lanes: [u32; EIGHT]| lanes.iter().fold(0, |a, b| a | b);
+            columns = row::coarse(or(low), or(high));
+        } else {
+            for (j, row) in self.fine_rows().iter().enumerate() {
+                columns = row::with(&columns, row);
+                rows |= u64::from(*row != row::NONE) << j;
+            }
+        }
+        let samples = row::bounds(&columns);
+        LitBounds { rows: [rows.trailing_zeros(), u64::BITS - rows.leading_zeros()], samples }
+    }
+
     /// Part of a cell of row `j` that emits, as (start, length) in cells.
     pub(crate) fn emitting_part(&self, i: usize, j: usize) -> (f32, f32) {
         let (from, to) = self.emitting[j];
@@ -415,58 +441,6 @@ impl Mask {
     pub fn is_dark(&self) -> bool {
         (0..self.side()).all(|j| self.is_row_dark(j))
     }
-}
-
-/// From plane coordinates to rows and samples: row line `j` is at height `j + ½` of `(y − bottom)·rows`, samples count
-/// from `(x − left)·samples`, less the shift of the row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Raster {
-    /// Plane coordinate x of the window's left side.
-    pub left: f32,
-    /// Plane coordinate y of its lower side.
-    pub bottom: f32,
-    /// Samples a unit of plane coordinates.
-    pub samples: f32,
-    /// Rows a unit.
-    pub rows: f32,
-    /// Samples in a row.
-    pub width: f32,
-}
-
-impl Raster {
-    /// How far the samples of row `j` are shifted, in samples within ±½. Positions in samples lose it before
-    /// they are rounded.
-    #[inline(always)]
-    #[must_use]
-    pub fn shift(j: usize) -> f32 {
-        row::PHASE[j]
-    }
-
-    /// The shifts of eight rows from `j` on.
-    #[inline(always)]
-    #[must_use]
-    pub fn shifts(j: usize) -> &'static [f32; 8] {
-        row::phases(j)
-    }
-
-    /// The first sample at or after each position.
-    #[inline(always)]
-    pub fn indices<S: Simd>(&self, simd: S, position: f32x8<S>) -> u32x8<S> {
-        let clamped = position.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, self.width));
-        // The last bits of a float that is large enough.
-        (clamped + f32x8::splat(simd, 12_582_912.0)).bitcast::<u32x8<S>>() & u32x8::splat(simd, 0x1ff)
-    }
-
-    /// Heights of the eight lines of [`Mask::block_lines`] above the row's own, in rows within ±½.
-    pub const HEIGHTS: [f32; 8] = {
-        let mut heights = [0.0; SUBLINES];
-        let mut k = 0;
-        while k < SUBLINES {
-            heights[k] = row::height(k);
-            k += 1;
-        }
-        heights
-    };
 }
 
 /// The lowest `n` bits, n ≤ 64.

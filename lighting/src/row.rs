@@ -121,6 +121,17 @@ pub(crate) fn with(a: &Row, b: &Row) -> Row {
     out
 }
 
+/// The first sample, and the one behind the last; the first is not below the other when there is none.
+#[inline(always)]
+pub(crate) fn bounds(row: &Row) -> [u32; 2] {
+    let mut bounds = [WIDTH as u32, 0];
+    for (k, word) in row.0.iter().enumerate().filter(|(_, word)| **word != 0) {
+        let start = 64 * k as u32;
+        bounds = [bounds[0].min(start + word.trailing_zeros()), start + 64 - word.leading_zeros()];
+    }
+    bounds
+}
+
 /// Of some samples of row `j` those at height `k`: one of every eight, another one in each row.
 #[inline(always)]
 pub(crate) fn of_line(row: &Row, j: usize, k: usize) -> Row {

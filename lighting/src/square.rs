@@ -41,12 +41,17 @@ impl UnitSquare {
     #[must_use]
     pub fn facing(cone: &Cone, across: Vec3) -> Self {
         let aside = across - cone.axis * across.dot(cone.axis);
-        let right = if aside.length_squared() > 1e-12 * across.length_squared() {
-            aside.try_normalize().map(|r| (r - cone.axis * r.dot(cone.axis)).normalize())
+        let (square, all) = (aside.length_squared(), across.length_squared());
+        let right = if square > 0.5 * all && (1e-30..f32::INFINITY).contains(&square) {
+            aside / square.sqrt()
+        } else if square > 1e-12 * all {
+            // A small rest of a long vector: its rounding errors need not be at right angles to the axis.
+            let r = aside.normalize_or_zero();
+            (r - cone.axis * r.dot(cone.axis)).normalize_or_zero()
         } else {
-            None
+            Vec3::ZERO
         };
-        let right = right.unwrap_or_else(|| orthonormal_basis(cone.axis).0);
+        let right = if right == Vec3::ZERO { orthonormal_basis(cone.axis).0 } else { right };
         let disc = if cone.one_minus_cos < 1.0 { cone.tan().min(WIDEST_TAN) } else { WIDEST_TAN };
         Self { right, up: cone.axis.cross(right), axis: cone.axis, center: Vec2::ZERO, half: disc, disc }
     }

@@ -21,10 +21,14 @@ const NARROWEST = 1e8;
 fn square_facing(cone: Cone, across: vec3f) -> UnitSquare {
     let aside = across - cone.axis * dot(across, cone.axis);
     let square = dot(aside, aside);
+    let all = dot(across, across);
     var right = orthonormal_basis_u(cone.axis);
-    if (square > 1e-12 * dot(across, across) && square > 1e-37) {
-        let r = aside * (1.0 / sqrt(square));
-        right = unit(r - cone.axis * dot(r, cone.axis));
+    if (square > 1e-12 * all && square > 1e-37) {
+        right = aside * (1.0 / sqrt(square));
+        if (square <= 0.5 * all) {
+            // A small rest of a long vector: its rounding errors need not be at right angles to the axis.
+            right = unit(right - cone.axis * dot(right, cone.axis));
+        }
     }
     var disc = WIDEST_TAN;
     if (cone.one_minus_cos < 1.0) {

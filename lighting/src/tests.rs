@@ -4,6 +4,7 @@ use crate::node::{Discs, Moments, Part, Pyramid, block};
 use crate::row::{self, WIDTH};
 use crate::*;
 use core::f64::consts::PI;
+use fearless_simd::{Level, dispatch};
 use glam::{DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{Cone, Lobe};
@@ -221,6 +222,45 @@ fn shifted_samples_add_up() {
         // The golden section's discrepancy: about 1/N.
         println!("depth {depth}: {worst:.4} samples");
         assert!(worst < 1.6 / f64::from(1u32 << depth), "depth {depth}: {worst}");
+    }
+}
+
+#[test]
+fn what_is_dark_is_found_by_rows_and_by_bounds() {
+    let mut random = Random::new(29);
+    for case in 0..400 {
+        let mut mask = Mask::default();
+        mask.set_coarse(case % 2 == 0);
+        mask.reset(&UnitSquare::facing(&cone(0.1, Vec3::Y), Vec3::X), 3 + case % 4, Vec3::Y);
+        let most = [0.01, 1.0, 1.9, 2.1][(case / 4 % 4) as usize] * f64::from(mask.square().half);
+        for j in 0..mask.side() {
+            let from = random.between(-1.0, 0.3) * f64::from(mask.square().half);
+            mask.block_span(j, from as f32, (from + most) as f32);
+            if random.uniform() < 0.5 {
+                mask.block_span(j, f32::NEG_INFINITY, f32::INFINITY);
+            }
+        }
+        let width = mask.width() as u32;
+        let lit = |j: usize, k: u32| mask.lit(j).0[k as usize / 64] >> (k % 64) & 1 != 0;
+        let rows: Vec<usize> = (0..mask.side()).filter(|j| (0..width).any(|k| lit(*j, k))).collect();
+        let samples: Vec<u32> = (0..width).filter(|k| rows.iter().any(|j| lit(*j, *k))).collect();
+        dispatch!(Level::new(), simd => {
+            let bounds = mask.lit_bounds(simd);
+            assert_eq!(bounds.is_empty(), rows.is_empty(), "case {case}");
+            assert_eq!(mask.is_dark(), rows.is_empty(), "case {case}");
+            if let (Some(first), Some(last), [left, .., right]) = (rows.first(), rows.last(), &samples[..]) {
+                let want = LitBounds { rows: [*first as u32, *last as u32 + 1], samples: [*left, right + 1] };
+                assert_eq!(bounds, want, "case {case}");
+            }
+            for _ in 0..20 {
+                let [a, b] = [0, 0].map(|_| (random.uniform() * f64::from(width + 1)) as u32);
+                let (from, to) = (a.min(b), a.max(b));
+                let dark = |j: usize| (from..to).all(|k| !lit(j, k));
+                let base = (random.uniform() * (mask.side() / 8) as f64) as usize * 8;
+                assert_eq!(mask.are_rows_dark_between(simd, base, from, to), (base..base + 8).all(dark), "case {case}");
+                assert_eq!(mask.is_row_dark_between(base, from, to), dark(base), "case {case}");
+            }
+        });
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::block::LANES;
 use core::ops::Range;
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
-use lighting::{Mask, Raster};
+use lighting::{LitBounds, Mask, Raster};
 
 // Rows are taken eight at once, too.
 pub(crate) const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -71,6 +71,19 @@ impl Ellipses {
     /// Lanes whose balls are wholly in front, as bits: the others are no ellipses.
     pub(crate) fn are_in_front(&self) -> u32 {
         self.in_front
+    }
+
+    /// Lanes that lie outside of all that is lit, as bits.
+    #[inline(always)]
+    pub(crate) fn misses<S: Simd>(&self, simd: S, lit: &LitBounds) -> u32 {
+        let [first, end] = [i32x8::simd_from(simd, self.rows[0]), i32x8::simd_from(simd, self.rows[1])];
+        let [left, right] = [i32x8::simd_from(simd, self.samples[0]), i32x8::simd_from(simd, self.samples[1])];
+        let at = |k: u32| i32x8::splat(simd, k as i32);
+        let misses = end.simd_le(at(lit.rows[0]))
+            | first.simd_ge(at(lit.rows[1]))
+            | right.simd_le(at(lit.samples[0]))
+            | left.simd_ge(at(lit.samples[1]));
+        misses.to_bitmask() as u32
     }
 
     #[inline(always)]

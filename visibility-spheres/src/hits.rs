@@ -100,7 +100,8 @@ impl Hits {
     pub(crate) fn splat<S: Simd>(&self, simd: S, light: &Cone, mask: &mut Mask) {
         let square = *mask.square();
         for (number, hit) in self.blocks.iter().enumerate() {
-            if number > 0 && mask.is_dark() {
+            let lit = mask.lit_bounds(simd);
+            if lit.is_empty() {
                 return;
             }
             let [x, y, z] = hit.to(simd);
@@ -109,7 +110,11 @@ impl Hits {
             let ellipses = Ellipses::new(simd, local, f32x8::simd_from(simd, hit.tangent_radius), mask);
             let wide = f32x8::simd_from(simd, hit.cos).simd_le(f32x8::splat(simd, 0.0)).to_bitmask() as u32;
             let narrow = ellipses.are_in_front() & !wide & !bits(hit.meets_light);
-            for lane in 0..LANES.min(self.len - number * LANES) {
+            let all = (1 << (self.len - number * LANES).min(LANES)) - 1;
+            let mut left = all & !(narrow & ellipses.misses(simd, &lit));
+            while left != 0 {
+                let lane = left.trailing_zeros() as usize;
+                left &= left - 1;
                 if narrow >> lane & 1 != 0 {
                     ellipses.splat(simd, lane, mask);
                 } else if hit.meets_light[lane] {

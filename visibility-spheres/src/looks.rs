@@ -52,6 +52,17 @@ pub(crate) fn cones<S: Simd>(
     (tangent_radius, cos, tangent | inside | above.simd_gt(zero))
 }
 
+/// [`cones`] where every τ is zero.
+#[inline(always)]
+pub(crate) fn whole_cones<S: Simd>(simd: S, to: [f32x8<S>; 3], radius: f32x8<S>) -> (f32x8<S>, f32x8<S>, mask32x8<S>) {
+    let zero = f32x8::splat(simd, 0.0);
+    let d_sq = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
+    let power = d_sq - radius * radius;
+    let tangent = power.simd_gt(zero);
+    let cos = tangent.select((power / d_sq).sqrt(), f32x8::splat(simd, -1.0));
+    (tangent.select(radius, zero), cos, zero.simd_eq(zero))
+}
+
 impl LightBall {
     pub(crate) fn new(query: &VisibilityQuery<'_>) -> Self {
         let cone = query.cone;
@@ -65,15 +76,19 @@ impl LightBall {
     pub(crate) fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, block: &Candidates) -> Looks<S> {
         let at = query.at.position;
         let own = u32x8::simd_from(simd, block.object).simd_eq(u32x8::splat(simd, query.at.object));
-        let zero = f32x8::splat(simd, 0.0);
-        let radius = own.select(f32x8::simd_from(simd, block.own_radius), f32x8::simd_from(simd, block.spheres.radius));
-        let tau = own.select(f32x8::simd_from(simd, block.tau), zero);
+        let whole = f32x8::simd_from(simd, block.spheres.radius);
         let to = [
             f32x8::simd_from(simd, block.spheres.x) - at.x,
             f32x8::simd_from(simd, block.spheres.y) - at.y,
             f32x8::simd_from(simd, block.spheres.z) - at.z,
         ];
-        let (tangent_radius, cos, exists) = cones(simd, to, radius, tau);
+        let (radius, (tangent_radius, cos, exists)) = if own.any_true() {
+            let radius = own.select(f32x8::simd_from(simd, block.own_radius), whole);
+            let tau = own.select(f32x8::simd_from(simd, block.tau), f32x8::splat(simd, 0.0));
+            (radius, cones(simd, to, radius, tau))
+        } else {
+            (whole, whole_cones(simd, to, whole))
+        };
         let (meets, behind) = self.order(simd, to, radius);
         let (lit, dark) = self.cover(simd, to, tangent_radius, cos);
         let hides = exists & !behind & !lit;

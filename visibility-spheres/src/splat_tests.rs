@@ -1,10 +1,11 @@
 //! Cones that spheres block, and their bits on the mask, against rays in f64.
 
+use crate::block::LANES;
 use crate::hits::Hits;
-use crate::looks::cones;
+use crate::looks::{cones, whole_cones};
 use crate::splat::{BlockedCone, order_by_ray};
 use core::f64::consts::PI;
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::{DVec3, Vec3};
 use lighting::{Mask, UnitSquare};
 use lobe_core::Cone;
@@ -346,5 +347,27 @@ fn masks_do_not_depend_on_the_registers() {
         for &level in &levels {
             assert_eq!(draw(level), want, "case {case} at {level:?}");
         }
+    }
+}
+
+#[test]
+fn whole_spheres_are_those_with_no_distance() {
+    let mut random = Random::new(8);
+    for case in 0..2000 {
+        let scale = random.log_uniform(1e-6, 1e6);
+        let direction = random.axis() * scale;
+        // From far inside, through the surface, to far outside; sometimes at the centre.
+        let radius = scale * random.log_uniform(1e-3, 1e3);
+        let to = if case % 50 == 0 { Vec3::ZERO } else { direction.as_vec3() };
+        dispatch!(Level::new(), simd => {
+            let column = |x: f32| f32x8::splat(simd, x);
+            let (to, radius) = ([column(to.x), column(to.y), column(to.z)], column(radius as f32));
+            let lanes = |(a, b, c): (f32x8<_>, f32x8<_>, mask32x8<_>)| {
+                let [a, b]: [[f32; LANES]; 2] = [a.into(), b.into()];
+                (a.map(f32::to_bits), b.map(f32::to_bits), c.to_bitmask())
+            };
+            let want = lanes(cones(simd, to, radius, column(0.0)));
+            assert_eq!(lanes(whole_cones(simd, to, radius)), want, "case {case}");
+        });
     }
 }
