@@ -6,7 +6,7 @@ use super::bounding::bound;
 use super::cover::greedy_cover;
 use super::descent::descend;
 use super::error::BuildError;
-use super::exchange::{insert, removal_costs};
+use super::exchange::{insert, take_any, take_out};
 use super::goal::Goal;
 use super::options::{BuildOptions, Progress};
 use super::random::{Random, fibonacci, quasi_random};
@@ -28,6 +28,16 @@ const fn exchange_descent(count: usize) -> (usize, f32) {
         0..=23 => (120, 0.002),
         24..=48 => (120, 0.004),
         _ => (60, 0.002),
+    }
+}
+
+/// Rounds after which a few spheres only fall back into the same places, so that chance takes some out; more are not
+/// settled by then. With 16 spheres nearly all exchanges after the first ten end where they began.
+const fn cycle(count: usize) -> u32 {
+    match count {
+        0..=23 => 10,
+        24..=48 => 12,
+        _ => u32::MAX,
     }
 }
 
@@ -117,17 +127,25 @@ impl<'a> Builder<'a> {
         let mut best = goal.error(&spheres);
         let mut history = vec![best];
         let (steps, rate) = exchange_descent(options.count);
+        let cycle = cycle(options.count).min(options.rounds);
+        // What the exchanges start from: worse than the best for a while after chance had its turn.
+        let (mut walk, mut reached) = (spheres.clone(), best);
         for round in 0..options.rounds {
-            let left = 1.0 - round as f32 / options.rounds as f32;
-            report(0.85 - 0.65 * left)?;
+            report(0.2 + 0.65 * round as f32 / options.rounds as f32)?;
             // A box is soon as good as it gets: exchanges that bring little are not gone on with.
             let pays = |since: usize, gain: f32| history.len() <= since + 2 || best < (1.0 - gain) * history[since];
             if !pays(history.len().saturating_sub(WINDOW + 1), 0.02) && !pays(0, 0.15) {
                 break;
             }
-            let mut trial = spheres.clone();
-            let moved = ((0.04 + 0.11 * left) * options.count as f32 + 2.0 * left).ceil() as usize;
-            take_out(views, &mut trial, moved, &mut random);
+            let left = 1.0 - (round % cycle) as f32 / cycle as f32;
+            let by_chance = round > 0 && round % cycle == 0;
+            let mut trial = if by_chance { spheres.clone() } else { walk.clone() };
+            if by_chance {
+                take_any(&mut trial, (1.5 * (options.count as f32).sqrt()) as usize, &mut random);
+            } else {
+                let moved = ((0.04 + 0.11 * left) * options.count as f32 + 2.0 * left).ceil() as usize;
+                take_out(views, &mut trial, moved, &mut random);
+            }
             let missing = options.count - trial.len();
             let from = random.below(places.len() - PLACES.min(places.len()) + 1);
             let some = &places[from..(from + PLACES).min(places.len())];
@@ -135,7 +153,11 @@ impl<'a> Builder<'a> {
             descend(&goal, &mut trial, steps, rates(rate, 0.0004), &mut random);
             let found = goal.error(&trial);
             if found < best {
-                (spheres, best) = (trial, found);
+                best = found;
+                spheres.clone_from(&trial);
+            }
+            if by_chance || found < reached {
+                (walk, reached) = (trial, found);
             }
             history.push(best);
         }
@@ -164,30 +186,4 @@ fn views(triangles: &[[Vec3; 3]], size: usize) -> Vec<View> {
         (0..VIEWS).into_par_iter().map(|i| View::new(fibonacci(i, 2 * VIEWS), triangles, MARGIN, size)).collect();
     View::limit_weights(&mut views, 0.3);
     views
-}
-
-/// Removes about `count` spheres that the silhouettes miss least, no two of them neighbours.
-fn take_out(views: &[View], spheres: &mut Vec<Vec4>, count: usize, random: &mut Random) {
-    let costs = removal_costs(views, spheres);
-    // Blurred costs make the rounds differ.
-    let mut order: Vec<(f32, usize)> =
-        costs.iter().enumerate().map(|(i, cost)| (cost * (0.6 + 0.8 * random.unit()), i)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut gone: Vec<usize> = Vec::with_capacity(count);
-    for (_, i) in order {
-        if gone.len() == count || gone.len() + 1 >= spheres.len() {
-            break;
-        }
-        let beside = |j: &usize| {
-            let reach = spheres[i].w.max(spheres[*j].w);
-            spheres[i].truncate().distance_squared(spheres[*j].truncate()) < reach * reach
-        };
-        if !gone.iter().any(beside) {
-            gone.push(i);
-        }
-    }
-    gone.sort_unstable();
-    for i in gone.into_iter().rev() {
-        spheres.remove(i);
-    }
 }

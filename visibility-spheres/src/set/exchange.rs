@@ -19,7 +19,7 @@ const SPARSE: usize = 8;
 const SHORTLIST: usize = 40;
 
 /// What each sphere's removal would add to the silhouette error, over all views: pixels that only it covers.
-pub(crate) fn removal_costs(views: &[View], spheres: &[Vec4]) -> Vec<f32> {
+fn removal_costs(views: &[View], spheres: &[Vec4]) -> Vec<f32> {
     let per_view: Vec<Vec<f32>> = views
         .par_iter()
         .map_init(
@@ -52,6 +52,39 @@ pub(crate) fn removal_costs(views: &[View], spheres: &[Vec4]) -> Vec<f32> {
         }
     }
     costs
+}
+
+/// Removes about `count` spheres that the silhouettes miss least, no two of them neighbours.
+pub(crate) fn take_out(views: &[View], spheres: &mut Vec<Vec4>, count: usize, random: &mut Random) {
+    let costs = removal_costs(views, spheres);
+    // Blurred costs make the rounds differ.
+    let mut order: Vec<(f32, usize)> =
+        costs.iter().enumerate().map(|(i, cost)| (cost * (0.6 + 0.8 * random.unit()), i)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut gone: Vec<usize> = Vec::with_capacity(count);
+    for (_, i) in order {
+        if gone.len() == count || gone.len() + 1 >= spheres.len() {
+            break;
+        }
+        let beside = |j: &usize| {
+            let reach = spheres[i].w.max(spheres[*j].w);
+            spheres[i].truncate().distance_squared(spheres[*j].truncate()) < reach * reach
+        };
+        if !gone.iter().any(beside) {
+            gone.push(i);
+        }
+    }
+    gone.sort_unstable();
+    for i in gone.into_iter().rev() {
+        spheres.remove(i);
+    }
+}
+
+/// Removes up to `count` spheres, any of them, but not the last.
+pub(crate) fn take_any(spheres: &mut Vec<Vec4>, count: usize, random: &mut Random) {
+    for _ in 0..count.min(spheres.len().saturating_sub(1)) {
+        spheres.swap_remove(random.below(spheres.len()));
+    }
 }
 
 /// What is still to be gained in one view: running sums along rows of +1 for a subpixel of the silhouette that no
@@ -158,5 +191,31 @@ pub(crate) fn insert(views: &[View], spheres: &mut Vec<Vec4>, places: &[Vec4], c
         let Some((_, ball)) = best else { break };
         gains.par_iter_mut().for_each(|view| view.place(ball));
         spheres.push(ball);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The last sphere stays, those that stay are unchanged, and chance decides which they are.
+    #[test]
+    fn some_are_taken() {
+        let all: Vec<Vec4> = (0..9).map(|i| Vec4::splat(i as f32)).collect();
+        let mut random = Random::new(0);
+        let left = |count: usize, random: &mut Random| {
+            let mut spheres = all.clone();
+            take_any(&mut spheres, count, random);
+            spheres
+        };
+        for (count, kept) in [(0, 9), (4, 5), (8, 1), (20, 1)] {
+            let mut spheres = left(count, &mut random);
+            spheres.sort_by(|a, b| a.x.total_cmp(&b.x));
+            spheres.dedup();
+            assert_eq!(spheres.len(), kept);
+            assert!(spheres.iter().all(|ball| all.contains(ball)));
+        }
+        assert_ne!(left(4, &mut random), left(4, &mut random));
+        take_any(&mut Vec::new(), 3, &mut random);
     }
 }

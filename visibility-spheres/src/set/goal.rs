@@ -6,7 +6,7 @@ use super::bits::BitImage;
 use super::solid::Solid;
 use super::view::View;
 
-/// Weight of the blurred silhouettes' difference against that of the sharp ones', from 32 spheres on.
+/// Weight of the blurred silhouettes' difference against that of the sharp ones', from 64 spheres on.
 const SOFT: f32 = 0.4;
 
 /// Weight of the volume outside the mesh over D and the mean silhouette area, with 64 spheres. Without it the silhouette
@@ -26,10 +26,10 @@ pub(crate) struct Goal<'a> {
 
 impl<'a> Goal<'a> {
     pub(crate) fn new(views: &'a [View], solid: &'a Solid, count: usize) -> Self {
-        // Few spheres miss every outline, so that the balance says more of their shadows; and they have to bulge. Many
-        // hardly do.
+        // Few spheres miss every outline, so that the balance says more of their shadows (bunny, 32 spheres: 0.023 instead of
+        // 0.024, silhouettes as they were); and they have to bulge. Many hardly do.
         let crowd = count as f32 / 64.0;
-        let soft = SOFT * (0.5 / crowd).clamp(1.0, 2.0);
+        let soft = SOFT * crowd.powf(-1.5).clamp(1.0, 2.5);
         // Nothing can stand for a sheet but what bulges.
         let room = (1.25 * solid.fullness()).min(1.0) / View::mean_area(views);
         Self { views, soft, solid, bulge: BULGE * crowd.min(1.0 / crowd) * room }
