@@ -274,7 +274,7 @@ impl Contour {
 
     /// The same between the outermost rows and the light's rim beyond them, where it runs along the rows.
     fn rim_plateaus(&mut self, mask: &Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
-        let (side, disc, cell) = (mask.side(), mask.square().disc, mask.cell());
+        let (side, disc, cell) = (mask.side(), mask.square().disc, mask.cell().y);
         for j in 0..side {
             let e = self.emitting[j] & !self.steps(j);
             for (beyond, sign) in [(j.wrapping_sub(1), -1.0), (j + 1, 1.0)] {
@@ -324,7 +324,7 @@ impl Contour {
     /// Blocks the runs of dark cells, their ends found between two centres.
     fn write(&self, mask: &mut Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
         for j in 0..mask.side() {
-            let (e, y, cell) = (self.emitting[j], mask.row_y(j), mask.cell());
+            let (e, y, cell) = (self.emitting[j], mask.row_y(j), mask.cell().x);
             let mut whole = self.dark[j] & e;
             for i in Bits(e) {
                 let covered = self.covered[j][i];
@@ -376,5 +376,5 @@ fn sample(mask: &Mask, i: usize, j: usize) -> f32 {
     } else {
         start + length
     };
-    mask.cell_center(0, j).x + (at - 0.5) * mask.cell()
+    mask.cell_center(0, j).x + (at - 0.5) * mask.cell().x
 }

@@ -35,7 +35,7 @@ fn contour_sample(mask: Mask, i: u32, j: u32) -> f32 {
     } else if (last >= first + 3u && i == last) {
         at = part.x + part.y;
     }
-    return mask_cell_center(mask, 0u, j).x + (at - 0.5) * mask_cell(mask);
+    return mask_cell_center(mask, 0u, j).x + (at - 0.5) * mask_cell(mask).x;
 }
 
 fn contour_mark(i: u32, j: u32) { atomicOr(&contour_marks[2u * j + i / 32u], 1u << (i & 31u)); }

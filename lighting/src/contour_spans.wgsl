@@ -77,7 +77,7 @@ fn contour_outer(mask: Mask, j: u32, above: bool) -> Flat {
     }
     let disc_sq = mask.square.disc * mask.square.disc;
     let y = mask_row_y(mask, j);
-    let cell = mask_cell(mask);
+    let cell = mask_cell(mask).y;
     var rest = out.all;
     while (bits_any(rest)) {
         let i = bits_first(rest);
@@ -148,7 +148,7 @@ fn contour_write_parts(j: u32, mask: Mask) -> vec2u {
         let share = clamp(covered, -128.0, 127.0) / CONTOUR_WHOLE + select(0.0, 1.0, bits_has(whole, i));
         whole &= ~bits_one(i);
         let part = contour_part(i, j);
-        let cell = mask_cell(mask);
+        let cell = mask_cell(mask).x;
         let left = mask_cell_center(mask, i, j).x + (part.x - f32(i) - 0.5) * cell;
         // Ends among the samples of a cell that differ from cell to cell, else a whole row would round alike.
         let shift = (row_phase(i) + row_phase(j)) / mask.scale;

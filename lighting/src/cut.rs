@@ -119,7 +119,7 @@ impl<'a> Cut<'a> {
         if level as u32 == self.mask.depth() || is_lambert(self.at, self.brdf) {
             return 0.0;
         }
-        let node = all.lobe(self.mask.cell());
+        let node = all.lobe(self.mask.cell().min_element());
         // A mirror is refined like a narrow lobe.
         let e = self.brdf.exponent.min(NARROWEST);
         let r = e * node.spread;
@@ -145,7 +145,7 @@ impl<'a> Cut<'a> {
         if moments.omega <= 0.0 {
             return Ok(());
         }
-        let lobe = moments.lobe(self.mask.cell());
+        let lobe = moments.lobe(self.mask.cell().min_element());
         let axis = self.mask.square().world(lobe.axis).normalize();
         // No lobe has a mean vector below half its flux, as a ring of a wide light has: for a Lambert lobe the vector is
         // what has to be kept.

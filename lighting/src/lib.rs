@@ -25,6 +25,8 @@ mod share;
 mod sphere_light;
 mod square;
 #[cfg(test)]
+mod square_tests;
+#[cfg(test)]
 mod tests;
 mod visibility;
 pub mod wgsl;

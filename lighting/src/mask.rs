@@ -83,7 +83,7 @@ impl Mask {
         self.fit();
         let n = square.local(normal);
         let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * n.truncate().length_squared();
-        self.whole_disc = above && square.half == square.disc && square.center == Vec2::ZERO;
+        self.whole_disc = above && square.half == Vec2::splat(square.disc) && square.center == Vec2::ZERO;
         if self.whole_disc {
             let (disc, side) = (&DISCS[usize::from(self.coarse)][depth as usize], self.side());
             self.emitting[..side].copy_from_slice(&disc.emitting[..side]);
@@ -101,8 +101,8 @@ impl Mask {
 
     /// The scale of the window.
     fn fit(&mut self) {
-        self.left = self.square.center.x - self.square.half;
-        self.scale = self.width() as f32 / (2.0 * self.square.half);
+        self.left = self.square.center.x - self.square.half.x;
+        self.scale = self.width() as f32 / (2.0 * self.square.half.x);
     }
 
     /// From the next [`reset`](Self::reset) on: whether rows have 64 samples instead of 256, for tolerances of a few
@@ -175,22 +175,22 @@ impl Mask {
         &self.square
     }
 
-    /// Side of a cell in plane coordinates.
+    /// Sides of a cell in plane coordinates.
     #[must_use]
-    pub fn cell(&self) -> f32 {
+    pub fn cell(&self) -> Vec2 {
         2.0 * self.square.half / self.side() as f32
     }
 
     /// Plane coordinate y of row `j`.
     #[must_use]
     pub fn row_y(&self, j: usize) -> f32 {
-        self.square.center.y + ((j as f32 + 0.5) - 0.5 * self.side() as f32) * self.cell()
+        self.square.center.y + ((j as f32 + 0.5) - 0.5 * self.side() as f32) * self.cell().y
     }
 
     /// Plane coordinates of the centre of cell `i` of row `j`.
     #[must_use]
     pub fn cell_center(&self, i: usize, j: usize) -> Vec2 {
-        Vec2::new(self.square.center.x + ((i as f32 + 0.5) - 0.5 * self.side() as f32) * self.cell(), self.row_y(j))
+        Vec2::new(self.square.center.x + ((i as f32 + 0.5) - 0.5 * self.side() as f32) * self.cell().x, self.row_y(j))
     }
 
     #[inline(always)]
@@ -219,7 +219,7 @@ impl Mask {
     ///
     /// Each line has an eighth of the samples, so that two edges that pass through the same row fuse as they should.
     pub fn block_area(&mut self, j: usize, span: impl Fn(f32) -> (f32, f32)) {
-        let (y, cell) = (self.row_y(j), self.cell());
+        let (y, cell) = (self.row_y(j), self.cell().y);
         let mut from = [0; SUBLINES];
         let mut to = [0; SUBLINES];
         for k in 0..SUBLINES {
@@ -298,9 +298,9 @@ impl Mask {
     pub fn raster(&self) -> Raster {
         Raster {
             left: self.left,
-            bottom: self.square.center.y - self.square.half,
+            bottom: self.square.center.y - self.square.half.y,
             samples: self.scale,
-            rows: self.side() as f32 / (2.0 * self.square.half),
+            rows: self.side() as f32 / (2.0 * self.square.half.y),
             width: self.width() as f32,
         }
     }

@@ -38,12 +38,12 @@ fn row_height(k: u32) -> f32 { return (f32(k) + 0.5) * 0.125 - 0.5; }
 
 // Starts the own row anew: no blocker; what emits is the light's disc above the horizon of `normal` (world space).
 fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
-    let mask = Mask(square, square.center.x - square.half, f32(WIDTH) / (2.0 * square.half));
+    let mask = Mask(square, square.center.x - square.half.x, f32(WIDTH) / (2.0 * square.half.x));
     let n = square_local(square, normal);
     let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * dot(n.xy, n.xy);
-    if (above && square.half == square.disc && all(square.center == vec2f(0.0))) {
+    if (above && all(square.half == vec2f(square.disc)) && all(square.center == vec2f(0.0))) {
         // All whole discs are the same.
-        let unit = UnitSquare(square.right, square.up, square.axis, vec2f(0.0), 1.0, 1.0);
+        let unit = UnitSquare(square.right, square.up, square.axis, vec2f(0.0), vec2f(1.0), 1.0);
         mask_emit(Mask(unit, -1.0, f32(WIDTH) * 0.5), j, vec3f(0.0, 0.0, 1.0));
     } else {
         mask_emit(mask, j, n);
@@ -71,24 +71,24 @@ fn mask_emit(mask: Mask, j: u32, n: vec3f) {
     lit = row_span(emitting.x, emitting.y);
 }
 
-// Side of a cell in plane coordinates.
-fn mask_cell(mask: Mask) -> f32 { return 2.0 * mask.square.half / f32(SIDE); }
+// Sides of a cell in plane coordinates.
+fn mask_cell(mask: Mask) -> vec2f { return 2.0 * mask.square.half / f32(SIDE); }
 
 // Plane coordinate y of row `j`.
 fn mask_row_y(mask: Mask, j: u32) -> f32 {
-    return mask.square.center.y + ((f32(j) + 0.5) - 0.5 * f32(SIDE)) * mask_cell(mask);
+    return mask.square.center.y + ((f32(j) + 0.5) - 0.5 * f32(SIDE)) * mask_cell(mask).y;
 }
 
 // Plane coordinates of the centre of cell `i` of row `j`.
 fn mask_cell_center(mask: Mask, i: u32, j: u32) -> vec2f {
     return vec2f(
-        mask.square.center.x + ((f32(i) + 0.5) - 0.5 * f32(SIDE)) * mask_cell(mask),
+        mask.square.center.x + ((f32(i) + 0.5) - 0.5 * f32(SIDE)) * mask_cell(mask).x,
         mask_row_y(mask, j)
     );
 }
 
 fn mask_raster(mask: Mask) -> Raster {
-    let half = mask.square.half;
+    let half = mask.square.half.y;
     return Raster(mask.left, mask.square.center.y - half, mask.scale, f32(SIDE) / (2.0 * half));
 }
 

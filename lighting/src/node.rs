@@ -85,7 +85,7 @@ pub(crate) enum Part {
 fn is_wide(mask: &Mask, x0: usize, y0: usize, size: usize) -> bool {
     let side = size as f32 * mask.cell();
     let middle = mask.cell_center(x0, y0) + 0.5 * (side - mask.cell());
-    side * side > 0.06 * (1.0 + middle.length_squared())
+    side.max_element().powi(2) > 0.06 * (1.0 + middle.length_squared())
 }
 
 /// Moments of a square block of `size` ≤ 8 cells.
@@ -154,17 +154,17 @@ impl Sums {
             return Moments::default();
         }
         let cell = mask.cell();
-        let sample = cell * (mask.side() as f32 / mask.width() as f32);
+        let sample = cell.x * (mask.side() as f32 / mask.width() as f32);
         let inverse = 1.0 / self.count as f32;
         let (mx, my) = (self.x as f32 * inverse, self.y as f32 * inverse);
         let (xx, yy) = (self.xx as f32 * inverse - mx * mx, self.yy as f32 * inverse - my * my);
-        let variance = (xx.max(0.0) + 1.0 / 12.0) * sample * sample + (yy.max(0.0) + 1.0 / 12.0) * cell * cell;
+        let variance = (xx.max(0.0) + 1.0 / 12.0) * sample * sample + (yy.max(0.0) + 1.0 / 12.0) * cell.y * cell.y;
         let origin = mask.cell_center(x0, y0);
-        let (px, py) = (origin.x - 0.5 * cell + (mx + 0.5) * sample, origin.y + my * cell);
+        let (px, py) = (origin.x - 0.5 * cell.x + (mx + 0.5) * sample, origin.y + my * cell.y);
         let s = px * px + py * py + variance;
         let q_sq = 1.0 / (1.0 + s);
         let q = q_sq.sqrt();
-        let omega = self.count as f32 * sample * cell * q * q_sq;
+        let omega = self.count as f32 * sample * cell.y * q * q_sq;
         Moments { omega, x: omega * q * px, y: omega * q * py, defect: omega * s * q_sq / (1.0 + q) }
     }
 }

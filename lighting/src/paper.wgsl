@@ -143,7 +143,7 @@ fn paper_solved(distance: u32, level: u32) -> f32 {
 
 // `node_lobe`: that of the sphere around a node's square (Fig. 10).
 fn paper_node_lobe(square: UnitSquare, level: u32, node: vec2u) -> Lobe {
-    let half = square.half / f32(1u << level);
+    let half = square.half.x / f32(1u << level);
     let at = vec2f(2u * node + vec2u(1u)) * half - square.half;
     let cone = cone_of_sphere(vec3f(0.0), vec4f(at, 1.0, 1.41421356237310 * half));
     return paper_occluder(Cone(unit(square_world(square, cone.axis)), cone.one_minus_cos, cone.distance));

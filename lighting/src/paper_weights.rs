@@ -99,8 +99,8 @@ fn one_minus_cos(tan: f32) -> f32 {
 
 /// The lobe of one shadow node, scale 1 (Eqs. 34, 35): that of the sphere around the node's square (Fig. 10).
 pub(crate) fn node_lobe(square: &UnitSquare, node: ShadowNode, caps: &CapTable) -> Lobe {
-    let half = square.half / (1u32 << node.level) as f32;
-    let at = |k: usize| (2 * k + 1) as f32 * half - square.half;
+    let half = square.half.x / (1u32 << node.level) as f32;
+    let at = |k: usize| (2 * k + 1) as f32 * half - square.half.x;
     let radius = core::f32::consts::SQRT_2 * half;
     let cone = Cone::of_sphere(Vec3::ZERO, Sphere { center: Vec3::new(at(node.x), at(node.y), 1.0), radius });
     caps.occluder(&Cone { axis: square.world(cone.axis).normalize(), ..cone })

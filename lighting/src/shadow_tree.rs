@@ -182,7 +182,11 @@ mod tests {
             for _ in 0..200 {
                 let mut mask = Mask::default();
                 let disc = random.log_uniform(1e-4, 10.0) as f32;
-                mask.reset(&UnitSquare { half: disc, disc, ..UnitSquare::default() }, tree.mask_depth(), glam::Vec3::Z);
+                mask.reset(
+                    &UnitSquare { half: glam::Vec2::splat(disc), disc, ..UnitSquare::default() },
+                    tree.mask_depth(),
+                    glam::Vec3::Z,
+                );
                 tree.read(&mask);
                 assert_eq!(tree.touched, tree.seen, "depth {depth}, disc {disc}");
             }

@@ -122,8 +122,8 @@ fn add_up<const B: usize>(rows: impl Iterator<Item = Row>, bytes: &mut [u8], out
 #[inline(always)]
 fn middles<const B: usize>(mask: &Mask) -> [[f32; EIGHT]; B] {
     let square = mask.square();
-    let width = 2.0 * square.half / (B * EIGHT) as f32;
-    let left = square.center.x - square.half + 0.5 * width;
+    let width = 2.0 * square.half.x / (B * EIGHT) as f32;
+    let left = square.center.x - square.half.x + 0.5 * width;
     let mut x = [[0.0; EIGHT]; B];
     for (block, x) in x.iter_mut().enumerate() {
         for (k, x) in x.iter_mut().enumerate() {
@@ -172,7 +172,7 @@ fn glossy<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, at: &R
     let square = mask.square();
     let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
     let cosine = lobe.cosine > 0.0;
-    let narrowest = (2.0 / (mask.cell() * mask.cell())).max(MIRROR);
+    let narrowest = (2.0 / mask.cell().max_element().powi(2)).max(MIRROR);
     let e = if lobe.exponent < narrowest { lobe.exponent } else { narrowest };
     let m = e + 3.0;
     // The peak: the point of the light next to the lobe's axis.
@@ -183,9 +183,9 @@ fn glossy<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, at: &R
     let d = aside.dot(c) + axis.z;
     let over = 1.0 / (1.0 + c.length_squared());
     let slope = aside.length() / d;
-    let reach = square.half.min(2.0 / m.sqrt());
+    let reach = square.half.max_element().min(2.0 / m.sqrt());
     let third = e * (slope * reach).powi(3) / 3.0 + m * (c.length() + 0.25 * reach) * reach.powi(3);
-    if !(d > 0.0 && slope * square.half < 0.5 && third < LEFT_OUT) {
+    if !(d > 0.0 && slope * square.half.max_element() < 0.5 && third < LEFT_OUT) {
         return by_sample::<S, B>(simd, mask, counts, |x, y| {
             let inverse = 1.0 / (x * x + y * y + 1.0);
             let along = axis.x * x + (axis.y * y + axis.z);
@@ -272,12 +272,12 @@ fn by_row<S: Simd, const B: usize, R: Rows>(
 ) -> f32 {
     let side = mask.side();
     let mut factors = [[0.0; ROWS]; 3];
-    let mut y = f32x8::simd_from(simd, NUMBERS) * mask.cell() + mask.row_y(0);
+    let mut y = f32x8::simd_from(simd, NUMBERS) * mask.cell().y + mask.row_y(0);
     for first in (0..side).step_by(EIGHT) {
         for (column, factor) in factors.iter_mut().zip(rows.factors(simd, y)) {
             factor.store_slice(&mut column[first..first + EIGHT]);
         }
-        y += f32x8::splat(simd, EIGHT as f32 * mask.cell());
+        y += f32x8::splat(simd, EIGHT as f32 * mask.cell().y);
     }
     let [u, v, w] = columns;
     let (mut lit, mut all) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.0));
@@ -352,13 +352,13 @@ mod tests {
     fn exact(mask: &Mask, at: &Receiver, lobe: &Lobe) -> Option<(f64, f64)> {
         let square = *mask.square();
         let [right, up, toward] = [square.right, square.up, square.axis].map(Vec3::as_dvec3);
-        let (half, side) = (f64::from(square.half), mask.side());
+        let (half, side) = (square.half.as_dvec2(), mask.side());
         let (mut lit, mut all) = (0.0, 0.0);
         for j in 0..side {
-            let y = f64::from(square.center.y) + half * ((2 * j + 1) as f64 / side as f64 - 1.0);
+            let y = f64::from(square.center.y) + half.y * ((2 * j + 1) as f64 / side as f64 - 1.0);
             let (from, to) = mask.emitting(j);
             for k in from..to {
-                let x = f64::from(square.center.x) + half * (f64::from(2 * k + 1) / mask.width() as f64 - 1.0);
+                let x = f64::from(square.center.x) + half.x * (f64::from(2 * k + 1) / mask.width() as f64 - 1.0);
                 let p: DVec3 = right * x + up * y + toward;
                 let v = p.normalize();
                 let along = lobe.axis.as_dvec3().dot(v).max(0.0);
@@ -369,7 +369,7 @@ mod tests {
                 lit += w * (mask.lit(j).0[k / 64] >> (k % 64) & 1) as f64;
             }
         }
-        let sample = (2.0 * half).powi(2) / (mask.width() * side) as f64;
+        let sample = 4.0 * half.x * half.y / (mask.width() * side) as f64;
         let part = all * sample * (f64::from(lobe.exponent) + 1.0) / core::f64::consts::TAU;
         (all > 0.0).then(|| (lit / all, part))
     }
@@ -402,8 +402,8 @@ mod tests {
             mask.set_coarse(case % 2 == 0);
             mask.reset(&UnitSquare::facing(&cone, Vec3::X), 3 + case % 4, normal);
             for j in 0..mask.side() {
-                let from = (random.between(-1.0, 0.5) * f64::from(mask.square().half)) as f32;
-                mask.block_span(j, from, from + 0.7 * mask.square().half);
+                let from = (random.between(-1.0, 0.5) * f64::from(mask.square().half.x)) as f32;
+                mask.block_span(j, from, from + 0.7 * mask.square().half.x);
             }
             let want = share(&mask, &at, &lobe, &mut Counts::default());
             for &level in &levels {
@@ -444,7 +444,7 @@ mod tests {
                     mask.set_coarse(case % 4 == 3);
                     mask.reset(&square, 4 + case as u32 % 3, normal);
                     for j in 0..mask.side() {
-                        let at = |x: f64| square.center.x + square.half * x as f32;
+                        let at = |x: f64| square.center.x + square.half.x * x as f32;
                         let from = random.between(-1.0, 0.6);
                         mask.block_span(j, at(from), at(from + random.uniform()));
                     }

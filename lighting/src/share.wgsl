@@ -44,7 +44,7 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
 
 // Plane coordinates x of the middles of four columns, in the order of their counts.
 fn middles(mask: Mask, group: u32) -> vec4f {
-    let width = 2.0 * mask.square.half / f32(COLUMNS);
-    let left = mask.square.center.x - mask.square.half + 0.5 * width;
+    let width = 2.0 * mask.square.half.x / f32(COLUMNS);
+    let left = mask.square.center.x - mask.square.half.x + 0.5 * width;
     return left + width * vec4f(row_columns(group));
 }

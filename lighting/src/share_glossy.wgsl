@@ -28,7 +28,9 @@ fn glossy_of(mask: Mask, at: Receiver, lobe: Lobe) -> GlossyWeights {
     weights.normal = square_local(square, at.normal);
     weights.cosine = lobe.cosine > 0.0;
     let cell = mask_cell(mask);
-    let e = min(lobe.exponent, max(2.0 / (cell * cell), MIRROR_SHARE));
+    let widest = max(cell.x, cell.y);
+    let half = max(square.half.x, square.half.y);
+    let e = min(lobe.exponent, max(2.0 / (widest * widest), MIRROR_SHARE));
     weights.exponent = e;
     let m = e + 3.0;
     let aside = weights.axis.xy;
@@ -38,10 +40,10 @@ fn glossy_of(mask: Mask, at: Receiver, lobe: Lobe) -> GlossyWeights {
     let d = dot(aside, c) + weights.axis.z;
     let over = 1.0 / (1.0 + dot(c, c));
     let slope = sqrt(dot(aside, aside)) / d;
-    let reach = min(square.half, 2.0 / sqrt(m));
+    let reach = min(half, 2.0 / sqrt(m));
     let steep = slope * reach;
     let third = e * (steep * steep * steep) / 3.0 + m * (sqrt(dot(c, c)) + 0.25 * reach) * (reach * reach * reach);
-    weights.by_row = d > 0.0 && slope * square.half < 0.5 && third < LEFT_OUT;
+    weights.by_row = d > 0.0 && slope * half < 0.5 && third < LEFT_OUT;
     // ln w about c; the cosine's own 1/|p| beside.
     let p = select(m, m + 1.0, weights.cosine);
     let of_d = 1.0 / d;

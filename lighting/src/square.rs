@@ -7,12 +7,18 @@ pub(crate) const WIDEST_TAN: f32 = 11.43;
 /// A window is not made smaller than for this exponent: plane coordinates in f32 resolve no more.
 pub(crate) const NARROWEST: f32 = 1e8;
 
+/// Lobes farther beside the light than so many of their reaches have the window of one that is so far.
+pub(crate) const FARTHEST: f32 = 8.0;
+
+/// Half a window is at least so many radii of the light: samples of less drown in the rounding of plane coordinates.
+pub(crate) const THINNEST: f32 = 1e-4;
+
 /// The unit square (Fig. 8): the window in the plane facing the light on which visibility is rasterised.
 ///
 /// Coordinates are those of the plane at distance 1 along `axis`: the direction of a point `(x, y)` is
 /// `(x·right + y·up + axis)/√(1+x²+y²)`. The paper scales the same square to side 1 and moves it to
-/// `dist = 1/(2 tan θ)`. The light is the disc of radius `tan θ` about the origin; the window covers all of it, or, for
-/// a narrow reflectance lobe, the part that the lobe sees.
+/// `dist = 1/(2 tan θ)`. The light is the disc of radius `tan θ` about the origin; the window is a rectangle around all of
+/// it, around what is above the horizon, or, for a narrow reflectance lobe, around the part that the lobe sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitSquare {
     /// World direction of +x.
@@ -23,15 +29,15 @@ pub struct UnitSquare {
     pub axis: Vec3,
     /// Centre of the window.
     pub center: Vec2,
-    /// Half the side of the window.
-    pub half: f32,
+    /// Half its sides.
+    pub half: Vec2,
     /// Radius `tan θ` of the light's disc.
     pub disc: f32,
 }
 
 impl Default for UnitSquare {
     fn default() -> Self {
-        Self { right: Vec3::X, up: Vec3::Y, axis: Vec3::Z, center: Vec2::ZERO, half: 1.0, disc: 1.0 }
+        Self { right: Vec3::X, up: Vec3::Y, axis: Vec3::Z, center: Vec2::ZERO, half: Vec2::ONE, disc: 1.0 }
     }
 }
 
@@ -53,18 +59,42 @@ impl UnitSquare {
         };
         let right = if right == Vec3::ZERO { orthonormal_basis(cone.axis).0 } else { right };
         let disc = if cone.one_minus_cos < 1.0 { cone.tan().min(WIDEST_TAN) } else { WIDEST_TAN };
-        Self { right, up: cone.axis.cross(right), axis: cone.axis, center: Vec2::ZERO, half: disc, disc }
+        Self { right, up: cone.axis.cross(right), axis: cone.axis, center: Vec2::ZERO, half: Vec2::splat(disc), disc }
     }
 
-    /// The window that a reflectance lobe needs: `sigmas` standard deviations `1/√e` of the lobe about its axis, moved
-    /// into the square around the light and above the horizon of `normal`. Moves and grows continuously with lobe and
-    /// light and becomes the whole window for a lobe broader than the light.
+    /// The window around what of the light is above the horizon of `normal`: of a sliver of the light no sample is lost. All
+    /// of the window where the horizon leaves all or nothing.
+    #[must_use]
+    pub fn above(&self, normal: Vec3) -> Self {
+        let n = self.local(normal);
+        let aside = n.truncate().length();
+        let from = -n.z / aside;
+        if !(aside > 0.0 && from > -self.disc && from < self.disc) {
+            return *self;
+        }
+        // The disc's outermost points, or the ends of the horizon's chord where those are below.
+        let m = n.truncate() / aside;
+        let reach = Vec2::new(m.y, m.x).abs() * (self.disc * self.disc - from * from).max(0.0).sqrt();
+        let disc = Vec2::splat(self.disc);
+        let high = Vec2::select((m * self.disc).cmpge(Vec2::splat(from)), disc, from * m + reach);
+        let low = Vec2::select((m * -self.disc).cmpge(Vec2::splat(from)), -disc, from * m - reach);
+        self.within(low, high)
+    }
+
+    /// The part of the window that a reflectance lobe needs: where its logarithm is within `sigmas²/2` of its largest value
+    /// over what emits.
+    ///
+    /// With p the emitting point next to the lobe's axis, g the gradient of `ln (a·v)ᵉ` there and `σ = (1 + p²)/√e`, the width
+    /// of the lobe on the plane, that is `g·δ − δ²/2σ² ≥ −sigmas²/2`: a disc about `p + σ²g` of radius `√(σ⁴g² + sigmas²σ²)`.
+    /// Where the axis is on the light, g = 0. Beside it only the rim is seen: the farther away, the less deep. Moves and
+    /// grows continuously with lobe and light and becomes the whole window for a lobe broader than the light
+    /// (sigmas·σ above its radius).
     #[must_use]
     pub fn zoomed(&self, lobe: &Lobe, normal: Vec3, sigmas: f32) -> Self {
         let along = self.axis.dot(lobe.axis);
-        let local = Vec2::new(self.right.dot(lobe.axis), self.up.dot(lobe.axis));
+        let aside = Vec2::new(self.right.dot(lobe.axis), self.up.dot(lobe.axis));
         // The lobe's axis on the plane, or the point of the emitting disc next to it.
-        let mut point = if along > 1e-3 { local / along } else { local.normalize_or_zero() * 1e3 };
+        let mut point = if along > 1e-3 { aside / along } else { aside.normalize_or_zero() * 1e3 };
         let n = self.local(normal);
         for _ in 0..3 {
             let below = n.x * point.x + n.y * point.y + n.z;
@@ -74,15 +104,28 @@ impl UnitSquare {
             point = point.clamp_length_max(self.disc);
         }
         // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
-        let half = (sigmas * lobe.exponent.clamp(1e-6, NARROWEST).sqrt().recip() * (1.0 + point.length_squared()))
-            .min(self.disc);
-        let room = Vec2::splat(self.disc - half);
-        Self { center: point.clamp(-room, room), half, ..*self }
+        let stretch = 1.0 + point.length_squared();
+        let reach = sigmas * lobe.exponent.clamp(1e-6, NARROWEST).sqrt().recip() * stretch;
+        let uphill = aside / (aside.dot(point) + along).max(1e-3) - point / stretch;
+        let uphill = (uphill * (stretch * stretch)).clamp_length_max(FARTHEST * reach);
+        // A window as large as the light is not worth a mask: from four fifths on it grows to all of it.
+        let broad = (5.0 * reach / self.disc - 4.0).clamp(0.0, 1.0);
+        let radius = (uphill.length_squared() + reach * reach).sqrt() + broad * (2.0 * self.disc);
+        self.within(point + uphill - radius, point + uphill + radius)
+    }
+
+    /// The part of the window between two corners; not less than [`THINNEST`].
+    fn within(&self, low: Vec2, high: Vec2) -> Self {
+        let (low, high) = (low.max(self.center - self.half), high.min(self.center + self.half));
+        let half = (0.5 * (high - low)).max(Vec2::splat(THINNEST * self.disc)).min(self.half);
+        let room = self.half - half;
+        let center = (0.5 * (high + low)).clamp(self.center - room, self.center + room);
+        Self { center, half, ..*self }
     }
 
     /// About the directions that the window shows, as a cone.
     pub(crate) fn cone(&self, distance: f32) -> Cone {
-        let tan = self.half / (1.0 + self.center.length_squared());
+        let tan = self.half.max_element() / (1.0 + self.center.length_squared());
         let root = (1.0 + tan * tan).sqrt();
         let axis = self.world(self.center.extend(1.0)).normalize();
         Cone { axis, one_minus_cos: tan * tan / (root * (1.0 + root)), distance }

@@ -6,9 +6,9 @@ struct UnitSquare {
     right: vec3f,
     up: vec3f,
     axis: vec3f,
-    // Centre of the window, half its side, and the radius tan θ of the light's disc.
+    // Centre of the window, half its sides, and the radius tan θ of the light's disc.
     center: vec2f,
-    half: f32,
+    half: vec2f,
     disc: f32,
 }
 
@@ -16,6 +16,10 @@ struct UnitSquare {
 const WIDEST_TAN = 11.43;
 // A window is not made smaller than for this exponent.
 const NARROWEST = 1e8;
+// Lobes farther beside the light than so many of their reaches have the window of one that is so far.
+const FARTHEST = 8.0;
+// Half a window is at least so many radii of the light.
+const THINNEST = 1e-4;
 
 // The window that covers the whole light, turned so that `across` lies between right and axis.
 fn square_facing(cone: Cone, across: vec3f) -> UnitSquare {
@@ -34,15 +38,33 @@ fn square_facing(cone: Cone, across: vec3f) -> UnitSquare {
     if (cone.one_minus_cos < 1.0) {
         disc = min(cone_tan(cone), WIDEST_TAN);
     }
-    return UnitSquare(right, cross(cone.axis, right), cone.axis, vec2f(0.0), disc, disc);
+    return UnitSquare(right, cross(cone.axis, right), cone.axis, vec2f(0.0), vec2f(disc), disc);
 }
 
-// The window that a reflectance lobe needs: `sigmas` standard deviations 1/√e of the lobe about its axis.
+// The window around what of the light is above the horizon of `normal`.
+fn square_above(square: UnitSquare, normal: vec3f) -> UnitSquare {
+    let n = square_local(square, normal);
+    let aside = sqrt(dot(n.xy, n.xy));
+    let start = -n.z / aside;
+    let disc = square.disc;
+    if (!(aside > 0.0 && start > -disc && start < disc)) {
+        return square;
+    }
+    // The disc's outermost points, or the ends of the horizon's chord where those are below.
+    let m = n.xy / aside;
+    let reach = abs(m.yx) * sqrt(max(disc * disc - start * start, 0.0));
+    let high = select(start * m + reach, vec2f(disc), m * disc >= vec2f(start));
+    let low = select(start * m - reach, vec2f(-disc), m * -disc >= vec2f(start));
+    return square_within(square, low, high);
+}
+
+// The part of the window that a reflectance lobe needs: a disc about p + σ²g of radius √(σ⁴g² + sigmas²σ²), p the emitting
+// point next to the lobe's axis, g the gradient of the lobe's logarithm there, σ its width on the plane.
 fn square_zoomed(square: UnitSquare, lobe: Lobe, normal: vec3f, sigmas: f32) -> UnitSquare {
     let along = dot(square.axis, lobe.axis);
-    let local = vec2f(dot(square.right, lobe.axis), dot(square.up, lobe.axis));
+    let aside = vec2f(dot(square.right, lobe.axis), dot(square.up, lobe.axis));
     // The lobe's axis on the plane, or the point of the emitting disc next to it.
-    var point = plane_point(local, along);
+    var point = plane_point(aside, along);
     let n = square_local(square, normal);
     for (var k = 0u; k < 3u; k++) {
         let below = n.x * point.x + n.y * point.y + n.z;
@@ -52,15 +74,29 @@ fn square_zoomed(square: UnitSquare, lobe: Lobe, normal: vec3f, sigmas: f32) -> 
         point = shortened(point, square.disc);
     }
     // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
-    let width = sigmas * (1.0 / sqrt(clamp(lobe.exponent, 1e-6, NARROWEST)));
-    let half = min(width * (1.0 + dot(point, point)), square.disc);
-    let room = vec2f(square.disc - half);
-    return UnitSquare(square.right, square.up, square.axis, clamp(point, -room, room), half, square.disc);
+    let stretch = 1.0 + dot(point, point);
+    let reach = sigmas * (1.0 / sqrt(clamp(lobe.exponent, 1e-6, NARROWEST))) * stretch;
+    let slope = aside / max(dot(aside, point) + along, 1e-3) - point / stretch;
+    let uphill = shortened(slope * (stretch * stretch), FARTHEST * reach);
+    // A window as large as the light is not worth a mask: from four fifths on it grows to all of it.
+    let broad = clamp(5.0 * reach / square.disc - 4.0, 0.0, 1.0);
+    let radius = sqrt(dot(uphill, uphill) + reach * reach) + broad * (2.0 * square.disc);
+    return square_within(square, point + uphill - radius, point + uphill + radius);
+}
+
+// The part of the window between two corners.
+fn square_within(square: UnitSquare, low: vec2f, high: vec2f) -> UnitSquare {
+    let start = max(low, square.center - square.half);
+    let end = min(high, square.center + square.half);
+    let half = min(max(0.5 * (end - start), vec2f(THINNEST * square.disc)), square.half);
+    let room = square.half - half;
+    let center = clamp(0.5 * (end + start), square.center - room, square.center + room);
+    return UnitSquare(square.right, square.up, square.axis, center, half, square.disc);
 }
 
 // About the directions that the window shows, as a cone.
 fn square_cone(square: UnitSquare, distance: f32) -> Cone {
-    let tan = square.half / (1.0 + dot(square.center, square.center));
+    let tan = max(square.half.x, square.half.y) / (1.0 + dot(square.center, square.center));
     let root = sqrt(1.0 + tan * tan);
     return Cone(unit(square_world(square, vec3f(square.center, 1.0))), tan * tan / (root * (1.0 + root)), distance);
 }

@@ -134,12 +134,12 @@ impl<B: Blockers> MaskVisibility<B> {
         }
         let sigmas = zoom_sigmas(query.tolerance);
         let square = whole.zoomed(brdf, query.at.normal, sigmas);
-        if square.half >= whole.half {
+        if square == *whole {
             return None;
         }
         let cone = square.cone(query.cone.distance);
         let across = self.across(&VisibilityQuery { cone: &cone, ..*query }, scratch);
-        Some(UnitSquare::facing(query.cone, across).zoomed(brdf, query.at.normal, sigmas))
+        Some(UnitSquare::facing(query.cone, across).above(query.at.normal).zoomed(brdf, query.at.normal, sigmas))
     }
 
     fn is_coarse(&self, query: &VisibilityQuery<'_>) -> bool {
@@ -219,7 +219,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             // What touches the direction of a point light hides it.
             return Coverage::Dark;
         }
-        scratch.square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers));
+        scratch.square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers)).above(query.at.normal);
         scratch.full.set_coarse(self.is_coarse(query));
         scratch.full.reset(&scratch.square, self.depth, query.at.normal);
         self.blockers.splat(query, &mut scratch.blockers, &mut scratch.full);
@@ -262,6 +262,6 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
 
 /// How far a lobe's own window reaches, in its standard deviations: `√(2 ln(2/τ))` leaves less than half the tolerance
 /// outside.
-fn zoom_sigmas(tolerance: f32) -> f32 {
+pub(crate) fn zoom_sigmas(tolerance: f32) -> f32 {
     (2.0 * (2.0 / tolerance.clamp(1e-6, 0.5)).ln()).sqrt()
 }

@@ -8,7 +8,7 @@ const HORIZON = 4.0;
 // The mask of the whole light. This and what follows only where all threads come by.
 fn visibility_mask(lane: u32, tile: u32, at: Receiver, light: Cone) -> Mask {
     let across = visibility_across(lane, tile, at, light, light);
-    let mask = mask_reset(square_facing(light, across), lane, at.normal);
+    let mask = mask_reset(square_above(square_facing(light, across), at.normal), lane, at.normal);
     blockers_splat(lane, tile, at, light, mask);
     return mask;
 }

@@ -5,13 +5,13 @@
 fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: Mask, lobe: Lobe) -> f32 {
     let sigmas = zoom_sigmas(tolerance);
     let square = square_zoomed(whole.square, lobe, at.normal, sigmas);
-    if (!decide(lane, !is_lambert(at, lobe) && square.half < whole.square.half)) {
+    if (!decide(lane, !is_lambert(at, lobe) && any(square.half < whole.square.half))) {
         return share(lane, whole, at, lobe);
     }
     let whole_lit = lit;
     let whole_emitting = emitting;
     let turn = visibility_across(lane, tile, at, light, square_cone(square, light.distance));
-    let window = square_zoomed(square_facing(light, turn), lobe, at.normal, sigmas);
+    let window = square_zoomed(square_above(square_facing(light, turn), at.normal), lobe, at.normal, sigmas);
     let mask = mask_reset(window, lane, at.normal);
     blockers_splat(lane, tile, at, light, mask);
     let seen = share(lane, mask, at, lobe);

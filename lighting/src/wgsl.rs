@@ -94,6 +94,8 @@ mod tests {
     fn constants_are_rusts() {
         states(SQUARE, "WIDEST_TAN", crate::square::WIDEST_TAN);
         states(SQUARE, "NARROWEST", crate::square::NARROWEST);
+        states(SQUARE, "FARTHEST", crate::square::FARTHEST);
+        states(SQUARE, "THINNEST", crate::square::THINNEST);
         states(VISIBILITY, "HORIZON", crate::visibility::HORIZON);
         states(LAMBERT, "CORNER", crate::share::CORNER);
         states(LOBES, "LEFT_OUT", crate::share::LEFT_OUT);

@@ -79,7 +79,7 @@ impl Blockers for &Shapes {
             let (side, cells) = &self.cells;
             for (column, row) in cells {
                 if j * side / mask.side() == *row {
-                    let at = |k: usize| square.half * (2.0 * k as f32 / *side as f32 - 1.0);
+                    let at = |k: usize| square.half.x * (2.0 * k as f32 / *side as f32 - 1.0);
                     mask.block_span(j, at(*column), at(column + 1));
                 }
             }

@@ -78,7 +78,7 @@ fn truth(rays: &Rays, at: &Receiver, light: Sphere, epsilon: f32) -> f32 {
     let square = UnitSquare::facing(&cone, Vec3::ZERO);
     let (mut all, mut seen) = (0, 0);
     for k in 0..64 * 64 {
-        let at_cell = |k: usize| ((k as f32 + 0.5) / 32.0 - 1.0) * square.half;
+        let at_cell = |k: usize| ((k as f32 + 0.5) / 32.0 - 1.0) * square.half.x;
         let (x, y) = (at_cell(k % 64), at_cell(k / 64));
         let direction = square.world(Vec3::new(x, y, 1.0)).normalize();
         if x * x + y * y <= square.disc * square.disc && direction.dot(at.normal) > 0.0 {

@@ -90,7 +90,7 @@ impl ShadowMapBlockers {
     }
 
     /// The map's faces as a receiver sees them.
-    fn look(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: f32, out: &mut Vec<Probe>) {
+    fn look(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: Vec2, out: &mut Vec<Probe>) {
         out.clear();
         let probe = |face| Probe::new(face, &map.light, query.at.position, query.at.face, square, cell);
         out.extend(map.faces.iter().map(probe));

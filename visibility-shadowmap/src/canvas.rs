@@ -140,7 +140,7 @@ impl Canvas {
 
     /// Blocks what is covered.
     pub(crate) fn write(&self, mask: &mut Mask) {
-        let cell = mask.cell();
+        let cell = mask.cell().x;
         for j in 0..self.side {
             if mask.emitting_cells(j) == 0 {
                 continue;

@@ -204,7 +204,7 @@ fn canvas_first_of(are: vec4<bool>, values: vec4f) -> f32 {
 
 // Blocks what is covered.
 fn canvas_write(lane: u32, mask: Mask) {
-    let cell = mask_cell(mask);
+    let cell = mask_cell(mask).x;
     let end = canvas_columns.y / CANVAS_ACROSS;
     // Start of the run of whole cells.
     var run = end;

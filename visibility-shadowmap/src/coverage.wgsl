@@ -18,10 +18,10 @@ fn maps_coverage(at: Receiver, cone: Cone) -> u32 {
         return own;
     }
     let square = square_facing(cone, vec3f(0.0));
-    let cell = 2.0 * square.half / map_cells(frame.tolerance);
+    let cell = 2.0 * square.disc / map_cells(frame.tolerance);
     for (var f = 0u; f < shadow_map[map]; f++) {
         let face = map + 1u + MAP_FACE * f;
-        let probe = map_probe(face, frame.light, at, square, vec2f(-square.half), vec2f(square.half), cell);
+        let probe = map_probe(face, frame.light, at, square, -square.half, square.half, cell);
         // All of the cells at the rim.
         let rows = transpose(probe.image);
         let disc = rows[2] * (square.disc + 1.5 * cell);

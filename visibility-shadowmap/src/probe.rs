@@ -166,8 +166,8 @@ pub(crate) struct Probe {
 const INNER: usize = 3;
 
 impl Probe {
-    /// `cell`: side of a mask cell in plane coordinates.
-    pub(crate) fn new(face: &Face, light: &Sphere, x: Vec3, normal: Vec3, square: &UnitSquare, cell: f32) -> Self {
+    /// `cell`: sides of a mask cell in plane coordinates.
+    pub(crate) fn new(face: &Face, light: &Sphere, x: Vec3, normal: Vec3, square: &UnitSquare, cell: Vec2) -> Self {
         let center = light.center.as_dvec3();
         let to_light = center - x.as_dvec3();
         let distance = to_light.length();
@@ -181,26 +181,27 @@ impl Probe {
         let front = face.relative(to_receiver).minus(Face::constant(radius * radius / distance));
 
         let (right, up) = (square.right.as_dvec3(), square.up.as_dvec3());
-        let (middle, half) = (square.center.as_dvec2(), f64::from(square.half));
+        let (middle, half) = (square.center.as_dvec2(), square.half.as_dvec2());
         let within = |direction: DVec3, at: f64, half: f64| face.along(axis * (at + half) - direction, to_light);
         let diagonal = core::f64::consts::FRAC_1_SQRT_2;
         // All of the cells at the rim: a mask is told how much of a cell is covered.
-        let disc = f64::from(square.disc) + 1.5 * f64::from(cell);
+        let disc = f64::from(square.disc) + 1.5 * f64::from(cell.max_element());
+        let cell = cell.min_element();
         let tests = Tests::new(&[
             above,
             clear,
             front,
-            within(right, middle.x, half),
-            within(-right, -middle.x, half),
-            within(up, middle.y, half),
-            within(-up, -middle.y, half),
+            within(right, middle.x, half.x),
+            within(-right, -middle.x, half.x),
+            within(up, middle.y, half.y),
+            within(-up, -middle.y, half.y),
             within((right + up) * diagonal, 0.0, disc),
             within((-right - up) * diagonal, 0.0, disc),
             within((right - up) * diagonal, 0.0, disc),
             within((up - right) * diagonal, 0.0, disc),
         ]);
         // Of a point at p on the square, a change δq moves the image by |p|·(axis·(L − x))·δq/depth.
-        let farthest = middle.length() + half;
+        let farthest = middle.length() + half.max_element();
         let reach = farthest * axis.dot(to_light) / (SHIFT * f64::from(cell));
         let depth = face.along(axis, to_light);
         let small = (face.z0 * face.texel / (SMALL * f64::from(cell))) as f32;

@@ -77,7 +77,7 @@ fn map_probe(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec
     let touch = light.w * light.w / distance;
     let front = vec4f(dot(back, i), dot(back, j), -touch, z0 * dot(back, toward) - (1.0 + depth) * touch);
 
-    let farthest = length(square.center) + square.half;
+    let farthest = length(square.center) + max(square.half.x, square.half.y);
     return MapProbe(
         image,
         vec3f((seen - corner) / texel, depth),

@@ -14,11 +14,11 @@ fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
         map_draw_below(square_local(square, at.face), square);
     }
     // The own row's lines are 3/8 of a cell from its middle at most, and edges move by an eighth of one.
-    let y = mask_row_y(mask, lane) + vec2f(-0.53125, 0.53125) * cell;
-    let x = canvas_range() + vec2f(-0.15625, 0.15625) * cell;
+    let y = mask_row_y(mask, lane) + vec2f(-0.53125, 0.53125) * cell.y;
+    let x = canvas_range() + vec2f(-0.15625, 0.15625) * cell.x;
     for (var f = 0u; f < shadow_map[map]; f++) {
         let face = map + 1u + MAP_FACE * f;
-        let probe = map_probe(face, frame.light, at, square, vec2f(x.x, y.x), vec2f(x.y, y.y), cell);
+        let probe = map_probe(face, frame.light, at, square, vec2f(x.x, y.x), vec2f(x.y, y.y), min(cell.x, cell.y));
         for (var l = 0u; l < shadow_map[face + 15u]; l++) {
             map_draw_layer(probe, map_layer(face, l));
         }

@@ -63,7 +63,7 @@ impl Ellipses {
             half_height: half_height.into(),
             rows: [whole(simd, cy - half_height, side), whole(simd, cy + half_height + one, side)],
             samples: [whole(simd, cx - half_width - one, width), whole(simd, cx + half_width + one, width)],
-            flat: FLAT * aspect,
+            flat: FLAT * width / side,
             raster,
         }
     }

@@ -3,7 +3,7 @@
 use crate::block::LANES;
 use crate::ellipse::{FLAT, LANE};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lighting::{MAX_DEPTH, Mask, Raster};
 
 /// Farther than any window reaches.
@@ -28,7 +28,7 @@ pub(crate) fn splat_wide<S: Simd>(simd: S, to: Vec3, cos: f32, mask: &mut Mask) 
     }
     let sign = if cos < 0.0 { -1.0 } else { 1.0 };
     let cone = WideCone { axis: to * (sign / to.length()), cos: sign * cos, outside: sign < 0.0 };
-    let (cell, side) = (mask.cell(), mask.side());
+    let (Vec2 { x: across, y: cell }, side) = (mask.cell(), mask.side());
     // Row j is at j + 1: its neighbours tell how its ends move.
     let mut from = [0.0; ROWS];
     let mut to = [0.0; ROWS];
@@ -45,7 +45,7 @@ pub(crate) fn splat_wide<S: Simd>(simd: S, to: Vec3, cos: f32, mask: &mut Mask) 
             continue;
         }
         // An end that is farther than the window on both sides of the row moves there unseen.
-        let flat = moves(simd, &from, base, cell) | moves(simd, &to, base, cell);
+        let flat = moves(simd, &from, base, across) | moves(simd, &to, base, across);
         let shift = f32x8::simd_from(simd, *Raster::shifts(base));
         let ends = [load(simd, &from, base + 1), load(simd, &to, base + 1)];
         let [from, to] =
@@ -119,7 +119,7 @@ impl WideCone {
     /// A row by area.
     #[inline(always)]
     fn area<S: Simd>(&self, simd: S, j: usize, raster: &Raster, mask: &mut Mask) {
-        let y = f32x8::simd_from(simd, Raster::HEIGHTS) * mask.cell() + mask.row_y(j);
+        let y = f32x8::simd_from(simd, Raster::HEIGHTS) * mask.cell().y + mask.row_y(j);
         let ends = self.row(simd, y);
         let from = raster.indices(simd, (ends[0] - raster.left) * raster.samples);
         let to = raster.indices(simd, (ends[1] - raster.left) * raster.samples);

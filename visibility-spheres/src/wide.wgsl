@@ -14,10 +14,10 @@ fn splat_wide(to: vec3f, cos: f32, mask: Mask, j: u32) {
     let outside = cos < 0.0;
     let m = select(to, -to, outside);
     let y = mask_row_y(mask, j);
-    let cell = mask_cell(mask);
+    let cell = mask_cell(mask).y;
     // An end that is farther than the window on both sides of the row moves there unseen.
     let moved = abs(wide_row(m, abs(cos), y - cell) - wide_row(m, abs(cos), y + cell));
-    if (all(moved <= vec2f(2.0 * FLAT * cell))) {
+    if (all(moved <= vec2f(2.0 * FLAT * mask_cell(mask).x))) {
         let ends = wide_row(m, abs(cos), y);
         if (outside) {
             mask_block_span(mask, j, -WIDE_LIMIT, ends.x);

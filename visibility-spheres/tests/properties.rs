@@ -198,7 +198,9 @@ const SWEEPS: [&str; 5] = ["lobe", "blocker", "light", "receiver", "normal"];
 
 fn sweep(scene: &Scene, kind: usize, directions: [DVec3; 2], theta: f64, t: f64) -> Scene {
     let mut s = scene.clone();
-    let t = 0.3 * (t - 0.5);
+    // Small against what is seen: a step of a narrow lobe across a wide light is no pop.
+    let seen = theta.min(3.0 / scene.lobe.1.sqrt());
+    let t = 0.3 * (t - 0.5) * (seen / theta);
     match kind {
         0 => s.lobe.0 = (s.lobe.0 + directions[0] * (theta * t)).normalize(),
         1 => {
@@ -239,7 +241,7 @@ fn pops(tolerance: f32, cases: usize, steps: usize, through: bool, count: usize)
 }
 
 fn check_pops(cases: usize, steps: usize) {
-    for tolerance in [0.01, 0.003, 0.001] {
+    for (tolerance, most) in [(0.01, 0.02), (0.003, 0.005), (0.001, 0.003)] {
         for (through, count) in [(false, 1), (false, 3), (true, 2)] {
             let found = pops(tolerance, cases, steps, through, count);
             let largest: Vec<f64> = found.iter().map(|f| f.0).collect();
@@ -251,8 +253,9 @@ fn check_pops(cases: usize, steps: usize) {
                 at(0.05),
                 found[0].1
             );
-            // Where the mask turns to another blocker its own error shows at once: rare, and up to 3 %.
-            assert!(largest[0] < 0.04 && largest[largest.len() / 20] < 1.2 * f64::from(tolerance), "{}", found[0].1);
+            // A sample of a window is up to a tenth of a percent of what a lobe sees, of 64 a row up to half a percent;
+            // some come and go together.
+            assert!(largest[0] < most && largest[largest.len() / 20] < 0.9 * f64::from(tolerance), "{}", found[0].1);
         }
     }
 }

@@ -58,14 +58,14 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// What is asked: of a receiver, a light, and of masks the turn and the window: its centre and half side in discs.
+/// What is asked: of a receiver, a light, and of masks the turn and the window: its centre and half sides in discs.
 #[derive(Clone, Copy, Debug)]
 struct Question {
     at: Receiver,
     light: Sphere,
     tolerance: f32,
     across: Vec3,
-    window: [f32; 3],
+    window: [f32; 4],
 }
 
 /// What the tolerance is for a depth.
@@ -78,16 +78,16 @@ fn tolerance_for(depth: u32) -> f32 {
 fn questions(random: &mut Random, receivers: &[Receiver], light: Sphere, depth: u32, zoomed: bool) -> Vec<Question> {
     let tolerance = tolerance_for(depth);
     let question = |at: &Receiver| {
-        let half = if zoomed { random.between(0.1, 0.7) as f32 } else { 1.0 };
-        let mut aside = || random.between(-0.6, 0.6) as f32 * (1.0 - half);
-        let window = [aside(), aside(), half];
+        let half = [0; 2].map(|_| if zoomed { random.between(0.1, 0.7) as f32 } else { 1.0 });
+        let [x, y] = half.map(|half| random.between(-0.6, 0.6) as f32 * (1.0 - half));
+        let window = [x, y, half[0], half[1]];
         Question { at: *at, light, tolerance, across: random.axis().as_vec3(), window }
     };
     receivers.iter().map(question).collect()
 }
 
 /// Numbers of a question for WGSL.
-const INPUTS: usize = 22;
+const INPUTS: usize = 23;
 
 const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
     var<private> frame: Frame;
@@ -158,8 +158,8 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
         let cone = cone_of_sphere(at.position, frame.light);
         var square = square_facing(cone, v(16u));
         square.center = square.disc * vec2f(x(19u), x(20u));
-        square.half = square.disc * x(21u);
-        let lane = u32(x(22u));
+        square.half = square.disc * vec2f(x(21u), x(22u));
+        let lane = u32(x(23u));
         let mask = mask_reset(square, lane, at.normal);
         maps_splat(lane, at, cone, mask);
         y(0u, f32(emitting.y - min(emitting.x, emitting.y)));
@@ -195,7 +195,7 @@ fn rust_masks(blockers: &ShadowMapBlockers, questions: &[Question], depth: u32) 
         blockers.select(&query, &mut scratch);
         let mut square = UnitSquare::facing(&cone, q.across);
         square.center = square.disc * Vec2::new(q.window[0], q.window[1]);
-        square.half = square.disc * q.window[2];
+        square.half = square.disc * Vec2::new(q.window[2], q.window[3]);
         mask.reset(&square, depth, q.at.normal);
         blockers.splat(&query, &mut scratch, &mut mask);
         let (emitting, lit) = mask.areas();

@@ -105,7 +105,7 @@ fn squares(gpu: &Gpu) {
     let body = format!(
         "{CASE}
         let square = square_facing(light, vec3f(x(13u), x(14u), x(15u)));
-        let window = square_zoomed(square, lobe, at.normal, 3.6);
+        let window = square_zoomed(square_above(square, at.normal), lobe, at.normal, 3.6);
         let back = square_local(square, square_world(square, at.normal));
         for (var k = 0u; k < 3u; k++) {{
             y(k, square.right[k]);
@@ -114,20 +114,22 @@ fn squares(gpu: &Gpu) {
         }}
         y(6u, window.center.x);
         y(7u, window.center.y);
-        y(8u, window.half);"
+        y(8u, window.half.x);
+        y(12u, window.half.y);"
     );
-    let got = call(gpu, &[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL], &body, &rows, 16, 12);
+    let got = call(gpu, &[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL], &body, &rows, 16, 13);
     let (mut turns, mut windows) = (Spread::default(), Spread::default());
-    for ((case, across), got) in cases.iter().zip(&across).zip(got.chunks(12)) {
+    for ((case, across), got) in cases.iter().zip(&across).zip(got.chunks(13)) {
         let square = UnitSquare::facing(&case.light, *across);
-        let window = square.zoomed(&case.lobe, case.at.normal, 3.6);
+        let window = square.above(case.at.normal).zoomed(&case.lobe, case.at.normal, 3.6);
         let back = square.local(square.world(case.at.normal));
         for k in 0..3 {
             turns.add(got[k], square.right[k]);
             turns.add(got[3 + k], square.up[k]);
             turns.add(got[9 + k], back[k]);
         }
-        for (got, want) in got[6..9].iter().zip([window.center.x, window.center.y, window.half]) {
+        let UnitSquare { center, half, .. } = window;
+        for (got, want) in got[6..9].iter().chain(&got[12..]).zip([center.x, center.y, half.x, half.y]) {
             windows.add(got / square.disc, want / square.disc);
         }
     }
@@ -189,18 +191,19 @@ fn masks(gpu: &Gpu, coarse: bool) {
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {}";
     const BODY: &str = "
         let square = UnitSquare(
-            vec3f(x(13u), x(14u), x(15u)), vec3f(x(16u), x(17u), x(18u)), light.axis, vec2f(x(19u), x(20u)), x(21u), x(22u),
+            vec3f(x(13u), x(14u), x(15u)), vec3f(x(16u), x(17u), x(18u)), light.axis, vec2f(x(19u), x(20u)),
+            vec2f(x(21u), x(29u)), x(22u),
         );
         let mask = mask_reset(square, lane, at.normal);
         // Edges through the window: one by spans, one by heights.
         mask_block_span(mask, lane, -1e30, x(23u) + x(24u) * mask_row_y(mask, lane));
         for (var k = 0u; k < 8u; k++) {
-            let height = mask_row_y(mask, lane) + mask_cell(mask) * row_height(k);
+            let height = mask_row_y(mask, lane) + mask_cell(mask).y * row_height(k);
             mask_block_line(lane, k, mask_sample(mask, x(25u) + x(26u) * height), WIDTH);
         }
         // And one more by heights, four at once.
         for (var first = 0u; first < 8u; first += 4u) {
-            let height = mask_row_y(mask, lane) + mask_cell(mask) * mask_heights(lane, first);
+            let height = mask_row_y(mask, lane) + mask_cell(mask).y * mask_heights(lane, first);
             let position = (x(27u) + x(28u) * height - mask.left) * mask.scale;
             mask_block_lines(first, vec4u(0u), row_indices(position));
         }
@@ -226,15 +229,16 @@ fn masks(gpu: &Gpu, coarse: bool) {
             let case = Case::new(number, &mut random);
             let whole = UnitSquare::facing(&case.light, random.axis().as_vec3());
             let zooms = number % 5 > 1;
-            let square = if zooms { whole.zoomed(&case.lobe, case.at.normal, 3.6) } else { whole };
-            let mut at = |center: f32| center + square.half * random.between(-1.0, 1.0) as f32;
+            let square =
+                if zooms { whole.above(case.at.normal).zoomed(&case.lobe, case.at.normal, 3.6) } else { whole };
+            let mut at = |center: f32| center + square.half.x * random.between(-1.0, 1.0) as f32;
             let ends = [0; 3].map(|_| at(square.center.x));
             let slopes = [0.7, 20.0, 20.0].map(|most| random.between(-most, most) as f32);
             let [a, b, c] = core::array::from_fn(|k| ends[k] - slopes[k] * square.center.y);
             rows.extend(case.row());
             rows.extend(square.right.to_array().into_iter().chain(square.up.to_array()));
-            rows.extend([square.center.x, square.center.y, square.half, square.disc, a, slopes[0], b, slopes[1]]);
-            rows.extend([c, slopes[2]]);
+            rows.extend([square.center.x, square.center.y, square.half.x, square.disc, a, slopes[0], b, slopes[1]]);
+            rows.extend([c, slopes[2], square.half.y]);
             let mut mask = hooks::mask(&square, depth, coarse, case.at.normal);
             for j in 0..mask.side() {
                 mask.block_span(j, f32::NEG_INFINITY, a + slopes[0] * mask.row_y(j));
@@ -246,7 +250,7 @@ fn masks(gpu: &Gpu, coarse: bool) {
         let header = wgsl::header(depth, coarse) + HOOKS;
         let body = format!("{CASE}{BODY}");
         let side = 1 << depth;
-        let got = call_groups(gpu, &pieces(&header), &body, &rows, [29, words * side + 1]);
+        let got = call_groups(gpu, &pieces(&header), &body, &rows, [30, words * side + 1]);
         for ((case, mask), got) in wants.iter().zip(got.chunks(words * side + 1)) {
             let before = differing;
             for j in 0..side {
@@ -257,8 +261,8 @@ fn masks(gpu: &Gpu, coarse: bool) {
             }
             bits += (16 * words * side) as u32;
             if differing == before {
-                let form = match (case.lobe.exponent == 1.0, mask.square().half < mask.square().disc) {
-                    (true, _) => usize::from(mask.square().half > 0.2),
+                let form = match (case.lobe.exponent == 1.0, mask.square().half.min_element() < mask.square().disc) {
+                    (true, _) => usize::from(mask.square().disc > 0.2),
                     (false, zoomed) => 2 + usize::from(zoomed),
                 };
                 forms[form].add(got[words * side], hooks::share_of(mask, &case.at, &case.lobe));

@@ -272,14 +272,15 @@ impl Words {
                 @builtin(workgroup_id) id: vec3u,
                 @builtin(local_invocation_index) lane: u32,
             ) {
-                let first = id.x * 11u;
+                let first = id.x * 12u;
                 let right = vec3f(cases[first], cases[first + 1u], cases[first + 2u]);
                 let up = vec3f(cases[first + 3u], cases[first + 4u], cases[first + 5u]);
-                let point = u32(cases[first + 10u]);
+                let point = u32(cases[first + 11u]);
                 let at = points[point];
                 let light = cone_of_sphere(at.position, frame.light);
                 let center = vec2f(cases[first + 6u], cases[first + 7u]);
-                let square = UnitSquare(right, up, light.axis, center, cases[first + 8u], cases[first + 9u]);
+                let half = vec2f(cases[first + 8u], cases[first + 9u]);
+                let square = UnitSquare(right, up, light.axis, center, half, cases[first + 10u]);
                 let mask = mask_reset(square, lane, at.normal);
                 spheres_splat(lane, point / 64u, at, light, mask);
                 let begin = id.x * (8u * SIDE + 2u);
@@ -317,7 +318,8 @@ impl Words {
         let squares: Vec<u32> = (cases.iter())
             .flat_map(|(point, square)| {
                 let (right, up) = (square.right.to_array(), square.up.to_array());
-                let rest = [square.center.x, square.center.y, square.half, square.disc, *point as f32];
+                let UnitSquare { center, half, disc, .. } = square;
+                let rest = [center.x, center.y, half.x, half.y, *disc, *point as f32];
                 [right.as_slice(), &up, &rest].concat().into_iter().map(f32::to_bits)
             })
             .collect();
@@ -434,9 +436,10 @@ fn windows(setup: &Setup, random: &mut Random) -> Vec<(usize, UnitSquare)> {
         }
         let mut square = UnitSquare::facing(&cone, random.axis().as_vec3());
         if point % 3 == 0 {
-            square.half = square.disc * random.log_uniform(0.01, 0.7) as f32;
-            let mut aside = || (square.disc - square.half) * random.between(-1.0, 1.0) as f32;
-            square.center = Vec2::new(aside(), aside());
+            let mut part = || random.log_uniform(0.01, 0.7) as f32;
+            square.half = square.disc * Vec2::new(part(), part());
+            let mut aside = || random.between(-1.0, 1.0) as f32;
+            square.center = (square.disc - square.half) * Vec2::new(aside(), aside());
         }
         all.push((point, square));
     }

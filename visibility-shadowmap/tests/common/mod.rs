@@ -110,7 +110,7 @@ impl Mesh {
             .collect();
         let (mut all, mut seen) = (0.0, 0.0);
         for k in 0..side * side {
-            let cell = |k: usize| ((k as f64 + 0.5) / side as f64 * 2.0 - 1.0) * f64::from(square.half);
+            let cell = |k: usize| ((k as f64 + 0.5) / side as f64 * 2.0 - 1.0) * f64::from(square.half.x);
             let (x, y) = (cell(k % side), cell(k / side));
             let direction =
                 (square.right.as_dvec3() * x + square.up.as_dvec3() * y + square.axis.as_dvec3()).normalize();
