@@ -5,6 +5,7 @@
 //! sets are built once and kept beside the program.
 
 mod measure;
+mod order;
 mod scaling;
 mod scenes;
 mod sets;
@@ -45,7 +46,11 @@ fn run() -> Result<(), String> {
     }
     let curves: Vec<_> = scaling::all().into_iter().filter(|curve| wanted(curve.name)).collect();
     let curves = curves.into_iter().map(|curve| scaling::measure(curve, repeats)).collect::<Result<Vec<_>, _>>()?;
-    let text = table::markdown(&rows, &curves);
+    // Few spheres, and many.
+    let orders = scenes::all().into_iter().filter(|case| ["Fig. 22(a)", "Fig. 16"].contains(&case.name));
+    let orders = orders.map(|case| order::measure(&case, repeats));
+    let orders = if wanted("Order of points") { orders.collect::<Result<Vec<_>, _>>()? } else { Vec::new() };
+    let text = table::markdown(&rows, &curves, &orders);
     match output {
         Some(path) => std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display())),
         None => {

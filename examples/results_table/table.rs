@@ -1,10 +1,11 @@
 //! The tables as Markdown.
 
 use crate::measure::{Row, Timing};
+use crate::order::{NAMES, Orders};
 use crate::scaling::Measured;
 use std::fmt::Write;
 
-pub(crate) fn markdown(rows: &[Row], curves: &[Measured]) -> String {
+pub(crate) fn markdown(rows: &[Row], curves: &[Measured], orders: &[Orders]) -> String {
     let mut text = String::from("# Results\n\n");
     let threads = threads();
     // Writing to a string does not fail.
@@ -21,6 +22,9 @@ pub(crate) fn markdown(rows: &[Row], curves: &[Measured]) -> String {
         counters(&mut text, rows);
     }
     curves.iter().for_each(|curve| series(&mut text, curve));
+    if !orders.is_empty() {
+        in_orders(&mut text, orders);
+    }
     text
 }
 
@@ -115,6 +119,30 @@ fn series(text: &mut String, measured: &Measured) {
             cpu(timing),
             cost(timing) / first
         );
+    }
+    text.push('\n');
+}
+
+fn in_orders(text: &mut String, orders: &[Orders]) {
+    text.push_str(
+        "## Order of points\n\nPoints that come in no order, as vertices may, and what `ShadingPoints::make_coherent` makes of \
+         them. Sorting is needed once, not for each frame.\n\n| scene | order | ms (quartiles) | best ms | CPU ms | × tiles | sorting, ms |\n\
+         |---|---|---|---|---|---|---|\n",
+    );
+    for Orders { name, timings, sorting } in orders {
+        for (k, timing) in timings.iter().enumerate() {
+            let [low, high] = timing.quartiles.map(|s| 1e3 * s);
+            let sorting = if k == 2 { format!("{:.1}", 1e3 * sorting) } else { "–".to_owned() };
+            let _ = writeln!(
+                text,
+                "| {name} | {} | {:.2} ({low:.2}–{high:.2}) | {:.2} | {} | {:.2} | {sorting} |",
+                NAMES[k],
+                1e3 * timing.stats.seconds,
+                1e3 * timing.best,
+                cpu(timing),
+                cost(timing) / cost(&timings[0])
+            );
+        }
     }
     text.push('\n');
 }

@@ -48,6 +48,7 @@ mod animation;
 mod bounds;
 mod builtin;
 mod camera;
+mod coherence;
 mod deformer;
 mod error;
 mod gltf_animation;

@@ -1,0 +1,74 @@
+use crate::ShadingPoints;
+use glam::Vec3;
+
+/// Points that are culled together by the CPU's and the GPU's shader.
+const GROUP: usize = 64;
+
+impl ShadingPoints {
+    /// Brings points that are in no order, as the vertices of a mesh are, into one in which neighbours in the list are
+    /// neighbours in space: each aligned run of 64, 128, 256 … of them is compact (medians across the longest side of
+    /// their box, ties by number). What is shaded does not change; masks cost several times less where many blockers are.
+    ///
+    /// Gives the number that each point had: point `i` of the new list was `order[i]` in the old one. An order stays good
+    /// while the points move with a surface, so one is enough for an animation:
+    /// [`reorder`](Self::reorder) applies it again.
+    ///
+    /// # Cost
+    /// O(n log n), some 100 ns a point.
+    ///
+    /// # Panics
+    /// When there are not as many materials as receivers.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lobe_core::{OWN_NONE, Receiver};
+    /// use scene::ShadingPoints;
+    /// let at = |k: u32| {
+    ///     let position = Vec3::X * (k * 37 % 100) as f32; // here and there
+    ///     Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+    /// };
+    /// let mut points = ShadingPoints { receivers: (0..100).map(at).collect(), materials: vec![0; 100] };
+    /// let order = points.make_coherent();
+    /// assert!(points.receivers[..64].iter().all(|at| at.position.x < 64.0));
+    /// let mut colours = vec![0.0; 100]; // in the old order again
+    /// for (new, old) in order.iter().enumerate() {
+    ///     colours[*old as usize] = points.receivers[new].position.x;
+    /// }
+    /// assert_eq!(colours[1], 37.0);
+    /// ```
+    pub fn make_coherent(&mut self) -> Vec<u32> {
+        assert_eq!(self.receivers.len(), self.materials.len(), "one material a receiver");
+        let mut items: Vec<_> = self.receivers.iter().zip(0..).map(|(at, i)| (at.position, i)).collect();
+        arrange(&mut items);
+        let order: Vec<u32> = items.into_iter().map(|item| item.1).collect();
+        self.reorder(&order);
+        order
+    }
+
+    /// Applies an order that [`make_coherent`](Self::make_coherent) gave to another list of the same points.
+    ///
+    /// # Panics
+    /// When the order is of more points than there are.
+    pub fn reorder(&mut self, order: &[u32]) {
+        self.receivers = order.iter().map(|i| self.receivers[*i as usize]).collect();
+        self.materials = order.iter().map(|i| self.materials[*i as usize]).collect();
+    }
+}
+
+/// Halves the points until a group is left; each half is so many whole groups that all groups but the last are full.
+fn arrange(items: &mut [(Vec3, u32)]) {
+    if items.len() <= GROUP {
+        return;
+    }
+    let mut half = GROUP;
+    while half * 2 < items.len() {
+        half *= 2;
+    }
+    let (low, high) =
+        items.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
+    let axis = (high - low).max_position();
+    items.select_nth_unstable_by(half, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
+    let (left, right) = items.split_at_mut(half);
+    arrange(left);
+    arrange(right);
+}
