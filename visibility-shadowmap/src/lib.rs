@@ -38,6 +38,7 @@
 mod blockers;
 mod canvas;
 mod clip;
+mod contacts;
 mod face;
 mod fit;
 mod layer;

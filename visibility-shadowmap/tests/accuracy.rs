@@ -10,7 +10,7 @@ use lobe_core::{
     Cone, Coverage, Lobe, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral,
     visible_fraction,
 };
-use visibility_shadowmap::{MapOptions, ShadowMapBlockers};
+use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(2.0, 5.0, 1.5), radius: 0.6 };
 
@@ -56,7 +56,7 @@ fn cube_on_a_floor() {
     assert!(lit <= 0.02, "{lit}");
     // With a floor among the casters, the same: it can shadow no receiver.
     let both = cube.quad([(-9, -9), (-9, 9), (9, 9), (9, -9)].map(|(x, z)| Vec3::new(x as f32, 0.0, z as f32)));
-    let bounds = visibility_shadowmap::Bounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 1.0, 2.0) };
+    let bounds = Bounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 1.0, 2.0) };
     let fitted = MapOptions { receivers: Some(bounds), ..options(512) };
     assert_eq!(both.map(LIGHT, &fitted).faces(), 1);
     Errors::of(&both, &receivers, LIGHT, &fitted).below("cube and floor, floor", 0.5, 0.12, 0.02);
@@ -85,6 +85,29 @@ fn fence() {
     let clear = |at: &Receiver| at.position.z.abs() > 0.05;
     let receivers: Vec<_> = receivers.into_iter().filter(clear).collect();
     Errors::of(&fence, &receivers, LIGHT, &options(1024)).below("fence, floor", 0.6, 0.1, 0.05);
+}
+
+/// Rails shadow the pickets they are nailed to: a fitted map is fine enough for that.
+#[test]
+fn fence_on_itself() {
+    let (fence, light) = (Mesh::fence(), Sphere { center: Vec3::new(-2.0, 4.0, 3.5), radius: 0.5 });
+    let mut random = Random::new(6);
+    // Below the rails, where their shadow ends.
+    let on_picket = |k: usize| {
+        let x = -1.5 + 0.1 * (k / 2 % 31) as f32 + random.between(-0.025, 0.025) as f32;
+        let y = [0.27, 0.67][k % 2] - random.between(0.015, 0.03) as f32;
+        receiver(Vec3::new(x, y, 0.01), Vec3::Z)
+    };
+    let receivers: Vec<_> = (0..620).map(on_picket).collect();
+    let bounds = Bounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 1.0, 9.0) };
+    let options = MapOptions { receivers: Some(bounds), ..options(2048) };
+    let map = ShadowMap::fitted(&fence.positions, &fence.triangles, light, &options).expect("a good mesh");
+    // More texels a side than were allowed for a square, not more in all.
+    assert!(map.resolution() > 2048 && map.bytes() < 2048 * 2048 * 32, "{} {}", map.resolution(), map.bytes());
+    let at = |resolution| Errors::of(&fence, &receivers, light, &MapOptions { resolution, ..options });
+    at(map.resolution()).below("fence, self", 3.0, 0.6, 0.2);
+    // That is what it takes.
+    assert!(at(1056).means()[0] > 6.0);
 }
 
 #[test]
