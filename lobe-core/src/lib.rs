@@ -22,6 +22,7 @@
 //! dynamic scenes*, Computers & Graphics 34 (2010) 767–778: "the paper" in every comment here; equation numbers are its.
 
 mod cap;
+mod compact;
 #[cfg(any(test, feature = "oracle"))]
 pub mod conformance;
 mod geometry;
@@ -43,6 +44,7 @@ mod tile_integrator;
 pub mod wgsl;
 
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
+pub use crate::compact::compact_runs;
 pub use crate::geometry::{Cone, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
 pub use crate::integrator::{Call, Integrator, LightTerm, Lit, Method, Probe, Stage, visible_fraction};
 pub use crate::lobe::{Lobe, power};

@@ -1,13 +1,13 @@
 use crate::ShadingPoints;
-use glam::Vec3;
+use lobe_core::compact_runs;
 
 /// Points that are culled together by the CPU's and the GPU's shader.
 const GROUP: usize = 64;
 
 impl ShadingPoints {
     /// Brings points that are in no order, as the vertices of a mesh are, into one in which neighbours in the list are
-    /// neighbours in space: each aligned run of 64, 128, 256 … of them is compact (medians across the longest side of
-    /// their box, ties by number). What is shaded does not change; masks cost several times less where many blockers are.
+    /// neighbours in space: each aligned run of 64, 512, 4096 … of them is compact
+    /// ([`compact_runs`]). What is shaded does not change; masks cost several times less where many blockers are.
     ///
     /// Gives the number that each point had: point `i` of the new list was `order[i]` in the old one. An order stays good
     /// while the points move with a surface, so one is enough for an animation:
@@ -39,7 +39,7 @@ impl ShadingPoints {
     pub fn make_coherent(&mut self) -> Vec<u32> {
         assert_eq!(self.receivers.len(), self.materials.len(), "one material a receiver");
         let mut items: Vec<_> = self.receivers.iter().zip(0..).map(|(at, i)| (at.position, i)).collect();
-        arrange(&mut items);
+        compact_runs(&mut items, GROUP);
         let order: Vec<u32> = items.into_iter().map(|item| item.1).collect();
         self.reorder(&order);
         order
@@ -53,22 +53,4 @@ impl ShadingPoints {
         self.receivers = order.iter().map(|i| self.receivers[*i as usize]).collect();
         self.materials = order.iter().map(|i| self.materials[*i as usize]).collect();
     }
-}
-
-/// Halves the points until a group is left; each half is so many whole groups that all groups but the last are full.
-fn arrange(items: &mut [(Vec3, u32)]) {
-    if items.len() <= GROUP {
-        return;
-    }
-    let mut half = GROUP;
-    while half * 2 < items.len() {
-        half *= 2;
-    }
-    let (low, high) =
-        items.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
-    let axis = (high - low).max_position();
-    items.select_nth_unstable_by(half, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
-    let (left, right) = items.split_at_mut(half);
-    arrange(left);
-    arrange(right);
 }

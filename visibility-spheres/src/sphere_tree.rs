@@ -1,7 +1,7 @@
 use crate::block::{Blocks, LANES};
 use crate::shaft_test::ShaftTest;
 use glam::Vec3;
-use lobe_core::Sphere;
+use lobe_core::{Sphere, compact_runs};
 
 /// A hierarchy of balls over spheres, eight to a node, without pointers: level 0 holds the spheres in an order in which
 /// neighbours are near each other (medians along the longest side), each further level a ball around each eight of the
@@ -24,7 +24,7 @@ impl SphereTree {
     pub(crate) fn new(spheres: &[Sphere]) -> Self {
         let mut items: Vec<(Vec3, u32)> =
             spheres.iter().zip(0..).filter(|(s, _)| is_solid(s)).map(|(s, i)| (s.center, i)).collect();
-        arrange(&mut items);
+        compact_runs(&mut items, LANES);
         let mut tree = Self { order: items.iter().map(|item| item.1).collect(), ..Self::default() };
         let mut count = tree.order.len();
         while count > 0 {
@@ -99,23 +99,4 @@ impl SphereTree {
 /// Whether a sphere can block: nothing without radius or with anything infinite or NaN does.
 fn is_solid(sphere: &Sphere) -> bool {
     sphere.radius > 0.0 && sphere.radius.is_finite() && sphere.center.is_finite()
-}
-
-/// Orders points so that each aligned run of 8, 64, 512 … of them is compact. Ties by number, so the order is unique.
-fn arrange(items: &mut [(Vec3, u32)]) {
-    if items.len() <= LANES {
-        return;
-    }
-    let mut child = LANES;
-    while child * LANES < items.len() {
-        child *= LANES;
-    }
-    let middle = items.len().div_ceil(child) / 2 * child;
-    let (low, high) =
-        items.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p.0), high.max(p.0)));
-    let axis = (high - low).max_position();
-    items.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
-    let (left, right) = items.split_at_mut(middle);
-    arrange(left);
-    arrange(right);
 }
