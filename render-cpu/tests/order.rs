@@ -30,7 +30,7 @@ fn shade(points: &ShadingPoints, balls: &[Sphere]) -> Vec<[u32; 3]> {
     let blockers = SphereBlockers::new(balls, &vec![0; balls.len()], &[]);
     let frame = Frame { materials: &materials, lights: &lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
-    CpuShader::new(MaskVisibility::new(blockers, 5)).shade(points, &frame, &mut out).unwrap();
+    CpuShader::new(MaskVisibility::new(blockers, 5)).shade(points, &frame, &mut out).expect("shaded");
     out.iter().map(|radiance| radiance.to_array().map(f32::to_bits)).collect()
 }
 
