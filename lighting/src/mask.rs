@@ -1,12 +1,13 @@
 use crate::row::{self, COARSE, EIGHT, Row, SUBLINES, WIDTH};
 use crate::{LitBounds, Raster, UnitSquare};
-use fearless_simd::{Level, Simd, dispatch, prelude::*, u32x8};
+use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
 /// The deepest quad-tree: 64 × 64 cells.
 pub const MAX_DEPTH: u32 = 6;
 const SIDE: usize = 1 << MAX_DEPTH;
+const LANE: [f32; EIGHT] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// The visibility mask: the leaves of the complete quad-tree of a depth (§5.3 of the paper, Fig. 9), sampled as bits.
 ///
@@ -28,7 +29,7 @@ pub struct Mask {
     left: f32,
     scale: f32,
     /// Samples of each row that emit: from, to.
-    emitting: [(u32, u32); SIDE],
+    emitting: [[u32; SIDE]; 2],
     /// Samples that emit and are not blocked: of a fine mask the rows, of a coarse one their two halves, each a word.
     lit: [Row; SIDE],
     halves: [[u32; SIDE + EIGHT]; 2],
@@ -37,7 +38,7 @@ pub struct Mask {
 
 /// What emits where the window shows a whole disc: the same for all lights.
 struct Disc {
-    emitting: [(u32, u32); SIDE],
+    emitting: [[u32; SIDE]; 2],
     lit: [Row; SIDE],
     halves: [[u32; SIDE + EIGHT]; 2],
 }
@@ -63,7 +64,7 @@ impl Default for Mask {
             whole_disc: false,
             left: -1.0,
             scale: 1.0,
-            emitting: [(0, 0); SIDE],
+            emitting: [[0; SIDE]; 2],
             lit: [row::NONE; SIDE],
             halves: [[0; SIDE + EIGHT]; 2],
             coarse: false,
@@ -86,7 +87,9 @@ impl Mask {
         self.whole_disc = above && square.half == Vec2::splat(square.disc) && square.center == Vec2::ZERO;
         if self.whole_disc {
             let (disc, side) = (&DISCS[usize::from(self.coarse)][depth as usize], self.side());
-            self.emitting[..side].copy_from_slice(&disc.emitting[..side]);
+            for (emitting, disc) in self.emitting.iter_mut().zip(&disc.emitting) {
+                emitting[..side].copy_from_slice(&disc[..side]);
+            }
             if self.coarse {
                 for (halves, disc) in self.halves.iter_mut().zip(&disc.halves) {
                     halves[..side].copy_from_slice(&disc[..side]);
@@ -118,23 +121,45 @@ impl Mask {
 
     /// What emits, with the normal in the square's frame.
     fn emit(&mut self, n: Vec3) {
-        let disc = self.square.disc;
-        for j in 0..self.side() {
-            let y = self.row_y(j);
-            let half = (disc * disc - y * y).max(0.0).sqrt();
+        dispatch!(Level::new(), simd => self.emit_rows(simd, n));
+    }
+
+    #[inline(always)]
+    fn emit_rows<S: Simd>(&mut self, simd: S, n: Vec3) {
+        let (raster, side) = (self.raster(), self.side() as f32);
+        let (center, cell, disc) = (self.square.center.y, self.cell().y, self.square.disc);
+        let zero = f32x8::splat(simd, 0.0);
+        for base in (0..self.side()).step_by(EIGHT) {
+            let line = f32x8::simd_from(simd, LANE) + (base as f32 + 0.5);
+            let y = (line - 0.5 * side) * cell + center;
+            let half = (f32x8::splat(simd, disc * disc) - y * y).max(zero).sqrt();
             // Above the horizon: n.x x + n.y y + n.z > 0.
-            let rest = n.y * y + n.z;
+            let rest = y * n.y + n.z;
             let (mut from, mut to) = (-half, half);
             if n.x > 0.0 {
                 from = from.max(-rest / n.x);
             } else if n.x < 0.0 {
                 to = to.min(-rest / n.x);
-            } else if rest <= 0.0 {
-                to = from;
+            } else {
+                to = rest.simd_le(zero).select(from, to);
             }
-            let (from, to) = self.samples(j, from, to);
-            self.emitting[j] = (from, to);
-            self.set(j, row::span(from, to));
+            let emits = from.simd_lt(to) & line.simd_lt(f32x8::splat(simd, side));
+            let shift = f32x8::simd_from(simd, *Raster::shifts(base));
+            let at = [(from - raster.left) * raster.samples - shift, (to - raster.left) * raster.samples - shift];
+            let nothing = u32x8::splat(simd, 0);
+            let from = emits.select(raster.indices(simd, at[0]), nothing);
+            let to = emits.select(raster.indices(simd, at[1]), nothing);
+            from.store_slice(&mut self.emitting[0][base..base + EIGHT]);
+            to.store_slice(&mut self.emitting[1][base..base + EIGHT]);
+            if self.coarse {
+                let [low, high] = row::halves(simd, from, to);
+                low.store_slice(&mut self.halves[0][base..base + EIGHT]);
+                high.store_slice(&mut self.halves[1][base..base + EIGHT]);
+            } else {
+                for j in base..base + EIGHT {
+                    self.lit[j] = row::span(self.emitting[0][j], self.emitting[1][j]);
+                }
+            }
         }
     }
 
@@ -308,7 +333,7 @@ impl Mask {
     /// Samples of row `j` that emit: from, to.
     #[inline(always)]
     pub(crate) fn emitting(&self, j: usize) -> (u32, u32) {
-        self.emitting[j]
+        (self.emitting[0][j], self.emitting[1][j])
     }
 
     /// Samples of row `j` that are lit.
@@ -332,7 +357,7 @@ impl Mask {
     /// Cells of row `j` that emit at all.
     #[must_use]
     pub fn emitting_cells(&self, j: usize) -> u64 {
-        let (from, to) = self.emitting[j];
+        let (from, to) = self.emitting(j);
         let width = self.width() as u32 >> self.depth;
         if from < to { ones(to.div_ceil(width)) & !ones(from / width) } else { 0 }
     }
@@ -406,7 +431,7 @@ impl Mask {
 
     /// Part of a cell of row `j` that emits, as (start, length) in cells.
     pub(crate) fn emitting_part(&self, i: usize, j: usize) -> (f32, f32) {
-        let (from, to) = self.emitting[j];
+        let (from, to) = self.emitting(j);
         let width = (self.width() >> self.depth) as f32;
         let at = |sample: u32| (sample as f32 / width).clamp(i as f32, i as f32 + 1.0);
         let (from, to) = (at(from), at(to));
@@ -418,7 +443,7 @@ impl Mask {
     pub fn areas(&self) -> (f32, f32) {
         let (mut emitting, mut lit) = (0, 0);
         for j in 0..self.side() {
-            emitting += self.emitting[j].1.saturating_sub(self.emitting[j].0);
+            emitting += self.emitting[1][j].saturating_sub(self.emitting[0][j]);
             lit += row::count(&self.lit(j));
         }
         let cell = (self.width() >> self.depth) as f32;
@@ -432,7 +457,7 @@ impl Mask {
             let (disc, side) = (&DISCS[1][self.depth as usize], self.side());
             return self.halves.iter().zip(&disc.halves).all(|(a, b)| a[..side] == b[..side]);
         }
-        (0..self.side()).all(|j| self.lit(j) == row::span(self.emitting[j].0, self.emitting[j].1))
+        (0..self.side()).all(|j| self.lit(j) == row::span(self.emitting[0][j], self.emitting[1][j]))
     }
 
     /// True when every emitting sample is blocked.
