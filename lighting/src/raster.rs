@@ -59,7 +59,7 @@ impl Raster {
         (clamped + f32x8::splat(simd, 12_582_912.0)).bitcast::<u32x8<S>>() & u32x8::splat(simd, 0x1ff)
     }
 
-    /// Heights of the eight lines of [`Mask::block_lines`] above the row's own, in rows within ±½.
+    /// Heights of the eight lines of [`Mask::block_lines`](crate::Mask::block_lines) above the row's own, in rows within ±½.
     pub const HEIGHTS: [f32; 8] = {
         let mut heights = [0.0; row::SUBLINES];
         let mut k = 0;
