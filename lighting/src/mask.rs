@@ -1,3 +1,4 @@
+use crate::lanes::NUMBERS;
 use crate::row::{self, COARSE, EIGHT, Row, SUBLINES, WIDTH};
 use crate::{LitBounds, Raster, UnitSquare};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
@@ -7,7 +8,6 @@ use std::sync::LazyLock;
 /// The deepest quad-tree: 64 × 64 cells.
 pub const MAX_DEPTH: u32 = 6;
 const SIDE: usize = 1 << MAX_DEPTH;
-const LANE: [f32; EIGHT] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// The visibility mask: the leaves of the complete quad-tree of a depth (§5.3 of the paper, Fig. 9), sampled as bits.
 ///
@@ -130,7 +130,7 @@ impl Mask {
         let (center, cell, disc) = (self.square.center.y, self.cell().y, self.square.disc);
         let zero = f32x8::splat(simd, 0.0);
         for base in (0..self.side()).step_by(EIGHT) {
-            let line = f32x8::simd_from(simd, LANE) + (base as f32 + 0.5);
+            let line = f32x8::simd_from(simd, NUMBERS) + (base as f32 + 0.5);
             let y = (line - 0.5 * side) * cell + center;
             let half = (f32x8::splat(simd, disc * disc) - y * y).max(zero).sqrt();
             // Above the horizon: n.x x + n.y y + n.z > 0.

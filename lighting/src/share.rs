@@ -1,7 +1,7 @@
 //! The share of a reflectance lobe's light that a mask leaves, summed over its samples.
 
 use crate::Mask;
-use crate::lanes::sum;
+use crate::lanes::{NUMBERS, sum};
 use crate::row::{self, EIGHT, Row, WIDTH};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
@@ -9,7 +9,6 @@ use lobe_core::special::{exp, ln_1p};
 use lobe_core::{Lobe, Receiver, is_lambert};
 
 const ROWS: usize = 1 << crate::MAX_DEPTH;
-const NUMBERS: [f32; EIGHT] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 /// Blocks of eight columns: what a weight is taken for. A column of a fine mask has eight samples, of a coarse one four.
 const FINE: usize = 4;
 const COARSE: usize = 2;

@@ -160,7 +160,7 @@ fn ellipse_rows_and_rays_agree() {
                 }
                 let v = square.world(p.extend(1.0)).as_dvec3().normalize();
                 let outside = if cos <= -1.0 { -1.0 } else { silhouette_distance(v, to.as_dvec3(), cos) };
-                // The smaller side of a cell in radians.
+                // The larger side of a cell in radians.
                 let cell = f64::from(mask.cell().max_element()) / (1.0 + f64::from(p.length_squared()));
                 let bit = mask.lit_cells(j) >> i & 1 == 0;
                 cells += 1;

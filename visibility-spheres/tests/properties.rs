@@ -196,10 +196,21 @@ fn pop(n: usize, scene: impl Fn(f64) -> Scene) -> (f64, f64) {
 /// What moves in a sweep.
 const SWEEPS: [&str; 5] = ["lobe", "blocker", "light", "receiver", "normal"];
 
-fn sweep(scene: &Scene, kind: usize, directions: [DVec3; 2], theta: f64, t: f64) -> Scene {
+/// How far things move, in all steps of a sweep.
+#[derive(Clone, Copy, Debug)]
+enum Way {
+    /// Part of the light.
+    Light,
+    /// Part of what is seen of it: a step of a narrow lobe across a wide light is no pop.
+    Seen,
+}
+
+fn sweep(scene: &Scene, kind: usize, directions: [DVec3; 2], theta: f64, way: Way, t: f64) -> Scene {
     let mut s = scene.clone();
-    // Small against what is seen: a step of a narrow lobe across a wide light is no pop.
-    let seen = theta.min(3.0 / scene.lobe.1.sqrt());
+    let seen = match way {
+        Way::Light => theta,
+        Way::Seen => theta.min(3.0 / scene.lobe.1.sqrt()),
+    };
     let t = 0.3 * (t - 0.5) * (seen / theta);
     match kind {
         0 => s.lobe.0 = (s.lobe.0 + directions[0] * (theta * t)).normalize(),
@@ -219,7 +230,7 @@ fn sweep(scene: &Scene, kind: usize, directions: [DVec3; 2], theta: f64, t: f64)
     s
 }
 
-fn pops(tolerance: f32, cases: usize, steps: usize, through: bool, count: usize) -> Vec<(f64, String)> {
+fn pops(tolerance: f32, [cases, steps]: [usize; 2], way: Way, through: bool, count: usize) -> Vec<(f64, String)> {
     let mut random = Random::new(3);
     let mut found = Vec::new();
     for case in 0..cases {
@@ -232,7 +243,7 @@ fn pops(tolerance: f32, cases: usize, steps: usize, through: bool, count: usize)
             if kind == 0 && e == 1.0 {
                 continue;
             }
-            let (size, t) = pop(steps, |t| sweep(&scene, kind, directions, theta, t));
+            let (size, t) = pop(steps, |t| sweep(&scene, kind, directions, theta, way, t));
             found.push((size, format!("case {case} {what} θ {theta} e {e} t {t}")));
         }
     }
@@ -240,35 +251,42 @@ fn pops(tolerance: f32, cases: usize, steps: usize, through: bool, count: usize)
     found
 }
 
-fn check_pops(cases: usize, steps: usize) {
-    for (tolerance, most) in [(0.01, 0.02), (0.003, 0.005), (0.001, 0.003)] {
+/// `most` for each tolerance, and what 95 % of the sweeps stay below, in tolerances.
+fn check_pops(size: [usize; 2], way: Way, most: [f64; 3], usual: f64) {
+    for (tolerance, most) in [0.01, 0.003, 0.001].into_iter().zip(most) {
         for (through, count) in [(false, 1), (false, 3), (true, 2)] {
-            let found = pops(tolerance, cases, steps, through, count);
+            let found = pops(tolerance, size, way, through, count);
             let largest: Vec<f64> = found.iter().map(|f| f.0).collect();
             let at = |part: f64| 100.0 * largest[(largest.len() as f64 * part) as usize];
             println!(
-                "τ {tolerance} horizon {through} blockers {count}: largest {:.3} %, 99 % {:.3} %, 95 % {:.3} %; {}",
+                "{way:?} τ {tolerance} horizon {through} blockers {count}: largest {:.3} %, 99 % {:.3} %, 95 % {:.3} %; {}",
                 at(0.0),
                 at(0.01),
                 at(0.05),
                 found[0].1
             );
-            // A sample of a window is up to a tenth of a percent of what a lobe sees, of 64 a row up to half a percent;
-            // some come and go together.
-            assert!(largest[0] < most && largest[largest.len() / 20] < 0.9 * f64::from(tolerance), "{}", found[0].1);
+            assert!(largest[0] < most && largest[largest.len() / 20] < usual * f64::from(tolerance), "{}", found[0].1);
         }
     }
 }
 
+fn check_ways(size: [usize; 2]) {
+    // Where the mask turns to another blocker, and where a step carries a lobe away, its own error shows at once.
+    check_pops(size, Way::Light, [0.04; 3], 1.2);
+    // A sample of a window is up to a tenth of a percent of what a lobe sees, of 64 a row up to half a percent; some come
+    // and go together.
+    check_pops(size, Way::Seen, [0.02, 0.005, 0.003], 0.9);
+}
+
 #[test]
 fn small_moves_make_small_changes() {
-    check_pops(48, 100);
+    check_ways([48, 100]);
 }
 
 #[test]
 #[ignore = "a minute: the figures of the documentation"]
 fn small_moves_of_many_scenes() {
-    check_pops(384, 200);
+    check_ways([384, 200]);
 }
 
 #[test]
