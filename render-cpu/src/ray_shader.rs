@@ -22,13 +22,11 @@ use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::{Cone, Coverage, LightLobes, Receiver, Shaft, Tile, orthonormal_basis};
 use rayon::prelude::*;
-use scene::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints};
+use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 
 /// Samples at most where culling says that nothing blocks.
 const CLEAR_SAMPLES: u32 = 16;
-/// Points that share what is culled, as in [`CpuShader`](crate::CpuShader).
-const GROUP: usize = 64;
 /// So many primitives in a group's shaft are tested one by one; more are left to the hierarchy.
 const LISTED: usize = 48;
 

@@ -6,12 +6,10 @@ use lobe_core::{
     TileLobes, VisibilityLobes, VisibilitySum, cap_integrals,
 };
 use rayon::prelude::*;
-use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
+use scene::{Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Points that are culled together: an 8 × 8 pixel tile of a [`GBuffer`](crate::GBuffer).
-const GROUP: usize = 64;
 /// Groups that a thread takes at once, at most: what is dear is often side by side.
 const RUN: usize = 16;
 /// One group in this many is timed stage by stage; clocks would cost more than a lit point does.

@@ -1,8 +1,8 @@
 use crate::ShadingPoints;
 use lobe_core::compact_runs;
 
-/// Points that are culled together by the CPU's and the GPU's shader.
-const GROUP: usize = 64;
+/// Points that follow each other in a list and are culled together, by all shaders: an 8 × 8 pixel tile of a picture.
+pub const GROUP: usize = 64;
 
 impl ShadingPoints {
     /// Brings points that are in no order, as the vertices of a mesh are, into one in which neighbours in the list are

@@ -85,6 +85,7 @@ pub use crate::animation::{Animation, Pose, Rig};
 pub use crate::bounds::Bounds;
 pub use crate::builtin::builtin;
 pub use crate::camera::Camera;
+pub use crate::coherence::GROUP;
 pub use crate::error::SceneError;
 pub use crate::load::{load, load_animated, load_clip, load_with_warnings};
 pub use crate::mesh::Mesh;
