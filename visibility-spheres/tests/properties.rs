@@ -284,7 +284,7 @@ fn small_moves_make_small_changes() {
 }
 
 #[test]
-#[ignore = "a minute: the figures of the documentation"]
+#[ignore = "two minutes: the figures of the documentation"]
 fn small_moves_of_many_scenes() {
     check_ways([384, 200]);
 }
