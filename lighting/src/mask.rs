@@ -1,5 +1,5 @@
 use crate::lanes::NUMBERS;
-use crate::row::{self, COARSE, EIGHT, Row, SUBLINES, WIDTH};
+use crate::row::{self, COARSE, EIGHT, ROWS, Row, SUBLINES, WIDTH};
 use crate::{LitBounds, Raster, UnitSquare};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
@@ -31,16 +31,16 @@ pub struct Mask {
     /// Samples of each row that emit: from, to.
     emitting: [[u32; SIDE]; 2],
     /// Samples that emit and are not blocked: of a fine mask the rows, of a coarse one their two halves, each a word.
-    lit: [Row; SIDE],
-    halves: [[u32; SIDE + EIGHT]; 2],
+    lit: [Row; ROWS],
+    halves: [[u32; ROWS]; 2],
     coarse: bool,
 }
 
 /// What emits where the window shows a whole disc: the same for all lights.
 struct Disc {
     emitting: [[u32; SIDE]; 2],
-    lit: [Row; SIDE],
-    halves: [[u32; SIDE + EIGHT]; 2],
+    lit: [Row; ROWS],
+    halves: [[u32; ROWS]; 2],
 }
 
 /// Fine ones, then coarse ones.
@@ -65,8 +65,8 @@ impl Default for Mask {
             left: -1.0,
             scale: 1.0,
             emitting: [[0; SIDE]; 2],
-            lit: [row::NONE; SIDE],
-            halves: [[0; SIDE + EIGHT]; 2],
+            lit: [row::NONE; ROWS],
+            halves: [[0; ROWS]; 2],
             coarse: false,
         }
     }
@@ -260,8 +260,8 @@ impl Mask {
 
     /// Blocks every sample.
     pub fn block_all(&mut self) {
-        self.lit = [row::NONE; SIDE];
-        self.halves = [[0; SIDE + EIGHT]; 2];
+        self.lit = [row::NONE; ROWS];
+        self.halves = [[0; ROWS]; 2];
     }
 
     /// Blocks each cell for whose centre's unit direction (in world space) `test` says so: the slow way, for shapes
@@ -287,13 +287,12 @@ impl Mask {
         if self.coarse {
             let blocked = row::halves(simd, from, to);
             for (rows, blocked) in self.halves.iter_mut().zip(blocked) {
-                if let Some(rows) = rows[j..].first_chunk_mut::<EIGHT>() {
-                    (u32x8::simd_from(simd, *rows) & !blocked).store_slice(rows);
-                }
+                let rows = row::eight_mut(rows, j);
+                (u32x8::from_slice(simd, rows) & !blocked).store_slice(rows);
             }
         } else {
             let (from, to): ([u32; EIGHT], [u32; EIGHT]) = (from.into(), to.into());
-            for (row, (from, to)) in self.lit[j..].iter_mut().zip(from.iter().zip(&to)) {
+            for (row, (from, to)) in row::eight_mut(&mut self.lit, j).iter_mut().zip(from.iter().zip(&to)) {
                 *row = row::without(row, &row::span(*from, *to));
             }
         }
@@ -354,6 +353,14 @@ impl Mask {
         [&self.halves[0][..1 << self.depth], &self.halves[1][..1 << self.depth]]
     }
 
+    /// Those of eight rows of a coarse one, as halves.
+    #[inline(always)]
+    fn eight_halves<S: Simd>(&self, simd: S, j: usize) -> [u32x8<S>; 2] {
+        // A closure would not be told to use the wide instructions.
+        let [low, high] = &self.halves;
+        [u32x8::simd_from(simd, row::eight(low, j)), u32x8::simd_from(simd, row::eight(high, j))]
+    }
+
     /// Cells of row `j` that emit at all.
     #[must_use]
     pub fn emitting_cells(&self, j: usize) -> u64 {
@@ -381,14 +388,13 @@ impl Mask {
     pub fn are_rows_dark_between<S: Simd>(&self, simd: S, j: usize, from: u32, to: u32) -> bool {
         if self.coarse {
             let span = row::span_of_64(from, to);
-            let [low, high] = &self.halves;
-            let low = row::eight(simd, &low[j..]) & u32x8::splat(simd, span as u32);
-            let high = row::eight(simd, &high[j..]) & u32x8::splat(simd, (span >> 32) as u32);
+            let [low, high] = self.eight_halves(simd, j);
+            let (low, high) = (low & u32x8::splat(simd, span as u32), high & u32x8::splat(simd, (span >> 32) as u32));
             return (low | high).simd_eq(u32x8::splat(simd, 0)).all_true();
         }
         let mut any = row::NONE;
-        for row in &self.lit[j..(j + EIGHT).min(SIDE)] {
-            any = row::with(&any, row);
+        for row in row::eight(&self.lit, j) {
+            any = row::with(&any, &row);
         }
         row::and(&any, &row::span(from, to)) == row::NONE
     }
@@ -412,7 +418,7 @@ impl Mask {
             let zero = u32x8::splat(simd, 0);
             let mut any = [zero; 2];
             for base in (0..self.side()).step_by(EIGHT) {
-                let [low, high] = [&self.halves[0], &self.halves[1]].map(|rows| row::eight(simd, &rows[base..]));
+                let [low, high] = self.eight_halves(simd, base);
                 any = [any[0] | low, any[1] | high];
                 rows |= u64::from((low | high).simd_ne(zero).to_bitmask() as u32) << base;
             }

@@ -148,18 +148,19 @@ pub(crate) fn of_line(row: &Row, j: usize, k: usize) -> Row {
 /// The samples `from..to` of eight rows of 64, as their lower and upper halves.
 #[inline(always)]
 pub(crate) fn halves<S: Simd>(simd: S, from: u32x8<S>, to: u32x8<S>) -> [u32x8<S>; 2] {
-    let middle = u32x8::splat(simd, 32);
-    let low = up_from(simd, from.min(middle)) & !up_from(simd, to.min(middle));
-    let high = up_from(simd, from.max(middle) - middle) & !up_from(simd, to.max(middle) - middle);
-    [low, high]
+    let ([a, b], [c, d]) = (up_from(simd, from), up_from(simd, to));
+    [a & !c, b & !d]
 }
 
-/// Bits from `shift` on, of 32.
+/// Samples from `k` on, `k` ≤ 64, in halves.
 #[inline(always)]
-fn up_from<S: Simd>(simd: S, shift: u32x8<S>) -> u32x8<S> {
-    // A shift by 32 is not defined, two by half as much are.
-    let half = shift >> 1;
-    u32x8::splat(simd, u32::MAX) << half << (shift - half)
+fn up_from<S: Simd>(simd: S, k: u32x8<S>) -> [u32x8<S>; 2] {
+    let (none, all) = (u32x8::splat(simd, 0), u32x8::splat(simd, u32::MAX));
+    // A shift by 32 is not defined.
+    let part = all << (k & u32x8::splat(simd, 31));
+    let is_low = k.simd_lt(u32x8::splat(simd, 32));
+    let is_within = k.simd_lt(u32x8::splat(simd, 64));
+    [is_low.select(part, none), is_low.select(all, is_within.select(part, none))]
 }
 
 /// A row of 64 of which eight lines are covered in part, each having its own samples as in [`of_line`].
@@ -172,10 +173,21 @@ pub(crate) fn of_lines<S: Simd>(simd: S, j: usize, from: u32x8<S>, to: u32x8<S>)
     [either(low & which), either(high & which)]
 }
 
-/// The first eight words.
+/// Room for a mask's rows, and for eight that begin at any of them.
+pub(crate) const ROWS: usize = (1 << MAX_DEPTH) + EIGHT;
+
+/// Those of eight rows from `j` on. In a form in which nothing is left to be checked.
 #[inline(always)]
-pub(crate) fn eight<S: Simd>(simd: S, words: &[u32]) -> u32x8<S> {
-    u32x8::simd_from(simd, words.first_chunk().copied().unwrap_or_default())
+pub(crate) fn eight<T: Copy>(rows: &[T; ROWS], j: usize) -> [T; EIGHT] {
+    let j = j & ((1 << MAX_DEPTH) - 1);
+    core::array::from_fn(|k| rows[j + k])
+}
+
+/// [`eight`], to be written.
+#[inline(always)]
+pub(crate) fn eight_mut<T>(rows: &mut [T; ROWS], j: usize) -> &mut [T] {
+    let j = j & ((1 << MAX_DEPTH) - 1);
+    &mut rows[j..j + EIGHT]
 }
 
 #[inline(always)]

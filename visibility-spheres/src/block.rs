@@ -90,6 +90,8 @@ pub(crate) struct Candidates {
     pub(crate) object: [u32; LANES],
     pub(crate) own_radius: [f32; LANES],
     pub(crate) tau: [f32; LANES],
+    /// `1/(2τ)`, finite.
+    pub(crate) half_of_tau: [f32; LANES],
 }
 
 impl Candidates {
@@ -98,5 +100,6 @@ impl Candidates {
         self.object[lane] = object;
         self.own_radius[lane] = own_radius;
         self.tau[lane] = tau;
+        self.half_of_tau[lane] = (0.5 / tau).min(f32::MAX);
     }
 }

@@ -1,10 +1,10 @@
 use crate::block::{Candidates, LANES};
-use crate::cone_test::ConeTest;
+use crate::ellipse::LANE;
 use crate::hits::Hits;
 use crate::looks::LightBall;
 use crate::shaft_test::ShaftTest;
 use crate::sphere_tree::SphereTree;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use lighting::{Blockers, Edges, Mask};
 use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 
@@ -142,15 +142,18 @@ pub struct SphereScratch {
     blocks: Vec<Candidates>,
     /// One sphere hides the whole light from the whole shaft.
     dark: bool,
+    /// The block of a sphere that hid the whole light from the receiver before.
+    darkener: Option<usize>,
     stack: Vec<(u32, u32)>,
     /// What meets the current receiver's light cone.
     hits: Hits,
 }
 
 impl SphereScratch {
-    /// The lanes of a block that hold a sphere, as bits.
-    fn lanes(&self, number: usize) -> u32 {
-        (1 << (self.candidates.len() - number * LANES).min(LANES)) - 1
+    /// The lanes of a block that hold a sphere.
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S, number: usize) -> mask32x8<S> {
+        f32x8::simd_from(simd, LANE).simd_lt(f32x8::splat(simd, (self.candidates.len() - number * LANES) as f32))
     }
 }
 
@@ -170,7 +173,8 @@ impl SphereScratch {
 
     /// How many candidates meet a shaft: one by one.
     pub(crate) fn meets(&self, test: &ShaftTest) -> u32 {
-        let met = |(number, block): (usize, &Candidates)| test.meets(&block.spheres) & self.lanes(number);
+        let lanes = |number: usize| (1 << (self.candidates.len() - number * LANES).min(LANES)) - 1;
+        let met = |(number, block): (usize, &Candidates)| test.meets(&block.spheres) & lanes(number);
         self.blocks.iter().enumerate().map(|block| met(block).count_ones()).sum()
     }
 }
@@ -180,7 +184,7 @@ impl SphereBlockers {
     /// `select` without any culling: the same exact question to every sphere.
     pub(crate) fn select_flat(&self, query: &VisibilityQuery<'_>) -> (Coverage, Vec<crate::splat::BlockedCone>) {
         let mut scratch = self.scratch();
-        let coverage = dispatch!(Level::new(), simd => select_all(simd, query, &mut scratch, None));
+        let coverage = dispatch!(Level::new(), simd => select_all(simd, query, &mut scratch, false));
         (coverage, scratch.hits())
     }
 }
@@ -208,12 +212,10 @@ impl Blockers for SphereBlockers {
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch) -> Coverage {
-        scratch.hits.clear();
         if scratch.dark {
             return Coverage::Dark;
         }
-        let test = ConeTest::new(query);
-        dispatch!(Level::new(), simd => select_all(simd, query, scratch, Some(&test)))
+        dispatch!(Level::new(), simd => select_all(simd, query, scratch, true))
     }
 
     /// The spheres' rims.
@@ -226,28 +228,31 @@ impl Blockers for SphereBlockers {
     }
 }
 
-/// Asks all candidates that a test leaves, and keeps those that hide something.
+/// Asks all candidates, and keeps those that hide something.
 #[inline(always)]
-fn select_all<S: Simd>(
-    simd: S,
-    query: &VisibilityQuery<'_>,
-    scratch: &mut SphereScratch,
-    test: Option<&ConeTest>,
-) -> Coverage {
-    let light = LightBall::new(query);
-    for (number, block) in scratch.blocks.iter().enumerate() {
-        let which = match test {
-            Some(test) => test.meets(simd, &block.spheres) & scratch.lanes(number),
-            None => scratch.lanes(number),
-        };
-        if which == 0 {
-            continue;
-        }
-        let looks = light.look(simd, query, block);
-        if looks.darkens & which != 0 {
-            return Coverage::Dark;
-        }
-        scratch.hits.extend(&looks, looks.hides & which);
+fn select_all<S: Simd>(simd: S, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, culls: bool) -> Coverage {
+    let (light, object) = (LightBall::new(query, culls), query.at.object);
+    scratch.hits.clear(scratch.candidates.len());
+    // What hides all of a receiver's light mostly does so to its neighbour too.
+    if let Some(number) = scratch.darkener.take()
+        && let Some(block) = scratch.blocks.get(number)
+        && light.look(simd, object, block, scratch.lanes(simd, number)).is_some_and(|looks| looks.darkens)
+    {
+        scratch.darkener = Some(number);
+        return Coverage::Dark;
     }
-    if scratch.hits.is_empty() { Coverage::Lit } else { Coverage::Partial }
+    for (number, block) in scratch.blocks.iter().enumerate() {
+        if let Some(looks) = light.look(simd, object, block, scratch.lanes(simd, number)) {
+            if looks.darkens {
+                scratch.darkener = Some(number);
+                return Coverage::Dark;
+            }
+            scratch.hits.extend(&looks);
+        }
+    }
+    if scratch.hits.is_empty() {
+        return Coverage::Lit;
+    }
+    scratch.hits.end();
+    Coverage::Partial
 }

@@ -1,6 +1,6 @@
 //! The spheres that meet one receiver's light cone.
 
-use crate::block::{LANES, bits};
+use crate::block::LANES;
 use crate::ellipse::Ellipses;
 use crate::looks::Looks;
 use crate::splat::BlockedCone;
@@ -10,27 +10,25 @@ use glam::Vec3;
 use lighting::{Edges, Mask};
 use lobe_core::Cone;
 
-/// Eight of them, side by side: the numbers of a [`BlockedCone`]. Lanes without one are zero.
-#[derive(Clone, Copy, Debug, Default)]
-struct Hit {
-    to: [[f32; LANES]; 3],
-    radius: [f32; LANES],
-    tangent_radius: [f32; LANES],
-    cos: [f32; LANES],
-    meets_light: [bool; LANES],
-}
+/// Numbers of a hit: to the centre; `d sin β`; the cosine of a wide cone, else 1; the radius of a sphere that meets the
+/// light, else 0.
+const COLUMNS: usize = 6;
 
 /// All of them, in the order in which they came.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Hits {
-    blocks: Vec<Hit>,
+    /// With room for eight more.
+    columns: [Vec<f32>; COLUMNS],
     len: usize,
 }
 
 impl Hits {
-    pub(crate) fn clear(&mut self) {
-        self.blocks.clear();
+    /// None, with room for so many.
+    pub(crate) fn clear(&mut self, room: usize) {
         self.len = 0;
+        for column in self.columns.iter_mut().filter(|column| column.len() < room + LANES) {
+            column.resize(room + LANES, 0.0);
+        }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -39,45 +37,52 @@ impl Hits {
 
     #[cfg(test)]
     pub(crate) fn iter(&self) -> impl Iterator<Item = BlockedCone> + '_ {
-        (0..self.len).map(|k| self.blocks[k / LANES].get(k % LANES))
+        (0..self.len).map(|k| self.get(k))
     }
 
+    #[cfg(test)]
     pub(crate) fn push(&mut self, cone: &BlockedCone) {
-        let lane = self.len % LANES;
-        if lane == 0 {
-            self.blocks.push(Hit::default());
-        }
-        if let Some(hit) = self.blocks.last_mut() {
-            for (column, value) in hit.to.iter_mut().zip(cone.to.to_array()) {
-                column[lane] = value;
-            }
-            hit.radius[lane] = cone.radius;
-            hit.tangent_radius[lane] = cone.tangent_radius;
-            hit.cos[lane] = cone.cos;
-            hit.meets_light[lane] = cone.meets_light;
-        }
+        self.columns.iter_mut().for_each(|column| column.resize(self.len + 2 * LANES, 0.0));
+        let wide = if cone.cos > 0.0 { 1.0 } else { cone.cos };
+        let meeting = if cone.meets_light { cone.radius } else { 0.0 };
+        let row = [cone.to.x, cone.to.y, cone.to.z, cone.tangent_radius, wide, meeting];
+        self.columns.iter_mut().zip(row).for_each(|(column, value)| column[self.len] = value);
         self.len += 1;
     }
 
-    /// Those of eight looks whose bits are set.
+    /// Those of eight looks that hide something; lanes behind them are zero.
     #[inline(always)]
-    pub(crate) fn extend<S: Simd>(&mut self, looks: &Looks<S>, mut which: u32) {
+    pub(crate) fn extend<S: Simd>(&mut self, looks: &Looks<S>) {
         let [x, y, z] = looks.to;
-        let (x, y, z): ([f32; LANES], [f32; LANES], [f32; LANES]) = (x.into(), y.into(), z.into());
-        let radius: [f32; LANES] = looks.radius.into();
-        let tangent_radius: [f32; LANES] = looks.tangent_radius.into();
-        let cos: [f32; LANES] = looks.cos.into();
-        while which != 0 {
-            let lane = which.trailing_zeros() as usize;
-            which &= which - 1;
-            self.push(&BlockedCone {
-                to: Vec3::new(x[lane], y[lane], z[lane]),
-                radius: radius[lane],
-                tangent_radius: tangent_radius[lane],
-                cos: cos[lane],
-                meets_light: looks.meets >> lane & 1 != 0,
-            });
+        let of = [x, y, z, looks.tangent_radius, looks.wide, looks.meeting];
+        for (column, of) in self.columns.iter_mut().zip(of) {
+            if let Some(lanes) = column[self.len..].first_chunk_mut::<LANES>() {
+                of.compress(looks.hides).store_slice(lanes);
+            }
         }
+        self.len += looks.hides.to_bitmask().count_ones() as usize;
+    }
+
+    /// Makes the lanes behind the last hit zero.
+    #[inline(always)]
+    pub(crate) fn end(&mut self) {
+        for column in &mut self.columns {
+            if let Some(lanes) = column[self.len..].first_chunk_mut::<LANES>() {
+                *lanes = [0.0; LANES];
+            }
+        }
+    }
+
+    /// A column of the eight hits from `first` on.
+    #[inline(always)]
+    fn column<S: Simd>(&self, simd: S, column: usize, first: usize) -> f32x8<S> {
+        let lanes = self.columns[column].get(first..).and_then(<[f32]>::first_chunk);
+        f32x8::simd_from(simd, lanes.copied().unwrap_or_default())
+    }
+
+    fn get(&self, k: usize) -> BlockedCone {
+        let [x, y, z, tangent_radius, wide, meeting] = core::array::from_fn(|column| self.columns[column][k]);
+        BlockedCone::new(Vec3::new(x, y, z), tangent_radius, wide, meeting)
     }
 
     /// Adds their rims where those cross the light's disc, as if the spheres were small and far: the turn of a mask need
@@ -85,13 +90,13 @@ impl Hits {
     #[inline(always)]
     pub(crate) fn add_edges<S: Simd>(&self, simd: S, light: &Cone, edges: &mut Edges) {
         let (u, tan) = (light.axis, light.tan());
-        for hit in &self.blocks {
-            let [x, y, z] = hit.to(simd);
+        for first in (0..self.len).step_by(LANES) {
+            let [x, y, z, tangent_radius] = core::array::from_fn(|column| self.column(simd, column, first));
             let along = x * u.x + y * u.y + z * u.z;
             let aside = [x - along * u.x, y - along * u.y, z - along * u.z];
             let disc = (along * tan).abs().max(f32x8::splat(simd, f32::MIN_POSITIVE));
             let distance = (aside[0] * aside[0] + aside[1] * aside[1] + aside[2] * aside[2]).sqrt();
-            edges.add_circles(simd, aside, f32x8::simd_from(simd, hit.tangent_radius) / disc, distance / disc);
+            edges.add_circles(simd, aside, tangent_radius / disc, distance / disc);
         }
     }
 
@@ -99,48 +104,35 @@ impl Hits {
     #[inline(always)]
     pub(crate) fn splat<S: Simd>(&self, simd: S, light: &Cone, mask: &mut Mask) {
         let square = *mask.square();
-        for (number, hit) in self.blocks.iter().enumerate() {
+        let zero = f32x8::splat(simd, 0.0);
+        for first in (0..self.len).step_by(LANES) {
             let lit = mask.lit_bounds(simd);
             if lit.is_empty() {
                 return;
             }
-            let [x, y, z] = hit.to(simd);
+            let [x, y, z, tangent_radius, wide, meeting] =
+                core::array::from_fn(|column| self.column(simd, column, first));
             let (u, v, w) = (square.right, square.up, square.axis);
             let local = [x * u.x + y * u.y + z * u.z, x * v.x + y * v.y + z * v.z, x * w.x + y * w.y + z * w.z];
-            let ellipses = Ellipses::new(simd, local, f32x8::simd_from(simd, hit.tangent_radius), mask);
-            let wide = f32x8::simd_from(simd, hit.cos).simd_le(f32x8::splat(simd, 0.0)).to_bitmask() as u32;
-            let narrow = ellipses.are_in_front() & !wide & !bits(hit.meets_light);
-            let all = (1 << (self.len - number * LANES).min(LANES)) - 1;
+            let ellipses = Ellipses::new(simd, local, tangent_radius, mask);
+            let meets = meeting.simd_gt(zero).to_bitmask() as u32;
+            let narrow = ellipses.are_in_front() & wide.simd_gt(zero).to_bitmask() as u32 & !meets;
+            let all = (1 << (self.len - first).min(LANES)) - 1;
             let mut left = all & !(narrow & ellipses.misses(simd, &lit));
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
                 if narrow >> lane & 1 != 0 {
                     ellipses.splat(simd, lane, mask);
-                } else if hit.meets_light[lane] {
-                    hit.get(lane).splat_in_front(light, mask);
+                    continue;
+                }
+                let cone = self.get(first + lane);
+                if cone.meets_light {
+                    cone.splat_in_front(light, mask);
                 } else {
-                    splat_wide(simd, square.local(hit.get(lane).to), hit.cos[lane], mask);
+                    splat_wide(simd, square.local(cone.to), cone.cos, mask);
                 }
             }
-        }
-    }
-}
-
-impl Hit {
-    #[inline(always)]
-    fn to<S: Simd>(&self, simd: S) -> [f32x8<S>; 3] {
-        let [x, y, z] = self.to;
-        [f32x8::simd_from(simd, x), f32x8::simd_from(simd, y), f32x8::simd_from(simd, z)]
-    }
-
-    fn get(&self, lane: usize) -> BlockedCone {
-        BlockedCone {
-            to: Vec3::from_array(self.to.map(|column| column[lane])),
-            radius: self.radius[lane],
-            tangent_radius: self.tangent_radius[lane],
-            cos: self.cos[lane],
-            meets_light: self.meets_light[lane],
         }
     }
 }

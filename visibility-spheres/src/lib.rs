@@ -2,7 +2,6 @@
 
 mod block;
 mod blockers;
-mod cone_test;
 mod ellipse;
 mod hits;
 mod looks;

@@ -1,12 +1,16 @@
 //! What eight spheres hide of one receiver's light, side by side.
 
-use crate::block::Candidates;
+use crate::block::{Block, Candidates};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::VisibilityQuery;
 
+/// Relative to distances; f32 rounds the terms of the cheap question by some 1e-7.
+const SLACK: f32 = 4e-6;
+
 /// The light of a query as a ball.
 pub(crate) struct LightBall {
+    at: Vec3,
     axis: Vec3,
     sin: f32,
     cos: f32,
@@ -14,93 +18,152 @@ pub(crate) struct LightBall {
     radius: f32,
     /// Power of the receiver with respect to it.
     power: f32,
+    /// The light is seen within less than a hemisphere.
+    narrow: bool,
+    /// Whether the cheap question comes before the exact one.
+    culls: bool,
 }
 
 /// The directions that eight spheres block, as [`BlockedCone`](crate::splat::BlockedCone)s.
 pub(crate) struct Looks<S: Simd> {
     pub(crate) to: [f32x8<S>; 3],
-    pub(crate) radius: f32x8<S>,
     pub(crate) tangent_radius: f32x8<S>,
-    pub(crate) cos: f32x8<S>,
-    /// Lanes that hide something; all; that meet the light.
-    pub(crate) hides: u32,
-    pub(crate) darkens: u32,
-    pub(crate) meets: u32,
+    /// Of cones as wide as a hemisphere or wider the cosine, of others 1.
+    pub(crate) wide: f32x8<S>,
+    /// Of spheres that meet the light the radius, of others 0.
+    pub(crate) meeting: f32x8<S>,
+    /// Lanes that hide something; whether one hides all.
+    pub(crate) hides: mask32x8<S>,
+    pub(crate) darkens: bool,
 }
 
-/// The cones that spheres block under their self-distances τ: `d sin β`, `cos β`, and whether there is one.
+/// The cones that spheres block under their self-distances τ: `d sin β`; `cos β` where that is not above zero, else 1;
+/// and whether there is one. `half_of_tau` is `1/(2τ)`, anything where τ is zero.
 #[inline(always)]
 pub(crate) fn cones<S: Simd>(
     simd: S,
     to: [f32x8<S>; 3],
     radius: f32x8<S>,
     tau: f32x8<S>,
+    half_of_tau: f32x8<S>,
 ) -> (f32x8<S>, f32x8<S>, mask32x8<S>) {
-    let (zero, one, two) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, 2.0));
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
     let d_sq = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
     let power = d_sq - radius * radius;
     let d = d_sq.sqrt();
     let tangent = power.simd_gt(zero) & (tau * tau).simd_le(power);
     // Inside the sphere of another object.
     let inside = !tangent & tau.simd_le(zero);
-    // 1 − cos β = (r² − (d − τ)²)/(2τd).
+    // d(1 − cos β) = (r² − (d − τ)²)/(2τ), and (d sin β)² = d(1 − cos β)·(2d − d(1 − cos β)).
     let above = (radius - (d - tau)) * (radius + (d - tau));
-    let one_minus_cos = d.simd_gt(zero).select((above / (two * tau * d)).min(two), two);
-    let chord = d * (one_minus_cos * (two - one_minus_cos)).max(zero).sqrt();
-    let cos = tangent.select((power / d_sq).sqrt(), inside.select(-one, one - one_minus_cos));
+    let rest = (above * half_of_tau).min(d + d);
+    let chord = (rest * (d + d - rest)).max(zero).sqrt();
     let tangent_radius = tangent.select(radius, inside.select(zero, chord));
+    let wide = !tangent & (inside | rest.simd_ge(d));
+    let cos = if wide.any_true() {
+        let cos = (!inside & d.simd_gt(zero)).select(one - rest / d, -one);
+        wide.select(cos, one)
+    } else {
+        one
+    };
     (tangent_radius, cos, tangent | inside | above.simd_gt(zero))
 }
 
-/// [`cones`] where every τ is zero.
+/// [`cones`] where every τ is zero: all exist.
 #[inline(always)]
-pub(crate) fn whole_cones<S: Simd>(simd: S, to: [f32x8<S>; 3], radius: f32x8<S>) -> (f32x8<S>, f32x8<S>, mask32x8<S>) {
-    let zero = f32x8::splat(simd, 0.0);
-    let d_sq = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
-    let power = d_sq - radius * radius;
-    let tangent = power.simd_gt(zero);
-    let cos = tangent.select((power / d_sq).sqrt(), f32x8::splat(simd, -1.0));
-    (tangent.select(radius, zero), cos, zero.simd_eq(zero))
+pub(crate) fn whole_cones<S: Simd>(simd: S, to: [f32x8<S>; 3], radius: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    let tangent = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2] - radius * radius).simd_gt(zero);
+    (tangent.select(radius, zero), tangent.select(one, -one))
 }
 
 impl LightBall {
-    pub(crate) fn new(query: &VisibilityQuery<'_>) -> Self {
+    pub(crate) fn new(query: &VisibilityQuery<'_>, culls: bool) -> Self {
         let cone = query.cone;
         let (sin, cos) = (cone.sin_sq().sqrt(), cone.cos());
         let (distance, radius) = (cone.distance, cone.distance * sin);
-        Self { axis: cone.axis, sin, cos, distance, radius, power: distance * distance * (cos * cos) }
+        let power = distance * distance * (cos * cos);
+        let narrow = cos > 0.0;
+        Self { at: query.at.position, axis: cone.axis, sin, cos, distance, radius, power, narrow, culls }
     }
 
-    /// What eight candidates hide from the receiver of a query. Where in doubt, something.
+    /// What those of eight candidates that `which` names hide from the receiver of a query. Where in doubt, something.
     #[inline(always)]
-    pub(crate) fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, block: &Candidates) -> Looks<S> {
-        let at = query.at.position;
-        let own = u32x8::simd_from(simd, block.object).simd_eq(u32x8::splat(simd, query.at.object));
+    pub(crate) fn look<S: Simd>(
+        &self,
+        simd: S,
+        object: u32,
+        block: &Candidates,
+        which: mask32x8<S>,
+    ) -> Option<Looks<S>> {
+        let to = self.to(simd, &block.spheres);
         let whole = f32x8::simd_from(simd, block.spheres.radius);
-        let to = [
-            f32x8::simd_from(simd, block.spheres.x) - at.x,
-            f32x8::simd_from(simd, block.spheres.y) - at.y,
-            f32x8::simd_from(simd, block.spheres.z) - at.z,
-        ];
-        let (radius, (tangent_radius, cos, exists)) = if own.any_true() {
-            let radius = own.select(f32x8::simd_from(simd, block.own_radius), whole);
-            let tau = own.select(f32x8::simd_from(simd, block.tau), f32x8::splat(simd, 0.0));
-            (radius, cones(simd, to, radius, tau))
+        let u = self.axis;
+        let along = to[0] * u.x + to[1] * u.y + to[2] * u.z;
+        let [x, y, z] = [to[0] - along * u.x, to[1] - along * u.y, to[2] - along * u.z];
+        let aside_sq = x * x + y * y + z * z;
+        let mut which = which;
+        if self.narrow && self.culls {
+            which &= self.may_meet(simd, to, whole, along, aside_sq);
+        }
+        if which.all_false() {
+            return None;
+        }
+        let own = u32x8::simd_from(simd, block.object).simd_eq(u32x8::splat(simd, object));
+        let mut radius = whole;
+        let (tangent_radius, wide) = if own.any_true() {
+            let zero = f32x8::splat(simd, 0.0);
+            radius = own.select(f32x8::simd_from(simd, block.own_radius), whole);
+            let tau = own.select(f32x8::simd_from(simd, block.tau), zero);
+            let (tangent_radius, wide, exists) =
+                cones(simd, to, radius, tau, f32x8::simd_from(simd, block.half_of_tau));
+            which &= exists;
+            (tangent_radius, wide)
         } else {
-            (whole, whole_cones(simd, to, whole))
+            whole_cones(simd, to, whole)
         };
         let (meets, behind) = self.order(simd, to, radius);
-        let (lit, dark) = self.cover(simd, to, tangent_radius, cos);
-        let hides = exists & !behind & !lit;
-        Looks {
-            to,
-            radius,
-            tangent_radius,
-            cos,
-            hides: hides.to_bitmask() as u32,
-            darkens: (hides & !meets & dark).to_bitmask() as u32,
-            meets: meets.to_bitmask() as u32,
-        }
+        let zero = f32x8::splat(simd, 0.0);
+        let (lit, dark) = if self.narrow && wide.simd_gt(zero).all_true() {
+            self.cover_narrow(simd, along, aside_sq, tangent_radius)
+        } else {
+            self.cover(simd, to, along, aside_sq.sqrt(), tangent_radius, wide)
+        };
+        let hides = which & !behind & !lit;
+        let darkens = (hides & !meets & dark).any_true();
+        Some(Looks { to, tangent_radius, wide, meeting: meets.select(radius, zero), hides, darkens })
+    }
+
+    #[inline(always)]
+    fn to<S: Simd>(&self, simd: S, block: &Block) -> [f32x8<S>; 3] {
+        [
+            f32x8::simd_from(simd, block.x) - self.at.x,
+            f32x8::simd_from(simd, block.y) - self.at.y,
+            f32x8::simd_from(simd, block.z) - self.at.z,
+        ]
+    }
+
+    /// Which spheres may hide something of the light: whatever this drops, [`cover`](Self::cover) calls lit too.
+    #[inline(always)]
+    fn may_meet<S: Simd>(
+        &self,
+        simd: S,
+        to: [f32x8<S>; 3],
+        radius: f32x8<S>,
+        along: f32x8<S>,
+        aside_sq: f32x8<S>,
+    ) -> mask32x8<S> {
+        let zero = f32x8::splat(simd, 0.0);
+        let (sin_sq, cos_sq) = (self.sin * self.sin * (1.0 + SLACK), self.cos * self.cos * (1.0 - SLACK));
+        // d sin(γ − θ) > r, γ the angle between the axes, θ the light's half-angle.
+        let reach = radius + along * self.sin + (along.abs() + radius) * SLACK;
+        let outside = (aside_sq * cos_sq).simd_gt(reach * reach) | reach.simd_lt(zero);
+        // γ − θ > 90°, and not inside the sphere.
+        let back = -along - radius * SLACK;
+        let behind = back.simd_gt(zero)
+            & (back * back * cos_sq).simd_gt(aside_sq * sin_sq)
+            & (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).simd_gt(radius * radius * (1.0 + SLACK));
+        !(outside | behind)
     }
 
     /// Which spheres meet the light, which are behind it.
@@ -112,39 +175,55 @@ impl LightBall {
         }
         let center = self.axis * self.distance;
         let [x, y, z] = [to[0] - center.x, to[1] - center.y, to[2] - center.z];
-        let apart = (x * x + y * y + z * z).sqrt().simd_ge(radius + self.radius);
+        let both = radius + self.radius;
+        let apart = (x * x + y * y + z * z).simd_ge(both * both);
         let power = to[0] * to[0] + to[1] * to[1] + to[2] * to[2] - radius * radius;
         (!apart, apart & power.simd_ge(f32x8::splat(simd, self.power)))
     }
 
-    /// Which cones leave all of the light (axis, sin θ, cos θ), and which cover it.
+    /// Which cones leave all of the light, and which cover it: both within less than a hemisphere, so that squares decide.
+    #[inline(always)]
+    fn cover_narrow<S: Simd>(
+        &self,
+        simd: S,
+        along: f32x8<S>,
+        aside_sq: f32x8<S>,
+        tangent_radius: f32x8<S>,
+    ) -> (mask32x8<S>, mask32x8<S>) {
+        let zero = f32x8::splat(simd, 0.0);
+        let (aside, toward) = (aside_sq * (self.cos * self.cos), along * self.sin);
+        // d sin(γ ∓ θ) against d sin β, and d cos(γ ∓ θ) against 0.
+        let (near, far) = (tangent_radius + toward, tangent_radius - toward);
+        let straight = (along * along * (self.cos * self.cos)).simd_gt(aside_sq * (self.sin * self.sin));
+        let ahead = along.simd_gt(zero);
+        let lit = near.simd_le(zero) | aside.simd_ge(near * near) | (straight & !ahead);
+        let dark = ahead & straight & far.simd_ge(zero) & aside.simd_le(far * far);
+        (lit, dark)
+    }
+
+    /// The same of any cones.
     #[inline(always)]
     fn cover<S: Simd>(
         &self,
         simd: S,
         to: [f32x8<S>; 3],
+        along: f32x8<S>,
+        aside: f32x8<S>,
         tangent_radius: f32x8<S>,
-        cos: f32x8<S>,
+        wide: f32x8<S>,
     ) -> (mask32x8<S>, mask32x8<S>) {
         let zero = f32x8::splat(simd, 0.0);
-        let u = self.axis;
-        let along = to[0] * u.x + to[1] * u.y + to[2] * u.z;
-        let [x, y, z] = [to[0] - along * u.x, to[1] - along * u.y, to[2] - along * u.z];
-        let aside = (x * x + y * y + z * z).sqrt();
         // d sin(γ ∓ θ) and d cos(γ ∓ θ), γ the angle between the two axes.
         let (near, near_toward) = (aside * self.cos - along * self.sin, along * self.cos + aside * self.sin);
         let (far, far_toward) = (aside * self.cos + along * self.sin, along * self.cos - aside * self.sin);
-        let narrow = cos.simd_ge(zero);
         let lit = near.simd_ge(tangent_radius) | near_toward.simd_le(zero);
         let dark = far_toward.simd_gt(zero) & far.simd_le(tangent_radius);
-        if narrow.all_true() {
-            return (lit, dark);
-        }
         // Wider than a hemisphere: against d cos β.
-        let edge = cos * (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
+        let narrow = wide.simd_gt(zero);
+        let edge = wide * (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
         let wide_lit = near.simd_ge(zero) & near_toward.simd_le(edge);
         let wide_dark = far.simd_ge(zero) & far_toward.simd_gt(edge);
-        let all = cos.simd_le(f32x8::splat(simd, -1.0));
+        let all = wide.simd_le(f32x8::splat(simd, -1.0));
         ((narrow & lit) | (!narrow & !all & wide_lit), (narrow & dark) | (!narrow & (all | wide_dark)))
     }
 }

@@ -9,7 +9,7 @@ use lobe_core::Cone;
 pub(crate) struct BlockedCone {
     /// From the receiver to the sphere's centre.
     pub(crate) to: Vec3,
-    /// Its radius.
+    /// Its radius, if it meets the light.
     pub(crate) radius: f32,
     /// Radius of the ball about the same centre whose tangent cone it is: `d sin β`.
     pub(crate) tangent_radius: f32,
@@ -20,6 +20,16 @@ pub(crate) struct BlockedCone {
 }
 
 impl BlockedCone {
+    /// From a hit's numbers: `wide` is the cosine of a cone as wide as a hemisphere or wider, else 1; `meeting` the radius of
+    /// a sphere that meets the light, else 0.
+    pub(crate) fn new(to: Vec3, tangent_radius: f32, wide: f32, meeting: f32) -> Self {
+        let d = to.length();
+        // d > d sin β, but for rounding; both are zero only where the cone is wide.
+        let cos = ((d - tangent_radius).max(0.0) * (d + tangent_radius)).sqrt() / d;
+        let cos = if wide > 0.0 { cos } else { wide };
+        Self { to, radius: meeting, tangent_radius, cos, meets_light: meeting > 0.0 }
+    }
+
     /// `1 − cos β`.
     #[cfg(test)]
     pub(crate) fn one_minus_cos(&self) -> f32 {
