@@ -1,12 +1,11 @@
 use crate::error::{MAX_COEFFICIENT, check_coefficient, check_exponent};
+use crate::lafortune_term::{IsotropicTerm, LafortuneTerm, spectral_norm};
 use crate::sampling::{density, draw};
-use crate::symmetric::eigen;
-use crate::term::{Diffuse, Shape, Term};
+use crate::term::{Diffuse, Term};
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
-use glam::{DMat3, DVec3, Mat3, Vec3};
-use lobe_core::special::{exp, ln_of};
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis, power};
+use glam::{Mat3, Vec3};
+use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, power};
 
 /// The Lafortune model: `f̃(v) = (ρ/π + Σ_i k_i·max(v·M_iω_o, 0)^e_i)·max(n·v, 0)` (Eqs. 27–29; E. Lafortune, S. Foo,
 /// K. Torrance, D. Greenberg, *Non-Linear Approximation of Reflectance Functions*, SIGGRAPH 1997).
@@ -28,7 +27,8 @@ pub struct Lafortune {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LafortuneLobe {
     scale: Vec3,
-    pub(crate) term: LafortuneTerm,
+    pub(crate) any: LafortuneTerm,
+    isotropic: Option<IsotropicTerm>,
 }
 
 impl LafortuneLobe {
@@ -36,29 +36,30 @@ impl LafortuneLobe {
     /// channel, in sr⁻¹.
     #[must_use]
     pub fn new(matrix: Mat3, exponent: f32, scale: Vec3) -> Self {
-        let m = as_dmat3(matrix);
-        let (vectors, values) = eigen(m.transpose() * m - DMat3::IDENTITY);
-        let flux = scale * (TAU / (exponent + 1.0));
-        let term = LafortuneTerm { matrix, vectors: vectors.as_mat3(), values: values.as_vec3(), flux, exponent };
-        Self { scale, term }
+        let any = LafortuneTerm::new(matrix, exponent, scale * (TAU / (exponent + 1.0)));
+        Self { scale, any, isotropic: any.isotropic() }
     }
 
     /// `M`.
     #[must_use]
     pub const fn matrix(&self) -> Mat3 {
-        self.term.matrix
+        self.any.matrix
     }
 
     /// `e`.
     #[must_use]
     pub const fn exponent(&self) -> f32 {
-        self.term.exponent
+        self.any.exponent
     }
 
     /// `k`.
     #[must_use]
     pub const fn scale(&self) -> Vec3 {
         self.scale
+    }
+
+    pub(crate) fn term(&self) -> Term<'_> {
+        self.isotropic.as_ref().map_or(Term::Lafortune(&self.any), Term::Isotropic)
     }
 
     /// The lobe with `M = diag(C_x, C_y, C_z)`.
@@ -109,83 +110,6 @@ impl LafortuneLobe {
     }
 }
 
-/// A lobe's constants, the same numbers on the GPU.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(crate) struct LafortuneTerm {
-    matrix: Mat3,
-    /// Eigenvectors, as columns, and eigenvalues of `MᵀM − 1`.
-    vectors: Mat3,
-    values: Vec3,
-    /// Without the gain.
-    flux: Vec3,
-    exponent: f32,
-}
-
-impl LafortuneTerm {
-    /// Unit axis `Mω_o/|Mω_o|` in world space and `|Mω_o|^e`; 0 where `Mω_o = 0`.
-    ///
-    /// `|Mω|² − 1 = ωᵀ(MᵀM − 1)ω` for a unit ω. By the eigenvectors it loses no digits: a mirror-like lobe (`M² = 1`) has none
-    /// of it, and where a large exponent makes it matter all eigenvalues are negative, or the lobe would be too high. The
-    /// rounded length of `Mω` to the power 1e5 would be 1 % off.
-    #[inline(always)]
-    fn axis_and_gain(&self, normal: Vec3, view: Vec3) -> (Vec3, f32) {
-        let larger = |a: f32, b: f32| if a > b { a } else { b };
-        let (t, b) = orthonormal_basis(normal);
-        let view = Vec3::new(t.dot(view), b.dot(view), normal.dot(view));
-        let m = self.matrix * view;
-        let largest = larger(larger(m.x.abs(), m.y.abs()), m.z.abs());
-        let is_zero = largest < 1e-30;
-        let scaled = m * (1.0 / if is_zero { 1.0 } else { largest });
-        let axis = t * scaled.x + b * scaled.y + normal * scaled.z;
-        let square = axis.dot(axis);
-        let axis = axis * (1.0 / if is_zero { 1.0 } else { square.sqrt() });
-        let along =
-            Vec3::new(self.vectors.x_axis.dot(view), self.vectors.y_axis.dot(view), self.vectors.z_axis.dot(view));
-        let excess = self.values.dot(along * along);
-        // Far below 1 the length itself has the digits.
-        let short = excess <= -0.5;
-        let ln = ln_of(if short { largest } else { 1.0 + excess }, if short { largest - 1.0 } else { excess });
-        let ln_length = if short { ln + 0.5 * ln_of(square, square - 1.0) } else { 0.5 * ln };
-        let gain = exp(self.exponent * ln_length);
-        let gain = if gain < MAX_COEFFICIENT { gain } else { MAX_COEFFICIENT };
-        (if is_zero { normal } else { axis }, if is_zero { 0.0 } else { gain })
-    }
-}
-
-impl Shape<25> for LafortuneTerm {
-    #[inline(always)]
-    fn lobe(&self, normal: Vec3, view: Vec3) -> Lobe {
-        let (axis, gain) = self.axis_and_gain(normal, view);
-        Lobe { axis, exponent: self.exponent, flux: self.flux * gain, cosine: 1.0 }
-    }
-}
-
-fn as_dmat3(m: Mat3) -> DMat3 {
-    DMat3::from_cols(m.x_axis.as_dvec3(), m.y_axis.as_dvec3(), m.z_axis.as_dvec3())
-}
-
-/// Largest singular value of a symmetric matrix, by power iteration on its square.
-fn spectral_norm(m: Mat3) -> f64 {
-    let m = as_dmat3(m);
-    // Three starts, so that no eigenvector is missed by being orthogonal to all of them.
-    DVec3::AXES
-        .iter()
-        .map(|&start| {
-            let mut v = start;
-            for _ in 0..64 {
-                let next = m * (m * v);
-                let length = next.length();
-                if length == 0.0 {
-                    return 0.0;
-                }
-                v = next / length;
-            }
-            (m * v).length()
-        })
-        .fold(0.0, f64::max)
-}
-
 impl Lafortune {
     /// Checks all parameters; see [`LafortuneLobe::validate`].
     ///
@@ -203,7 +127,7 @@ impl Lafortune {
     pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {
         match place {
             0 => Some(Term::Diffuse(Diffuse(self.diffuse))),
-            _ => self.lobes.get(place - 1).map(|lobe| Term::Lafortune(&lobe.term)),
+            _ => self.lobes.get(place - 1).map(LafortuneLobe::term),
         }
     }
 }
@@ -221,10 +145,10 @@ impl BrdfLobes for Lafortune {
 impl Brdf for Lafortune {
     fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
         let term = |l: &LafortuneLobe| {
-            let (axis, gain) = l.term.axis_and_gain(at.normal, at.view);
-            l.scale * gain * power(axis, v, l.exponent())
+            let lobe = l.term().lobe(at)?;
+            Some(lobe.flux * ((lobe.exponent + 1.0) / TAU * power(lobe.axis, v, lobe.exponent)))
         };
-        let specular: Vec3 = self.lobes.iter().map(term).sum();
+        let specular: Vec3 = self.lobes.iter().filter_map(term).sum();
         (self.diffuse * FRAC_1_PI + specular) * at.normal.dot(v).max(0.0)
     }
 

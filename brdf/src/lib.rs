@@ -42,6 +42,7 @@ mod ggx;
 #[cfg(test)]
 mod ggx_tests;
 mod lafortune;
+mod lafortune_term;
 mod lambert;
 mod material;
 mod metallic_roughness;

@@ -123,7 +123,7 @@ fn lafortune(model: &Lafortune, words: &mut Vec<u32>) -> u32 {
     let mut lobes = lambert(model.diffuse, words);
     words.push(1 - lobes);
     for lobe in model.lobes.iter().filter(|lobe| lobe.scale() != Vec3::ZERO) {
-        push(words, bytemuck::cast::<_, [f32; 25]>(lobe.term));
+        push(words, bytemuck::cast::<_, [f32; 25]>(lobe.any));
         lobes += 1;
     }
     lobes

@@ -1,6 +1,6 @@
 //! What a material's lobe is made of: constants, and a function of normal and view.
 
-use crate::lafortune::LafortuneTerm;
+use crate::lafortune_term::{IsotropicTerm, LafortuneTerm};
 use crate::phong::mirrored_view;
 use glam::Vec3;
 use lobe_core::{Lobe, Receiver};
@@ -11,6 +11,7 @@ pub(crate) enum Term<'a> {
     Diffuse(Diffuse),
     Mirror(Mirror),
     Lafortune(&'a LafortuneTerm),
+    Isotropic(&'a IsotropicTerm),
 }
 
 impl Term<'_> {
@@ -20,6 +21,7 @@ impl Term<'_> {
             Self::Diffuse(shape) => shape.lobe(at.normal, at.view),
             Self::Mirror(shape) => shape.lobe(at.normal, at.view),
             Self::Lafortune(shape) => shape.lobe(at.normal, at.view),
+            Self::Isotropic(shape) => shape.lobe(at.normal, at.view),
         };
         (lobe.flux != Vec3::ZERO).then_some(lobe)
     }

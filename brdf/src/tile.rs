@@ -1,6 +1,7 @@
 use crate::Material;
-use crate::lafortune::LafortuneTerm;
+use crate::lafortune_term::{IsotropicTerm, LafortuneTerm};
 use crate::term::{Diffuse, Mirror, Shape, Term};
+use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
@@ -31,6 +32,10 @@ pub fn tile_lobes(materials: &[Material], of: &[u32], tile: &Tile, out: &mut Til
 
 pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
     assert_eq!(of.len(), tile.len(), "one material a receiver");
+    // A thread's own, so that nobody has to carry it about, or clear it.
+    thread_local! {
+        static SHAPES: RefCell<Shapes> = const { RefCell::new(Shapes::new()) };
+    }
     let mut places = 0;
     let mut last = None;
     for number in of {
@@ -41,57 +46,87 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
         }
     }
     out.reset(tile, places);
-    let mut own = (Several::<Diffuse, 3>::new(), Several::<Mirror, 5>::new(), Several::<LafortuneTerm, 25>::new());
-    for (block, of) in of.chunks(WIDTH).enumerate() {
-        let at = tile.block(block);
-        let first = &materials[of[0] as usize];
-        let one = of.iter().all(|number| *number == of[0]);
-        for place in 0..places {
-            let lobes = out.block_mut(place, block);
-            if one {
-                match first.term(place) {
-                    None => *lobes = [[0.0; WIDTH]; 8],
-                    Some(Term::Diffuse(shape)) => map(level, &Same(shape), at, &[], lobes),
-                    Some(Term::Mirror(shape)) => map(level, &Same(shape), at, &[], lobes),
-                    Some(Term::Lafortune(shape)) => map(level, &Same(*shape), at, &[], lobes),
-                }
-                continue;
+    SHAPES.with_borrow_mut(|shapes| {
+        for (block, of) in of.chunks(WIDTH).enumerate() {
+            let at = tile.block(block);
+            for place in 0..places {
+                shapes.lobes(level, materials, of, place, at, out.block_mut(place, block));
             }
-            let (mut last, mut term) = (of[0], first.term(place));
-            for (j, number) in of.iter().enumerate() {
-                if *number != last {
-                    (last, term) = (*number, materials[*number as usize].term(place));
-                }
-                match &term {
-                    None => {}
-                    Some(Term::Diffuse(shape)) => own.0.set(j, shape),
-                    Some(Term::Mirror(shape)) => own.1.set(j, shape),
-                    Some(Term::Lafortune(shape)) => own.2.set(j, shape),
-                }
-            }
-            if [own.0.count, own.1.count, own.2.count].iter().all(|count| *count < WIDTH) {
-                *lobes = [[0.0; WIDTH]; 8];
-            }
-            own.0.write(level, at, lobes);
-            own.1.write(level, at, lobes);
-            own.2.write(level, at, lobes);
+            tables(materials, of, at, block, out);
         }
+    });
+}
+
+/// Lobes that come from a material's table, one receiver after the other.
+fn tables(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out: &mut TileLobes) {
+    for (j, number) in of.iter().enumerate() {
+        if let Material::MetallicRoughness(material) = &materials[*number as usize] {
+            let [_, _, _, x, y, z, view @ ..] = row(at, j);
+            let normal = Vec3::new(x, y, z);
+            let at =
+                Receiver { position: Vec3::ZERO, normal, face: normal, view: Vec3::from_array(view), object: OWN_NONE };
+            for (place, lobe) in material.lobes(&at).enumerate() {
+                set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
+            }
+        }
+    }
+}
+
+/// Receivers of a block that differ in their materials, by the shape of their lobes.
+struct Shapes {
+    diffuse: Several<Diffuse, 3>,
+    mirror: Several<Mirror, 5>,
+    lafortune: Several<LafortuneTerm, 25>,
+    isotropic: Several<IsotropicTerm, 8>,
+}
+
+impl Shapes {
+    const fn new() -> Self {
+        Self { diffuse: Several::new(), mirror: Several::new(), lafortune: Several::new(), isotropic: Several::new() }
+    }
+
+    /// The lobes of a block at one place.
+    fn lobes(
+        &mut self,
+        level: Level,
+        materials: &[Material],
+        of: &[u32],
+        place: usize,
+        at: &Columns<9>,
+        out: &mut Columns<8>,
+    ) {
+        let first = materials[of[0] as usize].term(place);
+        if of.iter().all(|number| *number == of[0]) {
+            match first {
+                None => *out = [[0.0; WIDTH]; 8],
+                Some(Term::Diffuse(shape)) => map(level, &Same(shape), at, &[], out),
+                Some(Term::Mirror(shape)) => map(level, &Same(shape), at, &[], out),
+                Some(Term::Lafortune(shape)) => map(level, &Same(*shape), at, &[], out),
+                Some(Term::Isotropic(shape)) => map(level, &Same(*shape), at, &[], out),
+            }
+            return;
+        }
+        let (mut last, mut term) = (of[0], first);
         for (j, number) in of.iter().enumerate() {
-            if let Material::MetallicRoughness(material) = &materials[*number as usize] {
-                let [_, _, _, x, y, z, view @ ..] = row(at, j);
-                let normal = Vec3::new(x, y, z);
-                let at = Receiver {
-                    position: Vec3::ZERO,
-                    normal,
-                    face: normal,
-                    view: Vec3::from_array(view),
-                    object: OWN_NONE,
-                };
-                for (place, lobe) in material.lobes(&at).enumerate() {
-                    set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
-                }
+            if *number != last {
+                (last, term) = (*number, materials[*number as usize].term(place));
+            }
+            match &term {
+                None => {}
+                Some(Term::Diffuse(shape)) => self.diffuse.set(j, shape),
+                Some(Term::Mirror(shape)) => self.mirror.set(j, shape),
+                Some(Term::Lafortune(shape)) => self.lafortune.set(j, shape),
+                Some(Term::Isotropic(shape)) => self.isotropic.set(j, shape),
             }
         }
+        let counts = [self.diffuse.count, self.mirror.count, self.lafortune.count, self.isotropic.count];
+        if counts.iter().all(|count| *count < WIDTH) {
+            *out = [[0.0; WIDTH]; 8];
+        }
+        self.diffuse.write(level, at, out);
+        self.mirror.write(level, at, out);
+        self.lafortune.write(level, at, out);
+        self.isotropic.write(level, at, out);
     }
 }
 
@@ -104,7 +139,7 @@ struct Several<S, const P: usize> {
 }
 
 impl<S: Shape<P>, const P: usize> Several<S, P> {
-    fn new() -> Self {
+    const fn new() -> Self {
         Self { constants: [[0.0; WIDTH]; P], rows: [false; WIDTH], count: 0, shape: PhantomData }
     }
 

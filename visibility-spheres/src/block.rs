@@ -77,6 +77,11 @@ impl Blocks {
     }
 }
 
+/// `1/(2τ)`, finite.
+pub(crate) fn half_of(tau: f32) -> f32 {
+    (0.5 / tau).min(f32::MAX)
+}
+
 /// The lanes for which `flags` is set, as bits.
 pub(crate) fn bits(flags: [bool; LANES]) -> u32 {
     flags.iter().enumerate().fold(0, |bits, (lane, flag)| bits | u32::from(*flag) << lane)
@@ -100,6 +105,6 @@ impl Candidates {
         self.object[lane] = object;
         self.own_radius[lane] = own_radius;
         self.tau[lane] = tau;
-        self.half_of_tau[lane] = (0.5 / tau).min(f32::MAX);
+        self.half_of_tau[lane] = half_of(tau);
     }
 }

@@ -1,11 +1,11 @@
 //! Cones that spheres block, and their bits on the mask, against rays in f64.
 
-use crate::block::LANES;
+use crate::block::{LANES, half_of};
 use crate::hits::Hits;
 use crate::looks::{cones, whole_cones};
 use crate::splat::{BlockedCone, order_by_ray};
 use core::f64::consts::PI;
-use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{DVec3, Vec2, Vec3};
 use lighting::{Mask, UnitSquare};
 use lobe_core::Cone;
@@ -15,11 +15,9 @@ use lobe_core::oracle::Random;
 fn blocked_cone(to: Vec3, radius: f32, tau: f32) -> Option<BlockedCone> {
     dispatch!(Level::new(), simd => {
         let [x, y, z] = to.to_array().map(|x| f32x8::splat(simd, x));
-        let (tangent_radius, cos, exists) =
-            cones(simd, [x, y, z], f32x8::splat(simd, radius), f32x8::splat(simd, tau));
-        let cone =
-            BlockedCone { to, radius, tangent_radius: tangent_radius[3], cos: cos[3], meets_light: false };
-        exists.all_true().then_some(cone)
+        let [radius, tau, half] = [radius, tau, half_of(tau)].map(|x| f32x8::splat(simd, x));
+        let (tangent_radius, wide, exists) = cones(simd, [x, y, z], radius, tau, half);
+        exists.all_true().then(|| BlockedCone::new(to, tangent_radius[3], wide[3], 0.0))
     })
 }
 
@@ -287,6 +285,7 @@ fn order_is_the_rays() {
         let to = (light + random.axis() * apart).as_vec3();
         let r = ball_radius as f32;
         let Some(ball) = blocked_cone(to, r, 0.0) else { continue };
+        let ball = BlockedCone { radius: r, meets_light: true, ..ball };
         for _ in 0..8 {
             let spread = (light_radius / distance).asin() * random.uniform().sqrt();
             let v = random.axis_at(axis, spread);
@@ -366,12 +365,14 @@ fn whole_spheres_are_those_with_no_distance() {
         dispatch!(Level::new(), simd => {
             let column = |x: f32| f32x8::splat(simd, x);
             let (to, radius) = ([column(to.x), column(to.y), column(to.z)], column(radius as f32));
-            let lanes = |(a, b, c): (f32x8<_>, f32x8<_>, mask32x8<_>)| {
+            let lanes = |a: f32x8<_>, b: f32x8<_>| {
                 let [a, b]: [[f32; LANES]; 2] = [a.into(), b.into()];
-                (a.map(f32::to_bits), b.map(f32::to_bits), c.to_bitmask())
+                (a.map(f32::to_bits), b.map(f32::to_bits))
             };
-            let want = lanes(cones(simd, to, radius, column(0.0)));
-            assert_eq!(lanes(whole_cones(simd, to, radius)), want, "case {case}");
+            let (tangent_radius, wide, exists) = cones(simd, to, radius, column(0.0), column(half_of(0.0)));
+            assert!(exists.all_true(), "case {case}");
+            let whole = whole_cones(simd, to, radius);
+            assert_eq!(lanes(whole.0, whole.1), lanes(tangent_radius, wide), "case {case}");
         });
     }
 }
