@@ -382,31 +382,22 @@ impl Mask {
         if self.coarse { self.halves[0][j] | self.halves[1][j] == 0 } else { self.lit[j] == row::NONE }
     }
 
-    /// True when nothing between two samples is lit in the eight rows from `j` on.
+    /// Which of the eight rows from `j` on have anything lit between two samples, as bits.
     #[must_use]
     #[inline(always)]
-    pub fn are_rows_dark_between<S: Simd>(&self, simd: S, j: usize, from: u32, to: u32) -> bool {
+    pub fn rows_lit_between<S: Simd>(&self, simd: S, j: usize, from: u32, to: u32) -> u32 {
         if self.coarse {
             let span = row::span_of_64(from, to);
             let [low, high] = self.eight_halves(simd, j);
             let (low, high) = (low & u32x8::splat(simd, span as u32), high & u32x8::splat(simd, (span >> 32) as u32));
-            return (low | high).simd_eq(u32x8::splat(simd, 0)).all_true();
+            return (low | high).simd_ne(u32x8::splat(simd, 0)).to_bitmask() as u32;
         }
-        let mut any = row::NONE;
-        for row in row::eight(&self.lit, j) {
-            any = row::with(&any, &row);
+        let span = row::span(from, to);
+        let mut lit = 0;
+        for (k, row) in row::eight(&self.lit, j).iter().enumerate() {
+            lit |= u32::from(row::and(row, &span) != row::NONE) << k;
         }
-        row::and(&any, &row::span(from, to)) == row::NONE
-    }
-
-    /// The same of row `j` alone.
-    #[must_use]
-    #[inline(always)]
-    pub fn is_row_dark_between(&self, j: usize, from: u32, to: u32) -> bool {
-        if self.coarse {
-            return self.lit(j).0[0] & row::span_of_64(from, to) == 0;
-        }
-        row::and(&self.lit[j], &row::span(from, to)) == row::NONE
+        lit
     }
 
     /// The rows and the samples that all that is lit lies in; empty when nothing is.

@@ -147,7 +147,8 @@ impl Ellipse {
         let mut t = f32x8::splat(simd, first as f32 + (0.5 - self.y)) + f32x8::simd_from(simd, LANE);
         let mut base = first;
         while base < end {
-            if mask.are_rows_dark_between(simd, base, left, right) {
+            let lit = mask.rows_lit_between(simd, base, left, right);
+            if lit == 0 {
                 base += LANES;
                 t += f32x8::splat(simd, LANES as f32);
                 continue;
@@ -161,12 +162,9 @@ impl Ellipse {
             // Rows by area, and beyond the end, are empty.
             let to = flat.select(middle - mean, middle + mean);
             mask.block_rows(simd, base, self.raster.indices(simd, middle - mean), self.raster.indices(simd, to));
-            let mut flat = flat.to_bitmask() & ((1 << (end - base).min(LANES)) - 1);
+            let mut flat = flat.to_bitmask() as u32 & lit & ((1 << (end - base).min(LANES)) - 1);
             while flat != 0 {
-                let j = base + flat.trailing_zeros() as usize;
-                if !mask.is_row_dark_between(j, left, right) {
-                    self.area(simd, j, mask);
-                }
+                self.area(simd, base + flat.trailing_zeros() as usize, mask);
                 flat &= flat - 1;
             }
             base += LANES;

@@ -41,7 +41,7 @@ pub(crate) fn splat_wide<S: Simd>(simd: S, to: Vec3, cos: f32, mask: &mut Mask) 
     }
     let raster = mask.raster();
     for base in (0..side).step_by(LANES) {
-        if mask.are_rows_dark_between(simd, base, 0, raster.width as u32) {
+        if mask.rows_lit_between(simd, base, 0, raster.width as u32) == 0 {
             continue;
         }
         // An end that is farther than the window on both sides of the row moves there unseen.
