@@ -82,8 +82,12 @@ pub(crate) fn all() -> Vec<Case> {
             })
         },
         case("Fig. 16", "56 cows, diffuse", "17.68 s a frame", 1.0 / 0.15, 642_000, [1000, 642], herd),
-        case("Fig. 18 left", "self-shadowing, small light", "4.5 fps", 120.0, 85_558, [360, 240], || close_up(0.25)),
-        case("Fig. 18 right", "self-shadowing, large light", "2.3 fps", 80.0, 85_558, [360, 240], || close_up(1.0)),
+        case("Fig. 18 left", "self-shadowing, small light", "4.5 fps", 120.0, 85_558, [360, 240], || {
+            close_up(0.25, 484)
+        }),
+        case("Fig. 18 right", "self-shadowing, large light", "2.3 fps", 80.0, 85_558, [360, 240], || {
+            close_up(1.0, 484)
+        }),
         case("Fig. 22(a)", "diffuse, on the floor", "mask 72.2 %", 300.0, 65_536, [256, 256], || {
             on_floor(64, 0.0, 0.6, diffuse())
         }),
@@ -178,16 +182,16 @@ fn herd() -> (Scene, BlockerSet) {
 }
 
 /// The cow's head and trunk fill the picture: most points are shadowed by their own object's spheres.
-fn close_up(radius: f32) -> (Scene, BlockerSet) {
+pub(crate) fn close_up(radius: f32, count: usize) -> (Scene, BlockerSet) {
     let mut mesh = spot();
-    let set = set("spot", &mesh, 484);
+    let set = set("spot", &mesh, count);
     let matrix = Mat4::from_translation(Vec3::Y * 0.737) * Mat4::from_rotation_y(2.6);
     mesh.transform(&matrix);
     let lights = vec![light(Vec3::new(-3.0, 4.5, 2.5), radius)];
     let mut scene = floor_scene(Vec3::new(0.2, 1.6, 4.6), Vec3::new(0.0, 0.75, 0.0), 19.0, diffuse(), lights);
     scene.objects.push(Object::mesh("cow", mesh, 0, Proxy::None));
     let mut blockers = BlockerSet::default();
-    add(&mut blockers, 1, &set, &matrix, 484);
+    add(&mut blockers, 1, &set, &matrix, count);
     (scene, blockers)
 }
 

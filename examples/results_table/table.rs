@@ -1,11 +1,12 @@
 //! The tables as Markdown.
 
+use crate::counts::Count;
 use crate::measure::{Row, Timing};
 use crate::order::{NAMES, Orders};
 use crate::scaling::Measured;
 use std::fmt::Write;
 
-pub(crate) fn markdown(rows: &[Row], curves: &[Measured], orders: &[Orders]) -> String {
+pub(crate) fn markdown(rows: &[Row], curves: &[Measured], orders: &[Orders], counts: &[Count]) -> String {
     let mut text = String::from("# Results\n\n");
     let threads = threads();
     // Writing to a string does not fail.
@@ -24,6 +25,9 @@ pub(crate) fn markdown(rows: &[Row], curves: &[Measured], orders: &[Orders]) -> 
     curves.iter().for_each(|curve| series(&mut text, curve));
     if !orders.is_empty() {
         in_orders(&mut text, orders);
+    }
+    if !counts.is_empty() {
+        of_sets(&mut text, counts);
     }
     text
 }
@@ -143,6 +147,27 @@ fn in_orders(text: &mut String, orders: &[Orders]) {
                 cost(timing) / cost(&timings[0])
             );
         }
+    }
+    text.push('\n');
+}
+
+fn of_sets(text: &mut String, counts: &[Count]) {
+    text.push_str(
+        "## Spheres of a set\n\nFig. 18 right, its object as more or fewer spheres: the time, and the error against rays to the true mesh, \
+         a share of the unshadowed radiance over points in penumbra.\n\n| spheres | ms (quartiles) | best ms | CPU ms | mean error | \
+         99 % below |\n|---|---|---|---|---|---|\n",
+    );
+    for Count { spheres, timing, mean, most } in counts {
+        let [low, high] = timing.quartiles.map(|s| 1e3 * s);
+        let _ = writeln!(
+            text,
+            "| {spheres} | {:.2} ({low:.2}–{high:.2}) | {:.2} | {} | {:.2} % | {:.1} % |",
+            1e3 * timing.stats.seconds,
+            1e3 * timing.best,
+            cpu(timing),
+            100.0 * mean,
+            100.0 * most
+        );
     }
     text.push('\n');
 }
