@@ -17,10 +17,10 @@ pub(crate) fn spot() -> Mesh {
     }
 }
 
-/// So many spheres for a mesh: read from beside the program, or built and kept there.
+/// So many spheres for a mesh, as this version builds them: read from beside the program, or built and kept there.
 pub(crate) fn set(name: &str, mesh: &Mesh, count: usize) -> SphereSet {
     let folder = std::env::current_exe().ok().and_then(|p| Some(p.parent()?.join("results_table.sets")));
-    let path = folder.as_ref().map(|f| f.join(format!("{name}-{count}.json")));
+    let path = folder.as_ref().map(|f| f.join(format!("{name}-{count}-{}.json", SphereSet::BUILDER)));
     let kept = path.as_ref().and_then(|p| std::fs::read_to_string(p).ok());
     if let Some(set) = kept.and_then(|text| SphereSet::from_json(&text).ok()) {
         return set;
