@@ -48,30 +48,32 @@ impl Edges {
         }
     }
 
-    /// What of a circle's rim lies on the light's disc: radius and distance of the centre in radii of the disc, the centre
-    /// in the world direction `to`. With α half the arc: `∫ ρ cos 2t dt = ρ sin 2α` over ±α, in direction of the centre.
-    pub fn add_circle(&mut self, to: Vec3, radius: f32, distance: f32) {
+    /// What of a circle's rim lies on the light's disc: its centre `to` (world space, seen from the disc's; what is along the
+    /// axis does not matter) and its radius, in radii of the disc. With α half the arc and φ the direction of the centre:
+    /// `∫ ρ (cos 2t, sin 2t) dt = ρ sin 2α (cos 2φ, sin 2φ)` over φ ± α.
+    pub fn add_circle(&mut self, to: Vec3, radius: f32) {
         dispatch!(Level::new(), simd => {
             let one = |x: f32| f32x8::simd_from(simd, [x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-            self.add_circles(simd, [one(to.x), one(to.y), one(to.z)], one(radius), one(distance));
+            self.add_circles(simd, [one(to.x), one(to.y), one(to.z)], one(radius));
         });
     }
 
     /// [`add_circle`](Self::add_circle) of eight; a radius of zero adds nothing.
     #[inline(always)]
-    pub fn add_circles<S: Simd>(&mut self, simd: S, to: [f32x8<S>; 3], radius: f32x8<S>, distance: f32x8<S>) {
-        let (one, two) = (f32x8::splat(simd, 1.0), f32x8::splat(simd, 2.0));
-        let most = f32x8::splat(simd, f32::MAX);
-        let cos = ((distance * distance + radius * radius - one) / (two * distance * radius)).max(-one).min(one);
-        let length = two * radius * (one - cos * cos).sqrt() * cos;
+    pub fn add_circles<S: Simd>(&mut self, simd: S, to: [f32x8<S>; 3], radius: f32x8<S>) {
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let (u, v) = (self.right, self.up);
         let x = to[0] * u.x + to[1] * u.y + to[2] * u.z;
         let y = to[0] * v.x + to[1] * v.y + to[2] * v.z;
         let square = x * x + y * y;
-        let adds = square.simd_gt(f32x8::splat(simd, 0.0)) & length.abs().simd_le(most);
-        let scale = length / square;
-        let scale = adds.select(scale, f32x8::splat(simd, 0.0));
-        self.sum += Vec2::new(sum((x * x - y * y) * scale), sum(two * x * y * scale));
+        let distance = square.sqrt();
+        // cos α = n/(2ρd), sin α = √((1 − (d − ρ)²)((d + ρ)² − 1))/(2ρd), negative where the rims do not cross.
+        let (apart, both) = (distance - radius, distance + radius);
+        let root = ((one - apart * apart) * (both * both - one)).max(zero).sqrt();
+        let scale = (square + radius * radius - one) * root / (square * square * (radius + radius));
+        let adds = root.simd_gt(zero) & scale.abs().simd_le(f32x8::splat(simd, f32::MAX));
+        let scale = adds.select(scale, zero);
+        self.sum += Vec2::new(sum((x * x - y * y) * scale), sum((x + x) * y * scale));
     }
 
     /// The unit direction, at right angles to the light's axis, across which most edges run.
@@ -96,4 +98,43 @@ fn frame(axis: Vec3) -> (Vec3, Vec3) {
     let Vec3 { x, y, z } = axis;
     let a = 1.0 / (1.0 + y).max(1e-6);
     (Vec3::new(1.0 - x * x * a, -x, -x * z * a), Vec3::new(-x * z * a, -z, 1.0 - z * z * a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+    use lobe_core::oracle::Random;
+
+    /// The rim's integral over the directions in which it lies on the disc, by quadrature in f64.
+    #[test]
+    fn circles_add_what_of_their_rims_is_on_the_disc() {
+        let mut random = Random::new(5);
+        let cone = Cone { axis: Vec3::Y, one_minus_cos: 0.01, distance: 5.0 };
+        for case in 0..300 {
+            let radius = random.log_uniform(0.02, 500.0);
+            // Rims that cross the disc's, and some that do not.
+            let apart = radius + random.between(-1.3, 1.3);
+            let (s, c) = random.between(0.0, TAU).sin_cos();
+            let mut edges = Edges::new(&cone);
+            let to = edges.right * (apart * c) as f32 + edges.up * (apart * s) as f32;
+            edges.add_circle(to + 3.0 * Vec3::Y, radius as f32);
+            let got = edges.sum - Vec2::new(NOTHING, 0.0);
+            // Fine steps around the point next to the disc's middle.
+            const STEPS: i32 = 200_000;
+            let middle = (-apart * s).atan2(-apart * c);
+            let reach = (3.0 / radius).min(0.5 * TAU);
+            let mut want = [0.0; 2];
+            for k in 0..STEPS {
+                let t = middle + reach * (2.0 * (f64::from(k) + 0.5) / f64::from(STEPS) - 1.0);
+                let at = [apart * c + radius * t.cos(), apart * s + radius * t.sin()];
+                if at[0] * at[0] + at[1] * at[1] < 1.0 {
+                    let step = radius * 2.0 * reach / f64::from(STEPS);
+                    want = [want[0] + (2.0 * t).cos() * step, want[1] + (2.0 * t).sin() * step];
+                }
+            }
+            let error = (f64::from(got.x) - want[0]).hypot(f64::from(got.y) - want[1]);
+            assert!(error < 2e-3, "case {case}: radius {radius}, {apart} away: {got}, not {want:?}");
+        }
+    }
 }

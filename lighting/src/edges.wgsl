@@ -23,11 +23,18 @@ fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec2f {
     return select(vec2f(0.0), vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * (length / square), sound);
 }
 
-// What of a circle's rim lies on the light's disc: radius and distance of the centre in radii of the disc, the centre in
-// the world direction `to`.
-fn edges_add_circle(frame: EdgeFrame, to: vec3f, radius: f32, distance: f32) -> vec2f {
-    let cos = clamp((distance * distance + radius * radius - 1.0) / (2.0 * distance * radius), -1.0, 1.0);
-    return edges_add(frame, to, 2.0 * radius * sqrt(1.0 - cos * cos) * cos);
+// What of a circle's rim lies on the light's disc: its centre `to` (world space, seen from the disc's; what is along the axis
+// does not matter) and its radius, in radii of the disc.
+fn edges_add_circle(frame: EdgeFrame, to: vec3f, radius: f32) -> vec2f {
+    let d = vec2f(dot(frame.right, to), dot(frame.up, to));
+    let square = dot(d, d);
+    let distance = sqrt(square);
+    let apart = distance - radius;
+    let both = distance + radius;
+    let root = sqrt(max((1.0 - apart * apart) * (both * both - 1.0), 0.0));
+    let scale = (square + radius * radius - 1.0) * root / (square * square * (radius + radius));
+    let adds = root > 0.0 && abs(scale) < 3e38;
+    return select(vec2f(0.0), vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * scale, adds);
 }
 
 // The unit direction, at right angles to the light's axis, across which most edges of the sum run.

@@ -93,10 +93,8 @@ impl Hits {
         for first in (0..self.len).step_by(LANES) {
             let [x, y, z, tangent_radius] = core::array::from_fn(|column| self.column(simd, column, first));
             let along = x * u.x + y * u.y + z * u.z;
-            let aside = [x - along * u.x, y - along * u.y, z - along * u.z];
-            let disc = (along * tan).abs().max(f32x8::splat(simd, f32::MIN_POSITIVE));
-            let distance = (aside[0] * aside[0] + aside[1] * aside[1] + aside[2] * aside[2]).sqrt();
-            edges.add_circles(simd, aside, tangent_radius / disc, distance / disc);
+            let of_disc = f32x8::splat(simd, 1.0) / (along * tan).abs().max(f32x8::splat(simd, f32::MIN_POSITIVE));
+            edges.add_circles(simd, [x * of_disc, y * of_disc, z * of_disc], tangent_radius * of_disc);
         }
     }
 

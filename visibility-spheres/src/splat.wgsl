@@ -3,10 +3,8 @@
 
 // Adds its rim where that crosses the light's disc, as if the sphere were small and far.
 fn blocked_add_edge(blocked: BlockedCone, frame: EdgeFrame, axis: vec3f, tan: f32) -> vec2f {
-    let along = dot(blocked.to, axis);
-    let aside = blocked.to - axis * along;
-    let disc = max(abs(along * tan), 1.1754944e-38);
-    return edges_add_circle(frame, aside, blocked.tangent_radius / disc, sqrt(dot(aside, aside)) / disc);
+    let of_disc = 1.0 / max(abs(dot(blocked.to, axis) * tan), 1.1754944e-38);
+    return edges_add_circle(frame, blocked.to * of_disc, blocked.tangent_radius * of_disc);
 }
 
 // Whether a unit direction is in the cone.

@@ -154,8 +154,8 @@ fn edges(gpu: &Gpu) {
         .collect();
     let body = "
         let basis = edges_frame(vec3f(x(0u), x(1u), x(2u)));
-        var sum = EDGES_NOTHING + edges_add_circle(basis, vec3f(x(5u), x(6u), x(7u)), x(8u), x(9u));
-        sum += edges_add_circle(basis, vec3f(x(10u), x(11u), x(12u)), x(13u), x(14u));
+        var sum = EDGES_NOTHING + edges_add_circle(basis, vec3f(x(5u), x(6u), x(7u)) * x(8u), x(9u));
+        sum += edges_add_circle(basis, vec3f(x(10u), x(11u), x(12u)) * x(13u), x(14u));
         sum += edges_add(basis, vec3f(x(15u), x(16u), x(4u)), x(3u));
         let across = edges_across(basis, sum);
         y(0u, across.x);
@@ -166,8 +166,8 @@ fn edges(gpu: &Gpu) {
     for (row, got) in rows.iter().zip(got.chunks(3)) {
         let axis = Vec3::from_slice(row);
         let mut edges = Edges::new(&Cone { axis, one_minus_cos: 0.1, distance: 1.0 });
-        edges.add_circle(Vec3::from_slice(&row[5..]), row[8], row[9]);
-        edges.add_circle(Vec3::from_slice(&row[10..]), row[13], row[14]);
+        edges.add_circle(Vec3::from_slice(&row[5..]) * row[8], row[9]);
+        edges.add_circle(Vec3::from_slice(&row[10..]) * row[13], row[14]);
         edges.add(Vec3::new(row[15], row[16], row[4]), row[3]);
         let want = edges.across();
         for k in 0..3 {
