@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example self_shadow [-- COUNTS MESH…]`, counts as `16,64`. Receivers spread evenly over the
 //! mesh, where they face a light of half-angle 6° wholly; six lights around and above. V is the lit share of the light's
-//! disc. Two rules: one distance τ for the set, and a radius and a distance for each sphere
+//! disc. Two rules: one distance τ for the set, and a near radius and a distance for each sphere
 //! ([`SphereSet::self_shadows`](cosine_lobes::visibility_spheres::SphereSet)).
 
 use cosine_lobes::lighting::{Blockers, Mask, UnitSquare};

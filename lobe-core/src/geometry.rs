@@ -32,13 +32,26 @@ pub struct Sphere {
 /// How a blocker sphere is seen by receivers of its own object, in units of its radius, so that it follows a sphere that
 /// grows: smaller, and blocking a direction only if the ray leaves it farther than `distance` from the receiver.
 ///
-/// A set of spheres bulges out of the mesh that it stands for; what bulges must not blacken the skin around it.
+/// A set of spheres bulges out of the mesh that it stands for; what bulges must not blacken the skin around it. From afar
+/// it is the silhouette that counts, which the whole sphere has: [`radius_at`](Self::radius_at).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelfShadow {
-    /// Radius for receivers of the sphere's own object, in `[0, 1]`.
+    /// Radius for receivers of the sphere's own object that are no farther from its centre than its surface, in `[0, 1]`.
     pub radius: f32,
     /// τ: how far from the receiver a ray must leave that ball to be blocked, ≥ 0.
     pub distance: f32,
+}
+
+impl SelfShadow {
+    /// The radius r(d) for a receiver of the own object at a distance d from the centre, of a ball of radius `whole` that
+    /// is `near` for those inside it: `r(d) = R − (R − ρ) R / max(d, R)`, R the whole radius and ρ the near one.
+    ///
+    /// Lengths ≥ 0 with `near ≤ whole`. The result is between the two, continuous in d, and never NaN.
+    #[inline(always)]
+    #[must_use]
+    pub fn radius_at(whole: f32, near: f32, distance: f32) -> f32 {
+        whole - (whole - near) * (whole / distance.max(whole).max(f32::MIN_POSITIVE))
+    }
 }
 
 /// The directions in which a light is seen from a receiver: all `v` with `axis·v ≥ cos θ`.

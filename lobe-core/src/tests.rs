@@ -530,3 +530,16 @@ fn small_lights_on_the_horizon_keep_their_pieces() {
     println!("small lights on the horizon: mean {mean:.1e}, largest {worst:.1e}");
     assert!(mean < 1e-3 && worst < 2e-2);
 }
+
+/// Between the near and the whole radius, continuous, never smaller farther away.
+#[test]
+fn own_radius_grows_with_the_distance() {
+    let at = |d: f32| crate::SelfShadow::radius_at(2.0, 0.5, d);
+    assert_eq!([0.0, 1.0, 2.0, 6.0, f32::INFINITY].map(at), [0.5, 0.5, 0.5, 1.5, 2.0]);
+    let radii: Vec<f32> = (0..1000).map(|k| at(0.01 * k as f32)).collect();
+    assert!(radii.windows(2).all(|r| (0.0..0.01).contains(&(r[1] - r[0]))));
+    for (whole, near, d) in [(0.0, 0.0, 0.0), (f32::MAX, 0.0, 0.0), (1e-45, 0.0, 1e-45), (f32::MAX, 1.0, f32::MAX)] {
+        let r = crate::SelfShadow::radius_at(whole, near, d);
+        assert!((0.0..=whole).contains(&r), "{whole} {near} {d}: {r}");
+    }
+}

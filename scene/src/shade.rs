@@ -29,7 +29,7 @@ pub struct BlockerSet {
 }
 
 impl BlockerSet {
-    /// A sphere as receivers of its own object see it, and its τ.
+    /// A sphere as receivers of its own object inside it see it, and its τ.
     #[must_use]
     pub fn own(&self, sphere: usize) -> (Sphere, f32) {
         let (ball, object) = (self.spheres[sphere], self.objects[sphere]);
@@ -37,6 +37,18 @@ impl BlockerSet {
             Some(own) => (Sphere { radius: ball.radius * own.radius, ..ball }, ball.radius * own.distance),
             None => (ball, self.self_distances.get(object as usize).copied().unwrap_or(0.0)),
         }
+    }
+
+    /// A sphere as a receiver sees it, and its τ for that receiver.
+    #[must_use]
+    pub fn seen_from(&self, sphere: usize, at: &Receiver) -> (Sphere, f32) {
+        let ball = self.spheres[sphere];
+        if self.objects[sphere] != at.object {
+            return (ball, 0.0);
+        }
+        let (near, tau) = self.own(sphere);
+        let radius = SelfShadow::radius_at(ball.radius, near.radius, ball.center.distance(at.position));
+        (Sphere { radius, ..ball }, tau)
     }
 }
 

@@ -18,8 +18,9 @@ use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 /// with `d` the distance of the centre and `k = d² − r²`: the tangent cone if `k > 0` and `τ² ≤ k`, else
 /// `cos β = (τ² + k)/(2τd)`, and it is continuous as the receiver moves through the sphere's surface. τ is one length for
 /// an object or, better, one for each sphere, together with a smaller radius for the object's own receivers
-/// ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. Spheres of other
-/// objects are whole and have τ = 0: what contains the receiver hides everything from it.
+/// ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. That radius goes back
+/// to the whole one as the receiver goes away ([`SelfShadow::radius_at`]), since what is far away sees a silhouette, which
+/// the spheres were placed for. Spheres of other objects are whole and have τ = 0: what contains the receiver hides everything from it.
 ///
 /// # Order
 /// A sphere blocks where it is in front of the light. For a sphere that does not meet the light this is the same for
@@ -101,7 +102,7 @@ impl SphereBlockers {
         self.tree.order()
     }
 
-    /// A sphere as receivers of its own object see it, and its τ.
+    /// A sphere as receivers of its own object inside it see it, and its τ.
     pub(crate) fn own(&self, index: usize) -> (Sphere, f32) {
         let sphere = self.spheres[index];
         match self.self_shadows.get(index) {
@@ -204,7 +205,7 @@ impl Blockers for SphereBlockers {
         self.tree.find(&test, &mut scratch.stack, &mut scratch.candidates);
         self.list(scratch);
         scratch.dark = scratch.candidates.iter().any(|i| {
-            // Whose receivers they are is not known: what the smaller sphere hides, the whole one hides too.
+            // Whose receivers they are is not known: what the smallest sphere hides, larger ones hide too.
             let (sphere, tau) = self.own(*i as usize);
             test.darkens(&sphere, tau)
         });

@@ -157,7 +157,7 @@ fn selection_is_that_of_the_flat_loop() {
 #[test]
 fn own_receivers_see_the_smaller_ball() {
     let ball = Sphere { center: Vec3::Z * 3.0, radius: 1.0 };
-    let light = Sphere { center: Vec3::Z * 20.0, radius: 4.0 };
+    let light = Sphere { center: Vec3::Z * 20.0, radius: 5.0 };
     let cone = Cone::of_sphere(Vec3::ZERO, light);
     let seen = |blockers: &SphereBlockers, object| {
         let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object };
@@ -170,13 +170,17 @@ fn own_receivers_see_the_smaller_ball() {
     assert_eq!(seen(&plain(1.0), 8).0, Coverage::Dark);
     assert_eq!(seen(&own(0.5, 1.0), 8).0, Coverage::Dark, "another object's receiver");
     assert_eq!(seen(&plain(0.5), 8).0, Coverage::Partial);
-    assert_eq!(seen(&own(0.5, 1.0), 7), seen(&plain(0.5), 8), "farther than the distance");
-    assert_eq!(seen(&own(0.5, 3.6), 7).0, Coverage::Lit, "left before the distance");
-    // Twice the sphere: radius and distance grow with it.
-    let mut grown = own(0.5, 3.4);
+    // Three radii away a third of the difference is left.
+    let third = SelfShadow::radius_at(1.0, 0.1, 3.0);
+    assert!((third - 0.7).abs() < 1e-6);
+    assert_eq!(seen(&plain(third), 8).0, Coverage::Partial);
+    assert_eq!(seen(&own(0.1, 1.0), 7), seen(&plain(third), 8), "farther than the distance");
+    assert_eq!(seen(&own(0.1, 3.9), 7).0, Coverage::Lit, "left before the distance");
+    // Half the sphere: radius and distance shrink with it.
+    let mut grown = own(0.1, 3.65);
     assert_eq!(seen(&grown, 7).0, Coverage::Partial);
     grown.update(&[Sphere { radius: 0.5, ..ball }]);
-    assert_eq!(seen(&grown, 7), seen(&plain(0.25), 8));
+    assert_eq!(seen(&grown, 7), seen(&plain(SelfShadow::radius_at(0.5, 0.05, 3.0)), 8));
 }
 
 #[test]

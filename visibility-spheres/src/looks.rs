@@ -113,7 +113,10 @@ impl LightBall {
         let mut radius = whole;
         let (tangent_radius, wide) = if own.any_true() {
             let zero = f32x8::splat(simd, 0.0);
-            radius = own.select(f32x8::simd_from(simd, block.own_radius), whole);
+            // `SelfShadow::radius_at`.
+            let d = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
+            let less = whole - f32x8::simd_from(simd, block.own_radius);
+            radius = own.select(whole - less * (whole / d.max(whole).max(f32::MIN_POSITIVE)), whole);
             let tau = own.select(f32x8::simd_from(simd, block.tau), zero);
             let (tangent_radius, wide, exists) =
                 cones(simd, to, radius, tau, f32x8::simd_from(simd, block.half_of_tau));

@@ -17,7 +17,7 @@ pub struct BlockerSphere {
     pub radius: f32,
     /// Number of the object that it stands for.
     pub object: u32,
-    /// Radius for receivers of that object.
+    /// Radius for receivers of that object that are inside ([`SelfShadow`](lobe_core::SelfShadow)).
     pub own_radius: f32,
     /// For them: how far away a ray must leave it to be blocked (τ).
     pub own_distance: f32,

@@ -3,7 +3,7 @@ struct BlockerSphere {
     center: vec3f,
     radius: f32,
     object: u32,
-    // For receivers of its own object: the radius, and how far away a ray must leave it to be blocked.
+    // For receivers of its own object: the radius if they are inside, and how far away a ray must leave it to be blocked.
     own_radius: f32,
     own_distance: f32,
     pad: u32,

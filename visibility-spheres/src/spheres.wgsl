@@ -18,6 +18,11 @@ fn light_ball(cone: Cone) -> LightBall {
     return LightBall(sin, cos, cone.distance * sin, cone.distance * cone.distance * (cos * cos));
 }
 
+// The radius for a receiver of the own object: near for one inside, whole from afar.
+fn own_radius_at(whole: f32, near: f32, d: f32) -> f32 {
+    return whole - (whole - near) * (whole / max(max(d, whole), 1.1754944e-38));
+}
+
 struct Look {
     blocked: BlockedCone,
     // LIT where it hides nothing.
@@ -28,8 +33,8 @@ struct Look {
 fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look {
     let sphere = spheres[index];
     let own = sphere.object == at.object;
-    let radius = select(sphere.radius, sphere.own_radius, own);
     let to = sphere.center - at.position;
+    let radius = select(sphere.radius, own_radius_at(sphere.radius, sphere.own_radius, length(to)), own);
     var blocked = blocked_cone(to, radius, select(0.0, sphere.own_distance, own));
     if (blocked.empty) {
         return Look(blocked, LIT);

@@ -6,7 +6,7 @@ use core::time::Duration;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 use glam::{Vec3, Vec3A};
-use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere};
+use lobe_core::{Cone, Coverage, Receiver, SelfShadow, Shaft, Sphere};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::Ray;
@@ -70,8 +70,12 @@ impl SphereTargets {
         let ray = Ray::new(at.position.into(), direction.into(), 0.0, distance);
         self.tree.any(ray, |b, ray| {
             let own = b.object == at.object;
-            let (radius, least) = if own { (b.own_radius, b.own_distance) } else { (b.sphere.radius, 0.0) };
             let to = Vec3A::from(b.sphere.center) - ray.origin;
+            let (radius, least) = if own {
+                (SelfShadow::radius_at(b.sphere.radius, b.own_radius, to.length()), b.own_distance)
+            } else {
+                (b.sphere.radius, 0.0)
+            };
             let along = to.dot(ray.direction);
             let half_sq = radius * radius - (to - ray.direction * along).length_squared();
             if half_sq <= 0.0 {
@@ -147,10 +151,13 @@ impl Seen {
         for e in list {
             let own = u32x8::simd_from(simd, e.object).simd_eq(object);
             let row = |row: &[f32; LANES]| f32x8::simd_from(simd, *row);
-            let r = own.select(row(&e.own_radius), row(&e.radius));
             let tau = own.select(row(&e.own_distance), zero);
             let to = Wide { x: row(&e.x), y: row(&e.y), z: row(&e.z) }.minus(p);
             let d = to.length_squared().sqrt();
+            // `SelfShadow::radius_at`.
+            let whole = row(&e.radius);
+            let near = (whole - row(&e.own_radius)) * (whole / d.max(whole).max(f32::MIN_POSITIVE));
+            let r = own.select(whole - near, whole);
             let inverse = 1.0 / d.max(f32::MIN_POSITIVE);
             let c = to * inverse;
             let along = c.dot_one(axis);

@@ -56,7 +56,7 @@ impl Occluders {
         let half_angle = cone.half_angle();
         for &i in candidates {
             let own = blockers.objects[i as usize] == at.object;
-            let (s, tau) = if own { blockers.own(i as usize) } else { (blockers.spheres[i as usize], 0.0) };
+            let (s, tau) = blockers.seen_from(i as usize, at);
             let min_exit = f64::from(tau);
             let to_center = s.center.as_dvec3() - at.position.as_dvec3();
             let (d, r) = (to_center.length(), f64::from(s.radius));
@@ -182,8 +182,7 @@ mod tests {
                     let v = cone.sample(f64::from(r()), f64::from(r()));
                     let limit = cone.surface(v);
                     let naive = (0..12).any(|i| {
-                        let own = blockers.objects[i] == at.object;
-                        let (s, tau) = if own { blockers.own(i) } else { (blockers.spheres[i], 0.0) };
+                        let (s, tau) = blockers.seen_from(i, at);
                         let to = s.center.as_dvec3() - at.position.as_dvec3();
                         let b = to.dot(v);
                         let h = b * b - to.length_squared() + f64::from(s.radius).powi(2);

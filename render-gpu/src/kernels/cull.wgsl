@@ -103,7 +103,7 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
             if (hit) {
                 let sphere = spheres[index];
                 hit = shaft_meets(test, sphere.center, sphere.radius);
-                // Whose receivers they are is not known: what the smaller sphere hides, the whole one hides too.
+                // Whose receivers they are is not known: what the smallest sphere hides, larger ones hide too.
                 if (hit && shaft_darkens(test, sphere.center, sphere.own_radius, sphere.own_distance)) {
                     atomicStore(&dark, 1u);
                 }
