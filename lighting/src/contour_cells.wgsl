@@ -10,14 +10,14 @@ fn contour_dark_of(j: u32) -> vec2u {
 
 // Cells of a row of which samples emit.
 fn contour_cells(span: vec2u) -> vec2u {
-    let width = WIDTH / SIDE;
+    let width = row_width / SIDE;
     let cells = bits_ones((span.y + width - 1u) / width) & ~bits_ones(span.x / width);
     return select(vec2u(0u), cells, span.x < span.y);
 }
 
 // Part of a cell that emits, as (start, length) in cells.
 fn contour_part(i: u32, j: u32) -> vec2f {
-    let ends = vec2f(contour_spans[j]) / f32(WIDTH / SIDE);
+    let ends = vec2f(contour_spans[j]) / f32(row_width / SIDE);
     let at = clamp(ends, vec2f(f32(i)), vec2f(f32(i) + 1.0));
     return vec2f(at.x, max(at.y - at.x, 0.0));
 }

@@ -17,15 +17,15 @@ var<private> lit: Row;
 // Samples of the own row that emit: start, end.
 var<private> emitting: vec2u;
 
-// The first sample at or after a position (sample k is at k + ½), 0…WIDTH; 0 for NaN.
+// The first sample at or after a position (sample k is at k + ½), 0…row_width; 0 for NaN.
 fn row_index(position: f32) -> u32 {
     let x = select(0.0, position, position > 0.0);
-    return u32(round(min(x, f32(WIDTH))));
+    return u32(round(min(x, f32(row_width))));
 }
 
 fn row_indices(positions: vec4f) -> vec4u {
     let x = select(vec4f(0.0), positions, positions > vec4f(0.0));
-    return vec4u(round(min(x, vec4f(f32(WIDTH)))));
+    return vec4u(round(min(x, vec4f(f32(row_width)))));
 }
 
 // Shift of the samples of row `j`, in samples within ±½: the fraction of a multiple of the golden section, by its bits.
@@ -38,13 +38,13 @@ fn row_height(k: u32) -> f32 { return (f32(k) + 0.5) * 0.125 - 0.5; }
 
 // Starts the own row anew: no blocker; what emits is the light's disc above the horizon of `normal` (world space).
 fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
-    let mask = Mask(square, square.center.x - square.half.x, f32(WIDTH) / (2.0 * square.half.x));
+    let mask = Mask(square, square.center.x - square.half.x, f32(row_width) / (2.0 * square.half.x));
     let n = square_local(square, normal);
     let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * dot(n.xy, n.xy);
     if (above && all(square.half == vec2f(square.disc)) && all(square.center == vec2f(0.0))) {
         // All whole discs are the same.
         let unit = UnitSquare(square.right, square.up, square.axis, vec2f(0.0), vec2f(1.0), 1.0);
-        mask_emit(Mask(unit, -1.0, f32(WIDTH) * 0.5), j, vec3f(0.0, 0.0, 1.0));
+        mask_emit(Mask(unit, -1.0, f32(row_width) * 0.5), j, vec3f(0.0, 0.0, 1.0));
     } else {
         mask_emit(mask, j, n);
     }

@@ -73,20 +73,12 @@ fn row_samples(row: Row, k: u32) -> u32 {
 // Four bits, one a byte.
 fn plane_spread(plane: u32, k: u32) -> u32 { return (((plane >> (4u * k)) & 0xfu) * 0x00204081u) & 0x01010101u; }
 
-// Samples in columns of eight, half a byte for each column: of word i, half byte n is column 4n + i.
+// Samples in columns, half a byte for each column.
 alias Counts = vec4u;
-
-fn row_counts(row: Row) -> Counts {
-    return (planes_counts(row.a.x) + planes_counts(row.a.y)) + (planes_counts(row.a.z) + planes_counts(row.a.w))
-        + (planes_counts(row.b.x) + planes_counts(row.b.y)) + (planes_counts(row.b.z) + planes_counts(row.b.w));
-}
 
 fn planes_counts(plane: u32) -> vec4u { return (vec4u(plane) >> PLANES_A) & vec4u(0x11111111u); }
 
-// Numbers of the four columns of a group.
-fn row_columns(group: u32) -> vec4u { return vec4u(0u, 8u, 16u, 24u) + group; }
-
-// Samples in each of the four.
+// Samples in each of the four columns of a group.
 fn counts_of(counts: Counts, group: u32) -> vec4f {
     let two = select(counts.xy, counts.zw, (group & 2u) != 0u);
     let word = select(two.x, two.y, (group & 1u) != 0u) >> (group & 4u);

@@ -50,6 +50,13 @@ fn row_samples(row: Row, k: u32) -> u32 {
     return samples;
 }
 
+const row_width = 64u;
+// Groups of four columns.
+const row_groups = 4u;
+const HAS_BOTH = false;
+
+fn row_refine(finer: bool) {}
+
 // Columns of four samples: bit n of the planes of word i is column 2n + i.
 alias Counts = vec2u;
 

@@ -7,7 +7,7 @@ var<workgroup> columns: array<mat3x4f, COLUMNS / 4u>;
 // Share of the lobe's light that is lit: Σ w over the lit samples by Σ w over those that emit. Only where all threads come by.
 fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
     let weights = weights_of(mask, at, lobe);
-    if (lane < COLUMNS / 4u) {
+    if (lane < row_groups) {
         columns[lane] = weights_columns(weights, middles(mask, lane));
     }
     workgroupBarrier();
@@ -18,8 +18,8 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
         let factors = weights_row(weights, y);
         let counts = row_counts(lit);
         // What emits, in columns.
-        let ends = vec2f(emitting) / f32(WIDTH / COLUMNS);
-        for (var group = 0u; group < COLUMNS / 4u; group++) {
+        let ends = vec2f(emitting) / f32(row_width / (4u * row_groups));
+        for (var group = 0u; group < row_groups; group++) {
             var w = columns[group] * factors;
             if (!weights.by_row) {
                 w = weights_samples(weights, middles(mask, group), y);
@@ -30,7 +30,7 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
             sum.x += dot(counts_of(counts, group), w);
             sum.y += dot(saturate(ends.y - column) - saturate(ends.x - column), w);
         }
-        sum.y *= f32(WIDTH / COLUMNS);
+        sum.y *= f32(row_width / (4u * row_groups));
         sum.w = f32(emitting.y - emitting.x);
     }
     sum = total(lane, sum);
@@ -44,7 +44,7 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
 
 // Plane coordinates x of the middles of four columns, in the order of their counts.
 fn middles(mask: Mask, group: u32) -> vec4f {
-    let width = 2.0 * mask.square.half.x / f32(COLUMNS);
+    let width = 2.0 * mask.square.half.x / f32(4u * row_groups);
     let left = mask.square.center.x - mask.square.half.x + 0.5 * width;
     return left + width * vec4f(row_columns(group));
 }

@@ -35,6 +35,21 @@ pub struct UnitSquare {
     pub disc: f32,
 }
 
+/// The largest value of a lobe over what emits of a light: where it is, the width `σ` of the lobe there, and `σ²g` with g the
+/// gradient of its logarithm.
+pub(crate) struct Peak {
+    point: Vec2,
+    width: f32,
+    uphill: Vec2,
+}
+
+impl Peak {
+    /// How far the logarithm of the lobe falls at most over one radius of the light: `gr + r²/2σ²`.
+    pub(crate) fn fall(&self, square: &UnitSquare) -> f32 {
+        square.disc * (self.uphill.length() + 0.5 * square.disc) / (self.width * self.width)
+    }
+}
+
 impl Default for UnitSquare {
     fn default() -> Self {
         Self { right: Vec3::X, up: Vec3::Y, axis: Vec3::Z, center: Vec2::ZERO, half: Vec2::ONE, disc: 1.0 }
@@ -81,16 +96,8 @@ impl UnitSquare {
         self.within(low, high)
     }
 
-    /// The part of the window that a reflectance lobe needs: where its logarithm is within `sigmas²/2` of its largest value
-    /// over what emits.
-    ///
-    /// With p the emitting point next to the lobe's axis, g the gradient of `ln (a·v)ᵉ` there and `σ = (1 + p²)/√e`, the width
-    /// of the lobe on the plane, that is `g·δ − δ²/2σ² ≥ −sigmas²/2`: a disc about `p + σ²g` of radius `√(σ⁴g² + sigmas²σ²)`.
-    /// Where the axis is on the light, g = 0. Beside it only the rim is seen: the farther away, the less deep. Moves and
-    /// grows continuously with lobe and light and becomes the whole window for a lobe broader than the light
-    /// (sigmas·σ above its radius).
-    #[must_use]
-    pub fn zoomed(&self, lobe: &Lobe, normal: Vec3, sigmas: f32) -> Self {
+    /// Where on what emits a reflectance lobe has its largest value, and how it falls from there.
+    pub(crate) fn peak(&self, lobe: &Lobe, normal: Vec3) -> Peak {
         let along = self.axis.dot(lobe.axis);
         let aside = Vec2::new(self.right.dot(lobe.axis), self.up.dot(lobe.axis));
         // The lobe's axis on the plane, or the point of the emitting disc next to it.
@@ -105,13 +112,32 @@ impl UnitSquare {
         }
         // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
         let stretch = 1.0 + point.length_squared();
-        let reach = sigmas * lobe.exponent.clamp(1e-6, NARROWEST).sqrt().recip() * stretch;
+        let width = lobe.exponent.clamp(1e-6, NARROWEST).sqrt().recip() * stretch;
         let uphill = aside / (aside.dot(point) + along).max(1e-3) - point / stretch;
-        let uphill = (uphill * (stretch * stretch)).clamp_length_max(FARTHEST * reach);
+        Peak { point, width, uphill: uphill * (stretch * stretch) }
+    }
+
+    /// The part of the window that a reflectance lobe needs: where its logarithm is within `sigmas²/2` of its largest value
+    /// over what emits.
+    ///
+    /// With p the emitting point next to the lobe's axis, g the gradient of `ln (a·v)ᵉ` there and `σ = (1 + p²)/√e`, the width
+    /// of the lobe on the plane, that is `g·δ − δ²/2σ² ≥ −sigmas²/2`: a disc about `p + σ²g` of radius `√(σ⁴g² + sigmas²σ²)`.
+    /// Where the axis is on the light, g = 0. Beside it only the rim is seen: the farther away, the less deep. Moves and
+    /// grows continuously with lobe and light and becomes the whole window for a lobe broader than the light
+    /// (sigmas·σ above its radius).
+    #[must_use]
+    pub fn zoomed(&self, lobe: &Lobe, normal: Vec3, sigmas: f32) -> Self {
+        self.around(&self.peak(lobe, normal), sigmas)
+    }
+
+    /// That of a lobe with this peak.
+    pub(crate) fn around(&self, peak: &Peak, sigmas: f32) -> Self {
+        let reach = sigmas * peak.width;
+        let uphill = peak.uphill.clamp_length_max(FARTHEST * reach);
         // A window as large as the light is not worth a mask: from four fifths on it grows to all of it.
         let broad = (5.0 * reach / self.disc - 4.0).clamp(0.0, 1.0);
         let radius = (uphill.length_squared() + reach * reach).sqrt() + broad * (2.0 * self.disc);
-        self.within(point + uphill - radius, point + uphill + radius)
+        self.within(peak.point + uphill - radius, peak.point + uphill + radius)
     }
 
     /// The part of the window between two corners; not less than [`THINNEST`].

@@ -58,9 +58,17 @@ fn square_above(square: UnitSquare, normal: vec3f) -> UnitSquare {
     return square_within(square, low, high);
 }
 
-// The part of the window that a reflectance lobe needs: a disc about p + σ²g of radius √(σ⁴g² + sigmas²σ²), p the emitting
-// point next to the lobe's axis, g the gradient of the lobe's logarithm there, σ its width on the plane.
-fn square_zoomed(square: UnitSquare, lobe: Lobe, normal: vec3f, sigmas: f32) -> UnitSquare {
+// The largest value of a lobe over what emits of a light: where it is, the width σ of the lobe there, and σ²g with g the
+// gradient of its logarithm.
+struct Peak { point: vec2f, width: f32, uphill: vec2f }
+
+// How far the logarithm of the lobe falls at most over one radius of the light: gr + r²/2σ².
+fn peak_fall(peak: Peak, square: UnitSquare) -> f32 {
+    return square.disc * (sqrt(dot(peak.uphill, peak.uphill)) + 0.5 * square.disc) / (peak.width * peak.width);
+}
+
+// That of a lobe above the horizon of `normal` (world space).
+fn square_peak(square: UnitSquare, lobe: Lobe, normal: vec3f) -> Peak {
     let along = dot(square.axis, lobe.axis);
     let aside = vec2f(dot(square.right, lobe.axis), dot(square.up, lobe.axis));
     // The lobe's axis on the plane, or the point of the emitting disc next to it.
@@ -75,13 +83,25 @@ fn square_zoomed(square: UnitSquare, lobe: Lobe, normal: vec3f, sigmas: f32) -> 
     }
     // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
     let stretch = 1.0 + dot(point, point);
-    let reach = sigmas * (1.0 / sqrt(clamp(lobe.exponent, 1e-6, NARROWEST))) * stretch;
+    let width = 1.0 / sqrt(clamp(lobe.exponent, 1e-6, NARROWEST)) * stretch;
     let slope = aside / max(dot(aside, point) + along, 1e-3) - point / stretch;
-    let uphill = shortened(slope * (stretch * stretch), FARTHEST * reach);
+    return Peak(point, width, slope * (stretch * stretch));
+}
+
+// The part of the window that a reflectance lobe needs: a disc about p + σ²g of radius √(σ⁴g² + sigmas²σ²), p the emitting
+// point next to the lobe's axis, g the gradient of the lobe's logarithm there, σ its width on the plane.
+fn square_zoomed(square: UnitSquare, lobe: Lobe, normal: vec3f, sigmas: f32) -> UnitSquare {
+    return square_around(square, square_peak(square, lobe, normal), sigmas);
+}
+
+// That of a lobe with this peak.
+fn square_around(square: UnitSquare, peak: Peak, sigmas: f32) -> UnitSquare {
+    let reach = sigmas * peak.width;
+    let uphill = shortened(peak.uphill, FARTHEST * reach);
     // A window as large as the light is not worth a mask: from four fifths on it grows to all of it.
     let broad = clamp(5.0 * reach / square.disc - 4.0, 0.0, 1.0);
     let radius = sqrt(dot(uphill, uphill) + reach * reach) + broad * (2.0 * square.disc);
-    return square_within(square, point + uphill - radius, point + uphill + radius);
+    return square_within(square, peak.point + uphill - radius, peak.point + uphill + radius);
 }
 
 // The part of the window between two corners.

@@ -7,6 +7,10 @@ use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQue
 /// Tolerance from which on a row of a mask has 64 samples.
 const COARSE: f32 = 0.005;
 
+/// A lobe whose logarithm falls by more than this over a radius of the light is seen through fine masks: of 64 samples a row
+/// some few would carry its share, and show as they come and go.
+pub(crate) const STEEP: f32 = 1.0;
+
 /// How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
 pub(crate) const HORIZON: f32 = 4.0;
 
@@ -121,7 +125,8 @@ impl<B: Blockers> MaskVisibility<B> {
         edges.across()
     }
 
-    /// The window of a lobe that sees only a part of the light, turned by the edges that run through it.
+    /// The window of a lobe that needs a mask of its own: one that sees only a part of the light, turned by the edges that
+    /// run through it, or the whole light if that is for finer samples.
     fn window(
         &self,
         query: &VisibilityQuery<'_>,
@@ -132,10 +137,10 @@ impl<B: Blockers> MaskVisibility<B> {
         if is_lambert(query.at, brdf) {
             return None;
         }
-        let sigmas = zoom_sigmas(query.tolerance);
-        let square = whole.zoomed(brdf, query.at.normal, sigmas);
+        let (peak, sigmas) = (whole.peak(brdf, query.at.normal), zoom_sigmas(query.tolerance));
+        let square = whole.around(&peak, sigmas);
         if square == *whole {
-            return None;
+            return (self.is_coarse(query) && peak.fall(whole) > STEEP).then_some(square);
         }
         let cone = square.cone(query.cone.distance);
         let across = self.across(&VisibilityQuery { cone: &cone, ..*query }, scratch);
@@ -165,7 +170,8 @@ pub fn depth_for(tolerance: f32) -> u32 {
     }
 }
 
-/// Whether rows of 64 samples do for a tolerance, instead of 256: masks err 1.5 times as much with them.
+/// Whether rows of 64 samples do for a tolerance, instead of 256: masks err 1.5 times as much with them. For lobes that are
+/// broad beside the light; narrow ones have masks of 256 at any tolerance.
 #[must_use]
 pub fn is_coarse(tolerance: f32) -> bool {
     tolerance >= COARSE
@@ -177,8 +183,10 @@ pub struct MaskScratch<S> {
     blockers: S,
     square: UnitSquare,
     full: Mask,
-    zoomed: Mask,
-    counts: Counts,
+    own: Mask,
+    /// Whether `own` shows the whole light of the query.
+    is_whole: bool,
+    counts: [Counts; 2],
     cut: CutScratch,
 }
 
@@ -190,9 +198,10 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         MaskScratch {
             blockers: self.blockers.scratch(),
             square: *full.square(),
-            zoomed: full.clone(),
+            own: full.clone(),
             full,
-            counts: Counts::default(),
+            is_whole: false,
+            counts: Default::default(),
             cut: CutScratch::default(),
         }
     }
@@ -220,6 +229,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             return Coverage::Dark;
         }
         scratch.square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers)).above(query.at.normal);
+        scratch.is_whole = false;
         scratch.full.set_coarse(self.is_coarse(query));
         scratch.full.reset(&scratch.square, self.depth, query.at.normal);
         self.blockers.splat(query, &mut scratch.blockers, &mut scratch.full);
@@ -240,19 +250,23 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
-        let mask = match self.window(query, brdf, &scratch.square, &scratch.blockers) {
-            None => &scratch.full,
+        let [counts, own_counts] = &mut scratch.counts;
+        let (mask, counts) = match self.window(query, brdf, &scratch.square, &scratch.blockers) {
+            None => (&scratch.full, counts),
             Some(square) => {
-                scratch.zoomed.set_coarse(self.is_coarse(query));
-                scratch.zoomed.reset(&square, self.depth, query.at.normal);
-                self.blockers.splat(query, &mut scratch.blockers, &mut scratch.zoomed);
-                &scratch.zoomed
+                let is_whole = square == scratch.square;
+                if !(is_whole && scratch.is_whole) {
+                    scratch.own.reset(&square, self.depth, query.at.normal);
+                    self.blockers.splat(query, &mut scratch.blockers, &mut scratch.own);
+                    scratch.is_whole = is_whole;
+                }
+                (&scratch.own, own_counts)
             }
         };
         if !self.lobes {
             out.lobes.writer();
             out.whole.writer();
-            out.base = share(mask, query.at, brdf, &mut scratch.counts);
+            out.base = share(mask, query.at, brdf, counts);
             return Ok(());
         }
         scratch.cut.build(mask);

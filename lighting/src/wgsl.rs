@@ -58,18 +58,33 @@ pub fn paper_header(depth: u32) -> String {
 /// The golden section by half, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
 const GOLDEN: u32 = 0x4f1b_bcdd;
 
-/// The constants `DEPTH`, `SIDE` (rows), `WIDTH` (samples in a row), `LANES` (threads) and `COLUMNS` (groups of samples with
-/// one weight), and the type `Row` with its functions.
+/// The constants `DEPTH`, `SIDE` (rows), `WIDTH` (samples in a row at most), `LANES` (threads) and `COLUMNS` (groups of samples
+/// with one weight at most), and the type `Row` with its functions, `row_width` among them: samples in a row.
 ///
 /// # Panics
 /// When `depth` is not in 1…[`MAX_DEPTH`].
 #[must_use]
 pub fn header(depth: u32, coarse: bool) -> String {
+    let fine = concat!(include_str!("row.wgsl"), include_str!("row_fine.wgsl"));
+    let (width, row) = if coarse { (COARSE, include_str!("row_coarse.wgsl")) } else { (WIDTH, fine) };
+    header_of(depth, width, row)
+}
+
+/// The same for any lobes: with `coarse`, masks of broad lobes have 64 samples a row and those of narrow ones 256.
+///
+/// # Panics
+/// As [`header`].
+#[must_use]
+pub fn header_of_lobes(depth: u32, coarse: bool) -> String {
+    let both = concat!(include_str!("row.wgsl"), include_str!("row_both.wgsl"));
+    if coarse { header_of(depth, WIDTH, both) } else { header(depth, false) }
+}
+
+fn header_of(depth: u32, width: usize, row: &str) -> String {
     assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
     let side = 1_u32 << depth;
     let lanes = side.max(32);
-    let (width, columns, row) =
-        if coarse { (COARSE, 16, include_str!("row_coarse.wgsl")) } else { (WIDTH, 32, include_str!("row.wgsl")) };
+    let columns = if width == COARSE { 16 } else { 32 };
     format!(
         "const DEPTH = {depth}u;\nconst SIDE = {side}u;\nconst WIDTH = {width}u;\nconst LANES = {lanes}u;\nconst COLUMNS = \
          {columns}u;\nconst GOLDEN = {GOLDEN}u;\n{row}"
@@ -100,6 +115,7 @@ mod tests {
         states(LAMBERT, "CORNER", crate::share::CORNER);
         states(LOBES, "LEFT_OUT", crate::share::LEFT_OUT);
         states(LOBES, "MIRROR_SHARE", crate::share::MIRROR);
+        states(LOBES, "STEEP", crate::visibility::STEEP);
         assert!(EDGES.contains(&format!("EDGES_NOTHING = vec2f({:e}, 0.0)", crate::edges::NOTHING)));
     }
 

@@ -179,8 +179,11 @@ pub(crate) fn classify(variant: &Variant) -> Text {
 /// What the points in a penumbra see.
 pub(crate) fn penumbra(variant: &Variant) -> Text {
     let reflectance = brdf::wgsl::compose(variant.models);
-    let header =
-        if variant.paper { masks::paper_header(variant.depth) } else { masks::header(variant.depth, variant.coarse) };
+    let header = match (variant.paper, variant.is_lambert()) {
+        (true, _) => masks::paper_header(variant.depth),
+        (false, true) => masks::header(variant.depth, variant.coarse),
+        (false, false) => masks::header_of_lobes(variant.depth, variant.coarse),
+    };
     let strategies = variant.strategies;
     let edges =
         if strategies.spheres { "return spheres_edges(lane, tile, at, light, window);" } else { "return vec2f(0.0);" };

@@ -51,8 +51,8 @@ fn penumbrae_validate() {
     let common = [wgsl::MASK, wgsl::SQUARE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];
     let core = [GEOMETRY, LOBE, SPECIAL, HOOKS];
     for (depth, coarse) in variants() {
-        let header = wgsl::header(depth, coarse);
-        for form in [wgsl::LAMBERT, wgsl::LOBES] {
+        let headers = [wgsl::header(depth, coarse), wgsl::header_of_lobes(depth, coarse)];
+        for (form, header) in [wgsl::LAMBERT, wgsl::LOBES].into_iter().zip(&headers) {
             let module = validate(&[[header.as_str()].as_slice(), &kernel, &common, &core, &[form]].concat());
             let entry = &module.entry_points[0];
             let lanes = (1 << depth).max(32);

@@ -31,7 +31,7 @@ fn canvas_begin(lane: u32, mask: Mask) {
     for (var k = 0u; k < CANVAS_LINES * CANVAS_WORDS; k++) {
         canvas_bits[k] = 0u;
     }
-    let cell = WIDTH / SIDE;
+    let cell = row_width / SIDE;
     canvas_columns = CANVAS_ACROSS * vec2u(emitting.x / cell, min((emitting.y + cell - 1u) / cell, SIDE));
     canvas_low = mask.square.center - mask.square.half;
     canvas_scale = vec2f(f32(CANVAS_ACROSS), f32(CANVAS_LINES)) / mask_cell(mask);

@@ -31,7 +31,7 @@ fn splat_wide(to: vec3f, cos: f32, mask: Mask, j: u32) {
         let ends = wide_row(m, abs(cos), y + cell * row_height(k));
         if (outside) {
             mask_block_line(j, k, 0u, mask_sample(mask, ends.x));
-            mask_block_line(j, k, mask_sample(mask, ends.y), WIDTH);
+            mask_block_line(j, k, mask_sample(mask, ends.y), row_width);
         } else {
             mask_block_line(j, k, mask_sample(mask, ends.x), mask_sample(mask, ends.y));
         }

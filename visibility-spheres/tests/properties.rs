@@ -252,8 +252,8 @@ fn pops(tolerance: f32, [cases, steps]: [usize; 2], way: Way, through: bool, cou
 }
 
 /// `most` for each tolerance, and what 95 % of the sweeps stay below, in tolerances.
-fn check_pops(size: [usize; 2], way: Way, most: [f64; 3], usual: f64) {
-    for (tolerance, most) in [0.01, 0.003, 0.001].into_iter().zip(most) {
+fn check_pops(size: [usize; 2], way: Way, most: [f64; 4], usual: f64) {
+    for (tolerance, most) in [0.01, 0.005, 0.003, 0.001].into_iter().zip(most) {
         for (through, count) in [(false, 1), (false, 3), (true, 2)] {
             let found = pops(tolerance, size, way, through, count);
             let largest: Vec<f64> = found.iter().map(|f| f.0).collect();
@@ -272,10 +272,10 @@ fn check_pops(size: [usize; 2], way: Way, most: [f64; 3], usual: f64) {
 
 fn check_ways(size: [usize; 2]) {
     // Where the mask turns to another blocker, and where a step carries a lobe away, its own error shows at once.
-    check_pops(size, Way::Light, [0.04; 3], 1.2);
-    // A sample of a window is up to a tenth of a percent of what a lobe sees, of 64 a row up to half a percent; some come
-    // and go together.
-    check_pops(size, Way::Seen, [0.02, 0.005, 0.003], 0.9);
+    check_pops(size, Way::Light, [0.035, 0.015, 0.006, 0.01], 1.0);
+    // A sample of a narrow lobe's window is up to a tenth of a percent of what it sees, of a broad one's mask with 64 a row as
+    // much; some come and go together.
+    check_pops(size, Way::Seen, [0.01, 0.007, 0.005, 0.003], 0.9);
 }
 
 #[test]

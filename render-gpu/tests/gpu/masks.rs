@@ -341,7 +341,7 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
         .iter()
         .flat_map(|(case, edge)| case.row().into_iter().chain(edge.to_array()).chain([tolerance]))
         .collect();
-    let header = wgsl::header(depth, lighting::is_coarse(tolerance)) + HOOKS;
+    let header = wgsl::header_of_lobes(depth, lighting::is_coarse(tolerance)) + HOOKS;
     let got = call_groups(gpu, &pieces(&header), &body, &rows, [17, 3]);
     let (mut spread, mut classes) = (Spread::default(), [0; 3]);
     for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {

@@ -1,0 +1,28 @@
+// Columns of rows that have 64 samples for what is broad and 256 for what is narrow, the 64 in place of the first of the 256.
+// Needs row.wgsl.
+
+var<private> row_width: u32 = 64u;
+// Groups of four columns.
+var<private> row_groups: u32 = 4u;
+const HAS_BOTH = true;
+
+// Whether masks made from here on have 256.
+fn row_refine(finer: bool) {
+    row_width = select(64u, 256u, finer);
+    row_groups = select(4u, 8u, finer);
+}
+
+// Samples in columns of eight: of word i, half byte n is column 4n + i. Of 64 samples in columns of
+// four: half bytes 0 and 4 are columns 2i and 2i + 8, half bytes 2 and 6 those next to them.
+fn row_counts(row: Row) -> Counts {
+    let a = (planes_counts(row.a.x) + planes_counts(row.a.y)) + (planes_counts(row.a.z) + planes_counts(row.a.w));
+    let b = (planes_counts(row.b.x) + planes_counts(row.b.y)) + (planes_counts(row.b.z) + planes_counts(row.b.w));
+    return select(columns_of_four(a) | (columns_of_four(b) << vec4u(8u)), a + b, row_width == 256u);
+}
+
+fn columns_of_four(counts: vec4u) -> vec4u { return (counts & vec4u(0xfu)) | ((counts & vec4u(0xf0u)) << vec4u(12u)); }
+
+// Numbers of the four columns of a group.
+fn row_columns(group: u32) -> vec4u {
+    return select(vec4u(0u, 1u, 8u, 9u) + 2u * group, vec4u(0u, 8u, 16u, 24u) + group, row_width == 256u);
+}
