@@ -19,23 +19,32 @@ fn blocked_cone(to: vec3f, radius: f32, tau: f32) -> BlockedCone {
     let power = d_sq - radius * radius;
     let d = sqrt(d_sq);
     if (power > 0.0 && tau * tau <= power) {
-        return BlockedCone(to, radius, radius, sqrt(power / d_sq), false, false);
+        return BlockedCone(to, radius, radius, blocked_cos(d, radius), false, false);
     }
     if (tau <= 0.0) {
         // Inside the sphere of another object.
         return BlockedCone(to, radius, 0.0, -1.0, false, false);
     }
-    // 1 − cos β = (r² − (d − τ)²)/(2τd).
+    // d(1 − cos β) = (r² − (d − τ)²)/(2τ), and (d sin β)² = d(1 − cos β)·(2d − d(1 − cos β)).
     let above = (radius - (d - tau)) * (radius + (d - tau));
     if (above <= 0.0) {
         return BlockedCone(to, radius, 0.0, 1.0, false, true);
     }
-    var one_minus_cos = 2.0;
-    if (d > 0.0) {
-        one_minus_cos = min(above / (2.0 * tau * d), 2.0);
+    let rest = min(above * min(0.5 / tau, 3.4028235e38), d + d);
+    let chord = sqrt(max(rest * (d + d - rest), 0.0));
+    var cos = blocked_cos(d, chord);
+    if (rest >= d) {
+        cos = -1.0;
+        if (d > 0.0) {
+            cos = 1.0 - rest / d;
+        }
     }
-    let sin_sq = one_minus_cos * (2.0 - one_minus_cos);
-    return BlockedCone(to, radius, d * sqrt(sin_sq), 1.0 - one_minus_cos, false, false);
+    return BlockedCone(to, radius, chord, cos, false, false);
+}
+
+// The cosine of a cone of less than a hemisphere by d sin β.
+fn blocked_cos(d: f32, tangent_radius: f32) -> f32 {
+    return sqrt(max(d - tangent_radius, 0.0) * (d + tangent_radius)) / d;
 }
 
 // How the cone covers a light's cone (axis, sin θ, cos θ). Says PARTIAL when in doubt.
@@ -45,21 +54,22 @@ fn blocked_cover(blocked: BlockedCone, axis: vec3f, sin: f32, cos: f32) -> u32 {
     }
     let along = dot(blocked.to, axis);
     let beside = blocked.to - axis * along;
-    let aside = sqrt(dot(beside, beside));
-    if (blocked.cos >= 0.0) {
-        // d sin(γ − θ) and d cos(γ − θ), γ the angle between the two axes.
-        let outside = aside * cos - along * sin;
-        let toward = along * cos + aside * sin;
-        if (outside >= blocked.tangent_radius || toward <= 0.0) {
+    let aside_sq = dot(beside, beside);
+    if (blocked.cos > 0.0) {
+        // d sin(γ ∓ θ) against d sin β, and d cos(γ ∓ θ) against 0, γ the angle between the two axes: by squares.
+        let across = aside_sq * (cos * cos);
+        let near = blocked.tangent_radius + along * sin;
+        let far = blocked.tangent_radius - along * sin;
+        let straight = along * along * (cos * cos) > aside_sq * (sin * sin);
+        if (near <= 0.0 || across >= near * near || (straight && along <= 0.0)) {
             return LIT;
         }
-        let far = aside * cos + along * sin;
-        let far_toward = along * cos - aside * sin;
-        if (!blocked.meets_light && far_toward > 0.0 && far <= blocked.tangent_radius) {
+        if (!blocked.meets_light && straight && along > 0.0 && far >= 0.0 && across <= far * far) {
             return DARK;
         }
     } else {
         // Wider than a hemisphere: d cos(γ ∓ θ) against d cos β.
+        let aside = sqrt(aside_sq);
         let edge = blocked.cos * sqrt(dot(blocked.to, blocked.to));
         if (along * sin <= aside * cos && along * cos + aside * sin <= edge) {
             return LIT;

@@ -127,11 +127,7 @@ impl LightBall {
         };
         let (meets, behind) = self.order(simd, to, radius);
         let zero = f32x8::splat(simd, 0.0);
-        let (lit, dark) = if self.narrow && wide.simd_gt(zero).all_true() {
-            self.cover_narrow(simd, along, aside_sq, tangent_radius)
-        } else {
-            self.cover(simd, to, along, aside_sq.sqrt(), tangent_radius, wide)
-        };
+        let (lit, dark) = self.cover(simd, to, along, aside_sq, tangent_radius, wide);
         let hides = which & !behind & !lit;
         let darkens = (hides & !meets & dark).any_true();
         Some(Looks { to, tangent_radius, wide, meeting: meets.select(radius, zero), hides, darkens })
@@ -184,9 +180,44 @@ impl LightBall {
         (!apart, apart & power.simd_ge(f32x8::splat(simd, self.power)))
     }
 
-    /// Which cones leave all of the light, and which cover it: both within less than a hemisphere, so that squares decide.
+    /// Which cones leave all of the light, and which cover it.
     #[inline(always)]
-    fn cover_narrow<S: Simd>(
+    fn cover<S: Simd>(
+        &self,
+        simd: S,
+        to: [f32x8<S>; 3],
+        along: f32x8<S>,
+        aside_sq: f32x8<S>,
+        tangent_radius: f32x8<S>,
+        wide: f32x8<S>,
+    ) -> (mask32x8<S>, mask32x8<S>) {
+        let zero = f32x8::splat(simd, 0.0);
+        let narrow = wide.simd_gt(zero);
+        let covers = self.cover_by_squares(simd, along, aside_sq, tangent_radius);
+        if self.narrow && narrow.all_true() {
+            return covers;
+        }
+        let aside = aside_sq.sqrt();
+        // d sin(γ ∓ θ) and d cos(γ ∓ θ), γ the angle between the two axes.
+        let (near, near_toward) = (aside * self.cos - along * self.sin, along * self.cos + aside * self.sin);
+        let (far, far_toward) = (aside * self.cos + along * self.sin, along * self.cos - aside * self.sin);
+        let (lit, dark) = if self.narrow {
+            covers
+        } else {
+            let lit = near.simd_ge(tangent_radius) | near_toward.simd_le(zero);
+            (lit, far_toward.simd_gt(zero) & far.simd_le(tangent_radius))
+        };
+        // Wider than a hemisphere: against d cos β.
+        let edge = wide * (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
+        let wide_lit = near.simd_ge(zero) & near_toward.simd_le(edge);
+        let wide_dark = far.simd_ge(zero) & far_toward.simd_gt(edge);
+        let all = wide.simd_le(f32x8::splat(simd, -1.0));
+        ((narrow & lit) | (!narrow & !all & wide_lit), (narrow & dark) | (!narrow & (all | wide_dark)))
+    }
+
+    /// The same of cones and a light within less than a hemisphere: their squares decide.
+    #[inline(always)]
+    fn cover_by_squares<S: Simd>(
         &self,
         simd: S,
         along: f32x8<S>,
@@ -194,39 +225,13 @@ impl LightBall {
         tangent_radius: f32x8<S>,
     ) -> (mask32x8<S>, mask32x8<S>) {
         let zero = f32x8::splat(simd, 0.0);
-        let (aside, toward) = (aside_sq * (self.cos * self.cos), along * self.sin);
+        let (across, toward) = (aside_sq * (self.cos * self.cos), along * self.sin);
         // d sin(γ ∓ θ) against d sin β, and d cos(γ ∓ θ) against 0.
         let (near, far) = (tangent_radius + toward, tangent_radius - toward);
         let straight = (along * along * (self.cos * self.cos)).simd_gt(aside_sq * (self.sin * self.sin));
         let ahead = along.simd_gt(zero);
-        let lit = near.simd_le(zero) | aside.simd_ge(near * near) | (straight & !ahead);
-        let dark = ahead & straight & far.simd_ge(zero) & aside.simd_le(far * far);
+        let lit = near.simd_le(zero) | across.simd_ge(near * near) | (straight & !ahead);
+        let dark = ahead & straight & far.simd_ge(zero) & across.simd_le(far * far);
         (lit, dark)
-    }
-
-    /// The same of any cones.
-    #[inline(always)]
-    fn cover<S: Simd>(
-        &self,
-        simd: S,
-        to: [f32x8<S>; 3],
-        along: f32x8<S>,
-        aside: f32x8<S>,
-        tangent_radius: f32x8<S>,
-        wide: f32x8<S>,
-    ) -> (mask32x8<S>, mask32x8<S>) {
-        let zero = f32x8::splat(simd, 0.0);
-        // d sin(γ ∓ θ) and d cos(γ ∓ θ), γ the angle between the two axes.
-        let (near, near_toward) = (aside * self.cos - along * self.sin, along * self.cos + aside * self.sin);
-        let (far, far_toward) = (aside * self.cos + along * self.sin, along * self.cos - aside * self.sin);
-        let lit = near.simd_ge(tangent_radius) | near_toward.simd_le(zero);
-        let dark = far_toward.simd_gt(zero) & far.simd_le(tangent_radius);
-        // Wider than a hemisphere: against d cos β.
-        let narrow = wide.simd_gt(zero);
-        let edge = wide * (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
-        let wide_lit = near.simd_ge(zero) & near_toward.simd_le(edge);
-        let wide_dark = far.simd_ge(zero) & far_toward.simd_gt(edge);
-        let all = wide.simd_le(f32x8::splat(simd, -1.0));
-        ((narrow & lit) | (!narrow & !all & wide_lit), (narrow & dark) | (!narrow & (all | wide_dark)))
     }
 }

@@ -40,7 +40,8 @@ fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look 
         return Look(blocked, LIT);
     }
     let between = to - cone.axis * cone.distance;
-    if (sqrt(dot(between, between)) >= radius + light.radius) {
+    let both = radius + light.radius;
+    if (dot(between, between) >= both * both) {
         if (dot(to, to) - radius * radius >= light.power) {
             return Look(blocked, LIT);
         }
