@@ -19,7 +19,7 @@ pub(crate) struct Count {
 const SAMPLES: u32 = 256;
 
 pub(crate) fn measure(repeats: usize) -> Result<Vec<Count>, String> {
-    eprintln!("Spheres of a set");
+    eprintln!("Sets by count");
     let of = |spheres: usize| {
         let (scene, blockers) = close_up(1.0, spheres);
         let world = World::new(&scene);

@@ -51,7 +51,7 @@ fn run() -> Result<(), String> {
     let orders = scenes::all().into_iter().filter(|case| ["Fig. 22(a)", "Fig. 16"].contains(&case.name));
     let orders = orders.map(|case| order::measure(&case, repeats));
     let orders = if wanted("Order of points") { orders.collect::<Result<Vec<_>, _>>()? } else { Vec::new() };
-    let counts = if wanted("Spheres of a set") { counts::measure(repeats)? } else { Vec::new() };
+    let counts = if wanted("Sets by count") { counts::measure(repeats)? } else { Vec::new() };
     let text = table::markdown(&rows, &curves, &orders, &counts);
     match output {
         Some(path) => std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display())),

@@ -153,7 +153,7 @@ fn in_orders(text: &mut String, orders: &[Orders]) {
 
 fn of_sets(text: &mut String, counts: &[Count]) {
     text.push_str(
-        "## Spheres of a set\n\nFig. 18 right, its object as more or fewer spheres: the time, and the error against rays to the true mesh, \
+        "## Sets by count\n\nFig. 18 right, its object as more or fewer spheres: the time, and the error against rays to the true mesh, \
          a share of the unshadowed radiance over points in penumbra.\n\n| spheres | ms (quartiles) | best ms | CPU ms | mean error | \
          99 % below |\n|---|---|---|---|---|---|\n",
     );
