@@ -27,7 +27,9 @@ pub struct Lafortune {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LafortuneLobe {
     scale: Vec3,
+    /// Right for any matrix; what the GPU takes.
     pub(crate) any: LafortuneTerm,
+    /// The cheaper form, where the matrix has it.
     isotropic: Option<IsotropicTerm>,
 }
 

@@ -3,16 +3,16 @@
 use crate::measure::{Timing, frames};
 use crate::scenes::close_up;
 use core::sync::atomic::AtomicBool;
-use cosine_lobes::render_cpu::{Estimate, GBuffer, Geometry, Reference, ReferenceJob, World};
+use cosine_lobes::render_cpu::{GBuffer, Geometry, Reference, ReferenceJob, World};
+use cosine_lobes::{Picture, RegionError, ShadowErrors};
 use glam::Vec3;
 
 /// A set of so many spheres.
 pub(crate) struct Count {
     pub(crate) spheres: usize,
     pub(crate) timing: Timing,
-    /// Error against the mesh as a share of the unshadowed radiance, over points in penumbra: mean, and what 99 % stay below.
-    pub(crate) mean: f32,
-    pub(crate) most: f32,
+    /// Against the mesh.
+    pub(crate) penumbra: RegionError,
 }
 
 /// Samples of the reference: it errs by some 0.1 %.
@@ -29,21 +29,11 @@ pub(crate) fn measure(repeats: usize) -> Result<Vec<Count>, String> {
         let mut reference = Reference::new(job);
         reference.advance(SAMPLES, &AtomicBool::new(false), &|_| {});
         let (timing, radiance) = frames(&scene, &blockers, &gbuffer.points, 0.0, repeats)?;
-        let [mean, most] = errors(&radiance, &reference.estimate());
-        Ok(Count { spheres, timing, mean, most })
+        let truth = reference.estimate();
+        let picture = |values: &[Vec3]| Picture::new(360, 240, gbuffer.resolve(values, Vec3::ZERO));
+        let [test, truth, unshadowed] = [&radiance, &truth.radiance, &truth.unshadowed].map(|values| picture(values));
+        let errors = ShadowErrors::of(&test, &truth, &unshadowed).map_err(|e| e.to_string())?;
+        Ok(Count { spheres, timing, penumbra: errors.penumbra })
     };
     [64, 128, 256, 484].into_iter().map(of).collect()
-}
-
-/// Mean and 99th percentile where the truth is between 1 and 99 % of the unshadowed radiance.
-fn errors(test: &[Vec3], truth: &Estimate) -> [f32; 2] {
-    let mut errors: Vec<f32> = test
-        .iter()
-        .zip(truth.radiance.iter().zip(&truth.unshadowed))
-        .filter(|(_, (radiance, whole))| (0.01..0.99).contains(&(radiance.y / whole.y)))
-        .map(|(test, (radiance, whole))| (test.y - radiance.y).abs() / whole.y)
-        .collect();
-    errors.sort_by(f32::total_cmp);
-    let mean = errors.iter().sum::<f32>() / errors.len().max(1) as f32;
-    [mean, errors.get(errors.len() * 99 / 100).copied().unwrap_or(0.0)]
 }

@@ -157,7 +157,7 @@ fn of_sets(text: &mut String, counts: &[Count]) {
          a share of the unshadowed radiance over points in penumbra.\n\n| spheres | ms (quartiles) | best ms | CPU ms | mean error | \
          99 % below |\n|---|---|---|---|---|---|\n",
     );
-    for Count { spheres, timing, mean, most } in counts {
+    for Count { spheres, timing, penumbra } in counts {
         let [low, high] = timing.quartiles.map(|s| 1e3 * s);
         let _ = writeln!(
             text,
@@ -165,8 +165,8 @@ fn of_sets(text: &mut String, counts: &[Count]) {
             1e3 * timing.stats.seconds,
             1e3 * timing.best,
             cpu(timing),
-            100.0 * mean,
-            100.0 * most
+            100.0 * penumbra.mean,
+            100.0 * penumbra.p99
         );
     }
     text.push('\n');

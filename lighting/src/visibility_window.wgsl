@@ -1,5 +1,5 @@
-// Lobes narrower than the light are seen through a mask of their own, with 256 samples a row. Needs visibility.wgsl, share.wgsl, and special.wgsl of
-// lobe-core.
+// Lobes narrower than the light are seen through a mask of their own, with 256 samples a row. Needs visibility.wgsl,
+// share.wgsl, and special.wgsl of lobe-core.
 
 // The share of the light that a lobe sees. Only where all threads come by; the mask of the whole light is as before.
 fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: Mask, lobe: Lobe) -> f32 {

@@ -96,9 +96,10 @@ impl LightBall {
         block: &Candidates,
         which: mask32x8<S>,
     ) -> Option<Looks<S>> {
-        let to = self.to(simd, &block.spheres);
-        let whole = f32x8::simd_from(simd, block.spheres.radius);
-        let u = self.axis;
+        let Block { x, y, z, radius } = block.spheres;
+        let [x, y, z, whole] = [x, y, z, radius].map(|column| f32x8::simd_from(simd, column));
+        let to = [x - self.at.x, y - self.at.y, z - self.at.z];
+        let (zero, u) = (f32x8::splat(simd, 0.0), self.axis);
         let along = to[0] * u.x + to[1] * u.y + to[2] * u.z;
         let [x, y, z] = [to[0] - along * u.x, to[1] - along * u.y, to[2] - along * u.z];
         let aside_sq = x * x + y * y + z * z;
@@ -112,7 +113,6 @@ impl LightBall {
         let own = u32x8::simd_from(simd, block.object).simd_eq(u32x8::splat(simd, object));
         let mut radius = whole;
         let (tangent_radius, wide) = if own.any_true() {
-            let zero = f32x8::splat(simd, 0.0);
             // `SelfShadow::radius_at`.
             let d = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
             let less = whole - f32x8::simd_from(simd, block.own_radius);
@@ -126,20 +126,10 @@ impl LightBall {
             whole_cones(simd, to, whole)
         };
         let (meets, behind) = self.order(simd, to, radius);
-        let zero = f32x8::splat(simd, 0.0);
         let (lit, dark) = self.cover(simd, to, along, aside_sq, tangent_radius, wide);
         let hides = which & !behind & !lit;
         let darkens = (hides & !meets & dark).any_true();
         Some(Looks { to, tangent_radius, wide, meeting: meets.select(radius, zero), hides, darkens })
-    }
-
-    #[inline(always)]
-    fn to<S: Simd>(&self, simd: S, block: &Block) -> [f32x8<S>; 3] {
-        [
-            f32x8::simd_from(simd, block.x) - self.at.x,
-            f32x8::simd_from(simd, block.y) - self.at.y,
-            f32x8::simd_from(simd, block.z) - self.at.z,
-        ]
     }
 
     /// Which spheres may hide something of the light: whatever this drops, [`cover`](Self::cover) calls lit too.

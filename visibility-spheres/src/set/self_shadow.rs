@@ -63,9 +63,9 @@ impl Pass {
 /// The radius is that for skin inside the ball and goes back to the whole one with the distance
 /// ([`SelfShadow::radius_at`]): with one radius for all receivers, near ones want it small and far ones whole, and the
 /// mean error of V on the bunny is 2.29 % instead of 2.08 %, with 0.43 % of all points dark by mistake instead of 0.28 %
-/// (64 spheres, four seeds, a quarter of the rays). What was measured beside it and gains less, or nothing: a distance that depends on the angle
-/// of normal and centre or normal and ray, spheres moved within 1 % of their silhouette error, dearer rays where a dark
-/// spot would be alone; as much: a centre of its own for the object's receivers, three numbers more a sphere.
+/// (64 spheres, four seeds, a quarter of the rays). What was measured beside it and gains less, or nothing: a distance that
+/// depends on the angle of normal and centre or normal and ray, spheres moved within 1 % of their silhouette error, dearer
+/// rays where a dark spot would be alone; as much: a centre of its own for the object's receivers, three numbers more a sphere.
 pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Vec4]) -> Vec<SelfShadow> {
     let start = self_distance(surface, spheres);
     let rays = rays(surface, tree);
