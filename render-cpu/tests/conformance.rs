@@ -48,13 +48,16 @@ impl Subject for Mixed {
 
 #[test]
 fn rays() {
-    let measured = check(&Rays, &Limits { jump: 0.007, ..Limits::default() }).unwrap_or_else(|e| panic!("{e}"));
+    let measured =
+        check(&Rays, &Limits { several_mean: 0.0015, several: 0.012, turn: 0.014, jump: 0.007, ..Limits::default() })
+            .unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");
 }
 
 #[test]
 fn mixture_of_rays_and_spheres() {
     let measured =
-        check(&Mixed, &Limits { order: 0.01, jump: 0.007, ..Limits::default() }).unwrap_or_else(|e| panic!("{e}"));
+        check(&Mixed, &Limits { brighter: 0.005, order: 0.005, turn: 0.008, jump: 0.007, ..Limits::default() })
+            .unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");
 }

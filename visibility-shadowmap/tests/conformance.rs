@@ -53,15 +53,13 @@ fn limits() -> Limits {
         // Along the horizon the texel's own rounding does not block: next to nothing of the radiance comes from there.
         cover: 1e-3,
         overlap_mean: 0.001,
-        // Texels are there or not: an outline is off by up to half of one.
-        overlap: 0.015,
-        // A lobe of exponent 500 sees a tenth of the widest light, that is 15 texels.
-        several_mean: 0.006,
-        several: 0.06,
+        // A lobe of exponent 500 sees a tenth of the widest light, that is 15 texels; the smallest balls are five texels wide.
+        several_mean: 0.013,
+        several: 0.07,
         // The map is drawn anew in each setting: its texels lie elsewhere.
-        turn: 0.02,
+        turn: 0.035,
         jump: 0.015,
-        jump_several: 0.02,
+        jump_several: 0.01,
         cases: 12,
         ..Limits::default()
     }

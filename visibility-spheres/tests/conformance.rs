@@ -29,6 +29,6 @@ fn mixture() {
         let half = |k: usize| blockers(&s.balls.iter().skip(k).step_by(2).copied().collect::<Vec<_>>());
         MaskVisibility::new(Mixture::new(half(0), half(1)), 5)
     };
-    let measured = check(&mixed, &Limits { order: 0.01, ..Limits::default() });
+    let measured = check(&mixed, &Limits::default());
     println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
 }

@@ -15,6 +15,15 @@ pub(super) const FAR: f64 = 10.0;
 /// Half-angles of lights in random cases, radians.
 const HALF_ANGLES: [f64; 3] = [0.02, 0.14, 0.44];
 
+/// Balls of [`Case::crowd`].
+const CROWD: usize = 60;
+
+/// Groups of receivers in [`Use::Entered`]: their radii.
+const GROUPS: [f32; 2] = [0.05, 0.8];
+
+/// Half-angle of a light that fills nearly half of the sky.
+pub(super) const WIDE: f64 = 1.0;
+
 /// A ball in f64.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
@@ -46,7 +55,7 @@ pub(super) enum Use {
     Fresh,
     /// With scratch that the given other case has used.
     Used,
-    /// After `enter`.
+    /// After `enter` with a small and with a large group.
     Entered,
     /// As `Box<dyn DynVisibility>`.
     Boxed,
@@ -61,6 +70,11 @@ impl Case {
     /// No balls yet; the light is above the horizon or, one time in four, crosses it.
     pub(super) fn random(random: &mut Random) -> Self {
         let theta = HALF_ANGLES[(random.bits() % 3) as usize];
+        Self::lit_by(random, theta)
+    }
+
+    /// A light of half-angle `theta`.
+    pub(super) fn lit_by(random: &mut Random, theta: f64) -> Self {
         let axis = random.axis();
         let beta = if random.bits().is_multiple_of(4) {
             0.5 * PI + random.between(-0.8, 0.5) * theta
@@ -95,6 +109,26 @@ impl Case {
         let off = random.between((size - theta).abs(), size + theta).min(1.4);
         let distance = random.between(1.0, 0.45 * FAR);
         self.ball(random, size, off, distance)
+    }
+
+    /// The same, of any size and anywhere before the light, from next to the receiver to next to the light.
+    pub(super) fn blocker_anywhere(&self, random: &mut Random) -> Ball {
+        let theta = self.cone().1;
+        let size = (theta * random.log_uniform(0.05, 4.0)).min(1.1);
+        let off = random.between((size - theta).abs(), size + theta).min(1.4);
+        let distance = random.between(0.3, 0.98 * (FAR - self.light.radius) / (1.0 + size.sin()));
+        self.ball(random, size, off, distance)
+    }
+
+    /// Many small balls before the light, more than a strategy may look at one by one; about half of it is seen.
+    pub(super) fn crowd(&self, random: &mut Random) -> Vec<Ball> {
+        let theta = self.cone().1;
+        let one = |_| {
+            let (size, off) = (theta * random.log_uniform(0.03, 0.3), theta * random.between(0.0, 1.2).sqrt());
+            let distance = random.between(0.3, 0.9 * (FAR - self.light.radius));
+            self.ball(random, size, off, distance)
+        };
+        (0..CROWD).map(one).collect()
     }
 
     pub(super) fn turned(&self, turn: DQuat) -> Self {
@@ -159,7 +193,9 @@ impl Case {
             Coverage::Partial => {
                 let unshadowed = cap_integral(&at, &brdf, &cone);
                 strategy.visibility_lobes(&query, &brdf, unshadowed, scratch, sum)?;
-                visible_fraction(&at, &brdf, unshadowed, sum)
+                // A constant as it comes: the integrator would cut it to [0, 1].
+                let constant = sum.lobes.lobes().is_empty() && sum.whole.lobes().is_empty();
+                if constant { sum.base } else { visible_fraction(&at, &brdf, unshadowed, sum) }
             }
         };
         Ok((coverage, share))
@@ -210,11 +246,17 @@ impl Visitor for Share<'_> {
                 other.and_then(|_| case.ask(strategy, &mut scratch, &mut sum))
             }
             Use::Entered => {
-                let receivers = Sphere { center: case.position.as_vec3() + 0.01, radius: 0.05 };
-                let all = strategy.enter(&Shaft { receivers, light: case.light.rounded() }, &mut scratch);
-                let answer = case.ask(strategy, &mut scratch, &mut sum);
-                // What is said of all holds for each.
-                answer.and_then(|a| if all != Coverage::Lit || a.0 == Coverage::Lit { Ok(a) } else { Err(LobesFull) })
+                let answers = GROUPS.map(|radius| {
+                    // At the group's rim.
+                    let center = case.position.as_vec3() + 0.99 * radius * case.at().normal.any_orthonormal_vector();
+                    let shaft = Shaft { receivers: Sphere { center, radius }, light: case.light.rounded() };
+                    let all = strategy.enter(&shaft, &mut scratch);
+                    let answer = case.ask(strategy, &mut scratch, &mut sum);
+                    // What is said of all holds for each.
+                    answer
+                        .and_then(|a| if all != Coverage::Lit || a.0 == Coverage::Lit { Ok(a) } else { Err(LobesFull) })
+                });
+                if answers[0] == answers[1] { answers[0] } else { Err(LobesFull) }
             }
             Use::Boxed => {
                 let boxed: Box<dyn DynVisibility + '_> = Box::new(ByReference(strategy));

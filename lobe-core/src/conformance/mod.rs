@@ -3,8 +3,9 @@
 //! [`check`] asks a [`Subject`] for strategies whose blockers are given balls and tries them:
 //! - no blocker: [`Coverage::Lit`](crate::Coverage), without a lobe; blockers behind the receiver or the light: V = 1
 //!   exactly; beside the light: V = 1; a blocker that hides the light: V = 0; V in [0, 1] always;
-//! - one ball before the light, from a dot to a half-plane, against the closed overlap of two caps; several balls, lights
-//!   through the horizon and glossy lobes against quadrature;
+//! - one ball before the light, from a dot to a half-plane, against the closed overlap of two caps; several balls anywhere
+//!   between receiver and light, crowds of them, lights that fill nearly half of the sky or cross the horizon, and glossy lobes
+//!   against quadrature;
 //! - a further blocker never brightens; the order of blockers does not matter; nor does turning everything;
 //! - nothing pops while blocker, light or receiver moves by small steps, with one ball and with several;
 //! - an overflowing buffer is an error value; used scratch, `enter`, `dyn` and threads change no bit.
@@ -185,13 +186,13 @@ impl Default for Limits {
         Self {
             beside: 0.0,
             cover: 0.0,
-            overlap_mean: 0.002,
-            overlap: 0.01,
-            several_mean: 0.003,
-            several: 0.03,
-            brighter: 0.01,
-            order: 0.002,
-            turn: 0.02,
+            overlap_mean: 0.0008,
+            overlap: 0.003,
+            several_mean: 0.0008,
+            several: 0.008,
+            brighter: 0.002,
+            order: 1e-6,
+            turn: 0.004,
             jump: 0.005,
             jump_several: 0.01,
             cases: 60,

@@ -1,11 +1,14 @@
 //! The properties, one function each.
 
-use super::case::{Ball, Case, FAR, Use};
+use super::case::{Ball, Case, FAR, Use, WIDE};
 use super::{Broken, Limits, Measured, Subject};
 use crate::oracle::Random;
 use crate::{Coverage, LobesFull};
 use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
+
+/// One case in so many has a crowd of balls.
+const CROWDED: usize = 6;
 
 /// Runs the whole suite; deterministic.
 ///
@@ -18,6 +21,7 @@ pub fn check(subject: &impl Subject, limits: &Limits) -> Result<Measured, Broken
     full_cover(subject, limits, &mut random, &mut measured)?;
     overlaps(subject, limits, &mut random, &mut measured)?;
     several(subject, limits, &mut random, &mut measured)?;
+    slivers(subject, limits, &mut random)?;
     many_balls(subject, limits, &mut random, &mut measured)?;
     motion(subject, limits, &mut random, &mut measured)?;
     motion_of_several(subject, limits, &mut random, &mut measured)?;
@@ -127,13 +131,16 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
     ensure(out.overlap_mean <= limits.overlap_mean, "mean overlap of two discs", || format!("{}", out.overlap_mean))
 }
 
-/// Two to five balls, any light, any lobe, also through the horizon.
+/// Two to five balls, any light, any lobe, also through the horizon; every [`CROWDED`]th time a crowd of small ones as well.
 fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
     let mut sum = 0.0;
-    for _ in 0..limits.cases {
-        let mut case = Case::random(random);
+    for k in 0..limits.cases {
+        let mut case = if k % CROWDED == 1 { Case::lit_by(random, WIDE) } else { Case::random(random) };
+        if k % CROWDED == 0 {
+            case.balls = case.crowd(random);
+        }
         for _ in 0..2 + random.bits() % 4 {
-            case.balls.push(case.blocker(random));
+            case.balls.push(case.blocker_anywhere(random));
         }
         let (share, exact) = (f64::from(case.share(subject, Use::Fresh).1), case.exact());
         let error = (share - exact).abs();
@@ -147,11 +154,36 @@ fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
     ensure(out.several_mean <= limits.several_mean, "mean of several balls", || format!("{}", out.several_mean))
 }
 
-/// Range, scratch, dispatch, overflow, monotony, order, rotation: one to five balls at random.
+/// A ball that hides next to nothing of the light, or next to all of it.
+fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random) -> Result<(), Broken> {
+    for k in 0..4 * limits.cases {
+        let mut case = Case::random(random);
+        let theta = case.cone().1;
+        let sliver = theta * random.log_uniform(1e-3, 0.1);
+        let (size, off) = if k % 2 == 0 {
+            let size = theta * random.between(0.2, 2.0);
+            (size, size + theta - sliver)
+        } else {
+            let size = theta * random.between(1.1, 2.0);
+            (size, size - theta + sliver)
+        };
+        let distance = random.between(0.5, 0.4 * FAR);
+        case.balls.push(case.ball(random, size, off, distance));
+        let (_, share) = case.share(subject, Use::Fresh);
+        ensure((0.0..=1.0).contains(&share), "V is in [0, 1] at slivers", || format!("V = {share} in {case:?}"))?;
+    }
+    Ok(())
+}
+
+/// Range, scratch, dispatch, overflow, monotony, order, rotation: one to five balls at random, now and then before a crowd.
 fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
-    for _ in 0..limits.cases {
+    for k in 0..limits.cases {
         let mut case = Case::random(random);
         let mut last = 1.0;
+        if k % CROWDED == 0 {
+            case.balls = case.crowd(random);
+            last = f64::from(case.share(subject, Use::Fresh).1);
+        }
         for _ in 0..1 + random.bits() % 5 {
             case.balls.push(case.blocker(random));
             let (coverage, share) = case.share(subject, Use::Fresh);
@@ -268,6 +300,11 @@ fn sweep(
             Moves::Ball => case.balls[0].center += aside * distance,
             Moves::Light => case.light.center -= aside * FAR,
             Moves::Receiver => case.position += aside * (distance / (1.0 - distance / FAR)),
+        }
+        // In a ball it is dark: entering one is no small move.
+        if case.balls.iter().any(|ball| ball.center.distance(case.position) <= ball.radius) {
+            last = None;
+            continue;
         }
         let now = (f64::from(case.share(subject, Use::Fresh).1), exact(&case));
         if let Some((share, truth)) = last {
