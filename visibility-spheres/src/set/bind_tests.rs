@@ -233,12 +233,14 @@ fn bones_are_stored_with_the_set() {
     assert_eq!(value["bones"]["joints"].as_array().map(Vec::len), Some(6));
     for (path, new, word) in [
         ("/bones/weights/0/0", serde_json::json!(3.0), "sum 1"),
-        ("/bones/radii", serde_json::json!([1.0]), "row a sphere"),
+        ("/bones/radii", serde_json::json!([1.0]), "each of its 6 spheres"),
         ("/bones/points/0/0", serde_json::json!(1e300), "finite"),
     ] {
         let mut value = value.clone();
         *value.pointer_mut(path).expect("a key of the format") = new;
         let message = refused(&value.to_string());
         assert!(message.contains(word) && !message.contains('\n'), "{message}");
+        // Also of who takes the spheres alone.
+        assert_eq!(SphereSet::from_json(&value.to_string()).expect_err(word).to_string(), message);
     }
 }

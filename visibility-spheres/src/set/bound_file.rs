@@ -26,6 +26,27 @@ struct Target {
     radii: Vec<f32>,
 }
 
+impl Bones {
+    /// Whether they are those of so many spheres.
+    pub(crate) fn check(&self, count: usize) -> Result<(), SetFileError> {
+        let refuse = |message: String| Err(SetFileError { message });
+        let target_rows = self.targets.iter().flat_map(|target| [target.points.len(), target.radii.len()]);
+        let rows = [self.joints.len(), self.weights.len(), self.points.len(), self.radii.len()];
+        if rows.into_iter().chain(target_rows).any(|rows| rows != count) {
+            return refuse(format!("\"bones\" should have one row for each of its {count} spheres"));
+        }
+        let numbers = self.weights.as_flattened().iter().chain(self.points.as_flattened()).chain(&self.radii);
+        let added = self.targets.iter().flat_map(|target| target.points.as_flattened().iter().chain(&target.radii));
+        if !numbers.chain(added).all(|number| number.is_finite()) {
+            return refuse("\"bones\" have a number that is not finite".to_owned());
+        }
+        if self.weights.iter().any(|row| row.iter().any(|w| *w < 0.0) || (row.iter().sum::<f32>() - 1.0).abs() > 1e-3) {
+            return refuse("the weights of \"bones\" should be positive numbers of sum 1".to_owned());
+        }
+        Ok(())
+    }
+}
+
 impl BoundSet {
     /// The set as JSON: what [`SphereSet::to_json`] writes and `"bones": {"joints", "weights", "points", "radii",
     /// "targets"}`, of which each has a row a sphere, in bind space.
@@ -57,20 +78,6 @@ impl BoundSet {
             return refuse("it has no \"bones\": it was built from a mesh without joints");
         };
         let count = rest.spheres.len();
-        let target_rows = bones.targets.iter().flat_map(|target| [target.points.len(), target.radii.len()]);
-        let rows = [bones.joints.len(), bones.weights.len(), bones.points.len(), bones.radii.len()];
-        if rows.into_iter().chain(target_rows).any(|rows| rows != count) {
-            return refuse("its \"bones\" have not one row a sphere");
-        }
-        let numbers = bones.weights.as_flattened().iter().chain(bones.points.as_flattened()).chain(&bones.radii);
-        let added = bones.targets.iter().flat_map(|target| target.points.as_flattened().iter().chain(&target.radii));
-        if !numbers.chain(added).all(|number| number.is_finite()) {
-            return refuse("its \"bones\" have a number that is not finite");
-        }
-        if bones.weights.iter().any(|row| row.iter().any(|w| *w < 0.0) || (row.iter().sum::<f32>() - 1.0).abs() > 1e-3)
-        {
-            return refuse("the weights of its \"bones\" are not positive numbers of sum 1");
-        }
         let spheres = (0..count).map(|i| BoundSphere {
             joints: bones.joints[i],
             weights: bones.weights[i],

@@ -69,7 +69,8 @@ impl SphereSet {
     ///
     /// # Errors
     /// One line that names the fault, for anything else: text that is no JSON, missing or unknown keys, wrong types,
-    /// another format or version, numbers outside single precision, negative radii or lengths, no spheres.
+    /// another format or version, numbers outside single precision, negative radii or lengths, no spheres, bones that
+    /// are not those of its spheres.
     pub fn from_json(text: &str) -> Result<Self, SetFileError> {
         Self::read(text).map(|(set, _)| set)
     }
@@ -144,6 +145,9 @@ impl SphereSet {
             }
             length(&format!("the distance of self_shadow {i}"), distance)?;
             self_shadows.push(SelfShadow { radius, distance });
+        }
+        if let Some(bones) = &file.bones {
+            bones.check(spheres.len())?;
         }
         let set = Self {
             spheres,
