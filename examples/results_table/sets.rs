@@ -3,7 +3,7 @@
 use cosine_lobes::lobe_core::{SelfShadow, Sphere};
 use cosine_lobes::scene::{BlockerSet, Mesh, Shape, load};
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet};
-use glam::{Mat4, Vec3};
+use glam::{Mat3, Mat4, Vec3};
 use std::path::Path;
 
 /// Spot, as her file has her: 1.7 high, facing −z.
@@ -39,8 +39,9 @@ pub(crate) fn add(out: &mut BlockerSet, object: u32, set: &SphereSet, matrix: &M
     let count = set.spheres.len().min(most);
     let moved = |s: &Sphere| Sphere { center: matrix.transform_point3(s.center), radius: s.radius };
     out.spheres.extend(set.spheres[..count].iter().map(moved));
-    let whole = |s: &Sphere| SelfShadow { radius: 1.0, distance: set.self_distance / s.radius.max(f32::MIN_POSITIVE) };
-    let own = |i: usize| set.self_shadows.get(i).copied().unwrap_or_else(|| whole(&set.spheres[i]));
+    let whole = |s: &Sphere| SelfShadow::whole(set.self_distance / s.radius.max(f32::MIN_POSITIVE));
+    let turn = Mat3::from_mat4(*matrix);
+    let own = |i: usize| set.self_shadows.get(i).map_or_else(|| whole(&set.spheres[i]), |own| own.turned(turn));
     out.self_shadows.extend((0..count).map(own));
     out.objects.resize(out.spheres.len(), object);
     out.self_distances.resize(object as usize + 1, 0.0);
@@ -50,7 +51,7 @@ pub(crate) fn add(out: &mut BlockerSet, object: u32, set: &SphereSet, matrix: &M
 /// Balls that stand for themselves.
 pub(crate) fn add_balls(out: &mut BlockerSet, object: u32, balls: &[Sphere]) {
     out.spheres.extend_from_slice(balls);
-    out.self_shadows.resize(out.spheres.len(), SelfShadow { radius: 1.0, distance: 1e-3 });
+    out.self_shadows.resize(out.spheres.len(), SelfShadow::whole(1e-3));
     out.objects.resize(out.spheres.len(), object);
     out.self_distances.resize(object as usize + 1, 0.0);
 }

@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// The object number of a receiver that belongs to no object with blockers of its own.
 pub const OWN_NONE: u32 = u32::MAX;
@@ -29,28 +29,70 @@ pub struct Sphere {
     pub radius: f32,
 }
 
-/// How a blocker sphere is seen by receivers of its own object, in units of its radius, so that it follows a sphere that
-/// grows: smaller, and blocking a direction only if the ray leaves it farther than `distance` from the receiver.
+/// How a blocker sphere is seen by receivers of its own object that are near it, in units of its radius R, so that it follows
+/// a sphere that moves and grows: as a smaller ball inside it, which blocks a direction only if the ray leaves it farther than
+/// `distance` from the receiver.
 ///
 /// A set of spheres bulges out of the mesh that it stands for; what bulges must not blacken the skin around it. From afar
-/// it is the silhouette that counts, which the whole sphere has: [`radius_at`](Self::radius_at).
+/// it is the silhouette that counts, which the whole sphere has: [`seen`](Self::seen).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelfShadow {
-    /// Radius for receivers of the sphere's own object that are no farther from its centre than its surface, in `[0, 1]`.
+    /// From the sphere's centre to that of the near ball, no longer than `1 − radius`: the ball is inside the sphere. It
+    /// turns with the object.
+    pub offset: Vec3,
+    /// Radius of the near ball, in `[0, 1]`.
     pub radius: f32,
-    /// τ: how far from the receiver a ray must leave that ball to be blocked, ≥ 0.
+    /// τ: how far from the receiver a ray must leave the ball to be blocked, ≥ 0.
     pub distance: f32,
 }
 
 impl SelfShadow {
-    /// The radius r(d) for a receiver of the own object at a distance d from the centre, of a ball of radius `whole` that
-    /// is `near` for those inside it: `r(d) = R − (R − ρ) R / max(d, R)`, R the whole radius and ρ the near one.
-    ///
-    /// Lengths ≥ 0 with `near ≤ whole`. The result is between the two, continuous in d, and never NaN.
+    /// The sphere itself, with a distance of its own.
+    #[must_use]
+    pub const fn whole(distance: f32) -> Self {
+        Self { offset: Vec3::ZERO, radius: 1.0, distance }
+    }
+
+    /// The nearest that fulfils what its fields promise; the whole sphere where numbers are missing.
+    #[must_use]
+    pub fn sound(self) -> Self {
+        let radius = if self.radius >= 0.0 { self.radius.min(1.0) } else { 1.0 };
+        let offset = if self.offset.is_finite() { self.offset.clamp_length_max(1.0 - radius) } else { Vec3::ZERO };
+        Self { offset, radius, distance: self.distance.max(0.0) }
+    }
+
+    /// The same of an object that is moved by a matrix, as far as it keeps angles: what is stretched is cut off.
+    #[must_use]
+    pub fn turned(self, matrix: Mat3) -> Self {
+        let offset = (matrix * self.offset).normalize_or_zero() * self.offset.length();
+        Self { offset, ..self }
+    }
+
+    /// The near ball of a sphere of a radius, its centre as seen from the sphere's.
     #[inline(always)]
     #[must_use]
-    pub fn radius_at(whole: f32, near: f32, distance: f32) -> f32 {
-        whole - (whole - near) * (whole / distance.max(whole).max(f32::MIN_POSITIVE))
+    pub fn near(&self, radius: f32) -> Sphere {
+        Sphere { center: self.offset * radius, radius: self.radius * radius }
+    }
+
+    /// How much a receiver of the own object at a distance d from the centre sees of the near ball instead of the whole
+    /// sphere: `w(d) = R / max(d, R)`.
+    ///
+    /// Lengths ≥ 0. In `[0, 1]`, continuous in d, and never NaN.
+    #[inline(always)]
+    #[must_use]
+    pub fn nearness(radius: f32, distance: f32) -> f32 {
+        radius / distance.max(radius).max(f32::MIN_POSITIVE)
+    }
+
+    /// The ball that a receiver of the own object sees of a sphere and its [near](Self::near) ball: centre and radius go from the near ball's, seen from inside the
+    /// sphere, to the sphere's, seen from afar, by [`nearness`](Self::nearness).
+    ///
+    /// Contains the near ball, and is inside the whole one as long as the near ball is. Continuous in `x`.
+    #[must_use]
+    pub fn seen(whole: Sphere, near: Sphere, x: Vec3) -> Sphere {
+        let w = Self::nearness(whole.radius, whole.center.distance(x));
+        Sphere { center: whole.center + near.center * w, radius: whole.radius - (whole.radius - near.radius) * w }
     }
 }
 

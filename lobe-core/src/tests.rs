@@ -531,15 +531,44 @@ fn small_lights_on_the_horizon_keep_their_pieces() {
     assert!(mean < 1e-3 && worst < 2e-2);
 }
 
-/// Between the near and the whole radius, continuous, never smaller farther away.
+/// From the near ball to the whole one, continuous, always inside the whole one and around the near one.
 #[test]
-fn own_radius_grows_with_the_distance() {
-    let at = |d: f32| crate::SelfShadow::radius_at(2.0, 0.5, d);
-    assert_eq!([0.0, 1.0, 2.0, 6.0, f32::INFINITY].map(at), [0.5, 0.5, 0.5, 1.5, 2.0]);
-    let radii: Vec<f32> = (0..1000).map(|k| at(0.01 * k as f32)).collect();
-    assert!(radii.windows(2).all(|r| (0.0..0.01).contains(&(r[1] - r[0]))));
-    for (whole, near, d) in [(0.0, 0.0, 0.0), (f32::MAX, 0.0, 0.0), (1e-45, 0.0, 1e-45), (f32::MAX, 1.0, f32::MAX)] {
-        let r = crate::SelfShadow::radius_at(whole, near, d);
-        assert!((0.0..=whole).contains(&r), "{whole} {near} {d}: {r}");
+fn the_own_ball_grows_with_the_distance() {
+    use crate::{SelfShadow, Sphere};
+    let whole = Sphere { center: Vec3::X, radius: 2.0 };
+    let own = SelfShadow { offset: Vec3::new(0.0, 0.5, 0.25), radius: 0.25, distance: 0.1 };
+    let near = own.near(whole.radius);
+    assert_eq!(near, Sphere { center: Vec3::new(0.0, 1.0, 0.5), radius: 0.5 });
+    let at = |d: f32| SelfShadow::seen(whole, near, Vec3::new(1.0, 0.0, d));
+    assert_eq!([0.0, 1.0, 2.0].map(at), [Sphere { center: whole.center + near.center, ..near }; 3]);
+    assert_eq!(at(4.0), Sphere { center: Vec3::new(1.0, 0.5, 0.25), radius: 1.25 });
+    assert_eq!(at(f32::INFINITY), whole);
+    let inside = |a: Sphere, b: Sphere| a.center.distance(b.center) + a.radius <= b.radius * 1.000_001;
+    let balls: Vec<Sphere> = (0..1000).map(|k| at(0.01 * k as f32)).collect();
+    assert!(balls.iter().all(|ball| inside(at(0.0), *ball) && inside(*ball, whole)));
+    assert!(balls.windows(2).all(|b| (0.0..0.01).contains(&(b[1].radius - b[0].radius)) && inside(b[0], b[1])));
+    for (radius, share, d) in [(0.0, 0.0, 0.0), (f32::MAX, 0.0, 0.0), (1e-45, 0.0, 1e-45), (f32::MAX, 1.0, f32::MAX)] {
+        let whole = Sphere { center: Vec3::ZERO, radius };
+        let near = SelfShadow { radius: share, ..SelfShadow::whole(0.0) }.near(radius);
+        let ball = SelfShadow::seen(whole, near, Vec3::X * d);
+        assert!((0.0..=radius).contains(&ball.radius) && ball.center.is_finite(), "{radius} {share} {d}: {ball:?}");
+    }
+}
+
+/// What is out of range is put right, and turns keep it so.
+#[test]
+fn own_balls_stay_inside() {
+    use crate::SelfShadow;
+    let given = |x: f32, radius, distance| SelfShadow { offset: Vec3::X * x, radius, distance }.sound();
+    assert_eq!(given(0.3, 0.5, 1.0), SelfShadow { offset: Vec3::X * 0.3, radius: 0.5, distance: 1.0 });
+    assert_eq!(given(3.0, 0.5, -1.0), SelfShadow { offset: Vec3::X * 0.5, radius: 0.5, distance: 0.0 });
+    assert_eq!(given(f32::NAN, f32::NAN, f32::NAN), SelfShadow::whole(0.0));
+    assert_eq!(given(1.0, 7.0, 2.0), SelfShadow::whole(2.0));
+    let own = given(0.5, 0.5, 1.0);
+    let quarter = glam::Mat3::from_rotation_z(core::f32::consts::FRAC_PI_2);
+    assert!(own.turned(quarter * 7.0).offset.distance(Vec3::Y * 0.5) < 1e-6);
+    for flat in [glam::Mat3::ZERO, glam::Mat3::NAN, glam::Mat3::IDENTITY * 1e38, glam::Mat3::IDENTITY * 1e-42] {
+        let turned = own.turned(flat);
+        assert!(turned.offset.length() <= 0.500_001 && turned.radius == 0.5, "{turned:?}");
     }
 }

@@ -106,15 +106,17 @@ impl SceneSpheres {
         out.objects.clear();
         out.self_distances.clear();
         out.self_shadows.clear();
-        let mut posed = Vec::new();
+        let (mut posed, mut turned) = (Vec::new(), Vec::new());
         for (number, (object, own)) in scene.objects.iter().zip(&self.objects).enumerate() {
+            let mut self_shadows = &own.self_shadows;
             let spheres = match (&own.spheres, &object.shape, &object.proxy) {
                 (Spheres::Shape, Shape::Spheres(list), _) | (Spheres::Listed, _, Proxy::Spheres(list)) => list,
                 (Spheres::Still(list), ..) => list,
                 (Spheres::Bound(set), ..) => {
                     let pose = at.map(|(animation, time)| animation.pose(number, time)).unwrap_or_default();
                     let failed = |source| BlockersError::Bind { object: object.name.clone(), source };
-                    set.pose(&pose.joints, &pose.morph, &mut posed).map_err(failed)?;
+                    set.pose(&pose.joints, &pose.morph, &mut posed, &mut turned).map_err(failed)?;
+                    self_shadows = &turned;
                     &posed
                 }
                 _ => &Vec::new(),
@@ -124,9 +126,8 @@ impl SceneSpheres {
                     continue;
                 }
                 out.spheres.push(*ball);
-                let whole =
-                    || SelfShadow { radius: 1.0, distance: own.self_distance / ball.radius.max(f32::MIN_POSITIVE) };
-                out.self_shadows.push(own.self_shadows.get(i).copied().unwrap_or_else(whole));
+                let whole = || SelfShadow::whole(own.self_distance / ball.radius.max(f32::MIN_POSITIVE));
+                out.self_shadows.push(self_shadows.get(i).copied().unwrap_or_else(whole));
             }
             out.objects.resize(out.spheres.len(), number as u32);
             out.self_distances.push(own.self_distance);

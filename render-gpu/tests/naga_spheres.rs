@@ -104,8 +104,9 @@ fn a_blocker_has_rusts_layout() {
     let want = [
         ("center", offset_of!(BlockerSphere, center)),
         ("radius", offset_of!(BlockerSphere, radius)),
-        ("object", offset_of!(BlockerSphere, object)),
+        ("own_offset", offset_of!(BlockerSphere, own_offset)),
         ("own_radius", offset_of!(BlockerSphere, own_radius)),
+        ("object", offset_of!(BlockerSphere, object)),
         ("own_distance", offset_of!(BlockerSphere, own_distance)),
         ("pad", offset_of!(BlockerSphere, pad)),
     ];

@@ -29,13 +29,16 @@ pub struct BlockerSet {
 }
 
 impl BlockerSet {
-    /// A sphere as receivers of its own object inside it see it, and its τ.
+    /// What receivers of its own object inside it see of a sphere, from its centre, and its τ.
     #[must_use]
     pub fn own(&self, sphere: usize) -> (Sphere, f32) {
         let (ball, object) = (self.spheres[sphere], self.objects[sphere]);
         match self.self_shadows.get(sphere) {
-            Some(own) => (Sphere { radius: ball.radius * own.radius, ..ball }, ball.radius * own.distance),
-            None => (ball, self.self_distances.get(object as usize).copied().unwrap_or(0.0)),
+            Some(own) => (own.near(ball.radius), ball.radius * own.distance),
+            None => (
+                Sphere { center: Vec3::ZERO, ..ball },
+                self.self_distances.get(object as usize).copied().unwrap_or(0.0),
+            ),
         }
     }
 
@@ -47,8 +50,7 @@ impl BlockerSet {
             return (ball, 0.0);
         }
         let (near, tau) = self.own(sphere);
-        let radius = SelfShadow::radius_at(ball.radius, near.radius, ball.center.distance(at.position));
-        (Sphere { radius, ..ball }, tau)
+        (SelfShadow::seen(ball, near, at.position), tau)
     }
 }
 

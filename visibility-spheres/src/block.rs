@@ -93,6 +93,8 @@ pub(crate) fn bits(flags: [bool; LANES]) -> u32 {
 pub(crate) struct Candidates {
     pub(crate) spheres: Block,
     pub(crate) object: [u32; LANES],
+    /// From the sphere's centre to that of its near ball, and that ball's radius.
+    pub(crate) offset: [[f32; LANES]; 3],
     pub(crate) own_radius: [f32; LANES],
     pub(crate) tau: [f32; LANES],
     /// `1/(2τ)`, finite.
@@ -100,10 +102,11 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    pub(crate) fn set(&mut self, lane: usize, sphere: &Sphere, object: u32, own_radius: f32, tau: f32) {
+    pub(crate) fn set(&mut self, lane: usize, sphere: &Sphere, object: u32, near: &Sphere, tau: f32) {
         self.spheres.set(lane, sphere);
         self.object[lane] = object;
-        self.own_radius[lane] = own_radius;
+        [self.offset[0][lane], self.offset[1][lane], self.offset[2][lane]] = near.center.to_array();
+        self.own_radius[lane] = near.radius;
         self.tau[lane] = tau;
         self.half_of_tau[lane] = half_of(tau);
     }

@@ -5,6 +5,7 @@ use crate::looks::LightBall;
 use crate::shaft_test::ShaftTest;
 use crate::sphere_tree::SphereTree;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
+use glam::Vec3;
 use lighting::{Blockers, Edges, Mask};
 use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 
@@ -17,9 +18,9 @@ use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 /// ray leaves it farther than τ from the receiver*. The blocked directions are again a cone about the sphere's centre,
 /// with `d` the distance of the centre and `k = d² − r²`: the tangent cone if `k > 0` and `τ² ≤ k`, else
 /// `cos β = (τ² + k)/(2τd)`, and it is continuous as the receiver moves through the sphere's surface. τ is one length for
-/// an object or, better, one for each sphere, together with a smaller radius for the object's own receivers
-/// ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. That radius goes back
-/// to the whole one as the receiver goes away ([`SelfShadow::radius_at`]), since what is far away sees a silhouette, which
+/// an object or, better, one for each sphere, together with a smaller ball inside it for the object's own
+/// receivers ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. That ball
+/// becomes the whole one as the receiver goes away ([`SelfShadow::seen`]), since what is far away sees a silhouette, which
 /// the spheres were placed for. Spheres of other objects are whole and have τ = 0: what contains the receiver hides everything from it.
 ///
 /// # Order
@@ -63,12 +64,8 @@ impl SphereBlockers {
     #[must_use]
     pub fn with_self_shadows(mut self, self_shadows: &[SelfShadow]) -> Self {
         assert!(self_shadows.is_empty() || self_shadows.len() == self.spheres.len(), "one for each sphere");
-        // A radius above 1 would reach out of what the hierarchy bounds.
-        let sound = |s: &SelfShadow| SelfShadow {
-            radius: if s.radius >= 0.0 { s.radius.min(1.0) } else { 1.0 },
-            distance: s.distance.max(0.0),
-        };
-        self.self_shadows = self_shadows.iter().map(sound).collect();
+        // A ball that reached out of its sphere would reach out of what the hierarchy bounds.
+        self.self_shadows = self_shadows.iter().map(|own| own.sound()).collect();
         self
     }
 
@@ -102,21 +99,23 @@ impl SphereBlockers {
         self.tree.order()
     }
 
-    /// A sphere as receivers of its own object inside it see it, and its τ.
+    /// What receivers of its own object inside it see of a sphere, from its centre, and its τ.
     pub(crate) fn own(&self, index: usize) -> (Sphere, f32) {
         let sphere = self.spheres[index];
         match self.self_shadows.get(index) {
-            Some(s) => (Sphere { radius: sphere.radius * s.radius, ..sphere }, sphere.radius * s.distance),
-            None => (sphere, self.self_distances.get(self.objects[index] as usize).copied().unwrap_or(0.0)),
+            Some(own) => (own.near(sphere.radius), sphere.radius * own.distance),
+            None => {
+                let tau = self.self_distances.get(self.objects[index] as usize).copied().unwrap_or(0.0);
+                (Sphere { center: Vec3::ZERO, ..sphere }, tau)
+            }
         }
     }
 
-    /// What [`own`](Self::own) is whatever the sphere's radius: factors of the radius for radius and τ, and what τ has
-    /// besides.
-    pub(crate) fn own_law(&self, index: usize) -> [f32; 3] {
+    /// What [`own`](Self::own) is whatever the sphere's radius, and what τ has besides.
+    pub(crate) fn own_law(&self, index: usize) -> (SelfShadow, f32) {
         match self.self_shadows.get(index) {
-            Some(s) => [s.radius, s.distance, 0.0],
-            None => [1.0, 0.0, self.own(index).1],
+            Some(own) => (*own, 0.0),
+            None => (SelfShadow::whole(0.0), self.own(index).1),
         }
     }
 
@@ -128,7 +127,7 @@ impl SphereBlockers {
             let mut block = Candidates::default();
             for (lane, i) in numbers.iter().map(|i| *i as usize).enumerate() {
                 let (own, tau) = self.own(i);
-                block.set(lane, &self.spheres[i], self.objects[i], own.radius, tau);
+                block.set(lane, &self.spheres[i], self.objects[i], &own, tau);
             }
             scratch.blocks.push(block);
         }
@@ -206,8 +205,9 @@ impl Blockers for SphereBlockers {
         self.list(scratch);
         scratch.dark = scratch.candidates.iter().any(|i| {
             // Whose receivers they are is not known: what the smallest sphere hides, larger ones hide too.
-            let (sphere, tau) = self.own(*i as usize);
-            test.darkens(&sphere, tau)
+            let (near, tau) = self.own(*i as usize);
+            let center = self.spheres[*i as usize].center + near.center;
+            test.darkens(&Sphere { center, ..near }, tau)
         });
         if scratch.candidates.is_empty() { Coverage::Lit } else { Coverage::Partial }
     }

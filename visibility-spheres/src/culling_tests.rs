@@ -107,10 +107,11 @@ fn selection_is_that_of_the_flat_loop() {
             blockers.update(&spheres);
         }
         if case % 5 < 2 {
-            // Each sphere smaller for its own object, with a distance of its own; what is out of range is put right.
+            // Each sphere with a smaller ball in it for its own object; what is out of range is put right.
             let own: Vec<SelfShadow> = spheres
                 .iter()
                 .map(|_| SelfShadow {
+                    offset: (random.axis() * random.between(0.0, 1.0)).as_vec3(),
                     radius: random.between(-0.1, 1.2) as f32,
                     distance: random.log_uniform(0.01, 3.0) as f32,
                 })
@@ -166,12 +167,12 @@ fn own_receivers_see_the_smaller_ball() {
         (coverage, scratch.hits().to_vec())
     };
     let plain = |radius| SphereBlockers::new(&[Sphere { radius, ..ball }], &[7], &[]);
-    let own = |radius, distance| plain(1.0).with_self_shadows(&[SelfShadow { radius, distance }]);
+    let own = |radius, distance| plain(1.0).with_self_shadows(&[SelfShadow { radius, ..SelfShadow::whole(distance) }]);
     assert_eq!(seen(&plain(1.0), 8).0, Coverage::Dark);
     assert_eq!(seen(&own(0.5, 1.0), 8).0, Coverage::Dark, "another object's receiver");
     assert_eq!(seen(&plain(0.5), 8).0, Coverage::Partial);
     // Three radii away a third of the difference is left.
-    let third = SelfShadow::radius_at(1.0, 0.1, 3.0);
+    let third = 1.0 - 0.9 * SelfShadow::nearness(1.0, 3.0);
     assert!((third - 0.7).abs() < 1e-6);
     assert_eq!(seen(&plain(third), 8).0, Coverage::Partial);
     assert_eq!(seen(&own(0.1, 1.0), 7), seen(&plain(third), 8), "farther than the distance");
@@ -180,7 +181,37 @@ fn own_receivers_see_the_smaller_ball() {
     let mut grown = own(0.1, 3.65);
     assert_eq!(seen(&grown, 7).0, Coverage::Partial);
     grown.update(&[Sphere { radius: 0.5, ..ball }]);
-    assert_eq!(seen(&grown, 7), seen(&plain(SelfShadow::radius_at(0.5, 0.05, 3.0)), 8));
+    assert_eq!(seen(&grown, 7), seen(&plain(0.5 - 0.45 * SelfShadow::nearness(0.5, 3.0)), 8));
+    // Off the sphere's centre, a third of the way from here.
+    let aside = SelfShadow { offset: Vec3::X * 0.9, radius: 0.1, distance: 1.0 };
+    let moved = Sphere { center: ball.center + Vec3::X * 0.9 * SelfShadow::nearness(1.0, 3.0), radius: third };
+    let moved = SphereBlockers::new(&[moved], &[7], &[]);
+    assert_eq!(seen(&plain(1.0).with_self_shadows(&[aside]), 7), seen(&moved, 8));
+    assert_eq!(seen(&plain(1.0).with_self_shadows(&[aside]), 8), seen(&plain(1.0), 8));
+}
+
+/// A receiver that goes through its own object's spheres sees what it sees change little by little.
+#[test]
+fn own_balls_move_without_pops() {
+    let mut random = Random::new(5);
+    let step = 1e-4;
+    for _ in 0..40 {
+        let whole = Sphere { center: random.axis().as_vec3(), radius: random.between(0.2, 1.5) as f32 };
+        let radius = random.between(0.4, 1.0) as f32;
+        let offset = random.axis().as_vec3() * (1.0 - radius);
+        let near = SelfShadow { offset, radius, distance: 0.3 }.near(whole.radius);
+        let way = random.axis().as_vec3();
+        let mut last: Option<Sphere> = None;
+        for k in -30_000..30_000 {
+            let ball = SelfShadow::seen(whole, near, way * (step * k as f32));
+            if let Some(last) = last {
+                let change = ball.center.distance(last.center) + (ball.radius - last.radius).abs();
+                // w falls by at most 1/R a length, from balls that differ by at most 2R.
+                assert!(change < 2.0 * step + 1e-6, "{change}");
+            }
+            last = Some(ball);
+        }
+    }
 }
 
 #[test]

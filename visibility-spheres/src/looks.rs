@@ -77,6 +77,14 @@ pub(crate) fn whole_cones<S: Simd>(simd: S, to: [f32x8<S>; 3], radius: f32x8<S>)
     (tangent.select(radius, zero), tangent.select(one, -one))
 }
 
+/// How far centres are along a unit direction, and the square of how far beside it.
+#[inline(always)]
+fn beside<S: Simd>(to: [f32x8<S>; 3], u: Vec3) -> (f32x8<S>, f32x8<S>) {
+    let along = to[0] * u.x + to[1] * u.y + to[2] * u.z;
+    let [x, y, z] = [to[0] - along * u.x, to[1] - along * u.y, to[2] - along * u.z];
+    (along, x * x + y * y + z * z)
+}
+
 impl LightBall {
     pub(crate) fn new(query: &VisibilityQuery<'_>, culls: bool) -> Self {
         let cone = query.cone;
@@ -98,11 +106,9 @@ impl LightBall {
     ) -> Option<Looks<S>> {
         let Block { x, y, z, radius } = block.spheres;
         let [x, y, z, whole] = [x, y, z, radius].map(|column| f32x8::simd_from(simd, column));
-        let to = [x - self.at.x, y - self.at.y, z - self.at.z];
+        let mut to = [x - self.at.x, y - self.at.y, z - self.at.z];
         let (zero, u) = (f32x8::splat(simd, 0.0), self.axis);
-        let along = to[0] * u.x + to[1] * u.y + to[2] * u.z;
-        let [x, y, z] = [to[0] - along * u.x, to[1] - along * u.y, to[2] - along * u.z];
-        let aside_sq = x * x + y * y + z * z;
+        let (mut along, mut aside_sq) = beside(to, u);
         let mut which = which;
         if self.narrow && self.culls {
             which &= self.may_meet(simd, to, whole, along, aside_sq);
@@ -113,10 +119,13 @@ impl LightBall {
         let own = u32x8::simd_from(simd, block.object).simd_eq(u32x8::splat(simd, object));
         let mut radius = whole;
         let (tangent_radius, wide) = if own.any_true() {
-            // `SelfShadow::radius_at`.
+            // `SelfShadow::seen`.
             let d = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
-            let less = whole - f32x8::simd_from(simd, block.own_radius);
-            radius = own.select(whole - less * (whole / d.max(whole).max(f32::MIN_POSITIVE)), whole);
+            let w = own.select(whole / d.max(whole).max(f32::MIN_POSITIVE), zero);
+            radius = whole - (whole - f32x8::simd_from(simd, block.own_radius)) * w;
+            let [x, y, z] = block.offset.map(|column| f32x8::simd_from(simd, column) * w);
+            to = [to[0] + x, to[1] + y, to[2] + z];
+            (along, aside_sq) = beside(to, u);
             let tau = own.select(f32x8::simd_from(simd, block.tau), zero);
             let (tangent_radius, wide, exists) =
                 cones(simd, to, radius, tau, f32x8::simd_from(simd, block.half_of_tau));

@@ -7,7 +7,7 @@ pub const SPHERE_BLOCK: usize = 32;
 /// Words of a tile's list: `LIST_WORDS` of `packed.wgsl`.
 pub const LIST_WORDS: usize = 514;
 
-/// A blocker as kernels read it: `BlockerSphere` of `packed.wgsl`, 32 bytes.
+/// A blocker as kernels read it: `BlockerSphere` of `packed.wgsl`, 48 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BlockerSphere {
@@ -15,14 +15,17 @@ pub struct BlockerSphere {
     pub center: [f32; 3],
     /// Radius.
     pub radius: f32,
+    /// The ball that receivers of its own object see from inside it ([`SelfShadow`](lobe_core::SelfShadow)): from the centre
+    /// to that ball's.
+    pub own_offset: [f32; 3],
+    /// Radius of that ball.
+    pub own_radius: f32,
     /// Number of the object that it stands for.
     pub object: u32,
-    /// Radius for receivers of that object that are inside ([`SelfShadow`](lobe_core::SelfShadow)).
-    pub own_radius: f32,
-    /// For them: how far away a ray must leave it to be blocked (τ).
+    /// For receivers of that object: how far away a ray must leave it to be blocked (τ).
     pub own_distance: f32,
     /// Nothing.
-    pub pad: u32,
+    pub pad: [u32; 2],
 }
 
 impl SphereBlockers {
@@ -40,10 +43,11 @@ impl SphereBlockers {
             BlockerSphere {
                 center: sphere.center.to_array(),
                 radius: sphere.radius,
-                object: self.objects()[index],
+                own_offset: own.center.to_array(),
                 own_radius: own.radius,
+                object: self.objects()[index],
                 own_distance,
-                pad: 0,
+                pad: [0; 2],
             }
         }));
     }

@@ -2,11 +2,13 @@
 struct BlockerSphere {
     center: vec3f,
     radius: f32,
-    object: u32,
-    // For receivers of its own object: the radius if they are inside, and how far away a ray must leave it to be blocked.
+    // The ball that receivers of its own object see from inside it: from the centre to that ball's, radius, and how far away a
+    // ray must leave it to be blocked.
+    own_offset: vec3f,
     own_radius: f32,
+    object: u32,
     own_distance: f32,
-    pad: u32,
+    pad: vec2u,
 }
 
 const SPHERE_BLOCK = 32u;

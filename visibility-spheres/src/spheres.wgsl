@@ -18,9 +18,9 @@ fn light_ball(cone: Cone) -> LightBall {
     return LightBall(sin, cos, cone.distance * sin, cone.distance * cone.distance * (cos * cos));
 }
 
-// The radius for a receiver of the own object: near for one inside, whole from afar.
-fn own_radius_at(whole: f32, near: f32, d: f32) -> f32 {
-    return whole - (whole - near) * (whole / max(max(d, whole), 1.1754944e-38));
+// How much a receiver of the own object at the distance d sees of the near ball instead of the whole one.
+fn nearness(whole: f32, d: f32) -> f32 {
+    return whole / max(max(d, whole), 1.1754944e-38);
 }
 
 struct Look {
@@ -33,8 +33,13 @@ struct Look {
 fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look {
     let sphere = spheres[index];
     let own = sphere.object == at.object;
-    let to = sphere.center - at.position;
-    let radius = select(sphere.radius, own_radius_at(sphere.radius, sphere.own_radius, length(to)), own);
+    var to = sphere.center - at.position;
+    var radius = sphere.radius;
+    if (own) {
+        let w = nearness(radius, length(to));
+        to += sphere.own_offset * w;
+        radius -= (radius - sphere.own_radius) * w;
+    }
     var blocked = blocked_cone(to, radius, select(0.0, sphere.own_distance, own));
     if (blocked.empty) {
         return Look(blocked, LIT);

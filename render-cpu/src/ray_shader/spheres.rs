@@ -17,7 +17,8 @@ use scene::BlockerSet;
 #[derive(Clone, Copy)]
 struct Blocker {
     sphere: Sphere,
-    own_radius: f32,
+    /// Of receivers inside it, from its centre.
+    near: Sphere,
     /// For receivers of its own object it blocks only where the ray leaves it farther away than this.
     own_distance: f32,
     object: u32,
@@ -49,9 +50,9 @@ impl SphereTargets {
         let blockers: Vec<Blocker> = (0..set.spheres.len())
             .filter(|i| solid(&set.spheres[*i]))
             .map(|i| {
-                let (own, own_distance) = set.own(i);
+                let (near, own_distance) = set.own(i);
                 let (object, index) = (set.objects[i], i as u32);
-                Blocker { sphere: set.spheres[i], own_radius: own.radius, own_distance, object, index }
+                Blocker { sphere: set.spheres[i], near, own_distance, object, index }
             })
             .collect();
         let bounds = blockers.iter().fold(Aabb::empty(), |all, b| all.union(&b.aabb()));
@@ -70,12 +71,9 @@ impl SphereTargets {
         let ray = Ray::new(at.position.into(), direction.into(), 0.0, distance);
         self.tree.any(ray, |b, ray| {
             let own = b.object == at.object;
-            let to = Vec3A::from(b.sphere.center) - ray.origin;
-            let (radius, least) = if own {
-                (SelfShadow::radius_at(b.sphere.radius, b.own_radius, to.length()), b.own_distance)
-            } else {
-                (b.sphere.radius, 0.0)
-            };
+            let (sphere, least) =
+                if own { (SelfShadow::seen(b.sphere, b.near, at.position), b.own_distance) } else { (b.sphere, 0.0) };
+            let (to, radius) = (Vec3A::from(sphere.center) - ray.origin, sphere.radius);
             let along = to.dot(ray.direction);
             let half_sq = radius * radius - (to - ray.direction * along).length_squared();
             if half_sq <= 0.0 {
@@ -99,7 +97,8 @@ impl SphereTargets {
             if let Some(eight) = out.last_mut() {
                 [eight.x[lane], eight.y[lane], eight.z[lane]] = b.sphere.center.to_array();
                 eight.radius[lane] = b.sphere.radius;
-                eight.own_radius[lane] = b.own_radius;
+                [eight.offset[0][lane], eight.offset[1][lane], eight.offset[2][lane]] = b.near.center.to_array();
+                eight.own_radius[lane] = b.near.radius;
                 eight.own_distance[lane] = b.own_distance;
                 eight.object[lane] = b.object;
             }
@@ -116,6 +115,7 @@ pub(super) struct Eight {
     y: [f32; LANES],
     z: [f32; LANES],
     radius: [f32; LANES],
+    offset: [[f32; LANES]; 3],
     own_radius: [f32; LANES],
     own_distance: [f32; LANES],
     object: [u32; LANES],
@@ -153,11 +153,14 @@ impl Seen {
             let row = |row: &[f32; LANES]| f32x8::simd_from(simd, *row);
             let tau = own.select(row(&e.own_distance), zero);
             let to = Wide { x: row(&e.x), y: row(&e.y), z: row(&e.z) }.minus(p);
-            let d = to.length_squared().sqrt();
-            // `SelfShadow::radius_at`.
+            // `SelfShadow::seen`.
             let whole = row(&e.radius);
-            let near = (whole - row(&e.own_radius)) * (whole / d.max(whole).max(f32::MIN_POSITIVE));
-            let r = own.select(whole - near, whole);
+            let d = to.length_squared().sqrt();
+            let w = own.select(whole / d.max(whole).max(f32::MIN_POSITIVE), zero);
+            let r = whole - (whole - row(&e.own_radius)) * w;
+            let [x, y, z] = e.offset.each_ref().map(|column| row(column) * w);
+            let to = to + Wide { x, y, z };
+            let d = to.length_squared().sqrt();
             let inverse = 1.0 / d.max(f32::MIN_POSITIVE);
             let c = to * inverse;
             let along = c.dot_one(axis);

@@ -77,8 +77,9 @@ impl ReferenceJob<'_> {
                 word(*object);
             }
             self.blockers.self_distances.iter().for_each(|x| word(x.to_bits()));
-            let own = self.blockers.self_shadows.iter().flat_map(|s| [s.radius, s.distance]);
-            own.for_each(|x| word(x.to_bits()));
+            let own = self.blockers.self_shadows.iter();
+            own.flat_map(|s| [s.offset.x, s.offset.y, s.offset.z, s.radius, s.distance])
+                .for_each(|x| word(x.to_bits()));
         }
         if matches!(self.geometry, Geometry::Mesh | Geometry::Mixed(_)) {
             for object in &scene.objects {

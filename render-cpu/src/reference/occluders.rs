@@ -169,7 +169,10 @@ mod tests {
             let self_distances = vec![0.0, 0.3, 0.1];
             let mut blockers = BlockerSet { spheres, objects, self_distances, ..BlockerSet::default() };
             if case % 2 == 1 {
-                let own = |_| SelfShadow { radius: 0.5 + 0.5 * r(), distance: 2.0 * r() };
+                let own = |_| {
+                    let offset = Vec3::new(r(), r(), r()) - 0.5;
+                    SelfShadow { offset, radius: 0.5 + 0.5 * r(), distance: 2.0 * r() }.sound()
+                };
                 blockers.self_shadows = (0..12).map(own).collect();
             }
             let mut candidates = Vec::new();

@@ -104,7 +104,7 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
                 let sphere = spheres[index];
                 hit = shaft_meets(test, sphere.center, sphere.radius);
                 // Whose receivers they are is not known: what the smallest sphere hides, larger ones hide too.
-                if (hit && shaft_darkens(test, sphere.center, sphere.own_radius, sphere.own_distance)) {
+                if (hit && shaft_darkens(test, sphere.center + sphere.own_offset, sphere.own_radius, sphere.own_distance)) {
                     atomicStore(&dark, 1u);
                 }
             }

@@ -42,7 +42,10 @@ fn tube() -> BoundSet {
         triangles.push([ends[1], (rings - 1) * sides + i, (rings - 1) * sides + next]);
     }
     let options = BuildOptions { rounds: 1, ..BuildOptions::new(40) };
-    let set = SphereSet::build(&positions, &triangles, &options).expect("it fits");
+    let mut set = SphereSet::build(&positions, &triangles, &options).expect("it fits");
+    for (i, own) in set.self_shadows.iter_mut().enumerate() {
+        *own = SelfShadow { offset: Vec3::new(0.3, -0.4, 0.02 * i as f32), radius: 0.9, distance: 0.1 }.sound();
+    }
     let share = |p: &Vec3| [(0.5 - p.x).clamp(0.0, 1.0), (p.x - 0.5).clamp(0.0, 1.0)];
     let weights: Vec<[f32; 4]> = positions
         .iter()
@@ -77,9 +80,13 @@ impl Crowd {
         let ball = |x: f32| Sphere { center: Vec3::new(x, 3.0, -x), radius: 0.25 };
         let rest = &set.rest().spheres;
         let spheres = [&[ball(0.0), ball(1.0)], rest.as_slice(), &[ball(2.0)], rest].concat();
-        let own: Vec<SelfShadow> = (0..spheres.len())
-            .map(|i| SelfShadow { radius: 1.0 / (1.0 + i as f32), distance: 0.01 * i as f32 })
-            .collect();
+        // As the sets have them, whatever radii and distances.
+        let still = [SelfShadow::whole(0.0)];
+        let fitted = &set.rest().self_shadows;
+        let mut own = [&still, &still, fitted.as_slice(), &still, fitted].concat();
+        for (i, own) in own.iter_mut().enumerate() {
+            *own = SelfShadow { radius: own.radius / (1.0 + i as f32), distance: 0.01 * i as f32, ..*own };
+        }
         let objects: Vec<u32> = (0..spheres.len() as u32).collect();
         let blockers = SphereBlockers::new(&spheres, &objects, &[]).with_self_shadows(&own);
         let firsts = [2, 3 + rest.len()];
@@ -168,10 +175,12 @@ fn follows_bones_and_morphs(gpu: &Gpu) {
         let poses = bodies.each_ref().map(|(joints, morph)| (joints.as_slice(), morph.as_slice()));
         let got = posed(gpu, &mut pose, &packed, &poses).expect("it fits");
         let mut want = crowd.blockers.spheres().to_vec();
+        let mut turned = crowd.own.clone();
         let mut size = vec![0.0; want.len()];
         for (first, (joints, morph)) in crowd.firsts.iter().zip(poses) {
-            let mut spheres = Vec::new();
-            crowd.set.pose(joints, morph, &mut spheres).expect("it fits");
+            let (mut spheres, mut own) = (Vec::new(), Vec::new());
+            crowd.set.pose(joints, morph, &mut spheres, &mut own).expect("it fits");
+            turned[*first..first + spheres.len()].copy_from_slice(&own);
             want[*first..first + spheres.len()].copy_from_slice(&spheres);
             let largest = |joint: &Mat4| joint.to_cols_array().iter().fold(0.0_f32, |most, x| most.max(x.abs()));
             size[*first..first + spheres.len()].fill(joints.iter().map(largest).fold(0.0, f32::max));
@@ -191,6 +200,10 @@ fn follows_bones_and_morphs(gpu: &Gpu) {
             assert!(far < 1e-6 && volume < 1e-6, "{kind} {index}: {got:?} for {want:?}, {far:e} {volume:e}");
             let thick = got.radius - want.radius;
             assert!(kind % 4 > 1 || thick.abs() <= 3e-6 * want.radius, "{kind} {index}: {got:?} for {want:?}");
+            let offset = turned[index].offset * got.radius;
+            let aside = Vec3::from(got.own_offset).distance(offset);
+            assert!(kind % 4 > 1 || aside <= 3e-5 * got.radius, "{kind} {index}: {got:?}, but {offset}");
+            assert!(Vec3::from(got.own_offset).length() <= (1.0 - own.radius) * got.radius * 1.000_01);
             assert!((got.own_radius - own.radius * got.radius).abs() <= 1e-6 * got.radius);
             assert!((got.own_distance - own.distance * got.radius).abs() <= 1e-6 * got.radius);
         }
@@ -206,7 +219,10 @@ fn finite_whatever_the_bones(gpu: &Gpu) {
         let poses: [(&[Mat4], &[f32]); 2] = [(&joints, &[0.0; 2]), (&[Mat4::IDENTITY; 3], &[f32::MAX, f32::MIN])];
         for sphere in posed(gpu, &mut pose, &packed, &poses).expect("it fits") {
             let values = [sphere.radius, sphere.own_radius, sphere.own_distance];
-            assert!(values.iter().chain(&sphere.center).all(|x| x.is_finite()), "{bad}: {sphere:?}");
+            assert!(
+                values.iter().chain(&sphere.center).chain(&sphere.own_offset).all(|x| x.is_finite()),
+                "{bad}: {sphere:?}"
+            );
             assert!(sphere.radius >= 0.0);
         }
     }
@@ -258,12 +274,16 @@ fn moves_shadows(gpu: &Gpu) {
         let got = shade(&mut shader);
 
         let mut spheres = crowd.blockers.spheres().to_vec();
+        let mut own = crowd.own.clone();
         for (first, joints) in crowd.firsts.iter().zip(&joints) {
-            let mut posed = Vec::new();
-            crowd.set.pose(joints, &[0.5, 0.5], &mut posed).expect("it fits");
+            let (mut posed, mut turned) = (Vec::new(), Vec::new());
+            crowd.set.pose(joints, &[0.5, 0.5], &mut posed, &mut turned).expect("it fits");
             spheres[*first..first + posed.len()].copy_from_slice(&posed);
+            for (own, turned) in own[*first..].iter_mut().zip(turned) {
+                own.offset = turned.offset;
+            }
         }
-        let mut blockers = crowd.blockers.clone();
+        let mut blockers = crowd.blockers.clone().with_self_shadows(&own);
         blockers.update(&spheres);
         let want = shade(&mut GpuShader::new(gpu, occlusion(&blockers)).expect("it fits"));
         let apart = |a: &[Vec3], b: &[Vec3]| {

@@ -158,7 +158,8 @@ impl Setup {
             spheres.push(Sphere { center: center.as_vec3(), radius: radius as f32 });
             objects.push((random.bits() % 3) as u32);
             let [radius, distance] = [random.between(0.7, 1.0) as f32, random.between(0.0, 0.5) as f32];
-            self_shadows.push(SelfShadow { radius, distance });
+            let offset = (random.axis() * random.between(0.0, 0.3)).as_vec3();
+            self_shadows.push(SelfShadow { offset, radius, distance }.sound());
         }
         Self { light, receivers, spheres, objects, self_shadows }
     }

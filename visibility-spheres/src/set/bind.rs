@@ -1,4 +1,5 @@
 use glam::{DMat3, DMat4, DVec3, Mat4, Vec3, Vec4};
+use lobe_core::Sphere;
 use rayon::prelude::*;
 
 use super::bound_set::{BoundSet, BoundSphere, CARRIERS, Morph, at_least, stretch};
@@ -52,7 +53,11 @@ impl SphereSet {
         let bound: Vec<(BoundSphere, Vec<Morph>)> = self
             .spheres
             .par_iter()
-            .map(|ball| bind_pose.carry(ball.center.as_dvec3(), ball.radius, surface.to_unit(*ball), &samples))
+            .enumerate()
+            .map(|(i, ball)| {
+                let offset = self.self_shadows.get(i).map_or(Vec3::ZERO, |own| own.offset);
+                bind_pose.carry(ball, offset, surface.to_unit(*ball), &samples)
+            })
             .collect();
         let targets = (0..carriers.targets.len()).map(|k| bound.iter().map(|(_, morphs)| morphs[k]).collect());
         Ok(BoundSet {
@@ -132,8 +137,9 @@ impl<'a> BindPose<'a> {
         Self { carriers, points: points.collect(), joints }
     }
 
-    /// What carries a sphere, given in the world and in unit space.
-    fn carry(&self, center: DVec3, radius: f32, unit: Vec4, samples: &[Sample]) -> (BoundSphere, Vec<Morph>) {
+    /// What carries a sphere, given in the world and in unit space, and what turns its near ball.
+    fn carry(&self, ball: &Sphere, offset: Vec3, unit: Vec4, samples: &[Sample]) -> (BoundSphere, Vec<Morph>) {
+        let (center, radius) = (ball.center.as_dvec3(), ball.radius);
         let patch = patch(unit, samples);
         // Per joint: the patch's share, and its moment in bind space.
         let mut shares = vec![(0.0_f64, DVec3::ZERO); self.joints.len()];
@@ -148,8 +154,8 @@ impl<'a> BindPose<'a> {
         order.truncate(CARRIERS);
         let kept: f64 = order.iter().map(|j| shares[*j].0).sum();
 
-        let mut sphere =
-            BoundSphere { joints: [0; CARRIERS], weights: [0.0; CARRIERS], points: [Vec3::ZERO; 4], radius };
+        let (joints, weights, points) = ([0; CARRIERS], [0.0; CARRIERS], [Vec3::ZERO; CARRIERS]);
+        let mut sphere = BoundSphere { joints, weights, points, radius, offset };
         let mut carried = [(0.0_f64, DVec3::ZERO); CARRIERS];
         for (k, &j) in order.iter().enumerate() {
             carried[k] = (shares[j].0 / kept, shares[j].1 / shares[j].0);
@@ -184,6 +190,9 @@ impl<'a> BindPose<'a> {
         }
         sphere.points = carried.map(|(_, point)| point.as_vec3());
         sphere.radius = bind_radius;
+        if let Some(back) = Some(blend.inverse()).filter(DMat3::is_finite) {
+            sphere.offset = (back * offset.as_dvec3()).normalize_or_zero().as_vec3() * offset.length();
+        }
         (sphere, morphs)
     }
 

@@ -1,5 +1,5 @@
 use glam::{Mat4, Quat, Vec3};
-use lobe_core::Sphere;
+use lobe_core::{SelfShadow, Sphere};
 
 use super::shapes::{ball, cube};
 use super::{BindError, BoundSet, BuildOptions, Carriers, SphereSet};
@@ -70,7 +70,7 @@ fn built(rig: &Rig, count: usize) -> SphereSet {
 
 fn posed(bound: &BoundSet, joints: &[Mat4], morph: &[f32]) -> Vec<Sphere> {
     let mut out = Vec::new();
-    bound.pose(joints, morph, &mut out).expect("joints enough");
+    bound.pose(joints, morph, &mut out, &mut Vec::new()).expect("joints enough");
     out
 }
 
@@ -92,6 +92,36 @@ fn rigid_motion_and_uniform_scale_are_exact() {
             assert!(new.center.distance(matrix.transform_point3(old.center)) < 1e-5, "{new:?} {old:?}");
             assert!((new.radius - scale * old.radius).abs() < 1e-6 * scale, "{new:?} {old:?}");
         }
+    }
+}
+
+/// What was given in the rest pose comes back there, turned by whatever turns the limb, and keeps its length where bones
+/// shear it.
+#[test]
+fn near_balls_turn_with_their_bones() {
+    let mut rig = Rig::new(tube());
+    let rest = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), Quat::from_rotation_y(1.0), Vec3::Y);
+    rig.positions = rig.deform(&[rest; 2], &[]);
+    let mut set = built(&rig, 8);
+    for (i, own) in set.self_shadows.iter_mut().enumerate() {
+        *own = SelfShadow { offset: Vec3::new(0.1, 0.2, 0.01 * i as f32), radius: 0.7, distance: 0.2 };
+    }
+    let bound = rig.bind(&set, &[rest; 2], &[]).expect("a rig");
+    let own = |matrix: Mat4| {
+        let (mut spheres, mut own) = (Vec::new(), Vec::new());
+        bound.pose(&[matrix * rest; 2], &[], &mut spheres, &mut own).expect("joints enough");
+        assert_eq!(own.len(), spheres.len());
+        own
+    };
+    let motion = Mat4::from_scale_rotation_translation(Vec3::splat(3.0), Quat::from_rotation_x(2.0), Vec3::X);
+    for (matrix, turn) in [(Mat4::IDENTITY, Quat::IDENTITY), (motion, Quat::from_rotation_x(2.0))] {
+        for (new, old) in own(matrix).iter().zip(&set.self_shadows) {
+            assert!(new.offset.distance(turn * old.offset) < 1e-6, "{new:?} {old:?}");
+            assert_eq!((new.radius, new.distance), (0.7, 0.2));
+        }
+    }
+    for bad in [Mat4::from_scale(Vec3::new(9.0, 1.0, 0.1)), Mat4::ZERO, Mat4::NAN] {
+        assert!(own(bad).iter().all(|own| own.offset.length() < 0.3), "{bad}");
     }
 }
 
@@ -205,7 +235,7 @@ fn faults_of_a_rig_are_named() {
     let bound = rig.bind(&set, &STILL, &[]).expect("a rig");
     assert_eq!((bound.joints(), bound.targets()), (2, 0));
     let mut out = vec![Sphere::default(); 2];
-    let missing = bound.pose(&STILL[..1], &[], &mut out).expect_err("a joint is missing");
+    let missing = bound.pose(&STILL[..1], &[], &mut out, &mut Vec::new()).expect_err("a joint is missing");
     assert_eq!(missing.to_string(), "1 joints, but 2 are needed");
     assert_eq!(out.len(), 2);
     let mut bad = Rig::new(tube());
@@ -235,6 +265,8 @@ fn bones_are_stored_with_the_set() {
         ("/bones/weights/0/0", serde_json::json!(3.0), "sum 1"),
         ("/bones/radii", serde_json::json!([1.0]), "each of its 6 spheres"),
         ("/bones/points/0/0", serde_json::json!(1e300), "finite"),
+        ("/bones/offsets/0/0", serde_json::json!(1e300), "finite"),
+        ("/bones/offsets", serde_json::json!([[1.0, 0.0, 0.0]]), "one row for each"),
     ] {
         let mut value = value.clone();
         *value.pointer_mut(path).expect("a key of the format") = new;

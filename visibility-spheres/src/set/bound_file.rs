@@ -14,6 +14,9 @@ pub(crate) struct Bones {
     /// `CARRIERS` points, one after the other.
     points: Vec<[f32; 3 * CARRIERS]>,
     radii: Vec<f32>,
+    /// None in older files, whose near balls share the spheres' centres.
+    #[serde(default)]
+    offsets: Vec<[f32; 3]>,
     #[serde(default)]
     targets: Vec<Target>,
 }
@@ -32,10 +35,12 @@ impl Bones {
         let refuse = |message: String| Err(SetFileError { message });
         let target_rows = self.targets.iter().flat_map(|target| [target.points.len(), target.radii.len()]);
         let rows = [self.joints.len(), self.weights.len(), self.points.len(), self.radii.len()];
-        if rows.into_iter().chain(target_rows).any(|rows| rows != count) {
+        let rows = rows.into_iter().chain((!self.offsets.is_empty()).then_some(self.offsets.len()));
+        if rows.chain(target_rows).any(|rows| rows != count) {
             return refuse(format!("\"bones\" should have one row for each of its {count} spheres"));
         }
         let numbers = self.weights.as_flattened().iter().chain(self.points.as_flattened()).chain(&self.radii);
+        let numbers = numbers.chain(self.offsets.as_flattened());
         let added = self.targets.iter().flat_map(|target| target.points.as_flattened().iter().chain(&target.radii));
         if !numbers.chain(added).all(|number| number.is_finite()) {
             return refuse("\"bones\" have a number that is not finite".to_owned());
@@ -49,7 +54,7 @@ impl Bones {
 
 impl BoundSet {
     /// The set as JSON: what [`SphereSet::to_json`] writes and `"bones": {"joints", "weights", "points", "radii",
-    /// "targets"}`, of which each has a row a sphere, in bind space.
+    /// "offsets", "targets"}`, of which each has a row a sphere, in bind space.
     ///
     /// [`BoundSet::from_json`] gives the same set back, bit for bit.
     #[must_use]
@@ -63,6 +68,7 @@ impl BoundSet {
             weights: self.spheres.iter().map(|sphere| sphere.weights).collect(),
             points: self.spheres.iter().map(|sphere| flat(sphere.points)).collect(),
             radii: self.spheres.iter().map(|sphere| sphere.radius).collect(),
+            offsets: self.spheres.iter().map(|sphere| sphere.offset.to_array()).collect(),
             targets: targets.collect(),
         }))
     }
@@ -83,6 +89,7 @@ impl BoundSet {
             weights: bones.weights[i],
             points: points(bones.points[i]),
             radius: bones.radii[i],
+            offset: bones.offsets.get(i).map_or(Vec3::ZERO, |offset| Vec3::from(*offset)),
         });
         let targets = bones.targets.iter().map(|target| {
             let rows = target.points.iter().zip(&target.radii);

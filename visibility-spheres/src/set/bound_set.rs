@@ -1,5 +1,5 @@
 use glam::{Mat3, Mat4, Vec3};
-use lobe_core::Sphere;
+use lobe_core::{SelfShadow, Sphere};
 
 use super::error::BindError;
 use super::sphere_set::SphereSet;
@@ -32,6 +32,8 @@ pub(crate) struct BoundSphere {
     pub(crate) points: [Vec3; CARRIERS],
     /// In bind space.
     pub(crate) radius: f32,
+    /// That of its near ball ([`SelfShadow`]) in bind space, as long as at rest.
+    pub(crate) offset: Vec3,
 }
 
 /// How a morph target moves and grows a sphere, in bind space.
@@ -61,21 +63,28 @@ impl BoundSet {
         self.targets.len()
     }
 
-    /// Replaces `out` by the spheres in a pose: `joints` take bind space to the world, `morph` are the weights of the
-    /// morph targets.
+    /// Replaces `out` by the spheres in a pose, and `own` by how their object's own receivers see them: `joints` take bind
+    /// space to the world, `morph` are the weights of the morph targets.
     ///
     /// A radius is that in bind space times `|det Σ_j w_j J_j|^⅓`: spheres shrink and stretch with the skin, and rigid
-    /// motion moves them exactly. A sphere whose matrices are singular has radius 0; whatever the matrices are, the
+    /// motion moves them exactly. Near balls turn with the bones ([`SelfShadow::turned`]). A sphere whose matrices are singular has radius 0; whatever the matrices are, the
     /// spheres are finite. Their number and order are those of the set. O(spheres × (4 + targets)), no allocation once
-    /// `out` is large enough.
+    /// `out` is large enough. `own` stays empty for a set without self-shadows.
     ///
     /// # Errors
-    /// [`BindError::Missing`] for fewer joints or morph weights than the set needs; `out` is left as it is.
-    pub fn pose(&self, joints: &[Mat4], morph: &[f32], out: &mut Vec<Sphere>) -> Result<(), BindError> {
+    /// [`BindError::Missing`] for fewer joints or morph weights than the set needs; both lists are left as they are.
+    pub fn pose(
+        &self,
+        joints: &[Mat4],
+        morph: &[f32],
+        out: &mut Vec<Sphere>,
+        own: &mut Vec<SelfShadow>,
+    ) -> Result<(), BindError> {
         at_least("joints", joints.len(), self.joints())?;
         at_least("morph weights", morph.len(), self.targets.len())?;
         out.clear();
-        out.extend(self.spheres.iter().enumerate().map(|(i, sphere)| {
+        own.clear();
+        for (i, sphere) in self.spheres.iter().enumerate() {
             let (mut points, mut radius) = (sphere.points, sphere.radius);
             for (target, &weight) in self.targets.iter().zip(morph).filter(|(_, weight)| **weight != 0.0) {
                 radius += weight * target[i].radius;
@@ -90,12 +99,12 @@ impl BoundSet {
                 blend += Mat3::from_mat4(*joint) * weight;
             }
             let radius = radius.max(0.0) * stretch(blend.as_dmat3()) as f32;
-            if center.is_finite() && radius.is_finite() {
-                Sphere { center, radius }
-            } else {
-                Sphere { center: Vec3::ZERO, radius: 0.0 }
+            let finite = center.is_finite() && radius.is_finite();
+            out.push(if finite { Sphere { center, radius } } else { Sphere::default() });
+            if let Some(rest) = self.rest.self_shadows.get(i) {
+                own.push(SelfShadow { offset: sphere.offset, ..*rest }.turned(blend));
             }
-        }));
+        }
         Ok(())
     }
 }

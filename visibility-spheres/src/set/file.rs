@@ -16,7 +16,7 @@ struct File {
     mesh: Mesh,
     self_distance: f32,
     #[serde(default)]
-    self_shadows: Vec<[f32; 2]>,
+    self_shadows: Vec<Vec<f32>>,
     spheres: Vec<[serde_json::Value; 4]>,
     quality: SetQuality,
     #[serde(default)]
@@ -33,7 +33,7 @@ struct Mesh {
 impl SphereSet {
     /// The set as JSON, one sphere `[x, y, z, r]` a line:
     /// `{"format", "version", "mesh": {"triangles", "bounds"}, "self_distance", "self_shadows", "quality", "spheres"}`,
-    /// `self_shadows` one `[radius, distance]` for each sphere, in its radii, or left out.
+    /// `self_shadows` one `[x, y, z, radius, distance]` for each sphere, in its radii, or left out.
     ///
     /// [`SphereSet::from_json`] gives the same set back, bit for bit.
     #[must_use]
@@ -43,7 +43,8 @@ impl SphereSet {
 
     pub(crate) fn write(&self, bones: Option<&Bones>) -> String {
         let bones = bones.map_or_else(String::new, |bones| format!(",\n  \"bones\": {}", json(bones)));
-        let own: Vec<[f32; 2]> = self.self_shadows.iter().map(|s| [s.radius, s.distance]).collect();
+        let row = |s: &SelfShadow| [s.offset.x, s.offset.y, s.offset.z, s.radius, s.distance];
+        let own: Vec<[f32; 5]> = self.self_shadows.iter().map(row).collect();
         let own = if own.is_empty() { String::new() } else { format!("  \"self_shadows\": {},\n", json(&own)) };
         let rows: Vec<String> = self
             .spheres
@@ -139,12 +140,22 @@ impl SphereSet {
             return refuse(format!("there are {} self_shadows for {} spheres", file.self_shadows.len(), spheres.len()));
         }
         let mut self_shadows = Vec::with_capacity(file.self_shadows.len());
-        for (i, [radius, distance]) in file.self_shadows.into_iter().enumerate() {
+        for (i, row) in file.self_shadows.into_iter().enumerate() {
+            let (offset, radius, distance) = match row[..] {
+                [x, y, z, radius, distance] => (Vec3::new(x, y, z), radius, distance),
+                // Older files: about the sphere's own centre.
+                [radius, distance] => (Vec3::ZERO, radius, distance),
+                _ => return refuse(format!("self_shadow {i} should be five numbers, not {}", row.len())),
+            };
             if !(0.0..=1.0).contains(&radius) {
                 return refuse(format!("the radius of self_shadow {i} is {radius}, but should be 0 to 1"));
             }
             length(&format!("the distance of self_shadow {i}"), distance)?;
-            self_shadows.push(SelfShadow { radius, distance });
+            // Rounding of what is written as inside.
+            if !offset.is_finite() || offset.length() + radius > 1.001 {
+                return refuse(format!("the ball of self_shadow {i} reaches out of its sphere"));
+            }
+            self_shadows.push(SelfShadow { offset, radius, distance });
         }
         if let Some(bones) = &file.bones {
             bones.check(spheres.len())?;

@@ -6,7 +6,7 @@
 // `Rig::bones`: for each set its joints, three rows of four a joint, and the weights of its morph targets.
 @group(0) @binding(13) var<storage, read> bones: array<f32>;
 
-const RIG_WORDS = 27u;
+const RIG_WORDS = 30u;
 const MORPH_WORDS = 13u;
 const CARRIERS = 4u;
 
@@ -66,8 +66,19 @@ fn pose_spheres(@builtin(global_invocation_id) id: vec3u) {
     let slot = rig[sphere];
     spheres[slot].center = center;
     spheres[slot].radius = radius;
+    spheres[slot].own_offset = radius * turned(rig_vec3(sphere + 27u), x, y, z);
     spheres[slot].own_radius = radius * rig_f32(sphere + 24u);
     spheres[slot].own_distance = radius * rig_f32(sphere + 25u) + rig_f32(sphere + 26u);
+}
+
+// A vector as the matrix turns it, as long as before.
+fn turned(v: vec3f, x: vec3f, y: vec3f, z: vec3f) -> vec3f {
+    let moved = x * v.x + y * v.y + z * v.z;
+    let size = length(moved);
+    if !(size >= MIN_POSITIVE && is_finite(size)) {
+        return vec3f(0.0);
+    }
+    return moved * (length(v) / size);
 }
 
 // By the bits: a comparison with NaN may be taken for one of numbers.

@@ -32,7 +32,7 @@ pub struct RigPart<'a> {
 }
 
 /// `RIG_WORDS`, `MORPH_WORDS` and the floats of a joint.
-const RIG_WORDS: usize = 27;
+const RIG_WORDS: usize = 30;
 const MORPH_WORDS: usize = 13;
 const JOINT_FLOATS: usize = 12;
 
@@ -40,7 +40,7 @@ impl Rig {
     /// The rig of blockers of which `parts` follow bones; all the others stand still.
     ///
     /// A sphere that blocks nothing in the blockers as they are, of radius 0 say, is not among those that are posed: make
-    /// them of the sets' [rest](BoundSet::rest) poses, where all have a size. O(spheres × (27 + 13 targets)).
+    /// them of the sets' [rest](BoundSet::rest) poses, where all have a size. O(spheres × (30 + 13 targets)).
     ///
     /// # Errors
     /// [`BindError::Missing`] where the blockers end before a set does.
@@ -61,9 +61,11 @@ impl Rig {
                 rig.words.extend([slot, float as u32, morph as u32, targets as u32, morphs.len() as u32]);
                 let pairs = sphere.joints.chunks(2).map(|pair| u32::from(pair[0]) | u32::from(pair[1]) << 16);
                 rig.words.extend(pairs);
-                let [radius, distance, fixed] = blockers.own_law(first + i);
+                let (own, fixed) = blockers.own_law(first + i);
                 let points = sphere.points.iter().flat_map(|point| point.to_array());
-                let floats = sphere.weights.into_iter().chain(points).chain([sphere.radius, radius, distance, fixed]);
+                let floats = sphere.weights.into_iter().chain(points);
+                let floats = floats.chain([sphere.radius, own.radius, own.distance, fixed]);
+                let floats = floats.chain(sphere.offset.clamp_length_max(1.0 - own.radius).to_array());
                 rig.words.extend(floats.map(f32::to_bits));
                 for target in &set.targets {
                     let points = target[i].points.iter().flat_map(|point| point.to_array());
@@ -116,4 +118,4 @@ impl Rig {
 }
 
 // The shader's words of a sphere and of a morph.
-const _: () = assert!(RIG_WORDS == 5 + CARRIERS / 2 + CARRIERS + 3 * CARRIERS + 4 && MORPH_WORDS == 3 * CARRIERS + 1);
+const _: () = assert!(RIG_WORDS == 5 + CARRIERS / 2 + CARRIERS + 3 * CARRIERS + 7 && MORPH_WORDS == 3 * CARRIERS + 1);

@@ -33,7 +33,7 @@ pub struct SphereSet {
     /// from the receiver. `τ = √(2 r̄ h)`, `r̄ = Σr³/Σr²`, h the depth below the union's surface that 5 % of the mesh's
     /// surface exceeds.
     pub self_distance: f32,
-    /// The same sphere by sphere, fitted to shadow rays on the mesh, with a smaller radius for receivers of the own
+    /// The same sphere by sphere, fitted to shadow rays on the mesh, with a smaller ball for receivers of the own
     /// object; empty where nothing was fitted.
     pub self_shadows: Vec<SelfShadow>,
     /// Triangles of the mesh that the set was made from.
@@ -46,7 +46,7 @@ pub struct SphereSet {
 
 impl SphereSet {
     /// Version of the builder: one more with every change that gives other sets, so that sets which are kept are built anew.
-    pub const BUILDER: u32 = 7;
+    pub const BUILDER: u32 = 8;
 
     /// Builds a sphere set from any triangles: closed or open, in several parts, intersecting, of mixed winding.
     ///

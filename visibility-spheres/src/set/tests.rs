@@ -1,5 +1,5 @@
 use glam::Vec3;
-use lobe_core::Sphere;
+use lobe_core::{SelfShadow, Sphere};
 
 use super::shapes::{ball, cube, scattered};
 use super::{BuildError, BuildOptions, SetQuality, SphereSet, Verdict, preview};
@@ -329,6 +329,12 @@ fn json_gives_the_same_set_back() {
     assert_eq!(value["version"], 1);
     assert_eq!(value["mesh"]["triangles"], 12);
     assert_eq!(value["spheres"].as_array().map(Vec::len), Some(9));
+    assert_eq!(value["self_shadows"][0].as_array().map(Vec::len), Some(5));
+    // Files from before near balls had centres of their own.
+    let mut old = value;
+    old["self_shadows"] = vec![serde_json::json!([0.5, 0.25]); 9].into();
+    let read = SphereSet::from_json(&old.to_string()).expect("what was written before").self_shadows;
+    assert_eq!(read, [SelfShadow { radius: 0.5, ..SelfShadow::whole(0.25) }; 9]);
 }
 
 #[test]
@@ -375,6 +381,11 @@ fn json_that_is_wrong_is_refused_in_one_line() {
         (with("/spheres/0", json!([1.0, 2.0, 3.0])), "4"),
         (with("/spheres", json!([])), "no spheres"),
         (with("/self_distance", json!(-1.0)), "self_distance"),
+        (with("/self_shadows/1", json!([0.5, 0.5, 0.5])), "self_shadow 1"),
+        (with("/self_shadows/1", json!([0.0, 0.0, 0.6, 0.5, 0.5])), "reaches out"),
+        (with("/self_shadows/1/3", json!(-0.5)), "radius of self_shadow 1"),
+        (with("/self_shadows/1/4", json!(-0.5)), "distance of self_shadow 1"),
+        (with("/self_shadows/1/0", json!(1e39)), "self_shadow 1"),
         (with("/quality/coverage", json!(true)), "boolean"),
         (with("/quality/p95_gap", json!(-1.0)), "p95_gap"),
         (with("/mesh/bounds/0/0", json!(9.0)), "bounds"),
