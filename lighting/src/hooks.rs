@@ -1,7 +1,8 @@
 //! For tests of the WGSL alone: what a mask is made of.
 
-use crate::share::{Counts, share};
+use crate::share::{Counts, sums};
 use crate::{Mask, UnitSquare};
+use core::slice;
 use glam::Vec3;
 use lobe_core::{Lobe, Receiver};
 
@@ -23,5 +24,5 @@ pub fn row(mask: &Mask, j: usize) -> [u64; 4] {
 /// The share of a lobe's light that the mask leaves.
 #[must_use]
 pub fn share_of(mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
-    share(mask, at, lobe, &mut Counts::default())
+    sums(mask, mask.square(), at, lobe, &mut Counts::default()).ratio(slice::from_ref(mask))
 }

@@ -9,6 +9,7 @@
 mod contour;
 mod cut;
 mod edges;
+mod fineness;
 #[doc(hidden)]
 pub mod hooks;
 mod lanes;
@@ -16,6 +17,7 @@ mod mask;
 mod mixture;
 mod node;
 mod optional;
+mod panes;
 mod paper_visibility;
 mod paper_weights;
 mod raster;
@@ -33,6 +35,7 @@ pub mod wgsl;
 
 pub use crate::contour::Contour;
 pub use crate::edges::Edges;
+pub use crate::fineness::{Fineness, depth_for};
 pub use crate::mask::{MAX_DEPTH, Mask};
 pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
@@ -40,4 +43,4 @@ pub use crate::paper_weights::PaperWeights;
 pub use crate::raster::{LitBounds, Raster};
 pub use crate::sphere_light::SphereLight;
 pub use crate::square::UnitSquare;
-pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility, depth_for, is_coarse};
+pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility};

@@ -36,9 +36,13 @@ fn row_phase(j: u32) -> f32 {
 // Height of line `k` above the row's own, in rows within ±½.
 fn row_height(k: u32) -> f32 { return (f32(k) + 0.5) * 0.125 - 0.5; }
 
+fn mask_of(square: UnitSquare) -> Mask {
+    return Mask(square, square.center.x - square.half.x, f32(row_width) / (2.0 * square.half.x));
+}
+
 // Starts the own row anew: no blocker; what emits is the light's disc above the horizon of `normal` (world space).
 fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
-    let mask = Mask(square, square.center.x - square.half.x, f32(row_width) / (2.0 * square.half.x));
+    let mask = mask_of(square);
     let n = square_local(square, normal);
     let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * dot(n.xy, n.xy);
     if (above && all(square.half == vec2f(square.disc)) && all(square.center == vec2f(0.0))) {

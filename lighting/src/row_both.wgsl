@@ -4,7 +4,6 @@
 var<private> row_width: u32 = 64u;
 // Groups of four columns.
 var<private> row_groups: u32 = 4u;
-const HAS_BOTH = true;
 
 // Whether masks made from here on have 256.
 fn row_refine(finer: bool) {

@@ -53,7 +53,6 @@ fn row_samples(row: Row, k: u32) -> u32 {
 const row_width = 64u;
 // Groups of four columns.
 const row_groups = 4u;
-const HAS_BOTH = false;
 
 fn row_refine(finer: bool) {}
 

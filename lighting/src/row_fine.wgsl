@@ -3,7 +3,6 @@
 const row_width = 256u;
 // Groups of four columns.
 const row_groups = 8u;
-const HAS_BOTH = false;
 
 fn row_refine(finer: bool) {}
 

@@ -1,8 +1,9 @@
 //! The share of a reflectance lobe's light that a mask leaves, summed over its samples.
 
-use crate::Mask;
 use crate::lanes::{NUMBERS, sum};
 use crate::row::{self, EIGHT, Row, WIDTH};
+use crate::{Mask, UnitSquare};
+use core::ops::Add;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::special::{exp, ln_1p};
@@ -20,35 +21,70 @@ pub(crate) const CORNER: f32 = 2e-4;
 /// Exponents beyond are taken only up to where a lobe is as narrow as a cell: a mirror sees some samples.
 pub(crate) const MIRROR: f32 = 1e6;
 
-/// Share of the lobe's light that is lit: `Σ w` over the lit samples by `Σ w` over those that emit, `w` the lobe's value
-/// times the solid angle of a sample (times the receiver's cosine where the lobe says so).
+/// `Σ w` over the lit samples of a mask and over those that emit, `w` the lobe's value times the solid angle of a sample
+/// (times the receiver's cosine where the lobe says so).
 ///
 /// The plane's point `p = (x, y, 1)` has `w = (a·p)ᵉ |p|⁻⁽ᵉ⁺³⁾ dA`, times `n·p/|p|` for the cosine; a Lambert lobe
 /// `n·p |p|⁻⁴ dA`. Seen through a small window the logarithm of `w` is a polynomial of second order about its peak: then
 /// the weights are one by row times one by column and a low polynomial, and the sum over a row is three products of a
-/// vector. Else each is computed.
-pub(crate) fn share(mask: &Mask, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
-    share_at(Level::new(), mask, at, lobe, counts)
+/// vector. Else each is computed. The unit is that of `window`: the same for all masks that are parts of it.
+pub(crate) fn sums(mask: &Mask, window: &UnitSquare, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> Sums {
+    sums_at(Level::new(), mask, window, at, lobe, counts)
 }
 
-fn share_at(level: Level, mask: &Mask, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
+fn sums_at(level: Level, mask: &Mask, window: &UnitSquare, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> Sums {
     dispatch!(level, simd => {
         if mask.width() == WIDTH {
             counts.fill::<FINE>(mask);
-            of_counts::<_, FINE>(simd, mask, counts, at, lobe)
+            of_counts::<_, FINE>(simd, mask, window, counts, at, lobe)
         } else {
             counts.fill::<COARSE>(mask);
-            of_counts::<_, COARSE>(simd, mask, counts, at, lobe)
+            of_counts::<_, COARSE>(simd, mask, window, counts, at, lobe)
         }
     })
 }
 
 #[inline(always)]
-fn of_counts<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, at: &Receiver, lobe: &Lobe) -> f32 {
+fn of_counts<S: Simd, const B: usize>(
+    simd: S,
+    mask: &Mask,
+    window: &UnitSquare,
+    counts: &Counts,
+    at: &Receiver,
+    lobe: &Lobe,
+) -> Sums {
     if is_lambert(at, lobe) {
-        lambert::<S, B>(simd, mask, counts, mask.square().local(at.normal))
+        lambert::<S, B>(simd, mask, window, counts, window.local(at.normal))
     } else {
-        glossy::<S, B>(simd, mask, counts, at, lobe)
+        glossy::<S, B>(simd, mask, window, counts, at, lobe)
+    }
+}
+
+/// What is lit of a lobe's light, and all of it, in some unit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sums {
+    lit: f32,
+    all: f32,
+}
+
+impl Add for Sums {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { lit: self.lit + other.lit, all: self.all + other.all }
+    }
+}
+
+impl Sums {
+    /// The share of the light that is lit. Where the weights say nothing, since all of the light is far out of the lobe,
+    /// every sample of the masks counts alike.
+    pub(crate) fn ratio(self, masks: &[Mask]) -> f32 {
+        let share = self.lit / self.all;
+        if self.all > 0.0 && share.is_finite() {
+            return share.clamp(0.0, 1.0);
+        }
+        let (all, lit) = masks.iter().map(Mask::areas).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        if all > 0.0 { lit / all } else { 0.0 }
     }
 }
 
@@ -134,8 +170,8 @@ fn middles<const B: usize>(mask: &Mask) -> [[f32; EIGHT]; B] {
 }
 
 #[inline(always)]
-fn lambert<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, normal: Vec3) -> f32 {
-    let corner = mask.square().center.abs() + mask.square().half;
+fn lambert<S: Simd, const B: usize>(simd: S, mask: &Mask, window: &UnitSquare, counts: &Counts, normal: Vec3) -> Sums {
+    let corner = window.center.abs() + window.half;
     let far = corner.length_squared();
     if far * far > 8.0 * CORNER {
         return by_sample::<S, B>(simd, mask, counts, |x, y| {
@@ -167,8 +203,14 @@ impl Rows for LambertRows {
 }
 
 #[inline(always)]
-fn glossy<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, at: &Receiver, lobe: &Lobe) -> f32 {
-    let square = mask.square();
+fn glossy<S: Simd, const B: usize>(
+    simd: S,
+    mask: &Mask,
+    square: &UnitSquare,
+    counts: &Counts,
+    at: &Receiver,
+    lobe: &Lobe,
+) -> Sums {
     let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
     let cosine = lobe.cosine > 0.0;
     let narrowest = (2.0 / mask.cell().max_element().powi(2)).max(MIRROR);
@@ -268,7 +310,7 @@ fn by_row<S: Simd, const B: usize, R: Rows>(
     counts: &Counts,
     columns: &[[[f32; EIGHT]; B]; 3],
     rows: &R,
-) -> f32 {
+) -> Sums {
     let side = mask.side();
     let mut factors = [[0.0; ROWS]; 3];
     let mut y = f32x8::simd_from(simd, NUMBERS) * mask.cell().y + mask.row_y(0);
@@ -296,12 +338,12 @@ fn by_row<S: Simd, const B: usize, R: Rows>(
             all += f32x8::simd_from(simd, emitting[block]) * weight;
         }
     }
-    ratio(mask, sum(lit), sum(all))
+    Sums { lit: sum(lit), all: sum(all) }
 }
 
 /// `weight(x, y)` for each column of each row.
 #[inline(always)]
-fn by_sample<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, weight: impl Fn(f32, f32) -> f32) -> f32 {
+fn by_sample<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, weight: impl Fn(f32, f32) -> f32) -> Sums {
     let x = middles::<B>(mask);
     let (mut lit, mut all) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.0));
     let (open, _) = counts.lit.as_chunks::<EIGHT>();
@@ -325,27 +367,20 @@ fn by_sample<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, wei
             all += f32x8::simd_from(simd, emitting[block]) * weight;
         }
     }
-    ratio(mask, sum(lit), sum(all))
-}
-
-/// Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.
-#[inline(always)]
-fn ratio(mask: &Mask, lit: f32, all: f32) -> f32 {
-    let share = lit / all;
-    if all > 0.0 && share.is_finite() {
-        return share.clamp(0.0, 1.0);
-    }
-    let (all, lit) = mask.areas();
-    if all > 0.0 { lit / all } else { 0.0 }
+    Sums { lit: sum(lit), all: sum(all) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::UnitSquare;
+    use core::slice;
     use glam::DVec3;
     use lobe_core::oracle::Random;
     use lobe_core::{Cone, OWN_NONE};
+
+    fn share_at(level: Level, mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
+        sums_at(level, mask, mask.square(), at, lobe, &mut Counts::default()).ratio(slice::from_ref(mask))
+    }
 
     /// The definition in f64, sample by sample, and what part of the lobe sees the light.
     fn exact(mask: &Mask, at: &Receiver, lobe: &Lobe) -> Option<(f64, f64)> {
@@ -404,9 +439,9 @@ mod tests {
                 let from = (random.between(-1.0, 0.5) * f64::from(mask.square().half.x)) as f32;
                 mask.block_span(j, from, from + 0.7 * mask.square().half.x);
             }
-            let want = share(&mask, &at, &lobe, &mut Counts::default());
+            let want = share_at(best, &mask, &at, &lobe);
             for &level in &levels {
-                let got = share_at(level, &mask, &at, &lobe, &mut Counts::default());
+                let got = share_at(level, &mask, &at, &lobe);
                 assert_eq!(got.to_bits(), want.to_bits(), "case {case}: {got} {want} at {level:?}");
             }
         }
@@ -450,7 +485,7 @@ mod tests {
                     let Some((exact, part)) = exact(&mask, &at, &lobe) else { continue };
                     // As far as it shows: the share of next to nothing does not matter.
                     let shows = (100.0 * part).min(1.0);
-                    let error = (f64::from(share(&mask, &at, &lobe, &mut Counts::default())) - exact).abs() * shows;
+                    let error = (f64::from(share_at(Level::new(), &mask, &at, &lobe)) - exact).abs() * shows;
                     mean += error / CASES as f64;
                     worst = worst.max(error);
                 }

@@ -4,9 +4,10 @@
 // Four columns each: the weights u, u·dx, u·dx² where they are products of one by row and one by column.
 var<workgroup> columns: array<mat3x4f, COLUMNS / 4u>;
 
-// Share of the lobe's light that is lit: Σ w over the lit samples by Σ w over those that emit. Only where all threads come by.
-fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
-    let weights = weights_of(mask, at, lobe);
+// Of all rows: Σ w over the lit samples, Σ w over those that emit, and the numbers of both. The unit is that of `window`, the
+// same for all masks that are parts of it. Only where all threads come by.
+fn share_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: Lobe) -> vec4f {
+    let weights = weights_of(mask, window, at, lobe);
     if (lane < row_groups) {
         columns[lane] = weights_columns(weights, middles(mask, lane));
     }
@@ -33,7 +34,11 @@ fn share(lane: u32, mask: Mask, at: Receiver, lobe: Lobe) -> f32 {
         sum.y *= f32(row_width / (4u * row_groups));
         sum.w = f32(emitting.y - emitting.x);
     }
-    sum = total(lane, sum);
+    return total(lane, sum);
+}
+
+// Share of the lobe's light that is lit.
+fn share_of(sum: vec4f) -> f32 {
     // Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.
     let ratio = sum.x / sum.y;
     if (sum.y > 0.0 && sum.y < 3e38 && abs(ratio) < 3e38) {

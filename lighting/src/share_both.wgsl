@@ -7,14 +7,14 @@ struct Weights {
     glossy: GlossyWeights,
 }
 
-fn weights_of(mask: Mask, at: Receiver, lobe: Lobe) -> Weights {
+fn weights_of(mask: Mask, window: UnitSquare, at: Receiver, lobe: Lobe) -> Weights {
     var weights: Weights;
     weights.is_lambert = is_lambert(at, lobe);
     if (weights.is_lambert) {
-        weights.lambert = lambert_of(mask, at);
+        weights.lambert = lambert_of(window, at);
         weights.by_row = weights.lambert.by_row;
     } else {
-        weights.glossy = glossy_of(mask, at, lobe);
+        weights.glossy = glossy_of(mask, window, at, lobe);
         weights.by_row = weights.glossy.by_row;
     }
     return weights;

@@ -21,8 +21,7 @@ const LEFT_OUT = 0.004;
 // Exponents beyond are taken only up to where a lobe is as narrow as a cell: a mirror sees some samples.
 const MIRROR_SHARE = 1e6;
 
-fn glossy_of(mask: Mask, at: Receiver, lobe: Lobe) -> GlossyWeights {
-    let square = mask.square;
+fn glossy_of(mask: Mask, square: UnitSquare, at: Receiver, lobe: Lobe) -> GlossyWeights {
     var weights: GlossyWeights;
     weights.axis = square_local(square, lobe.axis);
     weights.normal = square_local(square, at.normal);

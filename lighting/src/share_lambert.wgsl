@@ -1,4 +1,4 @@
-// Weights of a Lambert lobe: n·p |p|⁻⁴ dA. Needs mask.wgsl.
+// Weights of a Lambert lobe: n·p |p|⁻⁴ dA. Needs square.wgsl.
 
 struct LambertWeights {
     // Whether they are products of one by row and one by column.
@@ -10,10 +10,10 @@ struct LambertWeights {
 // tan⁴θ/2 up to which they are.
 const CORNER = 2e-4;
 
-fn lambert_of(mask: Mask, at: Receiver) -> LambertWeights {
-    let corner = abs(mask.square.center) + mask.square.half;
+fn lambert_of(window: UnitSquare, at: Receiver) -> LambertWeights {
+    let corner = abs(window.center) + window.half;
     let far = dot(corner, corner);
-    return LambertWeights(far * far <= 8.0 * CORNER, square_local(mask.square, at.normal));
+    return LambertWeights(far * far <= 8.0 * CORNER, square_local(window, at.normal));
 }
 
 fn lambert_columns(x: vec4f) -> mat3x4f {

@@ -1,4 +1,4 @@
-use glam::{Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use lobe_core::{Cone, Lobe, orthonormal_basis};
 
 /// Half-angles above this (85°) are treated as if the light were seen up to it: the square faces one hemisphere.
@@ -147,6 +147,15 @@ impl UnitSquare {
         let room = self.half - half;
         let center = (0.5 * (high + low)).clamp(self.center - room, self.center + room);
         Self { center, half, ..*self }
+    }
+
+    /// The part `k` of the window divided into so many across and upward.
+    pub(crate) fn pane(&self, k: UVec2, across: UVec2) -> Self {
+        if across == UVec2::ONE {
+            return *self;
+        }
+        let half = self.half / across.as_vec2();
+        Self { half, center: self.center - self.half + half * (2 * k + 1).as_vec2(), ..*self }
     }
 
     /// About the directions that the window shows, as a cone.

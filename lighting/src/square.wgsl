@@ -121,6 +121,17 @@ fn square_cone(square: UnitSquare, distance: f32) -> Cone {
     return Cone(unit(square_world(square, vec3f(square.center, 1.0))), tan * tan / (root * (1.0 + root)), distance);
 }
 
+// The part `k` of the window divided into so many across and upward.
+fn square_pane(window: UnitSquare, k: u32, across: vec2u) -> UnitSquare {
+    if (all(across == vec2u(1u))) {
+        return window;
+    }
+    let half = window.half / vec2f(across);
+    let place = vec2f(2u * vec2u(k % across.x, k / across.x) + 1u);
+    let center = window.center - window.half + half * place;
+    return UnitSquare(window.right, window.up, window.axis, center, half, window.disc);
+}
+
 // A world vector in the square's frame.
 fn square_local(square: UnitSquare, v: vec3f) -> vec3f {
     return vec3f(dot(square.right, v), dot(square.up, v), dot(square.axis, v));

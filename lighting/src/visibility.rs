@@ -1,14 +1,12 @@
 use crate::cut::{Cut, CutScratch};
-use crate::share::{Counts, share};
-use crate::{Edges, MAX_DEPTH, Mask, UnitSquare};
+use crate::panes::Panes;
+use crate::share::Counts;
+use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
 use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert};
 
-/// Tolerance from which on a row of a mask has 64 samples.
-const COARSE: f32 = 0.005;
-
-/// A lobe whose logarithm falls by more than this over a radius of the light is seen through fine masks: of 64 samples a row
-/// some few would carry its share, and show as they come and go.
+/// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one: else some
+/// few samples would carry its share, and show as they come and go.
 pub(crate) const STEEP: f32 = 1.0;
 
 /// How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
@@ -82,7 +80,10 @@ pub trait Blockers: Sync {
 ///
 /// # Method
 /// The blockers fill a mask of the whole light; a lobe narrower than the light has a mask of its own over the part of the
-/// light that it sees, since there the cells would limit the accuracy. What a reflectance lobe sees of the light is then
+/// light that it sees, since there the cells would limit the accuracy. As things move, samples come and go: below a
+/// tolerance of 0.5 % what a narrow lobe sees is divided into 2 × 2 panes with a mask each, below 0.2 % into 3 × 2 and the
+/// whole light into 2 × 2 ([`Fineness`]), so that no pop is larger than the tolerance. What a reflectance lobe sees of the
+/// light is then
 /// - a *share* (the default), summed over the mask's samples: the sum of one lobe times every sample in closed form, at
 ///   the price of a few visibility lobes; no lobe is written, the share is [`VisibilitySum::base`]. Or
 /// - *lobes* ([`with_lobes`](Self::with_lobes)): a Lambert lobe takes one lobe of the mask, whose total and mean vector are
@@ -91,7 +92,8 @@ pub trait Blockers: Sync {
 ///   their ratio.
 ///
 /// # Cost
-/// Nothing for lit and fully hidden receivers; else one mask, plus one for each narrow lobe.
+/// Nothing for lit and fully hidden receivers; else one mask, plus one for each narrow lobe; as many as there are panes where
+/// the tolerance divides them.
 #[derive(Clone, Copy, Debug)]
 pub struct MaskVisibility<B> {
     blockers: B,
@@ -126,7 +128,7 @@ impl<B: Blockers> MaskVisibility<B> {
     }
 
     /// The window of a lobe that needs a mask of its own: one that sees only a part of the light, turned by the edges that
-    /// run through it, or the whole light if that is for finer samples.
+    /// run through it, or the whole light if that is for more samples.
     fn window(
         &self,
         query: &VisibilityQuery<'_>,
@@ -140,15 +142,31 @@ impl<B: Blockers> MaskVisibility<B> {
         let (peak, sigmas) = (whole.peak(brdf, query.at.normal), zoom_sigmas(query.tolerance));
         let square = whole.around(&peak, sigmas);
         if square == *whole {
-            return (self.is_coarse(query) && peak.fall(whole) > STEEP).then_some(square);
+            return (self.broad(query) != self.narrow(query) && peak.fall(whole) > STEEP).then_some(square);
         }
         let cone = square.cone(query.cone.distance);
         let across = self.across(&VisibilityQuery { cone: &cone, ..*query }, scratch);
         Some(UnitSquare::facing(query.cone, across).above(query.at.normal).zoomed(brdf, query.at.normal, sigmas))
     }
 
-    fn is_coarse(&self, query: &VisibilityQuery<'_>) -> bool {
-        !self.lobes && is_coarse(query.tolerance)
+    /// How finely broad lobes see: a cut is made of one mask.
+    fn broad(&self, query: &VisibilityQuery<'_>) -> Fineness {
+        if self.lobes { Fineness::FINE } else { Fineness::broad(query.tolerance) }
+    }
+
+    fn narrow(&self, query: &VisibilityQuery<'_>) -> Fineness {
+        if self.lobes { Fineness::FINE } else { Fineness::narrow(query.tolerance) }
+    }
+
+    fn draw(
+        &self,
+        square: &UnitSquare,
+        fineness: Fineness,
+        query: &VisibilityQuery<'_>,
+        blockers: &mut B::Scratch,
+        panes: &mut Panes,
+    ) {
+        panes.draw(square, fineness, self.depth, query.at.normal, |mask| self.blockers.splat(query, blockers, mask));
     }
 
     /// The blockers.
@@ -157,33 +175,12 @@ impl<B: Blockers> MaskVisibility<B> {
     }
 }
 
-/// Depth of the mask whose own error stays below a tolerance. Mean error over penumbrae, random blockers, light wholly
-/// above the horizon: 0.13 % of the unshadowed radiance at depth 4 (64 samples a row), 0.06 % at 5 and 0.03 % at 6 (256).
-#[must_use]
-pub fn depth_for(tolerance: f32) -> u32 {
-    if tolerance >= 0.008 {
-        4
-    } else if tolerance >= 0.002 {
-        5
-    } else {
-        6
-    }
-}
-
-/// Whether rows of 64 samples do for a tolerance, instead of 256: masks err 1.5 times as much with them. For lobes that are
-/// broad beside the light; narrow ones have masks of 256 at any tolerance.
-#[must_use]
-pub fn is_coarse(tolerance: f32) -> bool {
-    tolerance >= COARSE
-}
-
 /// Working memory of [`MaskVisibility`].
 #[derive(Clone, Debug)]
 pub struct MaskScratch<S> {
     blockers: S,
-    square: UnitSquare,
-    full: Mask,
-    own: Mask,
+    full: Panes,
+    own: Panes,
     /// Whether `own` shows the whole light of the query.
     is_whole: bool,
     counts: [Counts; 2],
@@ -194,12 +191,10 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
     type Scratch = MaskScratch<B::Scratch>;
 
     fn scratch(&self) -> Self::Scratch {
-        let full = Mask::default();
         MaskScratch {
             blockers: self.blockers.scratch(),
-            square: *full.square(),
-            own: full.clone(),
-            full,
+            full: Panes::default(),
+            own: Panes::default(),
             is_whole: false,
             counts: Default::default(),
             cut: CutScratch::default(),
@@ -228,18 +223,10 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             // What touches the direction of a point light hides it.
             return Coverage::Dark;
         }
-        scratch.square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers)).above(query.at.normal);
+        let square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers)).above(query.at.normal);
         scratch.is_whole = false;
-        scratch.full.set_coarse(self.is_coarse(query));
-        scratch.full.reset(&scratch.square, self.depth, query.at.normal);
-        self.blockers.splat(query, &mut scratch.blockers, &mut scratch.full);
-        if scratch.full.is_lit() {
-            return Coverage::Lit;
-        }
-        if scratch.full.is_dark() {
-            return Coverage::Dark;
-        }
-        Coverage::Partial
+        self.draw(&square, self.broad(query), query, &mut scratch.blockers, &mut scratch.full);
+        scratch.full.coverage()
     }
 
     fn visibility_lobes(
@@ -251,13 +238,13 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
         let [counts, own_counts] = &mut scratch.counts;
-        let (mask, counts) = match self.window(query, brdf, &scratch.square, &scratch.blockers) {
+        let whole = scratch.full.window();
+        let (panes, counts) = match self.window(query, brdf, whole, &scratch.blockers) {
             None => (&scratch.full, counts),
             Some(square) => {
-                let is_whole = square == scratch.square;
+                let is_whole = square == *whole;
                 if !(is_whole && scratch.is_whole) {
-                    scratch.own.reset(&square, self.depth, query.at.normal);
-                    self.blockers.splat(query, &mut scratch.blockers, &mut scratch.own);
+                    self.draw(&square, self.narrow(query), query, &mut scratch.blockers, &mut scratch.own);
                     scratch.is_whole = is_whole;
                 }
                 (&scratch.own, own_counts)
@@ -266,9 +253,10 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         if !self.lobes {
             out.lobes.writer();
             out.whole.writer();
-            out.base = share(mask, query.at, brdf, counts);
+            out.base = panes.share(query.at, brdf, counts);
             return Ok(());
         }
+        let [mask] = panes.masks() else { return Ok(()) };
         scratch.cut.build(mask);
         Cut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.tolerance).write(out)
     }

@@ -1,4 +1,4 @@
-// Only Lambert lobes: all are seen through the mask of the whole light. Needs share.wgsl.
-fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: Mask, lobe: Lobe) -> f32 {
-    return share(lane, whole, at, lobe);
+// Only Lambert lobes: all are seen through the masks of the whole light. Needs visibility.wgsl.
+fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, window: UnitSquare, lobe: Lobe) -> f32 {
+    return broad_share(lane, window, at, lobe);
 }

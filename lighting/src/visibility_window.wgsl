@@ -1,34 +1,33 @@
-// Lobes narrower than the light are seen through a mask of their own, with 256 samples a row. Needs visibility.wgsl,
-// share.wgsl, and special.wgsl of lobe-core.
+// Lobes narrower than the light are seen through masks of their own, with 256 samples a row. Needs visibility.wgsl, and
+// special.wgsl of lobe-core.
 
-// The share of the light that a lobe sees. Only where all threads come by; the mask of the whole light is as before.
-fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: Mask, lobe: Lobe) -> f32 {
+// The share of the light that a lobe sees. Only where all threads come by.
+fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
     let sigmas = zoom_sigmas(tolerance);
-    let peak = square_peak(whole.square, lobe, at.normal);
-    let square = square_around(whole.square, peak, sigmas);
-    let is_part = any(square.half < whole.square.half);
-    let is_steep = HAS_BOTH && peak_fall(peak, whole.square) > STEEP;
+    let peak = square_peak(whole, lobe, at.normal);
+    let square = square_around(whole, peak, sigmas);
+    let is_part = any(square.half < whole.half);
+    let is_steep = IS_NARROW_FINER && peak_fall(peak, whole) > STEEP;
     if (!decide(lane, !is_lambert(at, lobe) && (is_part || is_steep))) {
-        return share(lane, whole, at, lobe);
+        return broad_share(lane, whole, at, lobe);
     }
-    let whole_lit = lit;
-    let whole_emitting = emitting;
-    var window = whole.square;
+    var window = whole;
     if (decide(lane, is_part)) {
         let turn = visibility_across(lane, tile, at, light, square_cone(square, light.distance));
         window = square_zoomed(square_above(square_facing(light, turn), at.normal), lobe, at.normal, sigmas);
     }
     row_refine(true);
-    let mask = mask_reset(window, lane, at.normal);
-    blockers_splat(lane, tile, at, light, mask);
-    let seen = share(lane, mask, at, lobe);
-    lit = whole_lit;
-    emitting = whole_emitting;
+    var sum = vec4f(0.0);
+    for (var k = 0u; k < NARROW_PANES.x * NARROW_PANES.y; k++) {
+        let mask = mask_reset(square_pane(window, k, NARROW_PANES), lane, at.normal);
+        blockers_splat(lane, tile, at, light, mask);
+        sum += share_sums(lane, mask, window, at, lobe);
+    }
     row_refine(false);
-    return seen;
+    return share_of(sum);
 }
 
-// A lobe whose logarithm falls by more than this over a radius of the light is seen through fine masks.
+// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one.
 const STEEP = 1.0;
 
 // How far a lobe's own window reaches, in its standard deviations: √(2 ln(2/τ)).

@@ -3,9 +3,9 @@
 //! One workgroup of `LANES` threads makes the mask of one point and light, a row a thread. Functions have the names of
 //! those that they mirror, after the type's: `mask_row_y` is [`Mask::row_y`](crate::Mask::row_y).
 
-use crate::MAX_DEPTH;
 use crate::row::{COARSE, WIDTH};
 use crate::shadow_tree::ShadowTree;
+use crate::{Fineness, MAX_DEPTH};
 
 /// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`.
 pub const SQUARE: &str = include_str!("square.wgsl");
@@ -23,17 +23,17 @@ pub const EDGES: &str = include_str!("edges.wgsl");
 
 /// What threads find together; needs [`header`].
 pub const TOTAL: &str = include_str!("total.wgsl");
-/// The share of a lobe's light that a mask leaves; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
+/// The share of a lobe's light that masks leave; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
 pub const SHARE: &str = include_str!("share.wgsl");
-/// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], `blockers_edges` and `blockers_splat`.
+/// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], [`SHARE`], `blockers_edges` and `blockers_splat`.
 pub const VISIBILITY: &str = include_str!("visibility.wgsl");
-/// What a lobe sees where all lobes are Lambert's; needs [`SHARE`].
+/// What a lobe sees where all lobes are Lambert's; needs [`VISIBILITY`].
 pub const LAMBERT: &str = concat!(
     include_str!("visibility_whole.wgsl"),
     include_str!("share_lambert.wgsl"),
     include_str!("share_lambert_only.wgsl")
 );
-/// What any lobe sees; needs [`SHARE`], [`VISIBILITY`] and `special.wgsl` of `lobe-core`.
+/// What any lobe sees; needs [`VISIBILITY`], [`header_of_lobes`] and `special.wgsl` of `lobe-core`.
 pub const LOBES: &str = concat!(
     include_str!("visibility_window.wgsl"),
     include_str!("share_lambert.wgsl"),
@@ -52,42 +52,46 @@ pub const PAPER: &str = include_str!("paper.wgsl");
 #[must_use]
 pub fn paper_header(depth: u32) -> String {
     let mask = ShadowTree::uncovered(depth).mask_depth();
-    format!("const PAPER_DEPTH = {depth}u;\n{}", header(mask, false))
+    format!("const PAPER_DEPTH = {depth}u;\n{}", header(mask, Fineness::FINE))
 }
 
 /// The golden section by half, in units of 2⁻³²: shifts of rows are fractions of its odd multiples.
 const GOLDEN: u32 = 0x4f1b_bcdd;
 
-/// The constants `DEPTH`, `SIDE` (rows), `WIDTH` (samples in a row at most), `LANES` (threads) and `COLUMNS` (groups of samples
-/// with one weight at most), and the type `Row` with its functions, `row_width` among them: samples in a row.
+/// The constants `DEPTH`, `SIDE` (rows), `WIDTH` (samples in a row at most), `LANES` (threads), `COLUMNS` (groups of samples
+/// with one weight at most) and `BROAD_PANES`, and the type `Row` with its functions, `row_width` among them: samples in a row.
 ///
 /// # Panics
 /// When `depth` is not in 1…[`MAX_DEPTH`].
 #[must_use]
-pub fn header(depth: u32, coarse: bool) -> String {
+pub fn header(depth: u32, fineness: Fineness) -> String {
     let fine = concat!(include_str!("row.wgsl"), include_str!("row_fine.wgsl"));
-    let (width, row) = if coarse { (COARSE, include_str!("row_coarse.wgsl")) } else { (WIDTH, fine) };
-    header_of(depth, width, row)
+    let (width, row) = if fineness.coarse { (COARSE, include_str!("row_coarse.wgsl")) } else { (WIDTH, fine) };
+    header_of(depth, width, fineness, row)
 }
 
-/// The same for any lobes: with `coarse`, masks of broad lobes have 64 samples a row and those of narrow ones 256.
+/// The same for broad lobes and narrow ones, whose masks are fine, with `NARROW_PANES` and `IS_NARROW_FINER`.
 ///
 /// # Panics
 /// As [`header`].
 #[must_use]
-pub fn header_of_lobes(depth: u32, coarse: bool) -> String {
+pub fn header_of_lobes(depth: u32, broad: Fineness, narrow: Fineness) -> String {
     let both = concat!(include_str!("row.wgsl"), include_str!("row_both.wgsl"));
-    if coarse { header_of(depth, WIDTH, both) } else { header(depth, false) }
+    let header = if broad.coarse { header_of(depth, WIDTH, broad, both) } else { header(depth, broad) };
+    let [across, upward] = narrow.panes;
+    let is_finer = narrow != broad;
+    format!("const NARROW_PANES = vec2u({across}u, {upward}u);\nconst IS_NARROW_FINER = {is_finer};\n{header}")
 }
 
-fn header_of(depth: u32, width: usize, row: &str) -> String {
+fn header_of(depth: u32, width: usize, fineness: Fineness, row: &str) -> String {
     assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
     let side = 1_u32 << depth;
     let lanes = side.max(32);
     let columns = if width == COARSE { 16 } else { 32 };
+    let [across, upward] = fineness.panes;
     format!(
         "const DEPTH = {depth}u;\nconst SIDE = {side}u;\nconst WIDTH = {width}u;\nconst LANES = {lanes}u;\nconst COLUMNS = \
-         {columns}u;\nconst GOLDEN = {GOLDEN}u;\n{row}"
+         {columns}u;\nconst BROAD_PANES = vec2u({across}u, {upward}u);\nconst GOLDEN = {GOLDEN}u;\n{row}"
     )
 }
 

@@ -6,7 +6,7 @@ use crate::kernel::{
 };
 use crate::{kernels, wgsl};
 use brdf::Models;
-use lighting::wgsl as masks;
+use lighting::{Fineness, wgsl as masks};
 use lobe_core::wgsl as lobes;
 use visibility_shadowmap::wgsl as maps;
 use visibility_spheres::wgsl as spheres;
@@ -17,9 +17,9 @@ pub(crate) const LIST_BYTES: u64 = 4 * visibility_spheres::LIST_WORDS as u64;
 /// What the kernels of a frame depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Variant {
-    /// Depth of the masks, and whether their rows have 64 samples.
     pub(crate) depth: u32,
-    pub(crate) coarse: bool,
+    /// What broad lobes and narrow ones see.
+    pub(crate) fineness: [Fineness; 2],
     pub(crate) models: Models,
     pub(crate) strategies: Strategies,
     /// By the paper's method, and not by moments.
@@ -179,10 +179,11 @@ pub(crate) fn classify(variant: &Variant) -> Text {
 /// What the points in a penumbra see.
 pub(crate) fn penumbra(variant: &Variant) -> Text {
     let reflectance = brdf::wgsl::compose(variant.models);
+    let [broad, narrow] = variant.fineness;
     let header = match (variant.paper, variant.is_lambert()) {
         (true, _) => masks::paper_header(variant.depth),
-        (false, true) => masks::header(variant.depth, variant.coarse),
-        (false, false) => masks::header_of_lobes(variant.depth, variant.coarse),
+        (false, true) => masks::header(variant.depth, broad),
+        (false, false) => masks::header_of_lobes(variant.depth, broad, narrow),
     };
     let strategies = variant.strategies;
     let edges =

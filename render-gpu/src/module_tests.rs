@@ -48,9 +48,9 @@ fn variants() -> impl Iterator<Item = Variant> {
             (1..=6).flat_map(move |depth| {
                 let rays = (!spheres).then_some(64);
                 let strategies = Strategies { spheres, maps, rays };
-                [(false, false), (true, false), (false, true)].map(move |(coarse, paper)| Variant {
+                [(0.001, false), (0.003, false), (0.01, false), (0.003, true)].map(move |(tolerance, paper)| Variant {
                     depth,
-                    coarse,
+                    fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
                     models,
                     strategies,
                     paper,
@@ -75,7 +75,7 @@ fn every_kernel_is_valid() {
 fn a_kernel_has_only_what_its_scene_uses() {
     let lambert = Variant {
         depth: 5,
-        coarse: false,
+        fineness: [Fineness::FINE; 2],
         models: Models::from_bits(1),
         strategies: Strategies { spheres: true, maps: false, rays: None },
         paper: false,

@@ -11,7 +11,7 @@ use crate::{Gpu, GpuError, GpuPose};
 use brdf::{Material, Models, PackedMaterials};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
-use lighting::{MAX_DEPTH, is_coarse};
+use lighting::{Fineness, MAX_DEPTH};
 use lobe_core::Method;
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
@@ -174,7 +174,10 @@ impl GpuShader {
     fn kernels(&mut self, frame: &Frame<'_>) -> Result<usize, GpuError> {
         let variant = Variant {
             depth: frame.depth.clamp(1, MAX_DEPTH),
-            coarse: self.paper.is_none() && is_coarse(frame.tolerance),
+            fineness: match self.paper {
+                None => [Fineness::broad(frame.tolerance), Fineness::narrow(frame.tolerance)],
+                Some(_) => [Fineness::FINE; 2],
+            },
             models: Models::of(frame.materials),
             strategies: self.blockers.strategies(),
             paper: self.paper.is_some(),

@@ -1,6 +1,6 @@
 //! The WGSL of masks and penumbrae without a GPU: every variant validates.
 
-use lighting::wgsl;
+use lighting::{Fineness, wgsl};
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -23,17 +23,17 @@ fn validate(pieces: &[&str]) -> naga::Module {
     module
 }
 
-/// All depths and widths.
-fn variants() -> impl Iterator<Item = (u32, bool)> {
-    (1..=lighting::MAX_DEPTH).flat_map(|depth| [(depth, false), (depth, true)])
+/// All depths, and tolerances for each fineness.
+fn variants() -> impl Iterator<Item = (u32, f32)> {
+    (1..=lighting::MAX_DEPTH).flat_map(|depth| [0.01, 0.003, 0.001].map(|tolerance| (depth, tolerance)))
 }
 
 #[test]
 fn pieces_validate_alone() {
     validate(&[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
     validate(&[wgsl::EDGES, GEOMETRY]);
-    for (depth, coarse) in variants() {
-        let header = wgsl::header(depth, coarse);
+    for (depth, tolerance) in variants() {
+        let header = wgsl::header(depth, Fineness::broad(tolerance));
         validate(&[&header, wgsl::MASK, wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
         validate(&[&header, wgsl::TOTAL]);
     }
@@ -50,8 +50,9 @@ fn penumbrae_validate() {
     ];
     let common = [wgsl::MASK, wgsl::SQUARE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];
     let core = [GEOMETRY, LOBE, SPECIAL, HOOKS];
-    for (depth, coarse) in variants() {
-        let headers = [wgsl::header(depth, coarse), wgsl::header_of_lobes(depth, coarse)];
+    for (depth, tolerance) in variants() {
+        let (broad, narrow) = (Fineness::broad(tolerance), Fineness::narrow(tolerance));
+        let headers = [wgsl::header(depth, broad), wgsl::header_of_lobes(depth, broad, narrow)];
         for (form, header) in [wgsl::LAMBERT, wgsl::LOBES].into_iter().zip(&headers) {
             let module = validate(&[[header.as_str()].as_slice(), &kernel, &common, &core, &[form]].concat());
             let entry = &module.entry_points[0];

@@ -27,7 +27,7 @@ fn coverage_validates() {
 fn splat_validates_for_every_mask_and_keeps_two_words_a_row_and_line() {
     for depth in 1..=lighting::MAX_DEPTH {
         for coarse in [false, true] {
-            let header = lighting::wgsl::header(depth, coarse);
+            let header = lighting::wgsl::header(depth, lighting::Fineness { coarse, ..lighting::Fineness::FINE });
             let module = validate(&[&header, lighting::wgsl::MASK, wgsl::SPLAT]);
             let (_, bits) = module
                 .global_variables

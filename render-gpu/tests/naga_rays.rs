@@ -28,7 +28,7 @@ fn shadow_rays_validate() {
     const STACK: &str = "const STACK = 32u;";
     validate(&[RAYS, STACK, BVH, GEOMETRY]);
     for (depth, coarse) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
-        let header = lighting::wgsl::header(depth, coarse);
+        let header = lighting::wgsl::header(depth, lighting::Fineness { coarse, ..lighting::Fineness::FINE });
         let masks = [header.as_str(), lighting::wgsl::SQUARE, lighting::wgsl::MASK, lighting::wgsl::CONTOUR];
         let main = "@compute @workgroup_size(LANES) fn main(@builtin(local_invocation_index) lane: u32) {
             let light = Cone(vec3f(0.0, 0.0, 1.0), 0.01, 5.0);

@@ -1,6 +1,6 @@
 //! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are Rust's.
 
-use lighting::wgsl as lighting;
+use ::lighting::{Fineness, wgsl as lighting};
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
@@ -69,7 +69,7 @@ fn classification_validates() {
 fn splats_validate_at_all_depths() {
     for depth in 1..=::lighting::MAX_DEPTH {
         for coarse in [false, true] {
-            let header = lighting::header(depth, coarse);
+            let header = lighting::header(depth, Fineness { coarse, ..Fineness::FINE });
             module(&[
                 &header,
                 wgsl::SPHERES_SPLAT,

@@ -271,11 +271,11 @@ fn check_pops(size: [usize; 2], way: Way, most: [f64; 4], usual: f64) {
 }
 
 fn check_ways(size: [usize; 2]) {
-    // Where the mask turns to another blocker, and where a step carries a lobe away, its own error shows at once.
-    check_pops(size, Way::Light, [0.035, 0.015, 0.006, 0.01], 1.0);
-    // A sample of a narrow lobe's window is up to a tenth of a percent of what it sees, of a broad one's mask with 64 a row as
-    // much; some come and go together.
-    check_pops(size, Way::Seen, [0.01, 0.007, 0.005, 0.003], 0.9);
+    // Where a step carries a narrow lobe away, its share turns from one step to the next.
+    check_pops(size, Way::Light, [0.035, 0.015, 0.005, 0.005], 1.0);
+    // Below the tolerance. A sample of a mask with 64 a row is up to a tenth of a percent of what a broad lobe sees, and one
+    // sweep in some thousands has six of them come and go together.
+    check_pops(size, Way::Seen, [0.01, 0.0065, 0.003, 0.001], 0.9);
 }
 
 #[test]

@@ -52,5 +52,6 @@ fn penumbra(
             atomicSub(&queue.counters[PENUMBRA_POINTS], 1u);
             atomicAdd(&queue.counters[LIT_POINTS], 1u);
         }
-    }    note_cut_loops();
+    }
+    note_cut_loops();
 }

@@ -15,7 +15,7 @@ fn penumbra(
     let tile = point / 64u;
     let at = points[point];
     let light = cone_of_sphere(at.position, frame.light);
-    let mask = visibility_mask(lane, tile, at, light);
+    let window = visibility_window(lane, tile, at, light);
     let coverage = visibility_coverage(lane);
     var sum = vec3f(0.0);
     for (var k = 0u; k + 1u < frame.queue_stride; k++) {
@@ -24,7 +24,7 @@ fn penumbra(
         let brightest = max(max(unshadowed.x, unshadowed.y), unshadowed.z);
         let is_seen = k < brdf_lobe_count(at.material) && brightest > frame.threshold;
         if (decide(lane, is_seen && coverage == PARTIAL)) {
-            sum += unshadowed * visible_share(lane, tile, at, light, frame.tolerance, mask, lobe);
+            sum += unshadowed * visible_share(lane, tile, at, light, frame.tolerance, window, lobe);
         } else if (is_seen && coverage == LIT) {
             sum += unshadowed;
         }
@@ -36,5 +36,6 @@ fn penumbra(
             atomicSub(&queue.counters[PENUMBRA_POINTS], 1u);
             atomicAdd(&queue.counters[select(DARK_POINTS, LIT_POINTS, coverage == LIT)], 1u);
         }
-    }    note_cut_loops();
+    }
+    note_cut_loops();
 }

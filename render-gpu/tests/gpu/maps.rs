@@ -7,7 +7,7 @@ use self::mesh::{FLOOR, Mesh};
 use crate::call::{call_with, trial};
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{Blockers as _, MAX_DEPTH, Mask, UnitSquare, depth_for};
+use lighting::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare, depth_for};
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use lobe_core::{Cone, Coverage, Receiver, Sphere, VisibilityQuery};
@@ -151,7 +151,7 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
             rows.push(lane as f32);
         }
     }
-    let header = lighting::wgsl::header(depth, false);
+    let header = lighting::wgsl::header(depth, Fineness::FINE);
     let masks = [&header, lighting::wgsl::MASK, lighting::wgsl::SQUARE];
     let pieces = [FRAME, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, masks[0], masks[1], masks[2]];
     let body = "let at = receiver();

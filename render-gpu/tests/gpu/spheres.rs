@@ -3,7 +3,7 @@
 use crate::call::trial;
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{Blockers, Edges, UnitSquare, hooks, wgsl as masks};
+use lighting::{Blockers, Edges, Fineness, UnitSquare, hooks, wgsl as masks};
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
@@ -296,7 +296,7 @@ impl Words {
                     out[begin + 8u * SIDE + 1u] = bitcast<u32>(sum.y);
                 }
             }";
-        let header = masks::header(depth, coarse);
+        let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
         let pieces = [
             &header,
             FRAME,
