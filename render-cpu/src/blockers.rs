@@ -78,9 +78,10 @@ pub fn blockers(scene: &Scene, progress: &mut BlockersProgress<'_>) -> Result<Bl
 mod tests {
     use super::*;
     use crate::test_scenes::floor_and_ball;
-    use glam::Vec3;
+    use glam::{Mat4, Quat, Vec3};
     use lobe_core::Sphere;
     use scene::{Mesh, Proxy, Shape};
+    use visibility_spheres::{BuildOptions, SphereSet};
 
     fn make(scene: &Scene) -> Result<BlockerSet, BlockersError> {
         blockers(scene, &mut |_, _| ControlFlow::Continue(()))
@@ -116,7 +117,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("lobes-blockers-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join("set.json");
-        scene.objects[0].proxy = Proxy::File(path.clone());
+        scene.objects[0].proxy = Proxy::File { path: path.clone(), placement: Mat4::IDENTITY };
         assert!(matches!(make(&scene), Err(BlockersError::Read { .. })));
         std::fs::write(&path, "{}").unwrap();
         assert!(matches!(make(&scene), Err(BlockersError::Set { .. })));
@@ -124,5 +125,48 @@ mod tests {
 
         scene.objects[0].proxy = Proxy::Count(0);
         assert!(make(&scene).unwrap_err().to_string().contains("floor"));
+    }
+
+    #[test]
+    fn a_set_goes_with_its_placed_mesh() {
+        let folder = std::env::temp_dir().join(format!("lobes-placed-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+        write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let set = SphereSet::build(&positions, &triangles, &BuildOptions::draft(6)).unwrap();
+        write("set.json", &set.to_json());
+        let object = "[[objects]]\nmesh = \"m.obj\"\nproxy = { file = \"set.json\" }\nscale = 3\n\
+                      rotate = { axis = [1, 2, 3], degrees = 40 }\ntranslate = [5, -1, 2]\n";
+        let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, 3.0).normalize(), 40_f32.to_radians());
+        for keys in ["", "keys = [{ time = 0 }, { time = 1, translate = [5, 7, 2] }]\n"] {
+            write("scene.toml", &format!("{object}{keys}"));
+            let (mut scene, animation, _) = scene::load_animated(folder.join("scene.toml")).unwrap();
+            let go = &mut |_: &str, _| ControlFlow::Continue(());
+            let spheres = SceneSpheres::new(&scene, Some(&animation), |_| SphereSource::Proxy, go).unwrap();
+            let mut out = BlockerSet::default();
+            for time in if keys.is_empty() { vec![0.0] } else { vec![0.0, 0.5] } {
+                animation.seek(time, &mut scene);
+                spheres.pose(&scene, Some((&animation, time)), &mut out).unwrap();
+                let there = Vec3::new(5.0, -1.0 + 8.0 * time, 2.0);
+                for (own, placed) in set.spheres.iter().zip(&out.spheres) {
+                    let want = turn * (3.0 * own.center) + there;
+                    assert!(placed.center.distance(want) < 1e-5, "{time}: {} for {want}", placed.center);
+                    assert!((placed.radius - 3.0 * own.radius).abs() < 1e-5, "{time}: {}", placed.radius);
+                }
+                assert_eq!((out.spheres.len(), out.self_shadows.len()), (6, 6));
+                for (own, placed) in set.self_shadows.iter().zip(&out.self_shadows) {
+                    assert!(placed.offset.distance(turn * own.offset) < 1e-5, "{time}: {placed:?} of {own:?}");
+                    assert_eq!((placed.radius, placed.distance), (own.radius, own.distance));
+                }
+                assert!((out.self_distances[0] - 3.0 * set.self_distance).abs() < 1e-5);
+            }
+        }
+        // The set of another mesh is none of a placed one either.
+        write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+        let scene = scene::load(folder.join("scene.toml")).unwrap();
+        assert!(matches!(make(&scene), Err(BlockersError::Misfit { .. })));
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -1,4 +1,5 @@
 use crate::blockers::{BlockersError, BlockersProgress};
+use glam::{Mat3, Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
 use scene::{Animation, BlockerSet, Mesh, Object, Proxy, Scene, Shape};
 use std::path::Path;
@@ -161,7 +162,7 @@ fn from_proxy(
             let set = SphereSet::build_with_progress(positions, triangles, &options, &mut report);
             set.map_err(|source| BlockersError::Build { object: name(), source })?
         }
-        (Proxy::File(path), _) => read_set(path, object)?,
+        (Proxy::File { path, placement }, _) => read_set(path, placement, object)?,
     };
     let (self_distance, silhouette_error) = (set.self_distance, Some(set.quality.silhouette_error));
     let self_shadows = set.self_shadows.clone();
@@ -182,17 +183,30 @@ fn from_proxy(
     made(Spheres::Bound(Box::new(bound)))
 }
 
-/// Reads the file of a sphere set that is given for an object.
+/// Reads the file of a sphere set that is given for an object as it stood before `placement`, and puts the set where the
+/// object is: radii and τ grow with the scale, which is one for all axes. How a sphere shadows its own object is in units
+/// of its radius and only turns.
 ///
 /// # Errors
 /// [`BlockersError::Read`], [`BlockersError::Set`], and [`BlockersError::Misfit`] for a set of another mesh.
-pub fn read_set(path: &Path, object: &Object) -> Result<SphereSet, BlockersError> {
+pub fn read_set(path: &Path, placement: &Mat4, object: &Object) -> Result<SphereSet, BlockersError> {
     let path = || path.to_owned();
     let text = std::fs::read_to_string(path()).map_err(|source| BlockersError::Read { path: path(), source })?;
-    let set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
+    let mut set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
     if let Shape::Mesh(mesh) = &object.shape {
-        let fits = set.check_fits(&mesh.positions, &mesh.triangles);
+        let back = placement.inverse();
+        let own: Vec<Vec3> = mesh.positions.iter().map(|p| back.transform_point3(*p)).collect();
+        let fits = set.check_fits(&own, &mesh.triangles);
         fits.map_err(|source| BlockersError::Misfit { path: path(), object: object.name.clone(), source })?;
+        let bounds = mesh.bounds();
+        set.mesh_bounds = [bounds.min, bounds.max];
+    }
+    let turn = Mat3::from_mat4(*placement);
+    set.self_shadows.iter_mut().for_each(|own| *own = own.turned(turn));
+    let scale = placement.x_axis.truncate().length();
+    set.self_distance *= scale;
+    for ball in &mut set.spheres {
+        *ball = Sphere { center: placement.transform_point3(ball.center), radius: ball.radius * scale };
     }
     Ok(set)
 }

@@ -1,7 +1,7 @@
 use crate::mesh::MAX_COORDINATE;
 use crate::{Bounds, Camera, Mesh, SceneError, Strategy};
 use brdf::Material;
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use lighting::SphereLight;
 use lobe_core::Sphere;
 use std::path::PathBuf;
@@ -22,8 +22,13 @@ pub enum Proxy {
     None,
     /// So many inner spheres built from the mesh.
     Count(usize),
-    /// A sphere set in a file, in world space as at the first moment.
-    File(PathBuf),
+    /// A sphere set in a file, made for the mesh in its own coordinates.
+    File {
+        /// The file.
+        path: PathBuf,
+        /// From the mesh's own coordinates to the world at the first moment; its scale is the same along all axes.
+        placement: Mat4,
+    },
     /// These spheres, in world space.
     Spheres(Vec<Sphere>),
 }

@@ -45,7 +45,7 @@ fn the_example_is_a_valid_scene_with_every_key() {
     assert_eq!(crate_box.proxy, Proxy::Count(32));
     let model = scene.objects[5].shape.bounds();
     assert!((model.min - Vec3::new(-0.4, 0.1, 1.4)).length() < 1e-6, "{model:?}");
-    assert!(matches!(scene.objects[5].proxy, Proxy::File(_)));
+    assert!(matches!(scene.objects[5].proxy, Proxy::File { .. }));
 }
 
 #[test]
@@ -223,5 +223,26 @@ fn sets_in_files_do_not_follow_balls() {
     load(&path).unwrap();
     std::fs::write(&path, format!("{ball}keys = [{{ time = 0 }}, {{ time = 1, translate = [1, 0, 0] }}]\n")).unwrap();
     let message = load(&path).unwrap_err().to_string();
-    assert!(message.contains("scene.toml:2:") && message.contains("stays where it was made"), "{message}");
+    assert!(message.contains("scene.toml:2:") && message.contains("does not follow them"), "{message}");
+}
+
+#[test]
+fn sets_in_files_are_scaled_uniformly() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(folder.path().join("set.json"), "{}").unwrap();
+    let path = folder.path().join("scene.toml");
+    let read = |placed: &str| {
+        let object = "[[objects]]\nmesh = \"m.obj\"\nproxy = { file = \"set.json\" }\n";
+        std::fs::write(&path, format!("{object}{placed}\n")).unwrap();
+        load(&path)
+    };
+    let scene = read("scale = -2\ntranslate = [1, 2, 3]").unwrap();
+    let Proxy::File { placement, .. } = &scene.objects[0].proxy else { panic!() };
+    assert_eq!(placement.transform_point3(Vec3::new(1.0, 0.0, 1.0)), Vec3::new(-1.0, 2.0, 1.0));
+    let uneven = "matrix = [[1, 0.5, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";
+    for (placed, line) in [("scale = [1, 2, 1]", 4), (uneven, 4), ("keys = [{ time = 0, scale = [1, 2, 1] }]", 3)] {
+        let message = read(placed).unwrap_err().to_string();
+        assert!(message.contains(&format!("scene.toml:{line}:")) && message.contains("uniformly"), "{message}");
+    }
 }

@@ -58,7 +58,8 @@ pub(crate) fn read_object(
     let visible = t.get("visible").map_or(Ok(true), |v| v.boolean())?;
     let strategy = t.get("visibility").map(read_strategy).transpose()?;
     let (stand, place) = transform(&mut t)?;
-    let proxy = t.get("proxy").map(|v| read_proxy(v, path)).transpose()?;
+    let proxy_key = t.get("proxy");
+    let proxy = proxy_key.map(|v| read_proxy(v, path)).transpose()?;
     let keys = Keys::read(&mut t)?;
     t.finish()?;
 
@@ -76,21 +77,26 @@ pub(crate) fn read_object(
     let matrix = placement.at(0.0);
     let moves = !placement.is_fixed();
 
-    // A uniform scale, where there is one: all that spheres can follow.
-    let move_balls = |balls: &[Sphere]| -> Result<Vec<Sphere>, SceneError> {
+    // A uniform scale: all that spheres can follow.
+    let scale = || -> Result<f32, SceneError> {
         let scales = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|a| a.truncate().length());
         let skew = [(0, 1), (1, 2), (2, 0)]
             .iter()
             .any(|&(i, j)| matrix.col(i).truncate().dot(matrix.col(j).truncate()).abs() > 1e-4 * scales[i] * scales[j]);
         let uneven = scales.iter().any(|s| (s - scales[0]).abs() > 1e-4 * scales[0]);
-        if let (true, Some(place)) = (skew || uneven, place) {
-            return Err(place.error(UNEVEN));
+        match place.or(proxy_key) {
+            Some(place) if skew || uneven => Err(place.error(UNEVEN)),
+            _ => Ok(scales[0]),
         }
-        let moved = |b: &Sphere| Sphere { center: matrix.transform_point3(b.center), radius: b.radius * scales[0] };
+    };
+    let move_balls = |balls: &[Sphere]| -> Result<Vec<Sphere>, SceneError> {
+        let scale = scale()?;
+        let moved = |b: &Sphere| Sphere { center: matrix.transform_point3(b.center), radius: b.radius * scale };
         Ok(balls.iter().map(moved).collect())
     };
     let proxy = match proxy {
         Some(Proxy::Spheres(balls)) => Some(Proxy::Spheres(move_balls(&balls)?)),
+        Some(Proxy::File { path, .. }) => scale().map(|_| Some(Proxy::File { path, placement: matrix }))?,
         other => other,
     };
 
@@ -99,8 +105,8 @@ pub(crate) fn read_object(
             let balls = move_balls(&own)?;
             let proxy = match proxy {
                 Some(Proxy::Count(_)) => return Err(value.error("exact spheres need no built proxy")),
-                Some(Proxy::File(_)) if moves => {
-                    return Err(value.error("a set in a file stays where it was made: spheres that move need no proxy"));
+                Some(Proxy::File { .. }) if moves => {
+                    return Err(value.error("a set in a file does not follow them: spheres that move need no proxy"));
                 }
                 other => other.unwrap_or_else(|| Proxy::Spheres(balls.clone())),
             };
@@ -139,7 +145,7 @@ pub(crate) fn read_object(
                 None => share_out(DEFAULT_SPHERES, &placed),
                 Some(_) => vec![0; placed.len()],
             };
-            if !single && matches!(proxy, Some(Proxy::Spheres(_) | Proxy::File(_))) {
+            if !single && matches!(proxy, Some(Proxy::Spheres(_) | Proxy::File { .. })) {
                 return Err(value.error(format!(
                     "a mesh of {} parts takes no single sphere set: expected \"none\" or a number of spheres",
                     placed.len()
@@ -291,7 +297,7 @@ fn read_proxy(value: Value<'_>, path: &Path) -> Result<Proxy, SceneError> {
             if !file.is_file() {
                 return Err(v.error(format!("there is no file {}", file.display())));
             }
-            Proxy::File(file)
+            Proxy::File { path: file, placement: Mat4::IDENTITY }
         }
         (_, v) => Proxy::Spheres(v.spheres()?),
     };

@@ -88,9 +88,15 @@ fn sphere_sets_follow_the_contract() {
     assert_eq!(names(folder), ["m.obj", "p.png", "scene.toml", "set.json"]);
     // The stored set serves a scene.
     let scene = SCENE.to_owned() + "\n[[objects]]\nmesh = \"m.obj\"\nproxy = { file = \"set.json\" }\n";
-    fs::write(folder.join("with.toml"), scene).unwrap();
+    fs::write(folder.join("with.toml"), &scene).unwrap();
     let stats = json(folder, &["render", "with.toml", "-o", "a.png", "--json"]);
     assert_eq!(stats["spheres"], 5);
+    // Also where the mesh is placed: the set is in the mesh's own coordinates.
+    let placed = scene.clone() + "scale = 3\nrotate = { axis = [1, 1, 0], degrees = 50 }\ntranslate = [1, 2, -3]\n";
+    fs::write(folder.join("placed.toml"), placed).unwrap();
+    assert_eq!(json(folder, &["render", "placed.toml", "-o", "a.png", "--json"])["spheres"], 5);
+    fs::write(folder.join("uneven.toml"), scene.clone() + "scale = [1, 2, 1]\n").unwrap();
+    refuse(folder, &["render", "uneven.toml"], "uniformly");
     // And is looked into when the scene is checked.
     assert_eq!(json(folder, &["check", "with.toml", "--json"])["spheres"], 5);
     fs::write(folder.join("set.json"), "{}").unwrap();

@@ -80,8 +80,8 @@ fn spheres(object: &Object) -> Result<(usize, Option<SetQuality>), BlockersError
         (Proxy::None, _) => Ok((0, None)),
         (Proxy::Spheres(list), _) | (Proxy::Count(_), Shape::Spheres(list)) => Ok((list.len(), None)),
         (Proxy::Count(n), Shape::Mesh(mesh)) => Ok((*n, sphere_cache::known(mesh, *n).map(|set| set.quality))),
-        (Proxy::File(path), _) => {
-            let set = read_set(path, object)?;
+        (Proxy::File { path, placement }, _) => {
+            let set = read_set(path, placement, object)?;
             Ok((set.spheres.len(), Some(set.quality)))
         }
     }
@@ -177,7 +177,7 @@ fn blocks(o: &Object, needs: &Requirement) -> String {
         (Strategy::None, ..) => "blocks nothing".to_owned(),
         (Strategy::Rays, ..) => "blocks by rays".to_owned(),
         (Strategy::ShadowMap, _, Shape::Mesh(_)) => "blocks through shadow maps".to_owned(),
-        (Strategy::Spheres, Proxy::File(path), _) => {
+        (Strategy::Spheres, Proxy::File { path, .. }, _) => {
             format!("blocks with the {spheres} spheres of {}", path.display())
         }
         (Strategy::Spheres, Proxy::Count(n), Shape::Mesh(_)) => match &needs.quality {

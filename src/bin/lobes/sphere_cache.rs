@@ -8,6 +8,7 @@ use cosine_lobes::render_cpu::{BlockersError, SphereSource};
 use cosine_lobes::scene::{Mesh, Object, Proxy, Scene, Shape};
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet};
 use cosine_lobes::{ImageFileError, Output};
+use glam::Mat4;
 use std::fs;
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -34,7 +35,8 @@ pub(crate) fn fill(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<(), Fa
                 return Ok(());
             }
         }
-        object.proxy = Proxy::File(path);
+        // Made for the mesh as it stands.
+        object.proxy = Proxy::File { path, placement: Mat4::IDENTITY };
     }
     Ok(())
 }

@@ -38,7 +38,7 @@ impl Stamp {
         };
         let all = Fingerprint::new().debug(&options).debug(&device).debug(scene).debug(animation);
         let sets = scene.objects.iter().filter_map(|o| match &o.proxy {
-            Proxy::File(path) => std::fs::read(path).ok(),
+            Proxy::File { path, .. } => std::fs::read(path).ok(),
             _ => None,
         });
         Self { sequence: sets.fold(all, |all, set| all.bytes(&set)).value() }
