@@ -295,7 +295,8 @@ fn read_proxy(value: Value<'_>, path: &Path) -> Result<Proxy, SceneError> {
         ("file", v) => {
             let file = path.with_file_name("").join(v.string()?);
             if !file.is_file() {
-                return Err(v.error(format!("there is no file {}", file.display())));
+                let what = if file.exists() { "a folder or a device, but no file:" } else { "there is no file" };
+                return Err(v.error(format!("{what} {}", file.display())));
             }
             Proxy::File { path: file, placement: Mat4::IDENTITY }
         }

@@ -71,6 +71,13 @@ fn checking_advises_for_each_object() {
     {
         assert!(advice(n).0 == word && advice(n).1.contains(reason), "{n}: {:?}", advice(n));
     }
+    // What render does instead, and how to have what is advised: for a scene file and for a mesh.
+    let told = succeed(folder, &["check", "all.toml"]);
+    let line = "render takes \"spheres\" unless told so: write visibility = \"rays\" under this object";
+    assert_eq!(told.matches("unless told so").count(), 1, "{told}");
+    assert!(told.contains(line), "{told}");
+    let told = succeed(folder, &["check", "bowl.obj"]);
+    assert!(told.contains("render takes \"spheres\" unless told so: --visibility rays, or a scene file"), "{told}");
     // A box of few triangles is by rays, since nothing else was said.
     let takes = |n: usize| (all["objects"][n]["visibility"].as_str().unwrap(), all["objects"][n]["spheres"].as_u64());
     assert_eq!(

@@ -221,3 +221,20 @@ fn an_interrupted_sequence_leaves_whole_frames() {
     assert_eq!(left.len(), whole.len() + 2, "{left:?}");
     assert!((1..11).contains(&whole.len()) && whole.iter().all(|n| read_exr(&folder.join(n)).is_ok()), "{left:?}");
 }
+
+/// Warnings may come first; what failed is one line, and the last.
+#[test]
+fn an_error_is_the_last_line() {
+    let folder = folder();
+    let folder = folder.path();
+    let bright = "[materials.m]\nmodel = \"lambert\"\nalbedo = 1.5\n\n[[lights]]";
+    fs::write(folder.join("bright.toml"), SCENE.replace("[[lights]]", bright)).unwrap();
+    let ran = lobes(folder, &["render", "bright.toml", "--frames", "0..1000"]);
+    let stderr = String::from_utf8(ran.stderr).unwrap();
+    let lines: Vec<&str> = stderr.lines().collect();
+    assert!(ran.status.code() == Some(2) && lines.len() == 2, "{stderr}");
+    assert!(
+        lines[0].starts_with("lobes: warning: ") && lines[1].starts_with("lobes: error: --frames 0..1000"),
+        "{stderr}"
+    );
+}

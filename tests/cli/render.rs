@@ -219,6 +219,11 @@ fn wrong_sphere_files_are_refused() {
         refuse(folder, &["render", "with.toml"], "bad.json");
         refuse(folder, &["check", "with.toml"], "bad.json");
     }
+    fs::create_dir(folder.join("sets")).unwrap();
+    scene("m.obj", "sets");
+    refuse(folder, &["check", "with.toml"], "a folder or a device, but no file");
+    scene("m.obj", "absent.json");
+    refuse(folder, &["check", "with.toml"], "there is no file");
     for (mesh, what) in [("larger.obj", "bounding box"), ("other.obj", "triangles")] {
         scene(mesh, "set.json");
         for command in ["render", "reference", "check"] {

@@ -67,7 +67,7 @@ fn sphere_sets_say_what_is_wrong() {
         String::from_utf8(ran.stderr).unwrap()
     };
     let few = told(&["--count", "1", "-o", "set.json"]);
-    assert!(few.contains("1 spheres are few") && few.lines().count() == 1, "{few}");
+    assert!(few.contains("too few spheres (1) for it") && few.lines().count() == 1, "{few}");
     let draft = told(&["--count", "16", "--draft"]);
     assert!(draft.contains("--draft leaves") && draft.contains("-o set.json"), "{draft}");
     assert_eq!(told(&["--count", "1", "--draft", "-q"]), "");

@@ -1,6 +1,6 @@
 use crate::advice::{Advice, advise};
 use crate::args::{CheckArgs, Visibility};
-use crate::console::say;
+use crate::console::{counted, say};
 use crate::failure::Failure;
 use crate::moment::last_frame;
 use crate::picture::BAND_RAYS;
@@ -43,7 +43,9 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     if args.json {
         say(serde_json::to_string_pretty(&requirements(&scene, &animation, &plan, &objects))?);
     } else {
-        print(&scene, &animation, &plan, &objects);
+        let of_scene =
+            args.file.as_ref().is_some_and(|f| f.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")));
+        print(&scene, &animation, &plan, &objects, of_scene);
     }
     Ok(())
 }
@@ -131,7 +133,8 @@ fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Re
     })
 }
 
-fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requirement]) {
+/// `of_scene`: whether there is a scene file to write advice into.
+fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requirement], of_scene: bool) {
     say(format_args!("image      {} x {}", scene.width, scene.height));
     say(format_args!("lights     {}", scene.lights.len()));
     say(format_args!("triangles  {}", scene.triangles()));
@@ -148,14 +151,23 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
     }
     for (o, needs) in scene.objects.iter().zip(objects) {
         let shape = match &o.shape {
-            Shape::Mesh(m) => format!("{} triangles", m.triangles.len()),
-            Shape::Spheres(s) => format!("{} balls", s.len()),
+            Shape::Mesh(m) => counted(m.triangles.len(), "triangle"),
+            Shape::Spheres(s) => counted(s.len(), "ball"),
         };
         let seen = if o.visible { "" } else { ", not seen by the camera" };
         say(format_args!("object     \"{}\": {shape}, material {}{seen}, {}", o.name, o.material, blocks(o, needs)));
         let Advice { strategy, reason } = &needs.advice;
-        let change = if needs.strategy == *strategy { "" } else { ", which it has not now" };
-        say(format_args!("           advice: visibility = \"{}\"{change} ({reason})", strategy.name()));
+        let (wanted, taken) = (strategy.name(), needs.strategy.name());
+        say(format_args!("           advice: visibility = \"{wanted}\" ({reason})"));
+        if needs.strategy != *strategy {
+            let how = match of_scene {
+                true => format!("write visibility = \"{wanted}\" under this object"),
+                false => {
+                    format!("--visibility {wanted}, or a scene file with visibility = \"{wanted}\" for this object")
+                }
+            };
+            say(format_args!("           render takes \"{taken}\" unless told so: {how}"));
+        }
     }
     if scene.lights.is_empty() {
         say("note       no light: the picture is black");
@@ -178,12 +190,12 @@ fn blocks(o: &Object, needs: &Requirement) -> String {
         (Strategy::Rays, ..) => "blocks by rays".to_owned(),
         (Strategy::ShadowMap, _, Shape::Mesh(_)) => "blocks through shadow maps".to_owned(),
         (Strategy::Spheres, Proxy::File { path, .. }, _) => {
-            format!("blocks with the {spheres} spheres of {}", path.display())
+            format!("blocks with the {} of {}", counted(spheres, "sphere"), path.display())
         }
         (Strategy::Spheres, Proxy::Count(n), Shape::Mesh(_)) => match &needs.quality {
-            Some(_) => format!("blocks with {n} spheres, built before"),
-            None => format!("blocks with up to {n} spheres, built at the first picture and kept"),
+            Some(_) => format!("blocks with {}, built before", counted(*n, "sphere")),
+            None => format!("blocks with up to {}, built at the first picture and kept", counted(*n, "sphere")),
         },
-        _ => format!("blocks with {spheres} spheres"),
+        _ => format!("blocks with {}", counted(spheres, "sphere")),
     }
 }

@@ -69,7 +69,7 @@ fn folder() -> Option<PathBuf> {
 }
 
 fn build(object: &str, mesh: &Mesh, count: usize, quiet: bool) -> Result<SphereSet, Failure> {
-    let progress = console::Fit::new(&format!("object \"{object}\": {count} spheres"), quiet);
+    let progress = console::Fit::new(&format!("object \"{object}\": {}", console::counted(count, "sphere")), quiet);
     let options = BuildOptions::new(count);
     let set = SphereSet::build_with_progress(&mesh.positions, &mesh.triangles, &options, &mut |done| {
         progress.report(done);

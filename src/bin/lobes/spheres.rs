@@ -56,7 +56,7 @@ fn doubt(args: &SpheresArgs, options: &BuildOptions, quality: &SetQuality) -> Op
         // As many spheres as the error takes that was asked for.
         _ if args.tolerance.is_some() => return None,
         Verdict::Suits => return None,
-        Verdict::FewSpheres => format!("{} spheres are few for it, --count allows more", options.count),
+        Verdict::FewSpheres => format!("too few spheres ({}) for it, --count allows more", options.count),
         Verdict::Draft => "--draft leaves about three times the error of a full fit".to_owned(),
         Verdict::Bounding => "a bound casts too large a shadow, and of an open mesh it fills the inside".to_owned(),
         Verdict::Unsuitable => "spheres do not suit this mesh, render it with --visibility rays".to_owned(),

@@ -97,11 +97,12 @@ impl SphereSet {
         let file: File = serde_json::from_value(value).map_err(|error| SetFileError { message: error.to_string() })?;
 
         let length = |what: &str, value: f32| {
-            if value.is_finite() && value >= 0.0 {
-                Ok(())
-            } else {
-                Err(SetFileError { message: format!("{what} is {value}, but should be finite and not negative") })
-            }
+            let message = match value {
+                _ if !value.is_finite() => format!("{what} is not a finite number"),
+                _ if value < 0.0 => format!("{what} is {value}, but should not be negative"),
+                _ => return Ok(()),
+            };
+            Err(SetFileError { message })
         };
         length("self_distance", file.self_distance)?;
         let quality = file.quality;

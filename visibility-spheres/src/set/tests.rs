@@ -373,7 +373,12 @@ fn json_that_is_wrong_is_refused_in_one_line() {
         (with("/version", json!("1")), "version"),
         (with("/spheres/0/3", json!(-0.5)), "radius of sphere 0"),
         (with("/spheres/1/0", json!(null)), "centre of sphere 1"),
-        (with("/spheres/1/3", json!(null)), "radius of sphere 1"),
+        (with("/spheres/1/3", json!(null)), "radius of sphere 1 is not a finite number"),
+        (with("/spheres/1/3", json!(1e39)), "radius of sphere 1 is not a finite number"),
+        (
+            with("/spheres/1/3", json!("here")).replace("\"here\"", "Infinity"),
+            "radius of sphere 1 is not a finite number",
+        ),
         (with("/spheres/1/0", json!("here")).replace("\"here\"", "NaN"), "centre of sphere 1"),
         (with("/spheres/1/0", json!("here")).replace("\"here\"", "-Infinity"), "centre of sphere 1"),
         (with("/spheres/1/0", json!("1")), "sphere 1"),
