@@ -3,10 +3,10 @@
 use brdf::Material;
 use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
-use lighting::{MaskVisibility, SphereLight};
+use lighting::{Blockers, Mask, MaskVisibility, SphereLight};
 use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
-use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene};
+use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadingPoints};
 
 fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
     let object = |(i, mesh)| Object::mesh(format!("mesh {i}"), mesh, 0, Proxy::None);
@@ -165,4 +165,61 @@ fn near_monte_carlo() {
     let mean = errors.iter().sum::<f64>() / n as f64;
     println!("{n} in penumbra: mean {mean:.5}, p99 {:.5}, reference ± {:.5}", errors[n * 99 / 100], noise / n as f64);
     assert!(n > 300 && mean < 0.004 && errors[n * 99 / 100] < 0.03);
+}
+
+/// A mask whose every cell is asked.
+struct EveryCell<'w>(&'w World<'w>);
+
+impl Blockers for EveryCell<'_> {
+    type Scratch = ();
+
+    fn scratch(&self) {}
+
+    fn select(&self, _: &VisibilityQuery<'_>, (): &mut ()) -> Coverage {
+        Coverage::Partial
+    }
+
+    fn splat(&self, query: &VisibilityQuery<'_>, (): &mut (), mask: &mut Mask) {
+        let origin = self.0.leave(query.at.position, query.at.face);
+        mask.block_where(|v| self.0.occluded(origin, v, query.cone.distance * query.cone.cos()));
+    }
+}
+
+/// What the contour saves: the share of the light against that of a mask whose every cell is asked, over penumbrae.
+#[test]
+fn near_the_full_mask() {
+    let picket = |k: i16| Mesh::cuboid(Vec3::new(-1.5 + 0.1 * f32::from(k), 0.5, 0.0), Vec3::new(0.05, 1.0, 0.02));
+    let mut fence = Mesh::default();
+    (0..31).for_each(|k| fence.append(&picket(k)));
+    let light = Sphere { center: Vec3::new(-2.0, 4.0, 3.5), radius: 0.5 };
+    for (name, mesh) in [("ball", ball(Vec3::Y * 0.6, 0.5)), ("fence", fence)] {
+        let scene = scene(vec![floor(10.0), mesh], light);
+        let world = World::new(&scene);
+        let g = GBuffer::new(&world, 192, 144, 1);
+        let all = shares(MaskVisibility::new(RayBlockers::new(&world), 5), 5, &scene, &g.points);
+        let mut points = ShadingPoints::default();
+        for (k, _) in all.iter().enumerate().filter(|(_, share)| (0.01..=0.99).contains(*share)) {
+            points.receivers.push(g.points.receivers[k]);
+            points.materials.push(g.points.materials[k]);
+        }
+        let rays = RayBlockers::new(&world);
+        let own = shares(MaskVisibility::new(&rays, 5), 5, &scene, &points);
+        let (count, asked) = (points.receivers.len(), rays.rays() as f64 / points.receivers.len() as f64);
+        assert!(count > 500 && asked < 600.0, "{name}: {count} points, {asked} rays");
+        for depth in [5, 6] {
+            let full = shares(MaskVisibility::new(EveryCell(&world), depth), depth, &scene, &points);
+            let mean = own.iter().zip(&full).map(|(a, b)| (a - b).abs()).sum::<f64>() / count as f64;
+            println!("{name}: {count} points, {asked:.0} rays, {mean:.5} from all cells of depth {depth}");
+            assert!(mean <= 0.002, "{name}: {mean} from all cells of depth {depth}");
+        }
+    }
+}
+
+/// The share of the light that each point sees.
+fn shares<V: VisibilityLobes>(visibility: V, depth: u32, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
+    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth, threshold: 0.0 };
+    let mut out = vec![Vec3::ZERO; points.receivers.len()];
+    let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out).expect("a shaded picture");
+    let share = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
+    out.iter().zip(&layers.unshadowed).map(share).collect()
 }
