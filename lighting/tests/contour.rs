@@ -107,7 +107,7 @@ impl Blockers for Balls {
 #[test]
 fn a_strategy_of_questions_conforms() {
     let subject = |s: &Setting<'_>| MaskVisibility::new(Balls(s.balls.to_vec()), 5);
-    let limits = Limits { several_mean: 0.0015, several: 0.012, turn: 0.014, jump: 0.007, ..Limits::default() };
+    let limits = Limits { several_mean: 0.0015, several: 0.012, turn: 0.014, jump: 0.0045, ..Limits::default() };
     let measured = check(&subject, &limits).unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");
 }
