@@ -41,7 +41,11 @@ fn maps_coverage(at: Receiver, cone: Cone) -> u32 {
                         verdict = MAP_NO;
                     }
                 }
-                if verdict >= MAP_BLOCKS {
+                if verdict >= MAP_PARTLY {
+                    let parts = map_parts(probe, layer, item, node, verdict);
+                    verdict = select(MAP_NO, MAP_BLOCKS, parts.near.share + parts.far.share > 0.0);
+                }
+                if verdict == MAP_BLOCKS {
                     return PARTIAL;
                 }
                 if verdict == MAP_SPLIT {

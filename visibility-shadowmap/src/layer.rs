@@ -1,5 +1,6 @@
 //! One depth layer of a face and its pyramid.
 
+use glam::Vec4;
 use rayon::prelude::*;
 
 /// The q of a texel without a surface.
@@ -46,6 +47,47 @@ impl Node {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.min > self.max
+    }
+}
+
+/// A part of a node: a trapezoid at one depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Part {
+    /// Counter-clockwise from the lower left.
+    pub(crate) corners: [[f32; 2]; 4],
+    pub(crate) q: f32,
+}
+
+impl Part {
+    /// Covers a share of some texels, along that side of theirs to which its centre is nearest; as slanted as its centre is
+    /// off the middle of that side: exact where an outline passes straight from side to side. `sum`: of i, j, q and 1
+    /// over the texels that are covered, of `count`.
+    fn new([x0, x1, y0, y1]: [f32; 4], sum: Vec4, count: f32) -> Self {
+        let (width, height) = (x1 - x0, y1 - y0);
+        let share = sum.w / count;
+        let (dx, dy) = ((sum.x / sum.w - 0.5 * (x0 + x1)) / width, (sum.y / sum.w - 0.5 * (y0 + y1)) / height);
+        // How far it reaches at its two ends.
+        let ends = |off: f32| {
+            let first = (share * (1.0 - 6.0 * off)).max(2.0 * share - 1.0).max(0.0).min(2.0 * share).min(1.0);
+            (first, 2.0 * share - first)
+        };
+        let mut corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+        if dx.abs() >= dy.abs() {
+            let (low, high) = ends(dy);
+            if dx >= 0.0 {
+                (corners[0][0], corners[3][0]) = (x1 - low * width, x1 - high * width);
+            } else {
+                (corners[1][0], corners[2][0]) = (x0 + low * width, x0 + high * width);
+            }
+        } else {
+            let (left, right) = ends(dx);
+            if dy >= 0.0 {
+                (corners[0][1], corners[1][1]) = (y1 - left * height, y1 - right * height);
+            } else {
+                (corners[3][1], corners[2][1]) = (y0 + left * height, y0 + right * height);
+            }
+        }
+        Self { corners, q: sum.z / sum.w }
     }
 }
 
@@ -205,32 +247,30 @@ impl Layer {
         around.map(|at| if there(at) { deviation } else { 0.0 })
     }
 
-    /// A rectangle of the same area as the texels with a surface in the given range, on the side where more of them are,
-    /// and their mean q.
-    pub(crate) fn part(&self, [x0, x1, y0, y1]: [usize; 4]) -> ([f32; 4], f32) {
-        let (mut count, mut sum, mut x_sum, mut y_sum) = (0.0_f32, 0.0, 0.0, 0.0);
-        for y in y0..y1 {
-            for x in x0..x1 {
-                let q = self.q[y * self.width + x];
-                if q != EMPTY {
-                    count += 1.0;
-                    sum += q;
-                    x_sum += x as f32 + 0.5;
-                    y_sum += y as f32 + 0.5;
+    /// What stands for those texels of a node that `blocks` is true for, given their places and q: one part for q from
+    /// `middle` on, one for less. Of a large node 4 × 4 texels are looked at.
+    pub(crate) fn parts(
+        &self,
+        level: u32,
+        i: usize,
+        j: usize,
+        middle: f32,
+        blocks: impl Fn(f32, f32, f32) -> bool,
+    ) -> [Option<Part>; 2] {
+        let texels = self.texels(level, i, j);
+        let step = 1 << level.saturating_sub(2);
+        let (mut count, mut near, mut far) = (0.0_f32, Vec4::ZERO, Vec4::ZERO);
+        for y in (texels[2]..texels[3]).skip(step / 2).step_by(step) {
+            for x in (texels[0]..texels[1]).skip(step / 2).step_by(step) {
+                count += 1.0;
+                let (i, j, q) = (x as f32 + 0.5, y as f32 + 0.5, self.q[y * self.width + x]);
+                if q != EMPTY && blocks(i, j, q) {
+                    *(if q < middle { &mut far } else { &mut near }) += Vec4::new(i, j, q, 1.0);
                 }
             }
         }
-        let [x0, x1, y0, y1] = [x0, x1, y0, y1].map(|x| x as f32);
-        let share = count / ((x1 - x0) * (y1 - y0));
-        let (dx, dy) = (x_sum / count - 0.5 * (x0 + x1), y_sum / count - 0.5 * (y0 + y1));
-        let (width, height) = ((x1 - x0) * share, (y1 - y0) * share);
-        let part = match (dx.abs() >= dy.abs(), dx >= 0.0, dy >= 0.0) {
-            (true, true, _) => [x1 - width, x1, y0, y1],
-            (true, false, _) => [x0, x0 + width, y0, y1],
-            (false, _, true) => [x0, x1, y1 - height, y1],
-            (false, _, false) => [x0, x1, y0, y0 + height],
-        };
-        (part, sum / count)
+        let texels = texels.map(|x| x as f32);
+        [near, far].map(|sum| (sum.w > 0.0).then(|| Part::new(texels, sum, count)))
     }
 
     /// q at a corner of texel `(i, j)`, in the direction `(dx, dy)` of ±1. The texels around a corner that belong to one

@@ -121,31 +121,39 @@ fn map_edge_deviations(layer: MapLayer, texels: vec4u, deviation: f32) -> vec4f 
     return select(vec4f(0.0), vec4f(deviation), there);
 }
 
-// A rectangle and its q.
-struct MapPart { rectangle: vec4f, q: f32 }
+// A part of a node: a trapezoid at one depth, corners counter-clockwise from the lower left; nothing where `share` is 0.
+struct MapPart { x: vec4f, y: vec4f, q: f32, share: f32 }
 
-// A rectangle of the same area as the texels with a surface, on the side where more of them are, and their mean q.
-fn map_part(layer: MapLayer, texels: vec4u) -> MapPart {
-    var sum = vec4f(0.0);
-    for (var y = texels.z; y < texels.w; y++) {
-        for (var x = texels.x; x < texels.y; x++) {
-            let q = map_q(layer, x, y);
-            if q > MAP_EMPTY {
-                sum += vec4f(f32(x) + 0.5, f32(y) + 0.5, q, 1.0);
-            }
-        }
-    }
-    let count = max(sum.w, 1.0);
+// Covers a share of some texels, along that side of theirs to which its centre is nearest; as slanted as its centre is off
+// the middle of that side. `sum`: of i, j, q and 1 over the texels that are covered, of `count`.
+fn map_part(texels: vec4u, sum: vec4f, count: f32) -> MapPart {
     let box = vec4f(texels);
     let size = box.yw - box.xz;
-    let share = sum.w / (size.x * size.y);
-    let aside = sum.xy / count - 0.5 * (box.xz + box.yw);
-    let part = size * share;
-    var rectangle = box;
+    let share = sum.w / count;
+    let mean = sum.xyz / max(sum.w, 1.0);
+    let aside = (mean.xy - 0.5 * (box.xz + box.yw)) / size;
+    var x = box.xyyx;
+    var y = box.zzww;
     if abs(aside.x) >= abs(aside.y) {
-        if aside.x >= 0.0 { rectangle.x = box.y - part.x; } else { rectangle.y = box.x + part.x; }
+        let ends = size.x * map_ends(share, aside.y);
+        if aside.x >= 0.0 {
+            x = vec4f(box.y - ends.x, box.y, box.y, box.y - ends.y);
+        } else {
+            x = vec4f(box.x, box.x + ends.x, box.x + ends.y, box.x);
+        }
     } else {
-        if aside.y >= 0.0 { rectangle.z = box.w - part.y; } else { rectangle.w = box.z + part.y; }
+        let ends = size.y * map_ends(share, aside.x);
+        if aside.y >= 0.0 {
+            y = vec4f(box.w - ends.x, box.w - ends.y, box.w, box.w);
+        } else {
+            y = vec4f(box.z, box.z, box.z + ends.y, box.z + ends.x);
+        }
     }
-    return MapPart(rectangle, sum.z / count);
+    return MapPart(x, y, mean.z, share);
+}
+
+// How far a trapezoid reaches at its two ends.
+fn map_ends(share: f32, off: f32) -> vec2f {
+    let first = min(min(max(max(share * (1.0 - 6.0 * off), 2.0 * share - 1.0), 0.0), 2.0 * share), 1.0);
+    return vec2f(first, 2.0 * share - first);
 }

@@ -2,7 +2,7 @@
 
 use crate::face::{Affine, Face};
 use crate::fit::tangents;
-use crate::layer::{Layer, Node};
+use crate::layer::{Layer, Node, Part};
 use glam::{DVec3, Vec2, Vec3};
 use lighting::UnitSquare;
 use lobe_core::{Shaft, Sphere};
@@ -17,8 +17,9 @@ const TILT: f64 = 1.0 / 32.0;
 const ROUNDING: f64 = 0.02;
 /// A node stands for its texels where no point of it appears farther than this from its place, in cells.
 const SHIFT: f64 = 0.125;
-/// A node that shows an outline is not split where it is smaller than this, in cells.
-const SMALL: f64 = 0.5;
+/// A node is not split where it is smaller than this, in cells, whatever is in it: outlines and depth steps, of which a finer
+/// map has more nodes.
+const SMALL: f64 = 0.7;
 /// What is nearer to the receiver's plane than this, relative to its farthest point, is outside of every window.
 pub(crate) const NEAR: f32 = 1e-4;
 const LANES: usize = 12;
@@ -57,6 +58,11 @@ impl Tests {
             inside &= middle - half > 0.0 || k >= inner;
         }
         (outside, inside)
+    }
+
+    /// Whether the first `count` are positive at a place.
+    fn hold(&self, count: usize, i: f32, j: f32, q: f32) -> bool {
+        (0..count).all(|k| self.d[k] + self.a[k] * i + self.b[k] * j + self.c[k] * q > 0.0)
     }
 }
 
@@ -137,7 +143,7 @@ impl Item {
 }
 
 /// What a probe says of a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
     /// None of it blocks.
     No,
@@ -145,8 +151,9 @@ pub(crate) enum Verdict {
     Split,
     /// It blocks, as one quadrilateral.
     Blocks,
-    /// Some of it blocks: as one quadrilateral of the same area.
-    Partly,
+    /// It is small and some of it may block, all of it where it is `inside`: as its [`Part`]s,
+    /// one before and one behind `middle`.
+    Partly { inside: bool, middle: f32 },
 }
 
 /// One face as seen from one receiver through one window.
@@ -220,31 +227,39 @@ impl Probe {
         if node.is_empty() {
             return Verdict::No;
         }
-        let mut block = Block::around(item, layer, &node);
+        let block = Block::around(item, layer, &node);
         if item.level == 0 {
             if self.tests.bounds(&block, 0).0 {
                 return Verdict::No;
             }
             // A texel is there with its centre.
-            (block.q, block.half_i, block.half_j, block.half_q) = (node.min, 0.0, 0.0, 0.0);
-            return if self.tests.bounds(&block, INNER).1 { Verdict::Blocks } else { Verdict::No };
+            let there = self.tests.hold(INNER, block.i, block.j, node.min);
+            return if there { Verdict::Blocks } else { Verdict::No };
         }
         let (outside, inside) = self.tests.bounds(&block, INNER);
         if outside {
             return Verdict::No;
         }
-        if inside {
-            let [a, b, c, d] = self.depth;
-            let nearest = d + a * block.i + b * block.j + c * block.q
-                - (a.abs() * block.half_i + b.abs() * block.half_j + c.abs() * block.half_q);
-            if node.deviation * self.reach <= nearest {
-                return Verdict::Blocks;
-            }
-            if (1 << item.level) as f32 * self.small <= nearest && block.half_q * self.reach <= nearest {
-                return Verdict::Partly;
-            }
+        let [a, b, c, d] = self.depth;
+        let nearest = d + a * block.i + b * block.j + c * block.q
+            - (a.abs() * block.half_i + b.abs() * block.half_j + c.abs() * block.half_q);
+        if inside && node.deviation * self.reach <= nearest {
+            return Verdict::Blocks;
         }
-        Verdict::Split
+        match (1 << item.level) as f32 * self.small <= nearest {
+            true => {
+                let flat = block.half_q * self.reach <= nearest;
+                Verdict::Partly { inside, middle: if flat { f32::NEG_INFINITY } else { block.q } }
+            }
+            false => Verdict::Split,
+        }
+    }
+
+    /// What of a small node blocks, see [`Layer::parts`].
+    pub(crate) fn parts(&self, item: Item, layer: &Layer, inside: bool, middle: f32) -> [Option<Part>; 2] {
+        layer.parts(item.level.into(), item.i.into(), item.j.into(), middle, |i, j, q| {
+            inside || self.tests.hold(INNER, i, j, q)
+        })
     }
 }
 
@@ -260,7 +275,7 @@ pub(crate) struct TileProbe {
 }
 
 /// Nodes wider than this part of the light, as some receiver of a group sees it, may be split for the group. Others may
-/// be drawn as one by some receiver: a mask has eight cells a side or more, and [`SMALL`] is half a cell.
+/// be drawn as one by some receiver: a mask has eight cells a side or more, and [`SMALL`] is less than one.
 const WIDE: f64 = 1.0 / 6.0;
 
 impl TileProbe {
@@ -323,11 +338,10 @@ impl Image {
         Self { i, j, q, origin, slack: 2.0 * SHIFT as f32 * cell }
     }
 
-    /// The corners of a rectangle of texels.
+    /// Places in the picture, with q there.
     #[inline]
-    pub(crate) fn corners(&self, [x0, x1, y0, y1]: [f32; 4], q: [f32; 4]) -> [Vec3; 4] {
-        let at = |i: f32, j: f32, q: f32| self.origin + self.i * i + self.j * j + self.q * q;
-        [at(x0, y0, q[0]), at(x1, y0, q[1]), at(x1, y1, q[2]), at(x0, y1, q[3])]
+    pub(crate) fn corners(&self, at: [[f32; 2]; 4], q: [f32; 4]) -> [Vec3; 4] {
+        core::array::from_fn(|k| self.origin + self.i * at[k][0] + self.j * at[k][1] + self.q * q[k])
     }
 
     /// A box in the plane that holds all of a node's image; `None` where it reaches behind the receiver.

@@ -9,14 +9,17 @@ const MAP_BIAS = 0.5;
 const MAP_TILT = 0.03125;
 const MAP_ROUNDING = 0.02;
 const MAP_SHIFT = 0.125;
-const MAP_SMALL = 0.5;
+const MAP_SMALL = 0.7;
 const MAP_NEAR = 1e-4;
 
 // Verdicts.
 const MAP_NO = 0u;
 const MAP_SPLIT = 1u;
 const MAP_BLOCKS = 2u;
-const MAP_PARTLY = 3u;
+// Small, and some of it may block; also with MAP_INSIDE where all of it does, MAP_STEP where it has two depths.
+const MAP_PARTLY = 4u;
+const MAP_INSIDE = 1u;
+const MAP_STEP = 2u;
 
 struct MapProbe {
     // From (Δi, Δj, Δq, 1) to homogeneous plane coordinates.
@@ -134,16 +137,41 @@ fn map_judge(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, blo
         let middle = vec4f(block.middle.xy, node.low - probe.origin.z, 1.0);
         return select(MAP_NO, MAP_BLOCKS, all(probe.inner * middle > vec4f(0.0)));
     }
-    if map_is_inside(probe.inner, block) {
-        let depth = (probe.image * block.middle).z;
-        let spread = abs(vec3f(probe.image[0].z, probe.image[1].z, probe.image[2].z)) * block.half;
-        let nearest = depth - (spread.x + spread.y + spread.z);
-        if node.deviation * probe.reach <= nearest {
-            return MAP_BLOCKS;
-        }
-        if f32(1u << item.level) * probe.small <= nearest && block.half.z * probe.reach <= nearest {
-            return MAP_PARTLY;
-        }
+    let inside = map_is_inside(probe.inner, block);
+    let depth = (probe.image * block.middle).z;
+    let spread = abs(vec3f(probe.image[0].z, probe.image[1].z, probe.image[2].z)) * block.half;
+    let nearest = depth - (spread.x + spread.y + spread.z);
+    if inside && node.deviation * probe.reach <= nearest {
+        return MAP_BLOCKS;
+    }
+    if f32(1u << item.level) * probe.small <= nearest {
+        let flat = block.half.z * probe.reach <= nearest;
+        return MAP_PARTLY + select(0u, MAP_INSIDE, inside) + select(MAP_STEP, 0u, flat);
     }
     return MAP_SPLIT;
+}
+
+// What stands for a small node: a part nearer to the light than the middle of its depths, and one farther;
+// one where it is flat.
+struct MapParts { near: MapPart, far: MapPart }
+
+// Of a large node 4 × 4 texels are looked at.
+fn map_parts(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, verdict: u32) -> MapParts {
+    let texels = map_texels(layer, item);
+    let step = 1u << (max(item.level, 2u) - 2u);
+    let inside = (verdict & MAP_INSIDE) != 0u;
+    let middle = select(MAP_EMPTY, 0.5 * (node.low + node.high), (verdict & MAP_STEP) != 0u);
+    var near = vec4f(0.0);
+    var far = vec4f(0.0);
+    var count = 0.0;
+    for (var y = texels.z + step / 2u; y < texels.w; y += step) {
+        for (var x = texels.x + step / 2u; x < texels.y; x += step) {
+            count += 1.0;
+            let at = vec4f(f32(x) + 0.5, f32(y) + 0.5, map_q(layer, x, y), 1.0);
+            if at.z > MAP_EMPTY && (inside || all(probe.inner * (at - vec4f(probe.origin, 0.0)) > vec4f(0.0))) {
+                if at.z < middle { far += at; } else { near += at; }
+            }
+        }
+    }
+    return MapParts(map_part(texels, near, count), map_part(texels, far, count));
 }

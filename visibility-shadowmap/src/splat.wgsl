@@ -44,13 +44,15 @@ fn map_draw_layer(probe: MapProbe, layer: MapLayer) {
             continue;
         }
         if verdict != MAP_NO {
-            let texels = map_texels(layer, item);
-            if verdict == MAP_PARTLY {
-                let part = map_part(layer, texels);
-                map_draw(probe, part.rectangle, vec4f(part.q), vec4f(0.0));
+            if verdict >= MAP_PARTLY {
+                let parts = map_parts(probe, layer, item, node, verdict);
+                map_draw_part(probe, parts.near);
+                map_draw_part(probe, parts.far);
             } else {
+                let texels = map_texels(layer, item);
                 let deviations = map_edge_deviations(layer, texels, node.deviation);
-                map_draw(probe, vec4f(texels), map_corners(layer, texels), deviations);
+                let box = vec4f(texels);
+                map_draw(probe, box.xyyx, box.zzww, map_corners(layer, texels), deviations);
             }
         }
         item = map_next(layer, item);
@@ -79,16 +81,22 @@ fn map_is_covered(probe: MapProbe, block: MapBlock) -> bool {
     );
 }
 
-// A rectangle of texels with q at its corners, and how far its neighbours' q may be from the edges.
-fn map_draw(probe: MapProbe, rectangle: vec4f, q: vec4f, deviations: vec4f) {
-    let i = rectangle.xy - probe.origin.x;
-    let j = rectangle.zw - probe.origin.y;
+fn map_draw_part(probe: MapProbe, part: MapPart) {
+    if part.share > 0.0 {
+        map_draw(probe, part.x, part.y, vec4f(part.q), vec4f(0.0));
+    }
+}
+
+// A quadrilateral in the picture with q at its corners, and how far its neighbours' q may be from the edges.
+fn map_draw(probe: MapProbe, x: vec4f, y: vec4f, q: vec4f, deviations: vec4f) {
+    let i = x - probe.origin.x;
+    let j = y - probe.origin.y;
     let k = q - probe.origin.z;
     let corners = mat4x3f(
         probe.image * vec4f(i.x, j.x, k.x, 1.0),
-        probe.image * vec4f(i.y, j.x, k.y, 1.0),
-        probe.image * vec4f(i.y, j.y, k.z, 1.0),
-        probe.image * vec4f(i.x, j.y, k.w, 1.0)
+        probe.image * vec4f(i.y, j.y, k.y, 1.0),
+        probe.image * vec4f(i.z, j.z, k.z, 1.0),
+        probe.image * vec4f(i.w, j.w, k.w, 1.0)
     );
     let most = max(max(abs(corners[0]), abs(corners[1])), max(abs(corners[2]), abs(corners[3])));
     let near = MAP_NEAR * max(max(most.x, most.y), most.z);

@@ -1,7 +1,7 @@
 use crate::canvas::Canvas;
 use crate::clip::Polygon;
 use crate::fit::tangents;
-use crate::layer::{EMPTY, Layer};
+use crate::layer::{EMPTY, Layer, Part};
 use glam::{DVec3, Vec2, Vec3};
 use lighting::{Mask, UnitSquare};
 use lobe_core::oracle::Random;
@@ -166,9 +166,31 @@ fn depth_steps_are_not_bridged() {
     assert_eq!((left.min, left.max, left.deviation), (0.0, 0.0, 0.0));
     assert_eq!((all.min, all.max, all.deviation), (0.0, 1.0, f32::INFINITY));
     // Three of four texels in the corner: three quarters of the area, on the side where they are.
-    let ([x0, x1, y0, y1], q) = layer.part([0, 2, 0, 2]);
-    assert_eq!(((x1 - x0) * (y1 - y0), q), (3.0, 0.0));
-    assert!(x1 == 2.0 && y1 == 2.0);
+    let [Some(part), None] = layer.parts(1, 0, 0, f32::NEG_INFINITY, |_, _, _| true) else { panic!("one depth") };
+    assert_eq!((area(&part), part.q), (3.0, 0.0));
+    assert_eq!(part.corners, [[1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+    // Both sides of the step in the upper half, by 4 × 4 of the texels.
+    let [Some(near), Some(far)] = layer.parts(3, 0, 0, 0.5, |_, j, _| j > 4.0) else { panic!("two depths") };
+    assert_eq!((area(&near), near.q, area(&far), far.q), (16.0, 1.0, 16.0, 0.0));
+    assert_eq!(layer.parts(3, 0, 0, 0.5, |_, _, _| false), [None; 2]);
+}
+
+fn area(part: &Part) -> f32 {
+    let corners = part.corners.map(Vec2::from_array);
+    (0..4).map(|k| 0.5 * corners[k].perp_dot(corners[(k + 1) % 4])).sum()
+}
+
+#[test]
+fn a_part_is_where_its_texels_are() {
+    let (width, height) = (4, 4);
+    // Below a slanted line, which leaves through both sides.
+    let q =
+        (0..16).map(|k| if (k / width) as f32 + 0.5 < 1.0 + 0.5 * ((k % width) as f32 + 0.5) { 0.5 } else { EMPTY });
+    let layer = Layer::new(width, height, 0.1, q.collect()).expect("a surface");
+    let [Some(part), None] = layer.parts(2, 0, 0, f32::NEG_INFINITY, |_, _, _| true) else { panic!("one depth") };
+    assert_eq!(area(&part), 8.0);
+    let ([left, right], want) = ([part.corners[3][1], part.corners[2][1]], [1.0, 3.0]);
+    assert!((left - want[0]).abs() < 0.3 && (right - want[1]).abs() < 0.3, "{left} {right}");
 }
 
 #[test]
