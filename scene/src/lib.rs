@@ -14,8 +14,8 @@
 //! ```
 //!
 //! # Conventions
-//! Right-handed world space, linear RGB, y up where a default needs an up. Meshes and sphere sets of a loaded scene are in
-//! world space. Surfaces are two-sided: renderers turn normals to the viewer. Fields of view are full, vertical, and in
+//! Right-handed world space, linear RGB, y up where a default needs an up. Meshes of a loaded scene are in world space; sphere
+//! sets in files are in the coordinates of their mesh's file and placed with it. Surfaces are two-sided: renderers turn normals to the viewer. Fields of view are full, vertical, and in
 //! radians here but in degrees in files.
 //!
 //! # Files
