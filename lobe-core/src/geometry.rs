@@ -85,8 +85,8 @@ impl SelfShadow {
         radius / distance.max(radius).max(f32::MIN_POSITIVE)
     }
 
-    /// The ball that a receiver of the own object sees of a sphere and its [near](Self::near) ball: centre and radius go from the near ball's, seen from inside the
-    /// sphere, to the sphere's, seen from afar, by [`nearness`](Self::nearness).
+    /// The ball that a receiver of the own object sees of a sphere and its [near](Self::near) ball: centre and radius go from
+    /// the near ball's, seen from inside the sphere, to the sphere's, seen from afar, by [`nearness`](Self::nearness).
     ///
     /// Contains the near ball, and is inside the whole one as long as the near ball is. Continuous in `x`.
     #[must_use]
