@@ -1,6 +1,6 @@
-// What MaskVisibility makes of blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, share.wgsl, and of the strategies that
-// there are `blockers_edges(lane, tile, at, light, window) -> vec2f` (a thread's part of the sum of edges) and
-// `blockers_splat(lane, tile, at, light, mask)`.
+// What MaskVisibility makes of blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, share.wgsl, and of the
+// strategies that there are `blockers_edges(lane, tile, at, light, window) -> vec2f` (a thread's part of the sum of edges)
+// and `blockers_splat(lane, tile, at, light, mask)`.
 
 // How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
 const HORIZON = 4.0;

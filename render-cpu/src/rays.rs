@@ -25,9 +25,9 @@ const LISTED: usize = 48;
 /// 0.35 %, 226; floor behind a picket fence, three pickets across the light, 0.12 / 0.52 %, 575. Depth 4: 0.17 / 0.59 %, 158
 /// on the bunny's floor, but 0.47 / 2.6 % behind the fence. Lit receivers cost next to none.
 ///
-/// What the contour saves costs little: from masks whose every cell is asked (812 rays at depth 5, 3 200 at depth 6) the share
-/// differs by 0.14 / 0.08 % in the mean around a ball, with 226 rays, and by 0.16 / 0.10 % around a picket fence, with 455 (rows of 256
-/// samples; with 64, depth 5: 0.16 and 0.20 %).
+/// What the contour saves costs little: from masks whose every cell is asked (812 rays at depth 5, 3 200 at depth 6) the
+/// share differs by 0.14 / 0.08 % in the mean around a ball, with 226 rays, and by 0.16 / 0.10 % around a picket fence,
+/// with 455 (rows of 256 samples; with 64, depth 5: 0.16 and 0.20 %).
 #[derive(Debug)]
 pub struct RayBlockers<'w> {
     world: &'w World<'w>,

@@ -14,9 +14,9 @@
 //! ```
 //!
 //! # Conventions
-//! Right-handed world space, linear RGB, y up where a default needs an up. Meshes of a loaded scene are in world space; sphere
-//! sets in files are in the coordinates of their mesh's file and placed with it. Surfaces are two-sided: renderers turn normals to the viewer. Fields of view are full, vertical, and in
-//! radians here but in degrees in files.
+//! Right-handed world space, linear RGB, y up where a default needs an up. Meshes of a loaded scene are in world space;
+//! sphere sets in files are in the coordinates of their mesh's file and placed with it. Surfaces are two-sided: renderers
+//! turn normals to the viewer. Fields of view are full, vertical, and in radians here but in degrees in files.
 //!
 //! # Files
 //! Whatever a file contains, loading neither panics nor reserves memory that the file's own size does not justify; it

@@ -13,15 +13,15 @@ use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 /// [`MaskVisibility`](lighting::MaskVisibility).
 ///
 /// # Self-shadowing
-/// A sphere set stands for a mesh that lies partly inside, partly outside of it, so a receiver on the mesh is often
-/// inside a sphere of its own object. The rule: *a sphere of the receiver's own object blocks a direction only if the
-/// ray leaves it farther than τ from the receiver*. The blocked directions are again a cone about the sphere's centre,
-/// with `d` the distance of the centre and `k = d² − r²`: the tangent cone if `k > 0` and `τ² ≤ k`, else
-/// `cos β = (τ² + k)/(2τd)`, and it is continuous as the receiver moves through the sphere's surface. τ is one length for
-/// an object or, better, one for each sphere, together with a smaller ball inside it for the object's own
-/// receivers ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. That ball
-/// becomes the whole one as the receiver goes away ([`SelfShadow::seen`]), since what is far away sees a silhouette, which
-/// the spheres were placed for. Spheres of other objects are whole and have τ = 0: what contains the receiver hides everything from it.
+/// A sphere set stands for a mesh that lies partly inside, partly outside of it, so a receiver on the mesh is often inside
+/// a sphere of its own object. The rule: *a sphere of the receiver's own object blocks a direction only if the ray leaves
+/// it farther than τ from the receiver*. The blocked directions are again a cone about the sphere's centre, with `d` the
+/// distance of the centre and `k = d² − r²`: the tangent cone if `k > 0` and `τ² ≤ k`, else `cos β = (τ² + k)/(2τd)`, and
+/// it is continuous as the receiver moves through the sphere's surface. τ is one length for an object or, better, one for
+/// each sphere, together with a smaller ball inside it for the object's own receivers
+/// ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. That ball becomes the
+/// whole one as the receiver goes away ([`SelfShadow::seen`]), since what is far away sees a silhouette, which the spheres
+/// were placed for. Spheres of other objects are whole and have τ = 0: what contains the receiver hides everything from it.
 ///
 /// # Order
 /// A sphere blocks where it is in front of the light. For a sphere that does not meet the light this is the same for

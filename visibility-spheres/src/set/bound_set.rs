@@ -67,9 +67,10 @@ impl BoundSet {
     /// space to the world, `morph` are the weights of the morph targets.
     ///
     /// A radius is that in bind space times `|det Σ_j w_j J_j|^⅓`: spheres shrink and stretch with the skin, and rigid
-    /// motion moves them exactly. Near balls turn with the bones ([`SelfShadow::turned`]). A sphere whose matrices are singular has radius 0; whatever the matrices are, the
-    /// spheres are finite. Their number and order are those of the set. O(spheres × (4 + targets)), no allocation once
-    /// `out` is large enough. `own` stays empty for a set without self-shadows.
+    /// motion moves them exactly. Near balls turn with the bones ([`SelfShadow::turned`]). A sphere whose matrices are
+    /// singular has radius 0; whatever the matrices are, the spheres are finite. Their number and order are those of the
+    /// set. O(spheres × (4 + targets)), no allocation once `out` is large enough. `own` stays empty for a set without
+    /// self-shadows.
     ///
     /// # Errors
     /// [`BindError::Missing`] for fewer joints or morph weights than the set needs; both lists are left as they are.
