@@ -1,7 +1,7 @@
-/// Tolerance from which on a row of a mask of broad lobes has 64 samples.
+/// Tolerance from which on rows of 64 samples do for broad lobes, and one mask for narrow ones.
 const COARSE: f32 = 0.005;
-/// Tolerances from which on one mask does for a broad lobe, and for a narrow one.
-const ONE_PANE: [f32; 2] = [0.002, 0.005];
+/// Tolerance below which masks are deepest and no lobe has one mask alone.
+const FINEST: f32 = 0.002;
 
 /// Depth of the mask whose own error stays below a tolerance. Mean error over penumbrae, random blockers, light wholly
 /// above the horizon: 0.13 % of the unshadowed radiance at depth 4 (64 samples a row), 0.06 % at 5 and 0.03 % at 6 (256).
@@ -9,7 +9,7 @@ const ONE_PANE: [f32; 2] = [0.002, 0.005];
 pub fn depth_for(tolerance: f32) -> u32 {
     if tolerance >= 0.008 {
         4
-    } else if tolerance >= 0.002 {
+    } else if tolerance >= FINEST {
         5
     } else {
         6
@@ -19,7 +19,8 @@ pub fn depth_for(tolerance: f32) -> u32 {
 /// How many samples stand for what a lobe sees of a light, besides the depth of the masks.
 ///
 /// Samples come and go as things move: where some few carry what a lobe sees, each of them shows. So what is seen of the
-/// light is divided into panes with a mask each, as many as keep the largest pop below the tolerance.
+/// light is divided into panes with a mask each: of gentle motion the largest pop is 0.94 % of the unshadowed radiance at a
+/// tolerance of 1 %, 0.62 % at 0.5 %, 0.21 % at 0.3 % and 0.09 % at 0.1 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Fineness {
     /// Whether rows have 64 samples instead of 256: masks err 1.5 times as much with them.
@@ -35,17 +36,19 @@ impl Fineness {
     /// For lobes that are broad beside the light: all see the same panes.
     #[must_use]
     pub fn broad(tolerance: f32) -> Self {
-        let panes = if tolerance >= ONE_PANE[0] { [1, 1] } else { [2, 2] };
+        let panes = if tolerance >= FINEST { [1, 1] } else { [2, 2] };
         Self { coarse: tolerance >= COARSE, panes }
     }
 
     /// For lobes that see only a part of the light, or fall steeply over it. These have a window each.
     #[must_use]
     pub fn narrow(tolerance: f32) -> Self {
-        let panes = match tolerance {
-            t if t >= ONE_PANE[1] => [1, 1],
-            t if t >= ONE_PANE[0] => [2, 2],
-            _ => [3, 2],
+        let panes = if tolerance >= COARSE {
+            [1, 1]
+        } else if tolerance >= FINEST {
+            [2, 2]
+        } else {
+            [3, 2]
         };
         Self { coarse: false, panes }
     }

@@ -32,7 +32,7 @@ impl Panes {
         let across = UVec2::from(fineness.panes);
         for (k, mask) in (0..).zip(&mut self.masks[..self.used]) {
             mask.set_coarse(fineness.coarse);
-            mask.reset(&window.pane(UVec2::new(k % across.x, k / across.x), across), depth, normal);
+            mask.reset(&window.pane(k, across), depth, normal);
             if across == UVec2::ONE || !mask.is_dark() {
                 draw(mask);
             }

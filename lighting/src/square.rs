@@ -150,12 +150,13 @@ impl UnitSquare {
     }
 
     /// The part `k` of the window divided into so many across and upward.
-    pub(crate) fn pane(&self, k: UVec2, across: UVec2) -> Self {
+    pub(crate) fn pane(&self, k: u32, across: UVec2) -> Self {
         if across == UVec2::ONE {
             return *self;
         }
         let half = self.half / across.as_vec2();
-        Self { half, center: self.center - self.half + half * (2 * k + 1).as_vec2(), ..*self }
+        let place = 2 * UVec2::new(k % across.x, k / across.x) + 1;
+        Self { half, center: self.center - self.half + half * place.as_vec2(), ..*self }
     }
 
     /// About the directions that the window shows, as a cone.

@@ -246,13 +246,11 @@ impl Probe {
         if inside && node.deviation * self.reach <= nearest {
             return Verdict::Blocks;
         }
-        match (1 << item.level) as f32 * self.small <= nearest {
-            true => {
-                let flat = block.half_q * self.reach <= nearest;
-                Verdict::Partly { inside, middle: if flat { f32::NEG_INFINITY } else { block.q } }
-            }
-            false => Verdict::Split,
+        if (1 << item.level) as f32 * self.small <= nearest {
+            let flat = block.half_q * self.reach <= nearest;
+            return Verdict::Partly { inside, middle: if flat { f32::NEG_INFINITY } else { block.q } };
         }
+        Verdict::Split
     }
 
     /// What of a small node blocks, see [`Layer::parts`].

@@ -160,11 +160,10 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
         let (wanted, taken) = (strategy.name(), needs.strategy.name());
         say(format_args!("           advice: visibility = \"{wanted}\" ({reason})"));
         if needs.strategy != *strategy {
-            let how = match of_scene {
-                true => format!("write visibility = \"{wanted}\" under this object"),
-                false => {
-                    format!("--visibility {wanted}, or a scene file with visibility = \"{wanted}\" for this object")
-                }
+            let how = if of_scene {
+                format!("write visibility = \"{wanted}\" under this object")
+            } else {
+                format!("--visibility {wanted}, or a scene file with visibility = \"{wanted}\" for this object")
             };
             say(format_args!("           render takes \"{taken}\" unless told so: {how}"));
         }
