@@ -20,8 +20,13 @@ const FRONTIER: usize = 48;
 ///
 /// A pyramid over each layer finds what can meet the cone from the receiver to the light. Where the depths of a node are
 /// bilinear to within an eighth of a mask cell, the node is drawn as one quadrilateral. What is smaller than 0.7 of a cell is
-/// not looked into, whatever is in it: 4 × 4 of its texels say how much of it blocks, and it is drawn as a trapezoid of
-/// that area on the side where they are, at their mean depth; as two where it shows two depths.
+/// not looked into for its outlines and depth steps: 4 × 4 of its texels say how much of it blocks, and it is drawn as a
+/// trapezoid of that area on the side where they are, at their mean depth; as two where it shows two depths. Only where
+/// the depths of one differ by what would move it by more than a quarter of a cell is it looked into, as next to the light.
+///
+/// An outline is where the light's centre sees it. Next to a light that touches an object, or overlaps it, other parts of
+/// the light see round it, between the layers: there a ball's penumbra errs by 0.6 %, up to 4 % where a sixth of it is
+/// such an outline.
 ///
 /// # Several lights
 /// One map for each. [`Blockers::enter`] names the light of the queries that follow: its ball must be the one that the
@@ -203,8 +208,12 @@ impl Blockers for ShadowMapBlockers {
             match probe.judge(item, layer) {
                 Verdict::No => {}
                 Verdict::Split => item.split(layer, stack),
-                Verdict::Partly { inside, middle } if probe.parts(item, layer, inside, middle) == [None, None] => {}
-                Verdict::Blocks | Verdict::Partly { .. } => return Coverage::Partial,
+                Verdict::Blocks => return Coverage::Partial,
+                Verdict::Partly(small) => match probe.parts(item, layer, small) {
+                    None => item.split(layer, stack),
+                    Some([None, None]) => {}
+                    Some(_) => return Coverage::Partial,
+                },
             }
         }
         Coverage::Lit
@@ -226,20 +235,21 @@ impl Blockers for ShadowMapBlockers {
             let probe = &probes[usize::from(item.face)];
             let verdict = probe.judge(item, layer);
             // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
-            if verdict == Verdict::No
-                || probe.image.bounds(item, layer).is_some_and(|[low, high]| canvas.is_covered(low, high))
-            {
-                continue;
-            }
+            let is_covered = || probe.image.bounds(item, layer).is_some_and(|[low, high]| canvas.is_covered(low, high));
             match verdict {
+                Verdict::No => {}
+                _ if is_covered() => {}
                 Verdict::Split => item.split(layer, stack),
-                Verdict::Partly { inside, middle } => {
-                    for part in probe.parts(item, layer, inside, middle).into_iter().flatten() {
-                        *drawn += 1;
-                        draw(&probe.image, part.corners, [part.q; 4], [0.0; 4], canvas);
+                Verdict::Partly(small) => match probe.parts(item, layer, small) {
+                    None => item.split(layer, stack),
+                    Some(parts) => {
+                        for part in parts.into_iter().flatten() {
+                            *drawn += 1;
+                            draw(&probe.image, part.corners, [part.q; 4], [0.0; 4], canvas);
+                        }
                     }
-                }
-                _ => {
+                },
+                Verdict::Blocks => {
                     *drawn += 1;
                     let q = layer.corners(item.level.into(), item.i.into(), item.j.into());
                     let texels = item.texels(layer);

@@ -34,16 +34,18 @@ fn maps_coverage(at: Receiver, cone: Cone) -> u32 {
             loop {
                 let node = map_node(layer, item);
                 var verdict = MAP_NO;
+                var block: MapBlock;
                 if node.low <= node.high {
-                    let block = map_block(probe, layer, item, node);
+                    block = map_block(probe, layer, item, node);
                     verdict = map_judge(probe, layer, item, node, block);
                     if verdict != MAP_NO && map_is_outside(rim, block) {
                         verdict = MAP_NO;
                     }
                 }
                 if verdict >= MAP_PARTLY {
-                    let parts = map_parts(probe, layer, item, node, verdict);
+                    let parts = map_parts(probe, layer, item, node, block, verdict);
                     verdict = select(MAP_NO, MAP_BLOCKS, parts.near.share + parts.far.share > 0.0);
+                    verdict = select(verdict, MAP_SPLIT, parts.is_split);
                 }
                 if verdict == MAP_BLOCKS {
                     return PARTIAL;

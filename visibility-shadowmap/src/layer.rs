@@ -248,29 +248,34 @@ impl Layer {
     }
 
     /// What stands for those texels of a node that `blocks` is true for, given their places and q: one part for q from
-    /// `middle` on, one for less. Of a large node 4 × 4 texels are looked at.
+    /// `middle` on, one for less. `None` where q differs within one by more than `range`. Of a large node 4 × 4 texels are
+    /// looked at.
     pub(crate) fn parts(
         &self,
-        level: u32,
-        i: usize,
-        j: usize,
-        middle: f32,
+        [x0, x1, y0, y1]: [usize; 4],
+        step: usize,
+        [middle, range]: [f32; 2],
         blocks: impl Fn(f32, f32, f32) -> bool,
-    ) -> [Option<Part>; 2] {
-        let texels = self.texels(level, i, j);
-        let step = 1 << level.saturating_sub(2);
-        let (mut count, mut near, mut far) = (0.0_f32, Vec4::ZERO, Vec4::ZERO);
-        for y in (texels[2]..texels[3]).skip(step / 2).step_by(step) {
-            for x in (texels[0]..texels[1]).skip(step / 2).step_by(step) {
+    ) -> Option<[Option<Part>; 2]> {
+        let mut count = 0.0_f32;
+        // Sums over the near part and the far one, and bounds of q.
+        let (mut sums, mut low, mut high) = ([Vec4::ZERO; 2], [f32::INFINITY; 2], [EMPTY; 2]);
+        for y in (y0..y1).skip(step / 2).step_by(step) {
+            for x in (x0..x1).skip(step / 2).step_by(step) {
                 count += 1.0;
                 let (i, j, q) = (x as f32 + 0.5, y as f32 + 0.5, self.q[y * self.width + x]);
                 if q != EMPTY && blocks(i, j, q) {
-                    *(if q < middle { &mut far } else { &mut near }) += Vec4::new(i, j, q, 1.0);
+                    let part = usize::from(q < middle);
+                    sums[part] += Vec4::new(i, j, q, 1.0);
+                    (low[part], high[part]) = (low[part].min(q), high[part].max(q));
                 }
             }
         }
-        let texels = texels.map(|x| x as f32);
-        [near, far].map(|sum| (sum.w > 0.0).then(|| Part::new(texels, sum, count)))
+        if high[0] - low[0] > range || high[1] - low[1] > range {
+            return None;
+        }
+        let texels = [x0, x1, y0, y1].map(|x| x as f32);
+        Some(sums.map(|sum| (sum.w > 0.0).then(|| Part::new(texels, sum, count))))
     }
 
     /// q at a corner of texel `(i, j)`, in the direction `(dx, dy)` of ±1. The texels around a corner that belong to one

@@ -17,9 +17,11 @@ const TILT: f64 = 1.0 / 32.0;
 const ROUNDING: f64 = 0.02;
 /// A node stands for its texels where no point of it appears farther than this from its place, in cells.
 const SHIFT: f64 = 0.125;
-/// A node is not split where it is smaller than this, in cells, whatever is in it: outlines and depth steps, of which a finer
-/// map has more nodes.
+/// A node smaller than this, in cells, is not split for what is missing in it or how many depths it has: of outlines and
+/// depth steps a finer map has more nodes.
 const SMALL: f64 = 0.7;
+/// But a part of it that is drawn as one has no depth that would put it farther than this from its place, in cells.
+const PART_SHIFT: f64 = 0.25;
 /// What is nearer to the receiver's plane than this, relative to its farthest point, is outside of every window.
 pub(crate) const NEAR: f32 = 1e-4;
 const LANES: usize = 12;
@@ -151,9 +153,19 @@ pub(crate) enum Verdict {
     Split,
     /// It blocks, as one quadrilateral.
     Blocks,
-    /// It is small and some of it may block, all of it where it is `inside`: as its [`Part`]s,
-    /// one before and one behind `middle`.
-    Partly { inside: bool, middle: f32 },
+    /// It is small and some of it may block, see [`Probe::parts`].
+    Partly(Small),
+}
+
+/// A small node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Small {
+    /// All of it may block.
+    inside: bool,
+    /// The q that parts it in two.
+    middle: f32,
+    /// How far q may differ within a part.
+    range: f32,
 }
 
 /// One face as seen from one receiver through one window.
@@ -171,6 +183,8 @@ pub(crate) struct Probe {
 }
 
 const INNER: usize = 3;
+/// A change of q by `depth/reach` moves an image by [`SHIFT`] cells.
+const PART_RANGE: f32 = (2.0 * PART_SHIFT / SHIFT) as f32;
 
 impl Probe {
     /// `cell`: sides of a mask cell in plane coordinates.
@@ -248,15 +262,17 @@ impl Probe {
         }
         if (1 << item.level) as f32 * self.small <= nearest {
             let flat = block.half_q * self.reach <= nearest;
-            return Verdict::Partly { inside, middle: if flat { f32::NEG_INFINITY } else { block.q } };
+            let middle = if flat { f32::NEG_INFINITY } else { block.q };
+            return Verdict::Partly(Small { inside, middle, range: PART_RANGE * nearest / self.reach });
         }
         Verdict::Split
     }
 
-    /// What of a small node blocks, see [`Layer::parts`].
-    pub(crate) fn parts(&self, item: Item, layer: &Layer, inside: bool, middle: f32) -> [Option<Part>; 2] {
-        layer.parts(item.level.into(), item.i.into(), item.j.into(), middle, |i, j, q| {
-            inside || self.tests.hold(INNER, i, j, q)
+    /// What of a small node blocks, as one trapezoid or two, see [`Layer::parts`]. `None`: look at its children.
+    pub(crate) fn parts(&self, item: Item, layer: &Layer, small: Small) -> Option<[Option<Part>; 2]> {
+        let step = 1 << item.level.saturating_sub(2);
+        layer.parts(item.texels(layer), step, [small.middle, small.range], |i, j, q| {
+            small.inside || self.tests.hold(INNER, i, j, q)
         })
     }
 }

@@ -10,6 +10,7 @@ const MAP_TILT = 0.03125;
 const MAP_ROUNDING = 0.02;
 const MAP_SHIFT = 0.125;
 const MAP_SMALL = 0.7;
+const MAP_PART_SHIFT = 0.25;
 const MAP_NEAR = 1e-4;
 
 // Verdicts.
@@ -128,6 +129,12 @@ fn map_is_inside(functions: mat4x4f, block: MapBlock) -> bool {
     return all(functions * block.middle - map_spread(functions, block.half) > vec4f(0.0));
 }
 
+// The least depth of a block toward the light.
+fn map_nearest(probe: MapProbe, block: MapBlock) -> f32 {
+    let depth = vec4f(probe.image[0].z, probe.image[1].z, probe.image[2].z, probe.image[3].z);
+    return dot(depth, block.middle) - dot(abs(depth.xyz), block.half);
+}
+
 fn map_judge(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, block: MapBlock) -> u32 {
     if map_is_outside(probe.window, block) || map_is_outside(probe.inner, block) {
         return MAP_NO;
@@ -138,9 +145,7 @@ fn map_judge(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, blo
         return select(MAP_NO, MAP_BLOCKS, all(probe.inner * middle > vec4f(0.0)));
     }
     let inside = map_is_inside(probe.inner, block);
-    let depth = (probe.image * block.middle).z;
-    let spread = abs(vec3f(probe.image[0].z, probe.image[1].z, probe.image[2].z)) * block.half;
-    let nearest = depth - (spread.x + spread.y + spread.z);
+    let nearest = map_nearest(probe, block);
     if inside && node.deviation * probe.reach <= nearest {
         return MAP_BLOCKS;
     }
@@ -151,27 +156,38 @@ fn map_judge(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, blo
     return MAP_SPLIT;
 }
 
-// What stands for a small node: a part nearer to the light than the middle of its depths, and one farther;
-// one where it is flat.
-struct MapParts { near: MapPart, far: MapPart }
+// What stands for a small node: a part nearer to the light than the middle of its depths, and one farther; one where it is
+// flat. Where depths differ too much within one, the node is to be split.
+struct MapParts { near: MapPart, far: MapPart, is_split: bool }
 
 // Of a large node 4 × 4 texels are looked at.
-fn map_parts(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, verdict: u32) -> MapParts {
+fn map_parts(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, block: MapBlock, verdict: u32) -> MapParts {
     let texels = map_texels(layer, item);
     let step = 1u << (max(item.level, 2u) - 2u);
     let inside = (verdict & MAP_INSIDE) != 0u;
     let middle = select(MAP_EMPTY, 0.5 * (node.low + node.high), (verdict & MAP_STEP) != 0u);
     var near = vec4f(0.0);
     var far = vec4f(0.0);
+    // Bounds of q.
+    var near_bounds = vec2f(1e30, MAP_EMPTY);
+    var far_bounds = near_bounds;
     var count = 0.0;
     for (var y = texels.z + step / 2u; y < texels.w; y += step) {
         for (var x = texels.x + step / 2u; x < texels.y; x += step) {
             count += 1.0;
             let at = vec4f(f32(x) + 0.5, f32(y) + 0.5, map_q(layer, x, y), 1.0);
             if at.z > MAP_EMPTY && (inside || all(probe.inner * (at - vec4f(probe.origin, 0.0)) > vec4f(0.0))) {
-                if at.z < middle { far += at; } else { near += at; }
+                if at.z < middle {
+                    far += at;
+                    far_bounds = vec2f(min(far_bounds.x, at.z), max(far_bounds.y, at.z));
+                } else {
+                    near += at;
+                    near_bounds = vec2f(min(near_bounds.x, at.z), max(near_bounds.y, at.z));
+                }
             }
         }
     }
-    return MapParts(map_part(texels, near, count), map_part(texels, far, count));
+    let range = (2.0 * MAP_PART_SHIFT / MAP_SHIFT) * map_nearest(probe, block) / probe.reach;
+    let is_split = max(near_bounds.y - near_bounds.x, far_bounds.y - far_bounds.x) > range;
+    return MapParts(map_part(texels, near, count), map_part(texels, far, count), is_split);
 }

@@ -31,29 +31,32 @@ fn map_draw_layer(probe: MapProbe, layer: MapLayer) {
     loop {
         let node = map_node(layer, item);
         var verdict = MAP_NO;
+        var block: MapBlock;
         if node.low <= node.high {
-            let block = map_block(probe, layer, item, node);
+            block = map_block(probe, layer, item, node);
             verdict = map_judge(probe, layer, item, node, block);
             // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
             if verdict != MAP_NO && map_is_covered(probe, block) {
                 verdict = MAP_NO;
             }
         }
+        if verdict >= MAP_PARTLY {
+            let parts = map_parts(probe, layer, item, node, block, verdict);
+            if parts.is_split {
+                verdict = MAP_SPLIT;
+            } else {
+                map_draw_part(probe, parts.near);
+                map_draw_part(probe, parts.far);
+            }
+        } else if verdict == MAP_BLOCKS {
+            let texels = map_texels(layer, item);
+            let deviations = map_edge_deviations(layer, texels, node.deviation);
+            let box = vec4f(texels);
+            map_draw(probe, box.xyyx, box.zzww, map_corners(layer, texels), deviations);
+        }
         if verdict == MAP_SPLIT {
             item = map_first_part(item);
             continue;
-        }
-        if verdict != MAP_NO {
-            if verdict >= MAP_PARTLY {
-                let parts = map_parts(probe, layer, item, node, verdict);
-                map_draw_part(probe, parts.near);
-                map_draw_part(probe, parts.far);
-            } else {
-                let texels = map_texels(layer, item);
-                let deviations = map_edge_deviations(layer, texels, node.deviation);
-                let box = vec4f(texels);
-                map_draw(probe, box.xyyx, box.zzww, map_corners(layer, texels), deviations);
-            }
         }
         item = map_next(layer, item);
         if item.level == layer.top {

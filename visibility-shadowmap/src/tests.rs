@@ -165,14 +165,22 @@ fn depth_steps_are_not_bridged() {
     let (left, all) = (layer.node(1, 1, 1), layer.node(3, 0, 0));
     assert_eq!((left.min, left.max, left.deviation), (0.0, 0.0, 0.0));
     assert_eq!((all.min, all.max, all.deviation), (0.0, 1.0, f32::INFINITY));
+    const ONE_DEPTH: [f32; 2] = [f32::NEG_INFINITY, 0.1];
+    let corner = layer.texels(1, 0, 0);
     // Three of four texels in the corner: three quarters of the area, on the side where they are.
-    let [Some(part), None] = layer.parts(1, 0, 0, f32::NEG_INFINITY, |_, _, _| true) else { panic!("one depth") };
+    let Some([Some(part), None]) = layer.parts(corner, 1, ONE_DEPTH, |_, _, _| true) else { panic!("one depth") };
     assert_eq!((area(&part), part.q), (3.0, 0.0));
     assert_eq!(part.corners, [[1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
     // Both sides of the step in the upper half, by 4 × 4 of the texels.
-    let [Some(near), Some(far)] = layer.parts(3, 0, 0, 0.5, |_, j, _| j > 4.0) else { panic!("two depths") };
+    let all = layer.texels(3, 0, 0);
+    let Some([Some(near), Some(far)]) = layer.parts(all, 2, [0.5, 0.1], |_, j, _| j > 4.0) else {
+        panic!("two depths")
+    };
     assert_eq!((area(&near), near.q, area(&far), far.q), (16.0, 1.0, 16.0, 0.0));
-    assert_eq!(layer.parts(3, 0, 0, 0.5, |_, _, _| false), [None; 2]);
+    assert_eq!(layer.parts(all, 2, [0.5, 0.1], |_, _, _| false), Some([None; 2]));
+    // Both depths in one part are too many, unless one of them blocks nothing.
+    assert_eq!(layer.parts(all, 2, ONE_DEPTH, |_, _, _| true), None);
+    assert!(layer.parts(all, 2, ONE_DEPTH, |_, _, q| q > 0.5).is_some());
 }
 
 fn area(part: &Part) -> f32 {
@@ -187,7 +195,8 @@ fn a_part_is_where_its_texels_are() {
     let q =
         (0..16).map(|k| if (k / width) as f32 + 0.5 < 1.0 + 0.5 * ((k % width) as f32 + 0.5) { 0.5 } else { EMPTY });
     let layer = Layer::new(width, height, 0.1, q.collect()).expect("a surface");
-    let [Some(part), None] = layer.parts(2, 0, 0, f32::NEG_INFINITY, |_, _, _| true) else { panic!("one depth") };
+    let parts = layer.parts(layer.texels(2, 0, 0), 1, [f32::NEG_INFINITY, 0.1], |_, _, _| true);
+    let Some([Some(part), None]) = parts else { panic!("one depth") };
     assert_eq!(area(&part), 8.0);
     let ([left, right], want) = ([part.corners[3][1], part.corners[2][1]], [1.0, 3.0]);
     assert!((left - want[0]).abs() < 0.3 && (right - want[1]).abs() < 0.3, "{left} {right}");

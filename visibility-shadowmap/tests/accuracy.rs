@@ -248,3 +248,12 @@ fn light_between_two_objects() {
     }
     Errors::of(&mesh, &receivers, light, &options(512)).below("light between", 0.5, 0.05, 0.02);
 }
+
+#[test]
+fn light_that_touches_a_ball() {
+    // Next to the light a texel's width of the ball has very different depths.
+    let light = Sphere { center: Vec3::new(0.45, 1.25, 0.0), radius: 0.45 };
+    let mesh = Mesh::default().sphere(Vec3::Y * 0.6, 0.4, 24);
+    let errors = Errors::of(&mesh, &floor(Vec3::new(-0.8, 0.0, 0.0), 1.6, 16), light, &options(256));
+    errors.below("light that touches a ball", 0.7, 0.05, 0.05);
+}
