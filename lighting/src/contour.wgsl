@@ -7,6 +7,8 @@
 const CONTOUR_START = 8u;
 const CONTOUR_BISECTIONS = 2u;
 const CONTOUR_STEPS = 1u << CONTOUR_BISECTIONS;
+// Columns that a contour may take from one row to the next without being asked about its height.
+const CONTOUR_LONG = 3u;
 // A whole cell in the units of what the contour covers.
 const CONTOUR_WHOLE = 127.0;
 const CONTOUR_WORDS = 2u * LANES;
@@ -101,7 +103,11 @@ fn contour_item(number: u32) -> vec2u {
 // The questions of one item: the single place where anything is asked, since a compiler repeats the whole search through a
 // scene wherever it stands.
 fn contour_do(mask: Mask, stage: u32, i: u32, j: u32) {
-    let center = vec2f(mask_cell_center(mask, i, j).x, mask_row_y(mask, j));
+    var center = vec2f(mask_cell_center(mask, i, j).x, mask_row_y(mask, j));
+    if (stage == CONTOUR_BETWEEN && i + 1u < SIDE && bits_has(contour_flats[j].all & ~contour_flats[j].starts, i + 1u)) {
+        // One height for two columns.
+        center.x = 0.5 * (center.x + mask_cell_center(mask, i + 1u, j).x);
+    }
     let hides = bits_has(contour_dark_of(j), i);
     // From a dark point to a lit one; and what is asked first.
     var start = center;
@@ -127,12 +133,22 @@ fn contour_do(mask: Mask, stage: u32, i: u32, j: u32) {
     }
     let shift = contour_shift(line);
     var low = 0u;
+    var half = 0u;
     for (var q = select(1u, 0u, stage <= CONTOUR_FOLLOW || stage == CONTOUR_BELOW || stage == CONTOUR_ABOVE);
-        q <= CONTOUR_BISECTIONS; q++) {
+        q <= CONTOUR_BISECTIONS + 1u; q++) {
         let step = CONTOUR_STEPS >> q;
-        let way = f32(low + step) / f32(CONTOUR_STEPS) + shift;
+        var way = f32(low + step) / f32(CONTOUR_STEPS) + shift;
+        if (q > CONTOUR_BISECTIONS) {
+            // Rows are not shifted: one more question next to them.
+            if (stage > CONTOUR_ABOVE || contour_is_inside(low)) {
+                break;
+            }
+            way = contour_way(line, low);
+        }
         let hidden = contour_ask(mask, select(start + way * (end - start), check, q == 0u));
-        if (q > 0u) {
+        if (q > CONTOUR_BISECTIONS) {
+            half = select(0u, 1u, hidden);
+        } else if (q > 0u) {
             low += select(0u, step, hidden);
         } else if (stage <= CONTOUR_FOLLOW) {
             let word = 2u * j + i / 32u;
@@ -148,7 +164,7 @@ fn contour_do(mask: Mask, stage: u32, i: u32, j: u32) {
             return;
         }
     }
-    contour_note((stage - CONTOUR_BETWEEN) % 3u, i, j, low);
+    contour_note((stage - CONTOUR_BETWEEN) % 3u, i, j, select(2u * low + half, low, stage > CONTOUR_ABOVE));
 }
 
 // What the own row wants done.

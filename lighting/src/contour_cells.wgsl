@@ -135,15 +135,35 @@ fn contour_fill(lane: u32, blocks: u32) {
 
 // The unknown ones among neighbours that differ.
 fn contour_open(lane: u32) -> vec2u {
-    let hides = contour_dark_of(lane);
     var differ = contour_steps(lane);
     if (lane > 0u) {
-        differ |= (hides ^ contour_dark_of(lane - 1u)) & contour_emit[lane - 1u];
+        differ |= contour_differ(lane, lane - 1u);
     }
     if (lane + 1u < SIDE) {
-        differ |= (hides ^ contour_dark_of(lane + 1u)) & contour_emit[lane + 1u];
+        differ |= contour_differ(lane, lane + 1u);
     }
     return differ & contour_emit[lane] & ~contour_known_of(lane);
+}
+
+// Cells of row `j` that differ from a neighbour in row `k`; along the rim, across corners, too.
+fn contour_differ(j: u32, k: u32) -> vec2u {
+    let hides = contour_dark_of(j);
+    let other = contour_dark_of(k);
+    let rim = contour_rim_cells(k);
+    let beside = ((hides ^ bits_up(other)) & bits_up(rim)) | ((hides ^ bits_down(other)) & bits_down(rim));
+    return ((hides ^ other) & contour_emit[k]) | (beside & contour_rim_cells(j));
+}
+
+// Cells of row `j` at the rim of what emits: not all four neighbours do.
+fn contour_rim_cells(j: u32) -> vec2u {
+    let e = contour_emit[j];
+    var inner = bits_up(e) & bits_down(e);
+    if (j == 0u || j + 1u >= SIDE) {
+        inner = vec2u(0u);
+    } else {
+        inner &= contour_emit[j - 1u] & contour_emit[j + 1u];
+    }
+    return e & ~inner;
 }
 
 // Single lit or dark cells between two others in a row or column.

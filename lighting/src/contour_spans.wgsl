@@ -6,13 +6,32 @@ fn contour_shift(line: u32) -> f32 {
     return (f32(order) / 8.0 - 7.0 / 16.0) / f32(CONTOUR_STEPS);
 }
 
-// How far from the dark point (0) to the lit one (1) a step is.
-fn contour_way(line: u32, step: u32) -> f32 {
-    let shift = contour_shift(line);
-    let low = select(0.0, f32(step) / f32(CONTOUR_STEPS) + shift, step > 0u);
-    let high = select(1.0, f32(step + 1u) / f32(CONTOUR_STEPS) + shift, step + 1u < CONTOUR_STEPS);
-    return 0.5 * (low + high);
+// From where to where, between the dark point (0) and the lit one (1), what a bisection found is.
+fn contour_bounds(line: u32, low: u32) -> vec2f {
+    let at = vec2f(f32(low), f32(low + 1u)) / f32(CONTOUR_STEPS) + contour_shift(line);
+    return vec2f(select(0.0, at.x, low > 0u), select(1.0, at.y, low + 1u < CONTOUR_STEPS));
 }
+
+// Where that is in the middle.
+fn contour_way(line: u32, low: u32) -> f32 {
+    let bounds = contour_bounds(line, low);
+    return 0.5 * (bounds.x + bounds.y);
+}
+
+// The same of a step between a dark row and a lit one: twice what a bisection found and, next to either row, one more for
+// the upper half.
+fn contour_height(line: u32, step: u32) -> f32 {
+    let low = step / 2u;
+    let way = contour_way(line, low);
+    if (contour_is_inside(low)) {
+        return way;
+    }
+    let bounds = contour_bounds(line, low);
+    return 0.5 * (way + select(bounds.x, bounds.y, (step & 1u) == 1u));
+}
+
+// Whether what a bisection found is at neither end.
+fn contour_is_inside(low: u32) -> bool { return low > 0u && low + 1u < CONTOUR_STEPS; }
 
 fn contour_slot(layer: u32, i: u32, j: u32) -> u32 { return (layer * LANES + j) * CONTOUR_ROW + i / 8u; }
 
@@ -54,8 +73,8 @@ fn contour_flat(j: u32) -> Flat {
             first > 0u && bits_has(high & both, first - 1u)
         );
         let right = vec2<bool>(end < SIDE && bits_has(low & both, end), end < SIDE && bits_has(high & both, end));
-        // It comes through one line and leaves through the other.
-        if (left.x != left.y && right.x != right.y && left.x != right.x) {
+        // It comes through one line and soon leaves through the other.
+        if (end - first < CONTOUR_LONG && left.x != left.y && right.x != right.y && left.x != right.x) {
             continue;
         }
         out.all |= bits_ones(end) & ~bits_ones(first);
@@ -99,7 +118,7 @@ fn contour_between(flat: Flat, i: u32, gap: u32, lower: bool) -> f32 {
         return 0.0;
     }
     let start = select(i - 1u, i, bits_has(flat.starts, i));
-    let way = contour_way(start / 2u, contour_noted(0u, start, gap) - 1u);
+    let way = contour_height(start / 2u, contour_noted(0u, start, gap) - 1u);
     // Beyond half the way it reaches into the lit cells; before, it leaves some of the dark ones.
     let below = bits_has(contour_dark_of(gap), start);
     let own = (below == lower) == (way < 0.5);
@@ -120,7 +139,7 @@ fn contour_beyond(outer: Flat, i: u32, j: u32, layer: u32) -> f32 {
     if (noted == 0u || !bits_has(outer.all, i) || bits_has(hides, i) != bits_has(hides, start)) {
         return 0.0;
     }
-    let way = contour_way(start / 2u, noted - 1u);
+    let way = contour_height(start / 2u, noted - 1u);
     return trunc(0.5 * CONTOUR_WHOLE * select(way, way - 1.0, bits_has(hides, i)));
 }
 

@@ -49,7 +49,7 @@ impl Subject for Mixed {
 #[test]
 fn rays() {
     let measured =
-        check(&Rays, &Limits { several_mean: 0.0015, several: 0.012, turn: 0.014, jump: 0.0045, ..Limits::default() })
+        check(&Rays, &Limits { several_mean: 0.001, several: 0.01, turn: 0.005, jump: 0.0035, ..Limits::default() })
             .unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");
 }
@@ -57,7 +57,7 @@ fn rays() {
 #[test]
 fn mixture_of_rays_and_spheres() {
     let measured =
-        check(&Mixed, &Limits { brighter: 0.005, order: 0.005, turn: 0.008, jump: 0.0045, ..Limits::default() })
+        check(&Mixed, &Limits { brighter: 0.005, order: 0.005, turn: 0.005, jump: 0.0035, ..Limits::default() })
             .unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");
 }
