@@ -3,7 +3,7 @@
 use cosine_lobes::lobe_core::{SelfShadow, Sphere};
 use cosine_lobes::scene::{BlockerSet, Mesh, Shape, load};
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet};
-use glam::{Mat3, Mat4, Vec3};
+use glam::{Mat4, Vec3};
 use std::path::Path;
 
 /// Spot, as her file has her: 1.7 high, facing −z.
@@ -34,15 +34,11 @@ pub(crate) fn set(name: &str, mesh: &Mesh, count: usize) -> SphereSet {
     set
 }
 
-/// The spheres of one object, moved by a rotation and translation.
+/// The first `most` spheres of one object, moved by a rotation and translation.
 pub(crate) fn add(out: &mut BlockerSet, object: u32, set: &SphereSet, matrix: &Mat4, most: usize) {
-    let count = set.spheres.len().min(most);
-    let moved = |s: &Sphere| Sphere { center: matrix.transform_point3(s.center), radius: s.radius };
-    out.spheres.extend(set.spheres[..count].iter().map(moved));
-    let whole = |s: &Sphere| SelfShadow::whole(set.self_distance / s.radius.max(f32::MIN_POSITIVE));
-    let turn = Mat3::from_mat4(*matrix);
-    let own = |i: usize| set.self_shadows.get(i).map_or_else(|| whole(&set.spheres[i]), |own| own.turned(turn));
-    out.self_shadows.extend((0..count).map(own));
+    let set = set.placed(matrix);
+    out.spheres.extend(set.spheres.iter().take(most));
+    out.self_shadows.extend(set.self_shadows.iter().take(most));
     out.objects.resize(out.spheres.len(), object);
     out.self_distances.resize(object as usize + 1, 0.0);
     out.self_distances[object as usize] = set.self_distance;

@@ -19,15 +19,16 @@ const LISTED: usize = 48;
 /// Rays start off the surface, moved along the geometric normal as [`World::leave`] does; where the receiver lies on no
 /// surface of its object, along the shading normal. So a surface does not shadow itself by rounding, and what rests on
 /// it casts its shadow down to a distance of 5e-7 of the scene's extent.
+///
 /// # Accuracy and cost
 /// Error of V over penumbrae against Monte Carlo of the same triangles (light of half-angle 6°, masks of depth 5), mean /
-/// 99th percentile, and rays a penumbra receiver: floor under the Stanford bunny 0.07 / 0.28 %, 256; the bunny itself 0.07 /
-/// 0.35 %, 226; floor behind a picket fence, three pickets across the light, 0.12 / 0.52 %, 575. Depth 4: 0.17 / 0.59 %, 158
-/// on the bunny's floor, but 0.47 / 2.6 % behind the fence. Lit receivers cost next to none.
+/// 99th percentile, and rays a penumbra receiver: floor under the Stanford bunny 0.07 / 0.22 %, 260; the bunny itself 0.06 /
+/// 0.25 %, 233; floor behind a picket fence, three pickets across the light, 0.11 / 0.42 %, 581. Depth 4: 0.17 / 0.63 %, 155
+/// on the bunny's floor, 0.31 / 1.2 % behind the fence. Lit receivers cost next to none.
 ///
 /// What the contour saves costs little: from masks whose every cell is asked (812 rays at depth 5, 3 200 at depth 6) the
-/// share differs by 0.14 / 0.08 % in the mean around a ball, with 226 rays, and by 0.16 / 0.10 % around a picket fence,
-/// with 455 (rows of 256 samples; with 64, depth 5: 0.16 and 0.20 %).
+/// share differs by 0.13 / 0.08 % in the mean around a ball, with 232 rays, and by 0.15 / 0.09 % around a picket fence,
+/// with 466.
 #[derive(Debug)]
 pub struct RayBlockers<'w> {
     world: &'w World<'w>,

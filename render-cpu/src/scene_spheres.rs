@@ -1,5 +1,5 @@
 use crate::blockers::{BlockersError, BlockersProgress};
-use glam::{Mat3, Mat4, Vec3};
+use glam::{Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
 use scene::{Animation, BlockerSet, Mesh, Object, Proxy, Scene, Shape};
 use std::path::Path;
@@ -184,31 +184,24 @@ fn from_proxy(
 }
 
 /// Reads the file of a sphere set that is given for an object as it stood before `placement`, and puts the set where the
-/// object is: radii and τ grow with the scale, which is one for all axes. How a sphere shadows its own object is in units
-/// of its radius and only turns.
+/// object is ([`SphereSet::placed`]).
 ///
 /// # Errors
 /// [`BlockersError::Read`], [`BlockersError::Set`], and [`BlockersError::Misfit`] for a set of another mesh.
 pub fn read_set(path: &Path, placement: &Mat4, object: &Object) -> Result<SphereSet, BlockersError> {
     let path = || path.to_owned();
     let text = std::fs::read_to_string(path()).map_err(|source| BlockersError::Read { path: path(), source })?;
-    let mut set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
+    let set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
+    let mut placed = set.placed(placement);
     if let Shape::Mesh(mesh) = &object.shape {
         let back = placement.inverse();
         let own: Vec<Vec3> = mesh.positions.iter().map(|p| back.transform_point3(*p)).collect();
         let fits = set.check_fits(&own, &mesh.triangles);
         fits.map_err(|source| BlockersError::Misfit { path: path(), object: object.name.clone(), source })?;
         let bounds = mesh.bounds();
-        set.mesh_bounds = [bounds.min, bounds.max];
+        placed.mesh_bounds = [bounds.min, bounds.max];
     }
-    let turn = Mat3::from_mat4(*placement);
-    set.self_shadows.iter_mut().for_each(|own| *own = own.turned(turn));
-    let scale = placement.x_axis.truncate().length();
-    set.self_distance *= scale;
-    for ball in &mut set.spheres {
-        *ball = Sphere { center: placement.transform_point3(ball.center), radius: ball.radius * scale };
-    }
-    Ok(set)
+    Ok(placed)
 }
 
 /// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.

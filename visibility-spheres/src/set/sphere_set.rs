@@ -1,6 +1,6 @@
 use core::ops::ControlFlow;
 
-use glam::{Vec3, Vec4};
+use glam::{BVec3, Mat3, Mat4, Vec3, Vec4};
 use lobe_core::{SelfShadow, Sphere};
 
 use super::build::Builder;
@@ -145,6 +145,37 @@ impl SphereSet {
         }
         let message = format!("its bounding box was {}, this one's is {}", span(self.mesh_bounds), span(bounds));
         Err(MisfitError { message })
+    }
+
+    /// The set of the mesh where `placement` puts it: a rotation, a translation and one scale for all axes. Radii and τ grow
+    /// with the scale; how a sphere shadows its own object is in units of its radius and only turns. The box is the one around
+    /// the turned box, `quality` is as it was.
+    ///
+    /// ```
+    /// use glam::{Mat4, Vec3};
+    /// # use visibility_spheres::{BuildOptions, SphereSet};
+    /// # let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    /// # let set = SphereSet::build(&corners, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], &BuildOptions::new(4))?;
+    /// let placed = set.placed(&(Mat4::from_translation(Vec3::Y) * Mat4::from_scale(Vec3::splat(2.0))));
+    /// assert!((placed.spheres[0].radius - 2.0 * set.spheres[0].radius).abs() < 1e-6);
+    /// assert_eq!(placed.mesh_bounds, [Vec3::Y, Vec3::new(2.0, 3.0, 2.0)]);
+    /// # Ok::<(), visibility_spheres::BuildError>(())
+    /// ```
+    #[must_use]
+    pub fn placed(&self, placement: &Mat4) -> Self {
+        let scale = placement.x_axis.truncate().length();
+        let turn = Mat3::from_mat4(*placement);
+        let ball = |b: &Sphere| Sphere { center: placement.transform_point3(b.center), radius: b.radius * scale };
+        let [lo, hi] = self.mesh_bounds;
+        let corners = (0..8).map(|k| Vec3::select(BVec3::new(k & 1 == 1, k & 2 == 2, k & 4 == 4), hi, lo));
+        let corners = corners.map(|p| placement.transform_point3(p));
+        Self {
+            spheres: self.spheres.iter().map(ball).collect(),
+            self_distance: self.self_distance * scale,
+            self_shadows: self.self_shadows.iter().map(|own| own.turned(turn)).collect(),
+            mesh_bounds: corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[lo, hi], p| [lo.min(p), hi.max(p)]),
+            ..*self
+        }
     }
 }
 
