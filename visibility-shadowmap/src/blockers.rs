@@ -1,7 +1,8 @@
 use crate::canvas::Canvas;
 use crate::clip::{MOST, Polygon};
 use crate::map::ShadowMap;
-use crate::probe::{Image, Item, NEAR, Probe, TileProbe, Verdict};
+use crate::probe::{Block, Image, Item, NEAR, Probe, TileProbe, Verdict};
+use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 use lighting::{Blockers, Mask, UnitSquare, depth_for};
 use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
@@ -205,7 +206,11 @@ impl Blockers for ShadowMapBlockers {
             *visited += 1;
             let layer = map.layer(item);
             let probe = &probes[usize::from(item.face)];
-            match probe.judge(item, layer) {
+            let node = item.node(layer);
+            if node.is_empty() {
+                continue;
+            }
+            match probe.judge(item, &node, &Block::around(item, layer, &node)) {
                 Verdict::No => {}
                 Verdict::Split => item.split(layer, stack),
                 Verdict::Blocks => return Coverage::Partial,
@@ -220,6 +225,13 @@ impl Blockers for ShadowMapBlockers {
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut ShadowMapScratch, mask: &mut Mask) {
+        dispatch!(Level::new(), _simd => self.splat_all(query, scratch, mask));
+    }
+}
+
+impl ShadowMapBlockers {
+    #[inline(always)]
+    fn splat_all(&self, query: &VisibilityQuery<'_>, scratch: &mut ShadowMapScratch, mask: &mut Mask) {
         let Some(map) = scratch.map.map(|k| &self.maps[k]) else { return };
         let ShadowMapScratch { frontier, own_face, probes, stack, canvas, visited, drawn, .. } = scratch;
         Self::look(map, query, mask.square(), mask.cell(), probes);
@@ -233,10 +245,14 @@ impl Blockers for ShadowMapBlockers {
             *visited += 1;
             let layer = map.layer(item);
             let probe = &probes[usize::from(item.face)];
-            let verdict = probe.judge(item, layer);
+            let node = item.node(layer);
+            if node.is_empty() {
+                continue;
+            }
+            let block = Block::around(item, layer, &node);
             // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
-            let is_covered = || probe.image.bounds(item, layer).is_some_and(|[low, high]| canvas.is_covered(low, high));
-            match verdict {
+            let is_covered = || probe.image.bounds(&block).is_some_and(|[low, high]| canvas.is_covered(low, high));
+            match probe.judge(item, &node, &block) {
                 Verdict::No => {}
                 _ if is_covered() => {}
                 Verdict::Split => item.split(layer, stack),
@@ -253,7 +269,7 @@ impl Blockers for ShadowMapBlockers {
                     *drawn += 1;
                     let q = layer.corners(item.level.into(), item.i.into(), item.j.into());
                     let texels = item.texels(layer);
-                    let deviations = layer.edge_deviations(texels, item.node(layer).deviation);
+                    let deviations = layer.edge_deviations(texels, node.deviation);
                     let [x0, x1, y0, y1] = texels.map(|x| x as f32);
                     draw(&probe.image, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]], q, deviations, canvas);
                 }
@@ -282,6 +298,7 @@ fn draw_below(normal: Vec3, square: &UnitSquare, canvas: &mut Canvas) {
 }
 
 /// A quadrilateral in the picture with q at its corners, and how far its neighbours' q may be from the edges.
+#[inline(always)]
 fn draw(image: &Image, at: [[f32; 2]; 4], q: [f32; 4], deviations: [f32; 4], canvas: &mut Canvas) {
     let corners = image.corners(at, q);
     let near = NEAR * corners.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);

@@ -51,6 +51,7 @@ impl Canvas {
     }
 
     /// Whether every sample between two corners, in plane coordinates, is covered.
+    #[inline(always)]
     pub(crate) fn is_covered(&self, low: Vec2, high: Vec2) -> bool {
         let (low, high) = ((low - self.low) * self.scale, (high - self.low) * self.scale);
         let (lines, columns) = ((self.side * LINES) as f32, (self.side * ACROSS) as f32);
@@ -61,6 +62,7 @@ impl Canvas {
 
     /// Unites a convex polygon in plane coordinates. Edge k, from corner k to the next one, moves outward by `grow[k]`;
     /// edges after the fourth do not.
+    #[inline(always)]
     pub(crate) fn polygon(&mut self, points: &mut [Vec2], grow: [f32; 4]) {
         let count = points.len();
         let grows = grow != [0.0; 4];
@@ -121,6 +123,7 @@ impl Canvas {
 
     /// Lines that only the growth reaches take the span of the line next to them, or all there is; none reaches farther
     /// than from `low` to `high`.
+    #[inline(always)]
     fn fill_ends(&mut self, first: usize, end: usize, low: f32, high: f32) {
         let spans = &mut self.spans[first..end];
         let whole = |span: &(f32, f32)| span.0 <= span.1;

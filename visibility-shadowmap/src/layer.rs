@@ -14,6 +14,9 @@ const KAPPA: f32 = 4.0;
 /// outline do by 2.41 at most.
 const LIKE: f32 = 2.5;
 
+/// The place of corners that are means of the four texels around them.
+pub(crate) const MEANS: u32 = u32::MAX;
+
 /// A depth picture and its pyramid: bounds of q, and how far q is from bilinear between a node's corners.
 #[derive(Clone, Debug)]
 pub(crate) struct Layer {
@@ -22,6 +25,10 @@ pub(crate) struct Layer {
     /// Continuity limit κ·texel.
     limit: f32,
     q: Vec<f32>,
+    /// For each node of level 1, which of `outlines` has its texels' corners; [`MEANS`] where those are means of texels.
+    places: Vec<u32>,
+    /// q at the four corners of the four texels of a node of level 1 at an outline.
+    outlines: Vec<[[f32; 4]; 4]>,
     /// `levels[k]` has nodes of `2^(k+1)` texels a side.
     levels: Vec<Level>,
 }
@@ -97,7 +104,9 @@ impl Layer {
         if q.iter().all(|q| *q == EMPTY) {
             return None;
         }
-        let mut layer = Self { width, height, limit: KAPPA * texel as f32, q, levels: Vec::new() };
+        let limit = KAPPA * texel as f32;
+        let mut layer = Self { width, height, limit, q, places: Vec::new(), outlines: Vec::new(), levels: Vec::new() };
+        layer.work_out_corners();
         let (mut w, mut h) = (width, height);
         // Corner values of the level below, to save working them out twice.
         let mut below = Vec::new();
@@ -119,6 +128,31 @@ impl Layer {
         Some(layer)
     }
 
+    /// The corners at outlines.
+    fn work_out_corners(&mut self) {
+        let (columns, rows) = self.size(1);
+        let is_there = |i: usize, j: usize| i < self.width && j < self.height && self.q[j * self.width + i] != EMPTY;
+        let node = |i: usize, j: usize| {
+            let texels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (2 * i + x, 2 * j + y));
+            if !texels.iter().any(|(i, j)| is_there(*i, *j)) || self.smooth_corners(i, j).is_some() {
+                return None;
+            }
+            let corners = |i: usize, j: usize| [0, 1, 2, 3].map(|k| self.corner_beside(i, j, k));
+            Some(texels.map(|(i, j)| if is_there(i, j) { corners(i, j) } else { [EMPTY; 4] }))
+        };
+        let row = |j: usize| (0..columns).filter_map(|i| Some((i, node(i, j)?))).collect::<Vec<_>>();
+        let found: Vec<_> = (0..rows).into_par_iter().map(row).collect();
+        let mut places = vec![MEANS; columns * rows];
+        let mut outlines = Vec::with_capacity(found.iter().map(Vec::len).sum());
+        for (j, row) in found.into_iter().enumerate() {
+            for (i, four) in row {
+                places[j * columns + i] = outlines.len() as u32;
+                outlines.push(four);
+            }
+        }
+        (self.places, self.outlines) = (places, outlines);
+    }
+
     pub(crate) fn top(&self) -> u32 {
         self.levels.len() as u32
     }
@@ -128,6 +162,7 @@ impl Layer {
         &self.q
     }
 
+    #[inline(always)]
     pub(crate) fn node(&self, level: u32, i: usize, j: usize) -> Node {
         if level == 0 {
             let q = self.q[j * self.width + i];
@@ -139,6 +174,7 @@ impl Layer {
     }
 
     /// Texels of a node: columns from…to, rows from…to.
+    #[inline(always)]
     pub(crate) fn texels(&self, level: u32, i: usize, j: usize) -> [usize; 4] {
         [i << level, ((i + 1) << level).min(self.width), j << level, ((j + 1) << level).min(self.height)]
     }
@@ -157,7 +193,7 @@ impl Layer {
         }
         let mut children = [(Node::NOTHING, (0, 0), [0.0; 4]); 4];
         let mut count = 0;
-        let quick = if level == 1 { self.smooth_corners(i, j) } else { None };
+        let quick = if level == 1 && self.place(i, j) == MEANS { self.smooth_corners(i, j) } else { None };
         for (ci, cj) in around {
             let child = self.node(level - 1, ci, cj);
             let corners = match (level, quick) {
@@ -229,14 +265,41 @@ impl Layer {
 
     /// q at the corners of a node, counter-clockwise from the lower left: the mean of those texels around the corner that
     /// belong to the surface of the node's own texel there.
+    #[inline(always)]
     pub(crate) fn corners(&self, level: u32, i: usize, j: usize) -> [f32; 4] {
         let [x0, x1, y0, y1] = self.texels(level, i, j);
         let (x1, y1) = (x1 - 1, y1 - 1);
-        [self.corner(x0, y0, -1, -1), self.corner(x1, y0, 1, -1), self.corner(x1, y1, 1, 1), self.corner(x0, y1, -1, 1)]
+        [self.corner(x0, y0, 0), self.corner(x1, y0, 1), self.corner(x1, y1, 2), self.corner(x0, y1, 3)]
+    }
+
+    /// q at corner `k` of texel `(i, j)`.
+    #[inline(always)]
+    fn corner(&self, i: usize, j: usize, k: usize) -> f32 {
+        let place = self.places[j / 2 * self.width.div_ceil(2) + i / 2];
+        if place != MEANS {
+            return self.outlines[place as usize][i % 2 + j % 2 * 2][k];
+        }
+        if self.q[j * self.width + i] == EMPTY {
+            return EMPTY;
+        }
+        let (x, y) = (i + usize::from(k == 1 || k == 2), j + usize::from(k > 1));
+        let at = |x: usize, y: usize| self.q[y * self.width + x];
+        ((at(x - 1, y - 1) + at(x, y)) + (at(x, y - 1) + at(x - 1, y))) / 4.0
+    }
+
+    /// Which of [`outlines`](Self::outlines) has the corners of the texels of a node of level 1, or [`MEANS`].
+    pub(crate) fn place(&self, i: usize, j: usize) -> u32 {
+        self.places[j * self.width.div_ceil(2) + i]
+    }
+
+    /// q at the corners of the texels of nodes at outlines.
+    pub(crate) fn outlines(&self) -> &[[[f32; 4]; 4]] {
+        &self.outlines
     }
 
     /// How far q at the edges of a node may be from where the node puts it: its deviation where there is a neighbour to
     /// meet, 0 at an outline. Edges as their corners: below, right, above, left.
+    #[inline(always)]
     pub(crate) fn edge_deviations(&self, [x0, x1, y0, y1]: [usize; 4], deviation: f32) -> [f32; 4] {
         if deviation <= 0.0 {
             return [0.0; 4];
@@ -250,6 +313,7 @@ impl Layer {
     /// What stands for those texels of a node that `blocks` is true for, given their places and q: one part for q from
     /// `middle` on, one for less. `None` where q differs within one by more than `range`. Of a large node 4 × 4 texels are
     /// looked at.
+    #[inline(always)]
     pub(crate) fn parts(
         &self,
         [x0, x1, y0, y1]: [usize; 4],
@@ -278,15 +342,13 @@ impl Layer {
         Some(sums.map(|sum| (sum.w > 0.0).then(|| Part::new(texels, sum, count))))
     }
 
-    /// q at a corner of texel `(i, j)`, in the direction `(dx, dy)` of ±1. The texels around a corner that belong to one
-    /// surface all find the same value: no gap between them. On a plane it is exact, at an outline too: there it is where
-    /// the surface would go on to.
-    fn corner(&self, i: usize, j: usize, dx: isize, dy: isize) -> f32 {
+    /// q at corner `k` of texel `(i, j)` with a surface. The texels around a corner that belong to one surface all find the
+    /// same value: no gap between them. On a plane it is exact, at an outline too: there it is where the surface would go
+    /// on to.
+    fn corner_beside(&self, i: usize, j: usize, k: usize) -> f32 {
         let own = self.q[j * self.width + i];
-        if own == EMPTY {
-            return EMPTY;
-        }
-        let (x, y) = (i as isize + dx.min(0), j as isize + dy.min(0));
+        let (right, up) = (k == 1 || k == 2, k > 1);
+        let (x, y) = (i as isize - isize::from(!right), j as isize - isize::from(!up));
         let at = |x: isize, y: isize| {
             let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
             if inside { self.q[y as usize * self.width + x as usize] } else { EMPTY }
@@ -309,7 +371,7 @@ impl Layer {
             (diagonal(0, 3), 0b1001),
             (diagonal(1, 2), 0b0110),
         ];
-        let mut set = 1_u32 << (usize::from(dx < 0) + 2 * usize::from(dy < 0));
+        let mut set = 1_u32 << (usize::from(!right) + 2 * usize::from(!up));
         for _ in 0..3 {
             for (_, pair) in joins.iter().filter(|(is, _)| *is) {
                 if set & pair != 0 {
@@ -379,6 +441,9 @@ impl Layer {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.q.len() * size_of::<f32>() + self.levels.iter().map(|l| l.nodes.len() * size_of::<Node>()).sum::<usize>()
+        let corners = size_of_val(&self.places[..]) + size_of_val(&self.outlines[..]);
+        self.q.len() * size_of::<f32>()
+            + corners
+            + self.levels.iter().map(|l| l.nodes.len() * size_of::<Node>()).sum::<usize>()
     }
 }

@@ -16,7 +16,7 @@
 
 use crate::blockers::ShadowMapBlockers;
 use crate::face::Face;
-use crate::layer::{self, Layer};
+use crate::layer::{Layer, MEANS};
 use crate::map::ShadowMap;
 use lobe_core::Sphere;
 use std::sync::{Arc, Weak};
@@ -27,8 +27,6 @@ const FACE: usize = 20;
 const EMPTY: f32 = -1e20;
 /// The deviation of a node that has such texels.
 const UNEVEN: f32 = 1e20;
-/// The place of corners that are means.
-const NO_CORNERS: u32 = u32::MAX;
 
 /// The maps of [`ShadowMapBlockers`] as one buffer for the GPU.
 #[derive(Clone, Debug, Default)]
@@ -116,7 +114,7 @@ impl ShadowMapBlockers {
     /// Everything in one buffer, for the WGSL in [`wgsl`](crate::wgsl).
     ///
     /// # Cost
-    /// A copy of the maps; corners at outlines are worked out anew: a third to two thirds of the time that building them took.
+    /// A copy of the maps.
     #[must_use]
     pub fn pack(&self) -> PackedMaps {
         let mut packed = PackedMaps::default();
@@ -166,7 +164,6 @@ fn pack_layer(layer: &Layer, before: usize, out: &mut Vec<u32>) -> u32 {
     out.resize(at + 2 + top as usize, 0);
     (out[at], out[at + 1]) = (top, (before + out.len()) as u32);
     out.extend(layer.q().iter().map(|q| q.max(EMPTY).to_bits()));
-    let mut corners = Vec::new();
     for level in 1..=top {
         out[at + 1 + level as usize] = (before + out.len()) as u32;
         let (columns, rows) = layer.size(level);
@@ -174,33 +171,25 @@ fn pack_layer(layer: &Layer, before: usize, out: &mut Vec<u32>) -> u32 {
             let node = layer.node(level, i, j);
             let numbers = [node.min.min(1.0 - EMPTY), node.max.max(EMPTY), node.deviation.min(UNEVEN)];
             out.extend(numbers.map(f32::to_bits));
-            let outline = level == 1 && !node.is_empty() && layer.smooth_corners(i, j).is_none();
-            out.push(if outline { corners.len() as u32 } else { NO_CORNERS });
-            if outline {
-                for (i, j) in (0..4).map(|k| (2 * i + (k & 1), 2 * j + (k >> 1))) {
-                    let (width, height) = layer.size(0);
-                    let q = if i < width && j < height { layer.corners(0, i, j) } else { [layer::EMPTY; 4] };
-                    corners.extend(q.map(|q| q.max(EMPTY).to_bits()));
-                }
-            }
+            out.push(if level == 1 { layer.place(i, j) } else { MEANS });
         }
     }
     // Now that it is known where the corners are.
     let (columns, rows) = layer.size(1);
     let (nodes, place) = (out[at + 2] as usize - before, (before + out.len()) as u32);
     for word in out[nodes..][..4 * columns * rows].iter_mut().skip(3).step_by(4) {
-        if *word != NO_CORNERS {
-            *word += place;
+        if *word != MEANS {
+            *word = place + 16 * *word;
         }
     }
-    out.extend(corners);
+    out.extend(layer.outlines().as_flattened().as_flattened().iter().map(|q| q.max(EMPTY).to_bits()));
     (before + at) as u32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MapOptions;
+    use crate::{MapOptions, layer};
     use glam::Vec3;
     use lobe_core::oracle::Random;
 
@@ -209,7 +198,7 @@ mod tests {
         let float = |k: usize| f32::from_bits(words[k]);
         let (columns, _) = layer.size(1);
         let table = words[words[at + 2] as usize + 4 * (j / 2 * columns + i / 2) + 3];
-        if table != NO_CORNERS {
+        if table != MEANS {
             return float(table as usize + 4 * ((i & 1) + 2 * (j & 1)) + k);
         }
         let (x, y) = (i + usize::from(k == 1 || k == 2) - 1, j + (k >> 1) - 1);

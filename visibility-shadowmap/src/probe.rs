@@ -49,7 +49,7 @@ impl Tests {
 
     /// For a box of (i, j, q): whether some function is negative all over it, and whether the first `inner` are positive
     /// all over it.
-    #[inline]
+    #[inline(always)]
     fn bounds(&self, at: &Block, inner: usize) -> (bool, bool) {
         let (mut outside, mut inside) = (false, true);
         for k in 0..LANES {
@@ -63,13 +63,14 @@ impl Tests {
     }
 
     /// Whether the first `count` are positive at a place.
+    #[inline(always)]
     fn hold(&self, count: usize, i: f32, j: f32, q: f32) -> bool {
         (0..count).all(|k| self.d[k] + self.a[k] * i + self.b[k] * j + self.c[k] * q > 0.0)
     }
 }
 
 /// A box of texels and depths: middle and half extents.
-struct Block {
+pub(crate) struct Block {
     i: f32,
     j: f32,
     q: f32,
@@ -80,7 +81,8 @@ struct Block {
 
 impl Block {
     /// All of a node's texels, corners included.
-    fn around(item: Item, layer: &Layer, node: &Node) -> Self {
+    #[inline(always)]
+    pub(crate) fn around(item: Item, layer: &Layer, node: &Node) -> Self {
         let [x0, x1, y0, y1] = item.texels(layer).map(|x| x as f32);
         // A texel's own bounds don't have its corners in them, those of the node above do.
         let (min, max) = match item.level {
@@ -116,16 +118,18 @@ impl Item {
         Self { face: face as u8, layer: layer as u8, level: top as u8, i: 0, j: 0 }
     }
 
+    #[inline(always)]
     pub(crate) fn node(self, layer: &Layer) -> Node {
         layer.node(self.level.into(), self.i.into(), self.j.into())
     }
 
+    #[inline(always)]
     pub(crate) fn texels(self, layer: &Layer) -> [usize; 4] {
         layer.texels(self.level.into(), self.i.into(), self.j.into())
     }
 
     /// Appends the parts of a node that are inside of the layer.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn split(self, layer: &Layer, out: &mut Vec<Self>) {
         let level = self.level - 1;
         let (columns, rows) = layer.size(level.into());
@@ -235,22 +239,17 @@ impl Probe {
         }
     }
 
-    #[inline]
-    pub(crate) fn judge(&self, item: Item, layer: &Layer) -> Verdict {
-        let node = item.node(layer);
-        if node.is_empty() {
-            return Verdict::No;
-        }
-        let block = Block::around(item, layer, &node);
+    #[inline(always)]
+    pub(crate) fn judge(&self, item: Item, node: &Node, block: &Block) -> Verdict {
         if item.level == 0 {
-            if self.tests.bounds(&block, 0).0 {
+            if self.tests.bounds(block, 0).0 {
                 return Verdict::No;
             }
             // A texel is there with its centre.
             let there = self.tests.hold(INNER, block.i, block.j, node.min);
             return if there { Verdict::Blocks } else { Verdict::No };
         }
-        let (outside, inside) = self.tests.bounds(&block, INNER);
+        let (outside, inside) = self.tests.bounds(block, INNER);
         if outside {
             return Verdict::No;
         }
@@ -269,6 +268,7 @@ impl Probe {
     }
 
     /// What of a small node blocks, as one trapezoid or two, see [`Layer::parts`]. `None`: look at its children.
+    #[inline(always)]
     pub(crate) fn parts(&self, item: Item, layer: &Layer, small: Small) -> Option<[Option<Part>; 2]> {
         let step = 1 << item.level.saturating_sub(2);
         layer.parts(item.texels(layer), step, [small.middle, small.range], |i, j, q| {
@@ -353,15 +353,14 @@ impl Image {
     }
 
     /// Places in the picture, with q there.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn corners(&self, at: [[f32; 2]; 4], q: [f32; 4]) -> [Vec3; 4] {
         core::array::from_fn(|k| self.origin + self.i * at[k][0] + self.j * at[k][1] + self.q * q[k])
     }
 
-    /// A box in the plane that holds all of a node's image; `None` where it reaches behind the receiver.
-    #[inline]
-    pub(crate) fn bounds(&self, item: Item, layer: &Layer) -> Option<[Vec2; 2]> {
-        let block = Block::around(item, layer, &item.node(layer));
+    /// A box in the plane that holds all of a block's image; `None` where it reaches behind the receiver.
+    #[inline(always)]
+    pub(crate) fn bounds(&self, block: &Block) -> Option<[Vec2; 2]> {
         let middle = self.origin + self.i * block.i + self.j * block.j + self.q * block.q;
         let half = self.i.abs() * block.half_i + self.j.abs() * block.half_j + self.q.abs() * block.half_q;
         let (low, high) = (middle - half, middle + half);
@@ -375,6 +374,7 @@ impl Image {
 
     /// About how far, in plane coordinates, changes of q move an image, and what rounding may do to an edge that several
     /// smaller ones meet.
+    #[inline(always)]
     pub(crate) fn shifts(&self, points: &[Vec2], depth: f32, changes: [f32; 4]) -> [f32; 4] {
         let farthest = points.iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt();
         // Within the window it is no more than what a node is merged for; slack is twice that.
