@@ -1,7 +1,8 @@
 //! Deterministic, noise-free direct lighting from area lights, as sums of cosine lobes.
 //!
 //! This package is the composition: it re-exports the crates that do the work, each as a module, and adds what its
-//! command `lobes` needs to read, write and compare pictures.
+//! command `lobes` needs to read, write and compare pictures. The feature `oracle` adds the f64 oracle and the suite
+//! that visibility strategies are tried with, `lobe_core::conformance`.
 //!
 //! ```
 //! use cosine_lobes::{Comparison, Picture};

@@ -10,6 +10,9 @@
 //! - nothing pops while blocker, light or receiver moves by small steps, with one ball and with several;
 //! - an overflowing buffer is an error value; used scratch, `enter`, `dyn` and threads change no bit.
 //!
+//! Blockers are balls, since a ball's shadow is known. A strategy of other shapes is asked with what comes next to them: boxes or
+//! meshes around the balls, with limits as wide as what that differs by.
+//!
 //! A strategy without shadows breaks it:
 //!
 //! ```
@@ -17,6 +20,7 @@
 //! use lobe_core::Unshadowed;
 //! let broken = check(&|_: &Setting<'_>| Unshadowed, &Limits::default()).unwrap_err();
 //! assert_eq!(broken.property, "full cover is dark");
+//! assert_eq!(broken.exceeded.map(|e| (e.field, e.value, e.limit)), Some(("cover", 1.0, 0.0)));
 //! ```
 //!
 //! A strategy of one's own passes it, within limits that its kind allows:
@@ -233,13 +237,34 @@ pub struct Measured {
 pub struct Broken {
     /// Which one.
     pub property: &'static str,
-    /// The case, and what came out.
+    /// The limit that was exceeded, where the property has one.
+    pub exceeded: Option<Exceeded>,
+    /// The case, and what came out: all of it, of which `Display` shows the beginning.
     pub case: String,
+}
+
+/// A value above its limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exceeded {
+    /// The field of [`Limits`].
+    pub field: &'static str,
+    /// The value.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
 }
 
 impl core::fmt::Display for Broken {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{}: {}", self.property, self.case)
+        write!(f, "{}: ", self.property)?;
+        if let Some(Exceeded { field, value, limit }) = self.exceeded {
+            write!(f, "{value:.3e} is above Limits::{field}, {limit:.3e}: ")?;
+        }
+        // A crowd has 64 balls.
+        match self.case.char_indices().nth(800) {
+            Some((end, _)) => write!(f, "{} …", &self.case[..end]),
+            None => f.write_str(&self.case),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The properties, one function each.
 
 use super::case::{Ball, Case, FAR, Use, WIDE};
-use super::{Broken, Limits, Measured, Subject};
+use super::{Broken, Exceeded, Limits, Measured, Subject};
 use crate::oracle::Random;
 use crate::{Coverage, LobesFull};
 use core::f64::consts::PI;
@@ -29,7 +29,18 @@ pub fn check(subject: &impl Subject, limits: &Limits) -> Result<Measured, Broken
 }
 
 fn ensure(holds: bool, property: &'static str, case: impl FnOnce() -> String) -> Result<(), Broken> {
-    if holds { Ok(()) } else { Err(Broken { property, case: case() }) }
+    if holds { Ok(()) } else { Err(Broken { property, exceeded: None, case: case() }) }
+}
+
+/// The same for a value and the field of [`Limits`] that it must not exceed.
+fn within(
+    value: f64,
+    (field, limit): (&'static str, f64),
+    property: &'static str,
+    case: impl FnOnce() -> String,
+) -> Result<(), Broken> {
+    let exceeded = Some(Exceeded { field, value, limit });
+    if value <= limit { Ok(()) } else { Err(Broken { property, exceeded, case: case() }) }
 }
 
 /// No balls, and balls that no ray to the light meets.
@@ -68,7 +79,9 @@ fn nothing_blocks(
         ensure(share == 1.0, "what is behind receiver or light blocks nothing", || format!("V = {share} in {case:?}"))?;
         case.balls = vec![beside];
         let dark = 1.0 - f64::from(case.share(subject, Use::Fresh).1);
-        ensure(dark <= limits.beside, "what is beside blocks nothing", || format!("1 - V = {dark} in {case:?}"))?;
+        within(dark, ("beside", limits.beside), "what is beside blocks nothing", || {
+            format!("1 - V = {dark} in {case:?}")
+        })?;
         out.beside = out.beside.max(dark);
     }
     Ok(())
@@ -84,7 +97,7 @@ fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
         case.balls.push(case.ball(random, size, off, distance));
         for how in [Use::Fresh, Use::Entered, Use::Boxed] {
             let share = f64::from(case.share(subject, how).1);
-            ensure(share <= limits.cover, "full cover is dark", || format!("V = {share} in {case:?}"))?;
+            within(share, ("cover", limits.cover), "full cover is dark", || format!("V = {share} in {case:?}"))?;
             out.cover = out.cover.max(share);
         }
     }
@@ -119,7 +132,7 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
                 case.balls.push(case.ball(random, size, off, distance));
                 let (_, share) = case.share(subject, Use::Fresh);
                 let error = (f64::from(share) - case.closed()).abs();
-                ensure(error <= limits.overlap, "overlap of two discs", || {
+                within(error, ("overlap", limits.overlap), "overlap of two discs", || {
                     format!("V = {share}, closed {} in {case:?}", case.closed())
                 })?;
                 out.overlap = out.overlap.max(error);
@@ -128,7 +141,9 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
         }
     }
     out.overlap_mean = sum / f64::from(count.max(1));
-    ensure(out.overlap_mean <= limits.overlap_mean, "mean overlap of two discs", || format!("{}", out.overlap_mean))
+    within(out.overlap_mean, ("overlap_mean", limits.overlap_mean), "mean overlap of two discs", || {
+        format!("{}", out.overlap_mean)
+    })
 }
 
 /// Two to five balls, any light, any lobe, also through the horizon; every [`CROWDED`]th time a crowd of small ones as well.
@@ -144,14 +159,16 @@ fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
         }
         let (share, exact) = (f64::from(case.share(subject, Use::Fresh).1), case.exact());
         let error = (share - exact).abs();
-        ensure(error <= limits.several, "several balls against quadrature", || {
+        within(error, ("several", limits.several), "several balls against quadrature", || {
             format!("V = {share}, exactly {exact} in {case:?}")
         })?;
         out.several = out.several.max(error);
         sum += error;
     }
     out.several_mean = sum / limits.cases.max(1) as f64;
-    ensure(out.several_mean <= limits.several_mean, "mean of several balls", || format!("{}", out.several_mean))
+    within(out.several_mean, ("several_mean", limits.several_mean), "mean of several balls", || {
+        format!("{}", out.several_mean)
+    })
 }
 
 /// A ball that hides next to nothing of the light, or next to all of it.
@@ -204,7 +221,7 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
                 })?;
             }
             let brighter = f64::from(share) - last;
-            ensure(brighter <= limits.brighter, "a further blocker never brightens", || {
+            within(brighter, ("brighter", limits.brighter), "a further blocker never brightens", || {
                 format!("V from {last} to {share} in {case:?}")
             })?;
             out.brighter = out.brighter.max(brighter);
@@ -214,14 +231,14 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
         reversed.balls.reverse();
         let (_, share) = reversed.share(subject, Use::Fresh);
         let change = (f64::from(share) - last).abs();
-        ensure(change <= limits.order, "order does not matter", || {
+        within(change, ("order", limits.order), "order does not matter", || {
             format!("V = {last}, reversed {share} in {case:?}")
         })?;
         out.order = out.order.max(change);
         let turn = DQuat::from_axis_angle(random.axis(), random.between(0.0, PI));
         let (_, share) = case.turned(turn).share(subject, Use::Fresh);
         let change = (f64::from(share) - last).abs();
-        ensure(change <= limits.turn, "turning everything changes nothing", || {
+        within(change, ("turn", limits.turn), "turning everything changes nothing", || {
             format!("V = {last}, turned {share} in {case:?}")
         })?;
         out.turn = out.turn.max(change);
@@ -251,7 +268,7 @@ fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mu
         let center = start.position + (axis * size.cos() + along * size.sin()) * distance;
         start.balls.push(Ball { center, radius: distance * size.sin() });
         let moves = [Moves::Ball, Moves::Light, Moves::Receiver][(k / 4 + k) % 3];
-        let jump = sweep(subject, &start, moves, along, 1.2, limits.jump, Case::closed)?;
+        let jump = sweep(subject, &start, moves, along, 1.2, ("jump", limits.jump), Case::closed)?;
         out.jump = out.jump.max(jump);
     }
     Ok(())
@@ -271,7 +288,7 @@ fn motion_of_several(
         }
         let along = random.axis_at(start.cone().0, 0.5 * PI);
         let moves = [Moves::Ball, Moves::Light, Moves::Receiver][k % 3];
-        let jump = sweep(subject, &start, moves, along, 0.4, limits.jump_several, Case::exact)?;
+        let jump = sweep(subject, &start, moves, along, 0.4, ("jump_several", limits.jump_several), Case::exact)?;
         out.jump_several = out.jump_several.max(jump);
     }
     Ok(())
@@ -285,7 +302,7 @@ fn sweep(
     moves: Moves,
     along: DVec3,
     reach: f64,
-    limit: f64,
+    limit: (&'static str, f64),
     exact: impl Fn(&Case) -> f64,
 ) -> Result<f64, Broken> {
     let theta = start.cone().1;
@@ -309,7 +326,7 @@ fn sweep(
         let now = (f64::from(case.share(subject, Use::Fresh).1), exact(&case));
         if let Some((share, truth)) = last {
             let jump = ((now.0 - share) - (now.1 - truth)).abs();
-            ensure(jump <= limit, "nothing pops", || {
+            within(jump, limit, "nothing pops", || {
                 format!("V from {share} to {}, exactly from {truth} to {} as {moves:?} moves in {case:?}", now.0, now.1)
             })?;
             largest = largest.max(jump);
