@@ -12,6 +12,11 @@ pub(crate) type Triangle = [DVec3; 3];
 const WIDEST_COS: f64 = 0.5;
 /// Texels around what is needed, for the averages at its rim and, on a cube, for an overlap at the seams.
 const BORDER: f64 = 2.0;
+/// Texels come in steps of this factor, and a window begins at a whole one of them: what moves a little between two frames
+/// is seen on the same grid, or edges of texels would pop all over the picture.
+pub(crate) const STEP: f64 = 1.189_207_115_002_721;
+/// Axes that are not a cube's are rounded to steps of this tangent, for the same reason.
+const TURN: f64 = 1.0 / 32.0;
 /// Rounding of receivers' coordinates, relative to the scene.
 const ROUNDING: f64 = 2e-6;
 
@@ -77,14 +82,15 @@ impl Fit<'_> {
             .into_iter()
             .flatten()
             .filter_map(|axis| {
-                let frame = Frame::toward(axis);
+                let frame = Frame::toward(rounded(axis));
                 self.window(&frame, triangles, false).map(|window| (frame, window))
             })
             .filter(|(_, w)| w.low.iter().chain(&w.high).all(|x| x.abs() <= 2.5))
             .min_by(|a, b| a.1.extent().total_cmp(&b.1.extent()));
         if let Some((frame, window)) = best {
-            let texel = window.extent().max(1e-12) / (f64::from(self.resolution) - 2.0 * BORDER);
-            return vec![window.face(frame, texel)];
+            // One texel less, since the window begins at a whole one.
+            let texel = window.extent().max(1e-12) / (f64::from(self.resolution) - 2.0 * BORDER - 1.0);
+            return vec![window.face(frame, STEP.powf((texel.ln() / STEP.ln()).ceil()))];
         }
         let texel = 2.0 / f64::from(self.resolution);
         Frame::cube()
@@ -142,12 +148,12 @@ impl Window {
     }
 
     fn face(&self, frame: Frame, texel: f64) -> Face {
-        let side = |k: usize| ((self.high[k] - self.low[k]) / texel + 2.0 * BORDER).ceil().max(1.0);
-        let start = |k: usize| 0.5 * (self.low[k] + self.high[k] - side(k) * texel);
+        let start = |k: usize| (self.low[k] / texel - BORDER).floor();
+        let side = |k: usize| (self.high[k] / texel + BORDER).ceil() - start(k);
         Face {
             frame,
-            left: start(0),
-            bottom: start(1),
+            left: start(0) * texel,
+            bottom: start(1) * texel,
             texel,
             width: side(0) as usize,
             height: side(1) as usize,
@@ -155,6 +161,13 @@ impl Window {
             layers: Vec::new(),
         }
     }
+}
+
+/// A direction near to this one, the same for all that are near.
+fn rounded(axis: DVec3) -> DVec3 {
+    let largest = axis.abs().max_element();
+    let rounded = |x: f64| (x / largest / TURN).round() * TURN;
+    DVec3::new(rounded(axis.x), rounded(axis.y), rounded(axis.z)).normalize()
 }
 
 /// The lines from receivers to the light's rim, projected along each axis of a face: they bound what can be in between.

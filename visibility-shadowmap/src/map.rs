@@ -78,6 +78,10 @@ impl ShadowMap {
     /// Draws triangles as seen from a light's centre. Winding does not matter; triangles without area, and what is inside
     /// of the light, block nothing.
     ///
+    /// Texels come in steps of a fifth and begin at whole ones, and the picture looks along one of some directions 2° apart: of
+    /// what moves a little between two frames most is seen on the same grid, and its shadow's edges don't jump. So a
+    /// picture may have a fifth fewer texels a side than the resolution says.
+    ///
     /// # Errors
     /// [`MapError`] for options out of range, a corner that does not exist, numbers that are not finite, a negative
     /// radius.
