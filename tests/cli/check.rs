@@ -109,3 +109,29 @@ fn checking_advises_for_each_object() {
     assert_eq!(of(&["--clip", "0"]), of(&[]));
     assert_ne!(of(&["--clip", "Run"]), of(&[]));
 }
+
+/// What casts a shadow on something behind it is no backdrop, nor is what moves; a wall that casts none stays one.
+#[test]
+fn only_what_has_nothing_behind_it_is_a_backdrop() {
+    let folder = folder();
+    let folder = folder.path();
+    let advice = |file: &str| {
+        let all = json(folder, &["check", file, "--json"]);
+        let objects = all["objects"].as_array().unwrap();
+        let word = |o: &serde_json::Value| o["advice"]["visibility"].as_str().unwrap().to_owned();
+        objects.iter().map(word).collect::<Vec<_>>()
+    };
+    // The floor that is added to a mesh lies behind it as well.
+    fs::write(folder.join("quad.obj"), "v -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nf 1 2 3 4\n").unwrap();
+    assert_eq!(advice("quad.obj"), ["none", "rays"]);
+    let screen = "\n[[objects]]\nquad = { center = [0, 1, -2], u = [2, 0, 0], v = [0, 1, 0] }\n";
+    for (keys, expected) in [
+        ("visibility = \"rays\"\n", ["none", "spheres", "rays"]),
+        ("visibility = \"none\"\n", ["none", "spheres", "none"]),
+        ("", ["none", "spheres", "none"]),
+        ("keys = [{ time = 0 }, { time = 1, translate = [0, 0, 9] }]\n", ["none", "spheres", "rays"]),
+    ] {
+        fs::write(folder.join("screen.toml"), format!("{SCENE}{screen}{keys}")).unwrap();
+        assert_eq!(advice("screen.toml"), expected, "{keys}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Which strategy suits an object, and why.
 
 use crate::strategy::FEW;
-use cosine_lobes::scene::{Mesh, Object, Proxy, Scene, Shape, Strategy};
+use cosine_lobes::scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_spheres::SetQuality;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
@@ -81,14 +81,14 @@ pub(crate) fn is_flat(mesh: &Mesh) -> bool {
 }
 
 /// What suits an object of a scene; `set` is how well its sphere set stands for it, where it is known.
-pub(crate) fn advise(scene: &Scene, number: usize, set: Option<&SetQuality>) -> Advice {
+pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: Option<&SetQuality>) -> Advice {
     let object = &scene.objects[number];
     let advice = |strategy, reason: String| Advice { strategy, reason };
     let mesh = match &object.shape {
         Shape::Spheres(_) => return advice(Strategy::Spheres, "balls are exact as spheres, and cheapest".to_owned()),
         Shape::Mesh(mesh) => mesh,
     };
-    if is_backdrop(scene, number, mesh) {
+    if is_backdrop(scene, animation, number, mesh) {
         let reason = "a backdrop: lights, camera and all that casts shadows are in front of it";
         return advice(Strategy::None, reason.to_owned());
     }
@@ -129,11 +129,24 @@ fn rays(reason: &str) -> Advice {
     Advice { strategy: Strategy::Rays, reason: format!("{reason}; rays are exact, and cheaper than a shadow map") }
 }
 
-/// Whether camera, lights, and the boxes of all that casts shadows are in front of every triangle of an object, and the
-/// object itself bends that way only: a floor, a wall, a cove, the inside of a room.
-fn is_backdrop(scene: &Scene, number: usize, mesh: &Mesh) -> bool {
-    let casts = |(n, o): &(usize, &Object)| *n != number && o.proxy != Proxy::None;
-    let boxes = scene.objects.iter().enumerate().filter(casts).map(|(_, o)| o.shape.bounds());
+/// Whether nobody gave an object a shadow: neither a proxy nor a strategy that needs none.
+fn casts_nothing(object: &Object) -> bool {
+    object.strategy.map_or(object.proxy == Proxy::None, |s| s == Strategy::None)
+}
+
+/// Whether camera, lights, and the boxes of all other objects are in front of every triangle of an object, and the object
+/// itself bends that way only: a floor, a wall, a cove, the inside of a room. What casts a shadow and moves, or stands in
+/// a scene where something does, is none.
+///
+/// Where the object casts nothing already, only the boxes of what casts shadows count: a floor that reaches behind a wall
+/// was not meant to be darkened by it.
+fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh) -> bool {
+    let silent = casts_nothing(&scene.objects[number]);
+    if animation.rig(number).is_some() || !(silent || animation.is_still()) {
+        return false;
+    }
+    let counts = |(n, o): &(usize, &Object)| *n != number && !(silent && casts_nothing(o));
+    let boxes = scene.objects.iter().enumerate().filter(counts).map(|(_, o)| o.shape.bounds());
     let corners = boxes.flat_map(|b| {
         let pick = move |k: usize| {
             let high = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32);

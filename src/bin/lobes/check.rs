@@ -38,7 +38,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     }
     let (scene, animation) = input::load(args.file.as_deref(), args.clip.as_deref(), false)?;
     let plan = Plan::new(Visibility::Scene, &scene);
-    let requirement = |number| requirement(&scene, &plan, number);
+    let requirement = |number| requirement(&scene, &animation, &plan, number);
     let objects = (0..scene.objects.len()).map(requirement).collect::<Result<Vec<_>, Failure>>()?;
     if args.json {
         say(serde_json::to_string_pretty(&requirements(&scene, &animation, &plan, &objects))?);
@@ -66,14 +66,15 @@ fn schema() -> String {
     )
 }
 
-fn requirement(scene: &Scene, plan: &Plan, number: usize) -> Result<Requirement, Failure> {
+fn requirement(scene: &Scene, animation: &Animation, plan: &Plan, number: usize) -> Result<Requirement, Failure> {
     let object = &scene.objects[number];
     let (count, quality) = spheres(object)?;
     let spheres = match plan.spheres(scene, number) {
         SphereSource::Nothing => 0,
         SphereSource::Proxy | SphereSource::Shape => count,
     };
-    Ok(Requirement { strategy: plan.of(number), spheres, advice: advise(scene, number, quality.as_ref()), quality })
+    let advice = advise(scene, animation, number, quality.as_ref());
+    Ok(Requirement { strategy: plan.of(number), spheres, advice, quality })
 }
 
 /// How many spheres stand for an object, and how well, where that is known.
