@@ -1,5 +1,23 @@
 use super::*;
 
+/// 8 × 24 quads around the y axis as triangles: radius and height at t in [0, 1].
+fn turned(profile: impl Fn(f64) -> (f64, f64)) -> String {
+    let (mut vertices, mut faces) = (String::new(), String::new());
+    for ring in 0..=8 {
+        let (r, y) = profile(ring as f64 / 8.0);
+        for step in 0..24 {
+            let (s, c) = (step as f64 / 24.0 * std::f64::consts::TAU).sin_cos();
+            vertices += &format!("v {} {y} {}\n", r * c, r * s);
+            if ring < 8 {
+                let at = |r: usize, s: usize| r * 24 + s % 24 + 1;
+                let (a, b, c, d) = (at(ring, step), at(ring, step + 1), at(ring + 1, step + 1), at(ring + 1, step));
+                faces += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+            }
+        }
+    }
+    vertices + &faces
+}
+
 #[test]
 fn checking_and_help() {
     let folder = folder();
@@ -30,25 +48,9 @@ fn checking_and_help() {
 fn checking_advises_for_each_object() {
     let folder = folder();
     let folder = folder.path();
-    // A bowl, open above, of 8 × 24 quads; and a pole of as many triangles.
-    let (mut bowl, mut pole) = (String::new(), String::new());
-    for ring in 0..=8 {
-        for step in 0..24 {
-            let (a, b) = (ring as f64 / 8.0 * 1.5, step as f64 / 24.0 * std::f64::consts::TAU);
-            bowl += &format!("v {} {} {}\n", a.sin() * b.cos(), 1.0 - a.cos(), a.sin() * b.sin());
-            let (y, r) = (ring as f64 * 0.5, if ring % 8 == 0 { 0.0 } else { 0.02 });
-            pole += &format!("v {} {y} {}\n", r * b.cos(), r * b.sin());
-        }
-    }
-    for ring in 0..8 {
-        for step in 0..24 {
-            let at = |r: usize, s: usize| r * 24 + s % 24 + 1;
-            let (a, b, c, d) = (at(ring, step), at(ring, step + 1), at(ring + 1, step + 1), at(ring + 1, step));
-            let faces = format!("f {a} {b} {c}\nf {a} {c} {d}\n");
-            bowl += &faces;
-            pole += &faces;
-        }
-    }
+    // A bowl, open above; and a pole of as many triangles.
+    let bowl = turned(|t| ((1.5 * t).sin(), 1.0 - (1.5 * t).cos()));
+    let pole = turned(|t| (if t % 1.0 == 0.0 { 0.0 } else { 0.02 }, 4.0 * t));
     fs::write(folder.join("bowl.obj"), bowl).unwrap();
     fs::write(folder.join("pole.obj"), pole).unwrap();
     let meshes = "\n[[objects]]\nmesh = \"bowl.obj\"\ntranslate = [2, 0, 0]\n\n[[objects]]\nmesh = \"pole.obj\"\n\
@@ -133,5 +135,41 @@ fn only_what_has_nothing_behind_it_is_a_backdrop() {
     ] {
         fs::write(folder.join("screen.toml"), format!("{SCENE}{screen}{keys}")).unwrap();
         assert_eq!(advice("screen.toml"), expected, "{keys}");
+    }
+}
+
+/// A set that an earlier picture left behind speaks against spheres where it is bad, and for them nowhere.
+#[test]
+fn advice_does_not_follow_the_cache() {
+    let folder = folder();
+    let folder = folder.path();
+    let cache = folder.with_extension("cache").join("cosine-lobes");
+    fs::write(folder.join("pole.obj"), turned(|t| (if t % 1.0 == 0.0 { 0.0 } else { 0.1 }, 4.0 * t))).unwrap();
+    fs::write(folder.join("ball.obj"), turned(|t| (3.2 * t * (1.0 - t), 1.6 * t))).unwrap();
+    for (mesh, word, reason) in [("pole.obj", "rays", "thin"), ("ball.obj", "spheres", "compact")] {
+        let proxy = "proxy = { spheres = 8 }\nvisibility = \"spheres\"";
+        fs::write(folder.join("all.toml"), format!("{SCENE}\n[[objects]]\nmesh = \"{mesh}\"\n{proxy}\n")).unwrap();
+        let advice = || {
+            let all = json(folder, &["check", "all.toml", "--json"]);
+            let advice = &all["objects"][2]["advice"];
+            (advice["visibility"].as_str().unwrap().to_owned(), advice["reason"].as_str().unwrap().to_owned())
+        };
+        let before = advice();
+        assert!(before.0 == word && before.1.contains(reason), "{before:?}");
+        let _ = fs::remove_dir_all(&cache);
+        succeed(folder, &["render", "all.toml", "-q"]);
+        let kept = cache.join(&names(&cache)[0]);
+        let mut set: serde_json::Value = serde_json::from_str(&fs::read_to_string(&kept).unwrap()).unwrap();
+        let mut with_error = |error: f64| {
+            set["quality"]["silhouette_error"] = error.into();
+            fs::write(&kept, set.to_string()).unwrap();
+            advice()
+        };
+        let good = with_error(0.0625);
+        assert_eq!(good.0, word);
+        assert!(good.1.starts_with(&before.1) && !good.1.contains("only"), "{good:?}");
+        assert_eq!(good.1.contains("miss 6.2 %"), word == "spheres", "{good:?}");
+        let bad = with_error(0.25);
+        assert!(bad.0 == "rays" && bad.1.contains("miss 25.0 %"), "{bad:?}");
     }
 }

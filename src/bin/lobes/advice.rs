@@ -80,7 +80,8 @@ pub(crate) fn is_flat(mesh: &Mesh) -> bool {
     plane.is_some_and(|(a, n)| mesh.triangles.iter().flatten().all(|i| n.dot(corner(*i) - a).abs() <= slack))
 }
 
-/// What suits an object of a scene; `set` is how well its sphere set stands for it, where it is known.
+/// What suits an object of a scene; `set` is how well its sphere set stands for it, where it is known: a bad one is a
+/// reason against spheres, a good one none for them.
 pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: Option<&SetQuality>) -> Advice {
     let object = &scene.objects[number];
     let advice = |strategy, reason: String| Advice { strategy, reason };
@@ -100,12 +101,17 @@ pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: O
     if is_flat(mesh) {
         return rays("flat: it has no inside that spheres could fill");
     }
-    if let Some(quality) = set {
-        let percent = 100.0 * quality.silhouette_error;
-        if !quality.suits() {
-            return rays(&format!("its spheres miss {percent:.0} % of its silhouette"));
-        }
-        return advice(Strategy::Spheres, format!("its spheres miss only {percent:.1} % of its silhouette"));
+    let missed = |set: &SetQuality| {
+        let percent = 100.0 * set.silhouette_error;
+        format!("its spheres miss {percent:.1} % of its silhouette")
+    };
+    if let Some(set) = set.filter(|set| !set.suits()) {
+        return rays(&missed(set));
+    }
+    // A set that the scene names is there to be used. One that an earlier picture left behind is none: with it the advice
+    // would be another after the first picture than before.
+    if let (Some(set), Proxy::File { .. }) = (set, &object.proxy) {
+        return advice(Strategy::Spheres, missed(set));
     }
     let facts = MeshFacts::of(mesh);
     let thin = facts.thickness / facts.diagonal.max(f64::MIN_POSITIVE);
@@ -119,7 +125,8 @@ pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: O
         let reason = format!("closed but thin, {:.1} % of its diagonal: spheres would be many or bulge", 100.0 * thin);
         rays(&reason)
     } else {
-        advice(Strategy::Spheres, format!("closed and compact, {:.0} % of its diagonal thick", 100.0 * thin))
+        let known = set.map_or_else(String::new, |set| format!("; {}", missed(set)));
+        advice(Strategy::Spheres, format!("closed and compact, {:.0} % of its diagonal thick{known}", 100.0 * thin))
     }
 }
 
