@@ -5,7 +5,9 @@ use crate::deformer::{BoundBall, Deformer};
 use crate::placement::Placement;
 use crate::scene_file::{DEFAULT_FOV, DEFAULT_SIZE, DEFAULT_SPHERES};
 use crate::skeleton::{Carrier, Skeleton};
-use crate::{Animation, Bounds, Camera, Mesh, Object, Pose, Proxy, Scene, SceneError, gltf_file, obj, ply, scene_file};
+use crate::{
+    Animation, Bounds, Camera, Mesh, Object, Pose, Proxy, Scene, SceneError, Shape, gltf_file, obj, ply, scene_file,
+};
 use brdf::{Lambert, Material, ModifiedPhong};
 use glam::{Mat4, Vec3};
 use lighting::SphereLight;
@@ -154,6 +156,33 @@ pub fn load_clip(path: impl AsRef<Path>, clip: &str) -> Result<(Scene, Animation
     load_any(path.as_ref(), Some(clip))
 }
 
+/// The objects of a mesh file (`.obj`, `.ply`, `.gltf`, `.glb`) alone, at the first moment of its first clip or of the one
+/// named as for [`load_clip`]: no floor, light or camera is added. An object's number is that of the animation; its material
+/// is a number only.
+///
+/// # Errors
+/// As [`load_clip`]; a scene file is refused.
+///
+/// ```no_run
+/// let (objects, _animation, _warnings) = scene::load_objects("spot.obj", None)?;
+/// println!("{} objects", objects.len());
+/// # Ok::<(), scene::SceneError>(())
+/// ```
+pub fn load_objects(
+    path: impl AsRef<Path>,
+    clip: Option<&str>,
+) -> Result<(Vec<Object>, Animation, Vec<String>), SceneError> {
+    let (path, mut context) = (path.as_ref(), Context::default());
+    let Bare { mut objects, animation, .. } = bare_objects(path, clip, &mut context)?;
+    animation.move_objects(0.0, &animation.worlds(0.0), &mut objects);
+    for object in &objects {
+        if let Shape::Mesh(mesh) = &object.shape {
+            mesh.validate().map_err(|e| SceneError::file(path, format!("object \"{}\": {e}", object.name)))?;
+        }
+    }
+    Ok((objects, animation, context.warnings))
+}
+
 fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<String>), SceneError> {
     let mut context = Context::default();
     let (mut scene, animation) = if extension(path) == "toml" {
@@ -240,12 +269,21 @@ fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &
         }
         dropped += part.clean();
     }
-    if dropped > 0 {
-        context.warn(path, format!("{dropped} triangles without an area were left out"));
-    }
     parts.retain(|part| !part.mesh.triangles.is_empty());
-    if parts.is_empty() {
-        return Err(SceneError::file(path, "no triangles"));
+    let triangles = if dropped == 1 { "triangle" } else { "triangles" };
+    match (parts.is_empty(), dropped) {
+        (true, 0) => return Err(SceneError::file(path, "no triangles")),
+        (true, _) => {
+            return Err(SceneError::file(
+                path,
+                format!(
+                    "no triangles: {dropped} {triangles} left out for having no area (corners equal or in a line, or \
+                     nearer to each other than about 1e-18)"
+                ),
+            ));
+        }
+        (false, 0) => {}
+        (false, _) => context.warn(path, format!("{dropped} {triangles} left out for having no area")),
     }
     Ok(File { parts, camera, moving_camera })
 }
@@ -285,8 +323,15 @@ fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
     bounds
 }
 
-/// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
-fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
+/// What a mesh file shows, without the floor and the light that [`bare`] adds. The objects are not posed yet.
+struct Bare {
+    objects: Vec<Object>,
+    materials: Vec<Material>,
+    animation: Animation,
+    camera: Option<Camera>,
+}
+
+fn bare_objects(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<Bare, SceneError> {
     let File { mut parts, camera, moving_camera } =
         file_parts(path, clip, context, ".toml, .obj, .ply, .gltf or .glb")?;
     let mut animation = Animation { camera: moving_camera, ..context.animation() };
@@ -311,6 +356,12 @@ fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene
         };
         objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
     }
+    Ok(Bare { objects, materials, animation, camera })
+}
+
+/// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
+fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
+    let Bare { mut objects, materials, mut animation, camera } = bare_objects(path, clip, context)?;
     let bounds = swept_bounds(&animation, &mut objects);
     let radius = bounds.radius();
     let (width, height) = DEFAULT_SIZE;

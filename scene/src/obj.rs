@@ -13,7 +13,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
     let mut positions: Vec<Vec3> = Vec::new();
     let mut normals: Vec<Vec3> = Vec::new();
     let mut corners: Vec<[Corner; 3]> = Vec::new();
-    let mut dropped = 0;
+    let (mut short, mut infinite) = (0, 0);
     let mut libraries: Vec<String> = Vec::new();
 
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -42,9 +42,10 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
             Some("f") => {
                 let face: Result<Vec<Corner>, _> = words.map(|w| corner(w, positions.len(), normals.len())).collect();
                 let face = face.map_err(fault)?;
-                let finite = face.iter().all(|c| positions[c.0 as usize].is_finite());
-                if face.len() < 3 || !finite {
-                    dropped += 1;
+                if face.len() < 3 {
+                    short += 1;
+                } else if !face.iter().all(|c| positions[c.0 as usize].is_finite()) {
+                    infinite += 1;
                 } else {
                     triangulate(&face, &positions, &mut corners);
                 }
@@ -58,11 +59,23 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
         let what = if there { "is not read" } else { "does not exist" };
         context.warn(path, format!("material library {library} {what}: faces have the default material"));
     }
-    if dropped > 0 {
-        context.warn(path, format!("{dropped} faces with fewer than three corners or infinite ones were left out"));
-    }
-    if corners.is_empty() {
-        return Err(SceneError::file(path, "no triangles"));
+    let left_out = |(count, why): &(usize, &str)| {
+        let faces = if *count == 1 { "face" } else { "faces" };
+        (*count > 0).then(|| format!("{count} {faces} left out for {why}"))
+    };
+    let left_out = [
+        (short, "fewer than three corners"),
+        (infinite, "corners that are NaN, infinite or beyond single precision (3.4e38)"),
+    ]
+    .iter()
+    .filter_map(left_out)
+    .collect::<Vec<_>>()
+    .join(", ");
+    match (corners.is_empty(), left_out.is_empty()) {
+        (true, true) => return Err(SceneError::file(path, "no triangles")),
+        (true, false) => return Err(SceneError::file(path, format!("no triangles: {left_out}"))),
+        (false, true) => {}
+        (false, false) => context.warn(path, left_out),
     }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Part::fixed(name, assemble(&positions, &normals, &corners), None))

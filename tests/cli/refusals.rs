@@ -31,6 +31,33 @@ fn bad_scenes_are_refused() {
     refuse(folder, &["spheres", "noise.obj", "-o", "set.json"], "noise.obj");
 }
 
+/// Where nothing of a mesh is left it is said how much was left out and why; numbers are right in grammar.
+#[test]
+fn faces_left_out_are_counted() {
+    let folder = folder();
+    let folder = folder.path();
+    let triangle = |size: &str| format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nf 1 2 3\n");
+    for (name, text, what) in [
+        ("nan.obj", triangle("nan"), "nan.obj: no triangles: 1 face left out for corners that are NaN, infinite"),
+        ("inf.obj", triangle("-inf") + "f 1 2 3\n", "no triangles: 2 faces left out for corners that are NaN"),
+        ("over.obj", triangle("4e38") + "f 1 2\n", "1 face left out for fewer than three corners, 1 face left out for"),
+        ("huge.obj", triangle("3e38"), "within ±1e9"),
+        ("tiny.obj", triangle("1e-20"), "no triangles: 1 triangle left out for having no area"),
+        ("none.obj", "v 0 0 0\n".to_owned(), "none.obj: no triangles"),
+    ] {
+        fs::write(folder.join(name), text).unwrap();
+        refuse(folder, &["check", name], what);
+        refuse(folder, &["spheres", name], what);
+    }
+    // What is left is told of, and a lone triangle is one.
+    fs::write(folder.join("one.obj"), triangle("1") + "v nan 0 0\nf 1 2 4\nf 1 1 2\n").unwrap();
+    let ran = lobes(folder, &["check", "one.obj"]);
+    let told = String::from_utf8(ran.stderr).unwrap();
+    assert!(told.contains("one.obj: 1 face left out") && told.contains("one.obj: 1 triangle left out"), "{told}");
+    let told = String::from_utf8(ran.stdout).unwrap();
+    assert!(told.contains("(1 triangle: rays") && !told.contains("1 triangles"), "{told}");
+}
+
 #[test]
 fn bad_arguments_are_refused() {
     let folder = folder();

@@ -102,3 +102,17 @@ fn sphere_sets_follow_the_contract() {
     fs::write(folder.join("set.json"), "{}").unwrap();
     refuse(folder, &["check", "with.toml"], "set.json");
 }
+
+/// A set needs no floor, no light and no camera: none is made that would be too large.
+#[test]
+fn sphere_sets_of_large_meshes_are_built() {
+    let folder = folder();
+    let folder = folder.path();
+    let obj =
+        |size: &str| format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nv 0 0 {size}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    fs::write(folder.join("large.obj"), obj("9e8")).unwrap();
+    let args = ["spheres", "large.obj", "--count", "4", "--draft", "--json", "-q"];
+    assert_eq!(json(folder, &args)["triangles"], 4);
+    fs::write(folder.join("large.obj"), obj("2e9")).unwrap();
+    refuse(folder, &args, "within ±1e9");
+}

@@ -1,5 +1,6 @@
 //! Which strategy suits an object, and why.
 
+use crate::console::counted;
 use crate::strategy::FEW;
 use cosine_lobes::scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_spheres::SetQuality;
@@ -94,8 +95,8 @@ pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: O
         return advice(Strategy::None, reason.to_owned());
     }
     if mesh.triangles.len() < FEW && matches!(object.proxy, Proxy::Count(_)) {
-        let count = mesh.triangles.len();
-        let reason = format!("{count} triangles: rays are exact and cheap, spheres would have to be fitted first");
+        let triangles = counted(mesh.triangles.len(), "triangle");
+        let reason = format!("{triangles}: rays are exact and cheap, spheres would have to be fitted first");
         return advice(Strategy::Rays, reason);
     }
     if is_flat(mesh) {

@@ -16,24 +16,18 @@ const PANEL: u32 = 512;
 /// Spheres where no number is asked for: enough for most meshes that suit spheres at all.
 const COUNT: usize = 64;
 
-/// All triangles of the file's objects that block light, at the first moment of its clip.
+/// All triangles of the file, at the first moment of its clip.
 fn load(args: &SpheresArgs) -> Result<WholeMesh, Failure> {
     let mesh = args.mesh.display();
     if args.mesh.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
         let message = "a set is built for one mesh, .obj, .ply, .gltf or .glb; those of a scene are built by render";
         return Err(Failure::new(format_args!("{mesh}: {message}")));
     }
-    let (scene, animation, warnings) = match &args.clip {
-        None => scene::load_animated(&args.mesh)?,
-        Some(clip) => scene::load_clip(&args.mesh, clip)?,
-    };
+    let (objects, animation, warnings) = scene::load_objects(&args.mesh, args.clip.as_deref())?;
     if !args.quiet {
         warnings.iter().for_each(|w| console::note(format_args!("lobes: warning: {w}")));
     }
-    let whole = WholeMesh::new(&scene, &animation);
-    if whole.triangles.is_empty() {
-        return Err(Failure::new(format_args!("{mesh}: there are no triangles that block light")));
-    }
+    let whole = WholeMesh::new(&objects, &animation);
     if args.bones && whole.carriers().is_none() {
         return Err(Failure::new(format_args!("--bones: {mesh} has none, nothing in it moves")));
     }

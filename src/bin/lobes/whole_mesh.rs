@@ -1,10 +1,10 @@
 //! All parts of a mesh file as one mesh, with what carries it.
 
-use cosine_lobes::scene::{Animation, Proxy, Scene, Shape};
+use cosine_lobes::scene::{Animation, Object, Shape};
 use cosine_lobes::visibility_spheres::Carriers;
 use glam::{Mat4, Vec3};
 
-/// The triangles of all objects that block light, at the first moment.
+/// The triangles of all objects, at the first moment.
 #[derive(Default)]
 pub(crate) struct WholeMesh {
     pub(crate) positions: Vec<Vec3>,
@@ -19,9 +19,9 @@ pub(crate) struct WholeMesh {
 }
 
 impl WholeMesh {
-    pub(crate) fn new(scene: &Scene, animation: &Animation) -> Self {
+    pub(crate) fn new(objects: &[Object], animation: &Animation) -> Self {
         let mut all = Self::default();
-        for (number, object) in scene.objects.iter().enumerate().filter(|(_, o)| o.proxy != Proxy::None) {
+        for (number, object) in objects.iter().enumerate() {
             let Shape::Mesh(mesh) = &object.shape else { continue };
             let first = all.positions.len();
             all.positions.extend_from_slice(&mesh.positions);
