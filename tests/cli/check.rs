@@ -173,3 +173,21 @@ fn advice_does_not_follow_the_cache() {
         assert!(bad.0 == "rays" && bad.1.contains("miss 25.0 %"), "{bad:?}");
     }
 }
+
+/// Objects of which the same is to be told share their lines.
+#[test]
+fn equal_objects_are_told_of_once() {
+    let folder = folder();
+    let folder = folder.path();
+    let table = |n: usize| TABLE.replace("\"table\"", &format!("\"table {n}\"")).replace("-1.5", &format!("-{n}.5"));
+    let scene = |tables: usize| SCENE.to_owned() + &(1..=tables).map(table).collect::<String>();
+    fs::write(folder.join("four.toml"), scene(4)).unwrap();
+    fs::write(folder.join("six.toml"), scene(6) + &TABLE.replace("proxy", "visible = false\nproxy")).unwrap();
+    let told = succeed(folder, &["check", "four.toml"]);
+    assert!(told.contains("object     \"table 1\", \"table 2\", \"table 3\", \"table 4\": 12 triangles"), "{told}");
+    let told = succeed(folder, &["check", "six.toml"]);
+    assert!(told.contains("object     \"table 1\", \"table 2\", \"table 3\" and 3 more: 12 triangles"), "{told}");
+    assert!(told.contains("object     \"table\": 12 triangles, material 0, not seen by the camera"), "{told}");
+    assert_eq!((told.matches("object  ").count(), told.matches("advice:").count()), (4, 4), "{told}");
+    assert_eq!(json(folder, &["check", "six.toml", "--json"])["objects"].as_array().unwrap().len(), 9);
+}

@@ -1,6 +1,6 @@
 use crate::advice::{Advice, advise};
 use crate::args::{CheckArgs, Visibility};
-use crate::console::{counted, say};
+use crate::console::{counted, listed, say};
 use crate::failure::Failure;
 use crate::moment::last_frame;
 use crate::picture::BAND_RAYS;
@@ -12,6 +12,7 @@ use cosine_lobes::scene::{Animation, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape
 use cosine_lobes::visibility_spheres::SetQuality;
 use glam::Vec3;
 use serde_json::{Value, json};
+use std::collections::HashMap;
 
 /// Bytes of a visible point: found tile by tile and then put together, so that for a moment there are two of it.
 const POINT_BYTES: usize = 2 * (size_of::<Receiver>() + 2 * size_of::<u32>() + size_of::<f32>());
@@ -150,24 +151,19 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
     for (i, m) in scene.materials.iter().enumerate() {
         say(format_args!("material   {i}: {}, lobes at most: {}", m.model_name(), m.max_lobes()));
     }
+    // Objects of which the same is to be told share their lines, at the first one's place.
+    let mut told: Vec<(String, Vec<&str>)> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
     for (o, needs) in scene.objects.iter().zip(objects) {
-        let shape = match &o.shape {
-            Shape::Mesh(m) => counted(m.triangles.len(), "triangle"),
-            Shape::Spheres(s) => counted(s.len(), "ball"),
-        };
-        let seen = if o.visible { "" } else { ", not seen by the camera" };
-        say(format_args!("object     \"{}\": {shape}, material {}{seen}, {}", o.name, o.material, blocks(o, needs)));
-        let Advice { strategy, reason } = &needs.advice;
-        let (wanted, taken) = (strategy.name(), needs.strategy.name());
-        say(format_args!("           advice: visibility = \"{wanted}\" ({reason})"));
-        if needs.strategy != *strategy {
-            let how = if of_scene {
-                format!("write visibility = \"{wanted}\" under this object")
-            } else {
-                format!("--visibility {wanted}, or a scene file with visibility = \"{wanted}\" for this object")
-            };
-            say(format_args!("           render takes \"{taken}\" unless told so: {how}"));
+        let text = describe(o, needs, of_scene);
+        let place = *places.entry(text.clone()).or_insert(told.len());
+        if place == told.len() {
+            told.push((text, Vec::new()));
         }
+        told[place].1.push(&o.name);
+    }
+    for (text, names) in told {
+        say(format_args!("object     {}: {text}", listed(&names)));
     }
     if scene.lights.is_empty() {
         say("note       no light: the picture is black");
@@ -180,6 +176,28 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
         bytes => format!(", and up to {} MB for shadow maps", megabytes(bytes)),
     };
     say(format_args!("memory     about {} MB for a frame{maps}", megabytes(memory(scene))));
+}
+
+/// What there is to tell of an object but its name: one line, and the advice in one or two.
+fn describe(o: &Object, needs: &Requirement, of_scene: bool) -> String {
+    let shape = match &o.shape {
+        Shape::Mesh(m) => counted(m.triangles.len(), "triangle"),
+        Shape::Spheres(s) => counted(s.len(), "ball"),
+    };
+    let seen = if o.visible { "" } else { ", not seen by the camera" };
+    let Advice { strategy, reason } = &needs.advice;
+    let (wanted, taken) = (strategy.name(), needs.strategy.name());
+    let mut text = format!("{shape}, material {}{seen}, {}", o.material, blocks(o, needs));
+    text += &format!("\n           advice: visibility = \"{wanted}\" ({reason})");
+    if needs.strategy != *strategy {
+        let how = if of_scene {
+            format!("write visibility = \"{wanted}\" under this object")
+        } else {
+            format!("--visibility {wanted}, or a scene file with visibility = \"{wanted}\" for this object")
+        };
+        text += &format!("\n           render takes \"{taken}\" unless told so: {how}");
+    }
+    text
 }
 
 /// What an object blocks light with.

@@ -79,6 +79,20 @@ pub(crate) fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
+/// Names in quotation marks, one that follows itself once; of more than four the first three and how many more.
+pub(crate) fn listed(names: &[impl AsRef<str>]) -> String {
+    let mut shown: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    shown.dedup();
+    if shown.len() > 4 {
+        shown.truncate(3);
+    }
+    let quoted = format!("\"{}\"", shown.join("\", \""));
+    match names.len() - shown.len() {
+        0 => quoted,
+        more => format!("{quoted} and {more} more"),
+    }
+}
+
 /// Prints a line that is not part of the result.
 pub(crate) fn note(text: impl Display) {
     let _ = writeln!(std::io::stderr(), "{text}");
@@ -127,5 +141,17 @@ pub(crate) fn set_threads(count: Option<u32>) -> Result<(), Failure> {
     match count {
         None => Ok(()),
         Some(n) => rayon::ThreadPoolBuilder::new().num_threads(n as usize).build_global().map_err(Failure::from),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::listed;
+
+    #[test]
+    fn names_are_listed_once() {
+        assert_eq!(listed(&["a", "b", "c", "d"]), "\"a\", \"b\", \"c\", \"d\"");
+        assert_eq!(listed(&["a", "b", "c", "d", "e"]), "\"a\", \"b\", \"c\" and 2 more");
+        assert_eq!(listed(&["a", "a", "a"]), "\"a\" and 2 more");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::advice::is_flat;
 use crate::args::Visibility;
+use crate::console::listed;
 use crate::device::{Backend, Shader};
 use crate::failure::Failure;
 use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
@@ -50,13 +51,10 @@ impl Plan {
 
     /// A line about the objects that take rays although nobody said so; none where there are none.
     pub(crate) fn unasked(&self) -> Option<String> {
-        let names = match self.unasked.as_slice() {
-            [] => return None,
-            [a, b, c, _, rest @ ..] if !rest.is_empty() => {
-                format!("\"{a}\", \"{b}\", \"{c}\" and {} more", rest.len() + 1)
-            }
-            few => few.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", "),
-        };
+        if self.unasked.is_empty() {
+            return None;
+        }
+        let names = listed(&self.unasked);
         Some(format!(
             "{names}: flat or of fewer than {FEW} triangles, so by rays, which are exact and need no fit (visibility = \"spheres\" \
              fits spheres)"
