@@ -191,3 +191,25 @@ fn equal_objects_are_told_of_once() {
     assert_eq!((told.matches("object  ").count(), told.matches("advice:").count()), (4, 4), "{told}");
     assert_eq!(json(folder, &["check", "six.toml", "--json"])["objects"].as_array().unwrap().len(), 9);
 }
+
+/// Spheres that are too few for a mesh are fitted only when they are asked for.
+#[test]
+fn too_few_spheres_give_way_to_rays() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("ball.obj"), turned(|t| (3.2 * t * (1.0 - t), 1.6 * t))).unwrap();
+    for (count, word) in [(7, "rays"), (8, "spheres")] {
+        let object = format!("\n[[objects]]\nmesh = \"ball.obj\"\nproxy = {{ spheres = {count} }}\n");
+        fs::write(folder.join("few.toml"), SCENE.to_owned() + &object).unwrap();
+        let ball = &json(folder, &["check", "few.toml", "--json"])["objects"][2];
+        assert_eq!((&ball["visibility"], &ball["advice"]["visibility"]), (&word.into(), &word.into()), "{ball}");
+    }
+    let few = fs::read_to_string(folder.join("few.toml")).unwrap().replace("spheres = 8", "spheres = 4");
+    fs::write(folder.join("few.toml"), few).unwrap();
+    let ran = lobes(folder, &["render", "few.toml", "-o", "a.png"]);
+    let told = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && told.contains("fewer than 8 spheres, so by rays"), "{told}");
+    assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
+    succeed(folder, &["render", "few.toml", "-o", "a.png", "-q", "--visibility", "spheres"]);
+    assert_eq!(names(&folder.with_extension("cache").join("cosine-lobes")).len(), 1);
+}

@@ -1,7 +1,7 @@
 //! Which strategy suits an object, and why.
 
 use crate::console::counted;
-use crate::strategy::FEW;
+use crate::strategy::{FEW, FEW_SPHERES};
 use cosine_lobes::scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_spheres::SetQuality;
 use glam::{DVec3, Vec3};
@@ -101,6 +101,11 @@ pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: O
     }
     if is_flat(mesh) {
         return rays("flat: it has no inside that spheres could fill");
+    }
+    if let Proxy::Count(count) = object.proxy
+        && count < FEW_SPHERES
+    {
+        return rays(&format!("{} would be too few for it", counted(count, "sphere")));
     }
     let missed = |set: &SetQuality| {
         let percent = 100.0 * set.silhouette_error;

@@ -23,6 +23,10 @@ const FITTED: u32 = 2048;
 /// penumbra), and is exact; the spheres take a fit of about 10 s of a core first, whatever the triangles.
 pub(crate) const FEW: usize = 300;
 
+/// Meshes that get fewer spheres take rays where nothing else is said: mostly parts of a file among which 64 spheres are
+/// shared out, four each, which are ugly stand-ins and take a fit each.
+pub(crate) const FEW_SPHERES: usize = 8;
+
 /// One strategy for each object; [`Strategy::None`] for those that block nothing.
 pub(crate) struct Plan {
     objects: Vec<Strategy>,
@@ -56,8 +60,8 @@ impl Plan {
         }
         let names = listed(&self.unasked);
         Some(format!(
-            "{names}: flat or of fewer than {FEW} triangles, so by rays, which are exact and need no fit (visibility = \"spheres\" \
-             fits spheres)"
+            "{names}: flat, of fewer than {FEW} triangles or with fewer than {FEW_SPHERES} spheres, so by rays, which are exact and \
+             need no fit (visibility = \"spheres\" fits spheres)"
         ))
     }
 
@@ -131,10 +135,11 @@ impl Plan {
     }
 }
 
-/// Whether spheres would have to be fitted where rays are exact and cheap, or where there is no inside to fill.
+/// Whether spheres would have to be fitted where rays are exact and cheap, where there is no inside to fill, or where they
+/// are too few to fill it.
 fn by_rays(object: &Object) -> bool {
     match (&object.proxy, &object.shape) {
-        (Proxy::Count(_), Shape::Mesh(mesh)) => mesh.triangles.len() < FEW || is_flat(mesh),
+        (Proxy::Count(count), Shape::Mesh(mesh)) => *count < FEW_SPHERES || mesh.triangles.len() < FEW || is_flat(mesh),
         _ => false,
     }
 }

@@ -130,7 +130,7 @@ impl RenderArgs {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Visibility {
     /// Each object as the scene file says (its key `visibility`); where it says nothing by spheres, and meshes that
-    /// are flat or of fewer than 300 triangles by rays
+    /// are flat, of fewer than 300 triangles or with fewer than 8 spheres by rays
     Scene,
     /// The spheres that stand for the objects
     Spheres,
