@@ -128,23 +128,27 @@ impl SphereSet {
     }
 
     /// Whether the set was made for these triangles, as placed: their number and bounding box (to 10⁻³ of its
-    /// diagonal) are the ones it stores.
+    /// diagonal) are the ones it stores, and no sphere lies wholly outside of the box by more than its diagonal.
     ///
     /// # Errors
     /// [`MisfitError`] names the one that differs.
     pub fn check_fits(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MisfitError> {
+        let misfit = |message| Err(MisfitError { message });
         if triangles.len() != self.mesh_triangles {
-            let message = format!("it had {} triangles, this one has {}", self.mesh_triangles, triangles.len());
-            return Err(MisfitError { message });
+            return misfit(format!("it had {} triangles, this one has {}", self.mesh_triangles, triangles.len()));
         }
         let corners = triangles.iter().flatten().filter_map(|i| positions.get(*i as usize));
         let bounds = corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[lo, hi], p| [lo.min(*p), hi.max(*p)]);
-        let slack = 1e-3 * self.mesh_bounds[0].distance(self.mesh_bounds[1]);
-        if bounds.iter().zip(self.mesh_bounds).all(|(own, stored)| own.distance(stored) <= slack) {
-            return Ok(());
+        let [lo, hi] = self.mesh_bounds;
+        let diagonal = lo.distance(hi);
+        if !bounds.iter().zip(self.mesh_bounds).all(|(own, stored)| own.distance(stored) <= 1e-3 * diagonal) {
+            return misfit(format!("its bounding box was {}, this one's is {}", span(self.mesh_bounds), span(bounds)));
         }
-        let message = format!("its bounding box was {}, this one's is {}", span(self.mesh_bounds), span(bounds));
-        Err(MisfitError { message })
+        let away = |b: &Sphere| b.center.distance(b.center.max(lo).min(hi)) - b.radius;
+        match self.spheres.iter().position(|b| away(b) > diagonal) {
+            Some(k) => misfit(format!("sphere {k} is far outside of its bounding box, {}", span(self.mesh_bounds))),
+            None => Ok(()),
+        }
     }
 
     /// The set of the mesh where `placement` puts it: a rotation, a translation and one scale for all axes. Radii and τ grow

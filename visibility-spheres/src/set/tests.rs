@@ -347,6 +347,10 @@ fn a_set_for_another_mesh_is_told() {
     assert!(told(&mapped(&mesh, |p| p * 1.01)).contains("bounding box was (-0.5000, -0.5000, -0.5000)"));
     assert!(told(&mapped(&mesh, |p| p + Vec3::X)).contains("(1.5000, 0.5000, 0.5000)"));
     assert!(told(&mapped(&mesh, |p| p * f32::NAN)).contains("bounding box"));
+    let mut stray = set.clone();
+    stray.spheres[1].center.x = 3.0;
+    let told = stray.check_fits(&mesh.0, &mesh.1).expect_err("a stray sphere").to_string();
+    assert!(told.contains("sphere 1 is far outside"), "{told}");
 }
 
 #[test]
