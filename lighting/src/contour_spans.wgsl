@@ -22,12 +22,10 @@ fn contour_way(line: u32, low: u32) -> f32 {
 // the upper half.
 fn contour_height(line: u32, step: u32) -> f32 {
     let low = step / 2u;
-    let way = contour_way(line, low);
-    if (contour_is_inside(low)) {
-        return way;
-    }
     let bounds = contour_bounds(line, low);
-    return 0.5 * (way + select(bounds.x, bounds.y, (step & 1u) == 1u));
+    let middle = 0.5 * (bounds.x + bounds.y);
+    let half = 0.5 * (middle + select(bounds.x, bounds.y, (step & 1u) == 1u));
+    return select(half, middle, contour_is_inside(low));
 }
 
 // Whether what a bisection found is at neither end.

@@ -45,6 +45,26 @@ impl Context {
     pub(crate) fn warn(&mut self, path: &Path, message: impl std::fmt::Display) {
         self.warnings.push(SceneError::file(path, message.to_string()).to_string());
     }
+
+    /// Warns of what a file has that is left out, if anything; an error where there is nothing else in it.
+    pub(crate) fn left_out(&mut self, path: &Path, is_all: bool, what: &str) -> Result<(), SceneError> {
+        match (is_all, what.is_empty()) {
+            (true, true) => return Err(SceneError::file(path, "no triangles")),
+            (true, false) => return Err(SceneError::file(path, format!("no triangles: {what}"))),
+            (false, true) => {}
+            (false, false) => self.warn(path, what),
+        }
+        Ok(())
+    }
+}
+
+/// How many of something were left out and why; empty for none.
+pub(crate) fn counted(count: usize, noun: &str, why: &str) -> String {
+    match count {
+        0 => String::new(),
+        1 => format!("1 {noun} left out for {why}"),
+        _ => format!("{count} {noun}s left out for {why}"),
+    }
 }
 
 /// A mesh of a file, with the material that the file gives it: a number that is the same for the same material, and it.
@@ -270,21 +290,11 @@ fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &
         dropped += part.clean();
     }
     parts.retain(|part| !part.mesh.triangles.is_empty());
-    let triangles = if dropped == 1 { "triangle" } else { "triangles" };
-    match (parts.is_empty(), dropped) {
-        (true, 0) => return Err(SceneError::file(path, "no triangles")),
-        (true, _) => {
-            return Err(SceneError::file(
-                path,
-                format!(
-                    "no triangles: {dropped} {triangles} left out for having no area (corners equal or in a line, or \
-                     nearer to each other than about 1e-18)"
-                ),
-            ));
-        }
-        (false, 0) => {}
-        (false, _) => context.warn(path, format!("{dropped} {triangles} left out for having no area")),
+    let mut what = counted(dropped, "triangle", "having no area");
+    if parts.is_empty() && dropped > 0 {
+        what += " (corners equal or in a line, or nearer to each other than about 1e-18)";
     }
+    context.left_out(path, parts.is_empty(), &what)?;
     Ok(File { parts, camera, moving_camera })
 }
 

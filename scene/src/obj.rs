@@ -1,6 +1,6 @@
 //! Wavefront OBJ: positions, normals, polygons. Materials, texture coordinates, lines and curves are ignored.
 
-use crate::load::{Context, Part};
+use crate::load::{Context, Part, counted};
 use crate::{Mesh, SceneError};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::HashMap;
@@ -59,24 +59,12 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
         let what = if there { "is not read" } else { "does not exist" };
         context.warn(path, format!("material library {library} {what}: faces have the default material"));
     }
-    let left_out = |(count, why): &(usize, &str)| {
-        let faces = if *count == 1 { "face" } else { "faces" };
-        (*count > 0).then(|| format!("{count} {faces} left out for {why}"))
-    };
-    let left_out = [
-        (short, "fewer than three corners"),
-        (infinite, "corners that are NaN, infinite or beyond single precision (3.4e38)"),
-    ]
-    .iter()
-    .filter_map(left_out)
-    .collect::<Vec<_>>()
-    .join(", ");
-    match (corners.is_empty(), left_out.is_empty()) {
-        (true, true) => return Err(SceneError::file(path, "no triangles")),
-        (true, false) => return Err(SceneError::file(path, format!("no triangles: {left_out}"))),
-        (false, true) => {}
-        (false, false) => context.warn(path, left_out),
-    }
+    let mut left_out = vec![
+        counted(short, "face", "fewer than three corners"),
+        counted(infinite, "face", "corners that are NaN, infinite or beyond single precision (3.4e38)"),
+    ];
+    left_out.retain(|what| !what.is_empty());
+    context.left_out(path, corners.is_empty(), &left_out.join(", "))?;
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     Ok(Part::fixed(name, assemble(&positions, &normals, &corners), None))
 }

@@ -206,11 +206,8 @@ impl Blockers for ShadowMapBlockers {
             *visited += 1;
             let layer = map.layer(item);
             let probe = &probes[usize::from(item.face)];
-            let node = item.node(layer);
-            if node.is_empty() {
-                continue;
-            }
-            match probe.judge(item, &node, &Block::around(item, layer, &node)) {
+            let Some((node, block)) = Block::around(item, layer) else { continue };
+            match probe.judge(item, &node, &block) {
                 Verdict::No => {}
                 Verdict::Split => item.split(layer, stack),
                 Verdict::Blocks => return Coverage::Partial,
@@ -245,11 +242,7 @@ impl ShadowMapBlockers {
             *visited += 1;
             let layer = map.layer(item);
             let probe = &probes[usize::from(item.face)];
-            let node = item.node(layer);
-            if node.is_empty() {
-                continue;
-            }
-            let block = Block::around(item, layer, &node);
+            let Some((node, block)) = Block::around(item, layer) else { continue };
             // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
             let is_covered = || probe.image.bounds(&block).is_some_and(|[low, high]| canvas.is_covered(low, high));
             match probe.judge(item, &node, &block) {

@@ -14,7 +14,7 @@ const WIDEST_COS: f64 = 0.5;
 const BORDER: f64 = 2.0;
 /// Texels come in steps of this factor, and a window begins at a whole one of them: what moves a little between two frames
 /// is seen on the same grid, or edges of texels would pop all over the picture.
-pub(crate) const STEP: f64 = 1.189_207_115_002_721;
+const STEP: f64 = 1.189_207_115_002_721;
 /// Axes that are not a cube's are rounded to steps of this tangent, for the same reason.
 const TURN: f64 = 1.0 / 32.0;
 /// Rounding of receivers' coordinates, relative to the scene.

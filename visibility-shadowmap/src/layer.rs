@@ -134,7 +134,7 @@ impl Layer {
         let is_there = |i: usize, j: usize| i < self.width && j < self.height && self.q[j * self.width + i] != EMPTY;
         let node = |i: usize, j: usize| {
             let texels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (2 * i + x, 2 * j + y));
-            if !texels.iter().any(|(i, j)| is_there(*i, *j)) || self.smooth_corners(i, j).is_some() {
+            if !texels.iter().any(|(i, j)| is_there(*i, *j)) || self.is_smooth(i, j) {
                 return None;
             }
             let corners = |i: usize, j: usize| [0, 1, 2, 3].map(|k| self.corner_beside(i, j, k));
@@ -193,13 +193,11 @@ impl Layer {
         }
         let mut children = [(Node::NOTHING, (0, 0), [0.0; 4]); 4];
         let mut count = 0;
-        let quick = if level == 1 && self.place(i, j) == MEANS { self.smooth_corners(i, j) } else { None };
         for (ci, cj) in around {
             let child = self.node(level - 1, ci, cj);
-            let corners = match (level, quick) {
-                (1, Some(corners)) => corners[count],
-                (1, None) if child.is_empty() => [0.0; 4],
-                (1, None) => self.corners(0, ci, cj),
+            let corners = match level {
+                1 if child.is_empty() => [0.0; 4],
+                1 => self.corners(0, ci, cj),
                 _ => below[cj * below_width + ci],
             };
             children[count] = (child, (ci, cj), corners);
@@ -241,26 +239,15 @@ impl Layer {
         (node, corners)
     }
 
-    /// The corners of the four texels of a node of level 1, where all texels around them are of one surface.
-    pub(crate) fn smooth_corners(&self, i: usize, j: usize) -> Option<[[f32; 4]; 4]> {
-        let (x, y) = ((2 * i).checked_sub(1)?, (2 * j).checked_sub(1)?);
+    /// Whether all texels of a node of level 1 and around it are there, and of one surface.
+    pub(crate) fn is_smooth(&self, i: usize, j: usize) -> bool {
+        let (Some(x), Some(y)) = ((2 * i).checked_sub(1), (2 * j).checked_sub(1)) else { return false };
         if x + 4 > self.width || y + 4 > self.height {
-            return None;
+            return false;
         }
-        let mut q = [[0.0_f32; 4]; 4];
-        for (k, row) in q.iter_mut().enumerate() {
-            let start = (y + k) * self.width + x;
-            row.copy_from_slice(&self.q[start..start + 4]);
-        }
-        let (low, high) =
-            q.as_flattened().iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
-        if high - low >= self.limit * (1.0 + low) || low == EMPTY {
-            return None;
-        }
-        // To the bit what `corner` finds.
-        let mean = |i: usize, j: usize| ((q[j][i] + q[j + 1][i + 1]) + (q[j][i + 1] + q[j + 1][i])) / 4.0;
-        let texel = |i: usize, j: usize| [mean(i, j), mean(i + 1, j), mean(i + 1, j + 1), mean(i, j + 1)];
-        Some([texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)])
+        let rows = (y..y + 4).map(|y| &self.q[y * self.width + x..][..4]);
+        let (low, high) = rows.flatten().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
+        low > EMPTY && high - low < self.limit * (1.0 + low)
     }
 
     /// q at the corners of a node, counter-clockwise from the lower left: the mean of those texels around the corner that
@@ -275,7 +262,7 @@ impl Layer {
     /// q at corner `k` of texel `(i, j)`.
     #[inline(always)]
     fn corner(&self, i: usize, j: usize, k: usize) -> f32 {
-        let place = self.places[j / 2 * self.width.div_ceil(2) + i / 2];
+        let place = self.place(i / 2, j / 2);
         if place != MEANS {
             return self.outlines[place as usize][i % 2 + j % 2 * 2][k];
         }
@@ -288,6 +275,7 @@ impl Layer {
     }
 
     /// Which of [`outlines`](Self::outlines) has the corners of the texels of a node of level 1, or [`MEANS`].
+    #[inline(always)]
     pub(crate) fn place(&self, i: usize, j: usize) -> u32 {
         self.places[j * self.width.div_ceil(2) + i]
     }

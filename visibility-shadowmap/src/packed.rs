@@ -278,7 +278,7 @@ mod tests {
             }
             let got = [0, 1, 2, 3].map(|k| corner(&words, at, &layer, (x, y, k)));
             assert_eq!(got, layer.corners(0, x, y), "{x} {y}");
-            if layer.smooth_corners(x / 2, y / 2).is_some() { means += 1 } else { tables += 1 }
+            if layer.is_smooth(x / 2, y / 2) { means += 1 } else { tables += 1 }
         }
         assert!(means > 100 && tables > 100, "{means} {tables}");
         for level in 1..=layer.top() {

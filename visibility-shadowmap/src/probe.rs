@@ -80,9 +80,13 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// All of a node's texels, corners included.
+    /// A node and all of its texels, corners included; `None` where it has no surface.
     #[inline(always)]
-    pub(crate) fn around(item: Item, layer: &Layer, node: &Node) -> Self {
+    pub(crate) fn around(item: Item, layer: &Layer) -> Option<(Node, Self)> {
+        let node = item.node(layer);
+        if node.is_empty() {
+            return None;
+        }
         let [x0, x1, y0, y1] = item.texels(layer).map(|x| x as f32);
         // A texel's own bounds don't have its corners in them, those of the node above do.
         let (min, max) = match item.level {
@@ -92,14 +96,15 @@ impl Block {
             }
             _ => (node.min, node.max),
         };
-        Self {
+        let block = Self {
             i: 0.5 * (x0 + x1),
             j: 0.5 * (y0 + y1),
             q: 0.5 * (min + max),
             half_i: 0.5 * (x1 - x0),
             half_j: 0.5 * (y1 - y0),
             half_q: 0.5 * (max - min),
-        }
+        };
+        Some((node, block))
     }
 }
 
@@ -316,8 +321,7 @@ impl TileProbe {
     }
 
     pub(crate) fn meets(&self, item: Item, layer: &Layer) -> bool {
-        let node = item.node(layer);
-        !node.is_empty() && !self.tests.bounds(&Block::around(item, layer, &node), 0).0
+        Block::around(item, layer).is_some_and(|(_, block)| !self.tests.bounds(&block, 0).0)
     }
 
     /// Whether no receiver draws the node as one.
