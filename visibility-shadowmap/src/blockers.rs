@@ -36,9 +36,9 @@ const FRONTIER: usize = 48;
 /// # Cost
 /// It follows the mask once the light is some 150 texels wide, five a cell; before that the texels, of which there are more
 /// in a finer map. Measured under a bunny, light of 6°, masks of 32², on its floor, for maps of 512², 1024², 2048² and
-/// 4096² (the light 84, 169, 338, 677 texels wide): 570, 750, 860, 950 nodes visited by a receiver in the penumbra, 210, 310,
-/// 390, 440 quadrilaterals drawn, in 45, 63, 78, 90 µs. On the bunny itself (31, 62, 124, 247 texels, fewer at what is
-/// near the receiver) in 23, 37, 56, 86 µs. A lit receiver beside the shadow visits 2 nodes, one on the bunny 30 to 55. See
+/// 4096² (the light 74, 147, 294, 588 texels wide): 560, 750, 880, 970 nodes visited by a receiver in the penumbra, 190, 300,
+/// 390, 450 quadrilaterals drawn, in 40, 60, 77, 88 µs. On the bunny itself (27, 54, 108, 216 texels, fewer at what is
+/// near the receiver) in 21, 33, 50, 77 µs. A lit receiver beside the shadow visits 2 nodes, one on the bunny 30 to 55. See
 /// `examples/measure.rs`.
 #[derive(Clone, Debug, Default)]
 pub struct ShadowMapBlockers {
