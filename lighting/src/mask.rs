@@ -280,6 +280,13 @@ impl Mask {
         }
     }
 
+    /// Blocks all samples of row `j` but these: bit `k % 64` of word `k / 64` is sample `k`.
+    #[inline(always)]
+    pub fn keep(&mut self, j: usize, samples: &[u64; 4]) {
+        let kept = row::and(&self.lit(j), &Row(*samples));
+        self.set(j, kept);
+    }
+
     /// Blocks samples `from[k]..to[k]` of the row `j + k`, eight rows at once: for shapes that find the ends of many rows
     /// together, with [`raster`](Self::raster). An empty interval blocks nothing; ends are at most the raster's width.
     #[inline(always)]
@@ -329,9 +336,10 @@ impl Mask {
         }
     }
 
-    /// Samples of row `j` that emit: from, to.
+    /// Samples of row `j` that emit: from, to. None where `to` is not above `from`.
     #[inline(always)]
-    pub(crate) fn emitting(&self, j: usize) -> (u32, u32) {
+    #[must_use]
+    pub fn emitting(&self, j: usize) -> (u32, u32) {
         (self.emitting[0][j], self.emitting[1][j])
     }
 

@@ -1,0 +1,256 @@
+use crate::SilhouetteMesh;
+use crate::count::Counter;
+use crate::edge_list::EdgeList;
+use crate::hull::Hull;
+use crate::mesh::side;
+use crate::project::{Crossing, View, project};
+use crate::select::{Silhouettes, add_edges, silhouettes};
+use fearless_simd::{Level, Simd, dispatch};
+use glam::Vec3;
+use lighting::{Blockers, Edges, Mask};
+use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
+
+/// Cells of a side into which the receivers of a shaft are divided, each with a list of its own.
+const CELLS: usize = 3;
+/// Shorter lists are not divided.
+const LONG: usize = 48;
+
+/// What answers the one question that outlines leave open: whether a ray meets any triangle.
+///
+/// It must know the same triangles as the meshes.
+pub trait AnyHit: Sync {
+    /// Working memory, one a thread.
+    type Scratch: Send;
+
+    /// New working memory.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// Told before a group of receivers and one light: all following rays are inside `shaft` until the next call. `false`
+    /// says that none of them meets anything.
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> bool {
+        let _ = (shaft, scratch);
+        true
+    }
+
+    /// Where rays start that leave a surface: off it by as little as keeps it from hiding itself.
+    fn leave(&self, position: Vec3, face: Vec3) -> Vec3;
+
+    /// Whether a triangle lies on the ray nearer than `distance`. `direction` has length 1.
+    fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, scratch: &mut Self::Scratch) -> bool;
+
+    /// Calls `visit` for all triangles that may meet a ball, with their corners in the order of the mesh.
+    fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3]));
+
+    /// Whether an object's triangles are among them.
+    fn has(&self, object: u32) -> bool;
+}
+
+/// The `silhouettes` strategy: triangle meshes block exactly, at the price of their outlines. Wrap it in
+/// [`MaskVisibility`](lighting::MaskVisibility).
+///
+/// # Method
+/// Seen from a receiver, the number of surfaces before a direction changes only across silhouettes: edges between a triangle
+/// that faces the receiver and one that does not, and borders. Their crossings with the rows of the mask give the number
+/// at each sample, up to one constant; one any-hit ray through a sample with the fewest gives that. A sample is lit where
+/// the number is zero.
+///
+/// Each decision is made once for a vertex (between which rows it lies), once for a triangle (on which side of its plane the
+/// receiver is: f32 where that is certain, else f64) or once for an edge (where it crosses a row), so outlines stay closed
+/// whatever the rounding: no light leaks between triangles, wound any way, open or crossing each other.
+///
+/// # Cost
+/// A hierarchy of edges is asked once for a group of receivers; cells of it keep shorter lists.
+#[derive(Debug)]
+pub struct SilhouetteBlockers<'m, H> {
+    meshes: &'m [SilhouetteMesh],
+    /// The number of each mesh's first edge among those of all.
+    bases: Vec<u32>,
+    hits: H,
+}
+
+impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
+    /// Blockers of several meshes, and what answers for their triangles.
+    #[must_use]
+    pub fn new(meshes: &'m [SilhouetteMesh], hits: H) -> Self {
+        let next = |sum: &mut u32, mesh: &SilhouetteMesh| {
+            let base = *sum;
+            *sum += mesh.edge_count() as u32;
+            Some(base)
+        };
+        Self { meshes, bases: meshes.iter().scan(0, next).collect(), hits }
+    }
+
+    /// What rays meet.
+    pub fn any_hit(&self) -> &H {
+        &self.hits
+    }
+
+    /// On which sides of an edge's triangles a point lies.
+    fn sides(&self, edge: u32, x: Vec3) -> [f32; 2] {
+        let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
+        self.meshes[mesh].sides((edge - self.bases[mesh]) as usize, x)
+    }
+
+    /// Lists the edges in a shaft.
+    fn list(&self, shaft: &Shaft, scratch: &mut SilhouetteScratch<H::Scratch>) {
+        scratch.edges.clear();
+        scratch.cells.iter_mut().for_each(|cell| cell.is_listed = false);
+        // Rays start off the surface, so a little beside the receivers.
+        let off = self.hits.leave(shaft.receivers.center, Vec3::Y).distance(shaft.receivers.center);
+        scratch.margin = 2.0 * off + 1e-6 * shaft.receivers.radius;
+        scratch.shaft = *shaft;
+        let hull =
+            Hull::new(shaft.receivers.center, Vec3::ZERO, shaft.receivers.radius + scratch.margin, shaft.light, scratch.margin);
+        for (mesh, base) in self.meshes.iter().zip(&self.bases) {
+            dispatch!(Level::new(), simd => {
+                hull.find(simd, mesh, *base, &mut scratch.stack, &mut scratch.edges);
+            });
+        }
+        if scratch.light != Some(shaft.light) {
+            scratch.light = Some(shaft.light);
+            scratch.cutting.clear();
+            self.hits.triangles_meeting(shaft.light, &mut |corners| scratch.cutting.push(corners));
+        }
+        scratch.is_met = self.hits.enter(shaft, &mut scratch.hits);
+    }
+
+    /// Lists the silhouettes of one receiver.
+    #[inline(always)]
+    fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SilhouetteScratch<H::Scratch>) {
+        let SilhouetteScratch { edges, cells, shaft, margin, origin, silhouettes: found, .. } = scratch;
+        let x = *origin;
+        let list = if edges.len() < LONG {
+            &*edges
+        } else {
+            let size = 2.0 * shaft.receivers.radius / CELLS as f32;
+            let low = shaft.receivers.center - shaft.receivers.radius;
+            let place = ((query.at.position - low) / size).floor().clamp(Vec3::ZERO, Vec3::splat(CELLS as f32 - 1.0));
+            let number = (place.x as usize * CELLS + place.y as usize) * CELLS + place.z as usize;
+            let cell = &mut cells[number];
+            if !cell.is_listed {
+                let hull = Hull::new(low + (place + 0.5) * size, Vec3::splat(0.5 * size), *margin, shaft.light, *margin);
+                hull.narrow(simd, edges, &mut cell.edges);
+                cell.is_listed = true;
+            }
+            &cell.edges
+        };
+        silhouettes(simd, x, query.cone, list, |edge| self.sides(edge, x), found);
+    }
+}
+
+/// Working memory of [`SilhouetteBlockers`].
+#[derive(Clone, Debug)]
+pub struct SilhouetteScratch<H> {
+    /// The current shaft; receivers outside of it are looked at alone.
+    shaft: Shaft,
+    entered: bool,
+    margin: f32,
+    /// False when rays in the shaft meet nothing.
+    is_met: bool,
+    /// Edges in the shaft, and in cells of it.
+    edges: EdgeList,
+    cells: Vec<Cell>,
+    stack: Vec<u32>,
+    /// Triangles that meet the light, and which light that is.
+    light: Option<Sphere>,
+    cutting: Vec<[Vec3; 3]>,
+    /// Where the current receiver's rays start, and what it sees.
+    origin: Vec3,
+    silhouettes: Silhouettes,
+    /// Without silhouettes: that all of the light is seen.
+    crossings: Vec<Crossing>,
+    counter: Counter,
+    hits: H,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Cell {
+    edges: EdgeList,
+    is_listed: bool,
+}
+
+impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
+    type Scratch = SilhouetteScratch<H::Scratch>;
+
+    fn scratch(&self) -> Self::Scratch {
+        SilhouetteScratch {
+            shaft: Shaft { receivers: Sphere::default(), light: Sphere::default() },
+            entered: false,
+            margin: 0.0,
+            is_met: true,
+            edges: EdgeList::default(),
+            cells: vec![Cell::default(); CELLS.pow(3)],
+            stack: Vec::new(),
+            light: None,
+            cutting: Vec::new(),
+            origin: Vec3::ZERO,
+            silhouettes: Silhouettes::default(),
+            crossings: Vec::new(),
+            counter: Counter::default(),
+            hits: self.hits.scratch(),
+        }
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        self.list(shaft, scratch);
+        scratch.entered = true;
+        if scratch.edges.len() == 0 && !scratch.is_met { Coverage::Lit } else { Coverage::Partial }
+    }
+
+    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+        let (at, cone) = (query.at, query.cone);
+        if !scratch.entered {
+            // Nobody said where receivers are.
+            let light = Sphere {
+                center: at.position + cone.axis * cone.distance,
+                radius: cone.distance * cone.sin_sq().sqrt(),
+            };
+            self.list(&Shaft { receivers: Sphere { center: at.position, radius: 0.0 }, light }, scratch);
+        }
+        let elevation = at.face.dot(cone.axis);
+        if elevation <= -cone.sin_sq().sqrt() && self.hits.has(at.object) {
+            return Coverage::Dark;
+        }
+        if scratch.edges.len() == 0 && !scratch.is_met {
+            return Coverage::Lit;
+        }
+        scratch.origin = self.hits.leave(at.position, at.face);
+        scratch.silhouettes.clear();
+        if cone.one_minus_cos > 0.0 && scratch.edges.len() > 0 {
+            dispatch!(Level::new(), simd => self.look(simd, query, scratch));
+        }
+        if scratch.silhouettes.len() > 0 || !scratch.cutting.is_empty() {
+            return Coverage::Partial;
+        }
+        // All samples have the same number of surfaces before them.
+        let distance = cone.distance * cone.cos() * cone.cos();
+        if self.hits.is_hit(scratch.origin, cone.axis, distance, &mut scratch.hits) { Coverage::Dark } else { Coverage::Lit }
+    }
+
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
+        dispatch!(Level::new(), simd => add_edges(simd, query.cone, &scratch.silhouettes, edges));
+    }
+
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
+        let view = View::new(*mask.square(), mask.raster(), mask.side(), query.cone);
+        let SilhouetteScratch { origin, silhouettes, cutting, crossings, counter, hits, .. } = scratch;
+        crossings.clear();
+        for corners in cutting.iter() {
+            let seen = corners.map(|p| p - *origin);
+            crossings.extend(Crossing::of_cut(&view, seen, side(*corners, *origin)));
+        }
+        let fewest = dispatch!(Level::new(), simd => {
+            project(simd, silhouettes, &view, crossings);
+            counter.fewest(simd, &view, crossings, mask)
+        });
+        let Some((row, sample)) = fewest.middle else { return };
+        let (direction, distance) = view.ray(row, sample);
+        if self.hits.is_hit(*origin, direction, distance, hits) {
+            mask.block_all();
+        } else {
+            for (j, samples) in fewest.rows[..view.rows].iter().enumerate() {
+                mask.keep(j, samples);
+            }
+        }
+    }
+}

@@ -1,0 +1,195 @@
+use crate::edge_list::{Block, COLUMNS, LANES};
+use crate::topology::{self, Edge, normal};
+use crate::tree::Tree;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// A triangle mesh as the silhouettes of it are found: planes of triangles, edges with the triangles on both sides, and a
+/// hierarchy of the edges.
+///
+/// Any triangles: open, self-intersecting, wound either way, with edges of more than two triangles. Those without area are
+/// left out. The mesh may move ([`refit`](Self::refit)) as long as its triangles keep their corners.
+///
+/// # Cost
+/// About 60 bytes a triangle.
+#[derive(Clone, Debug)]
+pub struct SilhouetteMesh {
+    /// The number of the object that the triangles belong to.
+    object: u32,
+    positions: Vec<Vec3>,
+    /// For each of `positions` the one of the caller's that it is a copy of.
+    sources: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    /// Unit normal `n` and `−n·a`, from f64.
+    planes: Vec<[f32; 4]>,
+    /// In the order of the tree's leaves.
+    edges: Vec<Edge>,
+    tree: Tree,
+}
+
+impl SilhouetteMesh {
+    /// Prepares a mesh: pairs its edges and builds the hierarchy.
+    ///
+    /// # Panics
+    /// When a triangle has a corner that is not among `positions`.
+    #[must_use]
+    pub fn new(object: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let (welded, numbers) = topology::weld(positions);
+        let mut sources = vec![0; welded.len()];
+        for (source, number) in numbers.iter().enumerate().rev() {
+            sources[*number as usize] = source as u32;
+        }
+        let mut triangles: Vec<_> = triangles.iter().map(|t| t.map(|i| numbers[i as usize])).collect();
+        triangles.retain(|t| {
+            let n = normal(t.map(|i| welded[i as usize]));
+            n.is_finite() && n.length_squared() > 0.0
+        });
+        let mut edges = topology::edges(&mut triangles);
+        let bounds = |e: &Edge| {
+            let [a, b] = e.ends().map(|k| welded[triangles[e.triangle() as usize][k] as usize]);
+            [a.min(b), a.max(b)]
+        };
+        let boxes: Vec<_> = edges.iter().map(bounds).collect();
+        let (tree, order) = Tree::new(&boxes);
+        edges = order.iter().map(|i| edges[*i as usize]).collect();
+        let planes = vec![[0.0; 4]; triangles.len()];
+        let mut mesh = Self { object, positions: welded, sources, triangles, planes, edges, tree };
+        mesh.fit();
+        mesh
+    }
+
+    /// Follows a mesh that has moved: the same triangles between other positions. `false`, and nothing is changed, when
+    /// there are other positions than before.
+    ///
+    /// Corners that were equal stay one corner; a triangle that has lost its area blocks nothing until it has one again.
+    ///
+    /// # Cost
+    /// Linear in the triangles, on all threads.
+    pub fn refit(&mut self, positions: &[Vec3]) -> bool {
+        if self.sources.iter().any(|source| *source as usize >= positions.len()) {
+            return false;
+        }
+        for (position, source) in self.positions.iter_mut().zip(&self.sources) {
+            *position = positions[*source as usize];
+        }
+        self.fit();
+        true
+    }
+
+    /// Planes, flat edges, boxes and cones from the positions.
+    fn fit(&mut self) {
+        let Self { positions, triangles, planes, edges, tree, .. } = self;
+        let corners = |t: u32| triangles[t as usize].map(|i| positions[i as usize]);
+        planes.par_iter_mut().with_min_len(1024).zip(0..triangles.len() as u32).for_each(|(plane, t)| {
+            let corners = corners(t);
+            let n = normal(corners).normalize_or_zero();
+            let d = -n.dot(corners[0].as_dvec3());
+            *plane = [n.x as f32, n.y as f32, n.z as f32, d as f32];
+        });
+        edges.par_iter_mut().with_min_len(1024).for_each(|edge| {
+            let flat = edge.other().is_some_and(|other| {
+                let [p, q] = [edge.triangle(), other].map(|t| planes[t as usize]);
+                let alike = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] > 0.999_999;
+                alike && is_flat(corners(edge.triangle()), corners(other))
+            });
+            edge.set_flat(flat);
+        });
+        tree.fit(|range| {
+            range.filter(|i| !edges[*i].is_flat()).map(|i| {
+                let edge = edges[i];
+                let corners = corners(edge.triangle());
+                let normal = |t: u32| Vec3::from_slice(&planes[t as usize]);
+                (edge.ends().map(|k| corners[k]), normal(edge.triangle()), edge.other().map(normal))
+            })
+        });
+    }
+
+    /// The number of the object.
+    #[must_use]
+    pub fn object(&self) -> u32 {
+        self.object
+    }
+
+    /// Triangles with an area.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Edges.
+    #[must_use]
+    pub fn edge_count(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// Memory, in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.positions[..])
+            + size_of_val(&self.sources[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.planes[..])
+            + size_of_val(&self.edges[..])
+            + self.tree.bytes()
+    }
+
+    pub(crate) fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// Writes up to eight edges side by side, but for flat ones; returns how many.
+    #[inline(always)]
+    pub(crate) fn fetch(&self, first: usize, count: usize, base: u32, out: &mut Block) -> usize {
+        let mut lane = 0;
+        for (number, edge) in self.edges[first..first + count].iter().enumerate() {
+            if edge.is_flat() {
+                continue;
+            }
+            let corners = &self.triangles[edge.triangle() as usize];
+            let [p, q] = edge.ends().map(|k| corners[k]);
+            let plane = self.planes[edge.triangle() as usize];
+            let other = edge.other().map_or([0.0; 4], |t| self.planes[t as usize]);
+            // The lower number first, so that all records of an edge make the same calculation.
+            let ([a, b], [along, against]) = if p < q { ([p, q], [plane, other]) } else { ([q, p], [other, plane]) };
+            let [a, b] = [a, b].map(|i| self.positions[i as usize]);
+            let id = f32::from_bits(base + (first + number) as u32);
+            let all: [f32; COLUMNS] = [
+                a.x, a.y, a.z, b.x, b.y, b.z, along[0], along[1], along[2], along[3], against[0], against[1],
+                against[2], against[3], id,
+            ];
+            for (column, value) in out.iter_mut().zip(all) {
+                column[lane % LANES] = value;
+            }
+            lane += 1;
+        }
+        lane
+    }
+
+    /// How a point lies to the triangles that run along an edge and against it, from its lower end to its higher: 1 in front,
+    /// −1 behind, 0 in the plane or where there is no triangle. Exact but for the rounding of f64.
+    pub(crate) fn sides(&self, edge: usize, x: Vec3) -> [f32; 2] {
+        let edge = self.edges[edge];
+        let side = |t: u32| side(self.triangles[t as usize].map(|i| self.positions[i as usize]), x);
+        let [p, q] = edge.ends().map(|k| self.triangles[edge.triangle() as usize][k]);
+        let [one, other] = [side(edge.triangle()), edge.other().map_or(0.0, side)];
+        if p < q { [one, other] } else { [other, one] }
+    }
+}
+
+/// 1 where a point is in front of a triangle's plane, −1 behind it, 0 in it.
+pub(crate) fn side(corners: [Vec3; 3], x: Vec3) -> f32 {
+    let along = normal(corners).dot(x.as_dvec3() - corners[0].as_dvec3());
+    if along > 0.0 {
+        1.0
+    } else if along < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+/// Whether two triangles lie in one plane and face the same way, so that no point is between their planes.
+fn is_flat(one: [Vec3; 3], other: [Vec3; 3]) -> bool {
+    let [m, n] = [normal(one), normal(other)];
+    m.dot(n) > 0.0 && m.cross(n) == glam::DVec3::ZERO && other.iter().all(|p| side(one, *p) == 0.0)
+}

@@ -1,0 +1,187 @@
+//! Silhouettes on the square that faces the light.
+
+use crate::select::{NUMBERS, STEP, Silhouettes};
+use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
+use glam::{Vec2, Vec3};
+use lighting::{Raster, UnitSquare};
+use lobe_core::Cone;
+
+/// Ends nearer than this part of the light's distance are clipped: they are far outside of the window.
+const NEAR: f32 = 1e-7;
+/// No position is farther outside.
+const FAR_OUTSIDE: f32 = 1e7;
+
+/// The window, its rows and samples, and between which depths surfaces block.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View {
+    pub(crate) square: UnitSquare,
+    pub(crate) raster: Raster,
+    pub(crate) rows: usize,
+    near: f32,
+    /// Depth of the light along the square's axis: of the circle where the cone touches it.
+    pub(crate) far: f32,
+    /// Position in samples of an upright line that meets, in every row, all that the window shows of the disc.
+    middle: f32,
+}
+
+impl View {
+    pub(crate) fn new(square: UnitSquare, raster: Raster, rows: usize, cone: &Cone) -> Self {
+        let (distance, cos) = (cone.distance, cone.cos());
+        let near = NEAR * if distance.is_finite() { distance } else { 1.0 };
+        let left = square.center.x - square.half.x;
+        let middle = (0.0_f32.clamp(left, left + 2.0 * square.half.x) - left) * raster.samples;
+        Self { square, raster, rows, near, far: (distance * cos * cos).max(near), middle }
+    }
+
+    /// The unit direction of a sample, and the distance to the light's plane along it.
+    pub(crate) fn ray(&self, row: usize, sample: usize) -> (Vec3, f32) {
+        let Raster { left, bottom, samples, rows, .. } = self.raster;
+        let x = left + (sample as f32 + 0.5 + Raster::shift(row)) / samples;
+        let y = bottom + (row as f32 + 0.5) / rows;
+        let length = (1.0 + x * x + y * y).sqrt();
+        (self.square.world(Vec3::new(x, y, 1.0)) / length, self.far * length)
+    }
+
+    /// A point on the square, in samples and rows.
+    fn place(&self, x: f32, y: f32) -> Vec2 {
+        let at = Vec2::new((x - self.raster.left) * self.raster.samples, (y - self.raster.bottom) * self.raster.rows - 0.5);
+        at.clamp(Vec2::splat(-FAR_OUTSIDE), Vec2::splat(FAR_OUTSIDE))
+    }
+}
+
+/// A piece of an outline that crosses row lines, from a lower one to a higher.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    /// Position in samples at row 0, and how it grows from row to row.
+    pub(crate) start: f32,
+    pub(crate) slope: f32,
+    /// Positions of the two ends, in order.
+    pub(crate) low: f32,
+    pub(crate) high: f32,
+    /// The first row line at or above each end.
+    pub(crate) rows: [i32; 2],
+    /// Whether each end is left of the view's middle.
+    pub(crate) left: [bool; 2],
+    /// By how much the number of surfaces grows from left to right.
+    pub(crate) step: i32,
+}
+
+impl Crossing {
+    /// From its two ends with rows already counted; none where it changes nothing.
+    fn new(view: &View, [a, b]: [Vec2; 2], [start, slope]: [f32; 2], [row_a, row_b]: [i32; 2], step: i32) -> Option<Self> {
+        let left = [a.x < view.middle, b.x < view.middle];
+        let none = row_a == row_b && (left[0] == left[1] || row_a == 0 || row_a == view.rows as i32);
+        let beside = a.x.min(b.x) > view.raster.width + 1.0 || a.x.max(b.x) < -1.0;
+        if none || beside {
+            return None;
+        }
+        let up = row_a <= row_b;
+        Some(Self {
+            start,
+            slope,
+            low: a.x.min(b.x) - 1.0,
+            high: a.x.max(b.x) + 1.0,
+            rows: if up { [row_a, row_b] } else { [row_b, row_a] },
+            left: if up { left } else { [left[1], left[0]] },
+            step: if up { step } else { -step },
+        })
+    }
+
+    /// Where a triangle meets the light's plane, as an edge of what of it is in front of the plane. `side` is 1 where the
+    /// receiver is in front of the triangle, −1 behind it.
+    pub(crate) fn of_cut(view: &View, corners: [Vec3; 3], side: f32) -> Option<Self> {
+        let corners = corners.map(|p| view.square.local(p));
+        let mut ends = [None; 2];
+        for k in 0..3 {
+            let [a, b] = [corners[k], corners[(k + 1) % 3]];
+            let inside = [a, b].map(|p| p.z < view.far);
+            if inside[0] != inside[1] {
+                // As `project` clips it: from the end that is nearer.
+                let [p, q] = if inside[0] { [a, b] } else { [b, a] };
+                let t = (view.far - p.z) / (q.z - p.z);
+                ends[usize::from(!inside[0])] = Some(Vec2::new(p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)));
+            }
+        }
+        // Along the outline, from where it leaves to where it comes back.
+        let [Some(a), Some(b)] = ends else { return None };
+        let [from, to] = [a, b].map(|p| p / view.far);
+        let ends = [from, to].map(|p| view.place(p.x, p.y));
+        let rows = ends.map(|p| p.y.ceil().clamp(0.0, view.rows as f32) as i32);
+        let slope = (ends[1].x - ends[0].x) / (ends[1].y - ends[0].y);
+        let line = if slope.is_finite() { [ends[0].x - slope * ends[0].y, slope] } else { [ends[0].x, 0.0] };
+        Self::new(view, ends, line, rows, side as i32)
+    }
+}
+
+/// Projects silhouettes on the square and keeps what crosses row lines.
+#[inline(always)]
+pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, out: &mut Vec<Crossing>) {
+    let splat = |x: f32| f32x8::splat(simd, x);
+    let UnitSquare { right, up, axis, .. } = view.square;
+    let Raster { left, bottom, samples, rows, width } = view.raster;
+    let (near, far) = (splat(view.near), splat(view.far));
+    let (zero, outside) = (splat(0.0), splat(FAR_OUTSIDE));
+    let last = splat(view.rows as f32);
+    for first in (0..silhouettes.len()).step_by(8) {
+        let values: [f32x8<S>; NUMBERS] = core::array::from_fn(|c| silhouettes.load(simd, c, first));
+        let turn = |x: f32x8<S>, y: f32x8<S>, z: f32x8<S>| {
+            [right, up, axis].map(|v| x * v.x + y * v.y + z * v.z)
+        };
+        let [ax, ay, az] = turn(values[0], values[1], values[2]);
+        let [bx, by, bz] = turn(values[3], values[4], values[5]);
+        // The line through both, from a × (b − a): ends that are clipped would be too far outside for it.
+        let [ex, ey, ez] = [bx - ax, by - ay, bz - az];
+        let (lx, ly, lz) = (ay * ez - az * ey, az * ex - ax * ez, ax * ey - ay * ex);
+        let flat = lx.simd_eq(zero);
+        let inverse = splat(-1.0) / flat.select(splat(1.0), lx);
+        let lean = ly * inverse;
+        let start = (lean * (bottom + 0.5 / rows) + (lz * inverse - left)) * samples;
+        let slope = lean * (samples / rows);
+        let is_near = [az.simd_lt(near), bz.simd_lt(near)];
+        let is_far = [!az.simd_lt(far), !bz.simd_lt(far)];
+        let mut drop = (is_near[0] & is_near[1]) | (is_far[0] & is_far[1]);
+        let ([mut ax, mut ay, mut az], [mut bx, mut by, mut bz]) = ([ax, ay, az], [bx, by, bz]);
+        // Each plane from the end that is on its right side, so that whoever cuts the same edge finds the same point.
+        for (plane, cut) in [(near, is_near), (far, is_far)] {
+            if !(cut[0] | cut[1]).any_true() {
+                continue;
+            }
+            let at = |p: [f32x8<S>; 3], q: [f32x8<S>; 3]| {
+                let t = (plane - p[2]) / (q[2] - p[2]);
+                [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]
+            };
+            let [from_b, from_a] = [at([bx, by, bz], [ax, ay, az]), at([ax, ay, az], [bx, by, bz])];
+            ax = cut[0].select(from_b[0], ax);
+            ay = cut[0].select(from_b[1], ay);
+            az = cut[0].select(plane, az);
+            bx = cut[1].select(from_a[0], bx);
+            by = cut[1].select(from_a[1], by);
+            bz = cut[1].select(plane, bz);
+        }
+        let limit = |p: f32x8<S>| p.max(-outside).min(outside);
+        let column = |x: f32x8<S>, z: f32x8<S>| limit((x / z - left) * samples);
+        let row = |y: f32x8<S>, z: f32x8<S>| limit((y / z - bottom) * rows - 0.5).ceil().max(zero).min(last);
+        let (xa, xb) = (column(ax, az), column(bx, bz));
+        let (ra, rb) = (row(ay, az), row(by, bz));
+        drop |= (ra.max(rb).simd_eq(zero)) | (ra.min(rb).simd_eq(last));
+        drop |= xa.min(xb).simd_gt(splat(width + 1.0)) | xa.max(xb).simd_lt(splat(-1.0));
+        let same_side = xa.simd_lt(splat(view.middle)).to_bitmask() ^ !xb.simd_lt(splat(view.middle)).to_bitmask();
+        let mut keep = (!drop).to_bitmask() & u64::from(silhouettes.lanes(first));
+        keep &= !(ra.simd_eq(rb).to_bitmask() & same_side);
+        if keep == 0 {
+            continue;
+        }
+        let start = flat.select((xa + xb) * 0.5, start);
+        let slope = flat.select(zero, slope);
+        let [xa, xb, start, slope]: [[f32; 8]; 4] = [xa.into(), xb.into(), start.into(), slope.into()];
+        let rows: [[i32; 8]; 2] = [ra, rb].map(|r| r.to_int::<i32x8<S>>().into());
+        let steps: [i32; 8] = values[STEP].to_int::<i32x8<S>>().into();
+        while keep != 0 {
+            let l = keep.trailing_zeros() as usize & 7;
+            keep &= keep - 1;
+            let ends = [Vec2::new(xa[l], 0.0), Vec2::new(xb[l], 0.0)];
+            let crossing = Crossing::new(view, ends, [start[l], slope[l]], [rows[0][l], rows[1][l]], steps[l]);
+            out.extend(crossing);
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Which triangles share an edge.
+
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+/// No triangle on that side of an edge.
+pub(crate) const NONE: u32 = u32::MAX >> 1;
+/// Marks an edge between two triangles in one plane, which is never a silhouette.
+const FLAT: u32 = 1 << 31;
+
+/// An edge by the triangles on its two sides, in 8 bytes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Edge {
+    /// The first triangle times four, plus the number of the corner where the edge begins.
+    first: u32,
+    /// The triangle that runs the other way, or [`NONE`]; the highest bit is [`FLAT`].
+    second: u32,
+}
+
+impl Edge {
+    /// The edge that begins at a corner of a triangle, and the triangle on its other side.
+    fn new(triangle: u32, corner: u32, second: u32) -> Self {
+        Self { first: 4 * triangle + corner, second }
+    }
+
+    pub(crate) fn triangle(self) -> u32 {
+        self.first / 4
+    }
+
+    /// The triangle that runs the other way, if there is one.
+    pub(crate) fn other(self) -> Option<u32> {
+        let second = self.second & !FLAT;
+        (second != NONE).then_some(second)
+    }
+
+    /// Its ends as corners of the first triangle, in that triangle's direction.
+    pub(crate) fn ends(self) -> [usize; 2] {
+        let corner = (self.first % 4) as usize;
+        [corner, (corner + 1) % 3]
+    }
+
+    pub(crate) fn is_flat(self) -> bool {
+        self.second & FLAT != 0
+    }
+
+    pub(crate) fn set_flat(&mut self, flat: bool) {
+        self.second = self.second & !FLAT | if flat { FLAT } else { 0 };
+    }
+}
+
+/// Twice the area of a triangle times its unit normal, in f64.
+pub(crate) fn normal([a, b, c]: [Vec3; 3]) -> DVec3 {
+    let a = a.as_dvec3();
+    (b.as_dvec3() - a).cross(c.as_dvec3() - a)
+}
+
+/// Gives equal positions one number. Returns the positions, and for each original one its number.
+pub(crate) fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
+    let mut numbers = HashMap::with_capacity(positions.len());
+    let mut welded = Vec::new();
+    let number = |p: &Vec3| {
+        // Adding zero makes −0 equal to 0.
+        let key = (*p + Vec3::ZERO).to_array().map(f32::to_bits);
+        *numbers.entry(key).or_insert_with(|| {
+            welded.push(*p);
+            welded.len() as u32 - 1
+        })
+    };
+    let all = positions.iter().map(number).collect();
+    (welded, all)
+}
+
+/// One side of a triangle: its two ends, lower number first, then which side it is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Side {
+    ends: (u32, u32),
+    /// Runs from the higher number to the lower.
+    down: bool,
+    triangle: u32,
+    corner: u32,
+}
+
+fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+    let mut sides = Vec::with_capacity(3 * triangles.len());
+    for (number, corners) in (0..).zip(triangles) {
+        for corner in 0..3 {
+            let [a, b] = [corners[corner as usize], corners[(corner as usize + 1) % 3]];
+            sides.push(Side { ends: (a.min(b), a.max(b)), down: a > b, triangle: number, corner });
+        }
+    }
+    sides.sort_unstable();
+    sides
+}
+
+/// Turns triangles so that neighbours run in opposite directions along their common edge, wherever that is possible.
+///
+/// Visibility does not depend on how a triangle is wound; but two that agree cancel where both face the receiver, so their
+/// edge can be left out early.
+fn orient(triangles: &mut [[u32; 3]], sides: &[Side]) -> bool {
+    let pairs = || sides.chunk_by(|a, b| a.ends == b.ends).filter(|group| group.len() == 2);
+    if pairs().all(|pair| pair[0].down != pair[1].down) {
+        return false;
+    }
+    let mut neighbours = vec![[(NONE, false); 3]; triangles.len()];
+    for pair in pairs() {
+        let same = pair[0].down == pair[1].down;
+        for (one, other) in [(0, 1), (1, 0)] {
+            neighbours[pair[one].triangle as usize][pair[one].corner as usize] = (pair[other].triangle, same);
+        }
+    }
+    let mut turned: Vec<Option<bool>> = vec![None; triangles.len()];
+    let mut stack = Vec::new();
+    for start in 0..triangles.len() {
+        if turned[start].is_some() {
+            continue;
+        }
+        turned[start] = Some(false);
+        stack.push(start);
+        while let Some(t) = stack.pop() {
+            let is_turned = turned[t] == Some(true);
+            for (neighbour, same) in neighbours[t] {
+                if neighbour != NONE && turned[neighbour as usize].is_none() {
+                    turned[neighbour as usize] = Some(is_turned != same);
+                    stack.push(neighbour as usize);
+                }
+            }
+        }
+    }
+    for (corners, turned) in triangles.iter_mut().zip(turned) {
+        if turned == Some(true) {
+            corners.swap(1, 2);
+        }
+    }
+    true
+}
+
+/// All edges of a mesh whose equal positions have one number; turns triangles on the way.
+///
+/// Where more than two triangles share an edge, or two run the same way, it is there more than once.
+pub(crate) fn edges(triangles: &mut [[u32; 3]]) -> Vec<Edge> {
+    let mut all = sides(triangles);
+    if orient(triangles, &all) {
+        all = sides(triangles);
+    }
+    let mut edges = Vec::with_capacity(all.len() / 2);
+    for group in all.chunk_by(|a, b| a.ends == b.ends) {
+        // Those that run up come first.
+        let (up, down) = group.split_at(group.partition_point(|side| !side.down));
+        for k in 0..up.len().max(down.len()) {
+            edges.push(match (up.get(k), down.get(k)) {
+                (Some(one), other) => Edge::new(one.triangle, one.corner, other.map_or(NONE, |o| o.triangle)),
+                (None, Some(one)) => Edge::new(one.triangle, one.corner, NONE),
+                (None, None) => continue,
+            });
+        }
+    }
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tetrahedron with one triangle turned over has six edges with two triangles each.
+    #[test]
+    fn triangles_are_turned_to_agree() {
+        let mut triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 3, 2]];
+        let edges = edges(&mut triangles);
+        assert_eq!(edges.len(), 6);
+        assert!(edges.iter().all(|e| e.other().is_some()));
+        for edge in edges {
+            let [a, b] = edge.ends().map(|k| triangles[edge.triangle() as usize][k]);
+            let other = triangles[edge.other().unwrap() as usize];
+            assert!((0..3).any(|k| other[k] == b && other[(k + 1) % 3] == a));
+        }
+    }
+
+    /// A Möbius strip cannot be turned to agree: one edge is there twice, with a triangle each.
+    #[test]
+    fn a_strip_with_a_twist_keeps_all_sides() {
+        let n = 5;
+        let mut triangles = Vec::new();
+        for k in 0..n {
+            let [a, b] = [2 * k, 2 * k + 1];
+            let [c, d] = if k + 1 < n { [2 * k + 2, 2 * k + 3] } else { [1, 0] };
+            triangles.extend([[a, b, c], [c, b, d]]);
+        }
+        let edges = edges(&mut triangles);
+        let sides: usize = edges.iter().map(|e| 1 + usize::from(e.other().is_some())).sum();
+        assert_eq!(sides, 3 * triangles.len());
+        assert_eq!(edges.iter().filter(|e| e.other().is_none()).count(), 2 * n as usize + 2);
+    }
+
+    #[test]
+    fn equal_positions_have_one_number() {
+        let (welded, numbers) = weld(&[Vec3::ZERO, Vec3::X, Vec3::new(-0.0, 0.0, -0.0), Vec3::X]);
+        assert_eq!((welded.len(), numbers), (2, vec![0, 1, 0, 1]));
+    }
+}

@@ -1,0 +1,274 @@
+//! A hierarchy of edges, eight children a node, built once and refitted as the edges move.
+
+use core::ops::Range;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Children of a node; edges of a leaf at most.
+pub(crate) const WIDE: usize = 8;
+/// Up to so many edges are sorted to be split where it is best; more are put into bins.
+const SORTED: usize = 256;
+const BINS: usize = 32;
+/// Half the sides of a box without anything in it: no plane has any of it on its near side.
+const NEVER: f32 = -1e30;
+/// The sine of a cone that has no sides.
+const WIDEST: f32 = 4.0;
+
+/// Eight children side by side.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(crate) struct Node {
+    /// Middle of the box, half its sides, axis of the cone of normals, each x y z, and the sine of the cone's half-angle, above
+    /// 1 where there is no cone.
+    pub(crate) bounds: [[f32; WIDE]; 10],
+    /// Another node, or the first edge of a leaf.
+    pub(crate) first: [u32; WIDE],
+    /// Edges of a leaf; 0 for another node.
+    pub(crate) count: [u8; WIDE],
+    /// Children.
+    pub(crate) len: u8,
+}
+
+const EMPTY: Node = Node { bounds: [[0.0; WIDE]; 10], first: [0; WIDE], count: [0; WIDE], len: 0 };
+
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tree {
+    /// Parents before their children.
+    nodes: Vec<Node>,
+}
+
+/// Box and cone of normals.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: Vec3,
+    high: Vec3,
+    axis: Vec3,
+    sin: f32,
+}
+
+/// An edge as the tree sees it: its ends, the normals on both sides.
+pub(crate) type Shape = ([Vec3; 2], Vec3, Option<Vec3>);
+
+impl Tree {
+    /// A tree over boxes (low, high), and the order in which its leaves hold them. Bounds are there after
+    /// [`fit`](Self::fit).
+    pub(crate) fn new(boxes: &[[Vec3; 2]]) -> (Self, Vec<u32>) {
+        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+        let mut tree = Self::default();
+        if !boxes.is_empty() {
+            tree.add(boxes, &mut order, 0);
+        }
+        (tree, order)
+    }
+
+    /// Adds a node for some of the edges, which begin at `first` in the order of all.
+    fn add(&mut self, boxes: &[[Vec3; 2]], order: &mut [u32], first: usize) -> u32 {
+        let number = self.nodes.len();
+        self.nodes.push(EMPTY);
+        let mut parts: Vec<Range<usize>> = Vec::with_capacity(WIDE);
+        parts.push(0..order.len());
+        // The part with the largest box is split, until there are eight.
+        while parts.len() < WIDE {
+            let area = |r: &Range<usize>| half_area(of(boxes, &order[r.clone()]));
+            let open = (0..parts.len()).filter(|k| parts[*k].len() > WIDE);
+            let Some(k) = open.max_by(|a, b| area(&parts[*a]).total_cmp(&area(&parts[*b]))) else { break };
+            let part = parts[k].clone();
+            let middle = part.start + split(boxes, &mut order[part.clone()]);
+            parts[k] = part.start..middle;
+            parts.insert(k + 1, middle..part.end);
+        }
+        self.nodes[number].len = parts.len() as u8;
+        for (k, part) in parts.into_iter().enumerate() {
+            let child = if part.len() <= WIDE {
+                self.nodes[number].count[k] = part.len() as u8;
+                (first + part.start) as u32
+            } else {
+                self.add(boxes, &mut order[part.clone()], first + part.start)
+            };
+            self.nodes[number].first[k] = child;
+        }
+        number as u32
+    }
+
+    /// Boxes and cones of everything, from the edges of a range of the order.
+    pub(crate) fn fit<I: Iterator<Item = Shape> + Clone>(&mut self, edges: impl Fn(Range<usize>) -> I + Sync) {
+        self.nodes.par_iter_mut().with_min_len(32).for_each(|node| {
+            for k in 0..usize::from(node.len) {
+                if node.count[k] > 0 {
+                    let first = node.first[k] as usize;
+                    node.set(k, &around(edges(first..first + usize::from(node.count[k]))));
+                }
+            }
+        });
+        // Children come after their parents.
+        for number in (0..self.nodes.len()).rev() {
+            for k in 0..usize::from(self.nodes[number].len) {
+                if self.nodes[number].count[k] == 0 {
+                    let bounds = self.nodes[self.nodes[number].first[k] as usize].all();
+                    self.nodes[number].set(k, &bounds);
+                }
+            }
+        }
+    }
+
+    pub(crate) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..])
+    }
+}
+
+impl Node {
+    fn set(&mut self, k: usize, bounds: &Bounds) {
+        let center = 0.5 * bounds.low + 0.5 * bounds.high;
+        // A little more, for the rounding of the middle; an empty box stays one, which every plane parts from everything.
+        let half = (bounds.high - center).max(center - bounds.low) * 1.000_001;
+        let (center, half) = if bounds.low.cmple(bounds.high).all() {
+            (center, half)
+        } else {
+            (Vec3::ZERO, Vec3::splat(NEVER))
+        };
+        let all = [center, half, bounds.axis].map(|v| v.to_array());
+        for (column, value) in self.bounds.iter_mut().zip(all.as_flattened()) {
+            column[k] = *value;
+        }
+        self.bounds[9][k] = bounds.sin;
+    }
+
+    fn get(&self, k: usize) -> Bounds {
+        let at = |c: usize| Vec3::new(self.bounds[c][k], self.bounds[c + 1][k], self.bounds[c + 2][k]);
+        let (center, half) = (at(0), at(3));
+        Bounds { low: center - half, high: center + half, axis: at(6), sin: self.bounds[9][k] }
+    }
+
+    /// What bounds all children.
+    fn all(&self) -> Bounds {
+        let children = (0..usize::from(self.len)).map(|k| self.get(k)).filter(|b| b.low.cmple(b.high).all());
+        let mut bounds = NOTHING;
+        let mut axis = Vec3::ZERO;
+        for child in children.clone() {
+            bounds.low = bounds.low.min(child.low);
+            bounds.high = bounds.high.max(child.high);
+            axis += child.axis;
+        }
+        let axis = axis.normalize_or_zero();
+        // cos(α + β) of the child's half-angle and its axis' angle to the new one.
+        let least = children.map(|child| {
+            let beside = child.axis.dot(axis).clamp(-1.0, 1.0);
+            let cos = (1.0 - child.sin * child.sin).max(0.0).sqrt();
+            let sum = beside * cos - child.sin * (1.0 - beside * beside).max(0.0).sqrt();
+            if child.sin <= 1.0 && beside > 0.0 { sum } else { -1.0 }
+        });
+        Bounds { axis, sin: sine(axis, least.fold(1.0, f32::min)), ..bounds }
+    }
+}
+
+const NOTHING: Bounds = Bounds { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, axis: Vec3::ZERO, sin: WIDEST };
+
+/// The sine of a half-angle, a little larger, or more than any sine where the angle is near a right one.
+fn sine(axis: Vec3, cos: f32) -> f32 {
+    if axis == Vec3::ZERO || cos < 0.1 { WIDEST } else { (1.0 - cos * cos).max(0.0).sqrt() + 1e-3 }
+}
+
+fn around(edges: impl Iterator<Item = Shape> + Clone) -> Bounds {
+    let (mut bounds, mut axis) = (NOTHING, Vec3::ZERO);
+    for ([a, b], one, other) in edges.clone() {
+        bounds.low = bounds.low.min(a).min(b);
+        bounds.high = bounds.high.max(a).max(b);
+        axis += one + other.unwrap_or(Vec3::ZERO);
+    }
+    let axis = axis.normalize_or_zero();
+    let cos = |(_, one, other): Shape| match other {
+        Some(other) => one.dot(axis).min(other.dot(axis)),
+        // A border is a silhouette from everywhere.
+        None => -1.0,
+    };
+    Bounds { axis, sin: sine(axis, edges.map(cos).fold(1.0, f32::min)), ..bounds }
+}
+
+fn of(boxes: &[[Vec3; 2]], numbers: &[u32]) -> [Vec3; 2] {
+    numbers.iter().map(|i| boxes[*i as usize]).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], join)
+}
+
+fn join(a: [Vec3; 2], b: [Vec3; 2]) -> [Vec3; 2] {
+    [a[0].min(b[0]), a[1].max(b[1])]
+}
+
+fn half_area([low, high]: [Vec3; 2]) -> f32 {
+    let side = (high - low).max(Vec3::ZERO);
+    side.x * side.y + side.y * side.z + side.z * side.x
+}
+
+/// Blocks of eight that so many edges take.
+fn blocks(count: usize) -> f32 {
+    count.div_ceil(WIDE) as f32
+}
+
+/// Parts edges in two by the surface area heuristic, counted in leaves (J. Goldsmith, J. Salmon, *Automatic Creation of
+/// Object Hierarchies for Ray Tracing*, 1987). Returns the size of the first part.
+fn split(boxes: &[[Vec3; 2]], order: &mut [u32]) -> usize {
+    let middle = |i: u32| boxes[i as usize][0] + boxes[i as usize][1];
+    let spread = order.iter().map(|i| middle(*i)).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |a, m| join(a, [m, m]));
+    let mut best = (f32::INFINITY, 0, 0, 0.0);
+    for axis in 0..3 {
+        let size = spread[1][axis] - spread[0][axis];
+        if size.is_nan() || size <= 0.0 {
+            continue;
+        }
+        if order.len() <= SORTED {
+            order.sort_unstable_by(|a, b| middle(*a)[axis].total_cmp(&middle(*b)[axis]).then(a.cmp(b)));
+            let mut after = vec![0.0; order.len() / WIDE + 2];
+            let mut bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+            for (k, i) in order.iter().enumerate().rev() {
+                bounds = join(bounds, boxes[*i as usize]);
+                if k % WIDE == 0 {
+                    after[k / WIDE] = half_area(bounds) * blocks(order.len() - k);
+                }
+            }
+            bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+            for (k, i) in order.iter().enumerate() {
+                if k > 0 && k % WIDE == 0 {
+                    let cost = half_area(bounds) * blocks(k) + after[k / WIDE];
+                    if cost < best.0 {
+                        best = (cost, axis, k, 0.0);
+                    }
+                }
+                bounds = join(bounds, boxes[*i as usize]);
+            }
+        } else {
+            let scale = BINS as f32 / size;
+            let bin = |i: u32| (((middle(i)[axis] - spread[0][axis]) * scale) as usize).min(BINS - 1);
+            let mut bins = [([Vec3::INFINITY, Vec3::NEG_INFINITY], 0); BINS];
+            for i in order.iter() {
+                let (bounds, count) = &mut bins[bin(*i)];
+                *bounds = join(*bounds, boxes[*i as usize]);
+                *count += 1;
+            }
+            let mut after = [0.0; BINS];
+            let (mut bounds, mut count) = bins[BINS - 1];
+            for k in (1..BINS).rev() {
+                after[k] = if count > 0 { half_area(bounds) * blocks(count) } else { f32::INFINITY };
+                bounds = join(bounds, bins[k - 1].0);
+                count += bins[k - 1].1;
+            }
+            (bounds, count) = bins[0];
+            for k in 1..BINS {
+                if count > 0 {
+                    let cost = half_area(bounds) * blocks(count) + after[k];
+                    if cost < best.0 {
+                        best = (cost, axis, count, spread[0][axis] + k as f32 / scale);
+                    }
+                }
+                bounds = join(bounds, bins[k].0);
+                count += bins[k].1;
+            }
+        }
+    }
+    let (cost, axis, count, _) = best;
+    let count = if cost.is_finite() { count } else { order.len() / 2 };
+    // Ties by number, so that the tree does not depend on the order that came in.
+    order.select_nth_unstable_by(count, |a, b| middle(*a)[axis].total_cmp(&middle(*b)[axis]).then(a.cmp(b)));
+    count
+}

@@ -1,0 +1,89 @@
+//! Triangles that are asked one by one in f64.
+
+use glam::{DVec3, Vec3};
+use lobe_core::Sphere;
+use visibility_silhouettes::AnyHit;
+
+#[derive(Clone, Debug, Default)]
+pub struct Soup {
+    pub positions: Vec<Vec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Soup {
+    pub fn add(&mut self, corners: [Vec3; 3]) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(corners);
+        self.triangles.push([first, first + 1, first + 2]);
+    }
+
+    pub fn append(&mut self, other: &Self) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(&other.positions);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
+    }
+
+    pub fn corners(&self) -> impl Iterator<Item = [Vec3; 3]> {
+        self.triangles.iter().map(|t| t.map(|i| self.positions[i as usize]))
+    }
+
+    /// Whether a triangle lies on a ray nearer than a distance.
+    pub fn hits(&self, origin: DVec3, direction: DVec3, distance: f64) -> bool {
+        self.corners().any(|c| {
+            let [a, b, c] = c.map(|p| p.as_dvec3() - origin);
+            // The ray passes on the same side of all three edges.
+            let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(direction));
+            let inside = sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0);
+            let n = (b - a).cross(c - a);
+            let t = n.dot(a) / n.dot(direction);
+            inside && n.dot(direction) != 0.0 && t > 0.0 && t < distance
+        })
+    }
+}
+
+/// Rays against a soup.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays<'s>(pub &'s Soup);
+
+impl AnyHit for Rays<'_> {
+    type Scratch = ();
+
+    fn scratch(&self) {}
+
+    fn leave(&self, position: Vec3, face: Vec3) -> Vec3 {
+        position + face * (5e-7 * position.abs().max_element())
+    }
+
+    fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, (): &mut ()) -> bool {
+        self.0.hits(origin.as_dvec3(), direction.as_dvec3(), f64::from(distance))
+    }
+
+    fn triangles_meeting(&self, _: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
+        self.0.corners().for_each(visit);
+    }
+
+    fn has(&self, _: u32) -> bool {
+        true
+    }
+}
+
+/// A closed ball of triangles.
+pub fn ball(center: Vec3, radius: f32, rings: u32) -> Soup {
+    let sides = 2 * rings;
+    let mut soup = Soup::default();
+    for i in 0..=rings {
+        let (s, c) = (core::f32::consts::PI * i as f32 / rings as f32).sin_cos();
+        let s = if i == rings { 0.0 } else { s };
+        for k in 0..sides {
+            let (x, z) = (core::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
+            soup.positions.push(center + radius * Vec3::new(s * x, c, s * z));
+        }
+    }
+    for i in 0..rings {
+        for k in 0..sides {
+            let [a, b] = [i * sides + k, i * sides + (k + 1) % sides];
+            soup.triangles.extend([[a, a + sides, b], [b, a + sides, b + sides]]);
+        }
+    }
+    soup
+}

@@ -1,0 +1,192 @@
+//! Masks from silhouettes, sample by sample, against f64 rays to every sample.
+
+mod common;
+
+use common::{Rays, Soup, ball};
+use glam::{DVec3, Quat, Vec3};
+use lighting::{Blockers, Raster, UnitSquare, hooks};
+use lobe_core::oracle::Random;
+use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, Shaft, Sphere, VisibilityQuery};
+use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
+
+fn vec(random: &mut Random, size: f64) -> Vec3 {
+    (random.axis() * (size * random.between(0.0, 1.0).cbrt())).as_vec3()
+}
+
+fn turn(random: &mut Random) -> Quat {
+    Quat::from_axis_angle(random.axis().as_vec3().normalize(), random.between(0.0, 6.3) as f32)
+}
+
+/// A box with eight corners, as twelve triangles.
+fn cuboid(random: &mut Random, center: Vec3, size: f64) -> Soup {
+    let half = Vec3::from_array(core::array::from_fn(|_| random.log_uniform(0.02 * size, size) as f32));
+    let q = turn(random);
+    let corner = |k: u32| {
+        let sign = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
+        center + q * (sign * half)
+    };
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    Soup { positions: (0..8).map(corner).collect(), triangles }
+}
+
+/// Something of a kind: what it is made of differs, how it lies is random.
+fn soup(kind: usize, random: &mut Random) -> Soup {
+    let mut soup = Soup::default();
+    match kind {
+        // Triangles without neighbours.
+        0 => {
+            for _ in 0..random.between(1.0, 60.0) as usize {
+                let (center, size) = (vec(random, 1.5), random.log_uniform(0.01, 2.0));
+                soup.add(core::array::from_fn(|_| center + vec(random, size)));
+            }
+        }
+        // Boxes through each other.
+        1 => {
+            for _ in 0..random.between(1.0, 8.0) as usize {
+                let center = vec(random, 1.2);
+                soup.append(&cuboid(random, center, 0.8));
+            }
+        }
+        // Balls, some with holes, some with triangles wound the other way.
+        2 => {
+            for _ in 0..random.between(1.0, 5.0) as usize {
+                let (center, radius) = (vec(random, 1.2), random.log_uniform(0.05, 0.9) as f32);
+                let rings = random.between(3.0, 12.0) as u32;
+                let mut one = ball(center, radius, rings);
+                let (holes, turned) = (random.between(-0.3, 0.3), random.between(-0.5, 0.5));
+                one.triangles.retain(|_| random.between(0.0, 1.0) > holes);
+                for t in &mut one.triangles {
+                    if random.between(0.0, 1.0) < turned {
+                        t.swap(0, 1);
+                    }
+                }
+                soup.append(&one);
+            }
+        }
+        // Strips and fans with common corners: more than two triangles at an edge, none at others.
+        3 => {
+            let corners = random.between(4.0, 14.0) as usize;
+            soup.positions = (0..corners).map(|_| vec(random, 1.5)).collect();
+            for _ in 0..random.between(1.0, 40.0) as usize {
+                let t: [u32; 3] = core::array::from_fn(|_| random.between(0.0, corners as f64) as u32);
+                if t[0] != t[1] && t[1] != t[2] && t[2] != t[0] {
+                    soup.triangles.push(t);
+                }
+            }
+        }
+        // Cards: quads of two triangles, many of them.
+        4 => {
+            for _ in 0..random.between(5.0, 120.0) as usize {
+                let (c, q, s) = (vec(random, 1.5), turn(random), random.log_uniform(0.02, 0.4) as f32);
+                let p = [(-s, -s), (s, -s), (s, s), (-s, s)].map(|(x, y)| c + q * Vec3::new(x, y, 0.0));
+                let first = soup.positions.len() as u32;
+                soup.positions.extend(p);
+                soup.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+            }
+        }
+        // Needles: as thin as rounding.
+        _ => {
+            for _ in 0..random.between(1.0, 30.0) as usize {
+                let (a, b) = (vec(random, 1.5), vec(random, 1.5));
+                let aside = vec(random, 1.0).normalize() * random.log_uniform(1e-7, 1e-2) as f32;
+                soup.add([a, b, 0.5 * (a + b) + aside]);
+            }
+        }
+    }
+    soup
+}
+
+/// What a mask shows and what f64 rays do: samples that differ, samples in all, and those that differ by more than the
+/// rounding of an edge.
+fn compare(case: usize, random: &mut Random) -> Option<[u32; 3]> {
+    let soup = soup(case % 6, random);
+    if soup.triangles.is_empty() {
+        return None;
+    }
+    let light = Sphere { center: vec(random, 1.0) * 0.3 + Vec3::Y * random.between(1.0, 4.0) as f32, radius: 0.0 };
+    let light = Sphere { radius: random.log_uniform(0.01, 1.5) as f32, ..light };
+    let position = match case % 5 {
+        // On a triangle.
+        0 => {
+            let corners: Vec<_> = soup.corners().collect();
+            let [a, b, c] = corners[random.between(0.0, corners.len() as f64) as usize % corners.len()];
+            let (u, v) = (random.between(0.0, 0.5) as f32, random.between(0.0, 0.5) as f32);
+            a + (b - a) * u + (c - a) * v
+        }
+        _ => vec(random, 1.0) - Vec3::Y * random.between(0.0, 3.0) as f32,
+    };
+    let normal = random.axis().as_vec3().normalize();
+    let at = Receiver { position, normal, face: normal, view: normal, object: OWN_NONE };
+    let cone = Cone::of_sphere(position, light);
+    if cone.one_minus_cos > 0.9 {
+        return None;
+    }
+    let rays = Rays(&soup);
+    let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
+    let blockers = SilhouetteBlockers::new(&meshes, rays);
+    let mut scratch = blockers.scratch();
+    if case % 3 > 0 {
+        let center = position + vec(random, 0.1);
+        blockers.enter(&Shaft { receivers: Sphere { center, radius: position.distance(center) * 1.001 }, light }, &mut scratch);
+    }
+    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+    let coverage = blockers.select(&query, &mut scratch);
+    let square = UnitSquare::facing(&cone, blockers.across(&query, &scratch)).above(normal);
+    let (depth, coarse) = (1 + (case as u32 / 7) % 6, case % 2 == 0);
+    let mut mask = hooks::mask(&square, depth, coarse, normal);
+    let emitting: Vec<_> = (0..mask.side()).map(|j| mask.emitting(j)).collect();
+    match coverage {
+        Coverage::Lit => {}
+        Coverage::Dark => mask.block_all(),
+        Coverage::Partial => blockers.splat(&query, &mut scratch, &mut mask),
+    }
+    let origin = rays.leave(position, normal).as_dvec3();
+    let raster = mask.raster();
+    let far = f64::from(cone.distance) * f64::from(cone.cos()).powi(2);
+    let [mut different, mut all, mut wrong] = [0; 3];
+    for (j, (from, to)) in emitting.into_iter().enumerate() {
+        let row = hooks::row(&mask, j);
+        for i in from..to {
+            let truth = |aside: f64, up: f64| {
+                let x = f64::from(raster.left)
+                    + (f64::from(i) + 0.5 + f64::from(Raster::shift(j)) + aside) / f64::from(raster.samples);
+                let y = f64::from(raster.bottom) + (j as f64 + 0.5 + up) / f64::from(raster.rows);
+                let [r, u, a] = [square.right, square.up, square.axis].map(|v| v.as_dvec3());
+                let d: DVec3 = r * x + u * y + a;
+                soup.hits(origin, d, far)
+            };
+            let dark = row[i as usize / 64] >> (i % 64) & 1 == 0;
+            all += 1;
+            if dark != truth(0.0, 0.0) {
+                different += 1;
+                // Next to an edge either answer is right.
+                let near = 2e-3;
+                let around = [(near, 0.0), (-near, 0.0), (0.0, near), (0.0, -near)];
+                wrong += u32::from(around.iter().all(|(x, y)| truth(*x, *y) != dark));
+            }
+        }
+    }
+    Some([different, all, wrong])
+}
+
+#[test]
+fn every_sample_is_that_of_a_ray() {
+    let mut random = Random::new(77);
+    let (mut sums, mut worst, mut cases) = ([0_u64; 3], [0; 2], 0);
+    for case in 0..10_000 {
+        let Some([different, all, wrong]) = compare(case, &mut random) else { continue };
+        cases += 1;
+        for (sum, x) in sums.iter_mut().zip([different, all, wrong]) {
+            *sum += u64::from(x);
+        }
+        if wrong > worst[0] {
+            worst = [wrong, case as u32];
+            println!("case {case} (kind {}): {different} of {all} differ, {wrong} of them are wrong", case % 6);
+        }
+    }
+    println!("{cases} cases: {} of {} samples differ, {} are wrong", sums[0], sums[1], sums[2]);
+    assert!(cases > 8000);
+    assert_eq!(worst[0], 0);
+    assert!((sums[0] as f64) < 2e-5 * sums[1] as f64);
+}
