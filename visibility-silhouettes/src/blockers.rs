@@ -1,5 +1,5 @@
 use crate::SilhouetteMesh;
-use crate::count::Counter;
+use crate::count::{Counter, Fewest};
 use crate::edge_list::EdgeList;
 use crate::hull::Hull;
 use crate::mesh::side;
@@ -239,18 +239,33 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             let seen = corners.map(|p| p - *origin);
             crossings.extend(Crossing::of_cut(&view, seen, side(*corners, *origin)));
         }
-        let fewest = dispatch!(Level::new(), simd => {
+        let mut fewest = dispatch!(Level::new(), simd => {
             project(simd, silhouettes, &view, crossings);
             counter.fewest(simd, &view, crossings, mask)
         });
-        let Some((row, sample)) = fewest.middle else { return };
-        let (direction, distance) = view.ray(row, sample);
-        if self.hits.is_hit(*origin, direction, distance, hits) {
-            mask.block_all();
-        } else {
+        let is_open = |fewest: &Fewest, hits: &mut H::Scratch| {
+            fewest.middle.is_some_and(|(row, sample)| {
+                let (direction, distance) = view.ray(row, sample);
+                !self.hits.is_hit(*origin, direction, distance, hits)
+            })
+        };
+        let mut any = is_open(&fewest, hits);
+        let mut doubtful = fewest.doubtful();
+        while let Some(level) = doubtful {
+            let next = dispatch!(Level::new(), simd => counter.next(simd, &view, crossings, mask, level));
+            doubtful = next.doubtful();
+            match (any, is_open(&next, hits)) {
+                (true, true) => fewest.add(&next),
+                (false, true) => (fewest, any) = (next, true),
+                _ => {}
+            }
+        }
+        if any {
             for (j, samples) in fewest.rows[..view.rows].iter().enumerate() {
                 mask.keep(j, samples);
             }
+        } else {
+            mask.block_all();
         }
     }
 }

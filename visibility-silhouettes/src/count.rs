@@ -32,12 +32,18 @@ const ROW_LINES: usize = MOST + 1;
 /// The samples of each row before which the fewest surfaces lie, and which sample shows best whether these are none.
 #[derive(Clone, Debug)]
 pub(crate) struct Fewest {
+    /// How many surfaces these are, up to the constant.
+    level: i32,
     pub(crate) rows: [Samples; MOST],
     /// Row and sample in the middle of the longest run.
     pub(crate) middle: Option<(usize, usize)>,
-    /// How many there are.
-    pub(crate) count: u32,
+    /// How many there are, and how many samples emit.
+    count: u32,
+    emitting: u32,
 }
+
+/// Where fewer than this part of what emits has the fewest surfaces, the next number is asked about as well.
+const FEW: u32 = 128;
 
 impl Default for Counter {
     fn default() -> Self {
@@ -66,7 +72,11 @@ impl Counter {
             self.starts[j] = start;
             largest = largest.max(size);
         }
-        if largest > i32::from(i8::MAX) { self.many(simd, view, crossings, mask) } else { self.few(simd, view, crossings, mask, width) }
+        if largest > i32::from(i8::MAX) {
+            self.next(simd, view, crossings, mask, i32::MIN)
+        } else {
+            self.few(simd, view, crossings, mask, width)
+        }
     }
 
     /// Numbers that fit into eight bits.
@@ -100,6 +110,7 @@ impl Counter {
                 let (from, to) = mask.emitting(j);
                 // First and last; empty the other way round.
                 let (first, last) = if from < to { (from as u8, (to - 1) as u8) } else { (1, 0) };
+                fewest.emitting += to.saturating_sub(from);
                 emitting[p][0][lane] = first;
                 emitting[p][1][lane] = last;
             }
@@ -123,6 +134,7 @@ impl Counter {
                 }
             }
         }
+        fewest.level = least;
         for p in 0..parts {
             let mut wanted = [0_i8; ROWS];
             let mut any = [false; ROWS];
@@ -153,9 +165,17 @@ impl Counter {
         fewest
     }
 
-    /// The same with any numbers, one row after the other.
+    /// The samples with the fewest surfaces of those that have more than `above`: any numbers, one row after the other. Only
+    /// after [`fewest`](Self::fewest) of the same.
     #[cold]
-    fn many<S: Simd>(&mut self, simd: S, view: &View, crossings: &[Crossing], mask: &Mask) -> Fewest {
+    pub(crate) fn next<S: Simd>(
+        &self,
+        simd: S,
+        view: &View,
+        crossings: &[Crossing],
+        mask: &Mask,
+        above: i32,
+    ) -> Fewest {
         let width = view.raster.width as usize;
         let mut counts = vec![0_i32; view.rows * (width + 1)];
         for c in crossings {
@@ -170,14 +190,15 @@ impl Counter {
             for (i, count) in (0..).zip(row) {
                 sum += *count;
                 *count = sum;
-                if from <= i && i < to {
+                if from <= i && i < to && sum > above {
                     least = least.min(sum);
                 }
             }
         }
-        let mut fewest = Fewest::none();
+        let mut fewest = Fewest { level: least, ..Fewest::none() };
         for (j, row) in counts.chunks_exact(width + 1).enumerate() {
             let (from, to) = mask.emitting(j);
+            fewest.emitting += to.saturating_sub(from);
             for i in (from as usize..to as usize).filter(|i| row[*i] == least) {
                 fewest.rows[j][i / 64] |= 1 << (i % 64);
             }
@@ -216,7 +237,21 @@ fn within(row: &Samples, first: u8, last: u8) -> Samples {
 
 impl Fewest {
     fn none() -> Self {
-        Self { rows: [[0; 4]; MOST], middle: None, count: 0 }
+        Self { level: i32::MAX, rows: [[0; 4]; MOST], middle: None, count: 0, emitting: 0 }
+    }
+
+    /// How many surfaces lie before these samples, up to the constant; none where there are enough of them to be sure that
+    /// no others have fewer in truth. Two edges that lie on each other to the last digit may be taken in the wrong order:
+    /// then a few samples between them have too few.
+    pub(crate) fn doubtful(&self) -> Option<i32> {
+        (self.count < self.emitting / FEW && self.middle.is_some()).then_some(self.level)
+    }
+
+    /// Those of another as well.
+    pub(crate) fn add(&mut self, other: &Self) {
+        for (row, more) in self.rows.as_flattened_mut().iter_mut().zip(other.rows.as_flattened()) {
+            *row |= more;
+        }
     }
 
     /// The row with the most samples and the middle of its longest run.

@@ -106,17 +106,19 @@ fn compare(case: usize, random: &mut Random) -> Option<[u32; 3]> {
     }
     let light = Sphere { center: vec(random, 1.0) * 0.3 + Vec3::Y * random.between(1.0, 4.0) as f32, radius: 0.0 };
     let light = Sphere { radius: random.log_uniform(0.01, 1.5) as f32, ..light };
+    let mut normal = random.axis().as_vec3().normalize();
     let position = match case % 5 {
-        // On a triangle.
+        // On a triangle, on either side.
         0 => {
             let corners: Vec<_> = soup.corners().collect();
             let [a, b, c] = corners[random.between(0.0, corners.len() as f64) as usize % corners.len()];
             let (u, v) = (random.between(0.0, 0.5) as f32, random.between(0.0, 0.5) as f32);
+            let side = (b - a).cross(c - a).normalize_or_zero();
+            normal = if side.dot(normal) < 0.0 { -side } else { side };
             a + (b - a) * u + (c - a) * v
         }
         _ => vec(random, 1.0) - Vec3::Y * random.between(0.0, 3.0) as f32,
     };
-    let normal = random.axis().as_vec3().normalize();
     let at = Receiver { position, normal, face: normal, view: normal, object: OWN_NONE };
     let cone = Cone::of_sphere(position, light);
     if cone.one_minus_cos > 0.9 {

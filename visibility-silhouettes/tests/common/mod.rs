@@ -5,30 +5,30 @@ use lobe_core::Sphere;
 use visibility_silhouettes::AnyHit;
 
 #[derive(Clone, Debug, Default)]
-pub struct Soup {
-    pub positions: Vec<Vec3>,
-    pub triangles: Vec<[u32; 3]>,
+pub(crate) struct Soup {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 impl Soup {
-    pub fn add(&mut self, corners: [Vec3; 3]) {
+    pub(crate) fn add(&mut self, corners: [Vec3; 3]) {
         let first = self.positions.len() as u32;
         self.positions.extend(corners);
         self.triangles.push([first, first + 1, first + 2]);
     }
 
-    pub fn append(&mut self, other: &Self) {
+    pub(crate) fn append(&mut self, other: &Self) {
         let first = self.positions.len() as u32;
         self.positions.extend(&other.positions);
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
     }
 
-    pub fn corners(&self) -> impl Iterator<Item = [Vec3; 3]> {
+    pub(crate) fn corners(&self) -> impl Iterator<Item = [Vec3; 3]> {
         self.triangles.iter().map(|t| t.map(|i| self.positions[i as usize]))
     }
 
     /// Whether a triangle lies on a ray nearer than a distance.
-    pub fn hits(&self, origin: DVec3, direction: DVec3, distance: f64) -> bool {
+    pub(crate) fn hits(&self, origin: DVec3, direction: DVec3, distance: f64) -> bool {
         self.corners().any(|c| {
             let [a, b, c] = c.map(|p| p.as_dvec3() - origin);
             // The ray passes on the same side of all three edges.
@@ -43,7 +43,7 @@ impl Soup {
 
 /// Rays against a soup.
 #[derive(Clone, Copy, Debug)]
-pub struct Rays<'s>(pub &'s Soup);
+pub(crate) struct Rays<'s>(pub(crate) &'s Soup);
 
 impl AnyHit for Rays<'_> {
     type Scratch = ();
@@ -68,7 +68,7 @@ impl AnyHit for Rays<'_> {
 }
 
 /// A closed ball of triangles.
-pub fn ball(center: Vec3, radius: f32, rings: u32) -> Soup {
+pub(crate) fn ball(center: Vec3, radius: f32, rings: u32) -> Soup {
     let sides = 2 * rings;
     let mut soup = Soup::default();
     for i in 0..=rings {
