@@ -20,6 +20,7 @@ pub use render_cpu;
 pub use render_gpu;
 pub use scene;
 pub use visibility_shadowmap;
+pub use visibility_silhouettes;
 pub use visibility_spheres;
 
 mod comparison;

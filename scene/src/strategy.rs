@@ -5,6 +5,8 @@ pub enum Strategy {
     Spheres,
     /// Its triangles, through depth maps around the lights.
     ShadowMap,
+    /// Its triangles, by their silhouettes: exact.
+    Silhouettes,
     /// Its triangles, by shadow rays: exact.
     Rays,
     /// Not at all: it casts no shadow.
@@ -13,7 +15,7 @@ pub enum Strategy {
 
 impl Strategy {
     /// All of them, in the order that messages list them in.
-    pub const ALL: [Self; 4] = [Self::Spheres, Self::ShadowMap, Self::Rays, Self::None];
+    pub const ALL: [Self; 5] = [Self::Spheres, Self::ShadowMap, Self::Silhouettes, Self::Rays, Self::None];
 
     /// Its name in scene files and on the command line.
     #[must_use]
@@ -21,6 +23,7 @@ impl Strategy {
         match self {
             Self::Spheres => "spheres",
             Self::ShadowMap => "shadow-map",
+            Self::Silhouettes => "silhouettes",
             Self::Rays => "rays",
             Self::None => "none",
         }

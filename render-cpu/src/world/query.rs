@@ -1,9 +1,10 @@
 //! Which primitives a whole bundle of rays may meet.
 
-use super::{Ball, Corners, Tree, World};
+use super::{Ball, Corners, Named, Tree, World};
 use glam::{Vec3, Vec3A};
 use lobe_core::{Cone, Shaft};
 use obvhs::aabb::Aabb;
+use obvhs::ray::Ray;
 
 /// One triangle or ball of a [`World`]; valid for that world only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,6 +172,58 @@ impl World<'_> {
         };
         !self.triangles.in_shaft(shaft, &mut |i, c| add(of(c.object), Primitive::Triangle(i)))
             && !self.balls.in_shaft(shaft, &mut |i, b| add(b.blocks && of(b.object), Primitive::Ball(i)))
+    }
+
+    /// The same with triangles only.
+    pub(crate) fn triangles_in(
+        &self,
+        shaft: &Shaft,
+        of: impl Fn(u32) -> bool,
+        limit: usize,
+        out: &mut Vec<Primitive>,
+    ) -> bool {
+        out.clear();
+        !self.triangles.in_shaft(shaft, &mut |i, c| {
+            if of(c.object) {
+                out.push(Primitive::Triangle(i));
+            }
+            out.len() > limit
+        })
+    }
+
+    /// Object and number of primitives.
+    pub(crate) fn names(&self, primitives: &[Primitive]) -> impl Iterator<Item = (u32, u32)> {
+        primitives.iter().map(|p| match p {
+            Primitive::Triangle(i) => self.triangles.primitives[*i as usize].name(),
+            Primitive::Ball(i) => self.balls.primitives[*i as usize].name(),
+        })
+    }
+
+    /// Whether one of some triangles lies on a ray nearer than `distance`.
+    pub(crate) fn meets_one(&self, origin: Vec3, direction: Vec3, distance: f32, of: &[Primitive]) -> bool {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
+        of.iter().any(|p| match p {
+            Primitive::Triangle(i) => self.triangles.primitives[*i as usize].intersect(&ray).is_finite(),
+            Primitive::Ball(i) => self.balls.primitives[*i as usize].intersect(&ray).is_finite(),
+        })
+    }
+
+    /// Whether any triangle does of the objects `of`. The one in `last` is tried first, and the one that is met stays there.
+    pub(crate) fn first_met(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        of: impl Fn(u32) -> bool,
+        last: &mut Option<u32>,
+    ) -> bool {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
+        let again = |i: &u32| self.triangles.primitives[*i as usize].intersect(&ray).is_finite();
+        if last.as_ref().is_some_and(again) {
+            return true;
+        }
+        *last = self.triangles.any_number(ray, |c, r| if of(c.object) { c.intersect(r) } else { f32::INFINITY });
+        last.is_some()
     }
 
     /// False when no ray of the region meets one of the primitives; may be true although none does.

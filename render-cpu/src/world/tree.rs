@@ -101,6 +101,20 @@ impl<T: Copy + Boundable + Named> Tree<T> {
         self.bvh.as_ref().is_some_and(|b| !b.ray_traverse_miss(self.scaled(ray), meet))
     }
 
+    /// The number of a primitive on the ray: any.
+    pub(crate) fn any_number(&self, ray: Ray, intersect: impl Fn(&T, &Ray) -> f32) -> Option<u32> {
+        let met = core::cell::Cell::new(None);
+        let meet = |r: &Ray, i| {
+            let t = self.intersect(&ray, r, i, &intersect);
+            if t.is_finite() {
+                met.set(Some(i as u32));
+            }
+            t
+        };
+        self.bvh.as_ref()?.ray_traverse_miss(self.scaled(ray), meet);
+        met.get()
+    }
+
     /// The ray in the hierarchy's units.
     fn scaled(&self, ray: Ray) -> Ray {
         let s = self.scale;

@@ -7,7 +7,7 @@ use crate::picture::{Bands, seconds};
 use crate::quality::LADDER;
 use crate::strategy::{Occlusion, Plan, Work};
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::render_cpu::World;
+use cosine_lobes::render_cpu::{SceneSilhouettes, World};
 use cosine_lobes::scene::{Frame, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::ShadowMap;
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -19,6 +19,7 @@ pub(crate) struct Budget<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) spheres: Option<&'a SphereBlockers>,
     pub(crate) maps: &'a [ShadowMap],
+    pub(crate) silhouettes: &'a SceneSilhouettes,
     pub(crate) tables: Option<&'a Tables>,
     /// Seconds of a frame that no setting changes, but for finding the visible points.
     pub(crate) fixed: f64,
@@ -42,7 +43,7 @@ impl Budget<'_> {
         let mut chosen: Option<((f32, u32), f64)> = None;
         for (tolerance, depth) in LADDER {
             let frame = Frame { tolerance, depth, ..*frame };
-            let occlusion = Occlusion::new(self.plan, self.world, self.spheres, self.maps.to_vec());
+            let occlusion = Occlusion::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes);
             let shading = occlusion.shade(backend, depth, self.tables, Twice { points: &points, frame: &frame })?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {

@@ -109,7 +109,7 @@ impl GpuBackend {
             (None, world) => *world = None,
             (Some((scene, _)), Some(world)) => world.update(scene)?,
             (Some((scene, plan)), world) => {
-                *world = Some(GpuWorld::only(self.shader.gpu(), scene, |o| plan.traces(o))?)
+                *world = Some(GpuWorld::only(self.shader.gpu(), scene, |o| plan.traces_on_gpu(scene, o))?)
             }
         }
         self.shader.set_method(method);

@@ -11,7 +11,7 @@ use crate::stamp::Stamp;
 use crate::stats::{self, Clocks, Figures, FrameClocks};
 use crate::strategy::{KeptSpheres, Occlusion, Plan};
 use cosine_lobes::lobe_core::paper::{ProductTable, Resolution, Tables};
-use cosine_lobes::render_cpu::{BlockersError, World};
+use cosine_lobes::render_cpu::{BlockersError, SceneSilhouettes, World};
 use cosine_lobes::scene::{BlockerSet, Frame};
 use cosine_lobes::visibility_shadowmap::{Bounds, Fineness, ShadowMap};
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -65,6 +65,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let bar = console::progress("shading", moments.len() as u64 * window.rows.len() as u64, quiet);
         let (mut set, mut blockers) = (BlockerSet::default(), KeptSpheres::default());
         let mut hierarchy = None;
+        let (mut silhouettes, none) = (None::<SceneSilhouettes>, SceneSilhouettes::default());
         for (index, moment) in moments.iter().enumerate() {
             let files = opened.take().map_or_else(|| open(moment), Ok)?;
             let mut clocks = FrameClocks::default();
@@ -79,10 +80,15 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
                 Some(hierarchy) => World::refit(&scene, hierarchy),
                 None => World::new(&scene),
             });
+            seconds(&mut clocks.silhouettes, || match &mut silhouettes {
+                Some(kept) => kept.update(&scene),
+                None => silhouettes = Some(SceneSilhouettes::new(&scene, |o| plan.by_silhouettes(&scene, o))),
+            });
             let done = index as u64 * window.rows.len() as u64;
             let progress = |row: u32| bar.set_position(done + u64::from(row));
             let (spheres, tables) = (blockers.get(), tables.as_ref());
-            let job = Job { args, window: &window, plan: &plan, spheres, tables, progress: &progress };
+            let silhouettes = silhouettes.as_ref().unwrap_or(&none);
+            let job = Job { args, window: &window, plan: &plan, spheres, silhouettes, tables, progress: &progress };
             let planes = job.picture(&world, &mut backend, &mut figures, &mut clocks)?;
             hierarchy = Some(world.into_hierarchy());
             let layers = if args.layers { planes.layers() } else { Vec::new() };
@@ -115,6 +121,7 @@ struct Job<'a> {
     window: &'a Window,
     plan: &'a Plan,
     spheres: Option<&'a SphereBlockers>,
+    silhouettes: &'a SceneSilhouettes,
     tables: Option<&'a Tables>,
     progress: &'a dyn Fn(u32),
 }
@@ -128,7 +135,7 @@ impl Job<'_> {
         figures: &mut Figures,
         clocks: &mut FrameClocks,
     ) -> Result<Planes, Failure> {
-        let Self { args, window, plan, spheres, tables, progress } = *self;
+        let Self { args, window, plan, spheres, silhouettes, tables, progress } = *self;
         let scene = world.scene();
         let mut bands = Bands::new(world, args.view.samples, window.clone());
         let mut maps = Vec::new();
@@ -145,7 +152,7 @@ impl Job<'_> {
             (Some(setting), _) => (frame.tolerance, frame.depth) = setting,
             (None, Some(budget)) => {
                 let (maps, fixed, quiet) = (&maps, clocks.maps, args.view.quiet);
-                let choice = Budget { world, plan, spheres, maps, tables, fixed, quiet };
+                let choice = Budget { world, plan, spheres, maps, silhouettes, tables, fixed, quiet };
                 (frame.tolerance, frame.depth) = choice.choose(backend, budget, &bands, &frame)?;
             }
             (None, None) => {}
@@ -155,7 +162,7 @@ impl Job<'_> {
         figures.triangles = world.triangle_count();
         figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let planes = Occlusion::new(plan, world, spheres, maps).shade(
+        let planes = Occlusion::new(plan, world, spheres, maps, silhouettes).shade(
             backend,
             frame.depth,
             tables,

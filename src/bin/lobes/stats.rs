@@ -25,6 +25,8 @@ pub(crate) struct FrameClocks {
     pub(crate) spheres: f64,
     /// Boxes of the hierarchy over triangles and balls: built for the first frame, refitted for others.
     pub(crate) hierarchy: f64,
+    /// Edges, planes and their hierarchy: as that.
+    pub(crate) silhouettes: f64,
     pub(crate) maps: f64,
     pub(crate) gbuffer: f64,
     pub(crate) write: f64,
@@ -102,11 +104,12 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
             "dark_points": counts.dark_points,
             "penumbra_points": counts.penumbra_points,
         },
-        "update_seconds": median(updates().map(|f| f.pose + f.spheres + f.hierarchy + f.maps).collect()),
+        "update_seconds": median(updates().map(|f| f.pose + f.spheres + f.hierarchy + f.silhouettes + f.maps).collect()),
         "update": {
             "pose": update(|f| f.pose),
             "spheres": update(|f| f.spheres),
             "hierarchy": update(|f| f.hierarchy),
+            "silhouettes": update(|f| f.silhouettes),
             "maps": update(|f| f.maps),
         },
         "load_seconds": clocks.load,
@@ -114,6 +117,7 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
         "tables_seconds": clocks.tables,
         "kernels_seconds": figures.kernels,
         "hierarchy_seconds": figures.frames.first().map_or(0.0, |f| f.hierarchy),
+        "silhouettes_seconds": figures.frames.first().map_or(0.0, |f| f.silhouettes),
         "map_seconds": of(|f| f.maps),
         "gbuffer_seconds": of(|f| f.gbuffer),
         "write_seconds": of(|f| f.write),

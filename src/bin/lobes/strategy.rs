@@ -8,9 +8,10 @@ use crate::failure::Failure;
 use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{Method, Unshadowed};
-use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SphereSource, World};
+use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SphereSource, SurfaceHits, World};
 use cosine_lobes::scene::{BlockerSet, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_shadowmap::{Bounds, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
+use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -44,7 +45,7 @@ impl Plan {
             let blocks = match strategy {
                 Strategy::Spheres => o.proxy != Proxy::None,
                 // The true geometry also of things that nobody gave a proxy.
-                Strategy::ShadowMap | Strategy::Rays => o.visible || o.proxy != Proxy::None,
+                Strategy::ShadowMap | Strategy::Silhouettes | Strategy::Rays => o.visible || o.proxy != Proxy::None,
                 Strategy::None => false,
             };
             if blocks { strategy } else { Strategy::None }
@@ -75,24 +76,38 @@ impl Plan {
         self.of(object as usize) == Strategy::Rays
     }
 
+    /// Whether an object is by rays on a GPU: meshes by silhouettes are, too.
+    pub(crate) fn traces_on_gpu(&self, scene: &Scene, object: u32) -> bool {
+        self.traces(object) || self.by_silhouettes(scene, object)
+    }
+
     /// Whether any object takes this strategy.
     pub(crate) fn uses(&self, strategy: Strategy) -> bool {
         self.objects.contains(&strategy)
     }
 
-    /// The spheres that an object blocks with: those of its proxy, or the balls that it is. A map has triangles only, so
-    /// the balls of an object in it are spheres.
+    /// The spheres that an object blocks with: those of its proxy, or the balls that it is. Maps and silhouettes have triangles
+    /// only, so the balls of an object by them are spheres.
     pub(crate) fn spheres(&self, scene: &Scene, object: usize) -> SphereSource {
         match (self.objects[object], &scene.objects[object].shape) {
             (Strategy::Spheres, _) => SphereSource::Proxy,
-            (Strategy::ShadowMap, Shape::Spheres(_)) => SphereSource::Shape,
+            (Strategy::ShadowMap | Strategy::Silhouettes, Shape::Spheres(_)) => SphereSource::Shape,
             _ => SphereSource::Nothing,
         }
     }
 
     /// For each object whether it blocks by its true surface, as rays and maps see it, and not by spheres.
     pub(crate) fn by_surfaces(&self, scene: &Scene) -> Vec<bool> {
-        (0..self.objects.len()).map(|o| self.objects[o] == Strategy::Rays || self.in_maps(scene, o)).collect()
+        let by_surface = |o| {
+            self.objects[o] == Strategy::Rays || self.in_maps(scene, o) || self.by_silhouettes(scene, o as u32)
+        };
+        (0..self.objects.len()).map(by_surface).collect()
+    }
+
+    /// Whether an object's triangles block by their silhouettes.
+    pub(crate) fn by_silhouettes(&self, scene: &Scene, object: u32) -> bool {
+        let o = object as usize;
+        self.objects[o] == Strategy::Silhouettes && matches!(scene.objects[o].shape, Shape::Mesh(_))
     }
 
     /// Whether an object's triangles are in the shadow maps.
@@ -180,6 +195,7 @@ pub(crate) struct Occlusion<'a> {
     world: &'a World<'a>,
     spheres: Option<&'a SphereBlockers>,
     maps: Option<ShadowMapBlockers>,
+    silhouettes: Option<SilhouetteBlockers<'a, SurfaceHits<'a>>>,
     rays: Option<RayBlockers<'a>>,
 }
 
@@ -190,6 +206,7 @@ impl<'a> Occlusion<'a> {
         world: &'a World<'a>,
         spheres: Option<&'a SphereBlockers>,
         mut maps: Vec<ShadowMap>,
+        silhouettes: &'a SceneSilhouettes,
     ) -> Self {
         maps.retain(|map| map.faces() > 0);
         let all = plan.objects.iter().all(|s| *s == Strategy::Rays);
@@ -202,7 +219,11 @@ impl<'a> Occlusion<'a> {
             let casters = (0..scene.objects.len()).map(|o| plan.in_maps(scene, o));
             ShadowMapBlockers::new(maps).with_casters(casters.collect())
         });
-        Self { plan, world, spheres, maps, rays }
+        let meshes = silhouettes.meshes();
+        let silhouettes = (!meshes.is_empty()).then(|| {
+            SilhouetteBlockers::new(meshes, SurfaceHits::new(world, |o| plan.by_silhouettes(world.scene(), o)))
+        });
+        Self { plan, world, spheres, maps, silhouettes, rays }
     }
 
     /// Does the work with the shader that these blockers make by the paper's method, where its tables are given, or by
@@ -215,16 +236,22 @@ impl<'a> Occlusion<'a> {
         work: W,
     ) -> Result<W::Output, Failure> {
         if let Backend::Gpu(gpu) = backend {
-            let traced = self.rays.is_some().then(|| (self.world.scene(), self.plan));
+            // What is exact by silhouettes is exact by rays, which a GPU has.
+            let traces = self.rays.is_some() || self.silhouettes.is_some();
+            let traced = traces.then(|| (self.world.scene(), self.plan));
             let method = tables.map_or(Method::Moments, Method::Paper);
             return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced)?);
         }
-        match (self.spheres, self.maps, self.rays) {
-            (None, None, None) => {
+        match (self.spheres, self.maps, self.silhouettes, self.rays) {
+            (None, None, None, None) => {
                 work.with(&mut CpuShader::with_method(Unshadowed, tables.map_or(Method::Moments, Method::Paper)))
             }
-            (Some(spheres), None, None) => masked(spheres, depth, tables, work),
-            (spheres, maps, rays) => masked(Mixture::new(spheres, Mixture::new(maps, rays)), depth, tables, work),
+            (Some(spheres), None, None, None) => masked(spheres, depth, tables, work),
+            (None, None, Some(silhouettes), None) => masked(silhouettes, depth, tables, work),
+            (spheres, maps, silhouettes, rays) => {
+                let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
+                masked(Mixture::new(spheres, triangles), depth, tables, work)
+            }
         }
     }
 }

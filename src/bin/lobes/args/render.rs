@@ -136,6 +136,8 @@ pub(crate) enum Visibility {
     Spheres,
     /// Depth maps around the lights, of the true triangles: no spheres to build; balls stay exact
     ShadowMap,
+    /// The silhouettes of the true triangles: exact, nothing to build; balls stay exact
+    Silhouettes,
     /// Shadow rays on the true triangles and balls: exact, and slower
     Rays,
     /// Nothing: no shadows
@@ -168,6 +170,7 @@ impl Visibility {
             Self::Scene => None,
             Self::Spheres => Some(Strategy::Spheres),
             Self::ShadowMap => Some(Strategy::ShadowMap),
+            Self::Silhouettes => Some(Strategy::Silhouettes),
             Self::Rays => Some(Strategy::Rays),
             Self::None => Some(Strategy::None),
         }

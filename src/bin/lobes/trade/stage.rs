@@ -9,7 +9,7 @@ use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
 use cosine_lobes::Picture;
 use cosine_lobes::lighting::depth_for;
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::render_cpu::{GBuffer, RayShader, World};
+use cosine_lobes::render_cpu::{GBuffer, RayShader, SceneSilhouettes, World};
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::{Bounds, ShadowMap};
 use glam::Vec3;
@@ -147,7 +147,9 @@ impl<'a> Stage<'a> {
                     TradeDevice::Cpu => &mut Backend::Cpu,
                     TradeDevice::Gpu => &mut self.gpu,
                 };
-                let shot = Occlusion::new(&plan, self.world, spheres, maps).shade(backend, depth, tables, timed)?;
+                let silhouettes = SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o));
+                let occlusion = Occlusion::new(&plan, self.world, spheres, maps, &silhouettes);
+                let shot = occlusion.shade(backend, depth, tables, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }
         }

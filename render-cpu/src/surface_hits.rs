@@ -1,0 +1,81 @@
+use crate::World;
+use crate::world::Primitive;
+use glam::Vec3;
+use lobe_core::{Shaft, Sphere};
+use scene::Shape;
+use visibility_silhouettes::AnyHit;
+
+/// So many triangles in a group's shaft are tested one by one; more are left to the hierarchy.
+const LISTED: usize = 48;
+
+/// Any-hit rays against the triangles of some objects of a [`World`]: what the `silhouettes` strategy asks once a mask.
+#[derive(Debug)]
+pub struct SurfaceHits<'w> {
+    world: &'w World<'w>,
+    /// For each object whether its triangles count.
+    objects: Vec<bool>,
+}
+
+impl<'w> SurfaceHits<'w> {
+    /// The triangles of the objects that `blocks` says yes to by their number.
+    #[must_use]
+    pub fn new(world: &'w World<'w>, blocks: impl Fn(u32) -> bool) -> Self {
+        Self { world, objects: (0..world.scene().objects.len() as u32).map(blocks).collect() }
+    }
+}
+
+/// Working memory of [`SurfaceHits`].
+#[derive(Clone, Debug, Default)]
+pub struct HitScratch {
+    /// Triangles in the current shaft, where they are few.
+    listed: Vec<Primitive>,
+    is_listed: bool,
+    /// What hid the light from the last receiver mostly hides it from the next.
+    last: Option<u32>,
+}
+
+impl AnyHit for SurfaceHits<'_> {
+    type Scratch = HitScratch;
+
+    fn scratch(&self) -> HitScratch {
+        HitScratch::default()
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut HitScratch) -> bool {
+        scratch.last = None;
+        scratch.is_listed = self.world.triangles_in(shaft, |o| self.has(o), LISTED, &mut scratch.listed);
+        !(scratch.is_listed && scratch.listed.is_empty())
+    }
+
+    fn leave(&self, position: Vec3, face: Vec3) -> Vec3 {
+        self.world.leave(position, face)
+    }
+
+    fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, scratch: &mut HitScratch) -> bool {
+        if scratch.is_listed {
+            return self.world.meets_one(origin, direction, distance, &scratch.listed);
+        }
+        self.world.first_met(origin, direction, distance, |o| self.has(o), &mut scratch.last)
+    }
+
+    fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
+        let scene = self.world.scene();
+        let mut found = Vec::new();
+        let whole = Shaft { receivers: ball, light: ball };
+        self.world.triangles_in(&whole, |o| self.has(o), usize::MAX, &mut found);
+        for (object, index) in self.world.names(&found) {
+            if let Shape::Mesh(mesh) = &scene.objects[object as usize].shape {
+                let corners = mesh.triangles[index as usize].map(|i| mesh.positions[i as usize]);
+                let [a, b, c] = corners.map(|p| p.as_dvec3() - ball.center.as_dvec3());
+                // Not where the ball is on one side of the plane.
+                if (b - a).cross(c - a).normalize_or_zero().dot(a).abs() <= 1.000_1 * f64::from(ball.radius) {
+                    visit(corners);
+                }
+            }
+        }
+    }
+
+    fn has(&self, object: u32) -> bool {
+        self.objects.get(object as usize).is_some_and(|has| *has)
+    }
+}
