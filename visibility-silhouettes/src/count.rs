@@ -96,10 +96,13 @@ impl Counter {
         self.counts.resize(parts * part, 0);
         for c in crossings {
             let step = c.step as i8;
-            for_rows(simd, view, c, |j, column| {
-                let count = &mut self.counts[(j / ROWS) * part + column as usize * ROWS + j % ROWS];
-                *count = count.wrapping_add(step);
-            });
+            let [from, to] = c.rows.map(|r| r as usize);
+            for base in (from..to).step_by(8) {
+                for (j, column) in (base..to.min(base + 8)).zip(columns(simd, view, c, base)) {
+                    let count = &mut self.counts[(j / ROWS) * part + column as usize * ROWS + j % ROWS];
+                    *count = count.wrapping_add(step);
+                }
+            }
         }
         let mut fewest = Fewest::none();
         let mut least = i32::MAX;
@@ -117,7 +120,7 @@ impl Counter {
             for lane in view.rows.saturating_sub(p * ROWS)..ROWS {
                 emitting[p][0][lane] = 1;
             }
-            let [first, last] = emitting[p].map(|e| u8x32::simd_from(simd, e));
+            let [first, last] = [u8x32::simd_from(simd, emitting[p][0]), u8x32::simd_from(simd, emitting[p][1])];
             let mut sum = i8x32::splat(simd, 0);
             let mut low = i8x32::splat(simd, i8::MAX);
             for (column, counts) in self.counts[p * part..][..width * ROWS].chunks_exact_mut(ROWS).enumerate() {
@@ -179,9 +182,12 @@ impl Counter {
         let width = view.raster.width as usize;
         let mut counts = vec![0_i32; view.rows * (width + 1)];
         for c in crossings {
-            for_rows(simd, view, c, |j, column| {
-                counts[j * (width + 1) + column as usize] += c.step;
-            });
+            let [from, to] = c.rows.map(|r| r as usize);
+            for base in (from..to).step_by(8) {
+                for (j, column) in (base..to.min(base + 8)).zip(columns(simd, view, c, base)) {
+                    counts[j * (width + 1) + column as usize] += c.step;
+                }
+            }
         }
         let mut least = i32::MAX;
         for (j, row) in counts.chunks_exact_mut(width + 1).enumerate() {
@@ -208,22 +214,13 @@ impl Counter {
     }
 }
 
-/// Row by row the first sample right of a crossing.
+/// The first sample right of a crossing in each of eight rows from `base` on.
 #[inline(always)]
-fn for_rows<S: Simd>(simd: S, view: &View, c: &Crossing, mut visit: impl FnMut(usize, u32)) {
-    let [from, to] = c.rows.map(|r| r as usize);
-    let mut base = from;
-    while base < to {
-        let rows = f32x8::simd_from(simd, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]) + base as f32;
-        let at = rows * c.slope + c.start;
-        let at = at.max(f32x8::splat(simd, c.low)).min(f32x8::splat(simd, c.high));
-        let columns = view.raster.indices(simd, at - f32x8::simd_from(simd, *Raster::shifts(base)));
-        let columns: [u32; 8] = columns.into();
-        for (j, column) in (base..to.min(base + 8)).zip(columns) {
-            visit(j, column);
-        }
-        base += 8;
-    }
+fn columns<S: Simd>(simd: S, view: &View, c: &Crossing, base: usize) -> [u32; 8] {
+    let rows = f32x8::simd_from(simd, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]) + base as f32;
+    let at = rows * c.slope + c.start;
+    let at = at.max(f32x8::splat(simd, c.low)).min(f32x8::splat(simd, c.high));
+    view.raster.indices(simd, at - f32x8::simd_from(simd, *Raster::shifts(base))).into()
 }
 
 fn within(row: &Samples, first: u8, last: u8) -> Samples {

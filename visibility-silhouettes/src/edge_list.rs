@@ -1,3 +1,4 @@
+use crate::lanes::Lanes3;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 
 /// Edges that are taken at once.
@@ -6,16 +7,15 @@ pub(crate) const LANES: usize = 8;
 /// Numbers of an edge: its two ends, the planes of the triangle that runs from the first end to the second and of the one
 /// that runs back, and the bits of its number.
 pub(crate) const COLUMNS: usize = 15;
-
-/// Where each of them begins.
+/// Where they begin.
 pub(crate) const ENDS: [usize; 2] = [0, 3];
 pub(crate) const PLANES: [usize; 2] = [6, 10];
 pub(crate) const ID: usize = 14;
 
-/// Eight edges side by side.
-pub(crate) type Block = [[f32; LANES]; COLUMNS];
+/// Numbers of eight things side by side.
+pub(crate) type Block<const C: usize> = [[f32; LANES]; C];
 
-/// Columns of numbers that are filled eight at a time; what is behind the last one is not read.
+/// Things of a few numbers each, eight side by side; what is behind the last one is not read.
 #[derive(Clone, Debug)]
 pub(crate) struct Columns<const C: usize> {
     columns: [Vec<f32>; C],
@@ -39,18 +39,38 @@ impl<const C: usize> Columns<C> {
         self.len
     }
 
-    /// Room for so many more.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Makes room for so many more.
+    #[inline(always)]
     pub(crate) fn reserve(&mut self, count: usize) {
         let wanted = self.len + count + LANES;
         if self.columns[0].len() < wanted {
-            self.columns.iter_mut().for_each(|column| column.resize(2 * wanted, 0.0));
+            self.grow(2 * wanted);
         }
+    }
+
+    #[cold]
+    fn grow(&mut self, len: usize) {
+        self.columns.iter_mut().for_each(|column| column.resize(len, 0.0));
     }
 
     /// Eight of a column.
     #[inline(always)]
     pub(crate) fn load<S: Simd>(&self, simd: S, column: usize, first: usize) -> f32x8<S> {
         f32x8::from_slice(simd, &self.columns[column][first..first + LANES])
+    }
+
+    /// Eight of three columns.
+    #[inline(always)]
+    pub(crate) fn load3<S: Simd>(&self, simd: S, column: usize, first: usize) -> Lanes3<S> {
+        Lanes3::new(
+            self.load(simd, column, first),
+            self.load(simd, column + 1, first),
+            self.load(simd, column + 2, first),
+        )
     }
 
     /// One of a column.
@@ -64,12 +84,41 @@ impl<const C: usize> Columns<C> {
         (1 << (self.len - first).min(LANES)) - 1
     }
 
-    /// Appends those of eight that `keep` has; there must be room.
+    /// Appends one number of those of eight that `keep` has; there must be room. All columns, then [`end`](Self::end).
     #[inline(always)]
-    pub(crate) fn append<S: Simd>(&mut self, keep: mask32x8<S>, values: &[f32x8<S>; C]) {
-        for (column, value) in self.columns.iter_mut().zip(values) {
-            value.compress(keep).store_slice(&mut column[self.len..self.len + LANES]);
-        }
+    pub(crate) fn put<S: Simd>(&mut self, column: usize, keep: mask32x8<S>, value: f32x8<S>) {
+        let len = self.len;
+        value.compress(keep).store_slice(&mut self.columns[column][len..len + LANES]);
+    }
+
+    #[inline(always)]
+    pub(crate) fn put3<S: Simd>(&mut self, column: usize, keep: mask32x8<S>, value: Lanes3<S>) {
+        self.put(column, keep, value.x);
+        self.put(column + 1, keep, value.y);
+        self.put(column + 2, keep, value.z);
+    }
+
+    #[inline(always)]
+    pub(crate) fn end<S: Simd>(&mut self, keep: mask32x8<S>) {
         self.len += keep.to_bitmask().count_ones() as usize;
+    }
+}
+
+/// Eight edges, wherever they are.
+pub(crate) trait Eight {
+    fn column<S: Simd>(&self, simd: S, column: usize) -> f32x8<S>;
+}
+
+impl Eight for Block<COLUMNS> {
+    #[inline(always)]
+    fn column<S: Simd>(&self, simd: S, column: usize) -> f32x8<S> {
+        f32x8::simd_from(simd, self[column])
+    }
+}
+
+impl Eight for (&EdgeList, usize) {
+    #[inline(always)]
+    fn column<S: Simd>(&self, simd: S, column: usize) -> f32x8<S> {
+        self.0.load(simd, column, self.1)
     }
 }

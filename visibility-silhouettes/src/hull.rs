@@ -1,4 +1,5 @@
-use crate::edge_list::{COLUMNS, Columns, ENDS, PLANES};
+use crate::edge_list::{Block, COLUMNS, ENDS, EdgeList, Eight, PLANES};
+use crate::lanes::Lanes3;
 use crate::mesh::SilhouetteMesh;
 use crate::tree::Node;
 use core::f32::consts::TAU;
@@ -62,60 +63,55 @@ impl Hull {
 
     /// Which children of a node may have silhouettes inside, as bits.
     #[inline(always)]
-    pub(crate) fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
-        let load = |c: usize| f32x8::simd_from(simd, node.bounds[c]);
-        let [mx, my, mz, ex, ey, ez] = [load(0), load(1), load(2), load(3), load(4), load(5)];
+    fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
+        let middle = node.vectors(simd, 0);
+        let half = node.vectors(simd, 3);
         let mut outside = mask32x8::splat(simd, false);
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
-            let far = n.abs();
-            let middle = mx * n.x + my * n.y + mz * n.z;
-            let reach = ex * far.x + ey * far.y + ez * far.z;
-            outside |= (middle - reach).simd_gt(f32x8::splat(simd, *offset));
+            outside |= (middle.dot(*n) - half.dot(n.abs())).simd_gt(f32x8::splat(simd, *offset));
         }
         // All normals of the cone on one side for all receivers: none of its edges is a silhouette. For d from any point of
         // the box to any receiver that is axis·d > |d| sin α.
-        let [ax, ay, az] = [load(6), load(7), load(8)];
-        let splat = |x: f32| f32x8::splat(simd, x);
-        let (vx, vy, vz) = (splat(self.center.x) - mx, splat(self.center.y) - my, splat(self.center.z) - mz);
-        let wide = self.half + self.radius;
-        let (wx, wy, wz) = (ex + wide.x, ey + wide.y, ez + wide.z);
-        let along = (vx * ax + vy * ay + vz * az).abs();
-        let spread = wx * ax.abs() + wy * ay.abs() + wz * az.abs();
-        let (fx, fy, fz) = (vx.abs() + wx, vy.abs() + wy, vz.abs() + wz);
-        let far = (fx * fx + fy * fy + fz * fz).sqrt();
-        let unsure = splat(2.0 * UNSURE) * (self.reach + far);
-        outside |= (along - spread - unsure).simd_gt(far * load(9));
+        let axis = node.vectors(simd, 6);
+        let to = middle.minus(self.center);
+        let wide = half.plus(self.half + self.radius);
+        let far = to.abs().plus_each(wide);
+        let far = far.dot_each(far).sqrt();
+        let unsure = (far + self.reach) * (2.0 * UNSURE);
+        let along = to.dot_each(axis).abs() - wide.dot_each(axis.abs()) - unsure;
+        outside |= along.simd_gt(far * f32x8::simd_from(simd, node.bounds[9]));
         !outside.to_bitmask() as u32 & ((1 << node.len) - 1)
     }
 
     /// Appends those of eight edges that may be silhouettes inside of the hull; there must be room.
     #[inline(always)]
-    fn sift<S: Simd>(&self, simd: S, block: &[f32x8<S>; COLUMNS], lanes: u32, out: &mut Columns<COLUMNS>) {
-        let splat = |x: f32| f32x8::splat(simd, x);
+    fn sift<S: Simd>(&self, simd: S, eight: &impl Eight, lanes: u32, out: &mut EdgeList) {
         let mut outside = !mask32x8::from_bitmask(simd, u64::from(lanes));
-        let [front, other] = PLANES.map(|p| self.faces(simd, [block[p], block[p + 1], block[p + 2], block[p + 3]]));
-        outside |= (front[0] & other[0]) | (front[1] & other[1]);
+        let [one, other] = [self.faces(simd, eight, PLANES[0]), self.faces(simd, eight, PLANES[1])];
+        outside |= (one[0] & other[0]) | (one[1] & other[1]);
         if outside.all_true() {
             return;
         }
-        let [[ax, ay, az], [bx, by, bz]] = ENDS.map(|e| [block[e], block[e + 1], block[e + 2]]);
+        let [a, b] = [vectors(simd, eight, ENDS[0]), vectors(simd, eight, ENDS[1])];
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
-            let a = ax * n.x + ay * n.y + az * n.z;
-            let b = bx * n.x + by * n.y + bz * n.z;
-            outside |= a.min(b).simd_gt(splat(*offset));
+            outside |= a.dot(*n).min(b.dot(*n)).simd_gt(f32x8::splat(simd, *offset));
         }
-        if !outside.all_true() {
-            out.append(!outside, block);
+        let keep = !outside;
+        if keep.any_true() {
+            for column in 0..COLUMNS {
+                out.put(column, keep, eight.column(simd, column));
+            }
+            out.end(keep);
         }
     }
 
     /// Whether all receivers are certainly in front of planes, and whether all are behind them.
     #[inline(always)]
-    fn faces<S: Simd>(&self, simd: S, [x, y, z, d]: [f32x8<S>; 4]) -> [mask32x8<S>; 2] {
-        let middle = x * self.center.x + y * self.center.y + z * self.center.z + d;
-        let spread = x.abs() * self.half.x + y.abs() * self.half.y + z.abs() * self.half.z;
+    fn faces<S: Simd>(&self, simd: S, eight: &impl Eight, column: usize) -> [mask32x8<S>; 2] {
+        let (normal, d) = (vectors(simd, eight, column), eight.column(simd, column + 3));
+        let middle = normal.dot(self.center) + d;
         let unsure = d.abs() * (2.0 * UNSURE) + (2.0 * UNSURE * self.reach + 1.000_001 * self.radius);
-        let (reach, zero) = (spread + unsure, f32x8::splat(simd, 0.0));
+        let (reach, zero) = (normal.abs().dot(self.half) + unsure, f32x8::splat(simd, 0.0));
         [(middle - reach).simd_gt(zero), (middle + reach).simd_lt(zero)]
     }
 
@@ -127,12 +123,12 @@ impl Hull {
         mesh: &SilhouetteMesh,
         base: u32,
         stack: &mut Vec<u32>,
-        out: &mut Columns<COLUMNS>,
+        out: &mut EdgeList,
     ) {
         let nodes = mesh.tree().nodes();
         stack.clear();
         stack.extend((!nodes.is_empty()).then_some(0));
-        let mut block = [[0.0; 8]; COLUMNS];
+        let mut block: Block<COLUMNS> = [[0.0; 8]; COLUMNS];
         while let Some(number) = stack.pop() {
             let node = &nodes[number as usize];
             let mut met = self.meets(simd, node);
@@ -146,22 +142,25 @@ impl Hull {
                 }
                 let count = mesh.fetch(node.first[k] as usize, count, base, &mut block);
                 out.reserve(8);
-                let all = core::array::from_fn(|c| f32x8::simd_from(simd, block[c]));
-                self.sift(simd, &all, (1 << count) - 1, out);
+                self.sift(simd, &block, (1 << count) - 1, out);
             }
         }
     }
 
     /// Those of a list that may be silhouettes inside of the hull.
     #[inline(always)]
-    pub(crate) fn narrow<S: Simd>(&self, simd: S, list: &Columns<COLUMNS>, out: &mut Columns<COLUMNS>) {
+    pub(crate) fn narrow<S: Simd>(&self, simd: S, list: &EdgeList, out: &mut EdgeList) {
         out.clear();
         out.reserve(list.len());
         for first in (0..list.len()).step_by(8) {
-            let all = core::array::from_fn(|c| list.load(simd, c, first));
-            self.sift(simd, &all, list.lanes(first), out);
+            self.sift(simd, &(list, first), list.lanes(first), out);
         }
     }
 }
 
 
+
+#[inline(always)]
+fn vectors<S: Simd>(simd: S, eight: &impl Eight, column: usize) -> Lanes3<S> {
+    Lanes3::new(eight.column(simd, column), eight.column(simd, column + 1), eight.column(simd, column + 2))
+}

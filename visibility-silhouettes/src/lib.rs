@@ -7,6 +7,7 @@ mod blockers;
 mod count;
 mod edge_list;
 mod hull;
+mod lanes;
 mod mesh;
 mod project;
 mod select;

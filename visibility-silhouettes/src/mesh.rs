@@ -139,7 +139,7 @@ impl SilhouetteMesh {
 
     /// Writes up to eight edges side by side, but for flat ones; returns how many.
     #[inline(always)]
-    pub(crate) fn fetch(&self, first: usize, count: usize, base: u32, out: &mut Block) -> usize {
+    pub(crate) fn fetch(&self, first: usize, count: usize, base: u32, out: &mut Block<COLUMNS>) -> usize {
         let mut lane = 0;
         for (number, edge) in self.edges[first..first + count].iter().enumerate() {
             if edge.is_flat() {

@@ -1,6 +1,7 @@
 //! Silhouettes on the square that faces the light.
 
-use crate::select::{NUMBERS, STEP, Silhouettes};
+use crate::lanes::Lanes3;
+use crate::select::{STEP, Silhouettes};
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lighting::{Raster, UnitSquare};
@@ -68,10 +69,11 @@ pub(crate) struct Crossing {
 
 impl Crossing {
     /// From its two ends with rows already counted; none where it changes nothing.
-    fn new(view: &View, [a, b]: [Vec2; 2], [start, slope]: [f32; 2], [row_a, row_b]: [i32; 2], step: i32) -> Option<Self> {
-        let left = [a.x < view.middle, b.x < view.middle];
+    #[inline(always)]
+    fn new(view: &View, [a, b]: [f32; 2], [start, slope]: [f32; 2], [row_a, row_b]: [i32; 2], step: i32) -> Option<Self> {
+        let left = [a < view.middle, b < view.middle];
         let none = row_a == row_b && (left[0] == left[1] || row_a == 0 || row_a == view.rows as i32);
-        let beside = a.x.min(b.x) > view.raster.width + 1.0 || a.x.max(b.x) < -1.0;
+        let beside = a.min(b) > view.raster.width + 1.0 || a.max(b) < -1.0;
         if none || beside {
             return None;
         }
@@ -79,8 +81,8 @@ impl Crossing {
         Some(Self {
             start,
             slope,
-            low: a.x.min(b.x) - 1.0,
-            high: a.x.max(b.x) + 1.0,
+            low: a.min(b) - 1.0,
+            high: a.max(b) + 1.0,
             rows: if up { [row_a, row_b] } else { [row_b, row_a] },
             left: if up { left } else { [left[1], left[0]] },
             step: if up { step } else { -step },
@@ -109,79 +111,75 @@ impl Crossing {
         let rows = ends.map(|p| p.y.ceil().clamp(0.0, view.rows as f32) as i32);
         let slope = (ends[1].x - ends[0].x) / (ends[1].y - ends[0].y);
         let line = if slope.is_finite() { [ends[0].x - slope * ends[0].y, slope] } else { [ends[0].x, 0.0] };
-        Self::new(view, ends, line, rows, side as i32)
+        Self::new(view, ends.map(|p| p.x), line, rows, side as i32)
     }
 }
 
 /// Projects silhouettes on the square and keeps what crosses row lines.
 #[inline(always)]
 pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, out: &mut Vec<Crossing>) {
-    let splat = |x: f32| f32x8::splat(simd, x);
     let UnitSquare { right, up, axis, .. } = view.square;
     let Raster { left, bottom, samples, rows, width } = view.raster;
-    let (near, far) = (splat(view.near), splat(view.far));
-    let (zero, outside) = (splat(0.0), splat(FAR_OUTSIDE));
-    let last = splat(view.rows as f32);
+    let (near, far) = (f32x8::splat(simd, view.near), f32x8::splat(simd, view.far));
+    let (zero, last) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, view.rows as f32));
     for first in (0..silhouettes.len()).step_by(8) {
-        let values: [f32x8<S>; NUMBERS] = core::array::from_fn(|c| silhouettes.load(simd, c, first));
-        let turn = |x: f32x8<S>, y: f32x8<S>, z: f32x8<S>| {
-            [right, up, axis].map(|v| x * v.x + y * v.y + z * v.z)
-        };
-        let [ax, ay, az] = turn(values[0], values[1], values[2]);
-        let [bx, by, bz] = turn(values[3], values[4], values[5]);
+        let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
+        let mut a = Lanes3::new(a.dot(right), a.dot(up), a.dot(axis));
+        let mut b = Lanes3::new(b.dot(right), b.dot(up), b.dot(axis));
         // The line through both, from a × (b − a): ends that are clipped would be too far outside for it.
-        let [ex, ey, ez] = [bx - ax, by - ay, bz - az];
-        let (lx, ly, lz) = (ay * ez - az * ey, az * ex - ax * ez, ax * ey - ay * ex);
-        let flat = lx.simd_eq(zero);
-        let inverse = splat(-1.0) / flat.select(splat(1.0), lx);
-        let lean = ly * inverse;
-        let start = (lean * (bottom + 0.5 / rows) + (lz * inverse - left)) * samples;
+        let line = a.cross_each(b.minus_each(a));
+        let flat = line.x.simd_eq(zero);
+        let inverse = f32x8::splat(simd, -1.0) / flat.select(f32x8::splat(simd, 1.0), line.x);
+        let lean = line.y * inverse;
+        let start = (lean * (bottom + 0.5 / rows) + (line.z * inverse - left)) * samples;
         let slope = lean * (samples / rows);
-        let is_near = [az.simd_lt(near), bz.simd_lt(near)];
-        let is_far = [!az.simd_lt(far), !bz.simd_lt(far)];
+        let is_near = [a.z.simd_lt(near), b.z.simd_lt(near)];
+        let is_far = [!a.z.simd_lt(far), !b.z.simd_lt(far)];
         let mut drop = (is_near[0] & is_near[1]) | (is_far[0] & is_far[1]);
-        let ([mut ax, mut ay, mut az], [mut bx, mut by, mut bz]) = ([ax, ay, az], [bx, by, bz]);
-        // Each plane from the end that is on its right side, so that whoever cuts the same edge finds the same point.
         for (plane, cut) in [(near, is_near), (far, is_far)] {
-            if !(cut[0] | cut[1]).any_true() {
-                continue;
+            if (cut[0] | cut[1]).any_true() {
+                let [from_b, from_a] = [cut_at(plane, b, a), cut_at(plane, a, b)];
+                (a, b) = (a.or(cut[0], from_b), b.or(cut[1], from_a));
             }
-            let at = |p: [f32x8<S>; 3], q: [f32x8<S>; 3]| {
-                let t = (plane - p[2]) / (q[2] - p[2]);
-                [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]
-            };
-            let [from_b, from_a] = [at([bx, by, bz], [ax, ay, az]), at([ax, ay, az], [bx, by, bz])];
-            ax = cut[0].select(from_b[0], ax);
-            ay = cut[0].select(from_b[1], ay);
-            az = cut[0].select(plane, az);
-            bx = cut[1].select(from_a[0], bx);
-            by = cut[1].select(from_a[1], by);
-            bz = cut[1].select(plane, bz);
         }
-        let limit = |p: f32x8<S>| p.max(-outside).min(outside);
-        let column = |x: f32x8<S>, z: f32x8<S>| limit((x / z - left) * samples);
-        let row = |y: f32x8<S>, z: f32x8<S>| limit((y / z - bottom) * rows - 0.5).ceil().max(zero).min(last);
-        let (xa, xb) = (column(ax, az), column(bx, bz));
-        let (ra, rb) = (row(ay, az), row(by, bz));
-        drop |= (ra.max(rb).simd_eq(zero)) | (ra.min(rb).simd_eq(last));
-        drop |= xa.min(xb).simd_gt(splat(width + 1.0)) | xa.max(xb).simd_lt(splat(-1.0));
-        let same_side = xa.simd_lt(splat(view.middle)).to_bitmask() ^ !xb.simd_lt(splat(view.middle)).to_bitmask();
+        let xa = limit(simd, (a.x / a.z - left) * samples);
+        let xb = limit(simd, (b.x / b.z - left) * samples);
+        let ra = limit(simd, (a.y / a.z - bottom) * rows - 0.5).ceil().max(zero).min(last);
+        let rb = limit(simd, (b.y / b.z - bottom) * rows - 0.5).ceil().max(zero).min(last);
+        drop |= ra.max(rb).simd_eq(zero) | ra.min(rb).simd_eq(last);
+        drop |= xa.min(xb).simd_gt(f32x8::splat(simd, width + 1.0)) | xa.max(xb).simd_lt(f32x8::splat(simd, -1.0));
+        // Between two rows an edge matters only where it passes the middle.
+        let middle = f32x8::splat(simd, view.middle);
+        let aside = (xa.min(xb)).simd_lt(middle) & !(xa.max(xb)).simd_lt(middle);
+        drop |= ra.simd_eq(rb) & !aside;
         let mut keep = (!drop).to_bitmask() & u64::from(silhouettes.lanes(first));
-        keep &= !(ra.simd_eq(rb).to_bitmask() & same_side);
         if keep == 0 {
             continue;
         }
-        let start = flat.select((xa + xb) * 0.5, start);
-        let slope = flat.select(zero, slope);
-        let [xa, xb, start, slope]: [[f32; 8]; 4] = [xa.into(), xb.into(), start.into(), slope.into()];
-        let rows: [[i32; 8]; 2] = [ra, rb].map(|r| r.to_int::<i32x8<S>>().into());
-        let steps: [i32; 8] = values[STEP].to_int::<i32x8<S>>().into();
+        let start: [f32; 8] = flat.select((xa + xb) * 0.5, start).into();
+        let slope: [f32; 8] = flat.select(zero, slope).into();
+        let [xa, xb]: [[f32; 8]; 2] = [xa.into(), xb.into()];
+        let ra: [i32; 8] = ra.to_int::<i32x8<S>>().into();
+        let rb: [i32; 8] = rb.to_int::<i32x8<S>>().into();
+        let steps: [i32; 8] = silhouettes.load(simd, STEP, first).to_int::<i32x8<S>>().into();
         while keep != 0 {
             let l = keep.trailing_zeros() as usize & 7;
             keep &= keep - 1;
-            let ends = [Vec2::new(xa[l], 0.0), Vec2::new(xb[l], 0.0)];
-            let crossing = Crossing::new(view, ends, [start[l], slope[l]], [rows[0][l], rows[1][l]], steps[l]);
-            out.extend(crossing);
+            out.extend(Crossing::new(view, [xa[l], xb[l]], [start[l], slope[l]], [ra[l], rb[l]], steps[l]));
         }
     }
+}
+
+/// No position is farther outside than that.
+#[inline(always)]
+fn limit<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
+    x.max(f32x8::splat(simd, -FAR_OUTSIDE)).min(f32x8::splat(simd, FAR_OUTSIDE))
+}
+
+/// Where an edge meets a plane of equal depth, from the end that is on the right side of it: whoever cuts the same edge finds
+/// the same point.
+#[inline(always)]
+fn cut_at<S: Simd>(plane: f32x8<S>, from: Lanes3<S>, to: Lanes3<S>) -> Lanes3<S> {
+    let t = (plane - from.z) / (to.z - from.z);
+    Lanes3::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), plane)
 }

@@ -2,6 +2,7 @@
 
 use crate::edge_list::{Columns, ENDS, EdgeList, ID, PLANES};
 use crate::hull::UNSURE;
+use crate::lanes::Lanes3;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
 use lighting::Edges;
@@ -32,8 +33,7 @@ pub(crate) fn silhouettes<S: Simd>(
 ) {
     out.clear();
     out.reserve(edges.len());
-    let splat = |x: f32| f32x8::splat(simd, x);
-    let zero = splat(0.0);
+    let zero = f32x8::splat(simd, 0.0);
     let tan = AROUND * cone.tan();
     let (u, v) = orthonormal_basis(cone.axis);
     // Inward normals of a square around the disc.
@@ -42,29 +42,18 @@ pub(crate) fn silhouettes<S: Simd>(
     let window = if cone.one_minus_cos < 0.9 { &window[..] } else { &[] };
     let reach = UNSURE * x.abs().element_sum();
     for first in (0..edges.len()).step_by(8) {
-        let at = |c: usize| edges.load(simd, c, first);
-        let ends = ENDS.map(|e| [at(e) - x.x, at(e + 1) - x.y, at(e + 2) - x.z]);
-        let [[ax, ay, az], [bx, by, bz]] = ends;
+        let [a, b] = [edges.load3(simd, ENDS[0], first).minus(x), edges.load3(simd, ENDS[1], first).minus(x)];
         let mut keep = mask32x8::from_bitmask(simd, u64::from(edges.lanes(first)));
         for n in window {
-            let a = ax * n.x + ay * n.y + az * n.z;
-            let b = bx * n.x + by * n.y + bz * n.z;
-            keep &= a.max(b).simd_ge(zero);
+            keep &= a.dot(*n).max(b.dot(*n)).simd_ge(zero);
         }
         if !keep.any_true() {
             continue;
         }
-        let mut unsure = mask32x8::splat(simd, false);
-        let [one, other] = PLANES.map(|p| {
-            let [nx, ny, nz, d] = [at(p), at(p + 1), at(p + 2), at(p + 3)];
-            let value = nx * x.x + ny * x.y + nz * x.z + d;
-            let is_there = (nx.abs() + ny.abs() + nz.abs()).simd_gt(zero);
-            unsure |= is_there & value.abs().simd_le(d.abs() * UNSURE + reach);
-            let (plus, minus) = (splat(1.0), splat(-1.0));
-            value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero))
-        });
+        let [(one, unsure_one), (other, unsure_other)] =
+            [side(simd, edges, PLANES[0], first, x, reach), side(simd, edges, PLANES[1], first, x, reach)];
         let mut step = one - other;
-        let mut ask = (unsure & keep).to_bitmask();
+        let mut ask = ((unsure_one | unsure_other) & keep).to_bitmask();
         if ask != 0 {
             let mut steps: [f32; 8] = step.into();
             while ask != 0 {
@@ -77,47 +66,67 @@ pub(crate) fn silhouettes<S: Simd>(
         }
         keep &= !step.simd_eq(zero);
         if keep.any_true() {
-            out.append(keep, &[ax, ay, az, bx, by, bz, step]);
+            out.put3(0, keep, a);
+            out.put3(3, keep, b);
+            out.put(STEP, keep, step);
+            out.end(keep);
         }
     }
+}
+
+/// On which side of eight planes a point lies, and where f32 does not tell.
+#[inline(always)]
+fn side<S: Simd>(
+    simd: S,
+    edges: &EdgeList,
+    column: usize,
+    first: usize,
+    x: Vec3,
+    reach: f32,
+) -> (f32x8<S>, mask32x8<S>) {
+    let (normal, d) = (edges.load3(simd, column, first), edges.load(simd, column + 3, first));
+    let value = normal.dot(x) + d;
+    let [zero, plus, minus] = [f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, -1.0)];
+    let is_there = normal.abs().dot(Vec3::ONE).simd_gt(zero);
+    let unsure = is_there & value.abs().simd_le(d.abs() * UNSURE + reach);
+    (value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero)), unsure)
 }
 
 /// Adds the parts of silhouettes that lie before a light to the directions that a mask is turned by.
 #[inline(always)]
 pub(crate) fn add_edges<S: Simd>(simd: S, cone: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
     let tan = cone.tan();
-    let zero = f32x8::splat(simd, 0.0);
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
     let axis = cone.axis;
     for first in (0..silhouettes.len()).step_by(8) {
-        let at = |c: usize| silhouettes.load(simd, c, first);
-        let [ax, ay, az] = [at(0), at(1), at(2)];
-        let [ex, ey, ez] = [at(3) - ax, at(4) - ay, at(5) - az];
+        let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
         // The plane through the receiver: its normal n is across the edge, and the line passes the disc's middle at
         // |n·axis|/|n − axis(n·axis)|.
-        let [nx, ny, nz] = [ay * ez - az * ey, az * ex - ax * ez, ax * ey - ay * ex];
-        let along = nx * axis.x + ny * axis.y + nz * axis.z;
-        let [px, py, pz] = [nx - along * axis.x, ny - along * axis.y, nz - along * axis.z];
-        let square = px * px + py * py + pz * pz;
-        let off_sq = along * along / (square * (tan * tan));
+        let normal = a.cross_each(b.minus_each(a));
+        let along = normal.dot(axis);
+        let across = normal.minus_each(Lanes3::new(along * axis.x, along * axis.y, along * axis.z));
+        let square = across.dot_each(across);
         // Half the chord, in radii of the disc.
-        let half = (f32x8::splat(simd, 1.0) - off_sq).max(zero).sqrt();
-        // Direction of the line in the plane: axis × n. Where the two ends are along it, in radii.
-        let [lx, ly, lz] = [axis.y * nz - axis.z * ny, axis.z * nx - axis.x * nz, axis.x * ny - axis.y * nx];
+        let half = (one - along * along / (square * (tan * tan))).max(zero).sqrt();
+        // Where the two ends are along the line, in radii.
+        let line = normal.turned_about(axis);
         let scale = (square.sqrt() * tan).max(f32x8::splat(simd, f32::MIN_POSITIVE));
-        let place = |x: f32x8<S>, y: f32x8<S>, z: f32x8<S>| {
-            let depth = x * axis.x + y * axis.y + z * axis.z;
-            let place = (x * lx + y * ly + z * lz) / (scale * depth);
-            // Behind the receiver: somewhere beyond the disc.
-            depth.simd_gt(zero).select(place, f32x8::splat(simd, f32::INFINITY))
-        };
-        let (from, to) = (place(ax, ay, az), place(at(3), at(4), at(5)));
+        let (from, to) = (place(simd, a, axis, line, scale), place(simd, b, axis, line, scale));
         let (from, to) = (from.min(to).max(-half), from.max(to).min(half));
         let length: [f32; 8] = (to - from).into();
-        let across: [[f32; 8]; 3] = [px.into(), py.into(), pz.into()];
+        let [x, y, z]: [[f32; 8]; 3] = [across.x.into(), across.y.into(), across.z.into()];
         for lane in 0..(silhouettes.len() - first).min(8) {
             if length[lane] > 0.0 {
-                edges.add(Vec3::new(across[0][lane], across[1][lane], across[2][lane]), length[lane]);
+                edges.add(Vec3::new(x[lane], y[lane], z[lane]), length[lane]);
             }
         }
     }
+}
+
+/// Where points are along lines on the square; behind the receiver, beyond the disc.
+#[inline(always)]
+fn place<S: Simd>(simd: S, point: Lanes3<S>, axis: Vec3, line: Lanes3<S>, scale: f32x8<S>) -> f32x8<S> {
+    let depth = point.dot(axis);
+    let place = point.dot_each(line) / (scale * depth);
+    depth.simd_gt(f32x8::splat(simd, 0.0)).select(place, f32x8::splat(simd, f32::INFINITY))
 }

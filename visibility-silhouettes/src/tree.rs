@@ -1,6 +1,8 @@
 //! A hierarchy of edges, eight children a node, built once and refitted as the edges move.
 
+use crate::lanes::Lanes3;
 use core::ops::Range;
+use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -121,6 +123,13 @@ impl Tree {
 }
 
 impl Node {
+    /// Three numbers of each child, from one of `bounds` on.
+    #[inline(always)]
+    pub(crate) fn vectors<S: Simd>(&self, simd: S, first: usize) -> Lanes3<S> {
+        let [x, y, z] = [self.bounds[first], self.bounds[first + 1], self.bounds[first + 2]];
+        Lanes3::new(f32x8::simd_from(simd, x), f32x8::simd_from(simd, y), f32x8::simd_from(simd, z))
+    }
+
     fn set(&mut self, k: usize, bounds: &Bounds) {
         let center = 0.5 * bounds.low + 0.5 * bounds.high;
         // A little more, for the rounding of the middle; an empty box stays one, which every plane parts from everything.
