@@ -16,11 +16,14 @@ use crate::sheet::{Cell, Sheet};
 use cosine_lobes::brdf::Material;
 use cosine_lobes::lighting::{MaskVisibility, SphereLight, depth_for};
 use cosine_lobes::lobe_core::{DynVisibility, Sphere, Unshadowed};
-use cosine_lobes::render_cpu::{CpuShader, Estimate, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
+use cosine_lobes::render_cpu::{
+    CpuShader, Estimate, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
+};
 use cosine_lobes::scene::{
     BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Strategy, load_animated,
 };
 use cosine_lobes::visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+use cosine_lobes::visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Picture, luminance, signed_difference, srgb_bytes};
 use glam::Vec3;
@@ -96,6 +99,7 @@ fn measure(name: &str, mut scene: Scene, samples: u32, sheet: &mut Sheet) -> Res
     let target = picture(&truth.radiance);
     let mut row = vec![Some(Cell { picture: srgb_bytes(&target, exposure), difference: None, note: String::new() })];
 
+    let silhouettes = SceneSilhouettes::new(&scene, |_| true);
     for strategy in Strategy::ALL {
         if strategy == Strategy::Spheres && spheres.is_err() {
             println!("| {name} | {} | – | none of the meshes suits | | | | | | | | | |", strategy.name());
@@ -117,6 +121,12 @@ fn measure(name: &str, mut scene: Scene, samples: u32, sheet: &mut Sheet) -> Res
                 let memory = format!("{megabytes:.1} MB ({}²)", texels.join(", "));
                 let blockers = ShadowMapBlockers::new(maps).with_casters(vec![true; scene.objects.len()]);
                 (Box::new(MaskVisibility::new(blockers, depth_for(TOLERANCE))), memory)
+            }
+            Strategy::Silhouettes => {
+                let memory = silhouettes.meshes().iter().map(SilhouetteMesh::bytes).sum::<usize>() as f64 / 1e6;
+                let hits = SurfaceHits::new(&world, |_| true);
+                let blockers = SilhouetteBlockers::new(silhouettes.meshes(), hits);
+                (Box::new(MaskVisibility::new(blockers, depth_for(TOLERANCE))), format!("{memory:.1} MB"))
             }
             Strategy::Rays => {
                 let memory = format!("{} triangles", world.triangle_count());
