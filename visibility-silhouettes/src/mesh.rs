@@ -52,6 +52,13 @@ impl SilhouetteMesh {
         let boxes: Vec<_> = edges.iter().map(bounds).collect();
         let (tree, order) = Tree::new(&boxes);
         edges = order.iter().map(|i| edges[*i as usize]).collect();
+        // Neighbours in the tree become neighbours in memory.
+        let places = topology::by_first_use(triangles.len(), edges.iter().flat_map(|e| e.triangles()));
+        edges.iter_mut().for_each(|edge| edge.renumber(&places));
+        triangles = topology::placed(&triangles, &places);
+        let places = topology::by_first_use(welded.len(), triangles.iter().flatten().copied());
+        triangles.iter_mut().flatten().for_each(|corner| *corner = places[*corner as usize]);
+        let (welded, sources) = (topology::placed(&welded, &places), topology::placed(&sources, &places));
         let planes = vec![[0.0; 4]; triangles.len()];
         let mut mesh = Self { object, positions: welded, sources, triangles, planes, edges, tree };
         mesh.fit();

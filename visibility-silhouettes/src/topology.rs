@@ -33,6 +33,17 @@ impl Edge {
         (second != NONE).then_some(second)
     }
 
+    pub(crate) fn triangles(self) -> impl Iterator<Item = u32> {
+        [Some(self.triangle()), self.other()].into_iter().flatten()
+    }
+
+    /// The same edge where each triangle has another number.
+    pub(crate) fn renumber(&mut self, places: &[u32]) {
+        let corner = self.first % 4;
+        self.first = 4 * places[self.triangle() as usize] + corner;
+        self.second = self.other().map_or(NONE, |t| places[t as usize]) | self.second & FLAT;
+    }
+
     /// Its ends as corners of the first triangle, in that triangle's direction.
     pub(crate) fn ends(self) -> [usize; 2] {
         let corner = (self.first % 4) as usize;
@@ -68,6 +79,27 @@ pub(crate) fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     };
     let all = positions.iter().map(number).collect();
     (welded, all)
+}
+
+/// New numbers for so many things, in the order in which some of them are used first; the others come last.
+pub(crate) fn by_first_use(count: usize, uses: impl Iterator<Item = u32>) -> Vec<u32> {
+    let (mut places, mut next) = (vec![u32::MAX; count], 0);
+    for used in uses.chain(0..count as u32) {
+        if places[used as usize] == u32::MAX {
+            places[used as usize] = next;
+            next += 1;
+        }
+    }
+    places
+}
+
+/// Things in the order of their new numbers.
+pub(crate) fn placed<T: Copy>(things: &[T], places: &[u32]) -> Vec<T> {
+    let mut out = things.to_vec();
+    for (thing, place) in things.iter().zip(places) {
+        out[*place as usize] = *thing;
+    }
+    out
 }
 
 /// One side of a triangle: its two ends, lower number first, then which side it is.
