@@ -5,8 +5,9 @@ use glam::Vec3;
 use lighting::{MaskVisibility, Mixture};
 use lobe_core::Sphere;
 use lobe_core::conformance::{Limits, Setting, Subject, Visitor, check};
-use render_cpu::{RayBlockers, World};
-use scene::{Camera, Object, Scene};
+use render_cpu::{RayBlockers, SceneSilhouettes, SurfaceHits, World};
+use scene::{Camera, Mesh, Object, Scene, Shape};
+use visibility_silhouettes::SilhouetteBlockers;
 use visibility_spheres::SphereBlockers;
 
 fn scene(balls: &[Sphere]) -> Scene {
@@ -44,6 +45,62 @@ impl Subject for Mixed {
         visitor
             .visit(&MaskVisibility::new(Mixture::new(RayBlockers::new(&world).only(|object| object == 0), spheres), 5))
     }
+}
+
+/// A ball of triangles whose outline has the ball's area.
+fn ball(of: &Sphere, rings: u32) -> Mesh {
+    let sides = 2 * rings;
+    let radius = of.radius * (1.0 + (core::f32::consts::PI / rings as f32).powi(2) / 12.0);
+    let mut mesh = Mesh::default();
+    for i in 0..=rings {
+        let (s, c) = (core::f32::consts::PI * i as f32 / rings as f32).sin_cos();
+        for k in 0..sides {
+            let (x, z) = (core::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
+            mesh.positions.push(of.center + radius * Vec3::new(s * x, c, s * z));
+        }
+    }
+    for i in 0..rings {
+        for k in 0..sides {
+            let [a, b] = [i * sides + k, i * sides + (k + 1) % sides];
+            mesh.triangles.extend([[a, a + sides, b], [b, a + sides, b + sides]]);
+        }
+    }
+    mesh
+}
+
+/// Balls of triangles by their silhouettes.
+struct Silhouettes;
+
+impl Subject for Silhouettes {
+    fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {
+        let mut scene = scene(setting.balls);
+        let rings = if setting.balls.len() > 8 { 16 } else { 40 };
+        for (object, of) in scene.objects.iter_mut().zip(setting.balls) {
+            object.shape = Shape::Mesh(ball(of, rings));
+        }
+        let world = World::new(&scene);
+        let kept = SceneSilhouettes::new(&scene, |_| true);
+        let blockers = SilhouetteBlockers::new(kept.meshes(), SurfaceHits::new(&world, |_| true));
+        visitor.visit(&MaskVisibility::new(blockers, 5))
+    }
+}
+
+#[test]
+fn silhouettes() {
+    // Lights are smaller than the triangles of a ball, so it is none to them; each case builds its meshes.
+    let limits = Limits {
+        overlap_mean: 0.1,
+        overlap: 1.0,
+        several_mean: 0.001,
+        brighter: 0.005,
+        turn: 0.005,
+        jump: 0.01,
+        jump_several: 0.006,
+        cases: 12,
+        ..Limits::default()
+    };
+    let measured = check(&Silhouettes, &limits).unwrap_or_else(|e| panic!("{e}"));
+    println!("{measured:?}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::select::{Silhouettes, add_edges, silhouettes};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use lighting::{Blockers, Edges, Mask};
-use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Coverage, Shaft, Sphere, VisibilityQuery};
 
 /// Cells of a side into which the receivers of a shaft are divided, each with a list of its own.
 const CELLS: usize = 3;
@@ -156,8 +156,8 @@ pub struct SilhouetteScratch<H> {
     cutting: Vec<[Vec3; 3]>,
     /// Where the current receiver's rays start, and what it sees.
     origin: Vec3,
+    cone: Cone,
     silhouettes: Silhouettes,
-    /// Without silhouettes: that all of the light is seen.
     crossings: Vec<Crossing>,
     counter: Counter,
     hits: H,
@@ -184,6 +184,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             light: None,
             cutting: Vec::new(),
             origin: Vec3::ZERO,
+            cone: Cone { axis: Vec3::Z, one_minus_cos: 0.0, distance: 0.0 },
             silhouettes: Silhouettes::default(),
             crossings: Vec::new(),
             counter: Counter::default(),
@@ -194,7 +195,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         self.list(shaft, scratch);
         scratch.entered = true;
-        if scratch.edges.len() == 0 && !scratch.is_met { Coverage::Lit } else { Coverage::Partial }
+        if scratch.edges.is_empty() && !scratch.is_met { Coverage::Lit } else { Coverage::Partial }
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
@@ -211,15 +212,16 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if elevation <= -cone.sin_sq().sqrt() && self.hits.has(at.object) {
             return Coverage::Dark;
         }
-        if scratch.edges.len() == 0 && !scratch.is_met {
+        if scratch.edges.is_empty() && !scratch.is_met {
             return Coverage::Lit;
         }
         scratch.origin = self.hits.leave(at.position, at.face);
+        scratch.cone = *cone;
         scratch.silhouettes.clear();
-        if cone.one_minus_cos > 0.0 && scratch.edges.len() > 0 {
+        if cone.one_minus_cos > 0.0 && !scratch.edges.is_empty() {
             dispatch!(Level::new(), simd => self.look(simd, query, scratch));
         }
-        if scratch.silhouettes.len() > 0 || !scratch.cutting.is_empty() {
+        if !scratch.silhouettes.is_empty() || !scratch.cutting.is_empty() {
             return Coverage::Partial;
         }
         // All samples have the same number of surfaces before them.
@@ -228,7 +230,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     }
 
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
-        dispatch!(Level::new(), simd => add_edges(simd, query.cone, &scratch.silhouettes, edges));
+        dispatch!(Level::new(), simd => add_edges(simd, query.cone, &scratch.cone, &scratch.silhouettes, edges));
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {

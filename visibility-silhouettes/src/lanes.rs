@@ -39,11 +39,6 @@ impl<S: Simd> Lanes3<S> {
     }
 
     #[inline(always)]
-    pub(crate) fn times_each(self, s: f32x8<S>) -> Self {
-        Self { x: self.x * s, y: self.y * s, z: self.z * s }
-    }
-
-    #[inline(always)]
     pub(crate) fn abs(self) -> Self {
         Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }

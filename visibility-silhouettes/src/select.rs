@@ -92,35 +92,44 @@ fn side<S: Simd>(
     (value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero)), unsure)
 }
 
-/// Adds the parts of silhouettes that lie before a light to the directions that a mask is turned by.
+/// Adds the parts of silhouettes that lie before a part of a light to the directions that a mask is turned by: those that lie
+/// before the light at all, since of others only some are listed.
 #[inline(always)]
-pub(crate) fn add_edges<S: Simd>(simd: S, cone: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
-    let tan = cone.tan();
-    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
-    let axis = cone.axis;
+pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
-        // The plane through the receiver: its normal n is across the edge, and the line passes the disc's middle at
-        // |n·axis|/|n − axis(n·axis)|.
+        // Across the edge: the normal of the plane through it and the receiver.
         let normal = a.cross_each(b.minus_each(a));
-        let along = normal.dot(axis);
-        let across = normal.minus_each(Lanes3::new(along * axis.x, along * axis.y, along * axis.z));
-        let square = across.dot_each(across);
-        // Half the chord, in radii of the disc.
-        let half = (one - along * along / (square * (tan * tan))).max(zero).sqrt();
-        // Where the two ends are along the line, in radii.
-        let line = normal.turned_about(axis);
-        let scale = (square.sqrt() * tan).max(f32x8::splat(simd, f32::MIN_POSITIVE));
-        let (from, to) = (place(simd, a, axis, line, scale), place(simd, b, axis, line, scale));
-        let (from, to) = (from.min(to).max(-half), from.max(to).min(half));
-        let length: [f32; 8] = (to - from).into();
-        let [x, y, z]: [[f32; 8]; 3] = [across.x.into(), across.y.into(), across.z.into()];
+        let mut length = length_before(simd, part, a, b, normal);
+        if part != light {
+            let zero = f32x8::splat(simd, 0.0);
+            length = length_before(simd, light, a, b, normal).simd_gt(zero).select(length, zero);
+        }
+        let length: [f32; 8] = length.into();
+        let [x, y, z]: [[f32; 8]; 3] = [normal.x.into(), normal.y.into(), normal.z.into()];
         for lane in 0..(silhouettes.len() - first).min(8) {
             if length[lane] > 0.0 {
                 edges.add(Vec3::new(x[lane], y[lane], z[lane]), length[lane]);
             }
         }
     }
+}
+
+/// How much of eight edges lies before the disc of a light, in its radii; not above zero where nothing does.
+#[inline(always)]
+fn length_before<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>, normal: Lanes3<S>) -> f32x8<S> {
+    let (tan, axis) = (cone.tan(), cone.axis);
+    let along = normal.dot(axis);
+    let across = normal.minus_each(Lanes3::new(along * axis.x, along * axis.y, along * axis.z));
+    let square = across.dot_each(across);
+    // The line passes the disc's middle at |n·axis|/|n − axis(n·axis)|: half the chord.
+    let half_sq = f32x8::splat(simd, 1.0) - along * along / (square * (tan * tan));
+    let half = half_sq.max(f32x8::splat(simd, 0.0)).sqrt();
+    // Where the two ends are along it.
+    let line = normal.turned_about(axis);
+    let scale = (square.sqrt() * tan).max(f32x8::splat(simd, f32::MIN_POSITIVE));
+    let (from, to) = (place(simd, a, axis, line, scale), place(simd, b, axis, line, scale));
+    from.max(to).min(half) - from.min(to).max(-half)
 }
 
 /// Where points are along lines on the square; behind the receiver, beyond the disc.
