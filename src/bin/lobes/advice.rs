@@ -1,7 +1,6 @@
 //! Which strategy suits an object, and why.
 
 use crate::console::counted;
-use crate::strategy::{FEW, FEW_SPHERES};
 use cosine_lobes::scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_spheres::SetQuality;
 use glam::{DVec3, Vec3};
@@ -68,7 +67,7 @@ impl MeshFacts {
 }
 
 /// Whether all triangles are in one plane, to a ten-thousandth of their diagonal. Ends at the first that is not.
-pub(crate) fn is_flat(mesh: &Mesh) -> bool {
+fn is_flat(mesh: &Mesh) -> bool {
     let bounds = mesh.bounds();
     let slack = 1e-4 * f64::from((bounds.max - bounds.min).length());
     let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
@@ -94,52 +93,41 @@ pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: O
         let reason = "a backdrop: lights, camera and all that casts shadows are in front of it";
         return advice(Strategy::None, reason.to_owned());
     }
-    if mesh.triangles.len() < FEW && matches!(object.proxy, Proxy::Count(_)) {
-        let triangles = counted(mesh.triangles.len(), "triangle");
-        let reason = format!("{triangles}: rays are exact and cheap, spheres would have to be fitted first");
-        return advice(Strategy::Rays, reason);
-    }
-    if is_flat(mesh) {
-        return rays("flat: it has no inside that spheres could fill");
-    }
-    if let Proxy::Count(count) = object.proxy
-        && count < FEW_SPHERES
-    {
-        return rays(&format!("{} would be too few for it", counted(count, "sphere")));
-    }
     let missed = |set: &SetQuality| {
         let percent = 100.0 * set.silhouette_error;
         format!("its spheres miss {percent:.1} % of its silhouette")
     };
-    if let Some(set) = set.filter(|set| !set.suits()) {
-        return rays(&missed(set));
-    }
     // A set that the scene names is there to be used. One that an earlier picture left behind is none: with it the advice
     // would be another after the first picture than before.
-    if let (Some(set), Proxy::File { .. }) = (set, &object.proxy) {
+    if let (Some(set), Proxy::File { .. }) = (set, &object.proxy)
+        && set.suits()
+    {
         return advice(Strategy::Spheres, missed(set));
+    }
+    let beside = match set.filter(|set| !set.suits()) {
+        Some(set) => missed(set),
+        None => about_spheres(mesh),
+    };
+    let triangles = counted(mesh.triangles.len(), "triangle");
+    advice(Strategy::Silhouettes, format!("{triangles}, exact and without a fit; {beside}"))
+}
+
+/// Whether spheres could stand for a mesh, in a few words.
+fn about_spheres(mesh: &Mesh) -> String {
+    if is_flat(mesh) {
+        return "flat: no inside that spheres could fill".to_owned();
     }
     let facts = MeshFacts::of(mesh);
     let thin = facts.thickness / facts.diagonal.max(f64::MIN_POSITIVE);
     if facts.open > 0.02 {
-        let reason =
-            format!("open: {:.0} % of its edges have one triangle, so its inside is not clear", 100.0 * facts.open);
-        rays(&reason)
+        format!("open, {:.0} % of its edges have one triangle: not for spheres", 100.0 * facts.open)
     } else if facts.twisted > 0.02 {
-        rays("its triangles wind both ways, so its inside is not clear")
+        "its triangles wind both ways: not for spheres".to_owned()
     } else if thin < THIN {
-        let reason = format!("closed but thin, {:.1} % of its diagonal: spheres would be many or bulge", 100.0 * thin);
-        rays(&reason)
+        format!("closed but thin, {:.1} % of its diagonal: spheres would be many or bulge", 100.0 * thin)
     } else {
-        let known = set.map_or_else(String::new, |set| format!("; {}", missed(set)));
-        advice(Strategy::Spheres, format!("closed and compact, {:.0} % of its diagonal thick{known}", 100.0 * thin))
+        format!("closed and compact, {:.0} % of its diagonal thick: spheres are faster, and near", 100.0 * thin)
     }
-}
-
-/// The true triangles, by rays. Shadow maps are never advised: on every mesh measured they took longer, 1.3 to 4 times on
-/// lumpy balls of 20 to 327 680 triangles, and missed more.
-fn rays(reason: &str) -> Advice {
-    Advice { strategy: Strategy::Rays, reason: format!("{reason}; rays are exact, and cheaper than a shadow map") }
 }
 
 /// Whether nobody gave an object a shadow: neither a proxy nor a strategy that needs none.

@@ -58,9 +58,6 @@ pub(crate) fn make_spheres(
     plan: &Plan,
     quiet: bool,
 ) -> Result<SceneSpheres, Failure> {
-    if let Some(line) = plan.unasked().filter(|_| !quiet) {
-        console::note(format_args!("lobes: note: {line}"));
-    }
     sphere_cache::fill(scene, plan, quiet)?;
     let source = |object| plan.spheres(scene, object);
     // What takes long was done before, but where nothing could be kept.
@@ -69,7 +66,7 @@ pub(crate) fn make_spheres(
         let name = &scene.objects[object].name;
         let percent = 100.0 * error;
         console::note(format_args!(
-            "lobes: warning: object \"{name}\": its spheres miss {percent:.0} % of its silhouette: rays suit it better, or \
+            "lobes: warning: object \"{name}\": its spheres miss {percent:.0} % of its silhouette: silhouettes are exact, or \
              more spheres (its keys `visibility` and `proxy`)"
         ));
     }

@@ -182,7 +182,7 @@ fn advise(maps: &[ShadowMap], receivers: &Bounds) {
         let instead = match advice.fineness {
             Fineness::Fine => continue,
             Fineness::Coarse => "",
-            Fineness::TooCoarse => "; `--visibility rays` needs no map",
+            Fineness::TooCoarse => "; `--visibility silhouettes` needs no map",
         };
         note(format_args!("lobes: note: light {light}: {advice}{instead}"));
     }

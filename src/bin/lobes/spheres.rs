@@ -53,7 +53,7 @@ fn doubt(args: &SpheresArgs, options: &BuildOptions, quality: &SetQuality) -> Op
         Verdict::FewSpheres => format!("too few spheres ({}) for it, --count allows more", options.count),
         Verdict::Draft => "--draft leaves about three times the error of a full fit".to_owned(),
         Verdict::Bounding => "a bound casts too large a shadow, and of an open mesh it fills the inside".to_owned(),
-        Verdict::Unsuitable => "spheres do not suit this mesh, render it with --visibility rays".to_owned(),
+        Verdict::Unsuitable => "spheres do not suit this mesh, render it with --visibility silhouettes".to_owned(),
     };
     let error = 100.0 * quality.silhouette_error;
     Some(format!("{}: silhouette error {error:.0} %: {why}", args.mesh.display()))

@@ -1,8 +1,6 @@
 //! Which strategy each object's shadow takes, and the visibility that this makes.
 
-use crate::advice::is_flat;
 use crate::args::Visibility;
-use crate::console::listed;
 use crate::device::{Backend, Shader};
 use crate::failure::Failure;
 use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
@@ -19,29 +17,21 @@ use rayon::prelude::*;
 /// The finest map that is taken unless asked for.
 const FITTED: u32 = 2048;
 
-/// Meshes of fewer triangles take rays where nothing else is said. A picture by rays takes 4 times the shading of 64
-/// spheres at 20 triangles, 6 at 80, 7 at 320, 10 at 1280, 13 at 5120, 21 at 81 920 (a lumpy ball on a floor, 5 % in
-/// penumbra), and is exact; the spheres take a fit of about 10 s of a core first, whatever the triangles.
-pub(crate) const FEW: usize = 300;
-
-/// Meshes that get fewer spheres take rays where nothing else is said: mostly parts of a file among which 64 spheres are
-/// shared out, four each, which are ugly stand-ins and take a fit each.
-pub(crate) const FEW_SPHERES: usize = 8;
-
 /// One strategy for each object; [`Strategy::None`] for those that block nothing.
 pub(crate) struct Plan {
     objects: Vec<Strategy>,
-    /// Names of the objects that take rays although nobody said so.
-    unasked: Vec<String>,
 }
 
 impl Plan {
     /// One strategy for all objects, or each object's own.
     pub(crate) fn new(word: Visibility, scene: &Scene) -> Self {
-        let said = |o: &Object| word.strategy().or(o.strategy);
         let of = |o: &Object| {
-            let usual = if by_rays(o) { Strategy::Rays } else { Strategy::Spheres };
-            let strategy = said(o).unwrap_or(usual);
+            // Exact, unless spheres are there already.
+            let usual = match (&o.proxy, &o.shape) {
+                (Proxy::Count(_), Shape::Mesh(_)) => Strategy::Silhouettes,
+                _ => Strategy::Spheres,
+            };
+            let strategy = word.strategy().or(o.strategy).unwrap_or(usual);
             let blocks = match strategy {
                 Strategy::Spheres => o.proxy != Proxy::None,
                 // The true geometry also of things that nobody gave a proxy.
@@ -50,20 +40,7 @@ impl Plan {
             };
             if blocks { strategy } else { Strategy::None }
         };
-        let unasked = scene.objects.iter().filter(|o| said(o).is_none() && by_rays(o)).map(|o| o.name.clone());
-        Self { objects: scene.objects.iter().map(of).collect(), unasked: unasked.collect() }
-    }
-
-    /// A line about the objects that take rays although nobody said so; none where there are none.
-    pub(crate) fn unasked(&self) -> Option<String> {
-        if self.unasked.is_empty() {
-            return None;
-        }
-        let names = listed(&self.unasked);
-        Some(format!(
-            "{names}: flat, of fewer than {FEW} triangles or with fewer than {FEW_SPHERES} spheres, so by rays, which are exact and \
-             need no fit (visibility = \"spheres\" fits spheres)"
-        ))
+        Self { objects: scene.objects.iter().map(of).collect() }
     }
 
     /// The strategy of an object.
@@ -147,15 +124,6 @@ impl Plan {
             None => ShadowMap::fitted(&positions, &triangles, light, &MapOptions { resolution: FITTED, ..options }),
         };
         scene.lights.par_iter().map(|l| map(l.ball)).collect()
-    }
-}
-
-/// Whether spheres would have to be fitted where rays are exact and cheap, where there is no inside to fill, or where they
-/// are too few to fill it.
-fn by_rays(object: &Object) -> bool {
-    match (&object.proxy, &object.shape) {
-        (Proxy::Count(count), Shape::Mesh(mesh)) => *count < FEW_SPHERES || mesh.triangles.len() < FEW || is_flat(mesh),
-        _ => false,
     }
 }
 

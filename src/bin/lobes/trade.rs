@@ -122,7 +122,7 @@ fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failur
     let balls = scene.objects.iter().filter(blocks).all(|o| matches!(o.shape, Shape::Spheres(_)));
     let mut good = vec![Visibility::Spheres];
     if args.geometry == TradeGeometry::Mesh && Plan::new(Visibility::ShadowMap, scene).wants_maps(scene) {
-        good.push(Visibility::ShadowMap);
+        good.extend([Visibility::ShadowMap, Visibility::Silhouettes]);
     }
     if args.geometry == TradeGeometry::Mesh || balls {
         good.push(Visibility::Rays);

@@ -18,7 +18,7 @@ use std::path::PathBuf;
   lobes render scene.toml -o a.png -o a.exr --tolerance 0.003
   lobes render scene.toml -o a.exr --layers --stats a.json
   lobes render scene.toml -o unshadowed.exr --visibility none
-  lobes render model.glb --visibility rays              shadows of the true triangles
+  lobes render model.glb --visibility spheres           faster shadows, of spheres fitted to it
   lobes render walk.glb -o walk.png --frames 0..24      walk.0000.png to walk.0023.png
   lobes render scene.toml --quality draft               fast; interactive and high cost more
   lobes render scene.toml --tiles 2/8 -o part2.exr      the second of eight parts")]
@@ -129,8 +129,8 @@ impl RenderArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Visibility {
-    /// Each object as the scene file says (its key `visibility`); where it says nothing by spheres, and meshes that
-    /// are flat, of fewer than 300 triangles or with fewer than 8 spheres by rays
+    /// Each object as the scene file says (its key `visibility`); where it says nothing meshes by their silhouettes, balls
+    /// and sets of spheres as they are
     Scene,
     /// The spheres that stand for the objects
     Spheres,
