@@ -1,6 +1,6 @@
 use crate::lanes::sum;
 use core::f32::consts::FRAC_1_SQRT_2;
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::Cone;
 
@@ -28,14 +28,19 @@ pub struct Edges {
     right: Vec3,
     up: Vec3,
     sum: Vec2,
+    /// What was added in any order, in [`STEP`]s.
+    whole: [i64; 2],
 }
+
+/// Lengths that are added in any order are rounded to this part of the disc's radius.
+const STEP: f32 = 1.0 / 65_536.0;
 
 impl Edges {
     /// No edges across this light.
     #[must_use]
     pub fn new(cone: &Cone) -> Self {
         let (right, up) = frame(cone.axis);
-        Self { right, up, sum: Vec2::new(NOTHING, 0.0) }
+        Self { right, up, sum: Vec2::new(NOTHING, 0.0), whole: [0; 2] }
     }
 
     /// An edge with `across` (world space, any length) at right angles to it, `length` radii of the light's disc long.
@@ -45,6 +50,22 @@ impl Edges {
         let square = d.length_squared();
         if square > 0.0 && length.is_finite() {
             self.sum += Vec2::new(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * (length / square);
+        }
+    }
+
+    /// [`add`](Self::add) of eight edges; a length of zero or less adds nothing. Whatever the order in which edges are added so,
+    /// the sum is the same to the bit.
+    #[inline(always)]
+    pub fn add_lines<S: Simd>(&mut self, simd: S, across: [f32x8<S>; 3], length: f32x8<S>) {
+        let (zero, u, v) = (f32x8::splat(simd, 0.0), self.right, self.up);
+        let x = across[0] * u.x + across[1] * u.y + across[2] * u.z;
+        let y = across[0] * v.x + across[1] * v.y + across[2] * v.z;
+        let square = x * x + y * y;
+        let scale = length / square * STEP.recip();
+        let adds = square.simd_gt(zero) & length.simd_gt(zero) & (square * scale).simd_le(f32x8::splat(simd, 1e9));
+        for (whole, part) in self.whole.iter_mut().zip([(x * x - y * y) * scale, (x + x) * y * scale]) {
+            let steps: [i32; 8] = adds.select(part, zero).to_int::<i32x8<S>>().into();
+            *whole += steps.iter().map(|s| i64::from(*s)).sum::<i64>();
         }
     }
 
@@ -80,7 +101,8 @@ impl Edges {
     #[must_use]
     pub fn across(&self) -> Vec3 {
         // Half the angle of the sum.
-        let d = self.sum.normalize_or(Vec2::X);
+        let [x, y] = self.whole.map(|whole| whole as f32 * STEP);
+        let d = (self.sum + Vec2::new(x, y)).normalize_or(Vec2::X);
         let half = if d.x >= 0.0 {
             let cos = ((1.0 + d.x) * 0.5).sqrt();
             Vec2::new(cos, 0.5 * d.y / cos)
@@ -105,6 +127,31 @@ mod tests {
     use super::*;
     use core::f64::consts::TAU;
     use lobe_core::oracle::Random;
+
+    /// Eight edges at once are the same edges one by one, in any order.
+    #[test]
+    fn lines_add_as_single_edges_do() {
+        let mut random = Random::new(8);
+        let cone = Cone { axis: Vec3::new(0.6, 0.0, 0.8), one_minus_cos: 0.01, distance: 5.0 };
+        for _ in 0..100 {
+            let across: [Vec3; 8] = core::array::from_fn(|_| random.axis().as_vec3() * 3.0);
+            let length: [f32; 8] = core::array::from_fn(|_| random.between(-0.3, 1.9) as f32);
+            let [mut one, mut eight, mut turned] = [Edges::new(&cone); 3];
+            for (across, length) in across.iter().zip(&length).filter(|(_, length)| **length > 0.0) {
+                one.add(*across, *length);
+            }
+            let lanes = |k: usize, turn: usize| core::array::from_fn(|l| across[(l + turn) % 8][k]);
+            for (edges, turn) in [(&mut eight, 0), (&mut turned, 3)] {
+                dispatch!(Level::new(), simd => {
+                    let across = [0, 1, 2].map(|k| f32x8::simd_from(simd, lanes(k, turn)));
+                    let length = f32x8::simd_from(simd, core::array::from_fn(|l| length[(l + turn) % 8]));
+                    edges.add_lines(simd, across, length);
+                });
+            }
+            assert!(one.across().dot(eight.across()).abs() > 0.999_99, "{one:?} {eight:?}");
+            assert_eq!(eight.whole, turned.whole);
+        }
+    }
 
     /// The rim's integral over the directions in which it lies on the disc, by quadrature in f64.
     #[test]

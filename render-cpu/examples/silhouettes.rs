@@ -5,18 +5,16 @@
 //! one ray), and what all receivers take, lit and dark ones too. Meshes that are not there are left out.
 
 use brdf::Material;
+use glam::Vec3;
 use lighting::{Blockers, MaskVisibility, SphereLight};
-use lobe_core::{
-    Coverage, LightLobes, Lobe, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum,
-};
+use lobe_core::{Coverage, LightLobes, Lobe, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum};
 use render_cpu::{GBuffer, RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use scene::{GROUP, Mesh, Scene, Shape, load_animated};
-use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
-use glam::Vec3;
 use std::collections::HashMap;
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
+use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
 const SIZE: (u32, u32) = (480, 270);
 /// One tile in so many is measured with rays, which take long.
@@ -24,7 +22,9 @@ const SPARSE: usize = 5;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
-    println!("| scene | triangles | light | on | receivers | silhouettes µs | rays µs | × less | all receivers | mean difference | build ms | refit ms |");
+    println!(
+        "| scene | triangles | light | on | receivers | silhouettes µs | rays µs | × less | all receivers | mean difference | build ms | refit ms |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     for name in ["bunny", "bunny111k", "armadillo", "fence", "room", "walk", "tree"] {
         if !wanted.is_empty() && !wanted.iter().any(|w| w == name) {
@@ -90,7 +90,8 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     silhouettes.update(&scene);
     let refit = start.elapsed().as_secs_f64();
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
-    let exact = MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true)), 5);
+    let exact =
+        MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true)), 5);
     let rays = MaskVisibility::new(RayBlockers::new(&world), 5);
     let groups: Vec<&[Receiver]> = points.receivers.chunks(GROUP).collect();
     let is_mesh = |r: &Receiver| match &scene.objects[r.object as usize].shape {
@@ -115,7 +116,8 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
         // Side by side, the least of three.
         let least = |times: [f64; 2]| times.into_iter().fold(f64::INFINITY, f64::min);
         let one = least([(); 2].map(|()| time(&exact, &tiles, &light)));
-        let [a, b] = [least([(); 2].map(|()| time(&exact, &few, &light))), least([(); 2].map(|()| time(&rays, &few, &light)))];
+        let [a, b] =
+            [least([(); 2].map(|()| time(&exact, &few, &light))), least([(); 2].map(|()| time(&rays, &few, &light)))];
         let count: usize = tiles.iter().map(|t| t.len()).sum();
         let (mut sum, mut number) = (0.0, 0);
         for at in few.iter().flat_map(|tile| tile.iter()) {
@@ -145,20 +147,21 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
     let (mut count, mut spent) = (0, 0.0);
     // The clock has steps of some milliseconds.
     while spent < 6e7 {
-    for tile in tiles {
-        let center = tile.iter().map(|r| r.position).sum::<Vec3>() / tile.len() as f32;
-        let radius = 1.000_01 * tile.iter().map(|r| r.position.distance(center)).fold(0.0, f32::max);
-        let entered = visibility.enter(&Shaft { receivers: Sphere { center, radius }, light: light.ball }, &mut scratch);
-        count += tile.len();
-        if entered == Coverage::Lit {
-            continue;
+        for tile in tiles {
+            let center = tile.iter().map(|r| r.position).sum::<Vec3>() / tile.len() as f32;
+            let radius = 1.000_01 * tile.iter().map(|r| r.position.distance(center)).fold(0.0, f32::max);
+            let entered =
+                visibility.enter(&Shaft { receivers: Sphere { center, radius }, light: light.ball }, &mut scratch);
+            count += tile.len();
+            if entered == Coverage::Lit {
+                continue;
+            }
+            for at in *tile {
+                let query = VisibilityQuery { at, cone: &light.cone(at), tolerance: 0.005 };
+                core::hint::black_box(visibility.coverage(&query, &mut scratch));
+            }
         }
-        for at in *tile {
-            let query = VisibilityQuery { at, cone: &light.cone(at), tolerance: 0.005 };
-            core::hint::black_box(visibility.coverage(&query, &mut scratch));
-        }
-    }
-    spent = clock() - start;
+        spent = clock() - start;
     }
     spent / 1e3 / count.max(1) as f64
 }
@@ -223,7 +226,8 @@ fn tree() -> Scene {
         (state >> 8) as f32 / 16_777_216.0 - 0.5
     };
     for _ in 0..900 {
-        let at = Vec3::new(random(), random(), random()).normalize_or_zero() * 0.5 * (0.4 + 0.6 * (random() + 0.5)) + Vec3::Y * 1.2;
+        let at = Vec3::new(random(), random(), random()).normalize_or_zero() * 0.5 * (0.4 + 0.6 * (random() + 0.5))
+            + Vec3::Y * 1.2;
         let u = Vec3::new(random(), random(), random()).normalize_or_zero() * 0.04;
         let v = u.cross(Vec3::new(random(), random(), random())).normalize_or_zero() * 0.025;
         mesh.append(&Mesh::quad(at, u, v));

@@ -280,7 +280,9 @@ fn transform<'s>(t: &mut Table<'s>) -> Result<(Stood, Option<Value<'s>>), SceneE
 fn read_strategy(value: Value<'_>) -> Result<Strategy, SceneError> {
     let name = value.string()?;
     Strategy::named(name).ok_or_else(|| {
-        value.error(format!("unknown strategy \"{name}\": expected \"spheres\", \"shadow-map\", \"silhouettes\", \"rays\" or \"none\""))
+        value.error(format!(
+            "unknown strategy \"{name}\": expected \"spheres\", \"shadow-map\", \"silhouettes\", \"rays\" or \"none\""
+        ))
     })
 }
 

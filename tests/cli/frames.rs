@@ -14,7 +14,7 @@ fn a_sequence_is_one_file_a_frame() {
     let stats: Value = serde_json::from_str(&fs::read_to_string(folder.join("r.json")).unwrap()).unwrap();
     assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&3.into(), &0.into()));
     assert!(stats["seconds"].as_f64().unwrap() > 0.0 && stats["update_seconds"].as_f64().unwrap() > 0.0, "{stats}");
-    for key in ["pose", "spheres", "hierarchy", "maps"] {
+    for key in ["pose", "spheres", "hierarchy", "silhouettes", "maps"] {
         assert!(stats["update"][key].is_number(), "{key} in {stats}");
     }
 

@@ -6,7 +6,7 @@ fn parts_make_the_whole_to_the_bit() {
     let folder = folder();
     let folder = folder.path();
     fs::write(folder.join("table.toml"), format!("{SCENE}{TABLE}")).unwrap();
-    for visibility in ["spheres", "shadow-map", "rays"] {
+    for visibility in ["spheres", "shadow-map", "silhouettes", "rays"] {
         let render = |output: &str, further: &[&str]| {
             let base = ["render", "table.toml", "--quiet", "--layers", "--visibility", visibility, "-o", output];
             succeed(folder, &[&base[..], further].concat());

@@ -99,8 +99,13 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         let off = self.hits.leave(shaft.receivers.center, Vec3::Y).distance(shaft.receivers.center);
         scratch.margin = 2.0 * off + 1e-6 * shaft.receivers.radius;
         scratch.shaft = *shaft;
-        let hull =
-            Hull::new(shaft.receivers.center, Vec3::ZERO, shaft.receivers.radius + scratch.margin, shaft.light, scratch.margin);
+        let hull = Hull::new(
+            shaft.receivers.center,
+            Vec3::ZERO,
+            shaft.receivers.radius + scratch.margin,
+            shaft.light,
+            scratch.margin,
+        );
         for (mesh, base) in self.meshes.iter().zip(&self.bases) {
             dispatch!(Level::new(), simd => {
                 hull.find(simd, mesh, *base, &mut scratch.stack, &mut scratch.edges);
@@ -128,7 +133,8 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
             let number = (place.x as usize * CELLS + place.y as usize) * CELLS + place.z as usize;
             let cell = &mut cells[number];
             if !cell.is_listed {
-                let hull = Hull::new(low + (place + 0.5) * size, Vec3::splat(0.5 * size), *margin, shaft.light, *margin);
+                let hull =
+                    Hull::new(low + (place + 0.5) * size, Vec3::splat(0.5 * size), *margin, shaft.light, *margin);
                 hull.narrow(simd, edges, &mut cell.edges);
                 cell.is_listed = true;
             }
@@ -226,7 +232,11 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         }
         // All samples have the same number of surfaces before them.
         let distance = cone.distance * cone.cos() * cone.cos();
-        if self.hits.is_hit(scratch.origin, cone.axis, distance, &mut scratch.hits) { Coverage::Dark } else { Coverage::Lit }
+        if self.hits.is_hit(scratch.origin, cone.axis, distance, &mut scratch.hits) {
+            Coverage::Dark
+        } else {
+            Coverage::Lit
+        }
     }
 
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {

@@ -81,14 +81,7 @@ impl Counter {
 
     /// Numbers that fit into eight bits.
     #[inline(always)]
-    fn few<S: Simd>(
-        &mut self,
-        simd: S,
-        view: &View,
-        crossings: &[Crossing],
-        mask: &Mask,
-        width: usize,
-    ) -> Fewest {
+    fn few<S: Simd>(&mut self, simd: S, view: &View, crossings: &[Crossing], mask: &Mask, width: usize) -> Fewest {
         let parts = view.rows.div_ceil(ROWS);
         // One more column, for what is right of all samples.
         let part = (width + 1) * ROWS;
@@ -170,7 +163,7 @@ impl Counter {
 
     /// The samples with the fewest surfaces of those that have more than `above`: any numbers, one row after the other. Only
     /// after [`fewest`](Self::fewest) of the same.
-    #[cold]
+    #[inline(always)]
     pub(crate) fn next<S: Simd>(
         &self,
         simd: S,

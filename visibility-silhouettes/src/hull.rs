@@ -158,8 +158,6 @@ impl Hull {
     }
 }
 
-
-
 #[inline(always)]
 fn vectors<S: Simd>(simd: S, eight: &impl Eight, column: usize) -> Lanes3<S> {
     Lanes3::new(eight.column(simd, column), eight.column(simd, column + 1), eight.column(simd, column + 2))

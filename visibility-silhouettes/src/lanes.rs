@@ -55,11 +55,7 @@ impl<S: Simd> Lanes3<S> {
 
     #[inline(always)]
     pub(crate) fn cross_each(self, v: Self) -> Self {
-        Self {
-            x: self.y * v.z - self.z * v.y,
-            y: self.z * v.x - self.x * v.z,
-            z: self.x * v.y - self.y * v.x,
-        }
+        Self { x: self.y * v.z - self.z * v.y, y: self.z * v.x - self.x * v.z, z: self.x * v.y - self.y * v.x }
     }
 
     /// `axis × self`.
@@ -75,10 +71,6 @@ impl<S: Simd> Lanes3<S> {
     /// Where a mask holds, the other.
     #[inline(always)]
     pub(crate) fn or(self, mask: mask32x8<S>, other: Self) -> Self {
-        Self {
-            x: mask.select(other.x, self.x),
-            y: mask.select(other.y, self.y),
-            z: mask.select(other.z, self.z),
-        }
+        Self { x: mask.select(other.x, self.x), y: mask.select(other.y, self.y), z: mask.select(other.z, self.z) }
     }
 }

@@ -156,8 +156,9 @@ impl SilhouetteMesh {
             let [p, q] = edge.ends().map(|k| corners[k]);
             let plane = self.planes[edge.triangle() as usize];
             let other = edge.other().map_or([0.0; 4], |t| self.planes[t as usize]);
-            // The lower number first, so that all records of an edge make the same calculation.
-            let ([a, b], [along, against]) = if p < q { ([p, q], [plane, other]) } else { ([q, p], [other, plane]) };
+            // Upward, so that all records of an edge make the same calculation, whatever the hierarchy.
+            let ([a, b], [along, against]) =
+                if edge.is_down() { ([q, p], [other, plane]) } else { ([p, q], [plane, other]) };
             let [a, b] = [a, b].map(|i| self.positions[i as usize]);
             let id = f32::from_bits(base + (first + number) as u32);
             let all: [f32; COLUMNS] = [
@@ -172,14 +173,13 @@ impl SilhouetteMesh {
         lane
     }
 
-    /// How a point lies to the triangles that run along an edge and against it, from its lower end to its higher: 1 in front,
+    /// How a point lies to the triangles that run along an edge upward and downward: 1 in front,
     /// −1 behind, 0 in the plane or where there is no triangle. Exact but for the rounding of f64.
     pub(crate) fn sides(&self, edge: usize, x: Vec3) -> [f32; 2] {
         let edge = self.edges[edge];
         let side = |t: u32| side(self.triangles[t as usize].map(|i| self.positions[i as usize]), x);
-        let [p, q] = edge.ends().map(|k| self.triangles[edge.triangle() as usize][k]);
         let [one, other] = [side(edge.triangle()), edge.other().map_or(0.0, side)];
-        if p < q { [one, other] } else { [other, one] }
+        if edge.is_down() { [other, one] } else { [one, other] }
     }
 }
 

@@ -45,7 +45,8 @@ impl View {
 
     /// A point on the square, in samples and rows.
     fn place(&self, x: f32, y: f32) -> Vec2 {
-        let at = Vec2::new((x - self.raster.left) * self.raster.samples, (y - self.raster.bottom) * self.raster.rows - 0.5);
+        let at =
+            Vec2::new((x - self.raster.left) * self.raster.samples, (y - self.raster.bottom) * self.raster.rows - 0.5);
         at.clamp(Vec2::splat(-FAR_OUTSIDE), Vec2::splat(FAR_OUTSIDE))
     }
 }
@@ -70,7 +71,13 @@ pub(crate) struct Crossing {
 impl Crossing {
     /// From its two ends with rows already counted; none where it changes nothing.
     #[inline(always)]
-    fn new(view: &View, [a, b]: [f32; 2], [start, slope]: [f32; 2], [row_a, row_b]: [i32; 2], step: i32) -> Option<Self> {
+    fn new(
+        view: &View,
+        [a, b]: [f32; 2],
+        [start, slope]: [f32; 2],
+        [row_a, row_b]: [i32; 2],
+        step: i32,
+    ) -> Option<Self> {
         let left = [a < view.middle, b < view.middle];
         let none = row_a == row_b && (left[0] == left[1] || row_a == 0 || row_a == view.rows as i32);
         let beside = a.min(b) > view.raster.width + 1.0 || a.max(b) < -1.0;

@@ -105,13 +105,9 @@ pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes
             let zero = f32x8::splat(simd, 0.0);
             length = length_before(simd, light, a, b, normal).simd_gt(zero).select(length, zero);
         }
-        let length: [f32; 8] = length.into();
-        let [x, y, z]: [[f32; 8]; 3] = [normal.x.into(), normal.y.into(), normal.z.into()];
-        for lane in 0..(silhouettes.len() - first).min(8) {
-            if length[lane] > 0.0 {
-                edges.add(Vec3::new(x[lane], y[lane], z[lane]), length[lane]);
-            }
-        }
+        let is_there = mask32x8::from_bitmask(simd, u64::from(silhouettes.lanes(first)));
+        let length = is_there.select(length, f32x8::splat(simd, 0.0));
+        edges.add_lines(simd, [normal.x, normal.y, normal.z], length);
     }
 }
 

@@ -11,20 +11,25 @@ const FLAT: u32 = 1 << 31;
 /// An edge by the triangles on its two sides, in 8 bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edge {
-    /// The first triangle times four, plus the number of the corner where the edge begins.
+    /// The first triangle times eight, plus twice the number of the corner where the edge begins, plus one where it runs down:
+    /// from a later position of the caller's to an earlier one.
     first: u32,
     /// The triangle that runs the other way, or [`NONE`]; the highest bit is [`FLAT`].
     second: u32,
 }
 
 impl Edge {
-    /// The edge that begins at a corner of a triangle, and the triangle on its other side.
-    fn new(triangle: u32, corner: u32, second: u32) -> Self {
-        Self { first: 4 * triangle + corner, second }
+    /// The side of a triangle, and the triangle on its other side.
+    fn new(side: &Side, second: u32) -> Self {
+        Self { first: 8 * side.triangle + 2 * side.corner + u32::from(side.down), second }
     }
 
     pub(crate) fn triangle(self) -> u32 {
-        self.first / 4
+        self.first / 8
+    }
+
+    pub(crate) fn is_down(self) -> bool {
+        self.first % 2 == 1
     }
 
     /// The triangle that runs the other way, if there is one.
@@ -39,14 +44,13 @@ impl Edge {
 
     /// The same edge where each triangle has another number.
     pub(crate) fn renumber(&mut self, places: &[u32]) {
-        let corner = self.first % 4;
-        self.first = 4 * places[self.triangle() as usize] + corner;
+        self.first = 8 * places[self.triangle() as usize] + self.first % 8;
         self.second = self.other().map_or(NONE, |t| places[t as usize]) | self.second & FLAT;
     }
 
     /// Its ends as corners of the first triangle, in that triangle's direction.
     pub(crate) fn ends(self) -> [usize; 2] {
-        let corner = (self.first % 4) as usize;
+        let corner = (self.first / 2 % 4) as usize;
         [corner, (corner + 1) % 3]
     }
 
@@ -180,8 +184,8 @@ pub(crate) fn edges(triangles: &mut [[u32; 3]]) -> Vec<Edge> {
         let (up, down) = group.split_at(group.partition_point(|side| !side.down));
         for k in 0..up.len().max(down.len()) {
             edges.push(match (up.get(k), down.get(k)) {
-                (Some(one), other) => Edge::new(one.triangle, one.corner, other.map_or(NONE, |o| o.triangle)),
-                (None, Some(one)) => Edge::new(one.triangle, one.corner, NONE),
+                (Some(one), other) => Edge::new(one, other.map_or(NONE, |o| o.triangle)),
+                (None, Some(one)) => Edge::new(one, NONE),
                 (None, None) => continue,
             });
         }

@@ -134,11 +134,8 @@ impl Node {
         let center = 0.5 * bounds.low + 0.5 * bounds.high;
         // A little more, for the rounding of the middle; an empty box stays one, which every plane parts from everything.
         let half = (bounds.high - center).max(center - bounds.low) * 1.000_001;
-        let (center, half) = if bounds.low.cmple(bounds.high).all() {
-            (center, half)
-        } else {
-            (Vec3::ZERO, Vec3::splat(NEVER))
-        };
+        let (center, half) =
+            if bounds.low.cmple(bounds.high).all() { (center, half) } else { (Vec3::ZERO, Vec3::splat(NEVER)) };
         let all = [center, half, bounds.axis].map(|v| v.to_array());
         for (column, value) in self.bounds.iter_mut().zip(all.as_flattened()) {
             column[k] = *value;

@@ -130,7 +130,10 @@ fn compare(case: usize, random: &mut Random) -> Option<[u32; 3]> {
     let mut scratch = blockers.scratch();
     if case % 3 > 0 {
         let center = position + vec(random, 0.1);
-        blockers.enter(&Shaft { receivers: Sphere { center, radius: position.distance(center) * 1.001 }, light }, &mut scratch);
+        blockers.enter(
+            &Shaft { receivers: Sphere { center, radius: position.distance(center) * 1.001 }, light },
+            &mut scratch,
+        );
     }
     let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
     let coverage = blockers.select(&query, &mut scratch);
@@ -189,6 +192,45 @@ fn every_sample_is_that_of_a_ray() {
     }
     println!("{cases} cases: {} of {} samples differ, {} are wrong", sums[0], sums[1], sums[2]);
     assert!(cases > 8000);
-    assert_eq!(worst[0], 0);
-    assert!((sums[0] as f64) < 2e-5 * sums[1] as f64);
+    // Needles as thin as the rounding of their corners: some few samples on them.
+    assert!(worst[0] <= 2 && sums[2] <= 4 && (sums[0] as f64) < 1e-6 * sums[1] as f64);
+}
+
+/// A mesh that has been refitted is that of a new one to the bit, whatever hierarchy it was built with.
+#[test]
+fn masks_do_not_depend_on_the_hierarchy() {
+    let mut random = Random::new(5);
+    let mut partly = 0;
+    for case in 0..300 {
+        let old = ball(Vec3::ZERO, 0.5, 9);
+        let mut new = old.clone();
+        let (turn, stretch) = (turn(&mut random), vec(&mut random, 0.4) + Vec3::ONE);
+        for p in &mut new.positions {
+            // Corners that are one stay one.
+            *p = turn
+                * (*p * stretch + 0.2 * (7.0 * p.y).sin() + 0.03 * (19.0 * Vec3::new(p.z, p.x, p.y)).map(f32::sin));
+        }
+        let fresh = [SilhouetteMesh::new(0, &new.positions, &new.triangles)];
+        let mut kept = [SilhouetteMesh::new(0, &old.positions, &old.triangles)];
+        assert!(kept[0].refit(&new.positions));
+        let light = Sphere { center: Vec3::new(0.0, 3.0, 0.0), radius: random.log_uniform(0.05, 1.5) as f32 };
+        let position = vec(&mut random, 0.6) - Vec3::Y * 1.5;
+        let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+        let cone = Cone::of_sphere(position, light);
+        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let [a, b] = [&fresh, &kept].map(|meshes| {
+            let blockers = SilhouetteBlockers::new(meshes, Rays(&new));
+            let mut scratch = blockers.scratch();
+            let coverage = blockers.select(&query, &mut scratch);
+            let square = UnitSquare::facing(&cone, blockers.across(&query, &scratch));
+            let mut mask = hooks::mask(&square, 5, case % 2 == 0, Vec3::Y);
+            if coverage == Coverage::Partial {
+                blockers.splat(&query, &mut scratch, &mut mask);
+            }
+            (coverage, square, (0..32).map(|j| hooks::row(&mask, j)).collect::<Vec<_>>())
+        });
+        partly += u32::from(a.0 == Coverage::Partial);
+        assert!(a == b, "case {case}");
+    }
+    assert!(partly > 50, "{partly}");
 }

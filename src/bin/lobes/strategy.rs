@@ -75,9 +75,8 @@ impl Plan {
 
     /// For each object whether it blocks by its true surface, as rays and maps see it, and not by spheres.
     pub(crate) fn by_surfaces(&self, scene: &Scene) -> Vec<bool> {
-        let by_surface = |o| {
-            self.objects[o] == Strategy::Rays || self.in_maps(scene, o) || self.by_silhouettes(scene, o as u32)
-        };
+        let by_surface =
+            |o| self.objects[o] == Strategy::Rays || self.in_maps(scene, o) || self.by_silhouettes(scene, o as u32);
         (0..self.objects.len()).map(by_surface).collect()
     }
 
