@@ -1,7 +1,56 @@
 //! Exact visibility of triangle meshes from their silhouette edges.
 //!
-//! A [`SilhouetteMesh`] is prepared once and refitted as it moves; [`SilhouetteBlockers`] fills a receiver's mask from the
-//! outlines of all meshes, the same mask that every strategy fills, with one shadow ray a mask ([`AnyHit`]).
+//! A [`SilhouetteMesh`] is prepared once and refitted as it moves. [`SilhouetteBlockers`] fills a receiver's mask from the
+//! outlines of all meshes: the same mask that every strategy fills, with the samples that shadow rays to each of them would
+//! find lit, for one shadow ray a mask. Who answers that ray is [`AnyHit`]: whatever ray tracer is at hand.
+//!
+//! ```
+//! use glam::Vec3;
+//! use lighting::MaskVisibility;
+//! use lobe_core::{Cone, Coverage, Receiver, Sphere, VisibilityLobes, VisibilityQuery};
+//! use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
+//!
+//! /// One square, one above the origin.
+//! struct Square;
+//!
+//! impl AnyHit for Square {
+//!     type Scratch = ();
+//!     fn scratch(&self) {}
+//!     fn leave(&self, position: Vec3, face: Vec3) -> Vec3 {
+//!         position + 1e-6 * face
+//!     }
+//!     fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, _: &mut ()) -> bool {
+//!         let t = (1.0 - origin.y) / direction.y;
+//!         let met = origin + direction * t;
+//!         (0.0..distance).contains(&t) && met.x.abs() < 1.0 && met.z.abs() < 1.0
+//!     }
+//!     fn triangles_meeting(&self, _: Sphere, _: &mut dyn FnMut([Vec3; 3])) {}
+//!     fn has(&self, object: u32) -> bool {
+//!         object == 1
+//!     }
+//! }
+//!
+//! let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x, 1.0, z));
+//! let meshes = [SilhouetteMesh::new(1, &corners, &[[0, 1, 2], [0, 2, 3]])];
+//! let visibility = MaskVisibility::new(SilhouetteBlockers::new(&meshes, Square), 5);
+//! let mut scratch = visibility.scratch();
+//! let light = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };
+//! let mut coverage = |position: Vec3| {
+//!     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
+//!     let cone = Cone::of_sphere(position, light);
+//!     visibility.coverage(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch)
+//! };
+//! assert_eq!(coverage(Vec3::ZERO), Coverage::Dark);
+//! assert_eq!(coverage(Vec3::new(1.25, 0.0, 0.0)), Coverage::Partial);
+//! assert_eq!(coverage(Vec3::new(3.0, 0.0, 0.0)), Coverage::Lit);
+//! ```
+//!
+//! # Limits
+//! A surface that reaches into the light blocks up to the circle where the cone of light touches it, not up to the light's own
+//! surface. Needles as thin as the rounding of their corners may be a sample off. Under lights of 15° and more, meshes of
+//! many triangles have edges finer than the mask, and cost accordingly.
+//!
+//! Out of scope: tracing rays, deciding what casts shadows.
 
 mod blockers;
 mod count;
