@@ -86,8 +86,6 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     let build = start.elapsed().as_secs_f64();
     let start = Instant::now();
     silhouettes.update(&scene);
-    let start = Instant::now();
-    silhouettes.update(&scene);
     let refit = start.elapsed().as_secs_f64();
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
     let exact =

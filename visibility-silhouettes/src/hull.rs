@@ -83,15 +83,20 @@ impl Hull {
         !outside.to_bitmask() as u32 & ((1 << node.len) - 1)
     }
 
-    /// Appends those of eight edges that may be silhouettes inside of the hull; there must be room.
+    /// Which of eight edges certainly are silhouettes for none of the receivers.
     #[inline(always)]
-    fn sift<S: Simd>(&self, simd: S, eight: &impl Eight, lanes: u32, out: &mut EdgeList) {
-        let mut outside = !mask32x8::from_bitmask(simd, u64::from(lanes));
+    fn cancel<S: Simd>(&self, simd: S, eight: &impl Eight) -> mask32x8<S> {
         let [one, other] = [self.faces(simd, eight, PLANES[0]), self.faces(simd, eight, PLANES[1])];
-        outside |= (one[0] & other[0]) | (one[1] & other[1]);
-        if outside.all_true() {
+        (one[0] & other[0]) | (one[1] & other[1])
+    }
+
+    /// Appends those of eight edges that `keep` has and that may lie inside of the hull; there must be room.
+    #[inline(always)]
+    fn sift<S: Simd>(&self, simd: S, eight: &impl Eight, keep: mask32x8<S>, out: &mut EdgeList) {
+        if !keep.any_true() {
             return;
         }
+        let mut outside = !keep;
         let [a, b] = [vectors(simd, eight, ENDS[0]), vectors(simd, eight, ENDS[1])];
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
             outside |= a.dot(*n).min(b.dot(*n)).simd_gt(f32x8::splat(simd, *offset));
@@ -140,9 +145,12 @@ impl Hull {
                     stack.push(node.first[k]);
                     continue;
                 }
-                let count = mesh.fetch(node.first[k] as usize, count, base, &mut block);
+                let first = node.first[k] as usize;
+                let lanes = mask32x8::from_bitmask(simd, u64::from(mesh.fetch_planes(first, count, &mut block)));
+                let keep = lanes & !self.cancel(simd, &block);
+                mesh.fetch_ends(first, keep.to_bitmask() as u32, base, &mut block);
                 out.reserve(8);
-                self.sift(simd, &block, (1 << count) - 1, out);
+                self.sift(simd, &block, keep, out);
             }
         }
     }
@@ -153,7 +161,9 @@ impl Hull {
         out.clear();
         out.reserve(list.len());
         for first in (0..list.len()).step_by(8) {
-            self.sift(simd, &(list, first), list.lanes(first), out);
+            let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
+            let keep = lanes & !self.cancel(simd, &(list, first));
+            self.sift(simd, &(list, first), keep, out);
         }
     }
 }

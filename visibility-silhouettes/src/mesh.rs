@@ -1,4 +1,4 @@
-use crate::edge_list::{Block, COLUMNS, LANES};
+use crate::edge_list::{Block, COLUMNS, ENDS, ID, LANES, PLANES};
 use crate::topology::{self, Edge, normal};
 use crate::tree::Tree;
 use glam::Vec3;
@@ -144,33 +144,38 @@ impl SilhouetteMesh {
         &self.tree
     }
 
-    /// Writes up to eight edges side by side, but for flat ones; returns how many.
+    /// Writes the planes on both sides of up to eight edges side by side; returns which of them are not flat, as bits.
     #[inline(always)]
-    pub(crate) fn fetch(&self, first: usize, count: usize, base: u32, out: &mut Block<COLUMNS>) -> usize {
-        let mut lane = 0;
-        for (number, edge) in self.edges[first..first + count].iter().enumerate() {
-            if edge.is_flat() {
-                continue;
-            }
-            let corners = &self.triangles[edge.triangle() as usize];
-            let [p, q] = edge.ends().map(|k| corners[k]);
+    pub(crate) fn fetch_planes(&self, first: usize, count: usize, out: &mut Block<COLUMNS>) -> u32 {
+        let mut lanes = 0;
+        for (lane, edge) in self.edges[first..first + count.min(LANES)].iter().enumerate() {
             let plane = self.planes[edge.triangle() as usize];
             let other = edge.other().map_or([0.0; 4], |t| self.planes[t as usize]);
             // Upward, so that all records of an edge make the same calculation, whatever the hierarchy.
-            let ([a, b], [along, against]) =
-                if edge.is_down() { ([q, p], [other, plane]) } else { ([p, q], [plane, other]) };
-            let [a, b] = [a, b].map(|i| self.positions[i as usize]);
-            let id = f32::from_bits(base + (first + number) as u32);
-            let all: [f32; COLUMNS] = [
-                a.x, a.y, a.z, b.x, b.y, b.z, along[0], along[1], along[2], along[3], against[0], against[1],
-                against[2], against[3], id,
-            ];
-            for (column, value) in out.iter_mut().zip(all) {
-                column[lane % LANES] = value;
+            let sides = if edge.is_down() { [other, plane] } else { [plane, other] };
+            for (column, value) in out[PLANES[0]..ID].iter_mut().zip(sides.as_flattened()) {
+                column[lane] = *value;
             }
-            lane += 1;
+            lanes |= u32::from(!edge.is_flat()) << lane;
         }
-        lane
+        lanes
+    }
+
+    /// The same for the ends and the numbers of those that `lanes` has; `base` is the number of the mesh's first edge.
+    #[inline(always)]
+    pub(crate) fn fetch_ends(&self, first: usize, mut lanes: u32, base: u32, out: &mut Block<COLUMNS>) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & (LANES - 1);
+            lanes &= lanes - 1;
+            let edge = self.edges[first + lane];
+            let corners = &self.triangles[edge.triangle() as usize];
+            let [p, q] = edge.ends().map(|k| self.positions[corners[k] as usize].to_array());
+            let ends = if edge.is_down() { [q, p] } else { [p, q] };
+            for (column, value) in out[ENDS[0]..PLANES[0]].iter_mut().zip(ends.as_flattened()) {
+                column[lane] = *value;
+            }
+            out[ID][lane] = f32::from_bits(base + (first + lane) as u32);
+        }
     }
 
     /// How a point lies to the triangles that run along an edge upward and downward: 1 in front,
