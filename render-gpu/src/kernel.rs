@@ -1,25 +1,52 @@
+use crate::module::Text;
 use crate::{Gpu, GpuError};
+use visibility_shadowmap::Pages;
+use wgpu::BufferUsages;
 
-/// The numbers of the bindings, all in group 0.
+/// The buffers of kernels, each with a binding of its own in group 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
 pub(crate) enum Slot {
-    Frame = 0,
-    Points = 1,
-    Materials = 2,
-    Radiance = 3,
-    Queue = 4,
-    Indirect = 5,
-    Spheres = 6,
-    Lists = 7,
-    Maps = 8,
-    Tables = 9,
-    Nodes = 10,
-    Bounds = 11,
-    Rig = 12,
-    Bones = 13,
-    Primitives = 14,
-    Normals = 15,
+    Frame,
+    Points,
+    Materials,
+    Radiance,
+    Queue,
+    Indirect,
+    Spheres,
+    Lists,
+    Tables,
+    Nodes,
+    Bounds,
+    Rig,
+    Bones,
+    Primitives,
+    Normals,
+    /// A page of the shadow maps.
+    Maps(u32),
+}
+
+impl Slot {
+    /// The number of the binding.
+    pub(crate) const fn binding(self) -> u32 {
+        match self {
+            Self::Frame => 0,
+            Self::Points => 1,
+            Self::Materials => 2,
+            Self::Radiance => 3,
+            Self::Queue => 4,
+            Self::Indirect => 5,
+            Self::Spheres => 6,
+            Self::Lists => 7,
+            Self::Tables => 9,
+            Self::Nodes => 10,
+            Self::Bounds => 11,
+            Self::Rig => 12,
+            Self::Bones => 13,
+            Self::Primitives => 14,
+            Self::Normals => 15,
+            Self::Maps(page) => Pages::binding(page),
+        }
+    }
 }
 
 /// How a kernel uses a buffer.
@@ -33,6 +60,9 @@ pub(crate) enum Access {
 /// A buffer of a kernel.
 pub(crate) type Binding = (Slot, Access);
 
+/// Bytes of the buffers of a kernel that runs no workgroups: at least the fixed part of each.
+const EMPTY: u64 = 4096;
+
 /// One compiled entry point and the buffers that it wants.
 #[derive(Debug)]
 pub(crate) struct Kernel {
@@ -43,8 +73,19 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
-    /// Compiles the entry point `label` of a module.
-    pub(crate) fn new(gpu: &Gpu, label: &'static str, text: &str, bindings: &[Binding]) -> Result<Self, GpuError> {
+    /// Compiles a kernel.
+    pub(crate) fn new(gpu: &Gpu, text: &Text) -> Result<Self, GpuError> {
+        gpu.kernels().compile(&text.name, || {
+            let kernel = Self::create(gpu, text)?;
+            if gpu.is_software() {
+                kernel.run_empty(gpu)?;
+            }
+            Ok(kernel)
+        })
+    }
+
+    fn create(gpu: &Gpu, Text { entry: label, text, bindings, .. }: &Text) -> Result<Self, GpuError> {
+        let label = *label;
         let storage = bindings.iter().filter(|(_, access)| *access != Access::Uniform).count() as u64;
         let allowed = gpu.device().limits().max_storage_buffers_per_shader_stage.into();
         if storage > allowed {
@@ -55,7 +96,7 @@ impl Kernel {
             let device = gpu.device();
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(text.into()),
+                source: wgpu::ShaderSource::Wgsl(text.as_str().into()),
             });
             let layout = device
                 .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries });
@@ -76,6 +117,25 @@ impl Kernel {
         })
     }
 
+    /// Runs no workgroups, and waits. Mesa's software driver compiles a kernel when it runs first, not when it is made.
+    fn run_empty(&self, gpu: &Gpu) -> Result<(), GpuError> {
+        gpu.scoped("a kernel", || {
+            let usage = BufferUsages::STORAGE | BufferUsages::UNIFORM;
+            let buffer = |_| {
+                let descriptor = wgpu::BufferDescriptor { label: None, size: EMPTY, usage, mapped_at_creation: false };
+                gpu.device().create_buffer(&descriptor)
+            };
+            let buffers: Vec<_> = self.slots.iter().map(buffer).collect();
+            let all = || self.slots.iter().zip(&buffers);
+            let group = self.bind(gpu, |slot| {
+                let (_, buffer) = all().find(|(known, _)| **known == slot)?;
+                Some(buffer.as_entire_buffer_binding())
+            });
+            self.submit(gpu, &group, [0, 0]);
+        })?;
+        gpu.wait()
+    }
+
     /// Its bind group, of the buffers that `resource` has for its slots.
     pub(crate) fn bind<'b>(
         &self,
@@ -87,7 +147,7 @@ impl Kernel {
             .iter()
             .filter_map(|slot| {
                 let resource = wgpu::BindingResource::Buffer(resource(*slot)?);
-                Some(wgpu::BindGroupEntry { binding: *slot as u32, resource })
+                Some(wgpu::BindGroupEntry { binding: slot.binding(), resource })
             })
             .collect();
         gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
@@ -131,7 +191,7 @@ fn layout_entry(slot: Slot, access: Access) -> wgpu::BindGroupLayoutEntry {
         Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
     };
     wgpu::BindGroupLayoutEntry {
-        binding: slot as u32,
+        binding: slot.binding(),
         visibility: wgpu::ShaderStages::COMPUTE,
         ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: access == Access::Uniform, min_binding_size: None },
         count: None,

@@ -185,7 +185,7 @@ impl GpuShader {
         if let Some(known) = self.kernels.iter().position(|(known, _)| *known == variant) {
             return Ok(known);
         }
-        let make = |text: module::Text| Kernel::new(&self.gpu, text.entry, &text.text, &text.bindings);
+        let make = |text: module::Text| Kernel::new(&self.gpu, &text);
         let blocked = variant.strategies.any();
         let kernels = Kernels {
             cull: variant.strategies.spheres.then(|| make(module::cull())).transpose()?,
