@@ -86,17 +86,22 @@ impl Kernel {
 
     fn create(gpu: &Gpu, Text { entry: label, text, bindings, .. }: &Text) -> Result<Self, GpuError> {
         let label = *label;
-        let storage = bindings.iter().filter(|(_, access)| *access != Access::Uniform).count() as u64;
+        // Mesa's software driver takes numbers of a uniform that decide loops and branches for constants, unrolls the loops, and
+        // compiles the kernel anew for each light. Of a storage buffer it does not.
+        let is_storage = gpu.is_software();
+        let text = if is_storage { text.replace("var<uniform>", "var<storage, read>") } else { text.clone() };
+        let access = |access: Access| if is_storage && access == Access::Uniform { Access::Read } else { access };
+        let storage = bindings.iter().filter(|(_, of)| access(*of) != Access::Uniform).count() as u64;
         let allowed = gpu.device().limits().max_storage_buffers_per_shader_stage.into();
         if storage > allowed {
             return Err(GpuError::Limits { what: "a kernel's storage buffers", needed: storage, allowed });
         }
-        let entries: Vec<_> = bindings.iter().map(|(slot, access)| layout_entry(*slot, *access)).collect();
+        let entries: Vec<_> = bindings.iter().map(|(slot, of)| layout_entry(*slot, access(*of))).collect();
         gpu.scoped("a kernel", || {
             let device = gpu.device();
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(text.as_str().into()),
+                source: wgpu::ShaderSource::Wgsl(text.into()),
             });
             let layout = device
                 .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries });
@@ -193,7 +198,7 @@ fn layout_entry(slot: Slot, access: Access) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding: slot.binding(),
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: access == Access::Uniform, min_binding_size: None },
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: slot == Slot::Frame, min_binding_size: None },
         count: None,
     }
 }

@@ -101,7 +101,7 @@ impl GpuShader {
             materials: Memory::new("materials", storage),
             packed_of: Vec::new(),
             max_lobes: 0,
-            frames: Memory::new("lights", BufferUsages::UNIFORM | BufferUsages::COPY_DST),
+            frames: Memory::new("lights", storage | BufferUsages::UNIFORM),
             queue: Memory::new("queue", storage | BufferUsages::COPY_SRC),
             indirect: Memory::new("dispatch", storage | BufferUsages::INDIRECT),
             lists: Memory::new("lists", storage),
