@@ -8,6 +8,7 @@ use self::view::GpuView;
 use crate::bvh::GpuWorld;
 use crate::kernel::{Access, Kernel, Slot};
 use crate::memory::Memory;
+use crate::module::Text;
 use crate::{Gpu, GpuError, GpuReceiver, NO_MATERIAL};
 use core::ops::Range;
 use glam::Vec3;
@@ -82,7 +83,7 @@ impl GpuGBuffer {
     /// As [`GpuWorld::new`].
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
         let world = GpuWorld::new(gpu, scene)?;
-        let view = Memory::new("the view", BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+        let view = Memory::new("the view", BufferUsages::STORAGE | BufferUsages::UNIFORM | BufferUsages::COPY_DST);
         let points = Memory::new("the visible points", BufferUsages::STORAGE | BufferUsages::COPY_SRC);
         Ok(Self { world, view, points, kernel: None })
     }
@@ -141,7 +142,10 @@ impl GpuGBuffer {
         }
         let kernel = match self.kernel.take() {
             Some((size, kernel)) if size >= stack => self.kernel.insert((size, kernel)),
-            _ => self.kernel.insert((stack, Kernel::new(gpu, "trace", &trace_text(stack), BINDINGS)?)),
+            _ => {
+                let text = Text::new("trace", &[&trace_text(stack)], BINDINGS);
+                self.kernel.insert((stack, Kernel::new(gpu, &text)?))
+            }
         };
         let (world, points, view) = (&self.world, &self.points, &self.view);
         gpu.scoped("the search for visible points", || {

@@ -1,9 +1,14 @@
-use crate::GpuError;
+use crate::{GpuError, KernelLog};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
+use visibility_shadowmap::Pages;
 
 /// Storage buffers that a kernel may have: what every adapter allows.
 const STORAGE_BUFFERS: u32 = 8;
+
+/// Storage buffers of a kernel beside the shadow maps, at most: 4 of points and results, 3 of spheres, 2 of rays, the paper's
+/// tables, and the light's on software devices.
+const BESIDE_MAPS: u32 = 11;
 
 /// How long another thread that waits for the same device may take to pass on what it was told.
 const TELLING: Duration = Duration::from_secs(10);
@@ -27,6 +32,7 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     lost: Arc<Mutex<Option<String>>>,
+    kernels: KernelLog,
 }
 
 impl Gpu {
@@ -76,7 +82,7 @@ impl Gpu {
     /// The caller keeps its own callbacks for a lost device.
     #[must_use]
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, lost: Arc::default() }
+        Self { device, queue, lost: Arc::default(), kernels: KernelLog::default() }
     }
 
     /// The device.
@@ -101,6 +107,22 @@ impl Gpu {
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// The kernels that were compiled for it, and those that are being compiled.
+    #[must_use]
+    pub const fn kernels(&self) -> &KernelLog {
+        &self.kernels
+    }
+
+    /// The most bytes of shadow maps that kernels can read: of the sum of
+    /// [`ShadowMap::packed_bytes`](visibility_shadowmap::ShadowMap::packed_bytes). What else a kernel reads is taken for the most that
+    /// it can be.
+    #[must_use]
+    pub fn room_for_maps(&self) -> u64 {
+        let limits = self.device.limits();
+        let pages = limits.max_storage_buffers_per_shader_stage.saturating_sub(BESIDE_MAPS);
+        Pages::room(pages, limits.max_storage_buffer_binding_size).min(limits.max_buffer_size)
     }
 
     /// Refuses a device that no kernel runs on.
@@ -145,6 +167,13 @@ impl Gpu {
         }
     }
 
+    /// Waits until everything that was submitted is done.
+    pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        let lost = |error: wgpu::PollError| GpuError::Lost { reason: self.lost().unwrap_or(error.to_string()) };
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(lost)?;
+        Ok(())
+    }
+
     /// What is known of the device's loss.
     pub(crate) fn lost(&self) -> Option<String> {
         self.lost.lock().ok().and_then(|lost| lost.clone())
@@ -160,7 +189,7 @@ impl Gpu {
                 let _ = sender.send(result);
             });
         })?;
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
+        self.wait()?;
         // Whoever else waits for this device may be the one that is about to tell.
         match receiver.recv_timeout(TELLING) {
             Ok(Ok(())) => {}

@@ -1,25 +1,52 @@
+use crate::module::Text;
 use crate::{Gpu, GpuError};
+use visibility_shadowmap::Pages;
+use wgpu::BufferUsages;
 
-/// The numbers of the bindings, all in group 0.
+/// The buffers of kernels, each with a binding of its own in group 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
 pub(crate) enum Slot {
-    Frame = 0,
-    Points = 1,
-    Materials = 2,
-    Radiance = 3,
-    Queue = 4,
-    Indirect = 5,
-    Spheres = 6,
-    Lists = 7,
-    Maps = 8,
-    Tables = 9,
-    Nodes = 10,
-    Bounds = 11,
-    Rig = 12,
-    Bones = 13,
-    Primitives = 14,
-    Normals = 15,
+    Frame,
+    Points,
+    Materials,
+    Radiance,
+    Queue,
+    Indirect,
+    Spheres,
+    Lists,
+    Tables,
+    Nodes,
+    Bounds,
+    Rig,
+    Bones,
+    Primitives,
+    Normals,
+    /// A page of the shadow maps.
+    Maps(u32),
+}
+
+impl Slot {
+    /// The number of the binding.
+    pub(crate) const fn binding(self) -> u32 {
+        match self {
+            Self::Frame => 0,
+            Self::Points => 1,
+            Self::Materials => 2,
+            Self::Radiance => 3,
+            Self::Queue => 4,
+            Self::Indirect => 5,
+            Self::Spheres => 6,
+            Self::Lists => 7,
+            Self::Tables => 9,
+            Self::Nodes => 10,
+            Self::Bounds => 11,
+            Self::Rig => 12,
+            Self::Bones => 13,
+            Self::Primitives => 14,
+            Self::Normals => 15,
+            Self::Maps(page) => Pages::binding(page),
+        }
+    }
 }
 
 /// How a kernel uses a buffer.
@@ -33,6 +60,9 @@ pub(crate) enum Access {
 /// A buffer of a kernel.
 pub(crate) type Binding = (Slot, Access);
 
+/// Bytes of the buffers of a kernel that runs no workgroups: at least the fixed part of each.
+const EMPTY: u64 = 4096;
+
 /// One compiled entry point and the buffers that it wants.
 #[derive(Debug)]
 pub(crate) struct Kernel {
@@ -43,14 +73,30 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
-    /// Compiles the entry point `label` of a module.
-    pub(crate) fn new(gpu: &Gpu, label: &'static str, text: &str, bindings: &[Binding]) -> Result<Self, GpuError> {
-        let storage = bindings.iter().filter(|(_, access)| *access != Access::Uniform).count() as u64;
+    /// Compiles a kernel.
+    pub(crate) fn new(gpu: &Gpu, text: &Text) -> Result<Self, GpuError> {
+        gpu.kernels().compile(&text.name, || {
+            let kernel = Self::create(gpu, text)?;
+            if gpu.is_software() {
+                kernel.run_empty(gpu)?;
+            }
+            Ok(kernel)
+        })
+    }
+
+    fn create(gpu: &Gpu, Text { entry: label, text, bindings, .. }: &Text) -> Result<Self, GpuError> {
+        let label = *label;
+        // Mesa's software driver takes numbers of a uniform that decide loops and branches for constants, unrolls the loops, and
+        // compiles the kernel anew for each light. Of a storage buffer it does not.
+        let is_storage = gpu.is_software();
+        let text = if is_storage { text.replace("var<uniform>", "var<storage, read>") } else { text.clone() };
+        let access = |access: Access| if is_storage && access == Access::Uniform { Access::Read } else { access };
+        let storage = bindings.iter().filter(|(_, of)| access(*of) != Access::Uniform).count() as u64;
         let allowed = gpu.device().limits().max_storage_buffers_per_shader_stage.into();
         if storage > allowed {
             return Err(GpuError::Limits { what: "a kernel's storage buffers", needed: storage, allowed });
         }
-        let entries: Vec<_> = bindings.iter().map(|(slot, access)| layout_entry(*slot, *access)).collect();
+        let entries: Vec<_> = bindings.iter().map(|(slot, of)| layout_entry(*slot, access(*of))).collect();
         gpu.scoped("a kernel", || {
             let device = gpu.device();
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -76,6 +122,25 @@ impl Kernel {
         })
     }
 
+    /// Runs no workgroups, and waits. Mesa's software driver compiles a kernel when it runs first, not when it is made.
+    fn run_empty(&self, gpu: &Gpu) -> Result<(), GpuError> {
+        gpu.scoped("a kernel", || {
+            let usage = BufferUsages::STORAGE | BufferUsages::UNIFORM;
+            let buffer = |_| {
+                let descriptor = wgpu::BufferDescriptor { label: None, size: EMPTY, usage, mapped_at_creation: false };
+                gpu.device().create_buffer(&descriptor)
+            };
+            let buffers: Vec<_> = self.slots.iter().map(buffer).collect();
+            let all = || self.slots.iter().zip(&buffers);
+            let group = self.bind(gpu, |slot| {
+                let (_, buffer) = all().find(|(known, _)| **known == slot)?;
+                Some(buffer.as_entire_buffer_binding())
+            });
+            self.submit(gpu, &group, [0, 0]);
+        })?;
+        gpu.wait()
+    }
+
     /// Its bind group, of the buffers that `resource` has for its slots.
     pub(crate) fn bind<'b>(
         &self,
@@ -87,7 +152,7 @@ impl Kernel {
             .iter()
             .filter_map(|slot| {
                 let resource = wgpu::BindingResource::Buffer(resource(*slot)?);
-                Some(wgpu::BindGroupEntry { binding: *slot as u32, resource })
+                Some(wgpu::BindGroupEntry { binding: slot.binding(), resource })
             })
             .collect();
         gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
@@ -131,9 +196,9 @@ fn layout_entry(slot: Slot, access: Access) -> wgpu::BindGroupLayoutEntry {
         Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
     };
     wgpu::BindGroupLayoutEntry {
-        binding: slot as u32,
+        binding: slot.binding(),
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: access == Access::Uniform, min_binding_size: None },
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: slot == Slot::Frame, min_binding_size: None },
         count: None,
     }
 }

@@ -6,6 +6,8 @@ use wgpu::BufferUsages;
 pub(crate) struct Memory {
     label: &'static str,
     usage: BufferUsages,
+    /// Whether it is bound in parts, and may be larger than a binding.
+    is_paged: bool,
     buffer: Option<wgpu::Buffer>,
     /// What was uploaded last; only what differs is uploaded again.
     last: Vec<u8>,
@@ -16,7 +18,12 @@ const CHUNK: usize = 256;
 
 impl Memory {
     pub(crate) const fn new(label: &'static str, usage: BufferUsages) -> Self {
-        Self { label, usage, buffer: None, last: Vec::new() }
+        Self { label, usage, is_paged: false, buffer: None, last: Vec::new() }
+    }
+
+    /// The same where it is bound in parts: the caller sees to it that each may be bound.
+    pub(crate) fn paged(self) -> Self {
+        Self { is_paged: true, ..self }
     }
 
     /// The buffer, at least so large.
@@ -26,7 +33,7 @@ impl Memory {
         let size = size.max(16).next_multiple_of(16);
         if self.buffer.as_ref().is_none_or(|buffer| buffer.size() < size) {
             let limits = gpu.device().limits();
-            let bindable = if self.usage.contains(BufferUsages::STORAGE) {
+            let bindable = if self.usage.contains(BufferUsages::STORAGE) && !self.is_paged {
                 limits.max_storage_buffer_binding_size
             } else {
                 u64::MAX

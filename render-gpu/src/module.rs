@@ -8,7 +8,7 @@ use crate::{kernels, wgsl};
 use brdf::Models;
 use lighting::{Fineness, wgsl as masks};
 use lobe_core::wgsl as lobes;
-use visibility_shadowmap::wgsl as maps;
+use visibility_shadowmap::{Pages, wgsl as maps};
 use visibility_spheres::wgsl as spheres;
 
 /// Bytes of a tile's list.
@@ -30,14 +30,15 @@ pub(crate) struct Variant {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Strategies {
     pub(crate) spheres: bool,
-    pub(crate) maps: bool,
+    /// How the shadow maps are bound.
+    pub(crate) maps: Option<Pages>,
     /// Size of the stack of shadow rays.
     pub(crate) rays: Option<u32>,
 }
 
 impl Strategies {
     pub(crate) const fn any(self) -> bool {
-        self.spheres || self.maps || self.rays.is_some()
+        self.spheres || self.maps.is_some() || self.rays.is_some()
     }
 
     /// The bindings of those that there are.
@@ -46,8 +47,8 @@ impl Strategies {
         if self.spheres {
             bindings.extend([(Slot::Spheres, Read), (Slot::Lists, Read), (Slot::Bounds, Read)]);
         }
-        if self.maps {
-            bindings.push((Slot::Maps, Read));
+        if let Some(pages) = self.maps {
+            bindings.extend((0..pages.count()).map(|page| (Slot::Maps(page), Read)));
         }
         if self.rays.is_some() {
             bindings.extend([(Slot::Nodes, Read), (Slot::Primitives, Read)]);
@@ -55,9 +56,14 @@ impl Strategies {
         bindings
     }
 
+    /// What reads the shadow maps.
+    fn words(self) -> String {
+        self.maps.map_or_else(String::new, Pages::wgsl)
+    }
+
     /// Calls of those that there are.
     fn calls(self) -> impl Iterator<Item = &'static str> {
-        let all = [(self.spheres, "spheres"), (self.maps, "maps"), (self.rays.is_some(), "rays")];
+        let all = [(self.spheres, "spheres"), (self.maps.is_some(), "maps"), (self.rays.is_some(), "rays")];
         all.into_iter().filter_map(|(has, name)| has.then_some(name))
     }
 }
@@ -69,6 +75,16 @@ impl Variant {
         [SHADED.as_slice(), &self.strategies.bindings(), tables].concat()
     }
 
+    /// What it is made for, in words.
+    fn name(&self) -> String {
+        let strategies: Vec<&str> = self.strategies.calls().collect();
+        let strategies = if strategies.is_empty() { "no blockers".to_owned() } else { strategies.join(" + ") };
+        let models: Vec<&str> = self.models.names().collect();
+        let models = if models.is_empty() { "no materials".to_owned() } else { models.join(" + ") };
+        let method = if self.paper { ", paper" } else { "" };
+        format!("{strategies}, {models}, depth {}{method}", self.depth)
+    }
+
     /// Whether all reflectance is Lambert's.
     fn is_lambert(&self) -> bool {
         self.models.names().all(|name| name == "lambert")
@@ -78,13 +94,19 @@ impl Variant {
 /// A kernel's entry point, text and bindings.
 pub(crate) struct Text {
     pub(crate) entry: &'static str,
+    /// The entry point, and what the text was made for.
+    pub(crate) name: String,
     pub(crate) text: String,
     pub(crate) bindings: Vec<Binding>,
 }
 
 impl Text {
-    fn new(entry: &'static str, pieces: &[&str], bindings: &[Binding]) -> Self {
-        Self { entry, text: pieces.join("\n"), bindings: bindings.to_vec() }
+    pub(crate) fn new(entry: &'static str, pieces: &[&str], bindings: &[Binding]) -> Self {
+        Self { entry, name: entry.to_owned(), text: pieces.join("\n"), bindings: bindings.to_vec() }
+    }
+
+    fn of(self, variant: &Variant) -> Self {
+        Self { name: format!("{} ({})", self.entry, variant.name()), ..self }
     }
 }
 
@@ -150,7 +172,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {{ var coverage = LIT; {} return coverage; }}",
         all.collect::<String>()
     );
-    let stack = stack(strategies);
+    let (stack, words) = (stack(strategies), strategies.words());
     let mut pieces = vec![
         kernels::FRAME,
         kernels::QUEUE,
@@ -170,10 +192,10 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
     }
-    if strategies.maps {
-        pieces.extend([masks::SQUARE, maps::COMMON, maps::COVERAGE]);
+    if strategies.maps.is_some() {
+        pieces.extend([masks::SQUARE, words.as_str(), maps::COMMON, maps::COVERAGE]);
     }
-    Text::new("classify", &pieces, &variant.bindings())
+    Text::new("classify", &pieces, &variant.bindings()).of(variant)
 }
 
 /// What the points in a penumbra see.
@@ -194,7 +216,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         _ => "maps_splat(lane, at, light, mask);",
     });
     let splats: String = splats.collect();
-    let stack = stack(strategies);
+    let (stack, words) = (stack(strategies), strategies.words());
     let hooks = format!(
         "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {{ {edges} }}\n\
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {{ {splats} }}"
@@ -234,10 +256,10 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS, masks::CONTOUR, wgsl::RAYS_SPLAT]);
     }
-    if strategies.maps {
-        pieces.extend([maps::COMMON, maps::SPLAT]);
+    if strategies.maps.is_some() {
+        pieces.extend([words.as_str(), maps::COMMON, maps::SPLAT]);
     }
-    Text::new("penumbra", &pieces, &variant.bindings())
+    Text::new("penumbra", &pieces, &variant.bindings()).of(variant)
 }
 
 #[cfg(test)]

@@ -2,9 +2,10 @@ use crate::kernel::{Kernel, Slot};
 use crate::memory::Memory;
 use crate::module::{self, Strategies};
 use crate::{Gpu, GpuError, GpuPose, GpuWorld};
+use core::num::NonZeroU64;
 use glam::Mat4;
 use lobe_core::Sphere;
-use visibility_shadowmap::{PackedMaps, ShadowMapBlockers};
+use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers};
 use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
 use wgpu::BufferUsages;
 
@@ -49,7 +50,7 @@ impl Default for Blockers {
             bound: None,
             moved: false,
             packed_maps: None,
-            maps: Memory::new("shadow maps", storage),
+            maps: Memory::new("shadow maps", storage).paged(),
         }
     }
 }
@@ -70,8 +71,9 @@ impl Blockers {
             if packed.update(maps) > 0 {
                 self.maps.hold(gpu, bytemuck::cast_slice(packed.words()))?;
             }
+            let most = gpu.device().limits().max_storage_buffer_binding_size;
+            strategies.maps = Some(Pages::of(size_of_val(packed.words()) as u64, most));
             self.packed_maps = Some(packed);
-            strategies.maps = true;
         }
         self.sphere_count = self.packed.len() as u32;
         strategies.spheres = self.sphere_count > 0;
@@ -79,8 +81,7 @@ impl Blockers {
             self.moved |= self.spheres.hold(gpu, bytemuck::cast_slice(&self.packed))? > 0;
             self.bounds.sized(gpu, 16 * u64::from(self.block_count()))?;
             if self.bound.is_none() {
-                let text = module::bounds();
-                self.bound = Some(Kernel::new(gpu, text.entry, &text.text, &text.bindings)?);
+                self.bound = Some(Kernel::new(gpu, &module::bounds())?);
             }
         }
         self.strategies = strategies;
@@ -122,9 +123,17 @@ impl Blockers {
             Slot::Bounds => self.bounds.whole(),
             Slot::Nodes => self.world.as_ref().map(|[nodes, _]| nodes.as_entire_buffer_binding()),
             Slot::Primitives => self.world.as_ref().map(|[_, all]| all.as_entire_buffer_binding()),
-            Slot::Maps => self.maps.whole(),
+            Slot::Maps(page) => self.page(page),
             _ => None,
         }
+    }
+
+    /// A page of the shadow maps.
+    fn page(&self, page: u32) -> Option<wgpu::BufferBinding<'_>> {
+        let bytes = size_of_val(self.packed_maps.as_ref()?.words()) as u64;
+        let range = self.strategies.maps?.range(page, bytes);
+        let size = NonZeroU64::new(range.end - range.start);
+        Some(wgpu::BufferBinding { buffer: self.maps.get()?, offset: range.start, size })
     }
 
     /// Whether spheres have moved since this was asked last.

@@ -1,5 +1,6 @@
 use crate::kernel::{Access, Kernel, Slot};
 use crate::memory::Memory;
+use crate::module::Text;
 use crate::{Gpu, GpuError};
 use glam::Mat4;
 use visibility_spheres::Rig;
@@ -55,7 +56,7 @@ impl GpuPose {
         words.hold(gpu, bytemuck::cast_slice(rig.words()))?;
         Ok(Self {
             rig,
-            kernel: Kernel::new(gpu, "pose_spheres", &pieces.join("\n"), &bindings)?,
+            kernel: Kernel::new(gpu, &Text::new("pose_spheres", &pieces, &bindings))?,
             words,
             bones: Memory::new("bones", storage),
             floats: Vec::new(),

@@ -101,7 +101,7 @@ impl GpuShader {
             materials: Memory::new("materials", storage),
             packed_of: Vec::new(),
             max_lobes: 0,
-            frames: Memory::new("lights", BufferUsages::UNIFORM | BufferUsages::COPY_DST),
+            frames: Memory::new("lights", storage | BufferUsages::UNIFORM),
             queue: Memory::new("queue", storage | BufferUsages::COPY_SRC),
             indirect: Memory::new("dispatch", storage | BufferUsages::INDIRECT),
             lists: Memory::new("lists", storage),
@@ -185,7 +185,7 @@ impl GpuShader {
         if let Some(known) = self.kernels.iter().position(|(known, _)| *known == variant) {
             return Ok(known);
         }
-        let make = |text: module::Text| Kernel::new(&self.gpu, text.entry, &text.text, &text.bindings);
+        let make = |text: module::Text| Kernel::new(&self.gpu, &text);
         let blocked = variant.strategies.any();
         let kernels = Kernels {
             cull: variant.strategies.spheres.then(|| make(module::cull())).transpose()?,

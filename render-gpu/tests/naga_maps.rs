@@ -2,14 +2,15 @@
 
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use visibility_shadowmap::wgsl;
+use visibility_shadowmap::{Pages, wgsl};
 
 /// What kernels declare.
 const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
     @group(0) @binding(0) var<uniform> frame: Frame;";
 
 fn validate(pieces: &[&str]) -> naga::Module {
-    let common = [FRAME, wgsl::COMMON, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
+    let words = Pages::of(3 << 27, 1 << 27).wgsl();
+    let common = [FRAME, &words, wgsl::COMMON, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
     let text = common.iter().chain(pieces).copied().collect::<Vec<_>>().join("\n");
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {

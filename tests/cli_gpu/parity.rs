@@ -72,6 +72,8 @@ fn shadow_maps() {
     let gpu = same(folder, &["table.toml", "--visibility", "shadow-map"]);
     assert!(gpu["map_bytes"].as_u64().unwrap() > 0 && gpu["spheres"] == 1, "{gpu}");
     same(folder, &["--size", "64x36", "--visibility", "shadow-map", "--map-resolution", "256"]);
+    // As fine as the lights require.
+    same(folder, &["--size", "16x9", "--visibility", "shadow-map"]);
 }
 
 /// Some of its smooth normals see a light that its faces do not: what hides that depends on the strategy.

@@ -11,6 +11,8 @@ crate::tests![
     parts_make_the_whole_to_the_bit,
     a_time_budget_is_kept,
     auto_says_what_it_takes,
+    drivers_say_nothing,
+    kernels_are_in_the_figures,
     an_interrupt_leaves_no_file,
 ];
 
@@ -100,14 +102,61 @@ fn auto_says_what_it_takes() {
     assert!(device == "cpu" && told.contains("--device auto: cpu, since --layers"), "{told}");
 }
 
+/// Without the folder that display servers keep their sockets in, and with none of what drivers are told by.
+fn bare(folder: &std::path::Path, args: &[&str]) -> std::process::Command {
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_lobes"));
+    for name in ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "LP_NATIVE_VECTOR_WIDTH"] {
+        command.env_remove(name);
+    }
+    command.current_dir(folder).args(args);
+    command
+}
+
+/// Nothing on stderr, whatever is missing in the environment; output and exit code are the program's own.
+fn drivers_say_nothing() {
+    let folder = folder();
+    let folder = folder.path();
+    let ran = |args: &[&str]| {
+        let ran = bare(folder, args).output().unwrap();
+        let [told, out] = [ran.stderr, ran.stdout].map(|bytes| String::from_utf8(bytes).unwrap());
+        (ran.status.code(), told, out)
+    };
+    let options = ["render", "scene.toml", "--quality", "draft", "--json", "-o", "name with spaces.png", "--device"];
+    for device in ["gpu", "auto"] {
+        let (code, told, out) = ran(&[&options[..], &[device, "-q"]].concat());
+        assert_eq!((code, told.as_str()), (Some(0), ""), "{device}");
+        assert!(serde_json::from_str::<Value>(&out).unwrap()["points"].as_u64() > Some(0), "{device}: {out}");
+    }
+    assert_eq!(names(folder), ["name with spaces.png", "scene.toml"]);
+    let (code, told, out) = ran(&["render", "nowhere.toml", "--device", "gpu"]);
+    assert_eq!((code, out.as_str(), told.lines().count()), (Some(2), "", 1), "{told}");
+    assert!(told.starts_with("lobes: error: ") && told.contains("nowhere.toml"), "{told}");
+}
+
+/// Each with its time, the slowest first; of the CPU none.
+fn kernels_are_in_the_figures() {
+    let folder = folder();
+    let kernels = |device: &str| {
+        let args = ["render", "scene.toml", "--quality", "draft", "--json", "-q", "--device", device];
+        json(folder.path(), &args)["kernels"].as_array().unwrap().clone()
+    };
+    assert!(kernels("cpu").is_empty());
+    let kernels = kernels("gpu");
+    for name in ["cull", "classify (spheres, ", "penumbra (spheres, "] {
+        assert!(kernels.iter().any(|kernel| kernel["name"].as_str().unwrap().starts_with(name)), "{name}: {kernels:?}");
+    }
+    let seconds: Vec<f64> = kernels.iter().map(|kernel| kernel["seconds"].as_f64().unwrap()).collect();
+    assert!(seconds.is_sorted_by(|a, b| a >= b) && seconds.iter().all(|s| *s > 0.0), "{seconds:?}");
+}
+
 #[cfg(unix)]
 fn an_interrupt_leaves_no_file() {
     use std::process::{Command, Stdio};
     let folder = folder();
     let folder = folder.path();
     let args = ["render", "-o", "a.exr", "--size", "640x360", "--repeat", "10000", "--device", "gpu"];
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
-    let mut child = command.current_dir(folder).args(args).stderr(Stdio::piped()).spawn().unwrap();
+    // Started anew where something is missing: the same process all the same.
+    let mut child = bare(folder, &args).stderr(Stdio::piped()).spawn().unwrap();
     // Into shading: outputs are opened before.
     while names(folder).len() == 1 {
         assert!(child.try_wait().unwrap().is_none(), "ended early");

@@ -45,6 +45,7 @@ mod layer;
 mod map;
 mod options;
 mod packed;
+mod pages;
 mod probe;
 mod raster;
 #[cfg(test)]
@@ -55,3 +56,4 @@ pub use crate::blockers::{ShadowMapBlockers, ShadowMapScratch};
 pub use crate::map::{Advice, Fineness, ShadowMap};
 pub use crate::options::{Bounds, MapError, MapOptions};
 pub use crate::packed::PackedMaps;
+pub use crate::pages::Pages;

@@ -2,10 +2,10 @@
 
 // Whether maps were made of an object.
 fn map_casts(object: u32) -> bool {
-    if object >= shadow_map[0] {
+    if object >= map_word(0) {
         return false;
     }
-    return ((shadow_map[1u + (object >> 5u)] >> (object & 31u)) & 1u) == 1u;
+    return ((map_word(1u + (object >> 5u)) >> (object & 31u)) & 1u) == 1u;
 }
 
 // How a receiver's own face lies to the light, where that hides some of it and the receiver's horizon does not.

@@ -57,8 +57,8 @@ impl Place {
 }
 
 impl PackedMaps {
-    /// What the kernels know as `shadow_map`: 9.3 bytes a texel and layer, 16 more for texels at outlines
-    /// (a body over a floor, four layers: 39 MiB at 1024², 155 MiB at 2048²). A device may allow no more than 128 MiB.
+    /// What the kernels read by `map_word`: 9.3 bytes a texel and layer, 16 more for texels at outlines
+    /// (a body over a floor, four layers: 39 MiB at 1024², 155 MiB at 2048²). Where a device binds less they go in [`Pages`](crate::Pages).
     #[must_use]
     pub fn words(&self) -> &[u32] {
         &self.words
@@ -108,6 +108,25 @@ impl PackedMaps {
         }
         self.words.len()
     }
+}
+
+impl ShadowMap {
+    /// Bytes that the map takes among [`PackedMaps::words`].
+    #[must_use]
+    pub fn packed_bytes(&self) -> u64 {
+        let of = |face: &Face| FACE + face.layers.iter().map(layer_words).sum::<usize>();
+        4 * (1 + self.faces.iter().map(of).sum::<usize>()) as u64
+    }
+}
+
+/// The words of a layer.
+fn layer_words(layer: &Layer) -> usize {
+    let area = |level| {
+        let (columns, rows) = layer.size(level);
+        columns * rows
+    };
+    let nodes: usize = (1..=layer.top()).map(area).sum();
+    2 + layer.top() as usize + layer.q().len() + 4 * nodes + 16 * layer.outlines().len()
 }
 
 impl ShadowMapBlockers {
@@ -232,6 +251,11 @@ mod tests {
         assert_eq!(packed.update(&of(&[&a, &b, &c]).with_casters(vec![false, true])), 2);
         assert_eq!(packed.update(&of(&[&a, &b, &c])), 2);
         // One that is smaller takes the place of the second.
+        for map in [&a, &b, &c] {
+            let mut alone = Vec::new();
+            pack_map(map, 0, &mut alone);
+            assert_eq!(map.packed_bytes(), 4 * alone.len() as u64);
+        }
         let small = map(0.5, 32);
         let before = packed.words.clone();
         let written = packed.update(&of(&[&a, &small, &c]));

@@ -16,10 +16,10 @@ fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
     // The own row's lines are 3/8 of a cell from its middle at most, and edges move by an eighth of one.
     let y = mask_row_y(mask, lane) + vec2f(-0.53125, 0.53125) * cell.y;
     let x = canvas_range() + vec2f(-0.15625, 0.15625) * cell.x;
-    for (var f = 0u; f < shadow_map[map]; f++) {
+    for (var f = 0u; f < map_word(map); f++) {
         let face = map + 1u + MAP_FACE * f;
         let probe = map_probe(face, frame.light, at, square, vec2f(x.x, y.x), vec2f(x.y, y.y), min(cell.x, cell.y));
-        for (var l = 0u; l < shadow_map[face + 15u]; l++) {
+        for (var l = 0u; l < map_word(face + 15u); l++) {
             map_draw_layer(probe, map_layer(face, l));
         }
     }
@@ -40,19 +40,31 @@ fn map_draw_layer(probe: MapProbe, layer: MapLayer) {
                 verdict = MAP_NO;
             }
         }
+        // Both parts of a small node, or all of a large one: drawn in one place, since drivers copy what a function does to each.
+        var quads = 0u;
+        var quad: MapQuad;
+        var next: MapQuad;
         if verdict >= MAP_PARTLY {
             let parts = map_parts(probe, layer, item, node, block, verdict);
             if parts.is_split {
                 verdict = MAP_SPLIT;
             } else {
-                map_draw_part(probe, parts.near);
-                map_draw_part(probe, parts.far);
+                quads = 2u;
+                quad = map_part_quad(parts.near);
+                next = map_part_quad(parts.far);
             }
         } else if verdict == MAP_BLOCKS {
             let texels = map_texels(layer, item);
-            let deviations = map_edge_deviations(layer, texels, node.deviation);
             let box = vec4f(texels);
-            map_draw(probe, box.xyyx, box.zzww, map_corners(layer, texels), deviations);
+            let deviations = map_edge_deviations(layer, texels, node.deviation);
+            quads = 1u;
+            quad = MapQuad(box.xyyx, box.zzww, map_corners(layer, texels), deviations, true);
+        }
+        for (var k = 0u; k < quads; k++) {
+            if quad.is_there {
+                map_draw(probe, quad);
+            }
+            quad = next;
         }
         if verdict == MAP_SPLIT {
             item = map_first_part(item);
@@ -84,17 +96,18 @@ fn map_is_covered(probe: MapProbe, block: MapBlock) -> bool {
     );
 }
 
-fn map_draw_part(probe: MapProbe, part: MapPart) {
-    if part.share > 0.0 {
-        map_draw(probe, part.x, part.y, vec4f(part.q), vec4f(0.0));
-    }
+// A quadrilateral in the picture with q at its corners, and how far its neighbours' q may be from the edges.
+struct MapQuad { x: vec4f, y: vec4f, q: vec4f, deviations: vec4f, is_there: bool }
+
+fn map_part_quad(part: MapPart) -> MapQuad {
+    return MapQuad(part.x, part.y, vec4f(part.q), vec4f(0.0), part.share > 0.0);
 }
 
-// A quadrilateral in the picture with q at its corners, and how far its neighbours' q may be from the edges.
-fn map_draw(probe: MapProbe, x: vec4f, y: vec4f, q: vec4f, deviations: vec4f) {
-    let i = x - probe.origin.x;
-    let j = y - probe.origin.y;
-    let k = q - probe.origin.z;
+fn map_draw(probe: MapProbe, quad: MapQuad) {
+    let deviations = quad.deviations;
+    let i = quad.x - probe.origin.x;
+    let j = quad.y - probe.origin.y;
+    let k = quad.q - probe.origin.z;
     let corners = mat4x3f(
         probe.image * vec4f(i.x, j.x, k.x, 1.0),
         probe.image * vec4f(i.y, j.y, k.y, 1.0),

@@ -1,6 +1,7 @@
 //! The same in WGSL: texts that are joined to a shader module, in any order.
 //!
-//! Binding 8 of group 0 is [`PackedMaps::words`](crate::PackedMaps::words). All need a variable `frame` with
+//! All need `map_word`, which reads one of [`PackedMaps::words`](crate::PackedMaps::words): [`Pages::wgsl`](crate::Pages::wgsl);
+//! a variable `frame` with
 //! `light: vec4f` (centre and radius), `tolerance: f32` and `map: u32`, which is
 //! [`PackedMaps::map_of`](crate::PackedMaps::map_of) the light; `geometry.wgsl` and `lobe.wgsl` of `lobe-core`,
 //! `square.wgsl` of `lighting`, and [`COMMON`].

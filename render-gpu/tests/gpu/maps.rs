@@ -12,7 +12,7 @@ use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use lobe_core::{Cone, Coverage, Receiver, Sphere, VisibilityQuery};
 use render_gpu::Gpu;
-use visibility_shadowmap::{PackedMaps, ShadowMapBlockers, wgsl};
+use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers, wgsl};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
@@ -23,6 +23,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("maps_far_from_the_origin", gpu, far_from_the_origin),
         trial("maps_of_tiny_lights", gpu, tiny_lights),
         trial("maps_own_face", gpu, own_face),
+        trial("maps_in_pages", gpu, pages),
         trial("maps_pictures", gpu, pictures::agree),
     ]
 }
@@ -116,12 +117,25 @@ fn numbers(question: &Question, packed: &PackedMaps) -> [f32; INPUTS] {
     out
 }
 
+/// The words as so many buffers, with their bindings.
+fn bound(packed: &PackedMaps, pages: Pages) -> Vec<(u32, &[u32])> {
+    let words = packed.words();
+    let page = |k| pages.range(k, size_of_val(words) as u64);
+    let words = |k| &words[page(k).start as usize / 4..page(k).end as usize / 4];
+    (0..pages.count()).map(|k| (Pages::binding(k), words(k))).collect()
+}
+
 fn gpu_coverage(gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
+    gpu_coverage_in(Pages::ONE, gpu, packed, questions)
+}
+
+fn gpu_coverage_in(pages: Pages, gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
+    let words = pages.wgsl();
     let rows: Vec<f32> = questions.iter().flat_map(|q| numbers(q, packed)).collect();
-    let pieces = [FRAME, wgsl::COMMON, wgsl::COVERAGE, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
+    let pieces = [FRAME, &words, wgsl::COMMON, wgsl::COVERAGE, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
     let body = "let at = receiver();
         y(0u, f32(maps_coverage(at, cone_of_sphere(at.position, frame.light))));";
-    let got = call_with(gpu, &pieces, body, &rows, [INPUTS, 1], &[(8, packed.words())]);
+    let got = call_with(gpu, &pieces, body, &rows, [INPUTS, 1], &bound(packed, pages));
     got.into_iter().map(|c| [Coverage::Lit, Coverage::Partial, Coverage::Dark][c as usize]).collect()
 }
 
@@ -153,7 +167,8 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
     }
     let header = lighting::wgsl::header(depth, Fineness::FINE);
     let masks = [&header, lighting::wgsl::MASK, lighting::wgsl::SQUARE];
-    let pieces = [FRAME, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, masks[0], masks[1], masks[2]];
+    let words = Pages::ONE.wgsl();
+    let pieces = [FRAME, &words, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, masks[0], masks[1], masks[2]];
     let body = "let at = receiver();
         let cone = cone_of_sphere(at.position, frame.light);
         var square = square_facing(cone, v(16u));
@@ -173,7 +188,7 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
             }
             y(2u + k, f32(cells));
         }";
-    let got = call_with(gpu, &pieces, body, &rows, [INPUTS + 1, 6], &[(8, packed.words())]);
+    let got = call_with(gpu, &pieces, body, &rows, [INPUTS + 1, 6], &bound(packed, Pages::ONE));
     let cell = (256 >> depth) as f32;
     let seen = |rows: &[f32]| {
         let mut seen = Seen { emitting: 0.0, lit: 0.0, cells: [0; 1 << MAX_DEPTH] };
@@ -320,6 +335,24 @@ fn several_lights(gpu: &Gpu) {
     assert!(gpu_coverage(gpu, &blockers.pack(), unshadowed).iter().all(|c| *c == Coverage::Lit));
     compare_coverage(gpu, "several lights", &blockers, &all, 0.002);
     compare_masks(gpu, "several lights", &blockers, &all, 5, [1e-4, 1e-2]);
+}
+
+/// The same to the bit, however many bindings the words are in.
+fn pages(gpu: &Gpu) {
+    let mesh = Mesh::bumpy(Vec3::new(0.0, 0.9, 0.0), 0.8).floor(0.0, 2.5);
+    let light = light([1.5, 5.0, 0.8], 5.0);
+    let blockers = ShadowMapBlockers::new(vec![mesh.map(light, 256, 4)]);
+    let (packed, mut random) = (blockers.pack(), Random::new(45));
+    let receivers = mesh.receivers(&mut random, light, 1500);
+    let questions = questions(&mut random, &receivers, light, 5, false);
+    let want = gpu_coverage(gpu, &packed, &questions);
+    assert!([Coverage::Lit, Coverage::Partial].iter().all(|kind| want.iter().filter(|c| *c == kind).count() > 20));
+    let bytes = size_of_val(packed.words()) as u64;
+    for (most, count) in [(bytes - 4, 2), (bytes / 3, 4)] {
+        let pages = Pages::of(bytes, most);
+        assert!(pages.count() >= count, "{}", pages.count());
+        assert!(gpu_coverage_in(pages, gpu, &packed, &questions) == want, "{} pages", pages.count());
+    }
 }
 
 fn far_from_the_origin(gpu: &Gpu) {

@@ -21,6 +21,8 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("points_that_are_not_finite_stay_alone", gpu, points_that_are_not_finite_stay_alone),
         trial("a_lost_device_is_an_error", gpu, a_lost_device_is_an_error),
         trial("small_limits", gpu, small_limits),
+        trial("maps_larger_than_a_binding", gpu, maps_larger_than_a_binding),
+        trial("kernels_are_named_with_their_time", gpu, kernels_are_named_with_their_time),
         trial("several_at_once", gpu, several_at_once),
     ]
 }
@@ -159,15 +161,61 @@ fn a_lost_device_is_an_error(_: &Gpu) {
 }
 
 /// A caller's device with less than the adapter has: smaller slices, or a clear message.
-fn small_limits(_: &Gpu) {
+/// A device with no more than these limits.
+fn device(limits: wgpu::Limits) -> Gpu {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let device = |limits: wgpu::Limits| {
-        let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default());
-        let adapter = pollster::block_on(adapter).expect("an adapter");
-        let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
-        Gpu::from_device(device, queue)
+    let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default());
+    let adapter = pollster::block_on(adapter).expect("an adapter");
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device");
+    Gpu::from_device(device, queue)
+}
+
+/// The maps of several lights, and more than a binding takes: in as many as they need, to the bit.
+fn maps_larger_than_a_binding(gpu: &Gpu) {
+    let view = small();
+    let (maps, frame) = (view.maps(), view.frame(0.003, 5));
+    let bytes = size_of_val(maps.pack().words()) as u64;
+    let picture = |gpu: &Gpu| {
+        let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        view.gpu(&mut GpuShader::new(gpu, occlusion).expect("a shader"), &frame)
     };
+    // Two or three pages: the most that leave a kernel with what every device has.
+    let most = bytes / 4 * 3;
+    let small = device(wgpu::Limits { max_storage_buffer_binding_size: most, ..wgpu::Limits::default() });
+    assert_eq!(small.room_for_maps(), most);
+    assert_eq!(picture(&small), picture(gpu));
+    // Too many for a kernel, and more than a buffer may be.
+    let tiny = device(wgpu::Limits { max_storage_buffer_binding_size: bytes / 20, ..wgpu::Limits::default() });
+    let narrow = device(wgpu::Limits { max_buffer_size: bytes / 2, ..wgpu::Limits::default() });
+    for gpu in [tiny, narrow] {
+        assert!(gpu.room_for_maps() < bytes);
+        let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        let shaded = GpuShader::new(&gpu, occlusion)
+            .and_then(|mut shader| shader.shade(&ShadingPoints::default(), &frame, &mut []).map(|_| ()));
+        let error = shaded.expect_err("no room");
+        assert!(matches!(error, GpuError::Limits { needed, allowed, .. } if needed > allowed), "{error:?}");
+    }
+}
+
+/// Of a device of their own: others compile at the same time.
+fn kernels_are_named_with_their_time(_: &Gpu) {
+    let gpu = Gpu::blocking(&render_gpu::GpuOptions::default()).expect("another device");
+    let (view, log) = (small(), gpu.kernels().clone());
+    let mut shader = GpuShader::new(&gpu, spheres(&view)).expect("a shader");
+    assert_eq!(log.compiled().len(), 1, "the bounds of blocks");
+    shader.shade(&ShadingPoints::default(), &view.frame(0.02, 2), &mut []).expect("no points");
+    let done = log.compiled();
+    for name in ["bounds", "cull", "classify (spheres, ", "penumbra (spheres, ", "args_of_queue"] {
+        assert!(done.iter().any(|kernel| kernel.name.starts_with(name)), "{name}: {done:?}");
+    }
+    assert!(done.is_sorted_by(|a, b| a.time >= b.time) && log.compiling().is_empty(), "{done:?}");
+    // Nothing is left to compile for the first points.
+    view.gpu(&mut shader, &view.frame(0.02, 2));
+    assert_eq!(log.compiled(), done);
+}
+
+fn small_limits(_: &Gpu) {
     let view = small();
     let frame = view.frame(0.003, 5);
     let want = view.cpu(MaskVisibility::new(view.spheres.clone(), 5), &frame);

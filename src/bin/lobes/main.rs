@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod console;
 mod device;
+mod environment;
 mod failure;
 mod files;
 mod fingerprint;
@@ -31,6 +32,7 @@ use std::process::ExitCode;
 
 fn run() -> Result<(), Failure> {
     let Some(command) = parse()? else { return Ok(()) };
+    environment::prepare(&command);
     console::catch_interrupts()?;
     match command {
         Command::Render(args) => render::run(&args),

@@ -101,6 +101,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         bar.finish_and_clear();
     }
 
+    figures.compiled = backend.kernels();
     let stats = stats::summary(args, &scene, &window, &figures, &clocks);
     if let Some(output) = stats_file {
         let text = serde_json::to_string_pretty(&stats)?;
@@ -140,8 +141,13 @@ impl Job<'_> {
         let mut bands = Bands::new(world, args.view.samples, window.clone());
         let mut maps = Vec::new();
         if let Some(receivers) = plan.wants_maps(scene).then(|| bands.bounds()).flatten() {
-            maps = seconds(&mut clocks.maps, || plan.maps(scene, receivers, args.map_resolution))?;
+            let (resolution, room) = (args.map_resolution, backend.room_for_maps());
+            let coarser;
+            (maps, coarser) = seconds(&mut clocks.maps, || plan.maps(scene, receivers, resolution, room))?;
             if figures.frames.is_empty() && !args.view.quiet {
+                if let Some(coarser) = coarser {
+                    note(format_args!("lobes: note: {coarser}"));
+                }
                 advise(&maps, &receivers);
             }
         }

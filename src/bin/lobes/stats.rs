@@ -4,6 +4,7 @@ use crate::args::{RenderArgs, name};
 use crate::console::say;
 use crate::files::numbered;
 use cosine_lobes::Window;
+use cosine_lobes::render_gpu::CompiledKernel;
 use cosine_lobes::scene::{Scene, ShadeStats};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -45,8 +46,9 @@ pub(crate) struct Figures {
     pub(crate) skipped: usize,
     /// What shades.
     pub(crate) device: String,
-    /// Seconds of compiling kernels, for all frames.
+    /// Seconds of compiling kernels, for all frames; and each kernel of a GPU, the slowest first.
     pub(crate) kernels: f64,
+    pub(crate) compiled: Vec<CompiledKernel>,
     pub(crate) spheres: usize,
     pub(crate) triangles: usize,
     /// Resolution of each light's shadow map, and bytes of all.
@@ -116,12 +118,17 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
         "spheres_seconds": clocks.spheres,
         "tables_seconds": clocks.tables,
         "kernels_seconds": figures.kernels,
+        "kernels": figures.compiled.iter().map(kernel).collect::<Vec<_>>(),
         "hierarchy_seconds": figures.frames.first().map_or(0.0, |f| f.hierarchy),
         "silhouettes_seconds": figures.frames.first().map_or(0.0, |f| f.silhouettes),
         "map_seconds": of(|f| f.maps),
         "gbuffer_seconds": of(|f| f.gbuffer),
         "write_seconds": of(|f| f.write),
     })
+}
+
+fn kernel(CompiledKernel { name, time }: &CompiledKernel) -> Value {
+    json!({ "name": name, "seconds": time.as_secs_f64() })
 }
 
 /// The number as it was typed, not with the digits that f64 adds to an f32.
@@ -154,13 +161,13 @@ pub(crate) fn print(args: &RenderArgs, stats: &Value) {
         }
         _ => String::new(),
     };
-    let device = match stats["device"].as_str() {
-        Some("cpu") | None => String::new(),
-        Some(name) => format!(" on {name}"),
+    let (device, kernels) = match stats["device"].as_str() {
+        Some("cpu") | None => (String::new(), String::new()),
+        Some(name) => (format!(" on {name}"), format!(", kernels {}", milliseconds("kernels_seconds"))),
     };
     say(format_args!(
-        "shading {}{device} ({} points, {} spheres, {} lights, {share:.1} % in penumbra), G-buffer {}, spheres {}{maps}, \
-         writing {}",
+        "shading {}{device} ({} points, {} spheres, {} lights, {share:.1} % in penumbra){kernels}, G-buffer {}, spheres \
+         {}{maps}, writing {}",
         milliseconds("seconds"),
         stats["points"],
         stats["spheres"],

@@ -102,13 +102,15 @@ impl Plan {
         if self.wants_maps(scene) { scene.lights.len() as u64 * u64::from(FITTED).pow(2) * 32 } else { 0 }
     }
 
-    /// A map for each light, for receivers in `bounds`; `resolution` as asked for, else as each light requires.
+    /// A map for each light, for receivers in `bounds`; `resolution` as asked for, else as each light requires and as has room
+    /// in so many bytes of the device. What is said where that makes them coarser.
     pub(crate) fn maps(
         &self,
         scene: &Scene,
         receivers: Bounds,
         resolution: Option<u32>,
-    ) -> Result<Vec<ShadowMap>, MapError> {
+        room: u64,
+    ) -> Result<(Vec<ShadowMap>, Option<String>), MapError> {
         let (mut positions, mut triangles) = (Vec::<Vec3>::new(), Vec::<[u32; 3]>::new());
         for (_, object) in scene.objects.iter().enumerate().filter(|(o, _)| self.in_maps(scene, *o)) {
             if let Shape::Mesh(mesh) = &object.shape {
@@ -118,11 +120,39 @@ impl Plan {
             }
         }
         let options = MapOptions { receivers: Some(receivers), ..MapOptions::default() };
-        let map = |light| match resolution {
-            Some(resolution) => ShadowMap::build(&positions, &triangles, light, &MapOptions { resolution, ..options }),
-            None => ShadowMap::fitted(&positions, &triangles, light, &MapOptions { resolution: FITTED, ..options }),
+        let draw = |finest: u32| -> Result<Vec<ShadowMap>, MapError> {
+            let map = |light| match resolution {
+                Some(resolution) => {
+                    ShadowMap::build(&positions, &triangles, light, &MapOptions { resolution, ..options })
+                }
+                None => ShadowMap::fitted(&positions, &triangles, light, &MapOptions { resolution: finest, ..options }),
+            };
+            scene.lights.par_iter().map(|l| map(l.ball)).collect()
         };
-        scene.lights.par_iter().map(|l| map(l.ball)).collect()
+        let mut maps = draw(FITTED)?;
+        // Which objects cast comes before them.
+        let bytes = |maps: &[ShadowMap]| {
+            maps.iter().map(ShadowMap::packed_bytes).sum::<u64>() + 4 * (1 + self.objects.len().div_ceil(32)) as u64
+        };
+        let finest = |maps: &[ShadowMap]| maps.iter().map(ShadowMap::resolution).max().unwrap_or(0);
+        let (wanted, needed) = (finest(&maps), bytes(&maps));
+        let mut most = wanted;
+        // What is asked for is not changed: the device refuses it.
+        while resolution.is_none() && bytes(&maps) > room && most > MapOptions::MIN_RESOLUTION {
+            let share = (room as f64 / bytes(&maps) as f64).sqrt().min(0.95);
+            most = ((f64::from(most) * share) as u32).max(MapOptions::MIN_RESOLUTION);
+            maps = draw(most)?;
+        }
+        let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
+        let coarser = (most < wanted).then(|| {
+            let (needed, room) = (megabytes(needed), room / 1_000_000);
+            format!(
+                "shadow maps of {wanted}² texels take {needed} MB, the GPU has room for {room} MB: drawn with {}², so penumbrae are \
+                 less exact",
+                finest(&maps)
+            )
+        });
+        Ok((maps, coarser))
     }
 }
 
@@ -244,5 +274,30 @@ fn masked<B: Blockers, W: Work>(
             let visibility = PaperVisibility::new(blockers, depth, tables);
             work.with(&mut CpuShader::with_method(visibility, Method::Paper(tables)))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_have_room_unless_their_resolution_is_asked_for() {
+        let scene = cosine_lobes::scene::builtin();
+        let plan = Plan::new(Visibility::ShadowMap, &scene);
+        let receivers = Bounds { min: Vec3::new(-3.0, 0.0, -3.0), max: Vec3::new(3.0, 2.0, 3.0) };
+        let bytes = |maps: &[ShadowMap]| maps.iter().map(ShadowMap::packed_bytes).sum::<u64>();
+        let draw = |resolution, room| plan.maps(&scene, receivers, resolution, room).expect("maps");
+        let (wanted, said) = draw(None, u64::MAX);
+        assert_eq!((wanted.len(), said), (scene.lights.len(), None));
+        for share in [2, 100] {
+            let room = bytes(&wanted) / share;
+            let (maps, said) = draw(None, room);
+            assert!(bytes(&maps) <= room && 4 * bytes(&maps) > room, "{} of {room}", bytes(&maps));
+            let finest = maps.iter().map(ShadowMap::resolution).max().expect("maps");
+            assert!(said.as_ref().is_some_and(|said| said.contains(&format!("drawn with {finest}²"))), "{said:?}");
+        }
+        let (asked, said) = draw(Some(512), 1000);
+        assert!(bytes(&asked) > 1000 && said.is_none() && asked.iter().all(|map| map.resolution() == 512));
     }
 }

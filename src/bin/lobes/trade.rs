@@ -41,7 +41,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
         )));
     }
     let strategies = strategies(args, &scene)?;
-    let gpu = if args.device.contains(&TradeDevice::Gpu) { Backend::gpu()? } else { Backend::Cpu };
+    let gpu = if args.device.contains(&TradeDevice::Gpu) { Backend::gpu(view.quiet)? } else { Backend::Cpu };
     let failed = |e: std::io::Error| Failure::new(format_args!("{}: {e}", args.output.display()));
     std::fs::create_dir_all(&args.output).map_err(failed)?;
 

@@ -1,7 +1,7 @@
 use super::setting::{Setting, Technique};
 use super::truth::Truth;
 use crate::args::{TradeArgs, TradeDevice, TradeGeometry, Visibility};
-use crate::console::STOP;
+use crate::console::{STOP, note};
 use crate::device::{Backend, Shader};
 use crate::failure::Failure;
 use crate::picture::seconds;
@@ -160,12 +160,17 @@ impl<'a> Stage<'a> {
         if self.maps.is_none() {
             let receivers = Bounds::of(self.gbuffer.points.receivers.iter().map(|r| r.position));
             let mut time = 0.0;
-            let maps = match receivers {
+            let (maps, coarser) = match receivers {
+                // The same maps for all devices.
                 Some(receivers) => {
-                    seconds(&mut time, || plan.maps(self.world.scene(), receivers, self.args.map_resolution))?
+                    let (scene, resolution) = (self.world.scene(), self.args.map_resolution);
+                    seconds(&mut time, || plan.maps(scene, receivers, resolution, self.gpu.room_for_maps()))?
                 }
-                None => Vec::new(),
+                None => (Vec::new(), None),
             };
+            if let Some(coarser) = coarser.filter(|_| !self.args.view.quiet) {
+                note(format_args!("lobes: note: {coarser}"));
+            }
             self.maps = Some((maps, time));
         }
         Ok(self.maps.clone().unwrap_or_default())

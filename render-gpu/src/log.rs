@@ -1,0 +1,99 @@
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// A kernel that the driver has compiled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompiledKernel {
+    /// Its entry point, and what the text was made for, such as `penumbra (spheres, depth 5)`.
+    pub name: String,
+    /// How long it took; the longest time where it was compiled several times.
+    pub time: Duration,
+}
+
+/// The kernels of a [`Gpu`](crate::Gpu): which are being compiled, and which have been. Clones tell the same; none keeps
+/// the device.
+///
+/// A driver may take seconds for a kernel, and says nothing meanwhile: whoever waits can ask here from another thread.
+#[derive(Clone, Debug, Default)]
+pub struct KernelLog {
+    entries: Arc<Mutex<Entries>>,
+}
+
+#[derive(Debug, Default)]
+struct Entries {
+    next: u64,
+    running: Vec<(u64, String, Instant)>,
+    done: Vec<CompiledKernel>,
+}
+
+impl KernelLog {
+    /// The kernels that are being compiled, and since when.
+    #[must_use]
+    pub fn compiling(&self) -> Vec<CompiledKernel> {
+        let running =
+            |(_, name, since): &(u64, String, Instant)| CompiledKernel { name: name.clone(), time: since.elapsed() };
+        self.entries().running.iter().map(running).collect()
+    }
+
+    /// The kernels that have been compiled, the slowest first, each name once.
+    #[must_use]
+    pub fn compiled(&self) -> Vec<CompiledKernel> {
+        let mut done = self.entries().done.clone();
+        done.sort_by_key(|kernel| core::cmp::Reverse(kernel.time));
+        done
+    }
+
+    /// Does the work of compiling a kernel, and notes how long it took if that went well.
+    pub(crate) fn compile<T, E>(&self, name: &str, work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+        let since = Instant::now();
+        let key = {
+            let mut entries = self.entries();
+            entries.next += 1;
+            let key = entries.next;
+            entries.running.push((key, name.to_owned(), since));
+            key
+        };
+        let result = work();
+        let mut entries = self.entries();
+        entries.running.retain(|(running, ..)| *running != key);
+        if result.is_ok() {
+            let time = since.elapsed();
+            match entries.done.iter_mut().find(|done| done.name == name) {
+                Some(done) => done.time = done.time.max(time),
+                None => entries.done.push(CompiledKernel { name: name.to_owned(), time }),
+            }
+        }
+        result
+    }
+
+    /// A list is whole whatever a thread that held it died of.
+    fn entries(&self) -> MutexGuard<'_, Entries> {
+        self.entries.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_compiled_is_named_while_it_is_and_after() {
+        let log = KernelLog::default();
+        let other = log.clone();
+        let names = |kernels: Vec<CompiledKernel>| kernels.into_iter().map(|kernel| kernel.name).collect::<Vec<_>>();
+        for (name, millis) in [("a", 2), ("b", 20), ("a", 1)] {
+            let compiled = log.compile(name, || {
+                assert_eq!(names(other.compiling()), [name]);
+                std::thread::sleep(Duration::from_millis(millis));
+                assert!(other.compiling()[0].time >= Duration::from_millis(millis));
+                Ok::<_, ()>(millis)
+            });
+            assert_eq!(compiled, Ok(millis));
+        }
+        assert_eq!(log.compile("refused", || Err::<(), _>(7)), Err(7));
+        assert!(log.compiling().is_empty());
+        assert_eq!(names(log.compiled()), ["b", "a"]);
+        // The longer of two times.
+        assert!(log.compiled()[1].time >= Duration::from_millis(2));
+    }
+}
