@@ -9,7 +9,7 @@ const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
     @group(0) @binding(0) var<uniform> frame: Frame;";
 
 fn validate(pieces: &[&str]) -> naga::Module {
-    let common = [FRAME, wgsl::COMMON, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
+    let common = [FRAME, wgsl::COMMON, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE, lighting::wgsl::FACET];
     let text = common.iter().chain(pieces).copied().collect::<Vec<_>>().join("\n");
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {

@@ -1,5 +1,5 @@
 // The `rays` strategy: shadow rays to the true triangles and balls. `World` and `RayBlockers` of render-cpu. Needs bvh.wgsl,
-// geometry.wgsl and STACK, at least the depth of the hierarchy.
+// geometry.wgsl, lighting's facet.wgsl and STACK, at least the depth of the hierarchy.
 
 // How far above the plane of a receiver's face a shape may seem to be by rounding, over its distance.
 const BLUR = 3e-7;
@@ -77,11 +77,18 @@ fn rays_occluded(origin: vec3f, direction: vec3f, distance: f32) -> bool {
     return false;
 }
 
+// How much of the light the receiver's own facet hides.
+fn rays_facet(at: Receiver, cone: Cone) -> u32 {
+    if at.object == OWN_NONE || !rays_have(at.object) {
+        return LIT;
+    }
+    return facet_coverage(at, cone);
+}
+
 // How much of the light may be hidden, as `RayBlockers::select`.
 fn rays_coverage(at: Receiver, cone: Cone) -> u32 {
-    let sine = sqrt(cone_sin_sq(cone));
-    let elevation = dot(at.face, cone.axis);
-    if elevation <= -sine && at.object != OWN_NONE && rays_have(at.object) {
+    let facet = rays_facet(at, cone);
+    if facet == DARK {
         return DARK;
     }
     let origin = rays_leave(at);
@@ -92,8 +99,10 @@ fn rays_coverage(at: Receiver, cone: Cone) -> u32 {
     let cosine = cone_cos(cone);
     // Where the tangents touch: d cos²θ along the axis, and all of the near surface is nearer.
     let far = cone.distance * cosine * cosine * unit_length;
-    let face = select(vec3f(0.0), at.face, elevation >= sine);
-    return select(LIT, PARTIAL, rays_meet(Region(origin, sine, cone.axis, cosine, face, far)));
+    let sine = sqrt(cone_sin_sq(cone));
+    // No ray is asked for below a facet that cuts the light.
+    let face = select(vec3f(0.0), at.face, facet == PARTIAL || dot(at.face, cone.axis) >= sine);
+    return select(facet, PARTIAL, rays_meet(Region(origin, sine, cone.axis, cosine, face, far)));
 }
 
 // False when no ray of the region meets a blocking primitive; may be true although none does.

@@ -118,7 +118,8 @@ fn numbers(question: &Question, packed: &PackedMaps) -> [f32; INPUTS] {
 
 fn gpu_coverage(gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
     let rows: Vec<f32> = questions.iter().flat_map(|q| numbers(q, packed)).collect();
-    let pieces = [FRAME, wgsl::COMMON, wgsl::COVERAGE, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
+    let pieces =
+        [FRAME, wgsl::COMMON, wgsl::COVERAGE, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE, lighting::wgsl::FACET];
     let body = "let at = receiver();
         y(0u, f32(maps_coverage(at, cone_of_sphere(at.position, frame.light))));";
     let got = call_with(gpu, &pieces, body, &rows, [INPUTS, 1], &[(8, packed.words())]);
@@ -153,7 +154,18 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
     }
     let header = lighting::wgsl::header(depth, Fineness::FINE);
     let masks = [&header, lighting::wgsl::MASK, lighting::wgsl::SQUARE];
-    let pieces = [FRAME, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, masks[0], masks[1], masks[2]];
+    let pieces = [
+        FRAME,
+        wgsl::COMMON,
+        wgsl::SPLAT,
+        GEOMETRY,
+        LOBE,
+        SPECIAL,
+        lighting::wgsl::FACET,
+        masks[0],
+        masks[1],
+        masks[2],
+    ];
     let body = "let at = receiver();
         let cone = cone_of_sphere(at.position, frame.light);
         var square = square_facing(cone, v(16u));
