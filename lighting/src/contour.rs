@@ -42,6 +42,8 @@ pub struct Contour {
     known: [u64; SIDE],
     /// Cells that are hidden as far as is known.
     dark: [u64; SIDE],
+    /// Samples that emit and are looked at, from and to, and their cells.
+    spans: [(u32, u32); SIDE],
     emitting: [u64; SIDE],
     /// What the contour covers more (or less) of a cell than its centre says, in 127ths.
     covered: [[i8; SIDE]; SIDE],
@@ -66,6 +68,7 @@ impl Contour {
             rim: core::array::from_fn(|k| (core::f32::consts::TAU * (k as f32 + 0.5) / RIM as f32).sin_cos()),
             known: [0; SIDE],
             dark: [0; SIDE],
+            spans: [(0, 0); SIDE],
             emitting: [0; SIDE],
             covered: [[0; SIDE]; SIDE],
         }
@@ -73,8 +76,30 @@ impl Contour {
 
     /// Blocks what is hidden, on top of what the mask has already. `hidden` is asked for unit directions in world space,
     /// inside the mask's window and the light, at most a cell below the horizon. Returns the number of questions.
-    pub fn block(&mut self, mask: &mut Mask, mut hidden: impl FnMut(Vec3) -> bool) -> usize {
+    pub fn block(&mut self, mask: &mut Mask, hidden: impl FnMut(Vec3) -> bool) -> usize {
+        self.block_within(mask, hidden, |mask, j| mask.emitting(j))
+    }
+
+    /// The same, and blocks everything below a plane through the receiver with this normal, where nothing is asked: at most
+    /// a cell below it.
+    pub fn block_above(&mut self, mask: &mut Mask, normal: Vec3, hidden: impl FnMut(Vec3) -> bool) -> usize {
+        let n = mask.square().local(normal);
+        mask.block_below(normal);
+        self.block_within(mask, hidden, |mask, j| mask.emitting_above(n, j))
+    }
+
+    /// Within the samples of each row that `span` gives.
+    fn block_within(
+        &mut self,
+        mask: &mut Mask,
+        mut hidden: impl FnMut(Vec3) -> bool,
+        span: impl Fn(&Mask, usize) -> (u32, u32),
+    ) -> usize {
         let square = *mask.square();
+        for j in 0..mask.side() {
+            self.spans[j] = span(mask, j);
+            self.emitting[j] = mask.cells_of(self.spans[j]);
+        }
         let mut asked = 0;
         let mut ask = |x: f32, y: f32| {
             asked += 1;
@@ -93,9 +118,10 @@ impl Contour {
     fn find(&mut self, mask: &Mask, ask: &mut impl FnMut(f32, f32) -> bool) {
         let side = mask.side();
         for j in 0..side {
-            (self.known[j], self.dark[j], self.emitting[j]) = (0, 0, mask.emitting_cells(j));
+            (self.known[j], self.dark[j]) = (0, 0);
         }
-        let mut ask = |i: usize, j: usize| ask(sample(mask, i, j), mask.row_y(j));
+        let spans = self.spans;
+        let mut ask = |i: usize, j: usize| ask(sample(mask, spans[j], i, j), mask.row_y(j));
         let start = self.start.min(side);
         self.rim(side, &mut ask);
         self.coarse(side, start, &mut ask);
@@ -359,7 +385,7 @@ impl Contour {
                 let is_dark = whole >> i & 1 == 1;
                 let share = f32::from(covered) / f32::from(WHOLE) + if is_dark { 1.0 } else { 0.0 };
                 whole &= !(1 << i);
-                let (start, length) = mask.emitting_part(i, j);
+                let (start, length) = mask.part_of(i, self.spans[j]);
                 let left = mask.cell_center(i, j).x + (start - i as f32 - 0.5) * cell;
                 // Ends among the samples of a cell that differ from cell to cell, else a whole row would round alike.
                 let shift = (Raster::shift(i) + Raster::shift(j)) / mask.raster().samples;
@@ -374,7 +400,7 @@ impl Contour {
                     if self.dark[j] >> next & 1 == 1 {
                         return 0.5 * (mask.cell_center(dark, j).x + mask.cell_center(next, j).x);
                     }
-                    let (from, to) = (sample(mask, dark, j), sample(mask, next, j));
+                    let (from, to) = (sample(mask, self.spans[j], dark, j), sample(mask, self.spans[j], next, j));
                     let (low, high) = self.crossing(j, &mut |t| ask(from + t * (to - from), y));
                     from + (to - from) * (0.5 * (low + high))
                 };
@@ -390,9 +416,9 @@ impl Contour {
 
 /// Where on its row a cell is asked for: in the middle of what emits of it; in rows of at least four cells the outermost
 /// ones at the ends of the row, so that what moves into the light is met as soon as it does.
-fn sample(mask: &Mask, i: usize, j: usize) -> f32 {
-    let cells = mask.emitting_cells(j);
-    let (start, length) = mask.emitting_part(i, j);
+fn sample(mask: &Mask, span: (u32, u32), i: usize, j: usize) -> f32 {
+    let cells = mask.cells_of(span);
+    let (start, length) = mask.part_of(i, span);
     let first = cells.trailing_zeros() as usize;
     let last = (u64::BITS - 1).saturating_sub(cells.leading_zeros()) as usize;
     let at = if last < first + 3 || (i != first && i != last) {

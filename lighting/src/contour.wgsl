@@ -203,10 +203,11 @@ fn contour_wish(lane: u32, mask: Mask, stage: u32, whole: vec2u) -> vec2u {
     }
 }
 
-// Blocks what is hidden, on top of what the own row has already.
-fn contour_block(lane: u32, mask: Mask) {
-    contour_spans[lane] = emitting;
-    contour_emit[lane] = contour_cells(emitting);
+// Blocks what is hidden, on top of what the own row has already. Asks about the samples `span` of the own row only, start and
+// end: those that emit, or a part of them where the others are blocked.
+fn contour_block(lane: u32, mask: Mask, span: vec2u) {
+    contour_spans[lane] = span;
+    contour_emit[lane] = contour_cells(span);
     for (var word = 2u * lane; word < 2u * lane + 2u; word++) {
         atomicStore(&contour_known[word], 0u);
         atomicStore(&contour_dark[word], 0u);

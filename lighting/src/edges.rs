@@ -7,6 +7,9 @@ use lobe_core::Cone;
 /// Share of the light's radius that an edge of no direction is worth: what a mask is turned to where no edge says more.
 pub(crate) const NOTHING: f32 = 1e-3;
 
+/// How much more the direction of a plane matters, the horizon's or a facet's, than a blocker's: rows alone cut by it.
+pub(crate) const PLANE: f32 = 4.0;
+
 /// The directions of all edges across a light: by their sum a [`Mask`](crate::Mask) is turned, so that its rows run
 /// across most of them.
 ///
@@ -66,6 +69,18 @@ impl Edges {
         for (whole, part) in self.whole.iter_mut().zip([(x * x - y * y) * scale, (x + x) * y * scale]) {
             let steps: [i32; 8] = adds.select(part, zero).to_int::<i32x8<S>>().into();
             *whole += steps.iter().map(|s| i64::from(*s)).sum::<i64>();
+        }
+    }
+
+    /// The edge of a plane through the receiver with this normal, where it cuts the disc of the cone.
+    ///
+    /// Its direction matters more than a blocker's, since [`Mask`](crate::Mask) cuts by a plane on the rows' lines only.
+    pub fn add_plane(&mut self, normal: Vec3, cone: &Cone) {
+        let cos = normal.dot(cone.axis);
+        // Distance of its chord from the middle: cos β/(sin β tan θ).
+        let off_sq = cos * cos / ((1.0 - cos * cos).max(0.0) * cone.tan().powi(2));
+        if off_sq < 1.0 {
+            self.add(normal, PLANE * 2.0 * (1.0 - off_sq).sqrt());
         }
     }
 

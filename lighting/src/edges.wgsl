@@ -7,6 +7,9 @@ struct EdgeFrame { right: vec3f, up: vec3f }
 // Share of the light's radius that an edge of no direction is worth.
 const EDGES_NOTHING = vec2f(1e-3, 0.0);
 
+// How much more the direction of a plane matters, the horizon's or a facet's, than a blocker's: rows alone cut by it.
+const EDGES_PLANE = 4.0;
+
 // Two unit vectors that complete an axis to a basis, without a step except where it points straight down.
 fn edges_frame(axis: vec3f) -> EdgeFrame {
     let a = 1.0 / max(1.0 + axis.y, 1e-6);
@@ -21,6 +24,18 @@ fn edges_add(frame: EdgeFrame, across: vec3f, length: f32) -> vec2f {
     let square = dot(d, d);
     let sound = square > 0.0 && abs(length) < 3e38;
     return select(vec2f(0.0), vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * (length / square), sound);
+}
+
+// The edge of a plane through the receiver with this normal, where it cuts the disc of the cone.
+fn edges_add_plane(frame: EdgeFrame, normal: vec3f, cone: Cone) -> vec2f {
+    let cos = dot(normal, cone.axis);
+    // Distance of its chord from the middle: cos β/(sin β tan θ).
+    let tan = cone_tan(cone);
+    let off_sq = cos * cos / (max(1.0 - cos * cos, 0.0) * (tan * tan));
+    if (off_sq < 1.0) {
+        return edges_add(frame, normal, EDGES_PLANE * 2.0 * sqrt(1.0 - off_sq));
+    }
+    return vec2f(0.0);
 }
 
 // What of a circle's rim lies on the light's disc: its centre `to` (world space, seen from the disc's; what is along the axis

@@ -9,6 +9,7 @@
 mod contour;
 mod cut;
 mod edges;
+mod facet;
 mod fineness;
 #[doc(hidden)]
 pub mod hooks;
@@ -35,6 +36,7 @@ pub mod wgsl;
 
 pub use crate::contour::Contour;
 pub use crate::edges::Edges;
+pub use crate::facet::facet_coverage;
 pub use crate::fineness::{Fineness, depth_for};
 pub use crate::mask::{MAX_DEPTH, Mask};
 pub use crate::mixture::{Mixture, MixtureScratch};

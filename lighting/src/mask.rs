@@ -258,6 +258,33 @@ impl Mask {
         });
     }
 
+    /// Blocks everything below the plane through the receiver with this normal (world space).
+    ///
+    /// Exact on the rows' lines: turn the mask across the plane's edge, with [`Edges::add_plane`](crate::Edges::add_plane).
+    pub fn block_below(&mut self, normal: Vec3) {
+        let n = self.square.local(normal);
+        for j in 0..self.side() {
+            let (from, to) = below(n, self.row_y(j));
+            self.block_span(j, from, to);
+        }
+    }
+
+    /// Samples of row `j` that emit and are not below a plane through the receiver, with its normal in the square's frame:
+    /// from, to. None where `to` is not above `from`.
+    #[must_use]
+    pub fn emitting_above(&self, n: Vec3, j: usize) -> (u32, u32) {
+        let (from, to) = self.emitting(j);
+        let (start, end) = below(n, self.row_y(j));
+        let (start, end) = self.samples(j, start, end);
+        if start >= end {
+            (from, to)
+        } else if start == 0 {
+            (from.max(end), to)
+        } else {
+            (from, to.min(start))
+        }
+    }
+
     /// Blocks every sample.
     pub fn block_all(&mut self) {
         self.lit = [row::NONE; ROWS];
@@ -372,7 +399,11 @@ impl Mask {
     /// Cells of row `j` that emit at all.
     #[must_use]
     pub fn emitting_cells(&self, j: usize) -> u64 {
-        let (from, to) = self.emitting(j);
+        self.cells_of(self.emitting(j))
+    }
+
+    /// The cells in which samples of a row lie.
+    pub(crate) fn cells_of(&self, (from, to): (u32, u32)) -> u64 {
         let width = self.width() as u32 >> self.depth;
         if from < to { ones(to.div_ceil(width)) & !ones(from / width) } else { 0 }
     }
@@ -434,9 +465,8 @@ impl Mask {
         LitBounds { rows: [rows.trailing_zeros(), u64::BITS - rows.leading_zeros()], samples }
     }
 
-    /// Part of a cell of row `j` that emits, as (start, length) in cells.
-    pub(crate) fn emitting_part(&self, i: usize, j: usize) -> (f32, f32) {
-        let (from, to) = self.emitting(j);
+    /// Part of a cell in which samples of its row lie, as (start, length) in cells.
+    pub(crate) fn part_of(&self, i: usize, (from, to): (u32, u32)) -> (f32, f32) {
         let width = (self.width() >> self.depth) as f32;
         let at = |sample: u32| (sample as f32 / width).clamp(i as f32, i as f32 + 1.0);
         let (from, to) = (at(from), at(to));
@@ -470,6 +500,20 @@ impl Mask {
     #[inline(always)]
     pub fn is_dark(&self) -> bool {
         (0..self.side()).all(|j| self.is_row_dark(j))
+    }
+}
+
+/// The plane coordinates x below a plane through the receiver, at a height y: from, to.
+fn below(n: Vec3, y: f32) -> (f32, f32) {
+    let rest = n.y * y + n.z;
+    if n.x > 0.0 {
+        (f32::NEG_INFINITY, -rest / n.x)
+    } else if n.x < 0.0 {
+        (-rest / n.x, f32::INFINITY)
+    } else if rest <= 0.0 {
+        (f32::NEG_INFINITY, f32::INFINITY)
+    } else {
+        (0.0, 0.0)
     }
 }
 

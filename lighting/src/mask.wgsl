@@ -113,6 +113,30 @@ fn mask_block_span(mask: Mask, j: u32, start: f32, end: f32) {
     mask_block_samples(samples.x, samples.y);
 }
 
+// Blocks everything of the own row `j` below the plane through the receiver with this normal (world space), and returns the
+// samples that emit above it: start, end.
+fn mask_block_below(mask: Mask, j: u32, normal: vec3f) -> vec2u {
+    let n = square_local(mask.square, normal);
+    let rest = n.y * mask_row_y(mask, j) + n.z;
+    var below = vec2u(0u);
+    if (n.x > 0.0) {
+        below = mask_samples(mask, j, -1e30, -rest / n.x);
+    } else if (n.x < 0.0) {
+        below = mask_samples(mask, j, -rest / n.x, 1e30);
+    } else if (rest <= 0.0) {
+        below = vec2u(0u, row_width);
+    }
+    mask_block_samples(below.x, below.y);
+    if (below.x >= below.y) {
+        return emitting;
+    }
+    return select(
+        vec2u(emitting.x, min(emitting.y, below.x)),
+        vec2u(max(emitting.x, below.y), emitting.y),
+        below.x == 0u
+    );
+}
+
 // Blocks samples `start..end` of the own row: for shapes that find the samples themselves, with mask_raster and row_phase.
 fn mask_block_samples(start: u32, end: u32) { lit = row_without(lit, row_span(start, end)); }
 

@@ -9,9 +9,6 @@ use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQue
 /// few samples would carry its share, and show as they come and go.
 pub(crate) const STEEP: f32 = 1.0;
 
-/// How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
-pub(crate) const HORIZON: f32 = 4.0;
-
 /// Something that blocks light, rasterised: what a visibility strategy has to provide.
 ///
 /// [`MaskVisibility`] makes a [`VisibilityLobes`] of it: masks, cuts and lobes are the same for all strategies.
@@ -118,12 +115,7 @@ impl<B: Blockers> MaskVisibility<B> {
     fn across(&self, query: &VisibilityQuery<'_>, scratch: &B::Scratch) -> Vec3 {
         let mut edges = Edges::new(query.cone);
         self.blockers.edges(query, scratch, &mut edges);
-        let cos = query.at.normal.dot(query.cone.axis);
-        // The horizon's chord: its distance from the middle is cos β/(sin β tan θ).
-        let off_sq = cos * cos / ((1.0 - cos * cos).max(0.0) * query.cone.tan().powi(2));
-        if off_sq < 1.0 {
-            edges.add(query.at.normal, HORIZON * 2.0 * (1.0 - off_sq).sqrt());
-        }
+        edges.add_plane(query.at.normal, query.cone);
         edges.across()
     }
 

@@ -2,9 +2,6 @@
 // strategies that there are `blockers_edges(lane, tile, at, light, window) -> vec2f` (a thread's part of the sum of edges)
 // and `blockers_splat(lane, tile, at, light, mask)`.
 
-// How much more the horizon's direction matters than a blocker's: what emits is cut by rows only.
-const HORIZON = 4.0;
-
 // What emits and what is lit of the own row of each pane of the whole light.
 var<private> broad_emitting: array<vec2u, BROAD_COUNT>;
 var<private> broad_lit: array<Row, BROAD_COUNT>;
@@ -52,16 +49,5 @@ fn broad_share(lane: u32, window: UnitSquare, at: Receiver, lobe: Lobe) -> f32 {
 fn visibility_across(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec3f {
     let basis = edges_frame(window.axis);
     let edges = total(lane, vec4f(blockers_edges(lane, tile, at, light, window), 0.0, 0.0)).xy;
-    return edges_across(basis, EDGES_NOTHING + edges + horizon_edge(basis, at.normal, window));
-}
-
-fn horizon_edge(basis: EdgeFrame, normal: vec3f, cone: Cone) -> vec2f {
-    let cos = dot(normal, cone.axis);
-    // The horizon's chord: its distance from the middle is cos β/(sin β tan θ).
-    let tan = cone_tan(cone);
-    let off_sq = cos * cos / (max(1.0 - cos * cos, 0.0) * (tan * tan));
-    if (off_sq < 1.0) {
-        return edges_add(basis, normal, HORIZON * 2.0 * sqrt(1.0 - off_sq));
-    }
-    return vec2f(0.0);
+    return edges_across(basis, EDGES_NOTHING + edges + edges_add_plane(basis, at.normal, window));
 }

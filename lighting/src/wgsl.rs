@@ -21,6 +21,9 @@ pub const CONTOUR: &str = concat!(
 /// The sum of edges that turns a mask; needs `geometry.wgsl`.
 pub const EDGES: &str = include_str!("edges.wgsl");
 
+/// How a receiver's own facet lies to a light; needs `geometry.wgsl`.
+pub const FACET: &str = include_str!("facet.wgsl");
+
 /// What threads find together; needs [`header`].
 pub const TOTAL: &str = include_str!("total.wgsl");
 /// The share of a lobe's light that masks leave; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
@@ -115,7 +118,7 @@ mod tests {
         states(SQUARE, "NARROWEST", crate::square::NARROWEST);
         states(SQUARE, "FARTHEST", crate::square::FARTHEST);
         states(SQUARE, "THINNEST", crate::square::THINNEST);
-        states(VISIBILITY, "HORIZON", crate::visibility::HORIZON);
+        states(EDGES, "EDGES_PLANE", crate::edges::PLANE);
         states(LAMBERT, "CORNER", crate::share::CORNER);
         states(LOBES, "LEFT_OUT", crate::share::LEFT_OUT);
         states(LOBES, "MIRROR_SHARE", crate::share::MIRROR);

@@ -19,8 +19,8 @@ use core::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
-use lighting::SphereLight;
-use lobe_core::{Cone, Coverage, LightLobes, Receiver, Shaft, Tile, orthonormal_basis};
+use lighting::{SphereLight, facet_coverage};
+use lobe_core::{Cone, Coverage, LightLobes, OWN_NONE, Receiver, Shaft, Tile, orthonormal_basis};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
@@ -37,7 +37,8 @@ const LISTED: usize = 48;
 /// Each point sees each light's cone through `samples` directions, uniform in solid angle: Owen-scrambled Sobol' points on
 /// the disc, one of sixteen sets chosen by a hash of the point's position and turned by another. The radiance is
 /// `2π(1 − cos θ)/N·Σ L f̃(v) V(v)` with the exact f̃. Each direction above the horizon that the material reflects
-/// costs a shadow ray, which stops at the first blocker (any hit).
+/// costs a shadow ray, which stops at the first blocker (any hit); directions below the receiver's own facet are dark in
+/// the true geometry.
 ///
 /// *Culled* ([`culled`](Self::culled)): points that share a group of 64 list what may lie between them and the light;
 /// points whose cone of light meets nothing of it shoot no rays and take 16 samples at most, points whose light one sphere
@@ -176,6 +177,10 @@ impl<'a> RayShader<'a> {
         let Targets::Surfaces(world) = &self.targets else {
             return dispatch!(self.level, simd => scratch.seen.select(simd, at, cone, &scratch.list));
         };
+        let facet = if at.object == OWN_NONE { Coverage::Lit } else { facet_coverage(at, cone) };
+        if facet != Coverage::Lit {
+            return facet;
+        }
         let above = at.face.dot(cone.axis) >= cone.sin_sq().sqrt();
         let region = Region::new(world.leave(at.position, at.face), cone, above.then_some(at.face));
         let meets = match scratch.is_listed {
@@ -205,9 +210,11 @@ impl<'a> RayShader<'a> {
         let to_center = light.ball.center - at.position;
         let radius_sq = light.ball.radius * light.ball.radius;
         let inside = cone.distance <= light.ball.radius;
-        let origin = match &self.targets {
-            Targets::Surfaces(world) => world.leave(at.position, at.face),
-            Targets::Spheres(_) => at.position,
+        // Rays that leave a facet do not meet it, although they go below it.
+        let (origin, facet) = match &self.targets {
+            Targets::Surfaces(world) if at.object == OWN_NONE => (world.leave(at.position, at.face), at.normal),
+            Targets::Surfaces(world) => (world.leave(at.position, at.face), at.face),
+            Targets::Spheres(_) => (at.position, at.normal),
         };
         let (axis, b0, b1) = (Wide::splat(simd, axis), Wide::splat(simd, b0), Wide::splat(simd, b1));
         let to_center = Wide::splat(simd, to_center);
@@ -221,7 +228,8 @@ impl<'a> RayShader<'a> {
             let (across, up) = (f32x8::simd_from(simd, points.x) * k, f32x8::simd_from(simd, points.y) * k);
             let v = axis * (1.0 - fall) + b0 * across + b1 * up;
             let left = (samples as usize - b * LANES).min(LANES);
-            let above = v.dot_one(at.normal).simd_gt(0.0).to_bitmask() & ((1 << left) - 1);
+            let is_above = v.dot_one(at.normal).simd_gt(0.0) & v.dot_one(facet).simd_gt(0.0);
+            let above = is_above.to_bitmask() & ((1 << left) - 1);
             let mut seen = above;
             if !clear && above != 0 {
                 *rays += u64::from(above.count_ones());

@@ -2,7 +2,7 @@ use crate::World;
 use crate::world::{Primitive, Region};
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
-use lighting::{Blockers, Contour, Mask};
+use lighting::{Blockers, Contour, Edges, Mask, facet_coverage};
 use lobe_core::{Cone, Coverage, OWN_NONE, Shaft, VisibilityQuery};
 
 /// So many primitives in a group's shaft are tested one by one for each receiver; more are left to the hierarchy.
@@ -14,11 +14,12 @@ const LISTED: usize = 48;
 /// # Method
 /// Rays stop at the first thing they meet (any hit), and the [`Contour`] asks for as few of them as a mask takes. No
 /// ray is shot where a plane parts the cone of light from everything that blocks: the plane of the receiver's face, one
-/// through the light, or one that touches the cone; nor where all of the light is below the receiver's face.
+/// through the light, or one that touches the cone. Below the plane of the receiver's own facet the light is dark, and no
+/// ray is shot there: rays that start beside the facet would pass its edge.
 ///
-/// Rays start off the surface, moved along the geometric normal as [`World::leave`] does; where the receiver lies on no
-/// surface of its object, along the shading normal. So a surface does not shadow itself by rounding, and what rests on
-/// it casts its shadow down to a distance of 5e-7 of the scene's extent.
+/// Rays start off the surface, moved along the geometric normal as [`World::leave`] does: by the rounding of the point
+/// itself, whatever the size of the scene. So a surface does not shadow itself, and what rests on it casts its shadow down
+/// to a distance of 5e-7 of the point's largest coordinate.
 ///
 /// # Accuracy and cost
 /// Error of V over penumbrae against Monte Carlo of the same triangles (light of half-angle 6°, masks of depth 5), mean /
@@ -89,6 +90,10 @@ pub struct RayScratch {
     is_listed: bool,
     /// Where the current receiver's rays start.
     origin: Vec3,
+    /// The normal of its facet, where that hides a part of the light.
+    facet: Option<Vec3>,
+    /// Something else may hide some of it.
+    is_met: bool,
     contour: Contour,
 }
 
@@ -97,7 +102,7 @@ impl Blockers for RayBlockers<'_> {
 
     fn scratch(&self) -> RayScratch {
         let contour = Contour::new(self.start, self.bisections);
-        RayScratch { listed: Vec::new(), is_listed: false, origin: Vec3::ZERO, contour }
+        RayScratch { listed: Vec::new(), is_listed: false, origin: Vec3::ZERO, facet: None, is_met: false, contour }
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut RayScratch) -> Coverage {
@@ -110,33 +115,59 @@ impl Blockers for RayBlockers<'_> {
             return Coverage::Lit;
         }
         let (at, cone) = (query.at, query.cone);
-        let sin = cone.sin_sq().sqrt();
-        let elevation = at.face.dot(cone.axis);
-        if elevation <= -sin && at.object != OWN_NONE && self.has(at.object) {
+        let has_own = at.object != OWN_NONE && self.has(at.object);
+        let facet = if has_own { facet_coverage(at, cone) } else { Coverage::Lit };
+        if facet == Coverage::Dark {
             return Coverage::Dark;
         }
+        scratch.facet = (facet == Coverage::Partial).then_some(at.face);
         scratch.origin = self.world.leave(at.position, at.face);
         if cone.one_minus_cos <= 0.0 {
             self.rays.fetch_add(1, Ordering::Relaxed);
             let hidden = self.hides(scratch.origin, cone.axis, cone.distance);
             return if hidden { Coverage::Dark } else { Coverage::Lit };
         }
-        let above = elevation >= sin;
+        // No ray is asked for below a facet that cuts the light.
+        let above = facet == Coverage::Partial || at.face.dot(cone.axis) >= cone.sin_sq().sqrt();
         let region = Region::new(scratch.origin, cone, above.then_some(at.face));
-        let meets = if scratch.is_listed {
+        scratch.is_met = if scratch.is_listed {
             self.world.meets_any(&region, &scratch.listed)
         } else {
             self.world.meets(&region, |o| self.has(o))
         };
-        if meets { Coverage::Partial } else { Coverage::Lit }
+        if scratch.is_met { Coverage::Partial } else { facet }
+    }
+
+    /// The facet's edge, the only one that is known before rays are shot.
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &RayScratch, edges: &mut Edges) {
+        if let Some(face) = scratch.facet {
+            edges.add_plane(face, query.cone);
+        }
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut RayScratch, mask: &mut Mask) {
-        let RayScratch { origin, contour, .. } = scratch;
+        let RayScratch { origin, facet, is_met, contour, .. } = scratch;
         let hidden = |v: Vec3| self.hides(*origin, v, to_surface(query.cone, v));
-        let asked = contour.block(mask, hidden);
+        let asked = match *facet {
+            None => contour.block(mask, hidden),
+            // A ray below the plane would meet the facet or pass its edge.
+            Some(face) if *is_met => contour.block_above(mask, face, |v| hidden(lifted(v, face))),
+            Some(face) => {
+                mask.block_below(face);
+                0
+            }
+        };
         self.rays.fetch_add(asked as u64, Ordering::Relaxed);
     }
+}
+
+/// Sine of the least elevation above a facet at which it is asked for light: rounding does not turn such a ray down.
+const GRAZING: f32 = 1e-6;
+
+/// A unit direction, or the nearest one that is above the plane with this normal.
+fn lifted(v: Vec3, normal: Vec3) -> Vec3 {
+    let below = GRAZING - v.dot(normal);
+    if below > 0.0 { (v + normal * below).normalize() } else { v }
 }
 
 /// Distance of the light's near surface along a unit direction inside the cone, or of its middle beside it.

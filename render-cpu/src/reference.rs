@@ -18,7 +18,7 @@ use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Vec3};
 use lighting::SphereLight;
-use lobe_core::{BrdfLobes, LobeBuffer, Receiver};
+use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver};
 use rayon::prelude::*;
 use scene::BlockerSet;
 
@@ -97,7 +97,8 @@ pub struct Estimate {
 /// The receiver's horizon and the blocker spheres that lie wholly between receiver and light are integrated exactly along
 /// each sampled meridian of the light's cone, which leaves next to no error of shadow edges; all other blockers are met
 /// by rays. Sums are taken in
-/// f64. A direction is blocked when a blocker is met nearer than the light's near surface; the lights
+/// f64. A direction is blocked when a blocker is met nearer than the light's near surface, and in the true geometry when it
+/// is below the receiver's own facet, which rays that leave it do not meet; the lights
 /// themselves block nothing. A receiver inside a light sees it in all directions.
 ///
 /// The result depends on the job and the number of samples, not on threads or interruptions.
@@ -368,6 +369,10 @@ impl Pair<'_> {
             Geometry::Mixed(objects) => objects.get(object as usize).is_some_and(|solid| *solid),
             _ => true,
         };
+        let own = self.at.object;
+        if self.at.face.as_dvec3().dot(v) <= 0.0 && own != OWN_NONE && counts(own) {
+            return true;
+        }
         let distance = self.cone.surface(v);
         distance > 0.0 && self.world.occluded_by(self.origin, v.as_vec3(), distance as f32, counts)
     }

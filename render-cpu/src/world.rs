@@ -46,7 +46,6 @@ pub struct World<'s> {
     scene: &'s Scene,
     triangles: Tree<Corners>,
     balls: Tree<Ball>,
-    extent: f32,
 }
 
 /// The two hierarchies of a [`World`], kept to be refitted to the next frame: [`World::refit`].
@@ -76,11 +75,26 @@ pub(crate) fn hierarchy_scale(size: f32) -> f32 {
 /// shared edges.
 const EDGE: f32 = 1e-6;
 
+/// Relative error of a distance to a triangle in f32: over the start's distance from the corner and the slant, which is
+/// `|e1||e2|/det`. A few times what rounding loses; a start this near may be on either side of the plane.
+const CLOSE: f32 = 2e-6;
+
+/// The same for spheres, as a part of the squared radius.
+const CLOSE_TO_BALL: f32 = 1e-5;
+
 impl Corners {
-    /// Distance along the ray or infinity (T. Möller, B. Trumbore, *Fast, Minimum Storage Ray-Triangle Intersection*,
-    /// 1997), both sides. A ray that starts on it does not meet it: obvhs enters no box that ends there, but others.
-    #[inline]
+    /// Distance along the ray or infinity, both sides. A ray that starts on it does not meet it: obvhs enters no box that
+    /// ends there, but others.
+    #[cfg(test)]
     fn intersect(&self, ray: &Ray) -> f32 {
+        self.meet(ray, |t| t)
+    }
+
+    /// Distance along the ray or infinity (T. Möller, B. Trumbore, *Fast, Minimum Storage Ray-Triangle Intersection*,
+    /// 1997), both sides. `exact` decides where rounding hides on which side of the plane the ray starts: it is given the
+    /// distance and returns a better one.
+    #[inline]
+    fn meet(&self, ray: &Ray, exact: impl FnOnce(f32) -> f32) -> f32 {
         let p = ray.direction.cross(self.e2);
         let inverse = 1.0 / self.e1.dot(p);
         let s = ray.origin - self.v0;
@@ -89,7 +103,11 @@ impl Corners {
         let v = ray.direction.dot(q) * inverse;
         // An inverse of ±∞ or NaN (ray in the plane) fails one of the comparisons.
         if u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE {
-            let t = self.e2.dot(q) * inverse;
+            let mut t = self.e2.dot(q) * inverse;
+            let slant_sq = (self.e1.length_squared() * inverse) * (self.e2.length_squared() * inverse);
+            if t.abs() <= CLOSE * (s.length_squared() * slant_sq).sqrt() {
+                t = exact(t);
+            }
             if t > ray.tmin && t <= ray.tmax {
                 return t;
             }
@@ -126,6 +144,28 @@ impl Ball {
             }
         }
         f32::INFINITY
+    }
+
+    /// The same in f64 where the ray starts so near to the surface that rounding would decide on which side.
+    #[inline]
+    fn meet(&self, ray: &Ray) -> f32 {
+        let off = (Vec3A::from(self.sphere.center) - ray.origin).length_squared() - self.sphere.radius.powi(2);
+        if off.abs() > CLOSE_TO_BALL * self.sphere.radius.powi(2) {
+            return self.intersect(ray);
+        }
+        let to = self.sphere.center.as_dvec3() - Vec3::from(ray.origin).as_dvec3();
+        let (direction, radius) = (Vec3::from(ray.direction).as_dvec3(), f64::from(self.sphere.radius));
+        let along = to.dot(direction);
+        // Its sign is that of the nearer distance where the ball is ahead.
+        let off = to.length_squared() - radius * radius;
+        let half_sq = along * along - off * direction.length_squared();
+        if half_sq < 0.0 {
+            return f32::INFINITY;
+        }
+        let far = (along.abs() + half_sq.sqrt()).copysign(along);
+        let ends = [off / far, far];
+        let met = ends.into_iter().filter(|t| *t > f64::from(ray.tmin) && *t <= f64::from(ray.tmax));
+        met.fold(f64::INFINITY, f64::min) as f32
     }
 
     /// The point on the ball nearest to that on a ray, and the normal there on the ray's side: in f64, then rounded.
@@ -217,7 +257,7 @@ impl<'s> World<'s> {
                 build_cwbvh(&boxes.collect::<Vec<_>>(), params, &mut Duration::ZERO.clone())
             })
         });
-        Self { scene, triangles, balls, extent }
+        Self { scene, triangles, balls }
     }
 
     /// The scene that was prepared.
@@ -261,17 +301,38 @@ impl<'s> World<'s> {
     /// The same, with only those objects that `by` says yes to by their number.
     pub(crate) fn occluded_by(&self, origin: Vec3, direction: Vec3, distance: f32, by: impl Fn(u32) -> bool) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
-        let blocks = |blocks: bool, t: f32| if blocks { t } else { f32::INFINITY };
-        self.triangles.any(ray, |c, r| blocks(by(c.object), c.intersect(r)))
-            || self.balls.any(ray, |b, r| blocks(b.blocks && by(b.object), b.intersect(r)))
+        self.triangles
+            .any(ray, |c, r| if by(c.object) { c.meet(r, |_| self.distance_to_plane(c, &ray)) } else { f32::INFINITY })
+            || self.balls.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
     }
 
-    /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of the larger of the scene's extent
-    /// and the position's largest coordinate (about 8 units in the last place of it, more than the error of the position
-    /// and of the intersection).
+    /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of its largest coordinate (4 to 8 units
+    /// in the last place).
+    ///
+    /// `position` is the point of the surface rounded to f32. This rounding and that of the start move it by less than half
+    /// as much along the normal, so the start is on the side of the surface that the normal points to, whatever the size
+    /// of the scene. Rays that leave the surface do not meet it: where a start is too near to a triangle for f32,
+    /// [`occluded`](Self::occluded) decides in f64.
     #[must_use]
     pub fn leave(&self, position: Vec3, face_normal: Vec3) -> Vec3 {
-        position + face_normal * (5e-7 * self.extent.max(position.abs().max_element()))
+        position + face_normal * (5e-7 * position.abs().max_element())
+    }
+
+    /// Distance along the ray to a triangle's plane, from the corners as they are in the scene, in f64.
+    #[cold]
+    fn distance_to_plane(&self, corners: &Corners, ray: &Ray) -> f32 {
+        let [a, b, c] = self.positions(corners);
+        let n = (b - a).cross(c - a);
+        let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
+        (n.dot(a - origin) / n.dot(direction)) as f32
+    }
+
+    /// The corners of a triangle.
+    fn positions(&self, corners: &Corners) -> [DVec3; 3] {
+        let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
+            unreachable!("triangles come from meshes")
+        };
+        mesh.triangles[corners.index as usize].map(|i| mesh.positions[i as usize].as_dvec3())
     }
 
     #[cfg(test)]
@@ -347,6 +408,7 @@ mod tests {
     use super::*;
     use crate::GBuffer;
     use crate::test_scenes::floor_and_ball;
+    use lobe_core::oracle::Random;
     use scene::Mesh;
 
     /// The scene times a power of two, which changes no digit.
@@ -397,6 +459,72 @@ mod tests {
         }
         let top = Vec3::new(0.0, 42.0, 0.0);
         assert!(!world.occluded(top, Vec3::Y, 10.0) && world.occluded(top + Vec3::Y, Vec3::NEG_Y, 10.0));
+    }
+
+    /// Rays that leave a surface a thousand times as large as the distance to the origin: no plane of it is exact in f32.
+    #[test]
+    fn a_large_surface_is_left_on_the_right_side() {
+        let turn = glam::DQuat::from_xyzw(0.31, -0.22, 0.17, 0.91).normalize();
+        let up = turn * DVec3::Y;
+        let corner = |x: f64, z: f64| (turn * DVec3::new(x, 0.0, z)).as_vec3();
+        let corners = [corner(-1000.0, 900.0), corner(1000.0, 1100.0), corner(300.0, -1000.0)];
+        let mesh = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
+        let planet = Sphere { center: (up * -1000.0).as_vec3(), radius: 1000.0 };
+        let mut scene = floor_and_ball();
+        scene.objects = vec![scene::Object::mesh("slope", mesh, 0, scene::Proxy::Count(8))];
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let normal = (b - a).cross(c - a).normalize();
+        let normal = normal * normal.dot(up).signum();
+        let mut random = Random::new(7);
+        let mut seen = [0; 2];
+        for part in 0..2 {
+            if part == 1 {
+                scene.objects = vec![scene::Object::spheres("planet", vec![planet], 0)];
+            }
+            let world = World::new(&scene);
+            for _ in 0..20_000 {
+                let size = random.log_uniform(0.01, 3.0);
+                let p = turn * DVec3::new(random.between(-size, size), 0.0, random.between(-size, size));
+                let center = planet.center.as_dvec3();
+                let (on, face) = if part == 0 {
+                    (p - normal * normal.dot(p - a), normal)
+                } else {
+                    let outward = (p - center).normalize();
+                    (center + outward * f64::from(planet.radius), outward)
+                };
+                let (position, face) = (on.as_vec3(), face.as_vec3());
+                let direction = random.axis().as_vec3();
+                let cos = direction.dot(face);
+                if cos.abs() < 1e-3 {
+                    continue;
+                }
+                for side in [face, -face] {
+                    let is_inside = part == 1 && side.dot(face) < 0.0;
+                    let hidden = world.occluded(world.leave(position, side), direction, 1e6);
+                    assert_eq!(hidden, is_inside || direction.dot(side) < 0.0, "{position} {direction} {side}");
+                    seen[usize::from(hidden)] += 1;
+                }
+            }
+        }
+        assert!(seen.iter().all(|n| *n > 10_000), "{seen:?}");
+    }
+
+    /// A thin gap under a large plate: rays from the floor meet it, those from its top do not.
+    #[test]
+    fn surfaces_close_together_are_told_apart() {
+        let plate = |y: f32| Mesh::quad(Vec3::Y * y, Vec3::X * 1000.0, Vec3::NEG_Z * 1000.0);
+        let gap = 2e-6;
+        let mut scene = floor_and_ball();
+        scene.objects = vec![
+            scene::Object::mesh("floor", plate(0.0), 0, scene::Proxy::Count(8)),
+            scene::Object::mesh("plate", plate(gap), 0, scene::Proxy::Count(8)),
+        ];
+        let world = World::new(&scene);
+        let direction = Vec3::new(0.3, 0.8, -0.2).normalize();
+        for x in [-0.9_f32, -0.3, 0.0, 0.4, 0.7] {
+            let hidden = |y: f32| world.occluded(world.leave(Vec3::new(x, y, 0.3), Vec3::Y), direction, 100.0);
+            assert!(hidden(0.0) && !hidden(gap), "{x}");
+        }
     }
 
     /// Points, their faces, and which of them see a point above the scene, to the bit at any scale.

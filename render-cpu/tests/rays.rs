@@ -133,6 +133,31 @@ fn lit_points_cost_nothing() {
     }
 }
 
+/// A large floor that no plane in f32 holds exactly does not shade the points on it, nor cost them rays.
+#[test]
+fn a_large_floor_is_lit() {
+    let turn = Mat4::from_quat(glam::Quat::from_xyzw(0.31, -0.22, 0.17, 0.91).normalize());
+    let light = Sphere { center: turn.transform_point3(Vec3::new(3.0, 3.0, 0.0)), radius: 0.2 };
+    let mut floor = floor(1000.0);
+    floor.transform(&turn);
+    let [a, b, c] = [0, 1, 2].map(|k| floor.positions[k].as_dvec3());
+    let normal = (b - a).cross(c - a).normalize();
+    let scene = scene(vec![floor], light);
+    let world = World::new(&scene);
+    let rays = RayBlockers::new(&world);
+    for k in 0..400_u16 {
+        let p = turn.transform_point3(Vec3::new(f32::from(k % 20) - 9.5, 0.0, f32::from(k / 20) - 9.5)).as_dvec3();
+        let (position, face) = ((p - normal * normal.dot(p - a)).as_vec3(), normal.as_vec3());
+        let at = Receiver { position, normal: face, face, view: face, object: 0 };
+        let cone = Cone::of_sphere(position, light);
+        let mut scratch = rays.scratch();
+        let receivers = Sphere { center: position, radius: 0.05 };
+        rays.enter(&Shaft { receivers, light }, &mut scratch);
+        let coverage = rays.select(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch);
+        assert_eq!(coverage, Coverage::Lit, "{position}");
+    }
+}
+
 /// The built-in scene against Monte Carlo of the true geometry, as a share of the unshadowed radiance.
 #[test]
 fn near_monte_carlo() {

@@ -21,7 +21,7 @@ pub(crate) struct GpuPrimitive {
     pub(crate) a: [f32; 3],
     /// Number of the object, and flags.
     pub(crate) object: u32,
-    /// An edge, or a ball's radius.
+    /// The next corner, or a ball's radius.
     pub(crate) b: [f32; 3],
     pub(crate) material: u32,
     pub(crate) c: [f32; 3],
@@ -98,14 +98,14 @@ impl GpuWorld {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn update(&mut self, scene: &Scene) -> Result<(), GpuError> {
-        let Gathered { mut primitives, names, normals, scale, extent } = gather(scene, &self.blocks)?;
+        let Gathered { mut primitives, names, normals, scale } = gather(scene, &self.blocks)?;
         let old = self.tree.take().filter(|_| self.scale == scale);
         let tree = old
             .and_then(|tree| tree.refitted(&primitives, &names))
             .map_or_else(|| Tree::new(&primitives, names), Ok)?;
         tree.arrange(&mut primitives);
         self.scale = scale;
-        self.uploaded = self.nodes.hold(&self.gpu, bytemuck::cast_slice(&tree.packed(scale, extent, &self.blocks)))?;
+        self.uploaded = self.nodes.hold(&self.gpu, bytemuck::cast_slice(&tree.packed(scale, &self.blocks)))?;
         self.uploaded += self.primitives.hold(&self.gpu, bytemuck::cast_slice(&primitives))?;
         self.uploaded += self.normals.hold(&self.gpu, bytemuck::cast_slice(&normals))?;
         self.tree = Some(tree);

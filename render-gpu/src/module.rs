@@ -192,6 +192,9 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
     }
+    if strategies.rays.is_some() || strategies.maps.is_some() {
+        pieces.push(masks::FACET);
+    }
     if strategies.maps.is_some() {
         pieces.extend([masks::SQUARE, words.as_str(), maps::COMMON, maps::COVERAGE]);
     }
@@ -208,8 +211,12 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         (false, false) => masks::header_of_lobes(variant.depth, broad, narrow),
     };
     let strategies = variant.strategies;
-    let edges =
-        if strategies.spheres { "return spheres_edges(lane, tile, at, light, window);" } else { "return vec2f(0.0);" };
+    let edges = strategies.calls().map(|name| match name {
+        "spheres" => "edges += spheres_edges(lane, tile, at, light, window);",
+        "rays" => "edges += rays_edges(lane, at, light, window);",
+        _ => "",
+    });
+    let edges: String = edges.collect();
     let splats = strategies.calls().map(|name| match name {
         "spheres" => "spheres_splat(lane, tile, at, light, mask);",
         "rays" => "rays_splat(lane, at, light, mask);",
@@ -218,7 +225,8 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let splats: String = splats.collect();
     let (stack, words) = (stack(strategies), strategies.words());
     let hooks = format!(
-        "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {{ {edges} }}\n\
+        "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {{ \
+        var edges = vec2f(0.0); {edges} return edges; }}\n\
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {{ {splats} }}"
     );
     let mut pieces = vec![
@@ -255,6 +263,9 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     }
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS, masks::CONTOUR, wgsl::RAYS_SPLAT]);
+    }
+    if strategies.rays.is_some() || strategies.maps.is_some() {
+        pieces.push(masks::FACET);
     }
     if strategies.maps.is_some() {
         pieces.extend([words.as_str(), maps::COMMON, maps::SPLAT]);

@@ -10,7 +10,7 @@ const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
 
 fn validate(pieces: &[&str]) -> naga::Module {
     let words = Pages::of(3 << 27, 1 << 27).wgsl();
-    let common = [FRAME, &words, wgsl::COMMON, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
+    let common = [FRAME, &words, wgsl::COMMON, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE, lighting::wgsl::FACET];
     let text = common.iter().chain(pieces).copied().collect::<Vec<_>>().join("\n");
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {

@@ -26,10 +26,11 @@ fn visible_points_validate() {
 #[test]
 fn shadow_rays_validate() {
     const STACK: &str = "const STACK = 32u;";
-    validate(&[RAYS, STACK, BVH, GEOMETRY]);
+    validate(&[RAYS, STACK, BVH, GEOMETRY, lighting::wgsl::FACET]);
     for (depth, coarse) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
         let header = lighting::wgsl::header(depth, lighting::Fineness { coarse, ..lighting::Fineness::FINE });
-        let masks = [header.as_str(), lighting::wgsl::SQUARE, lighting::wgsl::MASK, lighting::wgsl::CONTOUR];
+        use lighting::wgsl::{CONTOUR, EDGES, FACET, MASK, SQUARE};
+        let masks = [header.as_str(), SQUARE, MASK, CONTOUR, EDGES, FACET];
         let main = "@compute @workgroup_size(LANES) fn main(@builtin(local_invocation_index) lane: u32) {
             let light = Cone(vec3f(0.0, 0.0, 1.0), 0.01, 5.0);
             var at: Receiver;

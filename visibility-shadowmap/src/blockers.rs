@@ -4,7 +4,7 @@ use crate::map::ShadowMap;
 use crate::probe::{Block, Image, Item, NEAR, Probe, TileProbe, Verdict};
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
-use lighting::{Blockers, Mask, UnitSquare, depth_for};
+use lighting::{Blockers, Mask, UnitSquare, depth_for, facet_coverage};
 use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
 
 /// Nodes that a group of receivers starts from, at most about this many.
@@ -60,20 +60,10 @@ impl ShadowMapBlockers {
         Self { casters, ..self }
     }
 
-    /// How a receiver's own face lies to the light, where that hides some of it and the receiver's horizon does not.
+    /// How much of the light the receiver's own facet hides.
     fn own_face(&self, query: &VisibilityQuery<'_>) -> Coverage {
-        let (at, cone) = (query.at, query.cone);
-        if at.face == at.normal || !self.casters.get(at.object as usize).is_some_and(|casts| *casts) {
-            return Coverage::Lit;
-        }
-        let (elevation, sin) = (at.face.dot(cone.axis), cone.sin_sq().sqrt());
-        if elevation >= sin {
-            Coverage::Lit
-        } else if elevation <= -sin {
-            Coverage::Dark
-        } else {
-            Coverage::Partial
-        }
+        let casts = self.casters.get(query.at.object as usize).is_some_and(|casts| *casts);
+        if casts { facet_coverage(query.at, query.cone) } else { Coverage::Lit }
     }
 
     /// The maps.

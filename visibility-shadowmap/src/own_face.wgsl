@@ -1,4 +1,4 @@
-// How a receiver's own face lies to a light. Needs layer.wgsl and geometry.wgsl of lobe-core.
+// How a receiver's own face lies to a light. Needs layer.wgsl and facet.wgsl of lighting.
 
 // Whether maps were made of an object.
 fn map_casts(object: u32) -> bool {
@@ -8,15 +8,10 @@ fn map_casts(object: u32) -> bool {
     return ((map_word(1u + (object >> 5u)) >> (object & 31u)) & 1u) == 1u;
 }
 
-// How a receiver's own face lies to the light, where that hides some of it and the receiver's horizon does not.
+// How much of the light the receiver's own facet hides.
 fn map_own_face(at: Receiver, cone: Cone) -> u32 {
-    if all(at.face == at.normal) || !map_casts(at.object) {
+    if !map_casts(at.object) {
         return LIT;
     }
-    let elevation = dot(at.face, cone.axis);
-    let sine = sqrt(cone_sin_sq(cone));
-    if elevation >= sine {
-        return LIT;
-    }
-    return select(PARTIAL, DARK, elevation <= -sine);
+    return facet_coverage(at, cone);
 }

@@ -4,7 +4,7 @@
 //! a variable `frame` with
 //! `light: vec4f` (centre and radius), `tolerance: f32` and `map: u32`, which is
 //! [`PackedMaps::map_of`](crate::PackedMaps::map_of) the light; `geometry.wgsl` and `lobe.wgsl` of `lobe-core`,
-//! `square.wgsl` of `lighting`, and [`COMMON`].
+//! `square.wgsl` and `facet.wgsl` of `lighting`, and [`COMMON`].
 //!
 //! # Accuracy
 //! What Rust works out in f64 is in f32 here, with texels and depths counted from where the receiver is seen: 1e-7 of the

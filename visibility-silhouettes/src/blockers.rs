@@ -7,7 +7,7 @@ use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use lighting::{Blockers, Edges, Mask};
+use lighting::{Blockers, Edges, MAX_DEPTH, Mask, facet_coverage};
 use lobe_core::{Cone, Coverage, Shaft, Sphere, VisibilityQuery};
 
 /// Cells of a side into which the receivers of a shaft are divided, each with a list of its own.
@@ -169,6 +169,8 @@ pub struct SilhouetteScratch<H> {
     /// Where the current receiver's rays start, and what it sees.
     origin: Vec3,
     cone: Cone,
+    /// The normal of its facet, where that hides a part of the light.
+    facet: Option<Vec3>,
     silhouettes: Silhouettes,
     crossings: Vec<Crossing>,
     counter: Counter,
@@ -197,6 +199,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             cutting: Vec::new(),
             origin: Vec3::ZERO,
             cone: Cone { axis: Vec3::Z, one_minus_cos: 0.0, distance: 0.0 },
+            facet: None,
             silhouettes: Silhouettes::default(),
             crossings: Vec::new(),
             counter: Counter::default(),
@@ -220,20 +223,22 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             };
             self.list(&Shaft { receivers: Sphere { center: at.position, radius: 0.0 }, light }, scratch);
         }
-        let elevation = at.face.dot(cone.axis);
-        if elevation <= -cone.sin_sq().sqrt() && self.hits.has(at.object) {
+        let facet = if self.hits.has(at.object) { facet_coverage(at, cone) } else { Coverage::Lit };
+        scratch.facet = (facet == Coverage::Partial).then_some(at.face);
+        if facet == Coverage::Dark {
             return Coverage::Dark;
-        }
-        if scratch.edges.is_empty() && !scratch.is_met {
-            return Coverage::Lit;
         }
         scratch.origin = self.hits.leave(at.position, at.face);
         scratch.cone = *cone;
         scratch.silhouettes.clear();
+        if scratch.edges.is_empty() && !scratch.is_met {
+            return facet;
+        }
         if cone.one_minus_cos > 0.0 && !scratch.edges.is_empty() {
             dispatch!(Level::new(), simd => self.look(simd, query, scratch));
         }
-        if !scratch.silhouettes.is_empty() || !scratch.cutting.is_empty() {
+        let is_point = cone.one_minus_cos <= 0.0;
+        if !is_point && !(scratch.silhouettes.is_empty() && scratch.cutting.is_empty() && scratch.facet.is_none()) {
             return Coverage::Partial;
         }
         // All samples have the same number of surfaces before them.
@@ -246,12 +251,23 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     }
 
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
+        if let Some(face) = scratch.facet {
+            edges.add_plane(face, query.cone);
+        }
         dispatch!(Level::new(), simd => add_edges(simd, query.cone, &scratch.cone, &scratch.silhouettes, edges));
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
         let view = View::new(*mask.square(), mask.raster(), mask.side(), query.cone);
-        let SilhouetteScratch { origin, silhouettes, cutting, crossings, counter, hits, .. } = scratch;
+        let SilhouetteScratch { origin, facet, silhouettes, cutting, crossings, counter, hits, .. } = scratch;
+        let mut spans = [(0, 0); 1 << MAX_DEPTH];
+        let face = facet.map(|face| view.square.local(face));
+        for (j, span) in spans[..view.rows].iter_mut().enumerate() {
+            *span = face.map_or_else(|| mask.emitting(j), |face| mask.emitting_above(face, j));
+        }
+        if let Some(face) = *facet {
+            mask.block_below(face);
+        }
         crossings.clear();
         for corners in cutting.iter() {
             let seen = corners.map(|p| p - *origin);
@@ -259,7 +275,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         }
         let mut fewest = dispatch!(Level::new(), simd => {
             project(simd, silhouettes, &view, crossings);
-            counter.fewest(simd, &view, crossings, mask)
+            counter.fewest(simd, &view, crossings, &spans)
         });
         let is_open = |fewest: &Fewest, hits: &mut H::Scratch| {
             fewest.middle.is_some_and(|(row, sample)| {
@@ -270,7 +286,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         let mut any = is_open(&fewest, hits);
         let mut doubtful = fewest.doubtful();
         while let Some(level) = doubtful {
-            let next = dispatch!(Level::new(), simd => counter.next(simd, &view, crossings, mask, level));
+            let next = dispatch!(Level::new(), simd => counter.next(simd, &view, crossings, &spans, level));
             doubtful = next.doubtful();
             match (any, is_open(&next, hits)) {
                 (true, true) => fewest.add(&next),

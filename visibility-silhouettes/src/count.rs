@@ -2,7 +2,7 @@
 
 use crate::project::{Crossing, View};
 use fearless_simd::{Simd, f32x8, i8x32, prelude::*, u8x32};
-use lighting::{Mask, Raster};
+use lighting::Raster;
 
 /// Rows that are counted side by side: one in each lane.
 const ROWS: usize = 32;
@@ -52,9 +52,15 @@ impl Default for Counter {
 }
 
 impl Counter {
-    /// Counts the samples of a mask that emit.
+    /// Counts the samples of each row that matter: from, to.
     #[inline(always)]
-    pub(crate) fn fewest<S: Simd>(&mut self, simd: S, view: &View, crossings: &[Crossing], mask: &Mask) -> Fewest {
+    pub(crate) fn fewest<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View,
+        crossings: &[Crossing],
+        spans: &[(u32, u32)],
+    ) -> Fewest {
         let (rows, width) = (view.rows, view.raster.width as usize);
         self.starts = [0; ROW_LINES];
         self.sizes = [0; ROW_LINES];
@@ -73,15 +79,22 @@ impl Counter {
             largest = largest.max(size);
         }
         if largest > i32::from(i8::MAX) {
-            self.next(simd, view, crossings, mask, i32::MIN)
+            self.next(simd, view, crossings, spans, i32::MIN)
         } else {
-            self.few(simd, view, crossings, mask, width)
+            self.few(simd, view, crossings, spans, width)
         }
     }
 
     /// Numbers that fit into eight bits.
     #[inline(always)]
-    fn few<S: Simd>(&mut self, simd: S, view: &View, crossings: &[Crossing], mask: &Mask, width: usize) -> Fewest {
+    fn few<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View,
+        crossings: &[Crossing],
+        spans: &[(u32, u32)],
+        width: usize,
+    ) -> Fewest {
         let parts = view.rows.div_ceil(ROWS);
         // One more column, for what is right of all samples.
         let part = (width + 1) * ROWS;
@@ -103,7 +116,7 @@ impl Counter {
         let mut emitting = [[[0_u8; ROWS]; 2]; MOST / ROWS];
         for p in 0..parts {
             for (lane, j) in (p * ROWS..view.rows.min((p + 1) * ROWS)).enumerate() {
-                let (from, to) = mask.emitting(j);
+                let (from, to) = spans[j];
                 // First and last; empty the other way round.
                 let (first, last) = if from < to { (from as u8, (to - 1) as u8) } else { (1, 0) };
                 fewest.emitting += to.saturating_sub(from);
@@ -169,7 +182,7 @@ impl Counter {
         simd: S,
         view: &View,
         crossings: &[Crossing],
-        mask: &Mask,
+        spans: &[(u32, u32)],
         above: i32,
     ) -> Fewest {
         let width = view.raster.width as usize;
@@ -184,7 +197,7 @@ impl Counter {
         }
         let mut least = i32::MAX;
         for (j, row) in counts.chunks_exact_mut(width + 1).enumerate() {
-            let (from, to) = mask.emitting(j);
+            let (from, to) = spans[j];
             let mut sum = self.starts[j];
             for (i, count) in (0..).zip(row) {
                 sum += *count;
@@ -196,7 +209,7 @@ impl Counter {
         }
         let mut fewest = Fewest { level: least, ..Fewest::none() };
         for (j, row) in counts.chunks_exact(width + 1).enumerate() {
-            let (from, to) = mask.emitting(j);
+            let (from, to) = spans[j];
             fewest.emitting += to.saturating_sub(from);
             for i in (from as usize..to as usize).filter(|i| row[*i] == least) {
                 fewest.rows[j][i / 64] |= 1 << (i % 64);

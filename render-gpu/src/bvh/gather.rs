@@ -15,7 +15,6 @@ pub(super) struct Gathered {
     /// Nine numbers for each triangle that has normals.
     pub(super) normals: Vec<f32>,
     pub(super) scale: f32,
-    pub(super) extent: f32,
 }
 
 /// The triangles with an area and the balls with a radius of all objects that are seen or block. Something that is neither
@@ -25,7 +24,7 @@ pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuErro
     if needed > allowed {
         return Err(GpuError::Limits { what: "the number of objects", needed, allowed });
     }
-    let mut all = Gathered { primitives: vec![], names: vec![], normals: vec![], scale: 1.0, extent: 0.0 };
+    let mut all = Gathered { primitives: vec![], names: vec![], normals: vec![], scale: 1.0 };
     for (number, object) in scene.objects.iter().enumerate() {
         if object.visible || object.proxy != Proxy::None {
             let blocks = blocks.is_empty() || blocks.get(number).is_some_and(|blocks| *blocks);
@@ -42,9 +41,8 @@ pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuErro
         all.names.push(0);
         return Ok(all);
     }
-    all.extent = (high - low).length();
     let far = low.abs().max(high.abs()).max_element();
-    all.scale = hierarchy_scale(all.extent.max(far));
+    all.scale = hierarchy_scale((high - low).length().max(far));
     for p in &mut all.primitives {
         [&mut p.a, &mut p.b, &mut p.c].into_iter().flatten().for_each(|x| *x *= all.scale);
     }
@@ -58,8 +56,7 @@ fn add(all: &mut Gathered, number: u32, object: &Object, scene: &Scene, blocks: 
         Shape::Mesh(mesh) => {
             for (index, corners) in mesh.triangles.iter().enumerate() {
                 let [a, b, c] = corners.map(|i| mesh.positions[i as usize]);
-                let (b, c) = (b - a, c - a);
-                if b.cross(c) == Vec3::ZERO {
+                if (b - a).cross(c - a) == Vec3::ZERO {
                     continue;
                 }
                 let mut first = FLAT;
@@ -107,7 +104,7 @@ pub(super) fn bounds(p: &GpuPrimitive) -> [Vec3; 2] {
     if p.object & BALL != 0 {
         return [a - p.b[0], a + p.b[0]];
     }
-    let (b, c) = (a + Vec3::from(p.b), a + Vec3::from(p.c));
+    let (b, c) = (Vec3::from(p.b), Vec3::from(p.c));
     [a.min(b).min(c), a.max(b).max(c)]
 }
 

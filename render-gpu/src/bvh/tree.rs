@@ -94,13 +94,13 @@ impl Tree {
         *primitives = self.order.iter().map(|number| primitives[*number as usize]).collect();
     }
 
-    /// All nodes as the GPU takes them. The first has the units of the hierarchy a world unit, the size of the scene, and
+    /// All nodes as the GPU takes them. The first has the units of the hierarchy a world unit, and
     /// whether all objects block; if not, it says where there is a node for each object whose count is 1 if it does.
-    pub(super) fn packed(&self, scale: f32, extent: f32, blocks: &[bool]) -> Vec<GpuNode> {
+    pub(super) fn packed(&self, scale: f32, blocks: &[bool]) -> Vec<GpuNode> {
         let mut nodes = Vec::with_capacity(self.nodes.len() + blocks.len());
         nodes.extend_from_slice(&self.nodes);
         let count = u32::from(blocks.is_empty());
-        nodes[0] = GpuNode { low: [scale, extent, 0.0], count, first: nodes.len() as u32, ..GpuNode::default() };
+        nodes[0] = GpuNode { low: [scale, 0.0, 0.0], count, first: nodes.len() as u32, ..GpuNode::default() };
         nodes.extend(blocks.iter().map(|blocks| GpuNode { count: u32::from(*blocks), ..GpuNode::default() }));
         nodes
     }

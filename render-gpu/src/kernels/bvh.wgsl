@@ -1,7 +1,7 @@
 // The hierarchy of bvh.rs and the primitives in it, both in its units.
 
-// 32 bytes. The first one is no node: `low` has the units of the hierarchy a world unit, and the size of the scene in world
-// units; where its count is 0 there is one from `first` on for each object, whose count is 1 if it blocks. A leaf has `count`
+// 32 bytes. The first one is no node: `low` has the units of the hierarchy a world unit, `high` is zero; where its count is 0
+// there is one from `first` on for each object, whose count is 1 if it blocks. A leaf has `count`
 // primitives from `first` on; an inner node has count 0 and its children at `first` and `first + 1`.
 struct BvhNode {
     low: vec3f,
@@ -10,7 +10,7 @@ struct BvhNode {
     first: u32,
 }
 
-// 48 bytes. A triangle: a corner and the edges from it; `corners` is where its normals begin, or NO_CORNERS. A ball: centre and
+// 48 bytes. A triangle: its corners, exact; `corners` is where its normals begin, or NO_CORNERS. A ball: centre and
 // radius (`b.x`). `object` is its number and the flags below.
 struct Primitive {
     a: vec3f,
@@ -39,6 +39,11 @@ const NEVER = 3e38;
 const BVH_EDGE = 1e-6;
 // The most by which rounding makes a triangle larger, in barycentric units.
 const WIDEST = 0.05;
+
+// Relative error of a distance to a triangle: over the start's distance from the corner and the slant, which is |e1||e2|/det.
+// Of that to a sphere: as a part of the squared radius. `Fine` numbers decide where a start is so near.
+const CLOSE = 2e-6;
+const CLOSE_TO_BALL = 1e-5;
 
 // A ray as boxes see it.
 struct Slabs {
@@ -70,30 +75,112 @@ fn enter(ray: Slabs, low: vec3f, high: vec3f, limit: f32) -> f32 {
 // Distance to a triangle, both sides, or NEVER; a ray that starts on it does not meet it (T. Möller, B. Trumbore, 1997);
 // `blur` is what rounding may change of the barycentric coordinates times the determinant, over the lengths of the edges.
 fn meet_triangle(t: Primitive, origin: vec3f, direction: vec3f, blur: f32) -> f32 {
-    let p = cross(direction, t.c);
-    let det = dot(t.b, p);
+    let e1 = t.b - t.a;
+    let e2 = t.c - t.a;
+    let p = cross(direction, e2);
+    let det = dot(e1, p);
     if abs(det) < 1e-30 {
         return NEVER;
     }
     let inverse = 1.0 / det;
     let s = origin - t.a;
-    let q = cross(s, t.b);
+    let q = cross(s, e1);
     let u = dot(s, p) * inverse;
     let v = dot(direction, q) * inverse;
-    let size = blur * sqrt(dot(s, s) * max(dot(t.b, t.b), dot(t.c, t.c)));
+    let lengths = vec3f(dot(s, s), dot(e1, e1), dot(e2, e2));
+    let size = blur * sqrt(lengths.x * max(lengths.y, lengths.z));
     let edge = min(BVH_EDGE + size * abs(inverse), WIDEST);
-    let along = dot(t.c, q) * inverse;
-    return select(NEVER, along, u >= -edge && v >= -edge && u + v <= 1.0 + edge && along > 0.0);
+    if !(u >= -edge && v >= -edge && u + v <= 1.0 + edge) {
+        return NEVER;
+    }
+    var along = dot(e2, q) * inverse;
+    let slant_sq = (lengths.y * inverse) * (lengths.z * inverse);
+    if abs(along) <= CLOSE * sqrt(lengths.x * slant_sq) {
+        let plane = plane_of(t, origin);
+        along = -plane.w / dot(plane.xyz, direction);
+    }
+    return select(NEVER, along, along > 0.0);
 }
 
 // Distance to a ball, from inside or its surface to the far side, or NEVER.
 fn meet_ball(ball: Primitive, origin: vec3f, direction: vec3f) -> f32 {
     let to = ball.a - origin;
     let along = dot(to, direction);
+    let radius_sq = ball.b.x * ball.b.x;
+    if abs(dot(to, to) - radius_sq) <= CLOSE_TO_BALL * radius_sq {
+        // Its sign is that of the nearer distance where the ball is ahead.
+        let off = off_ball(ball, origin);
+        let half_sq = along * along - off;
+        let far = along + select(sqrt(max(half_sq, 0.0)), -sqrt(max(half_sq, 0.0)), along < 0.0);
+        let near = off / far;
+        let first = select(max(near, far), min(near, far), min(near, far) > 0.0);
+        return select(NEVER, first, half_sq >= 0.0 && first > 0.0);
+    }
     // The distance of the centre from the ray first: |to|² − along² would cancel.
     let aside = to - direction * along;
     let half_sq = ball.b.x * ball.b.x - dot(aside, aside);
     let half = sqrt(max(half_sq, 0.0));
     let t = select(along + half, along - half, along > half);
     return select(NEVER, t, half_sq >= 0.0 && t > 0.0);
+}
+
+// Numbers of twice as many digits, three at a time: the sum of two of which the second is at most half a last digit of the
+// first (T. J. Dekker, *A Floating-Point Technique for Extending the Available Precision*, 1971).
+struct Fine {
+    high: vec3f,
+    low: vec3f,
+}
+
+// The same numbers, hidden from the compiler: it may take a + b − a for b, which is the rounding that is wanted here.
+fn opaque(v: vec3f) -> vec3f { return bitcast<vec3f>(bitcast<vec3u>(v) ^ bitcast<vec3u>(nodes[0].high)); }
+
+fn fine_sum(a: vec3f, b: vec3f) -> Fine {
+    let sum = opaque(a + b);
+    let added = opaque(sum - a);
+    return Fine(sum, (a - (sum - added)) + (b - added));
+}
+
+// The sum of fine numbers whose second parts are `low` together.
+fn fine_add(a: vec3f, b: vec3f, low: vec3f) -> Fine {
+    let sum = fine_sum(a, b);
+    return fine_sum(sum.high, sum.low + low);
+}
+
+fn fine_product(a: Fine, b: Fine) -> Fine {
+    // Products of halves are exact, whether or not a compiler fuses them with sums.
+    let a_high = bitcast<vec3f>(bitcast<vec3u>(a.high) & vec3u(0xfffff000u));
+    let b_high = bitcast<vec3f>(bitcast<vec3u>(b.high) & vec3u(0xfffff000u));
+    let a_low = a.high - a_high;
+    let b_low = b.high - b_high;
+    let one = fine_sum(a_high * b_high, a_high * b_low);
+    let both = fine_sum(one.high, a_low * b_high);
+    return fine_sum(both.high, one.low + both.low + a_low * b_low + (a.high * b.low + a.low * b.high));
+}
+
+fn fine_cross(a: Fine, b: Fine) -> Fine {
+    let one = fine_product(Fine(a.high.yzx, a.low.yzx), Fine(b.high.zxy, b.low.zxy));
+    let other = fine_product(Fine(a.high.zxy, a.low.zxy), Fine(b.high.yzx, b.low.yzx));
+    return fine_add(one.high, -other.high, one.low - other.low);
+}
+
+fn fine_dot(a: Fine, b: Fine) -> Fine {
+    let product = fine_product(a, b);
+    let one = fine_add(product.high.xxx, product.high.yyy, product.low.xxx + product.low.yyy);
+    return fine_add(one.high, product.high.zzz, one.low + product.low.zzz);
+}
+
+// Normal of a triangle's plane, of any length, and its product with the way from the plane to a point: from its corners as
+// they are, to some 2⁻⁴⁰ of the triangle's size.
+fn plane_of(t: Primitive, point: vec3f) -> vec4f {
+    let normal = fine_cross(fine_sum(t.b, -t.a), fine_sum(t.c, -t.a));
+    return vec4f(normal.high, fine_dot(normal, fine_sum(point, -t.a)).high.x);
+}
+
+// The squared distance of a point from a ball's centre, less that of its surface.
+fn off_ball(ball: Primitive, point: vec3f) -> f32 {
+    let to = fine_sum(ball.a, -point);
+    let square = fine_dot(to, to);
+    let radius = Fine(vec3f(ball.b.x), vec3f(0.0));
+    let radius_sq = fine_product(radius, radius);
+    return fine_add(square.high, -radius_sq.high, square.low - radius_sq.low).high.x;
 }

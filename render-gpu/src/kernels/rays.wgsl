@@ -1,5 +1,8 @@
 // The `rays` strategy: shadow rays to the true triangles and balls. `World` and `RayBlockers` of render-cpu. Needs bvh.wgsl,
-// geometry.wgsl and STACK, at least the depth of the hierarchy.
+// geometry.wgsl, lighting's facet.wgsl and STACK, at least the depth of the hierarchy.
+
+// How far above the plane of a receiver's face a shape may seem to be by rounding, over its distance.
+const BLUR = 3e-7;
 
 // All rays from a point into a cone, up to a light there: `Region` of render-cpu. In units of the hierarchy.
 struct Region {
@@ -13,10 +16,10 @@ struct Region {
     far: f32,
 }
 
-// Start of a shadow ray, off the surface by 5e-7 of the scene's size, in units of the hierarchy.
+// Start of a shadow ray, off the surface by 5e-7 of the point's largest coordinate, in units of the hierarchy.
 fn rays_leave(at: Receiver) -> vec3f {
     let size = max(max(abs(at.position.x), abs(at.position.y)), abs(at.position.z));
-    return (at.position + at.face * (5e-7 * max(nodes[0].low.y, size))) * nodes[0].low.x;
+    return (at.position + at.face * (5e-7 * size)) * nodes[0].low.x;
 }
 
 fn rays_have(object: u32) -> bool {
@@ -74,11 +77,18 @@ fn rays_occluded(origin: vec3f, direction: vec3f, distance: f32) -> bool {
     return false;
 }
 
+// How much of the light the receiver's own facet hides.
+fn rays_facet(at: Receiver, cone: Cone) -> u32 {
+    if at.object == OWN_NONE || !rays_have(at.object) {
+        return LIT;
+    }
+    return facet_coverage(at, cone);
+}
+
 // How much of the light may be hidden, as `RayBlockers::select`.
 fn rays_coverage(at: Receiver, cone: Cone) -> u32 {
-    let sine = sqrt(cone_sin_sq(cone));
-    let elevation = dot(at.face, cone.axis);
-    if elevation <= -sine && at.object != OWN_NONE && rays_have(at.object) {
+    let facet = rays_facet(at, cone);
+    if facet == DARK {
         return DARK;
     }
     let origin = rays_leave(at);
@@ -89,8 +99,10 @@ fn rays_coverage(at: Receiver, cone: Cone) -> u32 {
     let cosine = cone_cos(cone);
     // Where the tangents touch: d cos²θ along the axis, and all of the near surface is nearer.
     let far = cone.distance * cosine * cosine * unit_length;
-    let face = select(vec3f(0.0), at.face, elevation >= sine);
-    return select(LIT, PARTIAL, rays_meet(Region(origin, sine, cone.axis, cosine, face, far)));
+    let sine = sqrt(cone_sin_sq(cone));
+    // No ray is asked for below a facet that cuts the light.
+    let face = select(vec3f(0.0), at.face, facet == PARTIAL || dot(at.face, cone.axis) >= sine);
+    return select(facet, PARTIAL, rays_meet(Region(origin, sine, cone.axis, cosine, face, far)));
 }
 
 // False when no ray of the region meets a blocking primitive; may be true although none does.
@@ -168,16 +180,17 @@ fn region_misses_primitive(region: Region, p: Primitive) -> bool {
         let tangent = region_tangent(region, a);
         return along + p.b.x <= 0.0
             || along - p.b.x >= region.far
-            || (any(region.face != vec3f(0.0)) && dot(region.face, a) + p.b.x <= 0.0)
+            || (any(region.face != vec3f(0.0)) && dot(region.face, a) + p.b.x <= BLUR * (dot(abs(a), vec3f(1.0)) + p.b.x))
             // On the axis there is no tangent plane.
             || (any(tangent != vec3f(0.0)) && dot(tangent, a) + p.b.x < 0.0);
     }
-    let b = a + p.b;
-    let c = a + p.c;
+    let b = p.b - region.origin;
+    let c = p.c - region.origin;
+    let blur = BLUR * dot(max(max(abs(a), abs(b)), abs(c)), vec3f(1.0));
     let along = vec3f(dot(region.axis, a), dot(region.axis, b), dot(region.axis, c));
     return max(max(along.x, along.y), along.z) <= 0.0
         || min(min(along.x, along.y), along.z) >= region.far
-        || (any(region.face != vec3f(0.0)) && support(region.face, a, b, c) <= 0.0)
+        || (any(region.face != vec3f(0.0)) && support(region.face, a, b, c) <= blur)
         || support(region_tangent(region, (a + b + c) * (1.0 / 3.0)), a, b, c) < 0.0
         || region_beside_edge(region, a, b, c)
         || region_beside_edge(region, b, c, a)

@@ -1,11 +1,19 @@
-// Masks from shadow rays: `RayBlockers::splat`. Needs rays.wgsl and lighting's contour.wgsl.
+// Masks from shadow rays: `RayBlockers::splat`. Needs rays.wgsl, and lighting's contour.wgsl and edges.wgsl.
 
 // Where the rays of the point that is shaded begin, and the light.
 var<private> rays_origin: vec3f;
 var<private> rays_light: Cone;
+// Normal of the point's facet where that hides a part of the light, or 0.
+var<private> rays_face: vec3f;
+
+// Sine of the least elevation above a facet at which it is asked for light: rounding does not turn such a ray down.
+const GRAZING = 1e-6;
 
 fn light_is_hidden(v: vec3f) -> bool {
-    return rays_occluded(rays_origin, v, rays_to_surface(v) * nodes[0].low.x);
+    // A ray below the plane would meet the facet or pass its edge.
+    let below = GRAZING - dot(v, rays_face);
+    let above = select(v, unit(v + rays_face * below), below > 0.0 && any(rays_face != vec3f(0.0)));
+    return rays_occluded(rays_origin, above, rays_to_surface(above) * nodes[0].low.x);
 }
 
 // Distance of the light's near surface along a unit direction inside the cone, or of its middle beside it.
@@ -20,9 +28,23 @@ fn rays_to_surface(v: vec3f) -> f32 {
     return rays_light.distance * (along - sqrt(max(half_sq, 0.0)));
 }
 
-// Blocks what is hidden. Only where all threads come by.
+// The facet's edge, by the first thread.
+fn rays_edges(lane: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
+    if lane > 0u || rays_facet(at, light) != PARTIAL {
+        return vec2f(0.0);
+    }
+    return edges_add_plane(edges_frame(window.axis), at.face, window);
+}
+
+// Blocks what is hidden. Requires uniform control flow.
 fn rays_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
     rays_origin = rays_leave(at);
     rays_light = light;
-    contour_block(lane, mask);
+    rays_face = vec3f(0.0);
+    var span = emitting;
+    if rays_facet(at, light) == PARTIAL {
+        rays_face = at.face;
+        span = mask_block_below(mask, lane, at.face);
+    }
+    contour_block(lane, mask, span);
 }

@@ -107,8 +107,8 @@ fn meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
     return meet_triangle(p, origin, direction, 1.5e-7);
 }
 
-// What the surface is like where the ray meets a primitive. The position comes from the primitive and not along the ray:
-// so it is off the surface by rounding only.
+// What the surface is like where the ray meets a primitive. The position comes from the primitive and not along the ray, and
+// is brought onto it: so it is off the surface by its own rounding only.
 fn surface(number: u32, direction: vec3f) -> Receiver {
     let p = primitives[number];
     var out: Receiver;
@@ -123,16 +123,24 @@ fn surface(number: u32, direction: vec3f) -> Receiver {
         let inside = along < half;
         let outward = unit_or(direction * select(-half, half, inside) - aside, -direction);
         position = p.a + outward * p.b.x;
+        position -= outward * (0.5 * off_ball(p, position) / p.b.x);
         out.normal = select(outward, -outward, dot(outward, direction) > 0.0);
         out.face = out.normal;
     } else {
         let s = view.eye - p.a;
-        let across = cross(direction, p.c);
-        let inverse = 1.0 / dot(p.b, across);
+        let e1 = p.b - p.a;
+        let e2 = p.c - p.a;
+        let across = cross(direction, e2);
+        let inverse = 1.0 / dot(e1, across);
         let u = clamp(dot(s, across) * inverse, 0.0, 1.0);
-        let v = clamp(dot(direction, cross(s, p.b)) * inverse, 0.0, 1.0 - u);
-        position = p.a + p.b * u + p.c * v;
-        let n = unit_or(cross(p.b, p.c), -direction);
+        let v = clamp(dot(direction, cross(s, e1)) * inverse, 0.0, 1.0 - u);
+        position = p.a + e1 * u + e2 * v;
+        // Rounding of a far corner leaves it beside the plane.
+        let plane = plane_of(p, position);
+        let size = max(max(abs(plane.x), abs(plane.y)), abs(plane.z));
+        let across_plane = plane.xyz / max(size, 1e-37);
+        position -= across_plane * (plane.w / (max(size, 1e-37) * dot(across_plane, across_plane)));
+        let n = unit_or(plane.xyz, -direction);
         out.face = select(n, -n, dot(n, direction) > 0.0);
         out.normal = out.face;
         if p.corners != NO_CORNERS {

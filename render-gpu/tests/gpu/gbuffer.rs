@@ -2,10 +2,11 @@
 
 use crate::call::trial;
 use crate::parity::View;
+use brdf::Material;
 use core::f32::consts::PI;
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Quat, Vec3};
 use libtest_mimic::Trial;
-use lighting::MaskVisibility;
+use lighting::{MaskVisibility, SphereLight};
 use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, World};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, Occlusion};
@@ -23,11 +24,12 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("points_at_all_scales", gpu, scales),
         trial("points_follow_motion", gpu, motion),
         trial("points_have_no_cracks", gpu, no_cracks),
+        trial("points_of_a_large_floor", gpu, on_a_large_floor),
     ]
 }
 
 /// A globe of `4n²` triangles, smooth or flat.
-fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
+pub(crate) fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
     let at = |i: u32, k: u32| {
         let ((s, c), (x, z)) = ((PI * i as f32 / n as f32).sin_cos(), (PI * k as f32 / n as f32).sin_cos());
         center + radius * Vec3::new(s * x, c, s * z)
@@ -64,6 +66,42 @@ fn globes() -> Scene {
 
 fn ball(x: f32, radius: f32) -> Sphere {
     Sphere { center: Vec3::new(x, 0.9 + 0.03 * x * x, -1.0), radius }
+}
+
+/// A floor of this half size under a light, turned: no plane in f32 holds it exactly.
+pub(crate) fn large_floor(half: f32) -> Scene {
+    let turn = Mat4::from_quat(Quat::from_xyzw(0.31, -0.22, 0.17, 0.91).normalize());
+    let mut floor = Mesh::quad(Vec3::ZERO, Vec3::X * half, Vec3::NEG_Z * half);
+    floor.transform(&turn);
+    let mut scene = builtin();
+    scene.objects = vec![Object::mesh("floor", floor, 0, Proxy::Count(8))];
+    scene.materials = vec![Material::lambert(Vec3::splat(0.5))];
+    let ball = Sphere { center: turn.transform_point3(Vec3::new(-3.0, 3.4, 1.5)), radius: 0.5 };
+    scene.lights = vec![SphereLight::new(ball, Vec3::splat(90.0))];
+    let [eye, target, up] = [Vec3::new(1.0, 1.4, 2.6), Vec3::Y * 0.1, Vec3::Y].map(|v| turn.transform_point3(v));
+    scene.camera = Camera { eye, target, up, vertical_fov: 0.6 };
+    scene
+}
+
+/// Points lie on their triangle but for their own rounding, however far its corners are.
+fn on_a_large_floor(gpu: &Gpu) {
+    let scene = large_floor(1000.0);
+    let Shape::Mesh(mesh) = &scene.objects[0].shape else { unreachable!("a mesh") };
+    let mut gbuffer = GpuGBuffer::new(gpu, &scene).expect("geometry");
+    let (points, _) = gbuffer.read(&scene.camera, 64, 48, 0..64, 0..48).expect("points");
+    let mut worst = 0.0_f64;
+    for at in &points.receivers {
+        let off = mesh.triangles.iter().map(|t| {
+            let [a, b, c] = t.map(|k| mesh.positions[k as usize].as_dvec3());
+            (b - a).cross(c - a).normalize().dot(at.position.as_dvec3() - a).abs()
+        });
+        // Of the two triangles, whose planes are not quite one, that which it lies on.
+        let off = off.fold(f64::INFINITY, f64::min);
+        worst = worst.max(off / f64::from(at.position.abs().max_element()));
+    }
+    println!("{} points, off the plane by {worst:.1e} of their largest coordinate", points.receivers.len());
+    // Half a last digit of each coordinate.
+    assert!(points.receivers.len() > 2000 && worst < 1.1e-7);
 }
 
 /// Everything moved and scaled.

@@ -132,7 +132,17 @@ fn gpu_coverage(gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<C
 fn gpu_coverage_in(pages: Pages, gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
     let words = pages.wgsl();
     let rows: Vec<f32> = questions.iter().flat_map(|q| numbers(q, packed)).collect();
-    let pieces = [FRAME, &words, wgsl::COMMON, wgsl::COVERAGE, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE];
+    let pieces = [
+        FRAME,
+        &words,
+        wgsl::COMMON,
+        wgsl::COVERAGE,
+        GEOMETRY,
+        LOBE,
+        SPECIAL,
+        lighting::wgsl::SQUARE,
+        lighting::wgsl::FACET,
+    ];
     let body = "let at = receiver();
         y(0u, f32(maps_coverage(at, cone_of_sphere(at.position, frame.light))));";
     let got = call_with(gpu, &pieces, body, &rows, [INPUTS, 1], &bound(packed, pages));
@@ -168,7 +178,19 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
     let header = lighting::wgsl::header(depth, Fineness::FINE);
     let masks = [&header, lighting::wgsl::MASK, lighting::wgsl::SQUARE];
     let words = Pages::ONE.wgsl();
-    let pieces = [FRAME, &words, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, masks[0], masks[1], masks[2]];
+    let pieces = [
+        FRAME,
+        &words,
+        wgsl::COMMON,
+        wgsl::SPLAT,
+        GEOMETRY,
+        LOBE,
+        SPECIAL,
+        lighting::wgsl::FACET,
+        masks[0],
+        masks[1],
+        masks[2],
+    ];
     let body = "let at = receiver();
         let cone = cone_of_sphere(at.position, frame.light);
         var square = square_facing(cone, v(16u));

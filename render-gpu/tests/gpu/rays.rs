@@ -1,17 +1,17 @@
 //! Shadow rays on the GPU against `RayBlockers`.
 
 use crate::call::trial;
-use crate::gbuffer::placed;
+use crate::gbuffer::{globe, large_floor, placed};
 use brdf::Material;
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
-use lighting::{MaskVisibility, Mixture, PaperVisibility, SphereLight};
+use lighting::{MaskVisibility, Mixture, PaperVisibility, SphereLight, facet_coverage};
 use lobe_core::paper::{ProductTable, Resolution, Tables};
-use lobe_core::{Method, Receiver, Sphere, Unshadowed};
+use lobe_core::{Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
-use render_gpu::{Gpu, GpuShader, GpuWorld, Occlusion};
+use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
 use visibility_spheres::SphereBlockers;
 
@@ -23,6 +23,8 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("rays_of_tiny_lights", gpu, tiny_lights),
         trial("rays_from_an_edge", gpu, from_an_edge),
         trial("rays_at_all_scales", gpu, at_all_scales),
+        trial("rays_at_terminators", gpu, at_terminators),
+        trial("rays_from_a_large_floor", gpu, from_a_large_floor),
         trial("rays_follow_motion", gpu, follow_motion),
         trial("rays_near_monte_carlo", gpu, near_monte_carlo),
         trial("rays_of_some_objects", gpu, of_some_objects),
@@ -180,6 +182,39 @@ fn at_all_scales(gpu: &Gpu) {
     for (scale, shift) in [(1e-4, 0.0), (1e4, 0.0), (1.0, 30.0)] {
         let scene = placed(fence(), scale, Vec3::splat(shift));
         compare(gpu, &format!("scale {scale}, moved by {shift}"), &scene, [40, 30], 0.003, 5);
+    }
+}
+
+/// Coarse facets under smooth normals, on a floor whose plane is not exact in f32: facets cut the light of many points.
+fn at_terminators(gpu: &Gpu) {
+    let mut scene = large_floor(80.0);
+    scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::Count(8)));
+    scene.lights[0].ball.radius = 1.2;
+    scene.camera.vertical_fov = 0.4;
+    let world = World::new(&scene);
+    let points = GBuffer::new(&world, 64, 48, 1).points;
+    let cut = points.receivers.iter().filter(|at| {
+        let cone = scene.lights[0].cone(at);
+        at.object == 1 && facet_coverage(at, &cone) == Coverage::Partial && at.normal.dot(cone.axis) > 0.0
+    });
+    let cut = cut.count();
+    assert!(cut > 60, "{cut}");
+    compare(gpu, "terminators", &scene, [64, 48], 0.003, 5);
+}
+
+/// A tilted floor of a thousand times the distance to what is seen shades none of its points, of the CPU or of the GPU.
+fn from_a_large_floor(gpu: &Gpu) {
+    let scene = large_floor(1000.0);
+    let [width, height] = [64, 48];
+    let mut gbuffer = GpuGBuffer::new(gpu, &scene).expect("geometry");
+    let found = gbuffer.read(&scene.camera, width, height, 0..width, 0..height).expect("points").0;
+    let world = World::new(&scene);
+    for points in [found, GBuffer::new(&world, width, height, 1).points] {
+        let frame = frame(&scene, 0.003, 5);
+        let ((_, want), (_, got)) = (from_cpu(&world, &points, &frame), from_gpu(gpu, &scene, &points, &frame));
+        println!("{want:?} {got:?}");
+        let all = points.receivers.len() as u64;
+        assert!(all > 2000 && want.lit_points == all && got.lit_points == all);
     }
 }
 
