@@ -55,7 +55,7 @@ fn faces_left_out_are_counted() {
     let told = String::from_utf8(ran.stderr).unwrap();
     assert!(told.contains("one.obj: 1 face left out") && told.contains("one.obj: 1 triangle left out"), "{told}");
     let told = String::from_utf8(ran.stdout).unwrap();
-    assert!(told.contains("(1 triangle: rays") && !told.contains("1 triangles"), "{told}");
+    assert!(told.contains("(1 triangle, exact") && !told.contains("1 triangles"), "{told}");
 }
 
 #[test]

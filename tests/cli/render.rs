@@ -96,7 +96,7 @@ fn shadow_maps_see_the_true_triangles() {
     let coarse = ["render", "table.toml", "-o", "c.exr", "--visibility", "shadow-map", "--map-resolution", "16"];
     let ran = lobes(folder, &coarse);
     let told = String::from_utf8(ran.stderr).unwrap();
-    assert!(ran.status.success() && told.contains("light 0") && told.contains("--visibility rays"), "{told}");
+    assert!(ran.status.success() && told.contains("light 0") && told.contains("--visibility silhouettes"), "{told}");
     assert_eq!(json(folder, &[&coarse[..], &["--json", "-q"]].concat())["map_resolutions"][0], 16);
     for bad in ["0", "100000", "15", "8193", "1.5", "x"] {
         let args = ["render", "table.toml", "--visibility", "shadow-map", "--map-resolution", bad];
