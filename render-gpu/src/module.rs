@@ -170,7 +170,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
     }
-    if strategies.rays.is_some() || strategies.maps {
+    if strategies.calls().next().is_some() {
         pieces.push(masks::FACET);
     }
     if strategies.maps {
@@ -242,7 +242,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS, masks::CONTOUR, wgsl::RAYS_SPLAT]);
     }
-    if strategies.rays.is_some() || strategies.maps {
+    if strategies.calls().next().is_some() {
         pieces.push(masks::FACET);
     }
     if strategies.maps {
