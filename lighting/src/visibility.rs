@@ -45,7 +45,8 @@ pub trait Blockers: Sync {
     fn scratch(&self) -> Self::Scratch;
 
     /// Told before a group of receivers and one light: all following receivers are inside `shaft` until the next call.
-    /// [`Coverage::Lit`] says that none of them meets a blocker, as [`select`](Self::select) would say of each.
+    /// [`Coverage::Lit`] says that none of them meets a blocker, as [`select`](Self::select) would say of each, but for the
+    /// facets of receivers whose shading normal is another one.
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         let _ = (shaft, scratch);
         Coverage::Partial

@@ -37,8 +37,8 @@ const LISTED: usize = 48;
 /// Each point sees each light's cone through `samples` directions, uniform in solid angle: Owen-scrambled Sobol' points on
 /// the disc, one of sixteen sets chosen by a hash of the point's position and turned by another. The radiance is
 /// `2π(1 − cos θ)/N·Σ L f̃(v) V(v)` with the exact f̃. Each direction above the horizon that the material reflects
-/// costs a shadow ray, which stops at the first blocker (any hit); directions below the receiver's own facet are dark in
-/// the true geometry.
+/// costs a shadow ray, which stops at the first blocker (any hit); directions below the receiver's own facet are dark where
+/// its object blocks.
 ///
 /// *Culled* ([`culled`](Self::culled)): points that share a group of 64 list what may lie between them and the light;
 /// points whose cone of light meets nothing of it shoot no rays and take 16 samples at most, points whose light one sphere
@@ -174,10 +174,19 @@ impl<'a> RayShader<'a> {
     }
 
     fn select(&self, at: &Receiver, cone: &Cone, scratch: &mut Scratch) -> Coverage {
-        let Targets::Surfaces(world) = &self.targets else {
-            return dispatch!(self.level, simd => scratch.seen.select(simd, at, cone, &scratch.list));
+        let cuts = match &self.targets {
+            Targets::Surfaces(_) => at.object != OWN_NONE,
+            Targets::Spheres(spheres) => spheres.facet(at) != at.normal,
         };
-        let facet = if at.object == OWN_NONE { Coverage::Lit } else { facet_coverage(at, cone) };
+        let facet = if cuts { facet_coverage(at, cone) } else { Coverage::Lit };
+        let Targets::Surfaces(world) = &self.targets else {
+            let found = dispatch!(self.level, simd => scratch.seen.select(simd, at, cone, &scratch.list));
+            return match (found, facet) {
+                (Coverage::Dark, _) | (_, Coverage::Dark) => Coverage::Dark,
+                (Coverage::Lit, facet) => facet,
+                (Coverage::Partial, _) => Coverage::Partial,
+            };
+        };
         if facet != Coverage::Lit {
             return facet;
         }
@@ -214,7 +223,7 @@ impl<'a> RayShader<'a> {
         let (origin, facet) = match &self.targets {
             Targets::Surfaces(world) if at.object == OWN_NONE => (world.leave(at.position, at.face), at.normal),
             Targets::Surfaces(world) => (world.leave(at.position, at.face), at.face),
-            Targets::Spheres(_) => (at.position, at.normal),
+            Targets::Spheres(spheres) => (at.position, spheres.facet(at)),
         };
         let (axis, b0, b1) = (Wide::splat(simd, axis), Wide::splat(simd, b0), Wide::splat(simd, b1));
         let to_center = Wide::splat(simd, to_center);

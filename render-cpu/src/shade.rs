@@ -178,6 +178,8 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         let Memory { tile, lobes, cones, integrals, lit, scratch, sum } = memory;
         tile.set(receivers);
         let ball = tile.ball();
+        // A facet under a smooth normal may hide the light that nothing else does.
+        let is_bent = receivers.iter().any(|at| at.face != at.normal);
         tile_lobes(frame.materials, materials, tile, lobes);
         work.lap(0);
         for (l, light) in frame.lights.iter().enumerate() {
@@ -186,7 +188,10 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
                 cap_integrals(cones, lobes, integrals);
             }
             work.lap(1);
-            let entered = self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
+            let mut entered = self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
+            if is_bent && entered == Coverage::Lit {
+                entered = Coverage::Partial;
+            }
             work.lap(2);
             let call = TileCall {
                 at: receivers,

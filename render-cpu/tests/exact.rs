@@ -14,6 +14,7 @@ use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, RayShader, Reference
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
+use visibility_spheres::SphereBlockers;
 
 const FLOORS: [f32; 4] = [1.0, 8.0, 80.0, 1000.0];
 
@@ -231,5 +232,41 @@ fn sampled_light_stops_at_the_facet() {
         let (p99, umbra) = (errors.quantile(99), errors.umbra);
         println!("{name}: mean {:.2} %, p99 {:.2} %, umbra {:.3} %", 100.0 * mean, 100.0 * p99, 100.0 * umbra);
         assert!(errors.cut > 60 && mean < 0.003 && p99 < 0.015 && umbra < 1e-6, "{name}");
+    }
+}
+
+/// Spheres stand for a mesh, and that hides what is below a facet: the strategy, rays to the same spheres and the reference
+/// of these agree.
+#[test]
+fn spheres_stop_at_the_facet() {
+    let mut scene = scene(bumpy(), 8.0, Quat::IDENTITY);
+    (scene.width, scene.height) = (100, 75);
+    let world = World::new(&scene);
+    let gbuffer = GBuffer::new(&world, 100, 75, 1);
+    let sphere = Sphere { center: Vec3::Y * 0.56, radius: 0.44 };
+    let set = BlockerSet { spheres: vec![sphere], objects: vec![1], ..BlockerSet::default() };
+    let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &set, geometry: Geometry::Spheres, seed: 1 };
+    let mut reference = Reference::new(job);
+    reference.advance(1024, &AtomicBool::new(false), &|_| {});
+    let estimate = reference.estimate();
+    let fraction = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
+    let want: Vec<_> = estimate.radiance.iter().zip(&estimate.unshadowed).map(fraction).collect();
+    let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
+    let lobes = fractions(MaskVisibility::new(spheres, 5), &scene, &gbuffer.points);
+    let frame =
+        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+    let rays = [false, true].map(|culled| {
+        let mut out = vec![Vec3::ZERO; gbuffer.len()];
+        let Ok(_) = RayShader::spheres(&set, 4096).culled(culled).shade(&gbuffer.points, &frame, &mut out);
+        out.iter().zip(&estimate.unshadowed).map(fraction).collect::<Vec<_>>()
+    });
+    let lights = Known::default().lights(&scene, &gbuffer.points.receivers);
+    let most = lights.iter().map(|l| l.whole).fold(0.0, f64::max);
+    let is_cut = |k: &usize| lights[*k].is_cut && lights[*k].whole > 0.01 * most;
+    let cut: Vec<_> = (0..gbuffer.len()).filter(is_cut).collect();
+    for (name, got) in [("lobes", &lobes), ("rays", &rays[0]), ("culled rays", &rays[1])] {
+        let mean = cut.iter().map(|k| (got[*k] - want[*k]).abs()).sum::<f64>() / cut.len() as f64;
+        println!("{name}: {} points cut by their facet, {:.2} % from the reference", cut.len(), 100.0 * mean);
+        assert!(cut.len() > 60 && mean < 0.006, "{name}: {mean}");
     }
 }

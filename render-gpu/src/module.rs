@@ -192,7 +192,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
     }
-    if strategies.rays.is_some() || strategies.maps.is_some() {
+    if strategies.calls().next().is_some() {
         pieces.push(masks::FACET);
     }
     if strategies.maps.is_some() {
@@ -264,7 +264,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS, masks::CONTOUR, wgsl::RAYS_SPLAT]);
     }
-    if strategies.rays.is_some() || strategies.maps.is_some() {
+    if strategies.calls().next().is_some() {
         pieces.push(masks::FACET);
     }
     if strategies.maps.is_some() {

@@ -57,7 +57,7 @@ fn classification_validates() {
     let stub = "fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
     let models = brdf::Models::of(&[brdf::Material::lambert(glam::Vec3::ONE)]);
     let reflectance = brdf::wgsl::compose(models);
-    let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE];
+    let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, lighting::FACET];
     let mut pieces = vec![CLASSIFY, QUEUE, FRAME, HOOK, stub, &reflectance, GEOMETRY, LOBE, SPECIAL];
     pieces.extend(parts);
     let classify = module(&pieces);
@@ -74,6 +74,7 @@ fn splats_validate_at_all_depths() {
                 &header,
                 wgsl::SPHERES_SPLAT,
                 wgsl::SPHERES,
+                lighting::FACET,
                 wgsl::ELLIPSE,
                 wgsl::SPLAT,
                 wgsl::BLOCKED_CONE,
@@ -108,6 +109,7 @@ fn a_blocker_has_rusts_layout() {
         ("own_radius", offset_of!(BlockerSphere, own_radius)),
         ("object", offset_of!(BlockerSphere, object)),
         ("own_distance", offset_of!(BlockerSphere, own_distance)),
+        ("caster", offset_of!(BlockerSphere, caster)),
         ("pad", offset_of!(BlockerSphere, pad)),
     ];
     let want = want.map(|(name, offset)| (name.to_owned(), offset as u32)).to_vec();

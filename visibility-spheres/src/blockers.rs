@@ -6,8 +6,8 @@ use crate::shaft_test::ShaftTest;
 use crate::sphere_tree::SphereTree;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use lighting::{Blockers, Edges, Mask};
-use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lighting::{Blockers, Edges, Mask, facet_coverage};
+use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 
 /// Spheres that block light, as the `spheres` strategy sees them: wrap it in
 /// [`MaskVisibility`](lighting::MaskVisibility).
@@ -23,6 +23,9 @@ use lobe_core::{Coverage, SelfShadow, Shaft, Sphere, VisibilityQuery};
 /// whole one as the receiver goes away ([`SelfShadow::seen`]), since what is far away sees a silhouette, which the spheres
 /// were placed for. Spheres of other objects are whole and have τ = 0: what contains the receiver hides everything from it.
 ///
+/// The mesh itself hides what is below the receiver's facet ([`facet_coverage`]), where the shading normal is another one
+/// and the object has spheres: at the terminator spheres would let that light through.
+///
 /// # Order
 /// A sphere blocks where it is in front of the light. For a sphere that does not meet the light this is the same for
 /// all directions (the one with the smaller power `d² − r²` is in front); where blocker and light intersect it is
@@ -35,6 +38,8 @@ pub struct SphereBlockers {
     /// For each sphere, or empty.
     self_shadows: Vec<SelfShadow>,
     tree: SphereTree,
+    /// Objects with a sphere that can block, ascending.
+    casters: Vec<u32>,
 }
 
 impl SphereBlockers {
@@ -48,13 +53,23 @@ impl SphereBlockers {
     #[must_use]
     pub fn new(spheres: &[Sphere], objects: &[u32], self_distances: &[f32]) -> Self {
         assert_eq!(spheres.len(), objects.len(), "each sphere belongs to an object");
-        Self {
+        let mut blockers = Self {
             spheres: spheres.to_vec(),
             objects: objects.to_vec(),
             self_distances: self_distances.to_vec(),
             self_shadows: Vec::new(),
             tree: SphereTree::new(spheres),
-        }
+            casters: Vec::new(),
+        };
+        blockers.find_casters();
+        blockers
+    }
+
+    fn find_casters(&mut self) {
+        self.casters.clear();
+        self.casters.extend(self.tree.order().iter().map(|i| self.objects[*i as usize]).filter(|o| *o != OWN_NONE));
+        self.casters.sort_unstable();
+        self.casters.dedup();
     }
 
     /// How receivers of its own object see each sphere, instead of the object's τ; nothing changes for none.
@@ -80,7 +95,11 @@ impl SphereBlockers {
     /// When there are more or fewer spheres than before.
     pub fn update(&mut self, spheres: &[Sphere]) -> bool {
         self.spheres.copy_from_slice(spheres);
-        self.tree.update(spheres)
+        let is_new = self.tree.update(spheres);
+        if is_new {
+            self.find_casters();
+        }
+        is_new
     }
 
     /// The spheres, as given.
@@ -92,6 +111,28 @@ impl SphereBlockers {
     /// The object of each.
     pub(crate) fn objects(&self) -> &[u32] {
         &self.objects
+    }
+
+    /// Objects with a sphere that can block, ascending.
+    pub(crate) fn casters(&self) -> &[u32] {
+        &self.casters
+    }
+
+    /// How much of the light the receiver's own facet hides, and its horizon does not.
+    fn facet(&self, at: &Receiver, cone: &Cone) -> Coverage {
+        let casts = at.face != at.normal && self.casters.binary_search(&at.object).is_ok();
+        if casts { facet_coverage(at, cone) } else { Coverage::Lit }
+    }
+
+    /// By the facet, then by the candidates.
+    fn select_by(&self, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, culls: bool) -> Coverage {
+        let facet = self.facet(query.at, query.cone);
+        if facet == Coverage::Dark {
+            return Coverage::Dark;
+        }
+        scratch.facet = (facet == Coverage::Partial).then_some(query.at.face);
+        let found = dispatch!(Level::new(), simd => select_all(simd, query, scratch, culls));
+        if found == Coverage::Lit { facet } else { found }
     }
 
     /// Those that can block, neighbours near each other.
@@ -147,6 +188,8 @@ pub struct SphereScratch {
     stack: Vec<(u32, u32)>,
     /// What meets the current receiver's light cone.
     hits: Hits,
+    /// The normal of its facet, where that hides a part of the light.
+    facet: Option<Vec3>,
 }
 
 impl SphereScratch {
@@ -184,7 +227,7 @@ impl SphereBlockers {
     /// `select` without any culling: the same exact question to every sphere.
     pub(crate) fn select_flat(&self, query: &VisibilityQuery<'_>) -> (Coverage, Vec<crate::splat::BlockedCone>) {
         let mut scratch = self.scratch();
-        let coverage = dispatch!(Level::new(), simd => select_all(simd, query, &mut scratch, false));
+        let coverage = self.select_by(query, &mut scratch, false);
         (coverage, scratch.hits())
     }
 }
@@ -216,15 +259,21 @@ impl Blockers for SphereBlockers {
         if scratch.dark {
             return Coverage::Dark;
         }
-        dispatch!(Level::new(), simd => select_all(simd, query, scratch, true))
+        self.select_by(query, scratch, true)
     }
 
-    /// The spheres' rims.
+    /// The spheres' rims and the facet's edge.
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &SphereScratch, edges: &mut Edges) {
         dispatch!(Level::new(), simd => scratch.hits.add_edges(simd, query.cone, edges));
+        if let Some(face) = scratch.facet {
+            edges.add_plane(face, query.cone);
+        }
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, mask: &mut Mask) {
+        if let Some(face) = scratch.facet {
+            mask.block_below(face);
+        }
         dispatch!(Level::new(), simd => scratch.hits.splat(simd, query.cone, mask));
     }
 }

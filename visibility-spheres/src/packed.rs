@@ -1,5 +1,6 @@
 use crate::SphereBlockers;
 use bytemuck::{Pod, Zeroable};
+use lobe_core::OWN_NONE;
 
 /// How many neighbours of [`SphereBlockers::pack`] share a bound on the GPU: `SPHERE_BLOCK` of `packed.wgsl`.
 pub const SPHERE_BLOCK: usize = 32;
@@ -24,8 +25,10 @@ pub struct BlockerSphere {
     pub object: u32,
     /// For receivers of that object: how far away a ray must leave it to be blocked (τ).
     pub own_distance: f32,
+    /// Of the objects that have a sphere, the one at this sphere's place in ascending order; [`OWN_NONE`] behind the last.
+    pub caster: u32,
     /// Nothing.
-    pub pad: [u32; 2],
+    pub pad: u32,
 }
 
 impl SphereBlockers {
@@ -36,7 +39,8 @@ impl SphereBlockers {
     /// new one. Spheres that block nothing (radius zero or less, anything infinite or NaN) are left out. O(n).
     pub fn pack(&self, out: &mut Vec<BlockerSphere>) {
         out.clear();
-        out.extend(self.order().iter().map(|index| {
+        let casters = self.casters().iter().copied().chain(core::iter::repeat(OWN_NONE));
+        out.extend(self.order().iter().zip(casters).map(|(index, caster)| {
             let index = *index as usize;
             let (own, own_distance) = self.own(index);
             let sphere = self.spheres()[index];
@@ -47,7 +51,8 @@ impl SphereBlockers {
                 own_radius: own.radius,
                 object: self.objects()[index],
                 own_distance,
-                pad: [0; 2],
+                caster,
+                pad: 0,
             }
         }));
     }

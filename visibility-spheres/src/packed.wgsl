@@ -8,7 +8,9 @@ struct BlockerSphere {
     own_radius: f32,
     object: u32,
     own_distance: f32,
-    pad: vec2u,
+    // Of the objects that have a sphere, the one at this sphere's place in ascending order; OWN_NONE behind the last.
+    caster: u32,
+    pad: u32,
 }
 
 const SPHERE_BLOCK = 32u;

@@ -1,5 +1,5 @@
 // What spheres hide of one light: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
-// blocked_cone, frame and lobe-core's geometry.
+// blocked_cone, frame, lobe-core's geometry and lighting's facet.
 @group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
 @group(0) @binding(7) var<storage, read> lists: array<u32>;
 @group(0) @binding(11) var<storage, read> sphere_bounds: array<vec4f>;
@@ -56,6 +56,33 @@ fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look 
     return Look(blocked, blocked_cover(blocked, cone.axis, light.sin, light.cos));
 }
 
+// Whether an object has a sphere.
+fn spheres_cast(object: u32) -> bool {
+    var first = 0u;
+    var end = frame.sphere_count;
+    while (first < end) {
+        let middle = (first + end) / 2u;
+        if (spheres[middle].caster < object) {
+            first = middle + 1u;
+        } else {
+            end = middle;
+        }
+    }
+    return object != OWN_NONE && first < frame.sphere_count && spheres[min(first, frame.sphere_count - 1u)].caster == object;
+}
+
+// How much of the light the receiver's own facet hides, and its horizon does not.
+fn spheres_facet(at: Receiver, cone: Cone) -> u32 {
+    if (all(at.face == at.normal)) {
+        return LIT;
+    }
+    let facet = facet_coverage(at, cone);
+    if (facet == LIT || !spheres_cast(at.object)) {
+        return LIT;
+    }
+    return facet;
+}
+
 // How much of the light a receiver of a tile sees, for one thread.
 fn spheres_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     let list = tile * LIST_WORDS;
@@ -65,7 +92,10 @@ fn spheres_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     }
     let test = cone_test(at.position, cone);
     let light = light_ball(cone);
-    var coverage = LIT;
+    var coverage = spheres_facet(at, cone);
+    if (coverage == DARK) {
+        return DARK;
+    }
     if ((flags & LIST_FULL) == 0u) {
         let count = lists[list];
         for (var k = 0u; k < count; k++) {

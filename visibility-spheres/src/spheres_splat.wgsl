@@ -45,7 +45,8 @@ fn spheres_near(tile: u32, first: u32, test: ConeTest) -> bool {
     return near;
 }
 
-// This thread's part of the sum of edges: the rims of those spheres that meet `light`, as they cross `window`.
+// This thread's part of the sum of edges: the rims of those spheres that meet `light`, as they cross `window`, and of the
+// first thread the facet's edge.
 fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
     let ball = light_ball(light);
     let test = cone_test(at.position, light);
@@ -53,6 +54,9 @@ fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) 
     let tan = cone_tan(window);
     let count = spheres_count(tile);
     var sum = vec2f(0.0);
+    if (lane == 0u && spheres_facet(at, light) == PARTIAL) {
+        sum = edges_add_plane(across, at.face, window);
+    }
     for (var first = 0u; first < count; first += LANES) {
         if (first + lane >= count || !spheres_near(tile, first, test)) {
             continue;
@@ -70,6 +74,9 @@ fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     let ball = light_ball(light);
     let test = cone_test(at.position, light);
     let count = spheres_count(tile);
+    if (lane < SIDE && spheres_facet(at, light) == PARTIAL) {
+        _ = mask_block_below(mask, lane, at.face);
+    }
     workgroupBarrier();
     if (lane < 2u * SPLATS_USED) {
         atomicStore(&splats_used[lane], 0u);

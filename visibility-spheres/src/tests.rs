@@ -245,3 +245,39 @@ fn point_lights_are_hidden_by_what_their_direction_meets() {
         }
     }
 }
+
+/// A facet hides what is below it from receivers whose object has a sphere, wherever that is, but for what the horizon hides.
+#[test]
+fn facets_cut_the_light_of_their_own_object() {
+    let far = Sphere { center: Vec3::NEG_Z * 50.0, radius: 1.0 };
+    let nothing = Sphere { radius: 0.0, ..far };
+    let blockers = SphereBlockers::new(&[far, far, nothing], &[4, 7, 9], &[]);
+    let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.02, distance: 10.0 };
+    let up = |elevation: f32| Vec3::new(elevation.cos(), 0.0, elevation.sin());
+    let theta = cone.sin_sq().sqrt().asin();
+    let select = |face: Vec3, normal: Vec3, object: u32| {
+        let at = Receiver { face, ..receiver(Vec3::ZERO, normal, object) };
+        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let mut scratch = blockers.scratch();
+        let coverage = blockers.select(&query, &mut scratch);
+        let mut mask = Mask::default();
+        mask.reset(&UnitSquare::facing(&cone, blockers.across(&query, &scratch)), 5, normal);
+        if coverage == Coverage::Partial {
+            blockers.splat(&query, &mut scratch, &mut mask);
+        }
+        let (whole, lit) = mask.areas();
+        (coverage, lit / whole)
+    };
+    for object in [4, 7] {
+        assert_eq!(select(up(0.5), Vec3::Z, object).0, Coverage::Lit);
+        assert_eq!(select(up(-0.5), Vec3::Z, object).0, Coverage::Dark);
+        let (coverage, share) = select(up(-0.5 * theta), Vec3::Z, object);
+        // The part of a disc on the far side of a chord at half its radius.
+        let want = 1.0 / 3.0 - 0.75_f32.sqrt() / (2.0 * core::f32::consts::PI);
+        assert!(coverage == Coverage::Partial && (share - want).abs() < 0.005, "{coverage:?} {share} {want}");
+    }
+    for object in [0, 5, 9, u32::MAX] {
+        assert_eq!(select(up(-0.5), Vec3::Z, object).0, Coverage::Lit, "object {object}");
+    }
+    assert_eq!(select(up(0.0), up(0.0), 4).0, Coverage::Lit, "the horizon's own");
+}

@@ -10,7 +10,7 @@ pub const SHAFT_TEST: &str = include_str!("shaft_test.wgsl");
 pub const CONE_TEST: &str = include_str!("cone_test.wgsl");
 /// The cone that a sphere blocks.
 pub const BLOCKED_CONE: &str = include_str!("blocked_cone.wgsl");
-/// Bindings 6, 7 and 11, and `spheres_coverage`: with [`CONE_TEST`] and [`BLOCKED_CONE`].
+/// Bindings 6, 7 and 11, and `spheres_coverage`: with [`CONE_TEST`], [`BLOCKED_CONE`] and lighting's facet.
 pub const SPHERES: &str = include_str!("spheres.wgsl");
 /// A ball on a mask: with lighting's mask.
 pub const ELLIPSE: &str = include_str!("ellipse.wgsl");

@@ -6,7 +6,7 @@ use core::time::Duration;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 use glam::{Vec3, Vec3A};
-use lobe_core::{Cone, Coverage, Receiver, SelfShadow, Shaft, Sphere};
+use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::Ray;
@@ -42,6 +42,8 @@ impl Named for Blocker {
 #[derive(Debug)]
 pub(super) struct SphereTargets {
     tree: Tree<Blocker>,
+    /// Objects with a sphere, ascending.
+    objects: Vec<u32>,
 }
 
 impl SphereTargets {
@@ -62,7 +64,15 @@ impl SphereTargets {
             let boxes: Vec<_> = b.iter().map(|b| b.aabb()).map(|b| Aabb::new(b.min * scale, b.max * scale)).collect();
             build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
         });
-        Self { tree }
+        let mut objects: Vec<_> = blockers.iter().map(|b| b.object).filter(|o| *o != OWN_NONE).collect();
+        objects.sort_unstable();
+        objects.dedup();
+        Self { tree, objects }
+    }
+
+    /// The normal of the plane below which a receiver sees nothing: of its facet where its object has spheres.
+    pub(super) fn facet(&self, at: &Receiver) -> Vec3 {
+        if self.objects.binary_search(&at.object).is_ok() { at.face } else { at.normal }
     }
 
     /// Whether a sphere hides the direction from the receiver up to the distance.

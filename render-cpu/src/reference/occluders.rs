@@ -3,7 +3,7 @@
 use super::cone::LightCone;
 use super::meridian::Cap;
 use glam::{DVec3, Vec3};
-use lobe_core::{Receiver, Sphere};
+use lobe_core::{OWN_NONE, Receiver, Sphere};
 use scene::BlockerSet;
 
 /// A blocker sphere as one receiver sees it.
@@ -23,6 +23,8 @@ pub(crate) struct Occluders {
     list: Vec<Occluder>,
     caps: Vec<Cap>,
     all: bool,
+    /// The normal of the receiver's facet where its object has spheres: they stand for a mesh, and that hides what is below.
+    facet: Option<DVec3>,
 }
 
 /// Collects the numbers of the spheres that may lie between any of the receivers and the light: those that touch the
@@ -52,6 +54,8 @@ impl Occluders {
     /// Keeps of the candidates those that block some ray of the cone.
     pub(crate) fn select(&mut self, at: &Receiver, cone: &LightCone, candidates: &[u32], blockers: &BlockerSet) {
         self.none();
+        let has_own = at.object != OWN_NONE && blockers.objects.contains(&at.object);
+        self.facet = (has_own && at.face != at.normal).then(|| at.face.as_dvec3());
         let (nearest, farthest) = cone.surface_range();
         let half_angle = cone.half_angle();
         for &i in candidates {
@@ -93,6 +97,7 @@ impl Occluders {
         self.list.clear();
         self.caps.clear();
         self.all = false;
+        self.facet = None;
     }
 
     /// Those that hide a cap of directions.
@@ -103,13 +108,17 @@ impl Occluders {
     /// True when some occluder lies on the ray before `limit`.
     #[inline]
     pub(crate) fn block(&self, v: DVec3, limit: f64) -> bool {
-        self.all || self.list.iter().any(|o| o.blocks(v, limit))
+        self.is_hidden(v) || self.list.iter().any(|o| o.blocks(v, limit))
     }
 
     /// The same for the occluders that are no caps.
     #[inline]
     pub(crate) fn block_beside_caps(&self, v: DVec3, limit: f64) -> bool {
-        self.all || self.list[self.caps.len()..].iter().any(|o| o.blocks(v, limit))
+        self.is_hidden(v) || self.list[self.caps.len()..].iter().any(|o| o.blocks(v, limit))
+    }
+
+    fn is_hidden(&self, v: DVec3) -> bool {
+        self.all || self.facet.is_some_and(|face| face.dot(v) <= 0.0)
     }
 }
 

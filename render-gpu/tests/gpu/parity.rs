@@ -1,14 +1,15 @@
 //! The same picture from CPU and GPU.
 
 use crate::call::trial;
+use crate::gbuffer::{globe, large_floor};
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use libtest_mimic::Trial;
-use lighting::{MaskVisibility, Mixture, SphereLight};
-use lobe_core::{Sphere, Unshadowed, VisibilityLobes};
+use lighting::{MaskVisibility, Mixture, SphereLight, facet_coverage};
+use lobe_core::{Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
-use scene::{Counts, Frame, Mesh, Scene, Shade, ShadingPoints, Shape};
+use scene::{Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use std::ops::ControlFlow;
 use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 use visibility_spheres::SphereBlockers;
@@ -24,6 +25,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("parity_of_depths_and_tolerances", gpu, of_depths_and_tolerances),
         trial("parity_of_many_lights", gpu, of_many_lights),
         trial("parity_of_shadow_maps", gpu, of_shadow_maps),
+        trial("parity_at_terminators_of_spheres", gpu, at_terminators_of_spheres),
         trial("maps_that_change_and_maps_that_stay", gpu, maps_that_change),
         trial("slices_change_nothing", gpu, slices_change_nothing),
         trial("two_runs_give_the_same_bits", gpu, two_runs_give_the_same_bits),
@@ -85,6 +87,27 @@ impl View {
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
         assert_same(name, &want, &self.gpu(&mut shader, &frame));
     }
+}
+
+/// Facets cut the light of points whose object has a sphere, here the second of three, and of no others.
+fn at_terminators_of_spheres(gpu: &Gpu) {
+    let mut scene = large_floor(8.0);
+    for (x, name) in [(-0.5, "globe"), (0.7, "bare globe")] {
+        let globe = globe(14, Vec3::new(x, 0.3, 0.0), 0.5, true);
+        scene.objects.push(Object::mesh(name, globe, 0, Proxy::Count(8)));
+    }
+    scene.lights[0].ball.radius = 1.2;
+    let points = GBuffer::new(&World::new(&scene), 80, 60, 1).points;
+    let ball = |x: f32| Sphere { center: Vec3::new(x, 0.3, 0.0), radius: 0.47 };
+    let spheres = SphereBlockers::new(&[ball(-0.5), ball(4.0)], &[1, 3], &[0.0, 0.3]);
+    let cut = |object: u32| {
+        let is_cut =
+            |at: &&Receiver| at.object == object && facet_coverage(at, &scene.lights[0].cone(at)) == Coverage::Partial;
+        points.receivers.iter().filter(is_cut).count()
+    };
+    let counts = [cut(1), cut(2)];
+    assert!(counts.iter().all(|n| *n > 50), "{counts:?}");
+    View { scene, points, spheres }.compare_spheres(gpu, "terminators of spheres", 0.003, 5);
 }
 
 /// Pictures the same to the stated differences, and as many points in each class but for some on its limit.

@@ -256,7 +256,8 @@ impl Words {
                     out[id.x] = spheres_coverage(id.x / 64u, points[id.x], cone);
                 }
             }";
-        let pieces = [FRAME, GEOMETRY, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES, MAIN];
+        let spheres = [wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES];
+        let pieces = [&[FRAME, GEOMETRY, masks::FACET, MAIN][..], &spheres].concat();
         let out = vec![9; self.points.len() / 16];
         let buffers: [(u32, &[u32]); 6] =
             [(0, &self.frame), (1, &self.points), (2, &out), (6, &self.spheres), (7, &self.lists), (11, &self.bounds)];
@@ -306,6 +307,7 @@ impl Words {
             masks::SQUARE,
             masks::MASK,
             masks::EDGES,
+            masks::FACET,
             masks::TOTAL,
             wgsl::PACKED,
             wgsl::CONE_TEST,
