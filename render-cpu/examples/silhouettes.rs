@@ -79,7 +79,7 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     scene.objects.retain(|o| matches!(o.shape, Shape::Mesh(_)));
     let Some(light) = scene.lights.first_mut() else { return };
     light.ball.radius = degrees.to_radians().sin() * light.ball.center.distance(scene.camera.target);
-    let light = light.clone();
+    let light = *light;
     let world = World::new(&scene);
     let start = Instant::now();
     let mut silhouettes = SceneSilhouettes::new(&scene, |_| true);

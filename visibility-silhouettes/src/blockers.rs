@@ -237,8 +237,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if cone.one_minus_cos > 0.0 && !scratch.edges.is_empty() {
             dispatch!(Level::new(), simd => self.look(simd, query, scratch));
         }
-        let is_point = cone.one_minus_cos <= 0.0;
-        if !is_point && !(scratch.silhouettes.is_empty() && scratch.cutting.is_empty() && scratch.facet.is_none()) {
+        let is_whole = scratch.silhouettes.is_empty() && scratch.cutting.is_empty() && scratch.facet.is_none();
+        if cone.one_minus_cos > 0.0 && !is_whole {
             return Coverage::Partial;
         }
         // All samples have the same number of surfaces before them.

@@ -123,9 +123,8 @@ impl Counter {
                 emitting[p][0][lane] = first;
                 emitting[p][1][lane] = last;
             }
-            for lane in view.rows.saturating_sub(p * ROWS)..ROWS {
-                emitting[p][0][lane] = 1;
-            }
+            // Rows that are not there emit nothing.
+            emitting[p][0][view.rows.saturating_sub(p * ROWS).min(ROWS)..].fill(1);
             let [first, last] = [u8x32::simd_from(simd, emitting[p][0]), u8x32::simd_from(simd, emitting[p][1])];
             let mut sum = i8x32::splat(simd, 0);
             let mut low = i8x32::splat(simd, i8::MAX);

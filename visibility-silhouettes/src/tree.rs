@@ -218,8 +218,7 @@ fn split(boxes: &[[Vec3; 2]], order: &mut [u32]) -> usize {
     let middle = |i: u32| boxes[i as usize][0] + boxes[i as usize][1];
     let spread = order.iter().map(|i| middle(*i)).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |a, m| join(a, [m, m]));
     let mut best = (f32::INFINITY, 0, 0, 0.0);
-    for axis in 0..3 {
-        let size = spread[1][axis] - spread[0][axis];
+    for (axis, size) in (spread[1] - spread[0]).to_array().into_iter().enumerate() {
         if size.is_nan() || size <= 0.0 {
             continue;
         }
