@@ -128,7 +128,7 @@ fn compare(case: usize, random: &mut Random) -> Option<[u32; 3]> {
     let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
     let blockers = SilhouetteBlockers::new(&meshes, rays);
     let mut scratch = blockers.scratch();
-    if case % 3 > 0 {
+    if !case.is_multiple_of(3) {
         let center = position + vec(random, 0.1);
         blockers.enter(
             &Shaft { receivers: Sphere { center, radius: position.distance(center) * 1.001 }, light },
@@ -138,7 +138,7 @@ fn compare(case: usize, random: &mut Random) -> Option<[u32; 3]> {
     let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
     let coverage = blockers.select(&query, &mut scratch);
     let square = UnitSquare::facing(&cone, blockers.across(&query, &scratch)).above(normal);
-    let (depth, coarse) = (1 + (case as u32 / 7) % 6, case % 2 == 0);
+    let (depth, coarse) = (1 + (case as u32 / 7) % 6, case.is_multiple_of(2));
     let mut mask = hooks::mask(&square, depth, coarse, normal);
     let emitting: Vec<_> = (0..mask.side()).map(|j| mask.emitting(j)).collect();
     match coverage {
