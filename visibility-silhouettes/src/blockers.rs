@@ -130,7 +130,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SilhouetteScratch<H::Scratch>) {
         let SilhouetteScratch { edges, cells, shaft, margin, origin, silhouettes: found, .. } = scratch;
         let x = *origin;
-        let list = if edges.len() < LONG {
+        let list = if edges.len() < LONG || shaft.receivers.radius <= 0.0 {
             &*edges
         } else {
             let size = 2.0 * shaft.receivers.radius / CELLS as f32;
@@ -153,7 +153,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
 /// Working memory of [`SilhouetteBlockers`].
 #[derive(Clone, Debug)]
 pub struct SilhouetteScratch<H> {
-    /// The current shaft; receivers outside of it are looked at alone.
+    /// The current shaft, and whether it is the caller's: else each receiver has one of its own.
     shaft: Shaft,
     entered: bool,
     margin: f32,
@@ -258,6 +258,9 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
+        if mask.is_dark() {
+            return;
+        }
         let view = View::new(*mask.square(), mask.raster(), mask.side(), query.cone);
         let SilhouetteScratch { origin, facet, silhouettes, cutting, crossings, counter, hits, .. } = scratch;
         let mut spans = [(0, 0); 1 << MAX_DEPTH];

@@ -171,15 +171,13 @@ impl World<'_> {
         limit: usize,
         out: &mut Vec<Primitive>,
     ) -> bool {
-        out.clear();
-        let mut add = |blocks: bool, primitive: Primitive| {
-            if blocks {
-                out.push(primitive);
-            }
-            out.len() > limit
-        };
-        !self.triangles.in_shaft(shaft, &mut |i, c| add(of(c.object), Primitive::Triangle(i)))
-            && !self.balls.in_shaft(shaft, &mut |i, b| add(b.blocks && of(b.object), Primitive::Ball(i)))
+        self.triangles_in(shaft, &of, limit, out)
+            && !self.balls.in_shaft(shaft, &mut |i, b| {
+                if b.blocks && of(b.object) {
+                    out.push(Primitive::Ball(i));
+                }
+                out.len() > limit
+            })
     }
 
     /// The same with triangles only.
