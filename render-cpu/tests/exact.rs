@@ -138,7 +138,7 @@ impl Errors {
 /// Points on the mesh and on the floor about it, the same ones whatever the floor's size.
 fn points(world: &World<'_>) -> ShadingPoints {
     let scene = world.scene();
-    let all = GBuffer::new(world, scene.width as u32, scene.height as u32, 1).points;
+    let all = GBuffer::new(world, scene.width, scene.height, 1).points;
     let mut points = ShadingPoints::default();
     for (at, material) in all.receivers.iter().zip(&all.materials) {
         if at.object == 1 || at.position.length() < 1.0 {
