@@ -38,7 +38,7 @@ fn the_example_is_a_valid_scene_with_every_key() {
     let flux: f32 = scene.lights[2..].iter().map(|l| l.radiance.x * l.ball.radius.powi(2)).sum::<f32>();
     assert!((flux * 4.0 * std::f32::consts::PI.powi(2) - 30.0).abs() < 1e-3);
     let crate_box = &scene.objects[4];
-    assert_eq!(scene.objects[0].strategy, Some(Strategy::Rays));
+    assert_eq!(scene.objects[0].strategy, Some(Strategy::Silhouettes));
     // 0.8·0.9 turned by 30° about y: half-extent 0.36·(cos 30° + sin 30°).
     let size = crate_box.shape.bounds().size();
     assert!((size - Vec3::new(0.983_54, 0.72, 0.983_54)).length() < 1e-4, "{size}");
