@@ -31,7 +31,7 @@ pub struct Edges {
     right: Vec3,
     up: Vec3,
     sum: Vec2,
-    /// What was added in any order, in [`STEP`]s.
+    /// The sum of the edges that were added in any order, in [`STEP`]s.
     whole: [i64; 2],
 }
 

@@ -164,7 +164,7 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
     spent / 1e3 / count.max(1) as f64
 }
 
-/// What a receiver in penumbra sees of the light, by a Lambert lobe.
+/// The visible fraction of the light for a receiver in penumbra, by a Lambert lobe.
 fn look<B: Blockers>(
     visibility: &MaskVisibility<B>,
     at: &Receiver,

@@ -30,7 +30,7 @@ pub struct HitScratch {
     /// Triangles in the current shaft, where they are few.
     listed: Vec<Primitive>,
     is_listed: bool,
-    /// What hid the light from the last receiver mostly hides it from the next.
+    /// The triangle that hid the light from the last receiver: it mostly hides it from the next one.
     last: Option<u32>,
 }
 

@@ -2,12 +2,12 @@
 
 use crate::project::{Crossing, View};
 use fearless_simd::{Simd, f32x8, i8x32, prelude::*, u8x32};
-use lighting::Raster;
+use lighting::{MAX_DEPTH, Raster};
 
 /// Rows that are counted side by side: one in each lane.
 const ROWS: usize = 32;
 /// Rows of the largest mask.
-const MOST: usize = 64;
+const MOST: usize = 1 << MAX_DEPTH;
 
 /// Samples of a row as bits.
 pub(crate) type Samples = [u64; 4];

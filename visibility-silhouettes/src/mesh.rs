@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// left out. The mesh may move ([`refit`](Self::refit)) as long as its triangles keep their corners.
 ///
 /// # Cost
-/// About 60 bytes a triangle.
+/// About 70 bytes a triangle.
 #[derive(Clone, Debug)]
 pub struct SilhouetteMesh {
     /// The number of the object that the triangles belong to.
