@@ -1,7 +1,6 @@
 use crate::SilhouetteMesh;
 use crate::count::{Counter, Fewest};
-use crate::edge_list::EdgeList;
-use crate::hull::Hull;
+use crate::lists::{Lists, Meshes};
 use crate::mesh::side;
 use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
@@ -9,11 +8,6 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use lighting::{Blockers, Edges, MAX_DEPTH, Mask, facet_coverage};
 use lobe_core::{Cone, Coverage, Shaft, Sphere, VisibilityQuery};
-
-/// Cells of a side into which the receivers of a shaft are divided, each with a list of its own.
-const CELLS: usize = 3;
-/// Shorter lists are not divided.
-const LONG: usize = 48;
 
 /// What answers the one question that outlines leave open: whether a ray meets any triangle.
 ///
@@ -68,9 +62,7 @@ pub trait AnyHit: Sync {
 /// ray. `cargo run --release -p render-cpu --example silhouettes` measures it beside shadow rays.
 #[derive(Debug)]
 pub struct SilhouetteBlockers<'m, H> {
-    meshes: &'m [SilhouetteMesh],
-    /// The number of each mesh's first edge among those of all.
-    bases: Vec<u32>,
+    meshes: Meshes<'m>,
     hits: H,
 }
 
@@ -78,12 +70,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     /// Blockers of several meshes, and what answers for their triangles.
     #[must_use]
     pub fn new(meshes: &'m [SilhouetteMesh], hits: H) -> Self {
-        let next = |sum: &mut u32, mesh: &SilhouetteMesh| {
-            let base = *sum;
-            *sum += mesh.edge_count() as u32;
-            Some(base)
-        };
-        Self { meshes, bases: meshes.iter().scan(0, next).collect(), hits }
+        Self { meshes: Meshes::new(meshes), hits }
     }
 
     /// What rays meet.
@@ -91,32 +78,11 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         &self.hits
     }
 
-    /// On which sides of an edge's triangles a point lies.
-    fn sides(&self, edge: u32, x: Vec3) -> [f32; 2] {
-        let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
-        self.meshes[mesh].sides((edge - self.bases[mesh]) as usize, x)
-    }
-
-    /// Lists the edges in a shaft.
+    /// Lists what lies in a shaft.
     fn list(&self, shaft: &Shaft, scratch: &mut SilhouetteScratch<H::Scratch>) {
-        scratch.edges.clear();
-        scratch.cells.iter_mut().for_each(|cell| cell.is_listed = false);
         // Rays start off the surface, so a little beside the receivers.
         let off = self.hits.leave(shaft.receivers.center, Vec3::Y).distance(shaft.receivers.center);
-        scratch.margin = 2.0 * off + 1e-6 * shaft.receivers.radius;
-        scratch.shaft = *shaft;
-        let hull = Hull::new(
-            shaft.receivers.center,
-            Vec3::ZERO,
-            shaft.receivers.radius + scratch.margin,
-            shaft.light,
-            scratch.margin,
-        );
-        for (mesh, base) in self.meshes.iter().zip(&self.bases) {
-            dispatch!(Level::new(), simd => {
-                hull.find(simd, mesh, *base, &mut scratch.stack, &mut scratch.edges);
-            });
-        }
+        scratch.lists.enter(&self.meshes, shaft, 2.0 * off + 1e-6 * shaft.receivers.radius);
         if scratch.light != Some(shaft.light) {
             scratch.light = Some(shaft.light);
             scratch.cutting.clear();
@@ -128,41 +94,20 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     /// Lists the silhouettes of one receiver.
     #[inline(always)]
     fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SilhouetteScratch<H::Scratch>) {
-        let SilhouetteScratch { edges, cells, shaft, margin, origin, silhouettes: found, .. } = scratch;
-        let x = *origin;
-        let list = if edges.len() < LONG || shaft.receivers.radius <= 0.0 {
-            &*edges
-        } else {
-            let size = 2.0 * shaft.receivers.radius / CELLS as f32;
-            let low = shaft.receivers.center - shaft.receivers.radius;
-            let place = ((query.at.position - low) / size).floor().clamp(Vec3::ZERO, Vec3::splat(CELLS as f32 - 1.0));
-            let number = (place.x as usize * CELLS + place.y as usize) * CELLS + place.z as usize;
-            let cell = &mut cells[number];
-            if !cell.is_listed {
-                let hull =
-                    Hull::new(low + (place + 0.5) * size, Vec3::splat(0.5 * size), *margin, shaft.light, *margin);
-                hull.narrow(simd, edges, &mut cell.edges);
-                cell.is_listed = true;
-            }
-            &cell.edges
-        };
-        silhouettes(simd, x, query.cone, list, |edge| self.sides(edge, x), found);
+        let list = scratch.lists.at(simd, &self.meshes, query.at.position);
+        let x = scratch.origin;
+        silhouettes(simd, x, query.cone, list, |edge| self.meshes.sides(edge, x), &mut scratch.silhouettes);
     }
 }
 
 /// Working memory of [`SilhouetteBlockers`].
 #[derive(Clone, Debug)]
 pub struct SilhouetteScratch<H> {
-    /// The current shaft, and whether it is the caller's: else each receiver has one of its own.
-    shaft: Shaft,
+    /// Whether the current shaft is the caller's: else each receiver has one of its own.
     entered: bool,
-    margin: f32,
+    lists: Lists,
     /// False when rays in the shaft meet nothing.
     is_met: bool,
-    /// Edges in the shaft, and in cells of it.
-    edges: EdgeList,
-    cells: Vec<Cell>,
-    stack: Vec<u32>,
     /// Triangles that meet the light, and which light that is.
     light: Option<Sphere>,
     cutting: Vec<[Vec3; 3]>,
@@ -177,24 +122,14 @@ pub struct SilhouetteScratch<H> {
     hits: H,
 }
 
-#[derive(Clone, Debug, Default)]
-struct Cell {
-    edges: EdgeList,
-    is_listed: bool,
-}
-
 impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     type Scratch = SilhouetteScratch<H::Scratch>;
 
     fn scratch(&self) -> Self::Scratch {
         SilhouetteScratch {
-            shaft: Shaft { receivers: Sphere::default(), light: Sphere::default() },
             entered: false,
-            margin: 0.0,
+            lists: Lists::default(),
             is_met: true,
-            edges: EdgeList::default(),
-            cells: vec![Cell::default(); CELLS.pow(3)],
-            stack: Vec::new(),
             light: None,
             cutting: Vec::new(),
             origin: Vec3::ZERO,
@@ -210,7 +145,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         self.list(shaft, scratch);
         scratch.entered = true;
-        if scratch.edges.is_empty() && !scratch.is_met { Coverage::Lit } else { Coverage::Partial }
+        if scratch.lists.is_empty() && !scratch.is_met { Coverage::Lit } else { Coverage::Partial }
     }
 
     fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
@@ -231,10 +166,10 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         scratch.origin = self.hits.leave(at.position, at.face);
         scratch.cone = *cone;
         scratch.silhouettes.clear();
-        if scratch.edges.is_empty() && !scratch.is_met {
+        if scratch.lists.is_empty() && !scratch.is_met {
             return facet;
         }
-        if cone.one_minus_cos > 0.0 && !scratch.edges.is_empty() {
+        if cone.one_minus_cos > 0.0 && !scratch.lists.is_empty() {
             dispatch!(Level::new(), simd => self.look(simd, query, scratch));
         }
         let is_whole = scratch.silhouettes.is_empty() && scratch.cutting.is_empty() && scratch.facet.is_none();

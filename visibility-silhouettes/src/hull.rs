@@ -120,7 +120,8 @@ impl Hull {
         [(middle - reach).simd_gt(zero), (middle + reach).simd_lt(zero)]
     }
 
-    /// Appends the edges of a mesh that may be silhouettes inside of the hull. `base` is the number of its first edge.
+    /// Appends the edges of a mesh that may be silhouettes inside of the hull. `base` is the number of its first edge. Gives
+    /// up, with `false`, where more than `leaves` leaves are met, which it counts down.
     #[inline(always)]
     pub(crate) fn find<S: Simd>(
         &self,
@@ -128,8 +129,9 @@ impl Hull {
         mesh: &SilhouetteMesh,
         base: u32,
         stack: &mut Vec<u32>,
+        leaves: &mut usize,
         out: &mut EdgeList,
-    ) {
+    ) -> bool {
         let nodes = mesh.tree().nodes();
         stack.clear();
         stack.extend((!nodes.is_empty()).then_some(0));
@@ -145,6 +147,8 @@ impl Hull {
                     stack.push(node.first[k]);
                     continue;
                 }
+                let Some(left) = leaves.checked_sub(1) else { return false };
+                *leaves = left;
                 let first = node.first[k] as usize;
                 let lanes = mask32x8::from_bitmask(simd, u64::from(mesh.fetch_planes(first, count, &mut block)));
                 let keep = lanes & !self.cancel(simd, &block);
@@ -153,6 +157,7 @@ impl Hull {
                 self.sift(simd, &block, keep, out);
             }
         }
+        true
     }
 
     /// Those of a list that may be silhouettes inside of the hull.

@@ -57,6 +57,7 @@ mod count;
 mod edge_list;
 mod hull;
 mod lanes;
+mod lists;
 mod mesh;
 mod project;
 mod select;

@@ -1,0 +1,191 @@
+//! Which edges a receiver has to look at: lists that near receivers share.
+
+use crate::SilhouetteMesh;
+use crate::edge_list::EdgeList;
+use crate::hull::Hull;
+use fearless_simd::{Level, Simd, dispatch};
+use glam::Vec3;
+use lobe_core::{Shaft, Sphere};
+
+/// Cells of a side into which the receivers of a shaft are divided, each with a list of its own.
+const CELLS: usize = 3;
+/// Shorter lists are not divided.
+const LONG: usize = 48;
+/// A shaft that meets more leaves of the hierarchy has no list: its receivers are too far apart, or what is before their
+/// light is too fine.
+const SHAFT_LEAVES: usize = 64;
+/// Then receivers in a ball share one: as many neighbours as fit in so many times the distance to the nearest.
+const NEIGHBOURS: f32 = 2.5;
+/// Unless the ball meets more leaves than this; then so many receivers have lists of their own before the next try.
+const BALL_LEAVES: usize = 128;
+const ALONE: u32 = 16;
+/// The last balls are kept.
+const BALLS: usize = 16;
+
+/// Meshes with one number for each edge of all.
+#[derive(Debug)]
+pub(crate) struct Meshes<'m> {
+    meshes: &'m [SilhouetteMesh],
+    /// The number of each mesh's first edge.
+    bases: Vec<u32>,
+}
+
+impl<'m> Meshes<'m> {
+    pub(crate) fn new(meshes: &'m [SilhouetteMesh]) -> Self {
+        let next = |sum: &mut u32, mesh: &SilhouetteMesh| {
+            let base = *sum;
+            *sum += mesh.edge_count() as u32;
+            Some(base)
+        };
+        Self { meshes, bases: meshes.iter().scan(0, next).collect() }
+    }
+
+    /// On which sides of an edge's triangles a point lies.
+    pub(crate) fn sides(&self, edge: u32, x: Vec3) -> [f32; 2] {
+        let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
+        self.meshes[mesh].sides((edge - self.bases[mesh]) as usize, x)
+    }
+
+    /// Lists the edges that may be silhouettes inside of a hull. Gives up, with `false`, where they are in more than so many
+    /// leaves.
+    fn list(&self, hull: &Hull, mut leaves: usize, stack: &mut Vec<u32>, out: &mut EdgeList) -> bool {
+        out.clear();
+        self.meshes
+            .iter()
+            .zip(&self.bases)
+            .all(|(mesh, base)| dispatch!(Level::new(), simd => hull.find(simd, mesh, *base, stack, &mut leaves, out)))
+    }
+}
+
+/// The lists of a shaft.
+///
+/// The hierarchy is asked once for the whole shaft where that gives a short list, which cells of the receivers' box then
+/// narrow. Else it is asked for balls of neighbours, and for single receivers where even these see too different outlines.
+#[derive(Clone, Debug)]
+pub(crate) struct Lists {
+    shaft: Shaft,
+    margin: f32,
+    /// The edges of the whole shaft, if they were listed.
+    edges: EdgeList,
+    is_whole: bool,
+    cells: Vec<Cell>,
+    balls: Vec<Ball>,
+    /// Balls of this shaft made so far.
+    made: usize,
+    /// Receivers of this shaft so far.
+    seen: Vec<Vec3>,
+    /// So many receivers are still to have lists of their own.
+    alone: u32,
+    stack: Vec<u32>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Cell {
+    edges: EdgeList,
+    is_listed: bool,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Ball {
+    receivers: Sphere,
+    edges: EdgeList,
+}
+
+impl Default for Lists {
+    fn default() -> Self {
+        Self {
+            shaft: Shaft { receivers: Sphere::default(), light: Sphere::default() },
+            margin: 0.0,
+            edges: EdgeList::default(),
+            is_whole: true,
+            cells: vec![Cell::default(); CELLS.pow(3)],
+            balls: vec![Ball::default(); BALLS],
+            made: 0,
+            seen: Vec::new(),
+            alone: 0,
+            stack: Vec::new(),
+        }
+    }
+}
+
+impl Lists {
+    /// Begins a shaft, whose rays start within `margin` of the receivers.
+    pub(crate) fn enter(&mut self, meshes: &Meshes<'_>, shaft: &Shaft, margin: f32) {
+        self.cells.iter_mut().for_each(|cell| cell.is_listed = false);
+        self.made = 0;
+        self.seen.clear();
+        self.alone = 0;
+        self.shaft = *shaft;
+        self.margin = margin;
+        let most = if shaft.receivers.radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
+        let hull = self.hull(shaft.receivers);
+        self.is_whole = meshes.list(&hull, most, &mut self.stack, &mut self.edges);
+    }
+
+    /// Whether no receiver of the shaft has edges to look at.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.is_whole && self.edges.is_empty()
+    }
+
+    /// What a receiver of the shaft has to look at.
+    #[inline(always)]
+    pub(crate) fn at<S: Simd>(&mut self, simd: S, meshes: &Meshes<'_>, at: Vec3) -> &EdgeList {
+        if !self.is_whole {
+            return self.around(meshes, at);
+        }
+        let Sphere { center, radius } = self.shaft.receivers;
+        if self.edges.len() < LONG || radius <= 0.0 {
+            return &self.edges;
+        }
+        let size = 2.0 * radius / CELLS as f32;
+        let low = center - radius;
+        let place = ((at - low) / size).floor().clamp(Vec3::ZERO, Vec3::splat(CELLS as f32 - 1.0));
+        let cell = &mut self.cells[(place.x as usize * CELLS + place.y as usize) * CELLS + place.z as usize];
+        if !cell.is_listed {
+            let half = Vec3::splat(0.5 * size);
+            Hull::new(low + (place + 0.5) * size, half, self.margin, self.shaft.light, self.margin).narrow(
+                simd,
+                &self.edges,
+                &mut cell.edges,
+            );
+            cell.is_listed = true;
+        }
+        &cell.edges
+    }
+
+    fn hull(&self, receivers: Sphere) -> Hull {
+        Hull::new(receivers.center, Vec3::ZERO, receivers.radius + self.margin, self.shaft.light, self.margin)
+    }
+
+    /// The list of a ball that a receiver is in.
+    fn around(&mut self, meshes: &Meshes<'_>, at: Vec3) -> &EdgeList {
+        let is_in = |ball: &Ball| {
+            let radius = ball.receivers.radius;
+            ball.receivers.center.distance_squared(at) <= radius * radius
+        };
+        let known = self.balls[..self.made.min(BALLS)].iter().position(is_in);
+        let number = known.unwrap_or_else(|| self.add(meshes, at));
+        self.seen.push(at);
+        &self.balls[number].edges
+    }
+
+    /// Makes the list of a receiver and of its neighbours, as far as these are known to be near.
+    #[cold]
+    fn add(&mut self, meshes: &Meshes<'_>, at: Vec3) -> usize {
+        let number = self.made % BALLS;
+        self.made += 1;
+        let mut edges = core::mem::take(&mut self.balls[number].edges);
+        let near = self.seen.iter().map(|p| p.distance_squared(at)).filter(|d| *d > 0.0).fold(f32::INFINITY, f32::min);
+        let is_alone = self.alone > 0 || near == f32::INFINITY;
+        self.alone = self.alone.saturating_sub(1);
+        let mut receivers = Sphere { center: at, radius: if is_alone { 0.0 } else { NEIGHBOURS * near.sqrt() } };
+        let most = if is_alone { usize::MAX } else { BALL_LEAVES };
+        if !meshes.list(&self.hull(receivers), most, &mut self.stack, &mut edges) {
+            self.alone = ALONE;
+            receivers.radius = 0.0;
+            meshes.list(&self.hull(receivers), usize::MAX, &mut self.stack, &mut edges);
+        }
+        self.balls[number] = Ball { receivers, edges };
+        number
+    }
+}
