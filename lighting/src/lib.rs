@@ -43,6 +43,7 @@ pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
 pub use crate::paper_weights::PaperWeights;
 pub use crate::raster::{LitBounds, Raster};
+pub use crate::row::EightRows;
 pub use crate::sphere_light::SphereLight;
 pub use crate::square::UnitSquare;
 pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility};

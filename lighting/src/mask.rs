@@ -1,5 +1,5 @@
 use crate::lanes::NUMBERS;
-use crate::row::{self, COARSE, EIGHT, ROWS, Row, SUBLINES, WIDTH};
+use crate::row::{self, COARSE, EIGHT, EightRows, ROWS, Row, SUBLINES, WIDTH};
 use crate::{LitBounds, Raster, UnitSquare};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
@@ -307,11 +307,25 @@ impl Mask {
         }
     }
 
-    /// Blocks all samples of row `j` but these: bit `k % 64` of word `k / 64` is sample `k`.
+    /// The lit samples of the eight rows from `j` on, a multiple of eight. Rows that the mask does not have are dark.
     #[inline(always)]
-    pub fn keep(&mut self, j: usize, samples: &[u64; 4]) {
-        let kept = row::and(&self.lit(j), &Row(*samples));
-        self.set(j, kept);
+    #[must_use]
+    pub fn lit_rows(&self, j: usize) -> EightRows {
+        let mut samples = [[0; EIGHT]; WIDTH / 64];
+        for k in 0..EIGHT.min(self.side() - j) {
+            let row = self.lit(j + k).0;
+            samples.iter_mut().zip(row).for_each(|(word, bits)| word[k] = bits);
+        }
+        samples
+    }
+
+    /// Blocks all samples of the eight rows from `j` on but these; `j` is a multiple of eight.
+    #[inline(always)]
+    pub fn keep_rows(&mut self, j: usize, samples: &EightRows) {
+        for k in 0..EIGHT.min(self.side() - j) {
+            let kept = Row(samples.map(|word| word[k]));
+            self.set(j + k, row::and(&self.lit(j + k), &kept));
+        }
     }
 
     /// Blocks samples `from[k]..to[k]` of the row `j + k`, eight rows at once: for shapes that find the ends of many rows

@@ -6,7 +6,7 @@ use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use lighting::{Blockers, Edges, MAX_DEPTH, Mask, facet_coverage};
+use lighting::{Blockers, Edges, Mask, facet_coverage};
 use lobe_core::{Cone, Coverage, Shaft, Sphere, VisibilityQuery};
 
 /// What answers the one question that outlines leave open: whether a ray meets any triangle.
@@ -198,11 +198,6 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         }
         let view = View::new(*mask.square(), mask.raster(), mask.side(), query.cone);
         let SilhouetteScratch { origin, facet, silhouettes, cutting, crossings, counter, hits, .. } = scratch;
-        let mut spans = [(0, 0); 1 << MAX_DEPTH];
-        let face = facet.map(|face| view.square.local(face));
-        for (j, span) in spans[..view.rows].iter_mut().enumerate() {
-            *span = face.map_or_else(|| mask.emitting(j), |face| mask.emitting_above(face, j));
-        }
         if let Some(face) = *facet {
             mask.block_below(face);
         }
@@ -213,7 +208,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         }
         let mut fewest = dispatch!(Level::new(), simd => {
             project(simd, silhouettes, &view, crossings);
-            counter.fewest(simd, &view, crossings, &spans)
+            counter.count(simd, &view, crossings, mask);
+            counter.fewest()
         });
         let is_open = |fewest: &Fewest, hits: &mut H::Scratch| {
             fewest.middle.is_some_and(|(row, sample)| {
@@ -222,10 +218,10 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             })
         };
         let mut any = is_open(&fewest, hits);
-        let mut doubtful = fewest.doubtful();
-        while let Some(level) = doubtful {
-            let next = dispatch!(Level::new(), simd => counter.next(simd, &view, crossings, &spans, level));
-            doubtful = next.doubtful();
+        let mut is_doubtful = fewest.is_doubtful();
+        while is_doubtful {
+            let next = dispatch!(Level::new(), _simd => counter.fewest());
+            is_doubtful = next.is_doubtful();
             match (any, is_open(&next, hits)) {
                 (true, true) => fewest.add(&next),
                 (false, true) => (fewest, any) = (next, true),
@@ -233,8 +229,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             }
         }
         if any {
-            for (j, samples) in fewest.rows[..view.rows].iter().enumerate() {
-                mask.keep(j, samples);
+            for (j, samples) in (0..view.rows).step_by(8).zip(&fewest.rows) {
+                mask.keep_rows(j, samples);
             }
         } else {
             mask.block_all();

@@ -1,287 +1,243 @@
 //! How many surfaces lie before each sample, from where their outlines cross the rows.
 
 use crate::project::{Crossing, View};
-use fearless_simd::{Simd, f32x8, i8x32, prelude::*, u8x32};
-use lighting::{MAX_DEPTH, Raster};
+use fearless_simd::{Simd, f32x8, prelude::*};
+use lighting::{EightRows, MAX_DEPTH, Mask, Raster};
 
-/// Rows that are counted side by side: one in each lane.
-const ROWS: usize = 32;
-/// Rows of the largest mask.
-const MOST: usize = 1 << MAX_DEPTH;
+/// Rows that are counted side by side.
+const EIGHT: usize = 8;
+/// Blocks of so many rows of the largest mask, samples in a word, and words of a row at most.
+const BLOCKS: usize = (1 << MAX_DEPTH) / EIGHT;
+const WORD: usize = 64;
+const WORDS: usize = 4;
+/// One line more than there are rows.
+const ROW_LINES: usize = (1 << MAX_DEPTH) + 1;
 
-/// Samples of a row as bits.
-pub(crate) type Samples = [u64; 4];
+/// A word of each of eight rows.
+type Words = [u64; EIGHT];
 
 /// Numbers of surfaces, up to one constant: those of the sample with the fewest become 0 or are asked for by a ray.
 ///
-/// `counts[column][row]` is by how much the number changes from the sample before; the sums along the columns are taken of
-/// all rows at once. The number left of the first sample changes from row to row by the outlines between them, which is
-/// what their ends say ([`Crossing::left`]).
-#[derive(Clone, Debug)]
+/// A number is kept as binary digits, each digit of 64 samples in a word: adding 1 to all samples on one side of a crossing
+/// is a carry that ripples through few words, and the least number is found from the highest digit downward. So the price
+/// is in the crossings and not in the samples, and numbers may be of any size.
+///
+/// The number left of the first sample changes from row to row by the outlines between them, which is what their ends say
+/// ([`Crossing::left`]).
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Counter {
-    /// Column by column, 32 rows each; for deep masks then those of the upper rows.
-    counts: Vec<i8>,
-    /// What the first number of a row is more than the first one.
-    starts: [i32; ROW_LINES],
-    /// Sum of the steps' sizes in a row: no number is larger.
-    sizes: [i32; ROW_LINES],
+    /// Digits of a word side by side, lowest first; the words of eight rows; the blocks of rows.
+    digits: Vec<Words>,
+    /// Digits of a number.
+    places: usize,
+    /// Samples that matter and were not yet given as the fewest.
+    rest: Vec<EightRows>,
+    words: usize,
 }
 
-const ROW_LINES: usize = MOST + 1;
-
-/// The samples of each row before which the fewest surfaces lie, and which sample shows best whether these are none.
+/// The samples before which the fewest surfaces lie, and which of them shows best whether these are none.
 #[derive(Clone, Debug)]
 pub(crate) struct Fewest {
-    /// How many surfaces these are, up to the constant.
-    level: i32,
-    pub(crate) rows: [Samples; MOST],
+    pub(crate) rows: [EightRows; BLOCKS],
     /// Row and sample in the middle of the longest run.
     pub(crate) middle: Option<(usize, usize)>,
-    /// How many there are, and how many samples emit.
+    /// How many there are, and how many more.
     count: u32,
-    emitting: u32,
+    others: u32,
 }
 
-/// Where fewer than this part of what emits has the fewest surfaces, the next number is asked about as well.
+/// Where fewer than this part of what matters has the fewest surfaces, the next number is asked about as well.
 const FEW: u32 = 128;
 
-impl Default for Counter {
-    fn default() -> Self {
-        Self { counts: Vec::new(), starts: [0; ROW_LINES], sizes: [0; ROW_LINES] }
-    }
-}
-
 impl Counter {
-    /// Counts the samples of each row that matter: from, to.
+    /// Counts surfaces before the lit samples of a mask.
     #[inline(always)]
-    pub(crate) fn fewest<S: Simd>(
-        &mut self,
-        simd: S,
-        view: &View,
-        crossings: &[Crossing],
-        spans: &[(u32, u32)],
-    ) -> Fewest {
-        let (rows, width) = (view.rows, view.raster.width as usize);
-        self.starts = [0; ROW_LINES];
-        self.sizes = [0; ROW_LINES];
-        for c in crossings {
-            let [from, to] = c.rows.map(|r| r as usize);
-            self.starts[from] -= c.step * i32::from(c.left[0]);
-            self.starts[to] += c.step * i32::from(c.left[1]);
-            self.sizes[from] += c.step.abs();
-            self.sizes[to] -= c.step.abs();
-        }
-        let (mut start, mut size, mut largest) = (0, 0, 0);
-        for j in 0..rows {
-            start += self.starts[j];
-            size += self.sizes[j];
-            self.starts[j] = start;
-            largest = largest.max(size);
-        }
-        if largest > i32::from(i8::MAX) {
-            self.next(simd, view, crossings, spans, i32::MIN)
-        } else {
-            self.few(simd, view, crossings, spans, width)
-        }
-    }
-
-    /// Numbers that fit into eight bits.
-    #[inline(always)]
-    fn few<S: Simd>(
-        &mut self,
-        simd: S,
-        view: &View,
-        crossings: &[Crossing],
-        spans: &[(u32, u32)],
-        width: usize,
-    ) -> Fewest {
-        let parts = view.rows.div_ceil(ROWS);
-        // One more column, for what is right of all samples.
-        let part = (width + 1) * ROWS;
-        self.counts.clear();
-        self.counts.resize(parts * part, 0);
-        for c in crossings {
-            let step = c.step as i8;
-            let [from, to] = c.rows.map(|r| r as usize);
-            for base in (from..to).step_by(8) {
-                for (j, column) in (base..to.min(base + 8)).zip(columns(simd, view, c, base)) {
-                    let count = &mut self.counts[(j / ROWS) * part + column as usize * ROWS + j % ROWS];
-                    *count = count.wrapping_add(step);
+    pub(crate) fn count<S: Simd>(&mut self, simd: S, view: &View, crossings: &[Crossing], mask: &Mask) {
+        let blocks = view.rows.div_ceil(EIGHT);
+        self.words = (view.raster.width as usize).div_ceil(WORD);
+        self.rest.clear();
+        self.rest.extend((0..blocks).map(|b| mask.lit_rows(b * EIGHT)));
+        let starts = self.start(crossings, blocks);
+        self.digits.clear();
+        for (b, starts) in starts[..blocks * EIGHT].chunks_exact(EIGHT).enumerate() {
+            debug_assert!(b < BLOCKS);
+            for _ in 0..self.words {
+                for place in 0..self.places {
+                    let mut digit = [0; EIGHT];
+                    for (digit, start) in digit.iter_mut().zip(starts) {
+                        *digit = u64::from(start >> place & 1).wrapping_neg();
+                    }
+                    self.digits.push(digit);
                 }
             }
         }
+        for c in crossings {
+            self.add(simd, view, c);
+        }
+    }
+
+    /// The number left of all samples in each row, less the least of them, and how many digits the largest number of all
+    /// samples may have.
+    #[inline(always)]
+    fn start(&mut self, crossings: &[Crossing], blocks: usize) -> [u32; ROW_LINES] {
+        let mut starts = [0_i32; ROW_LINES];
+        let mut sizes = [0_i32; ROW_LINES];
+        for c in crossings {
+            let [from, to] = c.rows.map(|r| r as usize);
+            let size = c.step.abs();
+            // A step downward to the right is one upward to the left.
+            let less = if c.step < 0 { size } else { 0 };
+            starts[from] -= c.step * i32::from(c.left[0]) + less;
+            starts[to] += c.step * i32::from(c.left[1]) + less;
+            sizes[from] += size;
+            sizes[to] -= size;
+        }
+        let (mut start, mut size, mut least, mut most) = (0, 0, i32::MAX, i32::MIN);
+        for j in 0..blocks * EIGHT {
+            start += starts[j];
+            size += sizes[j];
+            starts[j] = start;
+            least = least.min(start);
+            most = most.max(start + size);
+        }
+        self.places = (32 - most.wrapping_sub(least).cast_unsigned().leading_zeros()) as usize;
+        starts.map(|start| start.wrapping_sub(least).cast_unsigned())
+    }
+
+    /// Adds the step of a crossing to all samples on its higher side.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, view: &View, c: &Crossing) {
+        let [from, to] = c.rows.map(|r| r as usize);
+        if from >= to || c.step == 0 {
+            return;
+        }
+        let lowest = c.step.trailing_zeros() as usize;
+        let left = if c.step < 0 { u64::MAX } else { 0 };
+        for block in from / EIGHT..=(to - 1) / EIGHT {
+            let base = block * EIGHT;
+            let columns = columns(simd, view, c, base);
+            let mut rows = [0; EIGHT];
+            for (k, row) in rows.iter_mut().enumerate() {
+                *row = if from <= base + k && base + k < to { u64::MAX } else { 0 };
+            }
+            for word in 0..self.words {
+                let mut carry = [0; EIGHT];
+                for k in 0..EIGHT {
+                    let first = columns[k].saturating_sub((word * WORD) as u32);
+                    carry[k] = (u64::MAX.unbounded_shl(first) ^ left) & rows[k];
+                }
+                let digits = &mut self.digits[(block * self.words + word) * self.places..][..self.places];
+                for digit in digits.iter_mut().skip(lowest) {
+                    let mut any = 0;
+                    for k in 0..EIGHT {
+                        let both = digit[k] & carry[k];
+                        digit[k] ^= carry[k];
+                        carry[k] = both;
+                        any |= both;
+                    }
+                    if any == 0 {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The samples with the fewest surfaces that were not yet given.
+    #[inline(always)]
+    pub(crate) fn fewest(&mut self) -> Fewest {
         let mut fewest = Fewest::none();
-        let mut least = i32::MAX;
-        let mut lowest = [[0_i8; ROWS]; MOST / ROWS];
-        let mut emitting = [[[0_u8; ROWS]; 2]; MOST / ROWS];
-        for p in 0..parts {
-            for (lane, j) in (p * ROWS..view.rows.min((p + 1) * ROWS)).enumerate() {
-                let (from, to) = spans[j];
-                // First and last; empty the other way round.
-                let (first, last) = if from < to { (from as u8, (to - 1) as u8) } else { (1, 0) };
-                fewest.emitting += to.saturating_sub(from);
-                emitting[p][0][lane] = first;
-                emitting[p][1][lane] = last;
-            }
-            // Rows that are not there emit nothing.
-            emitting[p][0][view.rows.saturating_sub(p * ROWS).min(ROWS)..].fill(1);
-            let [first, last] = [u8x32::simd_from(simd, emitting[p][0]), u8x32::simd_from(simd, emitting[p][1])];
-            let mut sum = i8x32::splat(simd, 0);
-            let mut low = i8x32::splat(simd, i8::MAX);
-            for (column, counts) in self.counts[p * part..][..width * ROWS].chunks_exact_mut(ROWS).enumerate() {
-                sum += i8x32::from_slice(simd, counts);
-                sum.store_slice(counts);
-                let column = u8x32::splat(simd, column as u8);
-                let emits = first.simd_le(column) & column.simd_le(last);
-                low = emits.select(low.min(sum), low);
-            }
-            lowest[p] = low.into();
-            for (lane, j) in (p * ROWS..view.rows.min((p + 1) * ROWS)).enumerate() {
-                if emitting[p][0][lane] <= emitting[p][1][lane] {
-                    least = least.min(self.starts[j] + i32::from(lowest[p][lane]));
+        fewest.rows[..self.rest.len()].copy_from_slice(&self.rest);
+        for place in (0..self.places).rev() {
+            // Those that have 0 here, if there are any.
+            let mut lower = [[[0; EIGHT]; WORDS]; BLOCKS];
+            let mut any = 0;
+            let digits = self.digits.chunks_exact(self.places * self.words);
+            for ((lower, rows), digits) in lower.iter_mut().zip(&fewest.rows).zip(digits) {
+                for ((lower, rows), digits) in lower.iter_mut().zip(rows).zip(digits.chunks_exact(self.places)) {
+                    for k in 0..EIGHT {
+                        lower[k] = rows[k] & !digits[place][k];
+                        any |= lower[k];
+                    }
                 }
             }
-        }
-        fewest.level = least;
-        for p in 0..parts {
-            let mut wanted = [0_i8; ROWS];
-            let mut any = [false; ROWS];
-            for (lane, j) in (p * ROWS..view.rows.min((p + 1) * ROWS)).enumerate() {
-                let want = least.wrapping_sub(self.starts[j]);
-                any[lane] = want == i32::from(lowest[p][lane]) && emitting[p][0][lane] <= emitting[p][1][lane];
-                wanted[lane] = want as i8;
-            }
-            let wanted = i8x32::simd_from(simd, wanted);
-            let zero = u8x32::splat(simd, 0);
-            for (byte, eight) in self.counts[p * part..][..width * ROWS].chunks_exact(8 * ROWS).enumerate() {
-                let mut bits = zero;
-                for (k, counts) in eight.chunks_exact(ROWS).enumerate() {
-                    let is_least = i8x32::from_slice(simd, counts).simd_eq(wanted);
-                    bits |= is_least.select(u8x32::splat(simd, 1 << k), zero);
-                }
-                let bits: [u8; ROWS] = bits.into();
-                for (row, bits) in fewest.rows[p * ROWS..].iter_mut().zip(bits) {
-                    row[byte / 8] |= u64::from(bits) << (8 * (byte % 8));
-                }
-            }
-            for (lane, any) in any.iter().enumerate() {
-                let row = &mut fewest.rows[p * ROWS + lane];
-                *row = if *any { within(row, emitting[p][0][lane], emitting[p][1][lane]) } else { [0; 4] };
+            if any != 0 {
+                fewest.rows = lower;
             }
         }
-        fewest.find_middle(view.rows);
-        fewest
-    }
-
-    /// The samples with the fewest surfaces of those that have more than `above`: any numbers, one row after the other. Only
-    /// after [`fewest`](Self::fewest) of the same.
-    #[inline(always)]
-    pub(crate) fn next<S: Simd>(
-        &self,
-        simd: S,
-        view: &View,
-        crossings: &[Crossing],
-        spans: &[(u32, u32)],
-        above: i32,
-    ) -> Fewest {
-        let width = view.raster.width as usize;
-        let mut counts = vec![0_i32; view.rows * (width + 1)];
-        for c in crossings {
-            let [from, to] = c.rows.map(|r| r as usize);
-            for base in (from..to).step_by(8) {
-                for (j, column) in (base..to.min(base + 8)).zip(columns(simd, view, c, base)) {
-                    counts[j * (width + 1) + column as usize] += c.step;
-                }
+        for (rest, rows) in self.rest.iter_mut().zip(&fewest.rows) {
+            for (rest, row) in rest.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
+                *rest &= !row;
+                fewest.others += rest.count_ones();
             }
         }
-        let mut least = i32::MAX;
-        for (j, row) in counts.chunks_exact_mut(width + 1).enumerate() {
-            let (from, to) = spans[j];
-            let mut sum = self.starts[j];
-            for (i, count) in (0..).zip(row) {
-                sum += *count;
-                *count = sum;
-                if from <= i && i < to && sum > above {
-                    least = least.min(sum);
-                }
-            }
-        }
-        let mut fewest = Fewest { level: least, ..Fewest::none() };
-        for (j, row) in counts.chunks_exact(width + 1).enumerate() {
-            let (from, to) = spans[j];
-            fewest.emitting += to.saturating_sub(from);
-            for i in (from as usize..to as usize).filter(|i| row[*i] == least) {
-                fewest.rows[j][i / 64] |= 1 << (i % 64);
-            }
-        }
-        fewest.find_middle(view.rows);
+        fewest.find_middle(self.rest.len());
         fewest
     }
 }
 
 /// The first sample right of a crossing in each of eight rows from `base` on.
 #[inline(always)]
-fn columns<S: Simd>(simd: S, view: &View, c: &Crossing, base: usize) -> [u32; 8] {
+fn columns<S: Simd>(simd: S, view: &View, c: &Crossing, base: usize) -> [u32; EIGHT] {
     let rows = f32x8::simd_from(simd, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]) + base as f32;
     let at = rows * c.slope + c.start;
     let at = at.max(f32x8::splat(simd, c.low)).min(f32x8::splat(simd, c.high));
     view.raster.indices(simd, at - f32x8::simd_from(simd, *Raster::shifts(base))).into()
 }
 
-fn within(row: &Samples, first: u8, last: u8) -> Samples {
-    core::array::from_fn(|word| {
-        let start = 64 * word as u32;
-        let low = u32::from(first).saturating_sub(start);
-        let high = (u32::from(last) + 1).saturating_sub(start);
-        row[word] & u64::MAX.unbounded_shl(low) & !u64::MAX.unbounded_shl(high)
-    })
-}
-
 impl Fewest {
     fn none() -> Self {
-        Self { level: i32::MAX, rows: [[0; 4]; MOST], middle: None, count: 0, emitting: 0 }
+        Self { rows: [[[0; EIGHT]; WORDS]; BLOCKS], middle: None, count: 0, others: 0 }
     }
 
-    /// How many surfaces lie before these samples, up to the constant; none where there are enough of them to be sure that
-    /// no others have fewer in truth. Two edges that lie on each other to the last digit may be taken in the wrong order:
-    /// then a few samples between them have too few.
-    pub(crate) fn doubtful(&self) -> Option<i32> {
-        (self.count < self.emitting / FEW && self.middle.is_some()).then_some(self.level)
+    /// Whether these are so few that others may have fewer in truth: two edges that lie on each other to the last digit may be
+    /// taken in the wrong order, then a few samples between them have too few.
+    pub(crate) fn is_doubtful(&self) -> bool {
+        self.middle.is_some() && self.count < (self.count + self.others) / FEW
     }
 
     /// Those of another as well.
     pub(crate) fn add(&mut self, other: &Self) {
-        for (row, more) in self.rows.as_flattened_mut().iter_mut().zip(other.rows.as_flattened()) {
+        let rows = self.rows.as_flattened_mut().as_flattened_mut();
+        for (row, more) in rows.iter_mut().zip(other.rows.as_flattened().as_flattened()) {
             *row |= more;
         }
     }
 
     /// The row with the most samples and the middle of its longest run.
-    fn find_middle(&mut self, rows: usize) {
+    #[inline(always)]
+    fn find_middle(&mut self, blocks: usize) {
         let mut best = (0, 0);
-        for (j, row) in self.rows[..rows].iter().enumerate() {
-            let count = row.iter().map(|word| word.count_ones()).sum();
-            self.count += count;
-            if count > best.0 {
-                best = (count, j);
+        for (b, rows) in self.rows[..blocks].iter().enumerate() {
+            let mut counts = [0; EIGHT];
+            for words in rows {
+                for k in 0..EIGHT {
+                    counts[k] += words[k].count_ones();
+                }
+            }
+            for (k, count) in counts.into_iter().enumerate() {
+                self.count += count;
+                if count > best.0 {
+                    best = (count, b * EIGHT + k);
+                }
             }
         }
-        if best.0 == 0 {
+        let (count, j) = best;
+        if count == 0 {
             return;
         }
         let mut longest = (0, 0);
-        for (word, bits) in self.rows[best.1].iter().enumerate() {
-            let (mut bits, mut length) = (*bits, 0);
-            let mut runs = bits;
+        for (word, bits) in self.rows[j / EIGHT].iter().map(|words| words[j % EIGHT]).enumerate() {
+            let (mut bits, mut runs, mut length) = (bits, bits, 0);
             while runs != 0 {
                 bits = runs;
                 length += 1;
                 runs &= runs >> 1;
             }
             if length > longest.0 {
-                longest = (length, 64 * word + bits.trailing_zeros() as usize + (length - 1) / 2);
+                longest = (length, WORD * word + bits.trailing_zeros() as usize + (length - 1) / 2);
             }
         }
-        self.middle = Some((best.1, longest.1));
+        self.middle = Some((j, longest.1));
     }
 }
