@@ -150,9 +150,9 @@ impl Hull {
                 let Some(left) = leaves.checked_sub(1) else { return false };
                 *leaves = left;
                 let first = node.first[k] as usize;
-                let lanes = mask32x8::from_bitmask(simd, u64::from(mesh.fetch_planes(first, count, &mut block)));
+                let lanes = mask32x8::from_bitmask(simd, u64::from(mesh.fetch_planes(simd, first, count, &mut block)));
                 let keep = lanes & !self.cancel(simd, &block);
-                mesh.fetch_ends(first, keep.to_bitmask() as u32, base, &mut block);
+                mesh.fetch_ends(simd, first, keep.to_bitmask() as u32, base, &mut block);
                 out.reserve(8);
                 self.sift(simd, &block, keep, out);
             }

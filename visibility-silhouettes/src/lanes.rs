@@ -1,6 +1,7 @@
 //! Eight vectors at once. Functions and no closures: a closure is not told to stay inside the code that has the wide
 //! instructions.
 
+use crate::edge_list::LANES;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
 
@@ -72,5 +73,18 @@ impl<S: Simd> Lanes3<S> {
     #[inline(always)]
     pub(crate) fn or(self, mask: mask32x8<S>, other: Self) -> Self {
         Self { x: mask.select(other.x, self.x), y: mask.select(other.y, self.y), z: mask.select(other.z, self.z) }
+    }
+}
+
+/// Writes the first numbers of eight rows of four as columns.
+#[inline(always)]
+pub(crate) fn columns<S: Simd>(simd: S, rows: &[[f32; 4]; LANES], out: &mut [[f32; LANES]]) {
+    for (half, four) in rows.as_chunks::<4>().0.iter().enumerate() {
+        let mut flat = [0.0; 16];
+        flat.copy_from_slice(four.as_flattened());
+        let columns = simd.load_four_interleaved_f32x4(&flat);
+        for (column, out) in columns.into_iter().zip(out.iter_mut()) {
+            column.store_slice(&mut out[4 * half..4 * half + 4]);
+        }
     }
 }

@@ -1,7 +1,9 @@
 use crate::edge_list::{Block, COLUMNS, ENDS, ID, LANES, PLANES};
+use crate::lanes::columns;
 use crate::topology::{self, Edge, normal};
 use crate::tree::Tree;
-use glam::Vec3;
+use fearless_simd::Simd;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// A triangle mesh as the silhouettes of it are found: planes of triangles, edges with the triangles on both sides, and a
@@ -16,7 +18,8 @@ use rayon::prelude::*;
 pub struct SilhouetteMesh {
     /// The number of the object that the triangles belong to.
     object: u32,
-    positions: Vec<Vec3>,
+    /// With a fourth number beside, so that eight are soon turned into columns.
+    positions: Vec<Vec4>,
     /// For each of `positions` the one of the caller's that it is a copy of.
     sources: Vec<u32>,
     triangles: Vec<[u32; 3]>,
@@ -59,8 +62,9 @@ impl SilhouetteMesh {
         let places = topology::by_first_use(welded.len(), triangles.iter().flatten().copied());
         triangles.iter_mut().flatten().for_each(|corner| *corner = places[*corner as usize]);
         let (welded, sources) = (topology::placed(&welded, &places), topology::placed(&sources, &places));
+        let positions = welded.iter().map(|p| p.extend(0.0)).collect();
         let planes = vec![[0.0; 4]; triangles.len()];
-        let mut mesh = Self { object, positions: welded, sources, triangles, planes, edges, tree };
+        let mut mesh = Self { object, positions, sources, triangles, planes, edges, tree };
         mesh.fit();
         mesh
     }
@@ -77,7 +81,7 @@ impl SilhouetteMesh {
             return false;
         }
         for (position, source) in self.positions.iter_mut().zip(&self.sources) {
-            *position = positions[*source as usize];
+            *position = positions[*source as usize].extend(0.0);
         }
         self.fit();
         true
@@ -86,7 +90,7 @@ impl SilhouetteMesh {
     /// Planes, flat edges, boxes and cones from the positions.
     fn fit(&mut self) {
         let Self { positions, triangles, planes, edges, tree, .. } = self;
-        let corners = |t: u32| triangles[t as usize].map(|i| positions[i as usize]);
+        let corners = |t: u32| triangles[t as usize].map(|i| positions[i as usize].truncate());
         planes.par_iter_mut().with_min_len(1024).zip(0..triangles.len() as u32).for_each(|(plane, t)| {
             let corners = corners(t);
             let n = normal(corners).normalize_or_zero();
@@ -146,35 +150,48 @@ impl SilhouetteMesh {
 
     /// Writes the planes on both sides of up to eight edges side by side; returns which of them are not flat, as bits.
     #[inline(always)]
-    pub(crate) fn fetch_planes(&self, first: usize, count: usize, out: &mut Block<COLUMNS>) -> u32 {
+    pub(crate) fn fetch_planes<S: Simd>(&self, simd: S, first: usize, count: usize, out: &mut Block<COLUMNS>) -> u32 {
         let mut lanes = 0;
+        let mut sides = [[[0.0; 4]; LANES]; 2];
         for (lane, edge) in self.edges[first..first + count.min(LANES)].iter().enumerate() {
-            let plane = self.planes[edge.triangle() as usize];
-            let other = edge.other().map_or([0.0; 4], |t| self.planes[t as usize]);
             // Upward, so that all records of an edge make the same calculation, whatever the hierarchy.
-            let sides = if edge.is_down() { [other, plane] } else { [plane, other] };
-            for (column, value) in out[PLANES[0]..ID].iter_mut().zip(sides.as_flattened()) {
-                column[lane] = *value;
-            }
+            let down = usize::from(edge.is_down());
+            sides[down][lane] = self.planes[edge.triangle() as usize];
+            sides[1 - down][lane] = edge.other().map_or([0.0; 4], |t| self.planes[t as usize]);
             lanes |= u32::from(!edge.is_flat()) << lane;
+        }
+        for (rows, first) in sides.iter().zip(PLANES) {
+            columns(simd, rows, &mut out[first..first + 4]);
         }
         lanes
     }
 
     /// The same for the ends and the numbers of those that `lanes` has; `base` is the number of the mesh's first edge.
     #[inline(always)]
-    pub(crate) fn fetch_ends(&self, first: usize, mut lanes: u32, base: u32, out: &mut Block<COLUMNS>) {
+    pub(crate) fn fetch_ends<S: Simd>(
+        &self,
+        simd: S,
+        first: usize,
+        mut lanes: u32,
+        base: u32,
+        out: &mut Block<COLUMNS>,
+    ) {
+        let mut ends = [[[0.0; 4]; LANES]; 2];
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize & (LANES - 1);
             lanes &= lanes - 1;
             let edge = self.edges[first + lane];
             let corners = &self.triangles[edge.triangle() as usize];
-            let [p, q] = edge.ends().map(|k| self.positions[corners[k] as usize].to_array());
-            let ends = if edge.is_down() { [q, p] } else { [p, q] };
-            for (column, value) in out[ENDS[0]..PLANES[0]].iter_mut().zip(ends.as_flattened()) {
-                column[lane] = *value;
-            }
-            out[ID][lane] = f32::from_bits(base + (first + lane) as u32);
+            let down = usize::from(edge.is_down());
+            let [p, q] = edge.ends();
+            ends[down][lane] = self.positions[corners[p] as usize].to_array();
+            ends[1 - down][lane] = self.positions[corners[q] as usize].to_array();
+        }
+        for (rows, first) in ends.iter().zip(ENDS) {
+            columns(simd, rows, &mut out[first..first + 3]);
+        }
+        for (number, id) in (base + first as u32..).zip(&mut out[ID]) {
+            *id = f32::from_bits(number);
         }
     }
 
@@ -182,7 +199,7 @@ impl SilhouetteMesh {
     /// −1 behind, 0 in the plane or where there is no triangle. Exact but for the rounding of f64.
     pub(crate) fn sides(&self, edge: usize, x: Vec3) -> [f32; 2] {
         let edge = self.edges[edge];
-        let side = |t: u32| side(self.triangles[t as usize].map(|i| self.positions[i as usize]), x);
+        let side = |t: u32| side(self.triangles[t as usize].map(|i| self.positions[i as usize].truncate()), x);
         let [one, other] = [side(edge.triangle()), edge.other().map_or(0.0, side)];
         if edge.is_down() { [other, one] } else { [one, other] }
     }
