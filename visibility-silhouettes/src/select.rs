@@ -17,6 +17,7 @@ pub(crate) type Silhouettes = Columns<NUMBERS>;
 
 /// Beside the light's disc: a little more, for the rounding of its edge.
 const AROUND: f32 = 1.000_01;
+const AROUND_SQ: f32 = 1.000_2;
 
 /// Lists the silhouettes among some edges that may lie before the light.
 ///
@@ -65,6 +66,9 @@ pub(crate) fn silhouettes<S: Simd>(
             step = f32x8::simd_from(simd, steps);
         }
         keep &= !step.simd_eq(zero);
+        if keep.any_true() && !window.is_empty() {
+            keep &= !beside(simd, cone, a, b);
+        }
         if keep.any_true() {
             out.put3(0, keep, a);
             out.put3(3, keep, b);
@@ -72,6 +76,36 @@ pub(crate) fn silhouettes<S: Simd>(
             out.end(keep);
         }
     }
+}
+
+/// Which of eight edges, in front of the receiver, certainly pass beside the disc of a light.
+///
+/// Such an edge changes the number of surfaces before all samples alike, or before none: it is on one side of the disc in
+/// all rows that both meet.
+#[inline(always)]
+fn beside<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>) -> mask32x8<S> {
+    let (axis, cos) = (cone.axis, cone.cos());
+    let edge = b.minus_each(a);
+    // The plane through the edge and the receiver misses the disc: |n·axis| > |n| sin θ.
+    let normal = a.cross_each(edge);
+    let [size, reach] = [normal.dot_each(normal), a.dot_each(a) * edge.dot_each(edge)];
+    let along = normal.dot(axis).abs() - reach.sqrt() * 1e-6;
+    let mut beside = along.simd_gt((size * (cone.sin_sq() * AROUND_SQ)).sqrt());
+    // Or the edge ends before the disc: with p on it nearest to the axis seen from the receiver, both ends are on one side of p
+    // and outside of the cone.
+    let [from, to] = [a.dot(axis), b.dot(axis)];
+    // d/dt of the squared cosine at the ends: its sign tells whether the edge comes nearer from there on.
+    let across = edge.dot(axis);
+    let [at_a, at_b] = [
+        across * a.dot_each(a) - from * a.dot_each(edge),
+        across * b.dot_each(b) - to * b.dot_each(edge),
+    ];
+    let zero = f32x8::splat(simd, 0.0);
+    let one_side = (at_a.simd_lt(zero) & at_b.simd_lt(zero)) | (at_a.simd_gt(zero) & at_b.simd_gt(zero));
+    let limit = cos * cos * (2.0 - AROUND_SQ);
+    let outside = (from * from).simd_lt(a.dot_each(a) * limit) & (to * to).simd_lt(b.dot_each(b) * limit);
+    beside |= one_side & outside;
+    beside & from.simd_gt(zero) & to.simd_gt(zero)
 }
 
 /// On which side of eight planes a point lies, and where f32 does not tell.
