@@ -1,5 +1,5 @@
-//! How far the `rays` strategy is from Monte Carlo, and what it costs: a picket fence and, given mesh files as arguments,
-//! those, each over a floor under a light of half-angle 6°.
+//! How far the exact strategies, `silhouettes` and `rays`, are from Monte Carlo, and what they cost: a picket fence and, given
+//! mesh files as arguments, those, each over a floor under a light of half-angle 6°.
 //!
 //! `cargo run --release -p render-cpu --example rays -- bunny.obj`
 //!
@@ -9,9 +9,12 @@ use brdf::Material;
 use core::sync::atomic::AtomicBool;
 use glam::Vec3;
 use lighting::{MaskVisibility, SphereLight};
-use lobe_core::Sphere;
-use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
-use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene};
+use lobe_core::{Sphere, VisibilityLobes};
+use render_cpu::{
+    CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
+};
+use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadeStats};
+use visibility_silhouettes::SilhouetteBlockers;
 
 /// Samples of the reference at each receiver.
 const SAMPLES: u32 = 16384;
@@ -77,14 +80,13 @@ fn run(name: &str, scene: &Scene) {
         |depth| Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth, threshold: 0.0 };
     let shade = |g: &GBuffer, depth: u32, start: usize, bisections: u32| {
         let shader = CpuShader::new(MaskVisibility::new(RayBlockers::with_detail(&world, start, bisections), depth));
-        let mut out = vec![Vec3::ZERO; g.len()];
-        let (stats, layers) = shader.shade_layers(&g.points, &frame(depth), &mut out).expect("room for all lobes");
-        let shares: Vec<f64> = out
-            .iter()
-            .zip(&layers.unshadowed)
-            .map(|(a, b)| if b.x > 0.0 { f64::from(a.x / b.x) } else { 0.0 })
-            .collect();
+        let (shares, stats) = shares(&shader, g, &frame(depth));
         (shares, stats, shader.visibility().blockers().rays())
+    };
+    let silhouettes = SceneSilhouettes::new(scene, |_| true);
+    let outlines = |g: &GBuffer, depth: u32| {
+        let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true));
+        shares(&CpuShader::new(MaskVisibility::new(blockers, depth)), g, &frame(depth))
     };
     let (coarse, stats, rays) = shade(&all, 5, 8, 2);
     println!(
@@ -115,23 +117,42 @@ fn run(name: &str, scene: &Scene) {
         let n = counted.len().max(1) as f64;
         let noise = counted.iter().map(|&i| f64::from(truth.std_error[i].x / truth.unshadowed[i].x)).sum::<f64>() / n;
         println!("  {part}: {} penumbra receivers, reference ± {:.3} %", counted.len(), 100.0 * noise);
-        for (depth, start, bisections) in CONFIGURATIONS {
-            let (ours, stats, rays) = shade(&g, depth, start, bisections);
+        let errors = |ours: &[f64]| {
             let signed: Vec<f64> = counted.iter().map(|&i| 100.0 * (ours[i] - share(i))).collect();
             let mut errors: Vec<f64> = signed.iter().map(|e| e.abs()).collect();
             errors.sort_by(f64::total_cmp);
-            println!(
-                "    {}² cells, start {start}², {bisections} bisections: mean {:.3} p99 {:.2} max {:.2} bias {:+.3}, {:.0} rays a point, {:.0} µs",
-                1 << depth,
+            format!(
+                "mean {:.3} p99 {:.2} max {:.2} bias {:+.3}",
                 errors.iter().sum::<f64>() / n,
                 errors.get(errors.len() * 99 / 100).unwrap_or(&0.0),
                 errors.last().unwrap_or(&0.0),
                 signed.iter().sum::<f64>() / n,
+            )
+        };
+        for (depth, start, bisections) in CONFIGURATIONS {
+            let (ours, stats, rays) = shade(&g, depth, start, bisections);
+            println!(
+                "    rays, {}² cells, start {start}², {bisections} bisections: {}, {:.0} rays a point, {:.0} µs",
+                1 << depth,
+                errors(&ours),
                 rays as f64 / g.len() as f64,
                 1e6 * stats.stages.mask / g.len() as f64,
             );
         }
+        for depth in [4, 5, 6] {
+            let (ours, stats) = outlines(&g, depth);
+            let time = 1e6 * stats.stages.mask / g.len() as f64;
+            println!("    silhouettes, {}² cells: {}, {time:.1} µs", 1 << depth, errors(&ours));
+        }
     }
+}
+
+/// What is seen of the light at each point, and the price.
+fn shares<V: VisibilityLobes>(shader: &CpuShader<'_, V>, g: &GBuffer, frame: &Frame<'_>) -> (Vec<f64>, ShadeStats) {
+    let mut out = vec![Vec3::ZERO; g.len()];
+    let (stats, layers) = shader.shade_layers(&g.points, frame, &mut out).expect("room for all lobes");
+    let share = |(a, b): (&Vec3, &Vec3)| if b.x > 0.0 { f64::from(a.x / b.x) } else { 0.0 };
+    (out.iter().zip(&layers.unshadowed).map(share).collect(), stats)
 }
 
 /// Depth, blocks a side, bisections.

@@ -96,10 +96,8 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>) -> mask32x8
     let [from, to] = [a.dot(axis), b.dot(axis)];
     // d/dt of the squared cosine at the ends: its sign tells whether the edge comes nearer from there on.
     let across = edge.dot(axis);
-    let [at_a, at_b] = [
-        across * a.dot_each(a) - from * a.dot_each(edge),
-        across * b.dot_each(b) - to * b.dot_each(edge),
-    ];
+    let [at_a, at_b] =
+        [across * a.dot_each(a) - from * a.dot_each(edge), across * b.dot_each(b) - to * b.dot_each(edge)];
     let zero = f32x8::splat(simd, 0.0);
     let one_side = (at_a.simd_lt(zero) & at_b.simd_lt(zero)) | (at_a.simd_gt(zero) & at_b.simd_gt(zero));
     let limit = cos * cos * (2.0 - AROUND_SQ);

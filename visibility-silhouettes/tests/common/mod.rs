@@ -1,7 +1,10 @@
 //! Triangles that are asked one by one in f64.
 
-use glam::{DVec3, Vec3};
+#![allow(dead_code, reason = "not every test makes everything")]
+
+use glam::{DVec3, Quat, Vec3};
 use lobe_core::Sphere;
+use lobe_core::oracle::Random;
 use visibility_silhouettes::AnyHit;
 
 #[derive(Clone, Debug, Default)]
@@ -86,4 +89,22 @@ pub(crate) fn ball(center: Vec3, radius: f32, rings: u32) -> Soup {
         }
     }
     soup
+}
+
+/// Any turn.
+pub(crate) fn turn(random: &mut Random) -> Quat {
+    Quat::from_axis_angle(random.axis().as_vec3().normalize(), random.between(0.0, 6.3) as f32)
+}
+
+/// A box with eight corners, as twelve triangles.
+pub(crate) fn cuboid(random: &mut Random, center: Vec3, size: f64) -> Soup {
+    let half = Vec3::from_array(core::array::from_fn(|_| random.log_uniform(0.02 * size, size) as f32));
+    let q = turn(random);
+    let corner = |k: u32| {
+        let sign = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
+        center + q * (sign * half)
+    };
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    Soup { positions: (0..8).map(corner).collect(), triangles }
 }
