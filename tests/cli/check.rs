@@ -188,3 +188,29 @@ fn equal_objects_are_told_of_once() {
     assert_eq!((told.matches("object  ").count(), told.matches("advice:").count()), (4, 4), "{told}");
     assert_eq!(json(folder, &["check", "six.toml", "--json"])["objects"].as_array().unwrap().len(), 9);
 }
+
+/// Each strategy has a price or a reason against it; the exact ones have next to no error.
+#[test]
+fn checking_prices_strategies() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("priced.toml"), SCENE.to_owned() + TABLE).unwrap();
+    let prices = json(folder, &["check", "priced.toml", "--prices", "--json"])["prices"].clone();
+    assert!(prices["penumbra_points"].as_u64().unwrap() > 20, "{prices}");
+    let all = prices["strategies"].as_array().unwrap();
+    assert_eq!(all.len(), 5);
+    for price in all {
+        let name = price["visibility"].as_str().unwrap();
+        if let Some(error) = price["mean_error"].as_f64() {
+            assert!(price["shade_seconds"].as_f64().unwrap() > 0.0, "{price}");
+            assert!(!["silhouettes", "rays"].contains(&name) || error < 0.005, "{price}");
+        } else {
+            assert!(price["unsuited"].is_string() && !["silhouettes", "rays", "scene"].contains(&name), "{price}");
+        }
+    }
+    assert!(succeed(folder, &["check", "priced.toml", "--prices"]).contains("silhouettes shading"));
+    // Nothing to compare in the dark.
+    let dark = SCENE.split("[[lights]]").next().unwrap();
+    fs::write(folder.join("dark.toml"), dark).unwrap();
+    assert!(succeed(folder, &["check", "dark.toml", "--prices"]).contains("over 0 points"));
+}

@@ -4,6 +4,7 @@ use crate::console::{counted, listed, say};
 use crate::failure::Failure;
 use crate::moment::last_frame;
 use crate::picture::BAND_RAYS;
+use crate::prices::Prices;
 use crate::strategy::Plan;
 use crate::{input, sphere_cache};
 use cosine_lobes::lobe_core::{BrdfLobes, Receiver};
@@ -41,12 +42,21 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     let plan = Plan::new(Visibility::Scene, &scene);
     let requirement = |number| requirement(&scene, &animation, &plan, number);
     let objects = (0..scene.objects.len()).map(requirement).collect::<Result<Vec<_>, Failure>>()?;
+    let prices = || Prices::measure(scene.clone(), &animation);
+    let prices = args.prices.then(prices).transpose()?;
     if args.json {
-        say(serde_json::to_string_pretty(&requirements(&scene, &animation, &plan, &objects))?);
+        let mut all = requirements(&scene, &animation, &plan, &objects);
+        if let Some(prices) = prices {
+            all["prices"] = prices.json();
+        }
+        say(serde_json::to_string_pretty(&all)?);
     } else {
         let of_scene =
             args.file.as_ref().is_some_and(|f| f.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")));
         print(&scene, &animation, &plan, &objects, of_scene);
+        if let Some(prices) = prices {
+            prices.print();
+        }
     }
     Ok(())
 }

@@ -19,6 +19,10 @@ impl Failure {
         Self { message: message.to_string(), code: 130 }
     }
 
+    pub(crate) fn message(&self) -> &str {
+        &self.message
+    }
+
     pub(crate) fn report(self) -> ExitCode {
         crate::console::give_way();
         // A message that quotes a file or a parser may hold line breaks.

@@ -15,6 +15,7 @@ mod input;
 mod merge;
 mod moment;
 mod picture;
+mod prices;
 mod quality;
 mod reference;
 mod render;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   lobes check scene.toml
+  lobes check scene.toml --prices     milliseconds and error of each strategy
   lobes check --schema > scene.toml")]
 pub(crate) struct CheckArgs {
     /// Scene (.toml), model (.gltf, .glb, .obj, .ply); the built-in scene when left out
@@ -13,6 +14,11 @@ pub(crate) struct CheckArgs {
     /// The glTF file's clip of that name or number (from 0) instead of its first; a scene file names its own
     #[arg(long, value_name = "CLIP", requires = "file")]
     pub(crate) clip: Option<String>,
+
+    /// Measure what each strategy costs on this scene, and how far its picture is from the exact one. Fits spheres that are not
+    /// there yet, and keeps them
+    #[arg(long)]
+    pub(crate) prices: bool,
 
     /// Print a scene file that has every key, with its meaning
     #[arg(long, conflicts_with = "file")]

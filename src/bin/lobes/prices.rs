@@ -1,0 +1,169 @@
+//! What each strategy costs on a scene and how far its picture is from the exact one, measured in small.
+
+use crate::args::{Visibility, name};
+use crate::console::say;
+use crate::device::{Backend, Shader};
+use crate::failure::Failure;
+use crate::input;
+use crate::picture::seconds;
+use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
+use cosine_lobes::lighting::depth_for;
+use cosine_lobes::luminance;
+use cosine_lobes::render_cpu::{GBuffer, SceneSilhouettes, World};
+use cosine_lobes::scene::{Animation, BlockerSet, Frame, Scene, ShadingPoints};
+use cosine_lobes::visibility_shadowmap::Bounds;
+use glam::Vec3;
+use serde_json::{Value, json};
+
+/// Pixels of the small picture, about.
+const PIXELS: f32 = 32_768.0;
+/// The tolerance that prices are for: that of pictures unless told otherwise.
+const TOLERANCE: f32 = 0.005;
+/// What the exact picture is made with.
+const EXACT: f32 = 0.001;
+
+/// Each strategy as a whole scene may take it, and the scene's own mixture.
+const CHOICES: [Visibility; 5] =
+    [Visibility::Scene, Visibility::Silhouettes, Visibility::Spheres, Visibility::ShadowMap, Visibility::Rays];
+
+/// One strategy's price, in seconds, and errors as shares of the unshadowed radiance.
+pub(crate) struct Price {
+    /// Once: fitting spheres, building hierarchies of edges.
+    prepare: f64,
+    /// Each frame in which things move: refits and maps.
+    update: f64,
+    /// Shading the small picture.
+    shade: f64,
+    mean: f64,
+    p99: f64,
+}
+
+/// The prices of a scene in a small picture, and how large that was.
+pub(crate) struct Prices {
+    size: [u32; 2],
+    penumbra: usize,
+    /// Or why a strategy does not suit the scene.
+    all: Vec<(Visibility, Result<Price, Failure>)>,
+}
+
+impl Prices {
+    /// Measures the scene at its first moment. Fits spheres where it has none yet, and keeps them.
+    pub(crate) fn measure(mut scene: Scene, animation: &Animation) -> Result<Self, Failure> {
+        let scale = (PIXELS / (scene.width as f32 * scene.height as f32)).sqrt().min(1.0);
+        let small = |side: u32| ((side as f32 * scale).round() as u32).max(1);
+        (scene.width, scene.height) = (small(scene.width), small(scene.height));
+        let mut run = |visibility, tolerance| run(&mut scene, animation, visibility, tolerance);
+        let (_, unshadowed) = run(Visibility::None, EXACT)?;
+        let (_, exact) = run(Visibility::Silhouettes, EXACT)?;
+        let share = |radiance: &[Vec3], k: usize| luminance(radiance[k]) / luminance(unshadowed[k]);
+        let penumbra: Vec<usize> = (0..exact.len()).filter(|k| (0.01..0.99).contains(&share(&exact, *k))).collect();
+        let price = |(price, radiance): (Price, Vec<Vec3>)| {
+            let error = |k: &usize| (share(&radiance, *k) - share(&exact, *k)).abs();
+            let mut errors: Vec<f64> = penumbra.iter().map(error).collect();
+            errors.sort_by(f64::total_cmp);
+            let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+            let p99 = errors.get(errors.len() * 99 / 100).copied().unwrap_or(0.0);
+            Price { mean, p99, ..price }
+        };
+        let all = CHOICES.map(|visibility| (visibility, run(visibility, TOLERANCE).map(price))).into();
+        Ok(Self { size: [scene.width, scene.height], penumbra: penumbra.len(), all })
+    }
+
+    pub(crate) fn print(&self) {
+        let [width, height] = self.size;
+        say(format_args!(
+            "prices     at {width} x {height}, tolerance {TOLERANCE}, {} threads; errors over {} points in penumbra, from the exact \
+             picture",
+            rayon::current_num_threads(),
+            self.penumbra
+        ));
+        for (visibility, price) in &self.all {
+            let name = name(visibility);
+            match price {
+                Ok(price) => say(format_args!(
+                    "           {name:11} shading {:8.1} ms, once {:8.1} ms, each moving frame {:6.1} ms, error {:.2} % (99th \
+                     percentile {:.1} %)",
+                    1e3 * price.shade,
+                    1e3 * price.prepare,
+                    1e3 * price.update,
+                    100.0 * price.mean,
+                    100.0 * price.p99
+                )),
+                Err(reason) => say(format_args!("           {name:11} {}", reason.message())),
+            }
+        }
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        let price = |(visibility, price): &(Visibility, Result<Price, Failure>)| match price {
+            Ok(p) => json!({
+                "visibility": name(visibility),
+                "shade_seconds": p.shade,
+                "prepare_seconds": p.prepare,
+                "update_seconds": p.update,
+                "mean_error": p.mean,
+                "p99_error": p.p99,
+            }),
+            Err(reason) => json!({"visibility": name(visibility), "unsuited": reason.message()}),
+        };
+        json!({
+            "width": self.size[0],
+            "height": self.size[1],
+            "tolerance": TOLERANCE,
+            "penumbra_points": self.penumbra,
+            "strategies": self.all.iter().map(price).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// One strategy's price without its errors, and its radiance at each visible point.
+fn run(
+    scene: &mut Scene,
+    animation: &Animation,
+    visibility: Visibility,
+    tolerance: f32,
+) -> Result<(Price, Vec<Vec3>), Failure> {
+    let plan = Plan::new(visibility, scene);
+    let (mut prepare, mut update) = (0.0, 0.0);
+    let spheres = seconds(&mut prepare, || input::make_spheres(scene, animation, &plan, true))?;
+    let scene = &*scene;
+    let mut silhouettes = seconds(&mut prepare, || SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o)));
+    let (mut set, mut kept) = (BlockerSet::default(), KeptSpheres::default());
+    seconds(&mut update, || {
+        silhouettes.update(scene);
+        spheres.pose(scene, Some((animation, 0.0)), &mut set)
+    })?;
+    seconds(&mut update, || kept.update(&set));
+    let world = World::new(scene);
+    let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
+    let receivers = Bounds::of(points.receivers.iter().map(|r| r.position)).filter(|_| plan.wants_maps(scene));
+    let maps = match receivers {
+        Some(receivers) => seconds(&mut update, || plan.maps(scene, receivers, None, u64::MAX))?.0,
+        None => Vec::new(),
+    };
+    let depth = depth_for(tolerance);
+    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance, depth, threshold: 0.0 };
+    let occlusion = Occlusion::new(&plan, &world, kept.get(), maps, &silhouettes);
+    let (shade, radiance) = occlusion.shade(&mut Backend::Cpu, depth, None, Shot { points: &points, frame: &frame })?;
+    Ok((Price { prepare, update, shade, mean: 0.0, p99: 0.0 }, radiance))
+}
+
+/// A picture of visible points that are there.
+struct Shot<'a> {
+    points: &'a ShadingPoints,
+    frame: &'a Frame<'a>,
+}
+
+impl Work for Shot<'_> {
+    type Output = (f64, Vec<Vec3>);
+
+    /// The quickest of three.
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, Failure> {
+        let mut radiance = vec![Vec3::ZERO; self.points.receivers.len()];
+        let mut quickest = f64::INFINITY;
+        for _ in 0..3 {
+            quickest = quickest.min(shader.shade(self.points, self.frame, &mut radiance)?.seconds);
+        }
+        Ok((quickest, radiance))
+    }
+}
