@@ -1,5 +1,6 @@
 use crate::SilhouetteMesh;
 use crate::count::{Counter, Fewest};
+use crate::cut::Ball;
 use crate::lists::{Lists, Meshes};
 use crate::mesh::side;
 use crate::project::{Crossing, View, project};
@@ -52,6 +53,10 @@ pub trait AnyHit: Sync {
 /// receiver is: f32 where that is certain, else f64) or once for an edge (where it crosses a row), so outlines stay closed
 /// whatever the rounding: no light leaks between triangles, wound any way, open or crossing each other.
 ///
+/// Surfaces count as far as the light's front side. Where the light holds a part of a triangle, its silhouettes end at the
+/// light's surface, and the arc in which that surface cuts the triangle is an outline as well, drawn as chords of a circle of 64
+/// sides.
+///
 /// # Accuracy
 /// On 10 000 random soups of triangles (loose, closed, crossing each other, wound either way, cards, strips, needles) 2 of 14
 /// million samples differ from f64 rays to each of them, both on needles as thin as rounding.
@@ -83,10 +88,16 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         // Rays start off the surface, so a little beside the receivers.
         let off = self.hits.leave(shaft.receivers.center, Vec3::Y).distance(shaft.receivers.center);
         scratch.lists.enter(&self.meshes, shaft, 2.0 * off + 1e-6 * shaft.receivers.radius);
-        if scratch.light != Some(shaft.light) {
-            scratch.light = Some(shaft.light);
+        if scratch.light != shaft.light {
+            scratch.light = shaft.light;
             scratch.cutting.clear();
-            self.hits.triangles_meeting(shaft.light, &mut |corners| scratch.cutting.push(corners));
+            scratch.is_cut = false;
+            self.hits.triangles_meeting(shaft.light, &mut |corners| {
+                scratch.is_cut = true;
+                if Ball::may_cut(shaft.light, corners) {
+                    scratch.cutting.push(corners);
+                }
+            });
         }
         scratch.is_met = self.hits.enter(shaft, &mut scratch.hits);
     }
@@ -108,8 +119,9 @@ pub struct SilhouetteScratch<H> {
     lists: Lists,
     /// False when rays in the shaft meet nothing.
     is_met: bool,
-    /// Triangles that meet the light, and which light that is.
-    light: Option<Sphere>,
+    /// Whether the light holds parts of triangles, those that its surface cuts, and which light that is.
+    is_cut: bool,
+    light: Sphere,
     cutting: Vec<[Vec3; 3]>,
     /// Where the current receiver's rays start, and what it sees.
     origin: Vec3,
@@ -117,6 +129,7 @@ pub struct SilhouetteScratch<H> {
     /// The normal of its facet, where that hides a part of the light.
     facet: Option<Vec3>,
     silhouettes: Silhouettes,
+    outside: Silhouettes,
     crossings: Vec<Crossing>,
     counter: Counter,
     hits: H,
@@ -130,12 +143,15 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             entered: false,
             lists: Lists::default(),
             is_met: true,
-            light: None,
+            // None that a caller could mean.
+            is_cut: false,
+            light: Sphere { center: Vec3::NAN, radius: 0.0 },
             cutting: Vec::new(),
             origin: Vec3::ZERO,
             cone: Cone { axis: Vec3::Z, one_minus_cos: 0.0, distance: 0.0 },
             facet: None,
             silhouettes: Silhouettes::default(),
+            outside: Silhouettes::default(),
             crossings: Vec::new(),
             counter: Counter::default(),
             hits: self.hits.scratch(),
@@ -172,7 +188,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if cone.one_minus_cos > 0.0 && !scratch.lists.is_empty() {
             dispatch!(Level::new(), simd => self.look(simd, query, scratch));
         }
-        let is_whole = scratch.silhouettes.is_empty() && scratch.cutting.is_empty() && scratch.facet.is_none();
+        let is_whole = scratch.silhouettes.is_empty() && !scratch.is_cut && scratch.facet.is_none();
         if cone.one_minus_cos > 0.0 && !is_whole {
             return Coverage::Partial;
         }
@@ -197,23 +213,41 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             return;
         }
         let view = View::new(*mask.square(), mask.raster(), mask.side(), query.cone);
-        let SilhouetteScratch { origin, facet, silhouettes, cutting, crossings, counter, hits, .. } = scratch;
+        let SilhouetteScratch {
+            origin,
+            facet,
+            silhouettes,
+            outside,
+            light,
+            is_cut,
+            cutting,
+            crossings,
+            counter,
+            hits,
+            ..
+        } = scratch;
         if let Some(face) = *facet {
             mask.block_below(face);
         }
         crossings.clear();
-        for corners in cutting.iter() {
-            let seen = corners.map(|p| p - *origin);
-            crossings.extend(Crossing::of_cut(&view, seen, side(*corners, *origin)));
+        // Where the light holds parts of triangles, what blocks ends at its front side; else at its plane.
+        let ball = is_cut.then(|| Ball::new(*light, *origin));
+        if let Some(ball) = &ball {
+            for corners in cutting.iter() {
+                ball.cut(&view, corners.map(|p| p - *origin), side(*corners, *origin), crossings);
+            }
+            ball.outside(silhouettes, outside);
         }
+        let drawn = if ball.is_some() { &*outside } else { &*silhouettes };
         let mut fewest = dispatch!(Level::new(), simd => {
-            project(simd, silhouettes, &view, crossings);
+            project(simd, drawn, &view, crossings);
             counter.count(simd, &view, crossings, mask);
             counter.fewest()
         });
         let is_open = |fewest: &Fewest, hits: &mut H::Scratch| {
             fewest.middle.is_some_and(|(row, sample)| {
-                let (direction, distance) = view.ray(row, sample);
+                let (direction, plane) = view.ray(row, sample);
+                let distance = ball.map_or(plane, |ball| ball.distance(direction));
                 !self.hits.is_hit(*origin, direction, distance, hits)
             })
         };

@@ -98,6 +98,14 @@ impl<const C: usize> Columns<C> {
         self.put(column + 2, keep, value.z);
     }
 
+    /// Appends one.
+    pub(crate) fn push(&mut self, numbers: [f32; C]) {
+        self.reserve(1);
+        let len = self.len;
+        self.columns.iter_mut().zip(numbers).for_each(|(column, number)| column[len] = number);
+        self.len += 1;
+    }
+
     #[inline(always)]
     pub(crate) fn end<S: Simd>(&mut self, keep: mask32x8<S>) {
         self.len += keep.to_bitmask().count_ones() as usize;

@@ -54,6 +54,7 @@
 
 mod blockers;
 mod count;
+mod cut;
 mod edge_list;
 mod hull;
 mod lanes;

@@ -43,6 +43,12 @@ impl View {
         (self.square.world(Vec3::new(x, y, 1.0)) / length, self.far * length)
     }
 
+    /// A point moved away from the axis, so many times as far.
+    pub(crate) fn beyond(&self, p: Vec3, scale: f32) -> Vec3 {
+        let along = self.square.axis * self.square.axis.dot(p);
+        along + (p - along) * scale
+    }
+
     /// A point on the square, in samples and rows.
     fn place(&self, x: f32, y: f32) -> Vec2 {
         let at =
@@ -96,29 +102,17 @@ impl Crossing {
         })
     }
 
-    /// Where a triangle meets the light's plane, as an edge of what of it is in front of the plane. `side` is 1 where the
-    /// receiver is in front of the triangle, −1 behind it.
-    pub(crate) fn of_cut(view: &View, corners: [Vec3; 3], side: f32) -> Option<Self> {
-        let corners = corners.map(|p| view.square.local(p));
-        let mut ends = [None; 2];
-        for k in 0..3 {
-            let [a, b] = [corners[k], corners[(k + 1) % 3]];
-            let inside = [a, b].map(|p| p.z < view.far);
-            if inside[0] != inside[1] {
-                // As `project` clips it: from the end that is nearer.
-                let [p, q] = if inside[0] { [a, b] } else { [b, a] };
-                let t = (view.far - p.z) / (q.z - p.z);
-                ends[usize::from(!inside[0])] = Some(Vec2::new(p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)));
-            }
-        }
-        // Along the outline, from where it leaves to where it comes back.
-        let [Some(a), Some(b)] = ends else { return None };
-        let [from, to] = [a, b].map(|p| p / view.far);
-        let ends = [from, to].map(|p| view.place(p.x, p.y));
+    /// One piece of an outline, from a point before the light's plane to another, as [`project`] projects it.
+    pub(crate) fn of_segment(view: &View, a: Vec3, b: Vec3, step: i32) -> Option<Self> {
+        let ends = [a, b].map(|p| {
+            let p = view.square.local(p);
+            let z = p.z.max(view.near);
+            view.place(p.x / z, p.y / z)
+        });
         let rows = ends.map(|p| p.y.ceil().clamp(0.0, view.rows as f32) as i32);
         let slope = (ends[1].x - ends[0].x) / (ends[1].y - ends[0].y);
         let line = if slope.is_finite() { [ends[0].x - slope * ends[0].y, slope] } else { [ends[0].x, 0.0] };
-        Self::new(view, ends.map(|p| p.x), line, rows, side as i32)
+        Self::new(view, ends.map(|p| p.x), line, rows, step)
     }
 }
 

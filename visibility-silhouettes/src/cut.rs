@@ -1,0 +1,257 @@
+//! Triangles that meet the light: only what of them is before its front side blocks.
+
+use crate::edge_list::Columns;
+use crate::project::{Crossing, View};
+use crate::select::{NUMBERS, STEP, Silhouettes};
+use core::f64::consts::TAU;
+use glam::{DVec3, Vec3};
+use lobe_core::Sphere;
+
+/// Arcs are drawn as chords of a circle with so many sides: within 0.1 % of its radius.
+const SIDES: f64 = 64.0;
+/// Arcs that end on the rim of the light's disc are drawn a little beyond it.
+const BEYOND: f32 = 1.001;
+
+/// A light seen from a receiver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ball {
+    center: DVec3,
+    radius: f64,
+}
+
+/// Where an edge is inside of a ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Inside {
+    Nowhere,
+    /// From its first end to a point.
+    First(Vec3),
+    /// From a point to its second end.
+    Second(Vec3),
+    Between([Vec3; 2]),
+    All,
+}
+
+impl Ball {
+    /// A light seen from `origin`.
+    pub(crate) fn new(light: Sphere, origin: Vec3) -> Self {
+        Self { center: light.center.as_dvec3() - origin.as_dvec3(), radius: f64::from(light.radius) }
+    }
+
+    fn holds(&self, p: Vec3) -> bool {
+        p.as_dvec3().distance_squared(self.center) < self.radius * self.radius
+    }
+
+    /// How far a ray from the receiver goes before it meets the front side; infinitely where it passes beside.
+    pub(crate) fn distance(&self, direction: Vec3) -> f32 {
+        let d = direction.as_dvec3();
+        let along = d.dot(self.center);
+        let aside = (self.center - d * along).length_squared();
+        (along - (self.radius * self.radius - aside).max(0.0).sqrt()) as f32
+    }
+
+    /// The same for both triangles of an edge to the bit, whichever way they run along it.
+    fn inside(&self, a: Vec3, b: Vec3) -> Inside {
+        if b.to_array() < a.to_array() {
+            return match self.inside(b, a) {
+                Inside::First(p) => Inside::Second(p),
+                Inside::Second(p) => Inside::First(p),
+                Inside::Between([p, q]) => Inside::Between([q, p]),
+                same => same,
+            };
+        }
+        let [from, edge] = [a.as_dvec3() - self.center, b.as_dvec3() - a.as_dvec3()];
+        let (square, half) = (edge.length_squared(), -from.dot(edge));
+        // |from + t·edge| = radius.
+        let nearest = (from + edge * (half / square)).length_squared();
+        let root = ((self.radius * self.radius - nearest).max(0.0) / square).sqrt();
+        let [enter, leave] = [half / square - root, half / square + root];
+        let at = |t: f64| (a.as_dvec3() + edge * t.clamp(0.0, 1.0)).as_vec3();
+        // Ends decide for all edges that they have in common.
+        match (self.holds(a), self.holds(b)) {
+            (true, true) => Inside::All,
+            (true, false) => Inside::First(at(leave)),
+            (false, true) => Inside::Second(at(enter)),
+            (false, false) if root > 0.0 && enter > 0.0 && leave < 1.0 => Inside::Between([at(enter), at(leave)]),
+            (false, false) => Inside::Nowhere,
+        }
+    }
+
+    /// Whether its surface may cut a triangle, seen from whatever receiver: nearly so counts.
+    pub(crate) fn may_cut(light: Sphere, corners: [Vec3; 3]) -> bool {
+        let ball = |scale: f64| {
+            let ball = Self::new(light, Vec3::ZERO);
+            Self { radius: ball.radius * scale, ..ball }
+        };
+        let [small, large] = [ball(0.999), ball(1.001)];
+        if corners.iter().all(|p| small.holds(*p)) {
+            return false;
+        }
+        let sides = [0, 1, 2].map(|k| large.inside(corners[k], corners[(k + 1) % 3]));
+        sides.iter().any(|side| *side != Inside::Nowhere) || large.is_within(corners)
+    }
+
+    /// Whether the plane of a triangle passes through the ball with the circle's middle inside of the triangle.
+    fn is_within(&self, corners: [Vec3; 3]) -> bool {
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let off = normal.dot(a - self.center);
+        let middle = self.center + normal * off;
+        let sides = [(a, b), (b, c), (c, a)];
+        off.abs() < self.radius && sides.iter().all(|(p, q)| (*q - *p).cross(middle - *p).dot(normal) > 0.0)
+    }
+
+    /// The parts of silhouettes that are outside of the ball.
+    pub(crate) fn outside(&self, silhouettes: &Silhouettes, out: &mut Silhouettes) {
+        out.clear();
+        for i in 0..silhouettes.len() {
+            let end = |c: usize| Vec3::from_array([c, c + 1, c + 2].map(|c| silhouettes.get(c, i)));
+            let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i));
+            let mut push = |a: Vec3, b: Vec3| {
+                let mut numbers = [step; NUMBERS];
+                numbers[..3].copy_from_slice(&a.to_array());
+                numbers[3..6].copy_from_slice(&b.to_array());
+                Columns::push(out, numbers);
+            };
+            match self.inside(a, b) {
+                Inside::Nowhere => push(a, b),
+                Inside::First(p) => push(p, b),
+                Inside::Second(p) => push(a, p),
+                Inside::Between([p, q]) => {
+                    push(a, p);
+                    push(q, b);
+                }
+                Inside::All => {}
+            }
+        }
+    }
+
+    /// Appends the outlines of the hole that the ball cuts into a triangle, as far as they are on the light's front side. The
+    /// corners are seen from the receiver; `side` is 1 where it is in front of the triangle, −1 behind it.
+    ///
+    /// What of the triangle is inside is convex: along the triangle's outline an arc begins where it leaves the ball and ends
+    /// where it comes back.
+    pub(crate) fn cut(&self, view: &View, corners: [Vec3; 3], side: f32, out: &mut Vec<Crossing>) {
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let off = normal.dot(a - self.center);
+        let rho = (self.radius * self.radius - off * off).sqrt();
+        if side == 0.0 || normal == DVec3::ZERO || rho.is_nan() || rho <= 0.0 {
+            return;
+        }
+        let circle = Circle::new(self.center + normal * off, normal, rho, view);
+        // Points where the outline leaves the ball (true) and where it enters, in its order.
+        let mut events = [(false, Vec3::ZERO); 6];
+        let mut count = 0;
+        let mut add = |leaves: bool, p: Vec3| {
+            events[count] = (leaves, p);
+            count += 1;
+        };
+        let mut all = true;
+        for k in 0..3 {
+            let inside = self.inside(corners[k], corners[(k + 1) % 3]);
+            all &= inside == Inside::All;
+            match inside {
+                Inside::First(p) => add(true, p),
+                Inside::Second(p) => add(false, p),
+                Inside::Between([p, q]) => {
+                    add(false, p);
+                    add(true, q);
+                }
+                Inside::Nowhere | Inside::All => {}
+            }
+        }
+        if count > 0 {
+            for k in 0..count {
+                let ((leaves, from), (_, to)) = (events[k], events[(k + 1) % count]);
+                if leaves {
+                    circle.draw(view, Some([from, to]), side, out);
+                }
+            }
+        } else if !all && self.is_within(corners) {
+            circle.draw(view, None, side, out);
+        }
+    }
+}
+
+/// Where the plane of a triangle cuts a ball.
+struct Circle {
+    middle: DVec3,
+    /// At right angles, turning as the triangle's corners do.
+    u: DVec3,
+    v: DVec3,
+    /// Angles between which the circle is before the light's plane; none where it is nowhere.
+    front: Option<[f64; 2]>,
+}
+
+impl Circle {
+    /// Angles count from where the circle is nearest to the receiver along the view's axis.
+    fn new(middle: DVec3, normal: DVec3, rho: f64, view: &View) -> Self {
+        let axis = view.square.axis.as_dvec3();
+        let toward = axis - normal * axis.dot(normal);
+        let u = -toward.normalize_or(normal.any_orthonormal_vector()) * rho;
+        let v = normal.cross(u);
+        // depth(φ) = middle − |u·axis| cos φ.
+        let (room, reach) = (f64::from(view.far) - middle.dot(axis), -u.dot(axis));
+        let front = if room >= reach {
+            Some([-0.5 * TAU, 0.5 * TAU])
+        } else if room <= -reach {
+            None
+        } else {
+            let half = (-room / reach).clamp(-1.0, 1.0).acos();
+            Some([-half, half])
+        };
+        Self { middle, u, v, front }
+    }
+
+    fn at(&self, angle: f64) -> Vec3 {
+        let (sin, cos) = angle.sin_cos();
+        (self.middle + self.u * cos + self.v * sin).as_vec3()
+    }
+
+    /// Appends the front part of the arc from one point to another, or of the whole circle, run through backward: so it is the
+    /// outline of what is around it.
+    fn draw(&self, view: &View, ends: Option<[Vec3; 2]>, side: f32, out: &mut Vec<Crossing>) {
+        let Some([low, high]) = self.front else { return };
+        let whole = high - low >= TAU;
+        let angle = |p: Vec3| {
+            let d = p.as_dvec3() - self.middle;
+            self.v.dot(d).atan2(self.u.dot(d))
+        };
+        let (start, span) = match ends {
+            Some([from, to]) => (angle(from), (angle(to) - angle(from)).rem_euclid(TAU)),
+            None => (-0.5 * TAU, TAU),
+        };
+        // The front part may come in two: the arc from `start` on passes it, and again after one turn.
+        for turn in [0.0, TAU] {
+            let (from, to) = if whole {
+                if turn > 0.0 {
+                    break;
+                }
+                (start, start + span)
+            } else {
+                ((low + turn).max(start), (high + turn).min(start + span))
+            };
+            if from >= to {
+                continue;
+            }
+            let count = ((to - from) / TAU * SIDES).ceil().max(1.0) as usize;
+            let point = |k: usize| {
+                let t = from + (to - from) * k as f64 / count as f64;
+                // The ends of the arc to the bit; those on the rim a little outside of it.
+                match ends {
+                    Some([first, _]) if k == 0 && from == start => first,
+                    Some([_, last]) if k == count && to == start + span => last,
+                    None if k == count && whole => self.at(from),
+                    _ if !whole && (k == 0 || k == count) => view.beyond(self.at(t), BEYOND),
+                    _ => self.at(t),
+                }
+            };
+            let mut before = point(count);
+            for k in (0..count).rev() {
+                let next = point(k);
+                out.extend(Crossing::of_segment(view, before, next, side as i32));
+                before = next;
+            }
+        }
+    }
+}
