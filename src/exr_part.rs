@@ -5,6 +5,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds, Layer, LayerAttributes,
     ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// A part of a picture with all its channels: what a run with a window writes, and what parts make together.
@@ -29,9 +30,19 @@ pub enum MergeError {
     /// A part has pixels that another one has too.
     #[error("part {0} has pixels that an earlier one has")]
     Overlap(usize),
-    /// Some pixels are in no part.
-    #[error("{0} pixels are in no part")]
-    Missing(usize),
+    /// Some pixels are in no part: how many, and the columns and rows from and to which they lie.
+    #[error(
+        "{count} pixels are in no part: those missing lie in columns {}..{}, rows {}..{}",
+        columns.start, columns.end, rows.start, rows.end
+    )]
+    Missing {
+        /// How many.
+        count: usize,
+        /// The columns among which they are.
+        columns: Range<usize>,
+        /// The rows.
+        rows: Range<usize>,
+    },
 }
 
 impl ExrPart {
@@ -140,10 +151,15 @@ impl ExrPart {
                 }
             }
         }
-        match taken.iter().filter(|t| !**t).count() {
-            0 => Ok(Self { window: Window::whole(width, height), channels }),
-            missing => Err(MergeError::Missing(missing)),
-        }
+        let missing: Vec<usize> = (0..taken.len()).filter(|i| !taken[*i]).collect();
+        let (Some(first), Some(last)) = (missing.first(), missing.last()) else {
+            return Ok(Self { window: Window::whole(width, height), channels });
+        };
+        let rows = first / width..last / width + 1;
+        let column = |i: &usize| i % width;
+        let [low, high] =
+            [missing.iter().map(column).min(), missing.iter().map(column).max()].map(Option::unwrap_or_default);
+        Err(MergeError::Missing { count: missing.len(), columns: low..high + 1, rows })
     }
 
     /// A channel's values.
@@ -162,7 +178,9 @@ pub fn merge_exr(paths: &[PathBuf]) -> Result<ExrPart, ImageFileError> {
     ExrPart::merge(&parts).map_err(|error| {
         let number = match error {
             MergeError::Other(n) | MergeError::Overlap(n) => n,
-            MergeError::Nothing | MergeError::Missing(_) => paths.len(),
+            MergeError::Nothing | MergeError::Missing { .. } => {
+                return ImageFileError::format(Path::new("merge"), error.to_string());
+            }
         };
         let path = paths.get(number.saturating_sub(1)).cloned().unwrap_or_default();
         ImageFileError::format(&path, error.to_string())
@@ -197,7 +215,7 @@ mod tests {
         assert_eq!(std::fs::read(path("merged.exr")).unwrap(), std::fs::read(path("whole.exr")).unwrap());
         assert_eq!(ExrPart::read(&paths[1]).unwrap().window, Window { image: [5, 4], columns: 3..5, rows: 0..1 });
         let message = merge_exr(&paths[..2]).unwrap_err().to_string();
-        assert!(message.contains("6 pixels are in no part"), "{message}");
+        assert!(message.contains("6 pixels are in no part: those missing lie in columns 3..5, rows 1..4"), "{message}");
     }
 
     #[test]

@@ -49,3 +49,11 @@ fn comparing_follows_the_contract() {
     assert!(fs::read(folder.join("d.png")).unwrap().starts_with(b"\x89PNG"));
     assert!(fs::read(folder.join("h.png")).unwrap().starts_with(b"\x89PNG"));
 }
+
+#[test]
+fn a_png_is_refused_with_what_to_do() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("a.png"), "").unwrap();
+    refuse(folder, &["compare", "a.png", "a.png"], "OpenEXR is needed (render -o picture.exr)");
+}

@@ -251,3 +251,17 @@ fn too_bright_materials_are_told() {
         assert!(ran.status.success() && stderr.contains("times the light it gets") == told, "{model}: {stderr}");
     }
 }
+
+/// The README's scene is one.
+#[test]
+fn the_scene_of_the_readme_renders() {
+    let folder = folder();
+    let folder = folder.path();
+    let readme = include_str!("../../README.md");
+    let scene = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    fs::write(folder.join("readme.toml"), scene).unwrap();
+    fs::write(folder.join("model.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        .unwrap();
+    let stats = json(folder, &["render", "readme.toml", "--size", "96x54", "--json", "-o", "readme.png"]);
+    assert!(stats["counts"]["penumbra_points"].as_u64().unwrap() > 2, "{stats}");
+}

@@ -11,6 +11,10 @@ use std::path::Path;
 
 /// Reads a picture and refuses one with infinite or undefined values.
 fn read(path: &Path) -> Result<Picture, Failure> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        let why = "pictures are compared as linear radiance, which a PNG does not hold: OpenEXR is needed (render -o picture.exr)";
+        return Err(Failure::new(format_args!("{}: {why}", path.display())));
+    }
     finite(path, read_exr(path)?)
 }
 
