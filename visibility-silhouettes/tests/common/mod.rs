@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "not every test makes everything")]
 
+pub(crate) mod moment;
+
 use glam::{DVec3, Quat, Vec3};
 use lobe_core::Sphere;
 use lobe_core::oracle::Random;
