@@ -115,7 +115,7 @@ fn trade_compares_like_with_like() {
         ],
     );
     let words: Vec<&str> = rows.as_array().unwrap().iter().map(|r| r["visibility"].as_str().unwrap()).collect();
-    assert_eq!(words, ["spheres", "shadow-map", "silhouettes", "rays", "rays", "rays"]);
+    assert_eq!(words, ["scene", "spheres", "shadow-map", "silhouettes", "rays", "rays", "rays"]);
 }
 
 /// Ctrl-C between two rows keeps those that are finished, whole; the same command measures the others.

@@ -24,7 +24,7 @@ use crate::picture::seconds;
 use crate::render::paper_tables;
 use crate::strategy::Plan;
 use cosine_lobes::render_cpu::{GBuffer, World};
-use cosine_lobes::scene::{BlockerSet, Proxy, Scene, Shape};
+use cosine_lobes::scene::{Animation, BlockerSet, Proxy, Scene, Shape};
 use std::sync::atomic::Ordering;
 
 /// More points than this are refused: a reference needs 192 bytes each, and a sweep is done in small.
@@ -45,12 +45,17 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let failed = |e: std::io::Error| Failure::new(format_args!("{}: {e}", args.output.display()));
     std::fs::create_dir_all(&args.output).map_err(failed)?;
 
+    // What is by spheres differs from strategy to strategy: balls are, whatever meshes are by.
+    let mut sets = Vec::new();
+    let all = strategies.iter().copied().filter(|v| *v != Visibility::Spheres);
+    for visibility in all {
+        sets.push((visibility, posed(&mut scene, &animation, moment.time, visibility, view.quiet)?));
+    }
     let by_spheres = args.geometry == TradeGeometry::Spheres || strategies.contains(&Visibility::Spheres);
-    let plan = Plan::new(if by_spheres { Visibility::Spheres } else { Visibility::None }, &scene);
-    let spheres = input::make_spheres(&mut scene, &animation, &plan, view.quiet)?;
+    let visibility = if by_spheres { Visibility::Spheres } else { Visibility::None };
+    let blockers = posed(&mut scene, &animation, moment.time, visibility, view.quiet)?;
+    sets.push((visibility, blockers.clone()));
     animation.seek(moment.time, &mut scene);
-    let mut blockers = BlockerSet::default();
-    spheres.pose(&scene, Some((&animation, moment.time)), &mut blockers)?;
     let stamp = stamp(args, &scene, &blockers);
     let world = World::new(&scene);
     let mut gbuffer_times = [0.0; 3];
@@ -63,7 +68,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let truth = Truth::find(args, &world, &gbuffer, &blockers)?;
     let settings = setting::all(args, &strategies, &gpu.name());
     let mut record = Record::open(&args.output, &stamp)?;
-    let mut stage = Stage::new(args, &world, &gbuffer, &blockers, gbuffer_times[1], gpu);
+    let mut stage = Stage::new(args, &world, &gbuffer, &blockers, &sets, gbuffer_times[1], gpu);
     let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
     if settings.iter().any(|s| s.method == "paper") && (left(&record) > 0 || !args.output.join("sheet.png").exists()) {
         stage.tables = Some(paper_tables(view.quiet));
@@ -110,6 +115,23 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The spheres of a strategy, fitted at the scene's first moment and posed at another; the scene is left at its first.
+fn posed(
+    scene: &mut Scene,
+    animation: &Animation,
+    time: f32,
+    visibility: Visibility,
+    quiet: bool,
+) -> Result<BlockerSet, Failure> {
+    let plan = Plan::new(visibility, scene);
+    let spheres = input::make_spheres(scene, animation, &plan, quiet)?;
+    animation.seek(time, scene);
+    let mut set = BlockerSet::default();
+    spheres.pose(scene, Some((animation, time)), &mut set)?;
+    animation.seek(0.0, scene);
+    Ok(set)
+}
+
 /// What the rows call the scene.
 fn scene_name(args: &TradeArgs) -> String {
     let stem = args.view.file.as_ref().and_then(|f| f.file_stem());
@@ -122,6 +144,8 @@ fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failur
     let balls = scene.objects.iter().filter(blocks).all(|o| matches!(o.shape, Shape::Spheres(_)));
     let mut good = vec![Visibility::Spheres];
     if args.geometry == TradeGeometry::Mesh && Plan::new(Visibility::ShadowMap, scene).wants_maps(scene) {
+        // What `render` takes, then each strategy for all objects.
+        good.insert(0, Visibility::Scene);
         good.extend([Visibility::ShadowMap, Visibility::Silhouettes]);
     }
     if args.geometry == TradeGeometry::Mesh || balls {

@@ -46,9 +46,13 @@ pub(super) struct Stage<'a> {
     world: &'a World<'a>,
     gbuffer: &'a GBuffer,
     blockers: &'a BlockerSet,
-    spheres: KeptSpheres,
+    /// The spheres of each strategy.
+    spheres: Vec<(Visibility, KeptSpheres)>,
+    /// The meshes by their silhouettes, of the last plan.
+    silhouettes: Option<(Visibility, SceneSilhouettes)>,
     gbuffer_seconds: f64,
-    maps: Option<(Vec<ShadowMap>, f64)>,
+    /// The maps of the last strategy that has some.
+    maps: Option<(Visibility, Vec<ShadowMap>, f64)>,
     /// Asked for; the CPU where nobody did.
     gpu: Backend,
     /// Made where the paper's method is swept.
@@ -61,12 +65,18 @@ impl<'a> Stage<'a> {
         world: &'a World<'a>,
         gbuffer: &'a GBuffer,
         blockers: &'a BlockerSet,
+        sets: &[(Visibility, BlockerSet)],
         gbuffer_seconds: f64,
         gpu: Backend,
     ) -> Self {
-        let mut spheres = KeptSpheres::default();
-        spheres.update(blockers);
-        Self { args, world, gbuffer, blockers, spheres, gbuffer_seconds, maps: None, gpu, tables: None }
+        let kept = |(visibility, set): &(Visibility, BlockerSet)| {
+            let mut kept = KeptSpheres::default();
+            kept.update(set);
+            (*visibility, kept)
+        };
+        let spheres = sets.iter().map(kept).collect();
+        let (silhouettes, maps, tables) = (None, None, None);
+        Self { args, world, gbuffer, blockers, spheres, silhouettes, gbuffer_seconds, maps, gpu, tables }
     }
 
     pub(super) const fn gbuffer_seconds(&self) -> f64 {
@@ -135,10 +145,15 @@ impl<'a> Stage<'a> {
             Technique::Lobes(method, visibility) => {
                 let plan = Plan::new(visibility, scene);
                 let (maps, map_seconds) = match plan.wants_maps(scene) {
-                    true => self.maps(&plan)?,
+                    true => self.maps(visibility, &plan)?,
                     false => (Vec::new(), 0.0),
                 };
-                let spheres = if visibility == Visibility::Spheres { self.spheres.get() } else { None };
+                let spheres = self.spheres.iter().find(|(of, _)| *of == visibility).and_then(|(_, kept)| kept.get());
+                let silhouettes = match self.silhouettes.take() {
+                    Some((of, kept)) if of == visibility => kept,
+                    _ => SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o)),
+                };
+                let (_, silhouettes) = &*self.silhouettes.insert((visibility, silhouettes));
                 let tables = match method {
                     crate::args::Method::Paper => self.tables.as_ref(),
                     crate::args::Method::Moments => None,
@@ -147,8 +162,7 @@ impl<'a> Stage<'a> {
                     TradeDevice::Cpu => &mut Backend::Cpu,
                     TradeDevice::Gpu => &mut self.gpu,
                 };
-                let silhouettes = SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o));
-                let occlusion = Occlusion::new(&plan, self.world, spheres, maps, &silhouettes);
+                let occlusion = Occlusion::new(&plan, self.world, spheres, maps, silhouettes);
                 let shot = occlusion.shade(backend, depth, tables, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }
@@ -156,8 +170,8 @@ impl<'a> Stage<'a> {
     }
 
     /// The lights' shadow maps, drawn once, and how long that took.
-    fn maps(&mut self, plan: &Plan) -> Result<(Vec<ShadowMap>, f64), Failure> {
-        if self.maps.is_none() {
+    fn maps(&mut self, visibility: Visibility, plan: &Plan) -> Result<(Vec<ShadowMap>, f64), Failure> {
+        if self.maps.as_ref().is_none_or(|(of, ..)| *of != visibility) {
             let receivers = Bounds::of(self.gbuffer.points.receivers.iter().map(|r| r.position));
             let mut time = 0.0;
             let (maps, coarser) = match receivers {
@@ -171,9 +185,9 @@ impl<'a> Stage<'a> {
             if let Some(coarser) = coarser.filter(|_| !self.args.view.quiet) {
                 note(format_args!("lobes: note: {coarser}"));
             }
-            self.maps = Some((maps, time));
+            self.maps = Some((visibility, maps, time));
         }
-        Ok(self.maps.clone().unwrap_or_default())
+        Ok(self.maps.clone().map(|(_, maps, time)| (maps, time)).unwrap_or_default())
     }
 }
 
