@@ -128,8 +128,24 @@ fn side<S: Simd>(
 /// before the light at all, since of others only some are listed.
 #[inline(always)]
 pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
+    let (near, far) = (1e-6 * light.distance, light.distance * light.cos() * light.cos());
+    let [near, far] = [near, far].map(|depth| f32x8::splat(simd, depth));
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
+        // Of what is behind the light or the receiver some is listed and some is not.
+        let [depth_a, depth_b] = [a.dot(light.axis), b.dot(light.axis)];
+        let edge = b.minus_each(a);
+        let mut is_there = mask32x8::from_bitmask(simd, u64::from(silhouettes.lanes(first)));
+        let (mut from, mut to) = (a, b);
+        for (limit, out_a, out_b) in
+            [(near, depth_a.simd_lt(near), depth_b.simd_lt(near)), (far, depth_a.simd_gt(far), depth_b.simd_gt(far))]
+        {
+            let t = (limit - depth_a) / (depth_b - depth_a);
+            let cut = Lanes3::new(a.x + t * edge.x, a.y + t * edge.y, a.z + t * edge.z);
+            (from, to) = (from.or(out_a, cut), to.or(out_b, cut));
+            is_there &= !(out_a & out_b);
+        }
+        let (a, b) = (from, to);
         // Across the edge: the normal of the plane through it and the receiver.
         let normal = a.cross_each(b.minus_each(a));
         let mut length = length_before(simd, part, a, b, normal);
@@ -137,7 +153,6 @@ pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes
             let zero = f32x8::splat(simd, 0.0);
             length = length_before(simd, light, a, b, normal).simd_gt(zero).select(length, zero);
         }
-        let is_there = mask32x8::from_bitmask(simd, u64::from(silhouettes.lanes(first)));
         let length = is_there.select(length, f32x8::splat(simd, 0.0));
         edges.add_lines(simd, [normal.x, normal.y, normal.z], length);
     }
@@ -156,14 +171,12 @@ fn length_before<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>, norm
     // Where the two ends are along it.
     let line = normal.turned_about(axis);
     let scale = (square.sqrt() * tan).max(f32x8::splat(simd, f32::MIN_POSITIVE));
-    let (from, to) = (place(simd, a, axis, line, scale), place(simd, b, axis, line, scale));
+    let (from, to) = (place(a, axis, line, scale), place(b, axis, line, scale));
     from.max(to).min(half) - from.min(to).max(-half)
 }
 
-/// Where points are along lines on the square; behind the receiver, beyond the disc.
+/// Where points, in front of the receiver, are along lines on the square.
 #[inline(always)]
-fn place<S: Simd>(simd: S, point: Lanes3<S>, axis: Vec3, line: Lanes3<S>, scale: f32x8<S>) -> f32x8<S> {
-    let depth = point.dot(axis);
-    let place = point.dot_each(line) / (scale * depth);
-    depth.simd_gt(f32x8::splat(simd, 0.0)).select(place, f32x8::splat(simd, f32::INFINITY))
+fn place<S: Simd>(point: Lanes3<S>, axis: Vec3, line: Lanes3<S>, scale: f32x8<S>) -> f32x8<S> {
+    point.dot_each(line) / (scale * point.dot(axis))
 }

@@ -250,3 +250,62 @@ fn masks_do_not_depend_on_the_hierarchy() {
     }
     assert!(partly > 50, "{partly}");
 }
+
+/// A mask and its turn are the same to the bit whichever receivers share a list, or none.
+#[test]
+fn masks_do_not_depend_on_the_group() {
+    let mut random = Random::new(19);
+    let mut partly = 0;
+    for case in 0..120 {
+        let soup = if case % 3 == 0 { ball(Vec3::ZERO, 0.6, 20) } else { soup(case % 6, &mut random) };
+        if soup.triangles.is_empty() {
+            continue;
+        }
+        let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
+        let blockers = SilhouetteBlockers::new(&meshes, Rays(&soup));
+        let radius = random.log_uniform(0.05, 0.6) as f32;
+        // In front of a part of the soup, or within it.
+        let light = Sphere { center: vec(&mut random, 0.5) + Vec3::Y * random.between(0.5, 3.0) as f32, radius };
+        let (middle, spread) = (vec(&mut random, 1.0) - Vec3::Y, random.log_uniform(1e-3, 1.0));
+        // A patch, and a second one behind it: a step in depth.
+        let at = |k: usize| {
+            let (x, z) = (k % 8, k / 8 % 8);
+            let step = if x > 4 { 2.0 } else { 0.0 };
+            let offset = Vec3::new(x as f32 / 8.0, step, z as f32 / 8.0) * spread as f32;
+            Receiver { position: middle + offset, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+        };
+        let receivers: Vec<_> = (0..64).map(at).collect();
+        let reach = receivers.iter().map(|r| r.position.distance(middle)).fold(0.0, f32::max);
+        let mut seen = |receivers: &[Receiver], entered: bool| -> Vec<_> {
+            let mut scratch = blockers.scratch();
+            if entered {
+                let shaft = Shaft { receivers: Sphere { center: middle, radius: reach * 1.001 }, light };
+                blockers.enter(&shaft, &mut scratch);
+            }
+            let mut look = |at: &Receiver| {
+                let cone = Cone::of_sphere(at.position, light);
+                if cone.one_minus_cos > 0.9 {
+                    return None;
+                }
+                let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
+                if blockers.select(&query, &mut scratch) != Coverage::Partial {
+                    return None;
+                }
+                let across = blockers.across(&query, &scratch);
+                let square = UnitSquare::facing(&cone, across);
+                let mut mask = hooks::mask(&square, 5, true, at.normal);
+                blockers.splat(&query, &mut scratch, &mut mask);
+                let rows: Vec<_> = (0..mask.side()).map(|j| hooks::row(&mask, j)[0]).collect();
+                partly += 1;
+                Some((across, rows))
+            };
+            receivers.iter().map(&mut look).collect()
+        };
+        let group = seen(&receivers, true);
+        assert!(group == seen(&receivers, false), "case {case}: alone");
+        let backward: Vec<_> = receivers.iter().rev().copied().collect();
+        assert!(group.iter().rev().eq(&seen(&backward, true)), "case {case}: backward");
+        assert!(group[..29] == seen(&receivers[..29], true), "case {case}: a part");
+    }
+    assert!(partly > 3000, "{partly}");
+}
