@@ -441,12 +441,16 @@ fn narrow_lobes_keep_their_angle() {
 #[test]
 fn cones_of_all_balls() {
     let x = Vec3::new(1.0, -2.0, 0.5);
-    for d in [0.0_f32, 1e-30, 1e-12, 1e-3, 1.0, 1e6, 1e15] {
+    for d in [0.0_f32, 1e-38, 1e-30, 1e-12, 1e-3, 1.0, 1e6, 1e15, 1e19, 3e25, 2e38] {
         for ratio in [0.0_f32, 1e-30, 1e-6, 0.5, 1.0 - 6e-8, 1.0, 1.0 + 1e-6, 2.0, 1e6] {
             for x in [Vec3::ZERO, x] {
                 let center = x + Vec3::new(0.6, 0.0, 0.8) * d;
                 let cone = Cone::of_sphere(x, Sphere { center, radius: d * ratio });
                 assert!((cone.axis.length() - 1.0).abs() < 1e-5, "{d} {ratio}: {cone:?}");
+                if d > 0.0 && (x == Vec3::ZERO || d > 1e6) {
+                    assert!(cone.axis.distance(Vec3::new(0.6, 0.0, 0.8)) < 1e-5, "{d} {ratio}: {cone:?}");
+                    assert!((cone.distance / d - 1.0).abs() < 1e-5, "{d} {ratio}: {cone:?}");
+                }
                 assert!((0.0..=2.0).contains(&cone.one_minus_cos) && cone.distance >= 0.0, "{d} {ratio}: {cone:?}");
                 assert!(cone.sin_sq() >= 0.0 && cone.solid_angle() >= 0.0);
                 if ratio == 0.0 {
@@ -702,5 +706,53 @@ fn own_balls_stay_inside() {
     for flat in [glam::Mat3::ZERO, glam::Mat3::NAN, glam::Mat3::IDENTITY * 1e38, glam::Mat3::IDENTITY * 1e-42] {
         let turned = own.turned(flat);
         assert!(turned.offset.length() <= 0.500_001 && turned.radius == 0.5, "{turned:?}");
+    }
+}
+#[test]
+fn the_tail_of_a_lobe_is_right_too() {
+    // A light of 4° that the lobe looks past, down to a thousandth of the on-axis value, a hundredth beyond
+    // (e+1)(1 − cos θ) = 10, where the slab form takes over.
+    let mut random = Random::new(32);
+    let mut worst = [0.0_f64; 2];
+    for _ in 0..4000 {
+        let e = random.log_uniform(50.0, 2e4) as f32;
+        let theta = 4.0_f64.to_radians();
+        let one_minus_cos = (2.0 * (0.5 * theta).sin().powi(2)) as f32;
+        let theta = 2.0 * (0.5 * f64::from(one_minus_cos)).sqrt().asin();
+        let light = random.axis_at(DVec3::Z, 0.5).as_vec3().normalize();
+        let delta = random.between(0.0, theta + 5.0 / f64::from(e).sqrt());
+        let axis = random.axis_at(light.as_dvec3(), delta).as_vec3().normalize();
+        let lobe = Lobe { cosine: (random.bits() % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+        let n = f64::from(e) + 1.0;
+        let truth = CapLobe {
+            axis: axis.as_dvec3().normalize(),
+            exponent: f64::from(e),
+            cosine: lobe.cosine > 0.0,
+            normal: DVec3::Z,
+        };
+        let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta) * n / TAU;
+        let on_axis = -(n * (-f64::from(one_minus_cos)).ln_1p()).exp_m1();
+        let got =
+            f64::from(cap_integral(&receiver(DVec3::Z), &lobe, &Cone { axis: light, one_minus_cos, distance: 1.0 }));
+        let slab = usize::from(n * f64::from(one_minus_cos) > 10.0);
+        if want > [1e-3, 1e-2][slab] * on_axis {
+            worst[slab] = worst[slab].max((got / want - 1.0).abs());
+        }
+    }
+    println!("tails: chords {:.1e}, slab {:.1e} of the value itself", worst[0], worst[1]);
+    assert!(worst[0] < 1e-3 && worst[1] < 3e-2, "{worst:?}");
+}
+
+#[test]
+fn a_lobe_has_a_value_beside_an_infinite_exponent() {
+    let aside = Vec3::new(0.6, 0.0, 0.8);
+    for e in [1e30_f32, 3e38, f32::MAX, f32::INFINITY] {
+        for flux in [0.5_f32, 1e3, 1e30] {
+            let lobe = Lobe::with_flux(Vec3::Z, e, Vec3::splat(flux));
+            for v in [aside, -Vec3::Z, Vec3::X] {
+                assert_eq!(lobe.eval(v), Vec3::ZERO, "{e} {flux}");
+            }
+            assert!(lobe.eval(Vec3::Z).x > 1e20);
+        }
     }
 }

@@ -12,7 +12,7 @@ pub(super) const PIECE: usize = 14;
 pub(super) const EDGE: usize = 32;
 
 /// The lobe's window: it has fallen by `exp(−KAPPA)` at its end.
-const KAPPA: f32 = 9.0;
+const KAPPA: f32 = 12.0;
 
 /// A light from this `1 − cos θ` on has chords that end as abruptly as pieces do: hardly shorter at the rim.
 pub(super) const ENDS: f32 = 0.6;

@@ -4,7 +4,7 @@ const FEW = 6u;
 const MANY = 10u;
 const PIECE = 14u;
 const EDGE = 32u;
-const KAPPA = 9.0f;
+const KAPPA = 12.0f;
 // Lights from here on have chords that end as abruptly as pieces do.
 const ENDS = 0.6f;
 

@@ -26,7 +26,7 @@ const MIRROR: f32 = 1e9;
 /// the unshadowed radiance.
 ///
 /// - Lambert: closed, exact at every horizon crossing ([`sphere_light_irradiance`]).
-/// - exponent ≥ 400, light above the horizon and wider than the lobe: the *slab form*, three error functions. A Gaussian
+/// - exponent ≥ 400, light above the horizon and three times wider than the lobe: the *slab form*, three error functions. A Gaussian
 ///   over a disc, seen along its offset, is almost a Gaussian over a slab of adjusted half-width and width.
 /// - else: *chords*, slices by the planes that contain the axis across lobe and light; along a chord the integral is
 ///   closed (an error function), chords are cut exactly at the horizon, and the nodes absorb the disc's square-root

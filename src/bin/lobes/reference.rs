@@ -77,9 +77,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let picture = resolve(&estimate.radiance, scene.background);
     let picture = Picture::new(scene.width as usize, scene.height as usize, picture);
     // Of independent points variances add up: mean of the variances over their number.
-    let variances: Vec<Vec3> = estimate.std_error.iter().map(|s| *s * *s).collect();
-    let share = 1.0 / gbuffer.samples as f32;
-    let std_error: Vec<Vec3> = resolve(&variances, Vec3::ZERO).iter().map(|v| (*v * share).map(f32::sqrt)).collect();
+    let std_error = of_pixels(&estimate.std_error, gbuffer.samples, |values| resolve(values, Vec3::ZERO));
     let layers = [
         ExrLayer::color("unshadowed", &resolve(&estimate.unshadowed, scene.background)),
         ExrLayer::color("stderr", &std_error),
@@ -114,6 +112,16 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         say(format_args!("standard error {mean_error:.3e}, {relative:.4} % of the mean radiance {mean_radiance:.6}"));
     }
     Ok(())
+}
+
+/// Standard errors of pixels from those of their camera samples, which `resolve` averages: the root of the mean variance over
+/// their number. In units of the largest, whose square may be no f32.
+fn of_pixels(errors: &[Vec3], samples: u32, resolve: impl Fn(&[Vec3]) -> Vec<Vec3>) -> Vec<Vec3> {
+    let largest = errors.iter().map(|e| e.max_element()).fold(0.0, f32::max);
+    let unit = if largest > 0.0 { largest } else { 1.0 };
+    let variances: Vec<Vec3> = errors.iter().map(|e| (*e / unit) * (*e / unit)).collect();
+    let share = 1.0 / samples as f32;
+    resolve(&variances).iter().map(|v| (*v * share).map(f32::sqrt) * unit).collect()
 }
 
 fn checkpoint_path(output: &Path) -> PathBuf {
@@ -168,4 +176,21 @@ fn advance(reference: &mut Reference<'_>, args: &ReferenceArgs, checkpoint: &Pat
     }
     bar.finish_and_clear();
     Ok(reference.samples() >= args.spp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::of_pixels;
+    use glam::Vec3;
+
+    #[test]
+    fn errors_of_any_radiance() {
+        for size in [1e-30_f32, 1.0, 1e30] {
+            let pixel = |v: &[Vec3]| vec![(v[0] + v[1]) * 0.5];
+            let error = of_pixels(&[Vec3::splat(3.0 * size), Vec3::splat(4.0 * size)], 2, pixel)[0] / size;
+            // √((9 + 16)/2/2)
+            assert!((error - Vec3::splat(2.5)).length() < 1e-5, "{size}: {error}");
+        }
+        assert_eq!(of_pixels(&[Vec3::ZERO], 1, <[Vec3]>::to_vec), [Vec3::ZERO]);
+    }
 }
