@@ -1,26 +1,21 @@
 use crate::args::{Geometry as Choice, ReferenceArgs, Visibility, name};
-use crate::console::{self, STOP, note, say};
+use crate::checkpoint;
+use crate::console::{self, note, say};
 use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
 use crate::moment;
 use crate::strategy::Plan;
-use cosine_lobes::render_cpu::{CheckpointError, GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
+use cosine_lobes::render_cpu::{GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
 use cosine_lobes::scene::BlockerSet;
-use cosine_lobes::{ExrLayer, ImageFileError, Output, Picture};
+use cosine_lobes::{ExrLayer, Picture};
 use glam::Vec3;
 use serde_json::json;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// More points than this, at 192 bytes each, are refused.
 const MAX_POINTS: u64 = 1 << 25;
-
-/// How often a checkpoint is written.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
 
 pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let view = &args.view;
@@ -59,12 +54,14 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let checkpoint = checkpoint_path(&args.output[0]);
     let all = reference.work(args.spp);
     let done = |r: &Reference<'_>| 100.0 * (1.0 - r.work(args.spp) as f64 / all.max(1) as f64);
-    resume(&mut reference, &checkpoint, view.quiet, &done)?;
+    if checkpoint::resume(&mut reference, &checkpoint, view.quiet)? && !view.quiet {
+        note(format_args!("lobes: goes on from {}, {:.1} % done", checkpoint.display(), done(&reference)));
+    }
     let start = Instant::now();
-    let finished = console::stoppable(|| advance(&mut reference, args, &checkpoint))?;
+    console::stoppable(|| checkpoint::advance(&mut reference, args.spp, &checkpoint, "sampling", view.quiet))?;
     let seconds = start.elapsed().as_secs_f64();
-    if !finished {
-        save(&reference, &checkpoint)?;
+    if reference.samples() < args.spp {
+        checkpoint::save(&reference, &checkpoint)?;
         return Err(Failure::interrupted(format_args!(
             "{:.1} % of the work is kept in {}; the same command goes on from there",
             done(&reference),
@@ -84,7 +81,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     ];
     files.write(&picture, view.exposure, &layers)?;
     if args.keep {
-        save(&reference, &checkpoint)?;
+        checkpoint::save(&reference, &checkpoint)?;
     } else {
         let _ = std::fs::remove_file(&checkpoint);
     }
@@ -128,54 +125,6 @@ fn checkpoint_path(output: &Path) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
     name.push(".checkpoint");
     name.into()
-}
-
-/// Goes on from the checkpoint if there is one for this job.
-fn resume(
-    reference: &mut Reference<'_>,
-    path: &Path,
-    quiet: bool,
-    done: &dyn Fn(&Reference<'_>) -> f64,
-) -> Result<(), Failure> {
-    let Ok(file) = File::open(path) else { return Ok(()) };
-    let message = match reference.restore(BufReader::new(file)) {
-        Ok(()) => format!("lobes: goes on from {}, {:.1} % done", path.display(), done(reference)),
-        Err(CheckpointError::OtherJob) => {
-            format!("lobes: warning: {} belongs to another picture and will be replaced", path.display())
-        }
-        Err(error) => return Err(Failure::new(format_args!("{}: {error}", path.display()))),
-    };
-    if !quiet {
-        note(message);
-    }
-    Ok(())
-}
-
-fn save(reference: &Reference<'_>, path: &Path) -> Result<(), Failure> {
-    let output = Output::create(path)?;
-    let failed = |source| ImageFileError::Io { path: path.to_owned(), source };
-    Ok(output.finish(|file| reference.save(file).map_err(failed))?)
-}
-
-/// Samples to the end, with checkpoints on the way; false when Ctrl-C came first.
-fn advance(reference: &mut Reference<'_>, args: &ReferenceArgs, checkpoint: &Path) -> Result<bool, Failure> {
-    let bar = console::progress("sampling", reference.work(args.spp), args.view.quiet);
-    let mut saved = Instant::now();
-    let mut samples = reference.samples();
-    while samples < args.spp {
-        // In steps of about a quarter, at least as long as is worth while.
-        samples = args.spp.min(samples + (samples / 4).next_multiple_of(256).max(256));
-        reference.advance(samples, &STOP, &|n| bar.inc(n));
-        if STOP.load(Ordering::SeqCst) {
-            break;
-        }
-        if samples < args.spp && saved.elapsed() > CHECKPOINT_EVERY {
-            save(reference, checkpoint)?;
-            saved = Instant::now();
-        }
-    }
-    bar.finish_and_clear();
-    Ok(reference.samples() >= args.spp)
 }
 
 #[cfg(test)]
