@@ -90,13 +90,15 @@ impl Part {
         Self { name, mesh, material, rig: None }
     }
 
-    /// Takes out the triangles that never have an area and tells how many there were.
+    /// Takes out the triangles that never have an area and tells how many there were; those that are there twice, too.
     fn clean(&mut self) -> usize {
-        match self.rig {
+        let dropped = match self.rig {
             None => self.mesh.remove_degenerate(),
             // What is flat at the first moment may open later.
             Some(_) => self.mesh.remove_repeated(),
-        }
+        };
+        self.mesh.remove_doubles(self.rig.is_some());
+        dropped
     }
 
     /// Gives the mesh its normals and puts it where it stands first; what moves it then, if anything does.
