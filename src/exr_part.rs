@@ -1,3 +1,4 @@
+use crate::checksum::{UNKNOWN, seal};
 use crate::exr_file::open;
 use crate::stamp::STAMP;
 use crate::{ExrLayer, ImageFileError, Output, Window};
@@ -5,6 +6,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds, Layer, LayerAttributes,
     ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
+use std::io::{Cursor, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -69,7 +71,7 @@ impl ExrPart {
     /// # Errors
     /// When the disk refuses.
     pub fn write(self, output: Output) -> Result<(), ImageFileError> {
-        let (path, stamp) = (output.path().to_owned(), output.stamp().map(|s| AttributeValue::Text(Text::from(s))));
+        let (path, stamp) = (output.path().to_owned(), output.stamp().map(|s| format!("{s} {UNKNOWN}")));
         let channel =
             |(name, values): (String, Vec<f32>)| AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(values));
         let channels = AnyChannels::sort(self.channels.into_iter().map(channel).collect());
@@ -81,9 +83,16 @@ impl ExrPart {
         let layer = Layer::new(Vec2(columns.len(), rows.len()), attributes, Encoding::SMALL_LOSSLESS, channels);
         let mut image = Image::from_layer(layer);
         image.attributes.display_window = IntegerBounds::from_dimensions(Vec2(*width, *height));
-        image.attributes.other.extend(stamp.map(|s| (Text::from(STAMP), s)));
+        let text = |s: &String| (Text::from(STAMP), AttributeValue::Text(Text::from(s.as_str())));
+        image.attributes.other.extend(stamp.as_ref().map(text));
+        let failed = |e: exr::error::Error| ImageFileError::format(&path, e.to_string());
         output.finish(|file| {
-            image.write().non_parallel().to_buffered(file).map_err(|e| ImageFileError::format(&path, e.to_string()))
+            let Some(stamp) = stamp else { return image.write().non_parallel().to_buffered(file).map_err(failed) };
+            let mut whole = Cursor::new(Vec::new());
+            image.write().non_parallel().to_buffered(&mut whole).map_err(failed)?;
+            let mut whole = whole.into_inner();
+            seal(&mut whole, &stamp);
+            file.write_all(&whole).map_err(|e| ImageFileError::io(&path, e))
         })
     }
 

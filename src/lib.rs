@@ -23,6 +23,7 @@ pub use visibility_shadowmap;
 pub use visibility_silhouettes;
 pub use visibility_spheres;
 
+mod checksum;
 mod comparison;
 mod error_map;
 mod exr_file;
@@ -34,6 +35,7 @@ mod png_file;
 mod stamp;
 mod window;
 
+pub use crate::checksum::checksum;
 pub use crate::comparison::{Comparison, RegionError, ShadowErrors, SizesDiffer};
 pub use crate::error_map::{FlipMap, signed_difference};
 pub use crate::exr_file::{ExrLayer, read_exr, read_exr_layer, write_exr};

@@ -50,6 +50,53 @@ pub fn remove_unfinished() {
     }
 }
 
+/// Endings of the files that are written here.
+const ENDINGS: [&str; 7] = ["png", "exr", "json", "csv", "md", "svg", "checkpoint"];
+
+/// The folder that a file is in.
+fn folder_of(path: &Path) -> PathBuf {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
+}
+
+/// Lets the folder know a new name for good, where folders can be synced.
+fn sync_folder(path: &Path) {
+    if cfg!(unix) {
+        let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
+    }
+}
+
+/// Removes temporary files that processes which are no more have left in the folder of `path`; once a folder.
+fn sweep(path: &Path) {
+    static SWEPT: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+    let folder = folder_of(path);
+    let mut swept = SWEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if swept.contains(&folder) {
+        return;
+    }
+    for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().and_then(owner).is_some_and(|id| !lives(id)) {
+            let path = entry.path();
+            // Nobody holds it, on another machine neither.
+            if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
+                let _ = fs::remove_file(path);
+            }
+        }
+    }
+    swept.push(folder);
+}
+
+/// The process that a temporary file is named after.
+fn owner(name: &str) -> Option<u32> {
+    let (name, id) = name.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
+    let (_, ending) = name.rsplit_once('.')?;
+    ENDINGS.contains(&ending.to_ascii_lowercase().as_str()).then(|| id.parse().ok())?
+}
+
+/// Whether a process of this machine has that number, where that can be seen.
+fn lives(id: u32) -> bool {
+    id == std::process::id() || (cfg!(target_os = "linux") && Path::new("/proc").join(id.to_string()).exists())
+}
+
 /// A file in the making: written under a temporary name in the same folder and renamed when it is complete, so that
 /// nobody ever sees half of it. Dropped unfinished, it leaves nothing behind.
 ///
@@ -76,11 +123,16 @@ impl Output {
         if path.metadata().is_ok_and(|m| m.permissions().readonly()) {
             return Err(ImageFileError::format(&path, "is write-protected"));
         }
+        sweep(&path);
         let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
         // Registered first: an interruption between the two calls must not leave the file behind.
         unfinished().push(temporary.clone());
         match File::create(&temporary) {
-            Ok(file) => Ok(Self { path, temporary, file: Some(file), stamp: None }),
+            Ok(file) => {
+                // Tells others that somebody is at work on it; where there are no locks, nobody takes it away.
+                let _ = file.try_lock();
+                Ok(Self { path, temporary, file: Some(file), stamp: None })
+            }
             Err(source) => {
                 unfinished().retain(|t| *t != temporary);
                 Err(ImageFileError::io(&path, source))
@@ -113,15 +165,24 @@ impl Output {
         mut self,
         write: impl FnOnce(&mut BufWriter<File>) -> Result<(), ImageFileError>,
     ) -> Result<(), ImageFileError> {
-        if let Some(file) = self.file.take() {
-            let mut buffered = BufWriter::new(file);
+        let failed = |e| ImageFileError::io(&self.path, e);
+        if let Some(file) = &self.file {
+            let mut buffered = BufWriter::new(file.try_clone().map_err(failed)?);
             write(&mut buffered)?;
-            buffered.flush().map_err(|e| ImageFileError::io(&self.path, e))?;
+            buffered.flush().map_err(failed)?;
+            // The content is on the disk before the name is: a power cut leaves the old file or the new one.
+            file.sync_all().map_err(failed)?;
+        }
+        // Where an open file cannot be renamed.
+        if cfg!(windows) {
+            self.file = None;
         }
         // Held over the renaming: a handler of Ctrl-C sees either the temporary file or the finished one.
         let mut list = unfinished();
         fs::rename(&self.temporary, &self.path).map_err(|e| ImageFileError::io(&self.path, e))?;
         list.retain(|t| *t != self.temporary);
+        drop(list);
+        sync_folder(&self.path);
         Ok(())
     }
 }
@@ -160,6 +221,25 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_the_dead_have_left_is_swept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        // No process has this number; process 1 lives; other programs' files are theirs.
+        let dead = format!(".a.exr.{}.tmp", u32::MAX - 1);
+        let (alive, other) = (".b.exr.1.tmp", format!(".vimrc.{}.tmp", u32::MAX - 1));
+        let held = format!(".c.json.{}.tmp", u32::MAX - 2);
+        for name in [dead.as_str(), alive, &other, &held] {
+            fs::write(path(name), b"half").unwrap();
+        }
+        let lock = File::open(path(&held)).unwrap();
+        lock.lock().unwrap();
+        drop(Output::create(path("new.png")).unwrap());
+        let there = |name: &str| path(name).exists();
+        assert!(!there(&dead) && there(&other) && there(&held));
+        assert!(cfg!(not(target_os = "linux")) || there(alive));
     }
 
     #[test]

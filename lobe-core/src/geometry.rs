@@ -113,15 +113,21 @@ pub struct Cone {
 impl Cone {
     /// The cone in which a ball is seen from `x`: `sin θ = r/d`, `1 − cos θ = sin²θ/(1 + cos θ)`.
     ///
-    /// The whole sphere of directions when `x` is inside the ball.
+    /// The whole sphere of directions when `x` is inside the ball. Any finite ball and point whose difference is finite.
     #[inline(always)]
     #[must_use]
     pub fn of_sphere(x: Vec3, ball: Sphere) -> Self {
         // Choices and no branches: it is taken of many receivers at once.
         let to = ball.center - x;
-        let distance = to.length();
+        // Scaled by a power of two, so that the square of no length overflows or vanishes.
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        let size = larger(larger(to.x.abs(), to.y.abs()), to.z.abs()).to_bits() & 0x7f80_0000;
+        let size = size.clamp(1 << 23, 253 << 23);
+        let unit = to * f32::from_bits((254 << 23) - size);
+        let length = unit.length();
+        let distance = length * f32::from_bits(size);
         let inside = distance <= ball.radius || distance <= 0.0;
-        let axis = if distance > 0.0 { to / distance } else { Vec3::Z };
+        let axis = if length > 0.0 { unit / length } else { Vec3::Z };
         let sin = if inside { 0.0 } else { ball.radius / distance };
         let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
         // A point at the receiver is still a point.

@@ -27,19 +27,24 @@ struct Cone {
 // `Cone::of_sphere`; `ball` is centre and radius.
 fn cone_of_sphere(x: vec3f, ball: vec4f) -> Cone {
     let to = ball.xyz - x;
-    let distance = sqrt(dot(to, to));
+    // Scaled by a power of two, so that the square of no length overflows or vanishes.
+    let largest = max(max(abs(to.x), abs(to.y)), abs(to.z));
+    let size = clamp(bitcast<u32>(largest) & 0x7f800000u, 1u << 23u, 253u << 23u);
+    let unit = to * bitcast<f32>((254u << 23u) - size);
+    let length = sqrt(dot(unit, unit));
+    let distance = length * bitcast<f32>(size);
     let radius = ball.w;
     if distance <= radius || distance <= 0.0 {
         // A point at the receiver is still a point.
         let one_minus_cos = select(0.0, 2.0, radius > 0.0);
-        if distance > 0.0 {
-            return Cone(to / distance, one_minus_cos, distance);
+        if length > 0.0 {
+            return Cone(unit / length, one_minus_cos, distance);
         }
         return Cone(vec3f(0.0, 0.0, 1.0), one_minus_cos, distance);
     }
     let sine = radius / distance;
     let cosine = sqrt((1.0 - sine) * (1.0 + sine));
-    return Cone(to / distance, sine * sine / (1.0 + cosine), distance);
+    return Cone(unit / length, sine * sine / (1.0 + cosine), distance);
 }
 
 fn cone_cos(cone: Cone) -> f32 {

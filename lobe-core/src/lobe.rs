@@ -60,11 +60,15 @@ impl Lobe {
 
     /// Value `s·max(a·v, 0)^e` in the unit direction `v`, without the receiver's cosine.
     ///
+    /// Zero where the power underflows, also for `e = ∞`; on the axis that is infinite.
+    ///
     /// Uses `e·ln(1 − |a−v|²/2)`: near the axis `a·v` itself has lost the digits that a large exponent needs (1 % of a
     /// lobe at e = 1e5).
     #[must_use]
     pub fn eval(&self, v: Vec3) -> Vec3 {
-        self.scale() * power(self.axis, v, self.exponent)
+        let power = power(self.axis, v, self.exponent);
+        // Beside the axis of an infinite exponent the scale is infinite and the power 0.
+        if power > 0.0 { self.scale() * power } else { Vec3::ZERO }
     }
 }
 

@@ -140,7 +140,84 @@ fn lobe_over_light_through_the_horizon() {
     for cosine in [false, true] {
         for exponents in [(0.01, 1.0), (1.0, 5.0), (5.0, 49.9), (50.0, 500.0), (500.0, 1e5)] {
             let (mean, max) = cap_errors(exponents, cosine, true);
-            assert!(mean < 1e-3 && max < 2e-2);
+            assert!(mean < 2e-4 && max < 3e-3);
+        }
+    }
+}
+
+/// 99th-percentile and largest error, of the on-axis value, over lights of `1 − cos θ` in a range. Rounding of n·l by 2e-7,
+/// which moves the horizon across a small light, is left out, and that of a·l where the lobe's own edge is as sharp.
+fn survey(exponents: (f64, f64), lights: (f64, f64), cosine: bool, through: bool, count: usize) -> (f64, f64) {
+    let mut random = Random::new(31);
+    let mut worst = (0.0_f64, String::new());
+    let mut errors: Vec<f64> = (0..count)
+        .map(|_| {
+            let e = random.log_uniform(exponents.0, exponents.1) as f32;
+            let wide = random.log_uniform(lights.0, lights.1);
+            let one_minus_cos = if wide > 0.5 && random.bits().is_multiple_of(2) { 1.0 } else { wide.min(1.0) } as f32;
+            let theta = 2.0 * (0.5 * f64::from(one_minus_cos)).sqrt().asin();
+            let normal = random.axis().as_vec3().normalize();
+            let sin = theta.sin();
+            let height = if through { random.between(-1.0, 1.0) * sin } else { random.between(sin, 1.0) };
+            let light = random.axis_at(normal.as_dvec3(), height.acos()).as_vec3().normalize();
+            let delta = match random.bits() % 3 {
+                0 => random.between(0.0, PI),
+                1 => (0.5 * PI + random.between(-1.5, 1.5) * theta).clamp(0.0, PI),
+                _ => random.between(0.0, (theta + 4.0 / f64::from(e).sqrt()).min(PI)),
+            };
+            let axis = random.axis_at(light.as_dvec3(), delta).as_vec3().normalize();
+            let at = receiver(normal.as_dvec3());
+            let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
+            let lobe = Lobe { cosine: if cosine { 1.0 } else { 0.0 }, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+            let truth = CapLobe {
+                axis: axis.as_dvec3().normalize(),
+                exponent: f64::from(e),
+                cosine,
+                normal: normal.as_dvec3().normalize(),
+            };
+            let n = f64::from(e) + 1.0;
+            let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta) * n / TAU;
+            let on_axis = -(n * (-f64::from(one_minus_cos)).ln_1p()).exp_m1();
+            let got = f64::from(cap_integral(&at, &lobe, &cone));
+            let rounding = if through || e < 1.0 { 2e-7 / sin } else { 0.0 };
+            let error = ((got - want).abs() / on_axis - rounding).max(0.0);
+            if error > worst.0 {
+                worst = (error, format!("e {e:e} 1−cos θ {one_minus_cos:e} δ {delta:.4} n·l {height:.4}: {got:.4e} for {want:.4e} of {on_axis:.4e}"));
+            }
+            error
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    let p99 = errors[errors.len() * 99 / 100];
+    println!(
+        "e {exponents:?} 1−cos θ {lights:?} cosine {cosine} horizon {through}: p99 {p99:.1e} max {:.1e} at {}",
+        worst.0, worst.1
+    );
+    (p99, worst.0)
+}
+
+#[test]
+fn lobes_over_lights_of_all_sizes() {
+    let exponents = [(1e-3, 1.0), (1.0, 5.0), (5.0, 50.0), (50.0, 400.0), (400.0, 1e5)];
+    let lights = [(1e-12, 1e-6), (1e-6, 1e-2), (1e-2, 0.5), (0.5, 0.93), (0.93, 1.0)];
+    for through in [false, true] {
+        for exponents in exponents {
+            for lights in lights {
+                for cosine in [false, true] {
+                    let (p99, max) = survey(exponents, lights, cosine, through, 250);
+                    let (p99_limit, limit) = if exponents.1 <= 1.0 {
+                        (6e-3, 6e-3)
+                    } else if through {
+                        (1.5e-3, 3e-3)
+                    } else {
+                        (1.5e-3, 1.5e-3)
+                    };
+                    assert!(
+                        p99 <= p99_limit && max <= limit,
+                        "e {exponents:?} 1−cos θ {lights:?} {through}: {p99} {max}"
+                    );
+                }
+            }
         }
     }
 }
@@ -170,17 +247,72 @@ fn seams_between_slab_and_chords() {
     assert!(by_exponent < 2e-3 && by_width < 2e-3);
 }
 
+/// Sphere lights at a receiver's horizon, `(cos β, sin²σ)`: all sizes, and heights that come as near to the ends as digits let
+/// them.
+pub(crate) fn at_the_horizon(random: &mut Random) -> (f32, f32) {
+    let sin_sq = match random.bits() % 8 {
+        0 => 1.0 - random.log_uniform(1e-7, 0.5),
+        1 => 1.0,
+        2..4 => random.log_uniform(1e-2, 1.0),
+        _ => random.log_uniform(1e-18, 1.0),
+    } as f32;
+    let s = f64::from(sin_sq).sqrt();
+    let height = match random.bits() % 4 {
+        0 => random.log_uniform(1e-6, 1.0) - 1.0,
+        1 => 1.0 - random.log_uniform(1e-6, 1.0),
+        2 => random.log_uniform(1e-7, 1.0) * if random.bits().is_multiple_of(2) { 1.0 } else { -1.0 },
+        _ => random.between(-1.0, 1.0),
+    };
+    ((s * height) as f32, sin_sq)
+}
+
+/// Error relative to the value itself, and that value over `s³`.
+pub(crate) fn irradiance_error(got: f32, (cos_beta, sin_sq): (f32, f32)) -> (f64, f64) {
+    let s = f64::from(sin_sq).sqrt();
+    let want = oracle::sphere_light_irradiance(f64::from(cos_beta), s.asin());
+    let least = (1e-14 * s.powi(3)).max(f64::from(f32::MIN_POSITIVE));
+    ((f64::from(got) - want).abs() / want.max(least), want / s.powi(3))
+}
+
 #[test]
 fn lambert_is_exact_at_every_horizon_crossing() {
     let mut random = Random::new(5);
-    for _ in 0..2000 {
-        let theta = random.log_uniform(1e-4, 0.5 * PI);
-        let beta = random.between(0.0, (0.5 * PI + theta).min(PI));
-        let sin_sq = theta.sin().powi(2) as f32;
-        let got = f64::from(sphere_light_irradiance(beta.cos() as f32, sin_sq));
-        let want = oracle::sphere_light_irradiance(f64::from(beta.cos() as f32), f64::from(sin_sq).sqrt().asin());
-        let full = PI * theta.sin().powi(2);
-        assert!((got - want).abs() <= 2e-5 * full, "θ {theta} β {beta}: {got} {want}");
+    let mut worst = (0.0_f64, String::new());
+    for _ in 0..400_000 {
+        let light = at_the_horizon(&mut random);
+        let (error, value) = irradiance_error(sphere_light_irradiance(light.0, light.1), light);
+        if error > worst.0 {
+            worst = (error, format!("cos β {:e} sin² {:e}: {value:.3e} s³", light.0, light.1));
+        }
+    }
+    println!("sphere lights through the horizon: {:.1e} at {}", worst.0, worst.1);
+    assert!(worst.0 <= 1e-5, "{worst:?}");
+}
+
+/// The integrator's tile takes the same formula in columns.
+#[test]
+fn small_lights_at_the_horizon_of_a_tile() {
+    let mut random = Random::new(6);
+    let (mut at, mut centers) = (Vec::new(), Vec::new());
+    for _ in 0..1024 {
+        // A horizontal receiver, the light's centre at a height that f32 keeps: n·l is that height over the distance.
+        let radius = random.log_uniform(1e-8, 0.5) as f32;
+        let height = random.between(-0.99, 0.99) as f32 * radius;
+        at.push(Receiver { position: Vec3::new(-1.0, 0.0, -height), ..receiver(DVec3::Z) });
+        centers.push((radius, height));
+    }
+    let (mut tile, mut light, mut lobes, mut out) =
+        (Tile::default(), TileLight::default(), TileLobes::default(), Vec::new());
+    for (at, (radius, _)) in at.iter().zip(&centers) {
+        tile.set(core::slice::from_ref(at));
+        light.set(&tile, Sphere { center: Vec3::ZERO, radius: *radius });
+        lobes.reset(&tile, 1);
+        set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(Lobe::new(Vec3::Z, 1.0, Vec3::ONE)));
+        cap_integrals(&light, &lobes, &mut out);
+        let cone = light.cone(0);
+        let seen = (at.normal.dot(cone.axis), cone.sin_sq());
+        let (error, value) = irradiance_error(out[0] * core::f32::consts::PI, seen);
+        assert!(error <= 1e-5, "radius {radius}: {error:.1e} of {value} s³");
     }
 }
 
@@ -309,12 +441,16 @@ fn narrow_lobes_keep_their_angle() {
 #[test]
 fn cones_of_all_balls() {
     let x = Vec3::new(1.0, -2.0, 0.5);
-    for d in [0.0_f32, 1e-30, 1e-12, 1e-3, 1.0, 1e6, 1e15] {
+    for d in [0.0_f32, 1e-38, 1e-30, 1e-12, 1e-3, 1.0, 1e6, 1e15, 1e19, 3e25, 2e38] {
         for ratio in [0.0_f32, 1e-30, 1e-6, 0.5, 1.0 - 6e-8, 1.0, 1.0 + 1e-6, 2.0, 1e6] {
             for x in [Vec3::ZERO, x] {
                 let center = x + Vec3::new(0.6, 0.0, 0.8) * d;
                 let cone = Cone::of_sphere(x, Sphere { center, radius: d * ratio });
                 assert!((cone.axis.length() - 1.0).abs() < 1e-5, "{d} {ratio}: {cone:?}");
+                if d > 0.0 && (x == Vec3::ZERO || d > 1e6) {
+                    assert!(cone.axis.distance(Vec3::new(0.6, 0.0, 0.8)) < 1e-5, "{d} {ratio}: {cone:?}");
+                    assert!((cone.distance / d - 1.0).abs() < 1e-5, "{d} {ratio}: {cone:?}");
+                }
                 assert!((0.0..=2.0).contains(&cone.one_minus_cos) && cone.distance >= 0.0, "{d} {ratio}: {cone:?}");
                 assert!(cone.sin_sq() >= 0.0 && cone.solid_angle() >= 0.0);
                 if ratio == 0.0 {
@@ -390,7 +526,7 @@ fn touching_the_horizon_is_seamless() {
         }
     }
     println!("at the horizon: {worst:.2e} of the on-axis value, {at_worst}");
-    assert!(worst < 6e-3);
+    assert!(worst < 3e-3);
 }
 
 /// All that this machine can run, from the plainest on.
@@ -570,5 +706,53 @@ fn own_balls_stay_inside() {
     for flat in [glam::Mat3::ZERO, glam::Mat3::NAN, glam::Mat3::IDENTITY * 1e38, glam::Mat3::IDENTITY * 1e-42] {
         let turned = own.turned(flat);
         assert!(turned.offset.length() <= 0.500_001 && turned.radius == 0.5, "{turned:?}");
+    }
+}
+#[test]
+fn the_tail_of_a_lobe_is_right_too() {
+    // A light of 4° that the lobe looks past, down to a thousandth of the on-axis value, a hundredth beyond
+    // (e+1)(1 − cos θ) = 10, where the slab form takes over.
+    let mut random = Random::new(32);
+    let mut worst = [0.0_f64; 2];
+    for _ in 0..4000 {
+        let e = random.log_uniform(50.0, 2e4) as f32;
+        let theta = 4.0_f64.to_radians();
+        let one_minus_cos = (2.0 * (0.5 * theta).sin().powi(2)) as f32;
+        let theta = 2.0 * (0.5 * f64::from(one_minus_cos)).sqrt().asin();
+        let light = random.axis_at(DVec3::Z, 0.5).as_vec3().normalize();
+        let delta = random.between(0.0, theta + 5.0 / f64::from(e).sqrt());
+        let axis = random.axis_at(light.as_dvec3(), delta).as_vec3().normalize();
+        let lobe = Lobe { cosine: (random.bits() % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+        let n = f64::from(e) + 1.0;
+        let truth = CapLobe {
+            axis: axis.as_dvec3().normalize(),
+            exponent: f64::from(e),
+            cosine: lobe.cosine > 0.0,
+            normal: DVec3::Z,
+        };
+        let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta) * n / TAU;
+        let on_axis = -(n * (-f64::from(one_minus_cos)).ln_1p()).exp_m1();
+        let got =
+            f64::from(cap_integral(&receiver(DVec3::Z), &lobe, &Cone { axis: light, one_minus_cos, distance: 1.0 }));
+        let slab = usize::from(n * f64::from(one_minus_cos) > 10.0);
+        if want > [1e-3, 1e-2][slab] * on_axis {
+            worst[slab] = worst[slab].max((got / want - 1.0).abs());
+        }
+    }
+    println!("tails: chords {:.1e}, slab {:.1e} of the value itself", worst[0], worst[1]);
+    assert!(worst[0] < 1e-3 && worst[1] < 3e-2, "{worst:?}");
+}
+
+#[test]
+fn a_lobe_has_a_value_beside_an_infinite_exponent() {
+    let aside = Vec3::new(0.6, 0.0, 0.8);
+    for e in [1e30_f32, 3e38, f32::MAX, f32::INFINITY] {
+        for flux in [0.5_f32, 1e3, 1e30] {
+            let lobe = Lobe::with_flux(Vec3::Z, e, Vec3::splat(flux));
+            for v in [aside, -Vec3::Z, Vec3::X] {
+                assert_eq!(lobe.eval(v), Vec3::ZERO, "{e} {flux}");
+            }
+            assert!(lobe.eval(Vec3::Z).x > 1e20);
+        }
     }
 }

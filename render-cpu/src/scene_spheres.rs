@@ -1,7 +1,7 @@
 use crate::blockers::{BlockersError, BlockersProgress};
 use glam::{Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
-use scene::{Animation, BlockerSet, Mesh, Object, Proxy, Scene, Shape};
+use scene::{Animation, BlockerSet, Doubles, Mesh, Object, Proxy, Scene, Shape};
 use std::path::Path;
 use visibility_spheres::{BoundSet, BuildOptions, Carriers, SphereSet};
 
@@ -24,7 +24,7 @@ pub enum SphereSource {
 /// How an object shadows itself is fitted with its sphere set, sphere by sphere, and follows the spheres' radii; explicit
 /// spheres are measured against a visible mesh for one distance τ.
 /// Exact balls stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
-/// blackening a skin. A ball that coincides with a light blocks nothing: it is how a light is made visible.
+/// blackening a skin. Equal balls are one ([`Doubles`]). A ball that coincides with a light blocks nothing: it is how a light is made visible.
 ///
 /// # Cost of a pose
 /// One to four matrix products a sphere that follows bones, a copy of the others.
@@ -108,6 +108,7 @@ impl SceneSpheres {
         out.self_distances.clear();
         out.self_shadows.clear();
         let (mut posed, mut turned) = (Vec::new(), Vec::new());
+        let (mut balls, mut own_balls) = (Doubles::default(), Doubles::default());
         for (number, (object, own)) in scene.objects.iter().zip(&self.objects).enumerate() {
             let mut self_shadows = &own.self_shadows;
             let spheres = match (&own.spheres, &object.shape, &object.proxy) {
@@ -122,8 +123,14 @@ impl SceneSpheres {
                 }
                 _ => &Vec::new(),
             };
+            // Meshes have surfaces of their own, whatever stands for them.
+            own_balls.clear();
             for (i, ball) in spheres.iter().enumerate() {
-                if scene.lights.iter().any(|l| is_lamp(ball, l.ball)) {
+                let first = match object.shape {
+                    Shape::Spheres(_) => balls.is_first(object, ball),
+                    Shape::Mesh(_) => own_balls.is_first(object, ball),
+                };
+                if !first || scene.lights.iter().any(|l| is_lamp(ball, l.ball)) {
                     continue;
                 }
                 out.spheres.push(*ball);

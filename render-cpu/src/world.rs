@@ -21,7 +21,7 @@ use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
-use scene::{Proxy, Scene, Shape};
+use scene::{Doubles, Proxy, Scene, Shape};
 
 /// Where a ray meets the scene.
 #[cfg(test)]
@@ -370,9 +370,9 @@ impl<'s> World<'s> {
     }
 }
 
-/// The triangles with an area and the balls with a radius of all objects that are seen or block.
+/// The triangles with an area and the balls with a radius of all objects that are seen or block; equal balls once.
 fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
-    let (mut triangles, mut balls) = (Vec::new(), Vec::new());
+    let (mut triangles, mut balls, mut doubles) = (Vec::new(), Vec::new(), Doubles::default());
     for (number, object) in scene.objects.iter().enumerate() {
         let visible = object.visible;
         if !visible && object.proxy == Proxy::None {
@@ -390,7 +390,8 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
                 }
             }
             Shape::Spheres(spheres) => {
-                balls.extend(spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0).map(|(index, sphere)| Ball {
+                let all = spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0 && doubles.is_first(object, s));
+                balls.extend(all.map(|(index, sphere)| Ball {
                     sphere: *sphere,
                     object: number as u32,
                     index: index as u32,

@@ -80,6 +80,9 @@ fn json_error(path: &Path, e: &gltf::json::Error) -> SceneError {
     SceneError::Parse { path: path.to_owned(), line: e.line().max(1), column: e.column(), message }
 }
 
+/// The kind of a GLB's binary chunk, "BIN".
+const BINARY: u32 = 0x004e_4942;
+
 /// The JSON and binary chunks of a GLB container.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     let word = |at: usize| -> Result<u32, String> {
@@ -104,10 +107,17 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         let end = (at + 8).checked_add(size).ok_or("file ends early")?;
         bytes.get(at + 8..end).ok_or_else(|| format!("the {name} chunk of {size} bytes is longer than the file"))
     };
+    let fits = |end: usize| match end > length {
+        true => Err(format!("the header says that the file has {length} bytes, its chunks end at byte {end}")),
+        false => Ok(()),
+    };
     let json = chunk(12, 0x4e4f_534a, "JSON")?;
+    fits(20 + json.len())?;
     // Chunks begin at multiples of four.
     let next = 20 + json.len().next_multiple_of(4);
-    let binary = if next + 8 <= length.min(bytes.len()) { Some(chunk(next, 0x004e_4942, "BIN")?) } else { None };
+    let follows = next + 8 <= length.min(bytes.len()) || word(next + 4) == Ok(BINARY);
+    let binary = if follows { Some(chunk(next, BINARY, "BIN")?) } else { None };
+    fits(binary.map_or(0, |binary| next + 8 + binary.len()))?;
     Ok((json, binary))
 }
 
@@ -128,8 +138,9 @@ fn document(
         return Err(format!("requires the extension {name}, which is not supported"));
     }
     let buffers = Buffers::load(path, root, chunk)?;
-    let shown = shown_nodes(root)?;
+    // The tree first: what a node names wrongly is that node's fault.
     let skeleton = animated(path, root, json, &buffers, wanted, context)?;
+    let shown = shown_nodes(root)?;
     let mut reader = Reader {
         root,
         buffers,
@@ -281,7 +292,7 @@ impl Reader<'_> {
                     let index = index.value();
                     let known = match self.materials.get(&index) {
                         Some(known) => known.clone(),
-                        None => read_material(self.root, index)?,
+                        None => read_material(self.root, index).map_err(fault)?,
                     };
                     self.materials.insert(index, known.clone());
                     Some((index, known))

@@ -56,7 +56,9 @@ fn faults_are_named() {
         (r#"[{"mesh": 7}]"#, "", "no mesh 7"),
         (r#"[{"children": [0], "mesh": 0}]"#, "", "cycle"),
         (r#"[{"children": [2]}, {"children": [2]}, {"mesh": 0}]"#, "", "two parents"),
-        (r#"[{"children": [9]}]"#, "", "no node 9"),
+        (r#"[{"children": [9]}]"#, "", "node 0: there is no node 9"),
+        (r#"[{"children": [9]}]"#, r#", "scenes": [{"nodes": [0]}]"#, "node 0: there is no node 9"),
+        (r#"[{"mesh": 0}]"#, r#", "scenes": [{"nodes": [5]}]"#, "the scene names node 5"),
         (r#"[{"mesh": 0, "skin": 0}]"#, "", "no skin 0"),
         (r#"[{"mesh": 0}]"#, r#", "scene": 4"#, "no scene 4"),
         (r#"[{"mesh": 0}]"#, r#", "extensionsRequired": ["KHR_draco_mesh_compression"]"#, "KHR_draco_mesh_compression"),
@@ -98,4 +100,67 @@ fn no_cut_of_a_document_panics() {
         broken[i] ^= 0xff;
         assert!(read(&broken).is_err(), "{i}");
     }
+}
+
+#[test]
+fn what_a_primitive_or_material_names_wrongly_is_told_of_it() {
+    let whole = triangle(r#"[{"mesh": 0}]"#, "");
+    let fault = |text: &str| parse(text).err().unwrap();
+    let message = fault(&whole.replace("\"material\": 0", "\"material\": 3"));
+    assert!(message.contains("mesh 0, primitive 0: there is no material 3"), "{message}");
+    let with = |key: &str, more: &str| {
+        let text = whole.replace("\"materials\": [{", &format!("\"materials\": [{{{key}, "));
+        text.replace("\"nodes\"", &format!("{more}\"nodes\""))
+    };
+    let normal = r#""normalTexture": {"index": 2}"#;
+    let message = fault(&with(normal, ""));
+    assert!(message.contains("material 0: there is no texture 2"), "{message}");
+    let textures = r#""textures": [{}, {}, {"source": 4}], "images": [{"uri": "a.png"}], "#;
+    let message = fault(&with(normal, textures));
+    assert!(message.contains("texture 2: there is no image 4"), "{message}");
+    for textures in [textures.replace('4', "0"), textures.replace(r#"{"source": 4}"#, "{}")] {
+        assert_eq!(parse(&with(normal, &textures)).unwrap().0.len(), 1);
+    }
+    let base = whole.replace("\"metallicFactor\": 0", r#""metallicFactor": 0, "baseColorTexture": {"index": 0}"#);
+    assert!(fault(&base).contains("there is no texture 0"));
+}
+
+/// A header whose length is wrong is told of as such.
+#[test]
+fn lengths_in_the_header_of_a_binary_file() {
+    let uri = triangle(r#"[{"mesh": 0}]"#, "");
+    let start = uri.find(", \"uri\"").unwrap();
+    let end = start + uri[start..].find("}]").unwrap();
+    let mut json = format!("{}{}", &uri[..start], &uri[end..]).into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut data = Vec::new();
+    for x in [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+        data.extend(x.to_le_bytes());
+    }
+    let glb = |length: usize| {
+        let mut all = b"glTF".to_vec();
+        for word in [2, length as u32, json.len() as u32, 0x4e4f_534a] {
+            all.extend(word.to_le_bytes());
+        }
+        all.extend(&json);
+        all.extend((data.len() as u32).to_le_bytes());
+        all.extend(0x004e_4942_u32.to_le_bytes());
+        all.extend(&data);
+        all
+    };
+    let whole = glb(0).len();
+    let read = |bytes: &[u8]| {
+        let read = gltf_file::parse(Path::new("m.glb"), bytes, None, &mut Context::default());
+        read.map(|(parts, ..)| parts.len()).map_err(|e| e.to_string())
+    };
+    assert_eq!(read(&glb(whole)), Ok(1));
+    for length in [0, 12, 20, 20 + json.len(), whole - 1] {
+        let message = read(&glb(length)).unwrap_err();
+        assert!(message.contains(&format!("the header says that the file has {length} bytes")), "{message}");
+    }
+    assert!(read(&glb(whole + 1)).unwrap_err().contains("file ends early"));
+    // Padding behind what the header counts is nobody's.
+    let mut padded = glb(whole);
+    padded.extend([0; 16]);
+    assert_eq!(read(&padded), Ok(1));
 }

@@ -90,13 +90,15 @@ impl Part {
         Self { name, mesh, material, rig: None }
     }
 
-    /// Takes out the triangles that never have an area and tells how many there were.
+    /// Takes out the triangles that never have an area and tells how many there were; those that are there twice, too.
     fn clean(&mut self) -> usize {
-        match self.rig {
+        let dropped = match self.rig {
             None => self.mesh.remove_degenerate(),
             // What is flat at the first moment may open later.
             Some(_) => self.mesh.remove_repeated(),
-        }
+        };
+        self.mesh.remove_doubles(self.rig.is_some());
+        dropped
     }
 
     /// Gives the mesh its normals and puts it where it stands first; what moves it then, if anything does.
@@ -246,6 +248,25 @@ fn into_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
     })
 }
 
+/// The text of an OBJ file. Names and comments may be in any encoding: what is not UTF-8 in them is replaced.
+fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
+    const WORDS: [&[u8]; 6] = [b"o", b"g", b"s", b"usemtl", b"mtllib", b"usemap"];
+    String::from_utf8(bytes).or_else(|e| {
+        let bytes = e.into_bytes();
+        for (number, line) in bytes.split(|b| *b == b'\n').enumerate() {
+            let begin = line.trim_ascii_start();
+            let word = begin.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+            let free = begin.starts_with(b"#") || WORDS.contains(&word);
+            // A comment may follow numbers.
+            let read = line.split(|b| *b == b'#').next().unwrap_or_default();
+            if !free && std::str::from_utf8(read).is_err() {
+                return Err(SceneError::at_line(path, number + 1, "not UTF-8 text"));
+            }
+        }
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    })
+}
+
 /// What a mesh file has.
 struct File {
     parts: Vec<Part>,
@@ -276,7 +297,7 @@ fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &
         "obj" if is(b"ply\n") || is(b"ply\r") => {
             return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
         }
-        "obj" => (vec![obj::parse(path, &into_text(path, bytes)?, context)?], None, None),
+        "obj" => (vec![obj::parse(path, &obj_text(path, bytes)?, context)?], None, None),
         "ply" => (vec![ply::parse(path, &bytes)?], None, None),
         "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
         _ => gltf_file::parse(path, &bytes, clip, context)?,

@@ -1,6 +1,6 @@
 use crate::{Bounds, SceneError};
 use glam::{DVec3, Mat3, Mat4, Vec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Triangles in world space.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -87,6 +87,24 @@ impl Mesh {
     pub(crate) fn remove_repeated(&mut self) -> usize {
         let before = self.triangles.len();
         self.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
+        before - self.triangles.len()
+    }
+
+    /// Takes out the triangles that lie where an earlier one lies, turned either way, and tells how many there were: surfaces
+    /// have two sides, so that the first one is all that is seen, and hierarchies cannot part what is in one place. By the
+    /// numbers of vertices instead of their positions where `moves`, since what lies together then may part.
+    ///
+    /// # Panics
+    /// When a triangle refers to a vertex that does not exist.
+    pub(crate) fn remove_doubles(&mut self, moves: bool) -> usize {
+        let before = self.triangles.len();
+        let places = if moves { Vec::new() } else { self.same_places() };
+        let mut seen = HashSet::with_capacity(before);
+        self.triangles.retain(|t| {
+            let mut key = if moves { *t } else { t.map(|i| places[i as usize]) };
+            key.sort_unstable();
+            seen.insert(key)
+        });
         before - self.triangles.len()
     }
 

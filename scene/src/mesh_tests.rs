@@ -170,3 +170,22 @@ fn ply_ascii_and_both_byte_orders_agree() {
         }
     }
 }
+
+/// Whatever way they are turned, and whether they share vertices; of a mesh that moves only those that do.
+#[test]
+fn triangles_in_one_place_are_one() {
+    let cube = read_obj(CUBE).unwrap();
+    assert_eq!(cube.triangles.len(), 12);
+    let count = cube.positions.len() as u32;
+    let mut many = cube.clone();
+    many.positions.extend(cube.positions.clone());
+    many.triangles.extend(cube.triangles.iter().map(|t| t.map(|i| i + count)));
+    many.triangles.extend(cube.triangles.iter().map(|&[a, b, c]| [b, a, c]));
+    many.triangles.extend(cube.triangles.iter().map(|&[a, b, c]| [c, a, b]));
+    let mut moving = many.clone();
+    assert_eq!(many.remove_doubles(false), 36);
+    assert_eq!(many.triangles, cube.triangles);
+    assert_eq!(moving.remove_doubles(true), 24);
+    assert_eq!(moving.triangles[..12], cube.triangles);
+    assert!(moving.triangles[12..].iter().flatten().all(|i| *i >= count));
+}

@@ -198,7 +198,7 @@ impl Scene {
 /// Radius over the eye's distance to its surface up to which single precision shows a ball well: speckles begin at 5e6.
 const MAX_RADIUS_SEEN: f64 = 2e6;
 
-fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {
+pub(crate) fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {
     for ball in balls {
         if ball.center.is_nan() || ball.center.abs().max_element() > MAX_COORDINATE {
             let c = ball.center;

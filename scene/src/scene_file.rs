@@ -3,6 +3,8 @@
 use crate::animation::{CameraMover, LightMover};
 use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
 use crate::load::{self, Context};
+use crate::mesh::MAX_COORDINATE;
+use crate::scene::check_balls;
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
 use crate::{Animation, Camera, Scene, SceneError};
@@ -147,7 +149,12 @@ fn read_camera(value: Value<'_>) -> Result<(Camera, Option<CameraKeys>), SceneEr
         let place = fov.unwrap_or(value);
         return Err(place.error(format!("{degrees} must lie between 0 and 180 degrees")));
     }
-    let place = if camera.eye == camera.target { target } else { up.unwrap_or(value) };
+    let far = |v: Vec3| v.abs().max_element() > MAX_COORDINATE;
+    let place = match (far(camera.eye), far(camera.target) || camera.eye == camera.target) {
+        (true, _) => eye,
+        (_, true) => target,
+        _ => up.unwrap_or(value),
+    };
     camera.validate().map_err(|e| place.error(e))?;
     Ok((camera, keys.map(|keys| keys.camera(camera)).transpose()?))
 }
@@ -203,13 +210,17 @@ fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {
 /// Appends a light; what moves it, if anything does.
 fn light(mut t: Table<'_>, lights: &mut Vec<SphereLight>) -> Result<Option<LightMover>, SceneError> {
     let kind = t.require("kind")?;
-    let balls = match kind.string()? {
-        "sphere" => vec![Sphere { center: t.require("center")?.vec3()?, radius: t.require("radius")?.positive()? }],
-        "spheres" => t.require("spheres")?.spheres()?,
+    let (place, balls) = match kind.string()? {
+        "sphere" => {
+            let (center, radius) = (t.require("center")?, t.require("radius")?);
+            (center, vec![Sphere { center: center.vec3()?, radius: radius.positive()? }])
+        }
+        "spheres" => t.require("spheres").and_then(|list| Ok((list, list.spheres()?)))?,
         other => {
             return Err(kind.error(format!("unknown kind of light \"{other}\": expected \"sphere\" or \"spheres\"")));
         }
     };
+    check_balls(&balls).map_err(|e| place.error(e))?;
     let (unit, value) = t.one_of(&["radiance", "flux"])?;
     let mut radiance = value.color()?;
     let keys = Keys::read(&mut t)?;

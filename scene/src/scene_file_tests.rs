@@ -163,6 +163,19 @@ fn faults_of_a_mesh_name_both_files_and_lines() {
     assert!(message.contains("not a regular file"), "{message}");
 }
 
+/// Names and comments may be in any encoding, numbers may not.
+#[test]
+fn names_in_any_encoding() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    let mesh = b"# caf\xe9\no caf\xe9\nv 0 0 0\nv 1 0 0 # \xff\nv 0 1 0\nusemtl \xfc\nf 1 2 3\n";
+    std::fs::write(&path, mesh).unwrap();
+    assert_eq!(load(&path).unwrap().triangles(), 3);
+    std::fs::write(&path, b"v 0 0 0\nv 1\xe9 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let message = load(&path).unwrap_err().to_string();
+    assert!(message.contains("a.obj:2:") && message.contains("UTF-8"), "{message}");
+}
+
 #[test]
 fn huge_and_tiny_scenes_are_fine() {
     for scale in ["1e-4", "1e6"] {
@@ -245,4 +258,22 @@ fn sets_in_files_are_scaled_uniformly() {
         let message = read(placed).unwrap_err().to_string();
         assert!(message.contains(&format!("scene.toml:{line}:")) && message.contains("uniformly"), "{message}");
     }
+}
+
+#[test]
+fn what_lies_too_far_is_told_at_its_line() {
+    let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    let camera = |eye: &str, target: &str| {
+        format!("[camera]\neye = [{eye}, 0, 5]\nfov = 30\nup = [0, 1, 0]\ntarget = [{target}, 0, 0]\n{ball}")
+    };
+    refused(&camera("1e30", "0"), 2, &["eye", "1e9"]);
+    refused(&camera("0", "-2e9"), 5, &["target", "1e9"]);
+    let light = "[[lights]]\nkind = \"sphere\"\nradiance = 1\nradius = 1\ncenter = [0, 3e9, 0]";
+    refused(&format!("{ball}{light}"), 7, &["1e9"]);
+    let lights = "[[lights]]\nkind = \"spheres\"\nradiance = 1\nspheres = [[0, 3e9, 0, 1]]";
+    refused(&format!("{ball}{lights}"), 6, &["1e9"]);
+    refused("[[objects]]\nname = \"far\"\nsphere = { center = [2e9, 0, 0], radius = 1 }", 3, &["1e9"]);
+    refused("[[objects]]\nname = \"far\"\nspheres = [[0, 0, 0, 2e9]]", 3, &["1e9"]);
+    refused("[[objects]]\nname = \"far\"\ntranslate = [2e9, 0, 0]\nspheres = [[0, 0, 0, 1]]", 4, &["1e9"]);
+    refused(&format!("{ball}proxy = {{ explicit = [[0, 0, 2e9, 1]] }}"), 3, &["1e9"]);
 }

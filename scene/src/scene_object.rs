@@ -5,6 +5,7 @@ use crate::deformer::BoundBall;
 use crate::keys::{Keys, Stand, read_rotation, read_scale};
 use crate::load::{self, Context, Normals, Part, share_out};
 use crate::placement::Placement;
+use crate::scene::check_balls;
 use crate::scene_file::{DEFAULT_SPHERES, Materials};
 use crate::toml_reader::{Table, Value};
 use crate::{Mesh, Object, Proxy, SceneError, Shape, Strategy};
@@ -95,7 +96,11 @@ pub(crate) fn read_object(
         Ok(balls.iter().map(moved).collect())
     };
     let proxy = match proxy {
-        Some(Proxy::Spheres(balls)) => Some(Proxy::Spheres(move_balls(&balls)?)),
+        Some(Proxy::Spheres(balls)) => {
+            let balls = move_balls(&balls)?;
+            check_balls(&balls).map_err(|e| proxy_key.unwrap_or(value).error(e))?;
+            Some(Proxy::Spheres(balls))
+        }
         Some(Proxy::File { path, .. }) => scale().map(|_| Some(Proxy::File { path, placement: matrix }))?,
         other => other,
     };
@@ -103,6 +108,7 @@ pub(crate) fn read_object(
     match geometry {
         Geometry::Spheres(own) => {
             let balls = move_balls(&own)?;
+            check_balls(&balls).map_err(|e| value.error(e))?;
             let proxy = match proxy {
                 Some(Proxy::Count(_)) => return Err(value.error("exact spheres need no built proxy")),
                 Some(Proxy::File { .. }) if moves => {

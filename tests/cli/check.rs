@@ -158,11 +158,16 @@ fn advice_does_not_follow_the_cache() {
         assert!(before.0 == "silhouettes" && before.1.contains(reason), "{before:?}");
         let _ = fs::remove_dir_all(&cache);
         succeed(folder, &["render", "all.toml", "-q"]);
-        let kept = cache.join(&names(&cache)[0]);
+        let name = names(&cache)[0].clone();
+        let mut kept = cache.join(&name);
         let mut set: serde_json::Value = serde_json::from_str(&fs::read_to_string(&kept).unwrap()).unwrap();
         let mut with_error = |error: f64| {
             set["quality"]["silhouette_error"] = error.into();
-            fs::write(&kept, set.to_string()).unwrap();
+            // The name has the content's checksum.
+            let (key, text) = (name.split('.').next().unwrap(), set.to_string());
+            fs::remove_file(&kept).unwrap();
+            kept = cache.join(format!("{key}.{}.json", cosine_lobes::checksum(text.as_bytes())));
+            fs::write(&kept, text).unwrap();
             advice()
         };
         assert_eq!(with_error(0.0625), before);

@@ -238,3 +238,28 @@ fn an_error_is_the_last_line() {
         "{stderr}"
     );
 }
+
+/// Frames that are cut short or have a flipped bit are no longer what they were, and are made anew.
+#[test]
+fn damaged_frames_are_made_anew() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("roll.toml"), rolling()).unwrap();
+    let args = ["render", "roll.toml", "-o", "r.exr", "-o", "r.png", "--frames", "0..2", "--visibility", "none"];
+    succeed(folder, &args);
+    let all = ["r.0000.exr", "r.0001.exr", "r.0000.png", "r.0001.png"];
+    let whole: Vec<Vec<u8>> = all.iter().map(|n| fs::read(folder.join(n)).unwrap()).collect();
+    for (name, bytes) in all.iter().zip(&whole) {
+        let mut flipped = bytes.clone();
+        flipped[3 * bytes.len() / 4] ^= 4;
+        for damaged in [&flipped[..], &bytes[..bytes.len() - 1]] {
+            fs::write(folder.join(name), damaged).unwrap();
+            let ran = lobes(folder, &[&args[..], &["--stats", "stats.json"]].concat());
+            let told = String::from_utf8(ran.stderr).unwrap();
+            assert!(ran.status.success() && told.lines().count() == 1 && told.contains(name), "{told}");
+            assert!(fs::read(folder.join(name)).unwrap() == *bytes, "{name}");
+            let stats: Value = serde_json::from_slice(&fs::read(folder.join("stats.json")).unwrap()).unwrap();
+            assert_eq!((&stats["frames"], &stats["skipped_frames"]), (&1.into(), &1.into()));
+        }
+    }
+}

@@ -265,3 +265,27 @@ fn the_scene_of_the_readme_renders() {
     let stats = json(folder, &["render", "readme.toml", "--size", "96x54", "--json", "-o", "readme.png"]);
     assert!(stats["counts"]["penumbra_points"].as_u64().unwrap() > 2, "{stats}");
 }
+
+/// Two objects in the same place are one; so is a ball that an object names a thousand times.
+#[test]
+fn equal_balls_are_one() {
+    let folder = folder();
+    let folder = folder.path();
+    let start = SCENE.find("[[objects]]\nname = \"ball\"").unwrap();
+    let end = SCENE.find("[[lights]]").unwrap();
+    let ball = &SCENE[start..end];
+    fs::write(folder.join("two.toml"), SCENE.replace(ball, &format!("{ball}{ball}"))).unwrap();
+    let many = vec!["[0.0, 1.0, 0.0, 0.6]"; 1000].join(", ");
+    let list = ball.replace("sphere = { center = [0.0, 1.0, 0.0], radius = 0.6 }", &format!("spheres = [{many}]"));
+    assert_ne!(list, ball);
+    fs::write(folder.join("many.toml"), SCENE.replace(ball, &list)).unwrap();
+    for visibility in ["spheres", "rays", "shadow-map"] {
+        for scene in ["scene", "two", "many"] {
+            let (file, out) = (format!("{scene}.toml"), format!("{scene}.exr"));
+            succeed(folder, &["render", &file, "-o", &out, "--visibility", visibility, "-q"]);
+        }
+        let picture = |name: &str| fs::read(folder.join(name)).unwrap();
+        assert!(picture("two.exr") == picture("scene.exr"), "{visibility}");
+        assert!(picture("many.exr") == picture("scene.exr"), "{visibility}: many");
+    }
+}

@@ -14,12 +14,20 @@ fn spheres_are_kept_between_runs() {
     succeed(folder, &["render", "box.toml", "-o", "a.exr", "-q"]);
     let kept = names(&cache);
     assert_eq!(kept.len(), 1);
-    // A spoilt entry is built anew.
-    for spoil in [false, true] {
-        if spoil {
-            fs::write(cache.join(&kept[0]), "{}").unwrap();
+    // A spoilt entry is built anew, even if only a digit of it has changed.
+    let text = fs::read_to_string(cache.join(&kept[0])).unwrap();
+    let place = text.find("\"spheres\"").unwrap();
+    let digit = text[place..].find("0.").unwrap() + place + 3;
+    let other = if text.as_bytes()[digit] == b'7' { "3" } else { "7" };
+    let changed = format!("{}{other}{}", &text[..digit], &text[digit + 1..]);
+    SphereSet::from_json(&changed).unwrap();
+    for spoilt in [None, Some("{}"), Some(&changed)] {
+        if let Some(spoilt) = spoilt {
+            fs::write(cache.join(&kept[0]), spoilt).unwrap();
         }
-        succeed(folder, &["render", "box.toml", "-o", "b.exr", "-q"]);
+        let ran = lobes(folder, &["render", "box.toml", "-o", "b.exr"]);
+        let told = String::from_utf8(ran.stderr).unwrap();
+        assert_eq!(told.matches("damaged; made anew").count(), usize::from(spoilt.is_some()), "{told}");
         assert_eq!(fs::read(folder.join("a.exr")).unwrap(), fs::read(folder.join("b.exr")).unwrap());
     }
     assert_eq!(names(&cache), kept);

@@ -140,3 +140,48 @@ fn trade_can_be_interrupted() {
     let rows: Vec<Value> = serde_json::from_str(&fs::read_to_string(table).unwrap()).unwrap();
     assert!((1..6).contains(&rows.len()), "{}", rows.len());
 }
+
+/// Killed between two rows, within a row or while the table is written: finished rows are kept to the bit, damaged ones are not.
+#[cfg(unix)]
+#[test]
+fn trade_survives_being_killed() {
+    let folder = folder();
+    let folder = folder.path();
+    let table = folder.join("out/trade.json");
+    let args = ["--spp", "4", "--visibility", "spheres", "--quiet", "--json"];
+    let long: Vec<&str> = SWEEP.iter().chain(&args).map(|a| if *a == "3" { "400" } else { a }).collect();
+    let read = || -> Vec<Value> { serde_json::from_str(&fs::read_to_string(&table).unwrap()).unwrap() };
+    let mut rows: Vec<Value> = Vec::new();
+    for wait in [0, 37, 120] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+        let mut child = command.current_dir(folder).args(&long).stdout(std::process::Stdio::null()).spawn().unwrap();
+        let more = || table.exists() && read().len() > rows.len();
+        while !more() && child.try_wait().unwrap().is_none() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(wait));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let now = read();
+        assert!(now.len() > rows.len());
+        for (old, new) in rows.iter().zip(&now) {
+            assert_eq!((&old["seconds"], &old["mean"]), (&new["seconds"], &new["mean"]));
+        }
+        rows = now;
+    }
+    // A digit of the first row changes: that row is measured anew, and said to be.
+    let text = fs::read_to_string(&table).unwrap();
+    let changed = text.replacen("\"repeats\": 400", "\"repeats\": 401", 1);
+    assert_ne!(changed, text);
+    fs::write(&table, changed).unwrap();
+    let finish: Vec<&str> = long.iter().copied().filter(|a| *a != "--quiet").collect();
+    let ran = lobes(folder, &finish);
+    let told = String::from_utf8(ran.stderr).unwrap();
+    assert!(ran.status.success() && told.contains("trade.json: 1 row damaged"), "{told}");
+    let all: Vec<Value> = serde_json::from_slice(&ran.stdout).unwrap();
+    assert_eq!(all.len(), 4 + 2);
+    for old in &rows[1..] {
+        assert!(all.iter().any(|new| (&old["seconds"], &old["mean"]) == (&new["seconds"], &new["mean"])), "{old}");
+    }
+    assert!(names(&folder.join("out")).iter().all(|n| !n.ends_with(".tmp")), "{:?}", names(&folder.join("out")));
+}

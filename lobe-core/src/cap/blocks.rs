@@ -15,10 +15,10 @@ pub(super) struct Blocks {
     crossed: Block<2>,
     slab: Block<12>,
     whole: Block<12>,
-    few: Block<14>,
-    many: Block<14>,
-    piece: Block<14>,
-    edge: Block<14>,
+    few: Block<15>,
+    many: Block<15>,
+    piece: Block<15>,
+    edge: Block<15>,
 }
 
 impl Blocks {
@@ -45,7 +45,7 @@ impl Blocks {
         let whole = rows_with(forms, form::WHOLE);
         if whole.count_ones() >= DENSE {
             let of = core::array::from_fn(|j| (first + j) as u32);
-            let mut chords = [[0.0; WIDTH]; 15];
+            let mut chords = [[0.0; WIDTH]; 16];
             map(level, &Whole, seen, lobes, &mut chords);
             self.chords(level, &chords, whole, &of, out);
             waiting ^= whole;
@@ -118,7 +118,7 @@ impl Blocks {
 
     fn whole(&mut self, level: Level, out: &mut [f32]) {
         if self.whole.len > 0 {
-            let mut chords = [[0.0; WIDTH]; 15];
+            let mut chords = [[0.0; WIDTH]; 16];
             map(level, &Whole, &self.whole.columns, &[], &mut chords);
             let (rows, of) = ((1 << self.whole.len) - 1, self.whole.of);
             self.whole.len = 0;
@@ -127,7 +127,7 @@ impl Blocks {
     }
 
     /// Chords and how many nodes they want: enough of a kind are summed, others wait.
-    fn chords(&mut self, level: Level, chords: &Columns<15>, rows: u32, of: &[u32; WIDTH], out: &mut [f32]) {
+    fn chords(&mut self, level: Level, chords: &Columns<16>, rows: u32, of: &[u32; WIDTH], out: &mut [f32]) {
         let [columns @ .., nodes] = chords;
         let few = rows & rows_with(nodes, chord::FEW as f32);
         let many = rows & rows_with(nodes, chord::MANY as f32);
@@ -138,10 +138,10 @@ impl Blocks {
 
 fn sum_or_wait<const N: usize>(
     level: Level,
-    columns: &Columns<14>,
+    columns: &Columns<15>,
     rows: u32,
     of: &[u32; WIDTH],
-    block: &mut Block<14>,
+    block: &mut Block<15>,
     out: &mut [f32],
 ) {
     if rows.count_ones() >= DENSE {
@@ -190,29 +190,29 @@ impl Lane<12, 0, 1> for Slab {
 struct Whole;
 impl Whole {
     #[inline(always)]
-    fn of(pair: &Pair) -> [f32; 15] {
+    fn of(pair: &Pair) -> [f32; 16] {
         let chord = Chord::whole(pair);
         let nodes = if chord.is_narrow() { chord::FEW as f32 } else { chord::MANY as f32 };
-        let mut all = [if chord.weight > 0.0 { nodes } else { 0.0 }; 15];
-        all[..14].copy_from_slice(&bytemuck::cast::<_, [f32; 14]>(chord));
+        let mut all = [if chord.weight > 0.0 { nodes } else { 0.0 }; 16];
+        all[..15].copy_from_slice(&bytemuck::cast::<_, [f32; 15]>(chord));
         all
     }
 }
-impl Lane<10, 8, 15> for Whole {
+impl Lane<10, 8, 16> for Whole {
     #[inline(always)]
-    fn value(&self, seen: [f32; 10], lobe: [f32; 8]) -> [f32; 15] {
+    fn value(&self, seen: [f32; 10], lobe: [f32; 8]) -> [f32; 16] {
         Self::of(&bytemuck::cast::<_, Seen>(seen).pair(&bytemuck::cast(lobe)))
     }
 }
-impl Lane<12, 0, 15> for Whole {
+impl Lane<12, 0, 16> for Whole {
     #[inline(always)]
-    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 15] {
+    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 16] {
         Self::of(&bytemuck::cast(pair))
     }
 }
 
 /// The chord sums of a block.
-fn sum<const N: usize, const CUT: bool>(level: Level, columns: &Columns<14>) -> [f32; WIDTH] {
+fn sum<const N: usize, const CUT: bool>(level: Level, columns: &Columns<15>) -> [f32; WIDTH] {
     let nodes = const { chord::nodes::<N>() };
     let sums = dispatch!(level, _simd => {
         let mut sums = [0.0; WIDTH];
@@ -227,7 +227,7 @@ fn sum<const N: usize, const CUT: bool>(level: Level, columns: &Columns<14>) -> 
     core::array::from_fn(|j| finish(columns[0][j], sums[j]))
 }
 
-fn flush<const N: usize, const CUT: bool>(level: Level, block: &mut Block<14>, out: &mut [f32]) {
+fn flush<const N: usize, const CUT: bool>(level: Level, block: &mut Block<15>, out: &mut [f32]) {
     if block.len > 0 {
         let values = sum::<N, CUT>(level, &block.columns);
         block.flush(&values, out);

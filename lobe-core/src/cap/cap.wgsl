@@ -18,8 +18,9 @@ fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 {
         let inside = one_minus_cos_delta(pair) <= light.one_minus_cos;
         return select(0.0, select(1.0, along, cosine > 0.0), inside && along > 0.0);
     }
-    if light.above && e >= SLAB_EXPONENT && 0.5 * (e + 1.0) * light.one_minus_cos >= SLAB_WIDTH {
+    let wide_open = light.one_minus_cos > ENDS;
+    if light.above && !wide_open && e >= SLAB_EXPONENT && 0.5 * (e + 1.0) * light.one_minus_cos >= SLAB_WIDTH {
         return slab(pair);
     }
-    return chords(pair, e < 1.0 || !light.above);
+    return chords(pair, e < 1.0 || wide_open || !light.above);
 }

@@ -2,12 +2,14 @@
 
 const FEW = 6u;
 const MANY = 10u;
-const PIECE = 16u;
+const PIECE = 14u;
 const EDGE = 32u;
-const KAPPA = 9.0f;
+const KAPPA = 12.0f;
+// Lights from here on have chords that end as abruptly as pieces do.
+const ENDS = 0.6f;
 
 // The first halves of the four rules; the second have the opposite sign.
-const NODES = array<vec2f, 32>(
+const NODES = array<vec2f, 31>(
     vec2f(0.90096885, 0.19472657),
     vec2f(0.6234898, 0.35088515),
     vec2f(0.22252093, 0.4375466),
@@ -16,30 +18,29 @@ const NODES = array<vec2f, 32>(
     vec2f(0.65486073, 0.21584158),
     vec2f(0.41541502, 0.2597903),
     vec2f(0.14231484, 0.28269234),
-    vec2f(0.9829731, 0.033956833),
-    vec2f(0.9324722, 0.06675731),
-    vec2f(0.85021716, 0.097284436),
-    vec2f(0.7390089, 0.124498665),
-    vec2f(0.6026346, 0.14747325),
-    vec2f(0.44573835, 0.16542579),
-    vec2f(0.27366298, 0.17774497),
-    vec2f(0.09226836, 0.18401125),
-    vec2f(0.9954719, 0.009049314),
-    vec2f(0.9819287, 0.018016675),
-    vec2f(0.959493, 0.026820878),
-    vec2f(0.9283679, 0.03538218),
-    vec2f(0.88883543, 0.043623064),
-    vec2f(0.8412535, 0.051468886),
-    vec2f(0.7860531, 0.058848597),
-    vec2f(0.723734, 0.06569537),
-    vec2f(0.65486073, 0.071947195),
-    vec2f(0.5800569, 0.077547446),
-    vec2f(0.5, 0.08244543),
-    vec2f(0.41541502, 0.086596765),
-    vec2f(0.32706797, 0.08996387),
-    vec2f(0.23575893, 0.09251624),
-    vec2f(0.14231484, 0.09423078),
-    vec2f(0.047581915, 0.09509195),
+    vec2f(0.9781476, 0.051209413),
+    vec2f(0.9135454, 0.07741844),
+    vec2f(0.809017, 0.13013136),
+    vec2f(0.6691306, 0.14978535),
+    vec2f(0.5, 0.18577422),
+    vec2f(0.309017, 0.19646797),
+    vec2f(0.104528464, 0.20921326),
+    vec2f(0.9954719, 0.010663417),
+    vec2f(0.9819287, 0.01628798),
+    vec2f(0.959493, 0.028546548),
+    vec2f(0.9283679, 0.033698384),
+    vec2f(0.88883543, 0.0452418),
+    vec2f(0.8412535, 0.049933285),
+    vec2f(0.7860531, 0.06028545),
+    vec2f(0.723734, 0.06437123),
+    vec2f(0.65486073, 0.07314607),
+    vec2f(0.5800569, 0.07648506),
+    vec2f(0.5, 0.08336148),
+    vec2f(0.41541502, 0.08583551),
+    vec2f(0.32706797, 0.09056332),
+    vec2f(0.23575893, 0.092084095),
+    vec2f(0.14231484, 0.09449166),
+    vec2f(0.047581915, 0.09500472),
 );
 
 struct Chord {
@@ -48,12 +49,14 @@ struct Chord {
     half_exponent: f32,
     half_m: f32,
     inverse_m_sq: f32,
+    tan: f32,
     sin_theta: f32,
     sin_delta: f32,
     cos_delta: f32,
     middle: f32,
     half: f32,
     cosine: f32,
+    // The normal along the light's axis, across it away from the lobe, across both as an absolute value.
     normal: vec3f,
     across: f32,
 }
@@ -62,6 +65,7 @@ struct ChordFrame {
     t: vec3f,
     sin_delta: f32,
     cos_delta: f32,
+    tan: f32,
     sin_theta: f32,
     low: f32,
     high: f32,
@@ -72,6 +76,7 @@ fn chord_frame(pair: Pair, t: vec3f) -> ChordFrame {
     let cos_delta = 1.0 - y;
     let sin_delta = sqrt(positive(y * (2.0 - y)));
     let sin_theta = sqrt(positive(pair.one_minus_cos * (2.0 - pair.one_minus_cos)));
+    let tan = sin_theta / (2.0 - pair.one_minus_cos);
     // 1 − exp(−2κ/e), by its series where that cancels.
     let z = 2.0 * KAPPA / max(pair.exponent, 1e-30);
     var sin_w_sq = z * (1.0 - 0.5 * z * (1.0 - z * 0.33333334));
@@ -80,42 +85,55 @@ fn chord_frame(pair: Pair, t: vec3f) -> ChordFrame {
     }
     let sin_w = sqrt(sin_w_sq);
     let cos_w = sqrt(positive(1.0 - sin_w_sq));
-    // sin(±ψ_w − δ), unless that angle is beyond 90°.
-    let inverse = 1.0 / sin_theta;
+    // tan ½(±ψ_w − δ): the window's ends.
     let cc = cos_w * cos_delta;
     let ss = sin_w * sin_delta;
-    let sc = sin_w * cos_delta;
-    let cs = cos_w * sin_delta;
-    let low = select(-1.0, max((-sc - cs) * inverse, -1.0), cc > ss);
-    let beyond = select(1.0, -1.0, cos_delta < 0.0);
-    let high = select(beyond, min((sc - cs) * inverse, 1.0), cc + ss > 0.0);
-    return ChordFrame(t, sin_delta, cos_delta, sin_theta, low, high);
+    let from_low = sin_w * cos_delta + cos_w * sin_delta;
+    let from_high = sin_w * cos_delta - cos_w * sin_delta;
+    let below = max(1.0 + (cc - ss), 1e-9);
+    let above = max(1.0 + (cc + ss), 1e-9);
+    let inverse = 1.0 / max(tan * below * above, MIN_POSITIVE);
+    let low = select(-1.0, max(-from_low * above * inverse, -1.0), from_low > 0.0);
+    let high = min(from_high * below * inverse, 1.0);
+    return ChordFrame(t, sin_delta, cos_delta, tan, sin_theta, low, high);
 }
 
-fn chord_between(frame: ChordFrame, pair: Pair, low: f32, high: f32) -> Chord {
+fn chord_normal(frame: ChordFrame, pair: Pair, cut: bool) -> vec3f {
+    let along = dot(pair.normal, pair.axis);
+    let across = dot(pair.normal, frame.t);
+    let height = along * frame.cos_delta + across * frame.sin_delta;
+    return vec3f(
+        select(height, dot(pair.normal, pair.light), cut),
+        across * frame.cos_delta - along * frame.sin_delta,
+        abs(dot(pair.normal, cross(pair.axis, frame.t))),
+    );
+}
+
+fn chord_between(frame: ChordFrame, pair: Pair, low: f32, high: f32, cut: bool) -> Chord {
     let half = positive(0.5 * (high - low));
     let n = pair.exponent + 1.0 + pair.cosine;
     let m = n + 0.5;
     let of_arc = 0.5 * sqrt(TAU / m);
-    let across = abs(dot(pair.normal, cross(pair.axis, frame.t)));
+    let normal = chord_normal(frame, pair, cut);
     return Chord(
-        half * frame.sin_theta * of_arc * ((pair.exponent + 1.0) * FRAC_1_TAU),
+        half * (2.0 * frame.tan) * of_arc * ((pair.exponent + 1.0) * FRAC_1_TAU),
         0.5 * pair.exponent,
         0.5 * m,
         1.0 / (m * m),
+        frame.tan,
         frame.sin_theta,
         frame.sin_delta,
         frame.cos_delta,
         0.5 * (low + high),
         half,
         pair.cosine,
-        vec3f(dot(pair.normal, pair.axis), dot(pair.normal, frame.t), across),
-        across / (n * of_arc),
+        normal,
+        normal.z / (n * of_arc),
     );
 }
 
 // The integral by chords: of a light above the horizon, or, `cut`, of one that the horizon may cross, in pieces between
-// the points where it meets the rim.
+// the points where it meets the rim and the one where it meets the middle of a chord.
 fn chords(pair: Pair, cut: bool) -> f32 {
     var t = aside(pair);
     if cut && all(t == vec3f(0.0)) {
@@ -123,51 +141,46 @@ fn chords(pair: Pair, cut: bool) -> f32 {
     }
     let frame = chord_frame(pair, t);
     if !cut {
-        let chord = chord_between(frame, pair, frame.low, frame.high);
-        let width = chord.half * chord.sin_theta;
+        let chord = chord_between(frame, pair, frame.low, frame.high, false);
+        let width = chord.half * (2.0 * chord.tan);
         let narrow = 2.0 * chord.half_exponent * width * width < 1.0;
         return chord_sum(chord, select(MANY, FEW, narrow), false);
     }
     let low = frame.low;
     let high = max(low, frame.high);
-    let rim = rim_at_horizon(pair);
-    let to_light = pair.axis * -frame.sin_delta + frame.t * frame.cos_delta;
-    let first = chord_of_corner(rim.foot + rim.across, to_light, pair.light, frame.sin_theta);
-    let second = chord_of_corner(rim.foot - rim.across, to_light, pair.light, frame.sin_theta);
-    let a = select(high, min(max(first, low), high), rim.crosses);
-    let b = select(high, min(max(second, low), high), rim.crosses);
-    let ends = vec4f(low, min(a, b), max(a, b), high);
-    let count = select(PIECE, EDGE, pair.exponent < 1.0);
+    let corners = clamp(chord_corners(frame, pair), vec3f(low), vec3f(high));
+    let a = min(corners.x, corners.z);
+    let b = max(corners.x, corners.z);
+    var ends = array<f32, 5>(low, a, clamp(corners.y, a, b), b, high);
+    let count = select(PIECE, EDGE, pair.exponent < 1.0 || pair.one_minus_cos > ENDS);
     var sum = 0.0;
-    for (var k = 0u; k < 3u; k++) {
-        sum += chord_sum(chord_between(frame, pair, ends[k], ends[k + 1u]), count, true);
+    for (var k = 0u; k < 4u; k++) {
+        sum += chord_sum(chord_between(frame, pair, ends[k], ends[k + 1u], true), count, true);
     }
     return sum;
 }
 
-fn chord_of_corner(corner: vec3f, to_light: vec3f, light: vec3f, sin_theta: f32) -> f32 {
-    let across = dot(corner, to_light);
-    let along = dot(corner, light);
-    return across / max(sin_theta * sqrt(across * across + along * along), MIN_POSITIVE);
-}
-
-struct Rim {
-    foot: vec3f,
-    across: vec3f,
-    crosses: bool,
-}
-
-// The directions foot ± across, in which a light's rim is on the receiver's horizon.
-fn rim_at_horizon(pair: Pair) -> Rim {
-    let c = dot(pair.normal, pair.light);
-    let sin_beta_sq = (1.0 - c) * (1.0 + c);
+// Where a light's rim is on the receiver's horizon, and between them where the middle of a chord is.
+fn chord_corners(frame: ChordFrame, pair: Pair) -> vec3f {
+    let n = chord_normal(frame, pair, true);
     let cosine = 1.0 - pair.one_minus_cos;
-    let rest = sin_beta_sq - cosine * cosine;
-    if rest <= 0.0 || sin_beta_sq <= 0.0 {
-        return Rim(vec3f(0.0), vec3f(0.0), false);
-    }
-    let foot = (pair.light - pair.normal * c) * (cosine / sin_beta_sq);
-    return Rim(foot, cross(pair.light, pair.normal) * (sqrt(rest) / sin_beta_sq), true);
+    let sine = frame.sin_theta;
+    let root = n.z * sqrt(positive((sine - n.x) * (sine + n.x)));
+    let scale = 1.0 / max(sine * (n.y * n.y + n.z * n.z), MIN_POSITIVE);
+    let length = sqrt(n.x * n.x + n.y * n.y);
+    let middle = -copy_sign(n.x, n.x * n.y) / max(frame.tan * (abs(n.y) + length), MIN_POSITIVE);
+    return vec3f(
+        chord_of_corner((-root - n.x * cosine * n.y) * scale, cosine, sine),
+        middle,
+        chord_of_corner((root - n.x * cosine * n.y) * scale, cosine, sine),
+    );
+}
+
+fn chord_of_corner(azimuth: f32, cosine: f32, sine: f32) -> f32 {
+    let cos_phi = clamp(azimuth, -1.0, 1.0);
+    let across = sine * cos_phi;
+    let length = sqrt(cosine * cosine + across * across);
+    return cos_phi * (1.0 + cosine) / max(length + cosine, MIN_POSITIVE);
 }
 
 struct Node {
@@ -179,15 +192,21 @@ struct Node {
 
 fn chord_at(chord: Chord, cos_tau: f32) -> Node {
     let xi = chord.middle + chord.half * cos_tau;
-    let s = chord.sin_theta * xi;
-    let q_sq = max((1.0 - s) * (1.0 + s), 1e-12);
-    let q = sqrt(q_sq);
-    let inverse = 1.0 / q_sq;
+    let t = chord.tan * xi;
+    let rest = max((1.0 - t) * (1.0 + t), 1e-6);
+    let whole = 1.0 + t * t;
+    let inverse = 1.0 / (rest * whole);
+    let over_all = inverse * rest;
+    let s = (t + t) * over_all;
+    let q = rest * over_all;
     let sin_psi = chord.sin_delta * q + chord.cos_delta * s;
     let cos_psi = chord.cos_delta * q - chord.sin_delta * s;
-    let sin_sq = chord.sin_theta * chord.sin_theta * positive((1.0 - xi) * (1.0 + xi)) * inverse;
-    let in_plane = exp_f32(chord.half_exponent * ln_1p(-(sin_psi * sin_psi))) * (q * inverse);
-    return Node(cos_psi, chord.normal.x * cos_psi + chord.normal.y * sin_psi, min(sin_sq, 1.0), in_plane);
+    let tt = chord.tan * t;
+    let span = positive((1.0 - xi) * (1.0 + xi)) * ((1.0 - tt) * (1.0 + tt));
+    let sine = chord.sin_theta * (inverse * whole);
+    let sin_sq = sine * sine * span;
+    let in_plane = exp_f32(chord.half_exponent * ln_of(cos_psi * cos_psi, -(sin_psi * sin_psi))) * over_all;
+    return Node(cos_psi, chord.normal.x * q + chord.normal.y * s, min(sin_sq, 1.0), in_plane);
 }
 
 // `sin λ` where a chord goes through the horizon.
@@ -218,8 +237,8 @@ fn chord_sum(chord: Chord, count: u32, cut: bool) -> f32 {
         }
     }
     var nodes = NODES;
-    // 0, 3, 8, 16.
-    let start = select(select(3u, 0u, count == FEW), count / 2u, count >= PIECE);
+    // 0, 3, 8, 15.
+    let start = select(select(3u, 0u, count == FEW), select(8u, 15u, count == EDGE), count >= PIECE);
     var sum = 0.0;
     for (var k = 0u; k < count; k++) {
         let mirrored = count - 1u - k;

@@ -3,10 +3,10 @@ use crate::special::{erf, exp, ln_1p};
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI};
 
 /// The slab form is used above the horizon from this exponent on, for lights at least as wide as the lobe:
-/// `(e+1)(1 − cos θ)/2 ≥ WIDTH`. It follows the arc of the offset, which off the axis of a broad lobe is wrong by 2 % of
+/// `(e+1)(1 − cos θ)/2 ≥ WIDTH`; narrower, the tails of the lobe would be up to 6 % of themselves too bright. It follows the arc of the offset, which off the axis of a broad lobe is wrong by 2 % of
 /// the local value (0.2 % of the on-axis one); chords, right there, lose their precision on wide lights instead.
 pub(super) const EXPONENT: f32 = 400.0;
-pub(super) const WIDTH: f32 = 1.5;
+pub(super) const WIDTH: f32 = 5.0;
 
 /// The slab form of a lobe of flux 1: a Gaussian over a disc, seen along its offset, is almost a Gaussian over a slab of
 /// adjusted half-width R' and width σ: `I = I₀·[erf κ(R'+d) + erf κ(R'−d)]/(2 erf κR')`, κ = 1/(√2 σ).

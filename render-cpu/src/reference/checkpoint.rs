@@ -1,12 +1,12 @@
 //! Interrupted references on disk.
 
 use super::sobol::mix;
-use super::{Geometry, Reference, ReferenceJob, Tally};
+use super::{Geometry, REPLICATES, Reference, ReferenceJob, Tally};
 use glam::Vec3;
 use std::io::{self, Read, Write};
 
 const MAGIC: [u8; 8] = *b"lobesref";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Why a checkpoint could not be used.
 #[derive(Debug)]
@@ -16,6 +16,8 @@ pub enum CheckpointError {
     Io(io::Error),
     /// It is no checkpoint, or one of another version.
     Format,
+    /// It is cut short, or other bytes are in it than were written.
+    Damaged,
     /// It belongs to another scene, size, seed or geometry.
     OtherJob,
 }
@@ -25,6 +27,7 @@ impl core::fmt::Display for CheckpointError {
         match self {
             Self::Io(error) => write!(f, "{error}"),
             Self::Format => f.write_str("not a checkpoint of this version"),
+            Self::Damaged => f.write_str("the checkpoint is damaged"),
             Self::OtherJob => f.write_str("the checkpoint belongs to another scene, size, seed or geometry"),
         }
     }
@@ -34,7 +37,7 @@ impl core::error::Error for CheckpointError {}
 
 impl From<io::Error> for CheckpointError {
     fn from(error: io::Error) -> Self {
-        if error.kind() == io::ErrorKind::UnexpectedEof { Self::Format } else { Self::Io(error) }
+        if error.kind() == io::ErrorKind::UnexpectedEof { Self::Damaged } else { Self::Io(error) }
     }
 }
 
@@ -102,11 +105,12 @@ impl ReferenceJob<'_> {
 }
 
 impl Reference<'_> {
-    /// Writes all that [`restore`](Self::restore) needs, little-endian: 192 bytes a point.
+    /// Writes all that [`restore`](Self::restore) needs, little-endian: 192 bytes a point, and their CRC-32 at the end.
     ///
     /// # Errors
     /// Those of the writer.
-    pub fn save(&self, mut to: impl Write) -> io::Result<()> {
+    pub fn save(&self, to: impl Write) -> io::Result<()> {
+        let mut to = Summed::new(to);
         to.write_all(&MAGIC)?;
         to.write_all(&VERSION.to_le_bytes())?;
         to.write_all(&self.job.fingerprint().to_le_bytes())?;
@@ -114,17 +118,23 @@ impl Reference<'_> {
         for n in &self.done {
             to.write_all(&n.to_le_bytes())?;
         }
-        for x in self.tallies.iter().flat_map(|t| t.radiance.iter().chain(&t.unshadowed)).flat_map(|v| v.to_array()) {
-            to.write_all(&x.to_le_bytes())?;
+        let mut row = Vec::new();
+        for tally in &self.tallies {
+            row.clear();
+            let values = tally.radiance.iter().chain(&tally.unshadowed).flat_map(|v| v.to_array());
+            row.extend(values.flat_map(f32::to_le_bytes));
+            to.write_all(&row)?;
         }
-        Ok(())
+        let sum = to.sum.clone().finalize();
+        to.inner.write_all(&sum.to_le_bytes())
     }
 
     /// Goes on from what [`save`](Self::save) wrote for the same job; the result is the same as without interruption.
     ///
     /// # Errors
-    /// When it cannot be read or belongs to another job; nothing is changed then.
-    pub fn restore(&mut self, mut from: impl Read) -> Result<(), CheckpointError> {
+    /// When it cannot be read, is damaged or belongs to another job; nothing is changed then.
+    pub fn restore(&mut self, from: impl Read) -> Result<(), CheckpointError> {
+        let mut from = Summed::new(from);
         let mut magic = [0; 8];
         from.read_exact(&mut magic)?;
         if magic != MAGIC || read_word(&mut from)? != VERSION {
@@ -138,9 +148,17 @@ impl Reference<'_> {
             *n = read_word(&mut from)?;
         }
         let mut tallies = vec![Tally::default(); self.tallies.len()];
-        for v in tallies.iter_mut().flat_map(|t| t.radiance.iter_mut().chain(&mut t.unshadowed)) {
-            let mut x = || Ok::<_, CheckpointError>(f32::from_bits(read_word(&mut from)?));
-            *v = Vec3::new(x()?, x()?, x()?);
+        let mut row = [0; 2 * REPLICATES as usize * 12];
+        for tally in &mut tallies {
+            from.read_exact(&mut row)?;
+            for (v, bytes) in tally.radiance.iter_mut().chain(&mut tally.unshadowed).zip(row.chunks_exact(12)) {
+                let x = |k: usize| f32::from_le_bytes(core::array::from_fn(|j| bytes[4 * k + j]));
+                *v = Vec3::new(x(0), x(1), x(2));
+            }
+        }
+        let sum = from.sum.clone().finalize();
+        if read_word(&mut from)? != sum || from.read(&mut [0])? > 0 {
+            return Err(CheckpointError::Damaged);
         }
         (self.done, self.tallies) = (done, tallies);
         Ok(())
@@ -157,4 +175,36 @@ fn read_long(from: &mut impl Read) -> Result<u64, CheckpointError> {
     let mut bytes = [0; 8];
     from.read_exact(&mut bytes)?;
     Ok(u64::from_le_bytes(bytes))
+}
+
+/// A stream and the checksum of what went through it.
+struct Summed<T> {
+    inner: T,
+    sum: crc32fast::Hasher,
+}
+
+impl<T> Summed<T> {
+    fn new(inner: T) -> Self {
+        Self { inner, sum: crc32fast::Hasher::new() }
+    }
+}
+
+impl<T: Write> Write for Summed<T> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.inner.write(bytes)?;
+        self.sum.update(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<T: Read> Read for Summed<T> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(bytes)?;
+        self.sum.update(&bytes[..count]);
+        Ok(count)
+    }
 }

@@ -292,9 +292,17 @@ fn threads_and_interruptions_change_nothing() {
     let mut other = Reference::new(ReferenceJob { seed: 2, ..job });
     assert!(matches!(other.restore(file.as_slice()), Err(CheckpointError::OtherJob)));
     for end in [0, 5, 20, file.len() - 1] {
-        assert!(matches!(other.restore(&file[..end]), Err(CheckpointError::Format | CheckpointError::OtherJob)));
+        assert!(matches!(other.restore(&file[..end]), Err(CheckpointError::Damaged | CheckpointError::OtherJob)));
         assert!(Reference::new(job).restore(&file[..end]).is_err());
     }
+    // One flipped bit anywhere, and something behind the end.
+    for place in (0..file.len()).step_by(file.len() / 997).chain([file.len() - 1]) {
+        let mut damaged = file.clone();
+        damaged[place] ^= 1 << (place % 8);
+        assert!(Reference::new(job).restore(damaged.as_slice()).is_err(), "byte {place}");
+    }
+    file.push(0);
+    assert!(matches!(Reference::new(job).restore(file.as_slice()), Err(CheckpointError::Damaged)));
 }
 
 /// The stated standard error is the true one: against a well sampled picture, and it falls faster than 1/√N.

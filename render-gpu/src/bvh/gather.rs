@@ -4,7 +4,7 @@ use super::{BALL, BLOCKS, FLAT, GpuPrimitive, VISIBLE};
 use crate::GpuError;
 use glam::Vec3;
 use lobe_core::Sphere;
-use scene::{Object, Proxy, Scene, Shape};
+use scene::{Doubles, Proxy, Scene, Shape};
 
 /// The primitives of a scene.
 pub(super) struct Gathered {
@@ -17,7 +17,7 @@ pub(super) struct Gathered {
     pub(super) scale: f32,
 }
 
-/// The triangles with an area and the balls with a radius of all objects that are seen or block. Something that is neither
+/// The triangles with an area and the balls with a radius of all objects that are seen or block, equal balls once. Something that is neither
 /// where there is none: a hierarchy has a node at least.
 pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuError> {
     let (needed, allowed) = (scene.objects.len() as u64, u64::from(BLOCKS));
@@ -25,10 +25,11 @@ pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuErro
         return Err(GpuError::Limits { what: "the number of objects", needed, allowed });
     }
     let mut all = Gathered { primitives: vec![], names: vec![], normals: vec![], scale: 1.0 };
+    let mut doubles = Doubles::default();
     for (number, object) in scene.objects.iter().enumerate() {
         if object.visible || object.proxy != Proxy::None {
             let blocks = blocks.is_empty() || blocks.get(number).is_some_and(|blocks| *blocks);
-            add(&mut all, number as u32, object, scene, if blocks { BLOCKS } else { 0 });
+            add(&mut all, &mut doubles, number as u32, scene, if blocks { BLOCKS } else { 0 });
         }
     }
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -49,7 +50,8 @@ pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuErro
     Ok(all)
 }
 
-fn add(all: &mut Gathered, number: u32, object: &Object, scene: &Scene, blocks: u32) {
+fn add(all: &mut Gathered, doubles: &mut Doubles, number: u32, scene: &Scene, blocks: u32) {
+    let object = &scene.objects[number as usize];
     let material = object.material as u32;
     let seen = if object.visible { VISIBLE } else { 0 };
     match &object.shape {
@@ -77,6 +79,9 @@ fn add(all: &mut Gathered, number: u32, object: &Object, scene: &Scene, blocks: 
         }
         Shape::Spheres(balls) => {
             for (index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.radius > 0.0) {
+                if !doubles.is_first(object, ball) {
+                    continue;
+                }
                 let hides = if scene.lights.iter().any(|l| is_lamp(ball, l.ball)) { 0 } else { blocks };
                 all.names.push(index as u32);
                 all.primitives.push(GpuPrimitive {

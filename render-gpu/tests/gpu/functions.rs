@@ -2,7 +2,7 @@
 
 use crate::call::{call, trial};
 use libtest_mimic::Trial;
-use lobe_core::oracle::Random;
+use lobe_core::oracle::{self, Random};
 use lobe_core::{Cone, Lobe, OWN_NONE, Receiver, Sphere, cap_integral, orthonormal_basis, power, special, wgsl};
 use lobe_core::{is_lambert, sphere_light_irradiance};
 use render_gpu::Gpu;
@@ -259,4 +259,30 @@ fn lambert_integrals(gpu: &Gpu) {
         println!("{} alone: mean {mean:.1e}, worst {worst:.1e}", kind.name);
         assert!(mean <= 2e-6 && worst <= 2e-4, "{}", kind.name);
     }
+    small_lights_at_the_horizon(gpu, &mut random);
+}
+
+/// Relative to the value itself, against the f64 oracle: lights of all sizes, at all heights that the horizon crosses.
+fn small_lights_at_the_horizon(gpu: &Gpu, random: &mut Random) {
+    let rows: Vec<[f32; 2]> = (0..4 * COUNT)
+        .map(|_| {
+            let sin_sq = random.log_uniform(1e-14, 1.0) as f32;
+            let near = random.log_uniform(1e-5, 1.0);
+            let height = [near - 1.0, 1.0 - near, random.between(-1.0, 1.0)][(random.bits() % 3) as usize];
+            [(f64::from(sin_sq).sqrt() * height) as f32, sin_sq]
+        })
+        .collect();
+    let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP_LAMBERT];
+    let got = call(gpu, &pieces, "y(0, through_horizon(x(0), x(1)));", rows.as_flattened(), 2, 1);
+    let mut worst = (0.0_f64, [0.0; 2]);
+    for ([cos_beta, sin_sq], got) in rows.iter().zip(got) {
+        let s = f64::from(*sin_sq).sqrt();
+        let want = oracle::sphere_light_irradiance(f64::from(*cos_beta), s.asin());
+        let error = (f64::from(got) - want).abs() / want.max(1e-12 * s.powi(3)).max(f64::from(f32::MIN_POSITIVE));
+        if error > worst.0 {
+            worst = (error, [*cos_beta, *sin_sq]);
+        }
+    }
+    println!("small lights at the horizon: {:.1e} of the value, {:?}", worst.0, worst.1);
+    assert!(worst.0 <= 1e-5, "{worst:?}");
 }

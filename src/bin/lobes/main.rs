@@ -4,6 +4,7 @@ mod advice;
 mod args;
 mod budget;
 mod check;
+mod checkpoint;
 mod compare;
 mod console;
 mod device;

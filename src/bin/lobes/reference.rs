@@ -1,26 +1,21 @@
 use crate::args::{Geometry as Choice, ReferenceArgs, Visibility, name};
-use crate::console::{self, STOP, note, say};
+use crate::checkpoint;
+use crate::console::{self, note, say};
 use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
 use crate::moment;
 use crate::strategy::Plan;
-use cosine_lobes::render_cpu::{CheckpointError, GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
+use cosine_lobes::render_cpu::{GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
 use cosine_lobes::scene::BlockerSet;
-use cosine_lobes::{ExrLayer, ImageFileError, Output, Picture};
+use cosine_lobes::{ExrLayer, Picture};
 use glam::Vec3;
 use serde_json::json;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// More points than this, at 192 bytes each, are refused.
 const MAX_POINTS: u64 = 1 << 25;
-
-/// How often a checkpoint is written.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
 
 pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let view = &args.view;
@@ -59,12 +54,14 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let checkpoint = checkpoint_path(&args.output[0]);
     let all = reference.work(args.spp);
     let done = |r: &Reference<'_>| 100.0 * (1.0 - r.work(args.spp) as f64 / all.max(1) as f64);
-    resume(&mut reference, &checkpoint, view.quiet, &done)?;
+    if checkpoint::resume(&mut reference, &checkpoint, view.quiet)? && !view.quiet {
+        note(format_args!("lobes: goes on from {}, {:.1} % done", checkpoint.display(), done(&reference)));
+    }
     let start = Instant::now();
-    let finished = console::stoppable(|| advance(&mut reference, args, &checkpoint))?;
+    console::stoppable(|| checkpoint::advance(&mut reference, args.spp, &checkpoint, "sampling", view.quiet))?;
     let seconds = start.elapsed().as_secs_f64();
-    if !finished {
-        save(&reference, &checkpoint)?;
+    if reference.samples() < args.spp {
+        checkpoint::save(&reference, &checkpoint)?;
         return Err(Failure::interrupted(format_args!(
             "{:.1} % of the work is kept in {}; the same command goes on from there",
             done(&reference),
@@ -77,16 +74,14 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let picture = resolve(&estimate.radiance, scene.background);
     let picture = Picture::new(scene.width as usize, scene.height as usize, picture);
     // Of independent points variances add up: mean of the variances over their number.
-    let variances: Vec<Vec3> = estimate.std_error.iter().map(|s| *s * *s).collect();
-    let share = 1.0 / gbuffer.samples as f32;
-    let std_error: Vec<Vec3> = resolve(&variances, Vec3::ZERO).iter().map(|v| (*v * share).map(f32::sqrt)).collect();
+    let std_error = of_pixels(&estimate.std_error, gbuffer.samples, |values| resolve(values, Vec3::ZERO));
     let layers = [
         ExrLayer::color("unshadowed", &resolve(&estimate.unshadowed, scene.background)),
         ExrLayer::color("stderr", &std_error),
     ];
     files.write(&picture, view.exposure, &layers)?;
     if args.keep {
-        save(&reference, &checkpoint)?;
+        checkpoint::save(&reference, &checkpoint)?;
     } else {
         let _ = std::fs::remove_file(&checkpoint);
     }
@@ -116,56 +111,35 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Standard errors of pixels from those of their camera samples, which `resolve` averages: the root of the mean variance over
+/// their number. In units of the largest, whose square may be no f32.
+fn of_pixels(errors: &[Vec3], samples: u32, resolve: impl Fn(&[Vec3]) -> Vec<Vec3>) -> Vec<Vec3> {
+    let largest = errors.iter().map(|e| e.max_element()).fold(0.0, f32::max);
+    let unit = if largest > 0.0 { largest } else { 1.0 };
+    let variances: Vec<Vec3> = errors.iter().map(|e| (*e / unit) * (*e / unit)).collect();
+    let share = 1.0 / samples as f32;
+    resolve(&variances).iter().map(|v| (*v * share).map(f32::sqrt) * unit).collect()
+}
+
 fn checkpoint_path(output: &Path) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
     name.push(".checkpoint");
     name.into()
 }
 
-/// Goes on from the checkpoint if there is one for this job.
-fn resume(
-    reference: &mut Reference<'_>,
-    path: &Path,
-    quiet: bool,
-    done: &dyn Fn(&Reference<'_>) -> f64,
-) -> Result<(), Failure> {
-    let Ok(file) = File::open(path) else { return Ok(()) };
-    let message = match reference.restore(BufReader::new(file)) {
-        Ok(()) => format!("lobes: goes on from {}, {:.1} % done", path.display(), done(reference)),
-        Err(CheckpointError::OtherJob) => {
-            format!("lobes: warning: {} belongs to another picture and will be replaced", path.display())
-        }
-        Err(error) => return Err(Failure::new(format_args!("{}: {error}", path.display()))),
-    };
-    if !quiet {
-        note(message);
-    }
-    Ok(())
-}
+#[cfg(test)]
+mod tests {
+    use super::of_pixels;
+    use glam::Vec3;
 
-fn save(reference: &Reference<'_>, path: &Path) -> Result<(), Failure> {
-    let output = Output::create(path)?;
-    let failed = |source| ImageFileError::Io { path: path.to_owned(), source };
-    Ok(output.finish(|file| reference.save(file).map_err(failed))?)
-}
-
-/// Samples to the end, with checkpoints on the way; false when Ctrl-C came first.
-fn advance(reference: &mut Reference<'_>, args: &ReferenceArgs, checkpoint: &Path) -> Result<bool, Failure> {
-    let bar = console::progress("sampling", reference.work(args.spp), args.view.quiet);
-    let mut saved = Instant::now();
-    let mut samples = reference.samples();
-    while samples < args.spp {
-        // In steps of about a quarter, at least as long as is worth while.
-        samples = args.spp.min(samples + (samples / 4).next_multiple_of(256).max(256));
-        reference.advance(samples, &STOP, &|n| bar.inc(n));
-        if STOP.load(Ordering::SeqCst) {
-            break;
+    #[test]
+    fn errors_of_any_radiance() {
+        for size in [1e-30_f32, 1.0, 1e30] {
+            let pixel = |v: &[Vec3]| vec![(v[0] + v[1]) * 0.5];
+            let error = of_pixels(&[Vec3::splat(3.0 * size), Vec3::splat(4.0 * size)], 2, pixel)[0] / size;
+            // √((9 + 16)/2/2)
+            assert!((error - Vec3::splat(2.5)).length() < 1e-5, "{size}: {error}");
         }
-        if samples < args.spp && saved.elapsed() > CHECKPOINT_EVERY {
-            save(reference, checkpoint)?;
-            saved = Instant::now();
-        }
+        assert_eq!(of_pixels(&[Vec3::ZERO], 1, <[Vec3]>::to_vec), [Vec3::ZERO]);
     }
-    bar.finish_and_clear();
-    Ok(reference.samples() >= args.spp)
 }

@@ -44,7 +44,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         args.output.iter().map(of).collect()
     };
     let stamp = args.frames.is_some().then(|| Stamp::new(args, &backend.name(), &scene, &animation));
-    let there = |moment: &Moment| stamp.as_ref().is_some_and(|stamp| stamp.made(&paths(moment), moment.time));
+    let there =
+        |moment: &Moment| stamp.as_ref().is_some_and(|stamp| stamp.made(&paths(moment), moment.time, args.view.quiet));
     let moments: Vec<Moment> = moments.into_iter().filter(|m| !there(m)).collect();
     let open = |moment: &Moment| {
         let line = stamp.as_ref().map(|stamp| stamp.at(moment.time));

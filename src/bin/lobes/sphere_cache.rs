@@ -7,7 +7,7 @@ use crate::strategy::Plan;
 use cosine_lobes::render_cpu::{BlockersError, SphereSource};
 use cosine_lobes::scene::{Mesh, Object, Proxy, Scene, Shape};
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet};
-use cosine_lobes::{ImageFileError, Output};
+use cosine_lobes::{ImageFileError, Output, checksum};
 use glam::Mat4;
 use std::fs;
 use std::io::Write;
@@ -27,14 +27,16 @@ pub(crate) fn fill(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<(), Fa
     for number in wanted {
         let object = &mut scene.objects[number];
         let (Proxy::Count(count), Shape::Mesh(mesh)) = (&object.proxy, &object.shape) else { continue };
-        let path = folder.join(name(mesh, *count));
-        if read(&path).is_none() {
-            let set = build(&object.name, mesh, *count, quiet)?;
-            if store(&path, &set).is_err() {
+        let key = key(mesh, *count);
+        let path = match find(&folder, &key, quiet) {
+            Some((path, _)) => path,
+            None => {
+                let set = build(&object.name, mesh, *count, quiet)?;
                 // A full disk: the set is built a second time where blockers are made.
-                return Ok(());
+                let Ok(path) = store(&folder, &key, &set) else { return Ok(()) };
+                path
             }
-        }
+        };
         // Made for the mesh as it stands.
         object.proxy = Proxy::File { path, placement: Mat4::IDENTITY };
     }
@@ -43,20 +45,38 @@ pub(crate) fn fill(scene: &mut Scene, plan: &Plan, quiet: bool) -> Result<(), Fa
 
 /// The set of an earlier run, if there is one.
 pub(crate) fn known(mesh: &Mesh, count: usize) -> Option<SphereSet> {
-    read(&folder()?.join(name(mesh, count)))
+    find(&folder()?, &key(mesh, count), true).map(|(_, set)| set)
 }
 
-fn read(path: &Path) -> Option<SphereSet> {
-    SphereSet::from_json(&fs::read_to_string(path).ok()?).ok()
+/// The file of a set and the set. One whose content is not what its name says is told of, unless `quiet`, and removed.
+fn find(folder: &Path, key: &str, quiet: bool) -> Option<(PathBuf, SphereSet)> {
+    let begin = format!("{key}.");
+    for entry in fs::read_dir(folder).ok()?.flatten() {
+        let name = entry.file_name();
+        let Some(sum) = name.to_str().and_then(|n| n.strip_prefix(&begin)?.strip_suffix(".json")) else { continue };
+        let path = entry.path();
+        let Ok(bytes) = fs::read(&path) else { continue };
+        let text = (checksum(&bytes) == sum).then_some(bytes).and_then(|bytes| String::from_utf8(bytes).ok());
+        match text.and_then(|text| SphereSet::from_json(&text).ok()) {
+            Some(set) => return Some((path, set)),
+            None => {
+                if !quiet {
+                    console::note(format_args!("lobes: warning: {}: damaged; made anew", path.display()));
+                }
+                let _ = fs::remove_file(path);
+            }
+        }
+    }
+    None
 }
 
 /// Of all that decides the set: the builder's version, the mesh and the count.
-fn name(mesh: &Mesh, count: usize) -> String {
+fn key(mesh: &Mesh, count: usize) -> String {
     let positions = mesh.positions.iter().flat_map(|p| p.to_array()).flat_map(|x| x.to_bits().to_le_bytes());
     let triangles = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes());
     let all = Fingerprint::new().debug(&(SphereSet::BUILDER, count));
     let all = all.bytes(&positions.collect::<Vec<u8>>()).bytes(&triangles.collect::<Vec<u8>>());
-    format!("{:016x}.json", all.value())
+    format!("{:016x}", all.value())
 }
 
 /// `$XDG_CACHE_HOME/cosine-lobes`, or the system's equivalent, whether or not it is there.
@@ -80,10 +100,12 @@ fn build(object: &str, mesh: &Mesh, count: usize, quiet: bool) -> Result<SphereS
     Ok(set)
 }
 
-fn store(path: &Path, set: &SphereSet) -> Result<(), ImageFileError> {
-    let failed = |source| ImageFileError::Io { path: path.to_owned(), source };
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(failed)?;
-    }
-    Output::create(path)?.finish(|file| file.write_all(set.to_json().as_bytes()).map_err(failed))
+/// Writes a set under a name that has its checksum.
+fn store(folder: &Path, key: &str, set: &SphereSet) -> Result<PathBuf, ImageFileError> {
+    let text = set.to_json();
+    let path = folder.join(format!("{key}.{}.json", checksum(text.as_bytes())));
+    let failed = |source| ImageFileError::Io { path: path.clone(), source };
+    fs::create_dir_all(folder).map_err(failed)?;
+    Output::create(&path)?.finish(|file| file.write_all(text.as_bytes()).map_err(failed))?;
+    Ok(path)
 }

@@ -1,6 +1,7 @@
 //! What the pictures of a sequence are made from, as a line that their files carry.
 
 use crate::args::{Device, RenderArgs, ViewArgs};
+use crate::console::note;
 use crate::fingerprint::Fingerprint;
 use cosine_lobes::read_stamp;
 use cosine_lobes::scene::{Animation, Proxy, Scene};
@@ -50,9 +51,19 @@ impl Stamp {
         format!("{} {moment:016x}", env!("CARGO_PKG_VERSION"))
     }
 
-    /// Whether all of these files are the picture of that moment.
-    pub(crate) fn made(&self, files: &[PathBuf], time: f32) -> bool {
+    /// Whether all of these files are the picture of that moment, whole; a line on stderr for each that is damaged.
+    pub(crate) fn made(&self, files: &[PathBuf], time: f32, quiet: bool) -> bool {
         let line = self.at(time);
-        files.iter().all(|file| read_stamp(file).is_some_and(|stamp| stamp == line))
+        let is = |file: &PathBuf| match read_stamp(file) {
+            Ok(stamp) => stamp.is_some_and(|stamp| stamp == line),
+            Err(error) => {
+                if !quiet {
+                    note(format_args!("lobes: warning: {error}; made anew"));
+                }
+                false
+            }
+        };
+        // All of them, so that each is told.
+        files.iter().filter(|file| is(file)).count() == files.len()
     }
 }

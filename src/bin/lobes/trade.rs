@@ -67,7 +67,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
 
     let truth = Truth::find(args, &world, &gbuffer, &blockers)?;
     let settings = setting::all(args, &strategies, &gpu.name());
-    let mut record = Record::open(&args.output, &stamp)?;
+    let mut record = Record::open(&args.output, &stamp, view.quiet);
     let mut stage = Stage::new(args, &world, &gbuffer, &blockers, &sets, gbuffer_times[1], gpu);
     let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
     if settings.iter().any(|s| s.method == "paper") && (left(&record) > 0 || !args.output.join("sheet.png").exists()) {

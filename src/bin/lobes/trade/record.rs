@@ -1,6 +1,7 @@
 use super::row::{Row, mark_front};
 use super::setting::Setting;
 use super::table;
+use crate::console;
 use crate::failure::Failure;
 use cosine_lobes::{ImageFileError, Output};
 use std::io::Write;
@@ -14,15 +15,27 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// Takes over what the folder's file has of the same stamp; rows of another scene or other options go.
-    pub(super) fn open(folder: &Path, stamp: &str) -> Result<Self, Failure> {
+    /// Takes over what the folder's file has of the same stamp; rows of another scene or other options go. So do damaged ones,
+    /// with a line on stderr unless `quiet`.
+    pub(super) fn open(folder: &Path, stamp: &str, quiet: bool) -> Self {
         let mut record = Self { folder: folder.to_owned(), stamp: stamp.to_owned(), rows: Vec::new() };
-        if let Ok(text) = std::fs::read_to_string(record.path()) {
-            let broken = |e| Failure::new(format_args!("{}: no table of this command: {e}", record.path().display()));
-            record.rows = serde_json::from_str(&text).map_err(broken)?;
-            record.rows.retain(|row| row.stamp == record.stamp);
+        let Ok(bytes) = std::fs::read(record.path()) else { return record };
+        let fault = match serde_json::from_slice::<Vec<Row>>(&bytes) {
+            Ok(rows) => {
+                record.rows = rows.into_iter().filter(|row| row.stamp == record.stamp).collect();
+                let all = record.rows.len();
+                record.rows.retain(|row| row.checksum == row.sum());
+                match all - record.rows.len() {
+                    0 => return record,
+                    bad => format!("{} damaged; measured anew", console::counted(bad, "row")),
+                }
+            }
+            Err(error) => format!("no table of this command ({error}); measured anew"),
+        };
+        if !quiet {
+            console::note(format_args!("lobes: warning: {}: {fault}", record.path().display()));
         }
-        Ok(record)
+        record
     }
 
     pub(super) fn path(&self) -> PathBuf {
@@ -37,7 +50,8 @@ impl Record {
         self.rows.iter().find(|row| row.is(setting))
     }
 
-    pub(super) fn add(&mut self, row: Row) -> Result<(), Failure> {
+    pub(super) fn add(&mut self, mut row: Row) -> Result<(), Failure> {
+        row.checksum = row.sum();
         self.rows.push(row);
         mark_front(&mut self.rows);
         write(&self.path(), &serde_json::to_string_pretty(&self.rows)?)
@@ -64,14 +78,23 @@ mod tests {
     #[test]
     fn rows_of_the_same_stamp_come_back() {
         let folder = tempfile::tempdir().unwrap();
-        let mut record = Record::open(folder.path(), "1").unwrap();
+        let open = |stamp: &str| Record::open(folder.path(), stamp, true);
+        let mut record = open("1");
         record.add(row("a", 1.0, 0.1)).unwrap();
         record.add(row("b", 2.0, 0.2)).unwrap();
-        let again = Record::open(folder.path(), "1").unwrap();
+        let again = open("1");
         assert_eq!(again.rows(), record.rows());
         assert_eq!(again.rows().iter().map(|r| r.front).collect::<Vec<_>>(), [true, false]);
-        assert!(Record::open(folder.path(), "2").unwrap().rows().is_empty());
-        std::fs::write(record.path(), "[{\"scene\": 3").unwrap();
-        assert!(Record::open(folder.path(), "1").is_err());
+        assert!(open("2").rows().is_empty());
+        // A digit that has changed: the row goes, the other one stays.
+        let text = std::fs::read_to_string(record.path()).unwrap();
+        let changed = text.replacen("\"mean\": 0.1", "\"mean\": 0.3", 1);
+        assert_ne!(changed, text);
+        std::fs::write(record.path(), changed).unwrap();
+        assert_eq!(open("1").rows().iter().map(|r| r.method.as_str()).collect::<Vec<_>>(), ["b"]);
+        for broken in [&b"[{\"scene\": 3"[..], b"\xff\xfe"] {
+            std::fs::write(record.path(), broken).unwrap();
+            assert!(open("1").rows().is_empty());
+        }
     }
 }

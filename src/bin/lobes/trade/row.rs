@@ -2,6 +2,7 @@ use super::setting::Setting;
 use super::stage::{Shot, Stage};
 use super::truth::Truth;
 use crate::failure::Failure;
+use cosine_lobes::checksum;
 use serde::{Deserialize, Serialize};
 
 /// One measured setting.
@@ -33,6 +34,9 @@ pub(super) struct Row {
     pub(super) front: bool,
     /// What the row was measured for: scene, options, version.
     pub(super) stamp: String,
+    /// Of all other values but `front`, as JSON.
+    #[serde(default)]
+    pub(super) checksum: String,
 }
 
 impl Row {
@@ -65,7 +69,14 @@ impl Row {
             flip,
             front: false,
             stamp: stamp.to_owned(),
+            checksum: String::new(),
         })
+    }
+
+    /// The checksum that it should have.
+    pub(super) fn sum(&self) -> String {
+        let plain = Self { front: false, checksum: String::new(), ..self.clone() };
+        checksum(serde_json::to_string(&plain).unwrap_or_default().as_bytes())
     }
 
     /// Whether it is this setting's.
@@ -136,6 +147,7 @@ pub(super) mod tests {
             flip: 0.01,
             front: false,
             stamp: "1".into(),
+            checksum: String::new(),
         }
     }
 

@@ -1,14 +1,12 @@
 use crate::args::{TradeArgs, TradeGeometry};
+use crate::checkpoint;
 use crate::console::{self, STOP};
 use crate::failure::Failure;
 use crate::files::Files;
-use cosine_lobes::render_cpu::{CheckpointError, GBuffer, Geometry, Reference, ReferenceJob, World};
+use cosine_lobes::render_cpu::{GBuffer, Geometry, Reference, ReferenceJob, World};
 use cosine_lobes::scene::BlockerSet;
-use cosine_lobes::{ExrLayer, FlipMap, ImageFileError, Output, Picture, RegionError, ShadowErrors, luminance};
+use cosine_lobes::{ExrLayer, FlipMap, Picture, RegionError, ShadowErrors, luminance};
 use glam::Vec3;
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// The reference that all rows are compared with.
@@ -35,23 +33,12 @@ impl Truth {
         };
         let mut reference = Reference::new(ReferenceJob { world, gbuffer, blockers, geometry, seed: 0 });
         let path = args.output.join("reference.checkpoint");
-        if let Ok(file) = File::open(&path) {
-            match reference.restore(BufReader::new(file)) {
-                Ok(()) => {}
-                Err(CheckpointError::OtherJob) if args.view.quiet => {}
-                Err(CheckpointError::OtherJob) => {
-                    console::note(format_args!("lobes: {} is of another picture and will be replaced", path.display()));
-                }
-                Err(error) => return Err(Failure::new(format_args!("{}: {error}", path.display()))),
-            }
-        }
+        checkpoint::resume(&mut reference, &path, args.view.quiet)?;
         let samples = args.reference_spp;
         if reference.samples() < samples {
             console::stoppable(|| -> Result<(), Failure> {
-                let bar = console::progress("reference", reference.work(samples), args.view.quiet);
-                reference.advance(samples, &STOP, &|n| bar.inc(n));
-                bar.finish_and_clear();
-                save(&reference, &path)
+                checkpoint::advance(&mut reference, samples, &path, "reference", args.view.quiet)?;
+                checkpoint::save(&reference, &path)
             })?;
             if STOP.load(Ordering::SeqCst) {
                 return Err(Failure::interrupted(format_args!(
@@ -80,11 +67,6 @@ impl Truth {
         let errors = ShadowErrors::of(picture, &self.picture, &self.unshadowed)?;
         Ok((errors.penumbra, FlipMap::of(picture, &self.picture, exposure)?.mean()))
     }
-}
-
-fn save(reference: &Reference<'_>, path: &Path) -> Result<(), Failure> {
-    let failed = |source| ImageFileError::Io { path: path.to_owned(), source };
-    Ok(Output::create(path)?.finish(|file| reference.save(file).map_err(failed))?)
 }
 
 fn penumbra_error(radiance: &[Vec3], unshadowed: &[Vec3], std_error: &[Vec3]) -> f64 {
