@@ -9,8 +9,8 @@ use rayon::prelude::*;
 /// A triangle mesh as the silhouettes of it are found: planes of triangles, edges with the triangles on both sides, and a
 /// hierarchy of the edges.
 ///
-/// Any triangles: open, self-intersecting, wound either way, with edges of more than two triangles. Those without area are
-/// left out. The mesh may move ([`refit`](Self::refit)) as long as its triangles keep their corners.
+/// Any triangles: open, self-intersecting, wound either way, with edges of more than two triangles. Those with two equal corners
+/// are left out. The mesh may move ([`refit`](Self::refit)) as long as its triangles keep their corners.
 ///
 /// # Cost
 /// About 70 bytes a triangle.
@@ -43,10 +43,8 @@ impl SilhouetteMesh {
             sources[*number as usize] = source as u32;
         }
         let mut triangles: Vec<_> = triangles.iter().map(|t| t.map(|i| numbers[i as usize])).collect();
-        triangles.retain(|t| {
-            let n = normal(t.map(|i| welded[i as usize]));
-            n.is_finite() && n.length_squared() > 0.0
-        });
+        // One without area blocks nothing, but may have some later.
+        triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
         let mut edges = topology::edges(&mut triangles);
         let bounds = |e: &Edge| {
             let [a, b] = e.ends().map(|k| welded[triangles[e.triangle() as usize][k] as usize]);
@@ -72,7 +70,7 @@ impl SilhouetteMesh {
     /// Follows a mesh that has moved: the same triangles between other positions. `false`, and nothing is changed, when
     /// there are other positions than before.
     ///
-    /// Corners that were equal stay one corner; a triangle that has lost its area blocks nothing until it has one again.
+    /// Corners that were equal stay one corner; a triangle without area blocks nothing until it has one.
     ///
     /// # Cost
     /// Linear in the triangles, on all threads.
@@ -121,7 +119,7 @@ impl SilhouetteMesh {
         self.object
     }
 
-    /// Triangles with an area.
+    /// Triangles with three different corners.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()

@@ -251,6 +251,48 @@ fn masks_do_not_depend_on_the_hierarchy() {
     assert!(partly > 50, "{partly}");
 }
 
+/// Triangles that have no area at first block as soon as they have one.
+#[test]
+fn what_was_flat_may_grow() {
+    let grown = ball(Vec3::ZERO, 0.5, 9);
+    let mut line = grown.clone();
+    line.positions.iter_mut().for_each(|p| *p *= Vec3::Y);
+    // Rings whose corners have become one stay one: spread them along the line.
+    for (k, p) in line.positions.iter_mut().enumerate() {
+        p.y += 1e-3 * k as f32;
+    }
+    let fresh = [SilhouetteMesh::new(0, &grown.positions, &grown.triangles)];
+    let mut kept = [SilhouetteMesh::new(0, &line.positions, &line.triangles)];
+    let light = Sphere { center: Vec3::new(0.0, 3.0, 0.0), radius: 0.8 };
+    let at = |x: f32| {
+        let position = Vec3::new(x, -1.0, 0.1);
+        Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+    };
+    let look = |meshes: &[SilhouetteMesh; 1], soup: &Soup| -> Vec<_> {
+        let blockers = SilhouetteBlockers::new(meshes, Rays(soup));
+        let mut scratch = blockers.scratch();
+        let mut one = |k: u32| {
+            let at = at(k as f32 * 0.05);
+            let cone = Cone::of_sphere(at.position, light);
+            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let mut mask = hooks::mask(&UnitSquare::facing(&cone, Vec3::X), 5, true, Vec3::Y);
+            match blockers.select(&query, &mut scratch) {
+                Coverage::Lit => {}
+                Coverage::Dark => mask.block_all(),
+                Coverage::Partial => blockers.splat(&query, &mut scratch, &mut mask),
+            }
+            (0..32).map(|j| hooks::row(&mask, j)[0].count_ones()).sum::<u32>()
+        };
+        (0..30).map(&mut one).collect()
+    };
+    let before = look(&kept, &line);
+    assert!(before.iter().all(|lit| *lit == before[29]), "a line hides nothing: {before:?}");
+    assert!(kept[0].refit(&grown.positions));
+    let after = look(&kept, &grown);
+    assert_eq!(after, look(&fresh, &grown));
+    assert!(after.iter().any(|lit| *lit > 0 && *lit < before[29]));
+}
+
 /// A mask and its turn are the same to the bit whichever receivers share a list, or none.
 #[test]
 fn masks_do_not_depend_on_the_group() {
