@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// are left out. The mesh may move ([`refit`](Self::refit)) as long as its triangles keep their corners.
 ///
 /// # Cost
-/// About 70 bytes a triangle.
+/// About 72 bytes a triangle.
 #[derive(Clone, Debug)]
 pub struct SilhouetteMesh {
     /// The number of the object that the triangles belong to.
