@@ -178,8 +178,26 @@ mod tests {
                     edges.add_lines(simd, across, length);
                 });
             }
-            assert!(one.across().dot(eight.across()).abs() > 0.999_99, "{one:?} {eight:?}");
-            assert_eq!(eight.whole, turned.whole);
+            let sum = eight.sum + Vec2::from_array(eight.whole.map(|whole| whole as f32 * STEP));
+            assert!(one.sum.distance(sum) < 1e-3, "{one:?} {eight:?}");
+            assert_eq!((eight.whole, eight.fourfold), (turned.whole, turned.fourfold));
+        }
+    }
+
+    /// Edges of one direction are crossed at right angles; the shorter of two at right angles to each other leans the mask.
+    #[test]
+    fn no_edge_runs_along_the_rows() {
+        let cone = Cone { axis: Vec3::Y, one_minus_cos: 0.01, distance: 5.0 };
+        for (part, least, most) in [(0.0, 0.0, 0.1), (0.1, 2.0, 15.0), (0.5, 20.0, 40.0), (1.0, 44.0, 46.0)] {
+            let mut edges = Edges::new(&cone);
+            dispatch!(Level::new(), simd => {
+                let lanes = |a: f32, b: f32| f32x8::simd_from(simd, [a, b, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+                let [x, z] = [edges.right, Vec3::Y.cross(edges.right)];
+                let across = [lanes(x.x, z.x), lanes(x.y, z.y), lanes(x.z, z.z)];
+                edges.add_lines(simd, across, lanes(1.5, 1.5 * part));
+            });
+            let lean = edges.across().dot(edges.right).abs().min(1.0).acos().to_degrees();
+            assert!((least..=most).contains(&lean), "a part of {part} leans by {lean}°");
         }
     }
 

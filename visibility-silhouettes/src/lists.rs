@@ -11,13 +11,15 @@ use lobe_core::{Shaft, Sphere};
 const CELLS: usize = 3;
 /// Shorter lists are not divided.
 const LONG: usize = 48;
-/// A shaft that meets more leaves of the hierarchy has no list: its receivers are too far apart, or what is before their
-/// light is too fine.
+/// A shaft that meets more leaves of the hierarchy than this, and than so many times those of one receiver in its middle, has no
+/// list: its receivers are too far apart.
 const SHAFT_LEAVES: usize = 64;
+const SHAFT_TIMES: usize = 24;
 /// Then receivers in a ball share one: as many neighbours as fit in so many times the distance to the nearest.
 const NEIGHBOURS: f32 = 2.5;
-/// Unless the ball meets more leaves than this; then so many receivers have lists of their own before the next try.
+/// The same for a ball; if it has no list, so many receivers have lists of their own before the next try.
 const BALL_LEAVES: usize = 128;
+const BALL_TIMES: usize = 4;
 const ALONE: u32 = 16;
 /// The last balls are kept.
 const BALLS: usize = 16;
@@ -46,14 +48,16 @@ impl<'m> Meshes<'m> {
         self.meshes[mesh].sides((edge - self.bases[mesh]) as usize, x)
     }
 
-    /// Lists the edges that may be silhouettes inside of a hull. Gives up, with `false`, where they are in more than so many
-    /// leaves.
-    fn list(&self, hull: &Hull, mut leaves: usize, stack: &mut Vec<u32>, out: &mut EdgeList) -> bool {
+    /// Lists the edges that may be silhouettes inside of a hull; returns in how many leaves they are. Gives up where these are
+    /// more than `most`.
+    fn list(&self, hull: &Hull, most: usize, stack: &mut Vec<u32>, out: &mut EdgeList) -> Option<usize> {
         out.clear();
-        self.meshes
-            .iter()
-            .zip(&self.bases)
-            .all(|(mesh, base)| dispatch!(Level::new(), simd => hull.find(simd, mesh, *base, stack, &mut leaves, out)))
+        let mut left = most;
+        let all =
+            self.meshes.iter().zip(&self.bases).all(
+                |(mesh, base)| dispatch!(Level::new(), simd => hull.find(simd, mesh, *base, stack, &mut left, out)),
+            );
+        all.then(|| most - left)
     }
 }
 
@@ -74,6 +78,8 @@ pub(crate) struct Lists {
     made: usize,
     /// Receivers of this shaft so far.
     seen: Vec<Vec3>,
+    /// Leaves that the last receiver with a list of its own met.
+    single: usize,
     /// So many receivers are still to have lists of their own.
     alone: u32,
     stack: Vec<u32>,
@@ -102,6 +108,7 @@ impl Default for Lists {
             balls: vec![Ball::default(); BALLS],
             made: 0,
             seen: Vec::new(),
+            single: 0,
             alone: 0,
             stack: Vec::new(),
         }
@@ -117,9 +124,18 @@ impl Lists {
         self.alone = 0;
         self.shaft = *shaft;
         self.margin = margin;
-        let most = if shaft.receivers.radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
-        let hull = self.hull(shaft.receivers);
-        self.is_whole = meshes.list(&hull, most, &mut self.stack, &mut self.edges);
+        let Sphere { center, radius } = shaft.receivers;
+        let mut list = |receivers, most| {
+            let hull = Self::hull(receivers, shaft.light, margin);
+            meshes.list(&hull, most, &mut self.stack, &mut self.edges)
+        };
+        let first = if radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
+        self.is_whole = list(shaft.receivers, first).is_some();
+        if !self.is_whole {
+            self.single = list(Sphere { center, radius: 0.0 }, usize::MAX).unwrap_or_default();
+            let most = SHAFT_TIMES * self.single;
+            self.is_whole = most > first && list(shaft.receivers, most).is_some();
+        }
     }
 
     /// Whether no receiver of the shaft has edges to look at.
@@ -153,8 +169,8 @@ impl Lists {
         &cell.edges
     }
 
-    fn hull(&self, receivers: Sphere) -> Hull {
-        Hull::new(receivers.center, Vec3::ZERO, receivers.radius + self.margin, self.shaft.light, self.margin)
+    fn hull(receivers: Sphere, light: Sphere, margin: f32) -> Hull {
+        Hull::new(receivers.center, Vec3::ZERO, receivers.radius + margin, light, margin)
     }
 
     /// The list of a ball that a receiver is in.
@@ -179,11 +195,14 @@ impl Lists {
         let is_alone = self.alone > 0 || near == f32::INFINITY;
         self.alone = self.alone.saturating_sub(1);
         let mut receivers = Sphere { center: at, radius: if is_alone { 0.0 } else { NEIGHBOURS * near.sqrt() } };
-        let most = if is_alone { usize::MAX } else { BALL_LEAVES };
-        if !meshes.list(&self.hull(receivers), most, &mut self.stack, &mut edges) {
-            self.alone = ALONE;
+        let (light, margin) = (self.shaft.light, self.margin);
+        let mut list =
+            |receivers, most| meshes.list(&Self::hull(receivers, light, margin), most, &mut self.stack, &mut edges);
+        let most = BALL_LEAVES.max(BALL_TIMES * self.single);
+        if is_alone || list(receivers, most).is_none() {
+            self.alone = if is_alone { self.alone } else { ALONE };
             receivers.radius = 0.0;
-            meshes.list(&self.hull(receivers), usize::MAX, &mut self.stack, &mut edges);
+            self.single = list(receivers, usize::MAX).unwrap_or_default();
         }
         self.balls[number] = Ball { receivers, edges };
         number
