@@ -16,18 +16,42 @@ const ROW_LINES: usize = (1 << MAX_DEPTH) + 1;
 /// A word of each of eight rows.
 type Words = [u64; EIGHT];
 
+/// Eight words of one digit, and of what is to be added to it.
+#[derive(Clone, Copy, Debug)]
+struct Digit {
+    value: Words,
+    more: Words,
+}
+
+impl Digit {
+    /// Adds two words, one of which becomes the carry.
+    #[inline(always)]
+    fn add(&mut self, more: Words, carry: &mut Words) {
+        for ((value, one), other) in self.value.iter_mut().zip(more).zip(carry) {
+            let sum = *value ^ one ^ *other;
+            *other = (one & *other) | (*value & (one ^ *other));
+            *value = sum;
+        }
+    }
+}
+
 /// Numbers of surfaces, up to one constant: those of the sample with the fewest become 0 or are asked for by a ray.
 ///
 /// A number is kept as binary digits, each digit of 64 samples in a word: adding 1 to all samples on one side of a crossing
-/// is a carry that ripples through few words, and the least number is found from the highest digit downward. So the price
-/// is in the crossings and not in the samples, and numbers may be of any size.
+/// is a few operations on words, and the least number is found from the highest digit downward. So the price is in the
+/// crossings and not in the samples, and numbers may be of any size. What is to be added to a digit waits for a second such
+/// word: both are added at once, and their carry waits at the next digit (a carry-save adder, H. S. Warren, *Hacker's Delight*,
+/// 2nd ed., §5-1).
 ///
 /// The number left of the first sample changes from row to row by the outlines between them, which is what their ends say
 /// ([`Crossing::left`]).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Counter {
-    /// Digits of a word side by side, lowest first; the words of eight rows; the blocks of rows.
-    digits: Vec<Words>,
+    /// Digits of a word side by side, lowest first, each with what waits to be added; the words of eight rows; the blocks of
+    /// rows.
+    digits: Vec<Digit>,
+    /// For the digits of each word, whether anything waits, as bits.
+    waiting: Vec<u32>,
     /// Digits of a number.
     places: usize,
     /// Samples that matter and were not yet given as the fewest.
@@ -59,21 +83,24 @@ impl Counter {
         self.rest.extend((0..blocks).map(|b| mask.lit_rows(b * EIGHT)));
         let starts = self.start(crossings, blocks);
         self.digits.clear();
+        self.waiting.clear();
+        self.waiting.resize(blocks * self.words, 0);
         for (b, starts) in starts[..blocks * EIGHT].chunks_exact(EIGHT).enumerate() {
             debug_assert!(b < BLOCKS);
             for _ in 0..self.words {
                 for place in 0..self.places {
-                    let mut digit = [0; EIGHT];
-                    for (digit, start) in digit.iter_mut().zip(starts) {
-                        *digit = u64::from(start >> place & 1).wrapping_neg();
+                    let mut value = [0; EIGHT];
+                    for (value, start) in value.iter_mut().zip(starts) {
+                        *value = u64::from(start >> place & 1).wrapping_neg();
                     }
-                    self.digits.push(digit);
+                    self.digits.push(Digit { value, more: [0; EIGHT] });
                 }
             }
         }
         for c in crossings {
             self.add(simd, view, c);
         }
+        self.settle();
     }
 
     /// The number left of all samples in each row, less the least of them, and how many digits the largest number of all
@@ -122,23 +149,41 @@ impl Counter {
             }
             for word in 0..self.words {
                 let mut carry = [0; EIGHT];
-                for k in 0..EIGHT {
-                    let first = columns[k].saturating_sub((word * WORD) as u32);
-                    carry[k] = (u64::MAX.unbounded_shl(first) ^ left) & rows[k];
+                for ((carry, column), row) in carry.iter_mut().zip(columns).zip(rows) {
+                    let first = column.saturating_sub((word * WORD) as u32);
+                    *carry = (u64::MAX.unbounded_shl(first) ^ left) & row;
                 }
-                let digits = &mut self.digits[(block * self.words + word) * self.places..][..self.places];
-                for digit in digits.iter_mut().skip(lowest) {
-                    let mut any = 0;
-                    for k in 0..EIGHT {
-                        let both = digit[k] & carry[k];
-                        digit[k] ^= carry[k];
-                        carry[k] = both;
-                        any |= both;
-                    }
-                    if any == 0 {
-                        break;
-                    }
-                }
+                self.add_words(block * self.words + word, lowest, carry);
+            }
+        }
+    }
+
+    /// Adds one to a digit of some samples.
+    #[inline(always)]
+    fn add_words(&mut self, number: usize, lowest: usize, mut carry: Words) {
+        let waiting = &mut self.waiting[number];
+        let digits = &mut self.digits[number * self.places..][..self.places];
+        for (place, digit) in digits.iter_mut().enumerate().skip(lowest) {
+            *waiting ^= 1 << place;
+            if *waiting >> place & 1 == 1 {
+                digit.more = carry;
+                return;
+            }
+            digit.add(digit.more, &mut carry);
+        }
+    }
+
+    /// Adds what waits.
+    #[inline(always)]
+    fn settle(&mut self) {
+        for (waiting, digits) in self.waiting.iter().zip(self.digits.chunks_exact_mut(self.places.max(1))) {
+            if *waiting == 0 {
+                continue;
+            }
+            let mut carry = [0; EIGHT];
+            for (place, digit) in digits.iter_mut().enumerate() {
+                let more = if waiting >> place & 1 == 1 { digit.more } else { [0; EIGHT] };
+                digit.add(more, &mut carry);
             }
         }
     }
@@ -156,7 +201,7 @@ impl Counter {
             for ((lower, rows), digits) in lower.iter_mut().zip(&fewest.rows).zip(digits) {
                 for ((lower, rows), digits) in lower.iter_mut().zip(rows).zip(digits.chunks_exact(self.places)) {
                     for k in 0..EIGHT {
-                        lower[k] = rows[k] & !digits[place][k];
+                        lower[k] = rows[k] & !digits[place].value[k];
                         any |= lower[k];
                     }
                 }
