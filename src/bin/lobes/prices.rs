@@ -8,10 +8,10 @@ use crate::input;
 use crate::picture::seconds;
 use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
 use cosine_lobes::lighting::depth_for;
-use cosine_lobes::luminance;
 use cosine_lobes::render_cpu::{GBuffer, SceneSilhouettes, World};
 use cosine_lobes::scene::{Animation, BlockerSet, Frame, Scene, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::Bounds;
+use cosine_lobes::{Picture, RegionError, ShadowErrors};
 use glam::Vec3;
 use serde_json::{Value, json};
 
@@ -34,8 +34,7 @@ pub(crate) struct Price {
     update: f64,
     /// Shading the small picture.
     shade: f64,
-    mean: f64,
-    p99: f64,
+    penumbra: RegionError,
 }
 
 /// The prices of a scene in a small picture, and how large that was.
@@ -55,18 +54,13 @@ impl Prices {
         let mut run = |visibility, tolerance| run(&mut scene, animation, visibility, tolerance);
         let (_, unshadowed) = run(Visibility::None, EXACT)?;
         let (_, exact) = run(Visibility::Silhouettes, EXACT)?;
-        let share = |radiance: &[Vec3], k: usize| luminance(radiance[k]) / luminance(unshadowed[k]);
-        let penumbra: Vec<usize> = (0..exact.len()).filter(|k| (0.01..0.99).contains(&share(&exact, *k))).collect();
-        let price = |(price, radiance): (Price, Vec<Vec3>)| {
-            let error = |k: &usize| (share(&radiance, *k) - share(&exact, *k)).abs();
-            let mut errors: Vec<f64> = penumbra.iter().map(error).collect();
-            errors.sort_by(f64::total_cmp);
-            let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-            let p99 = errors.get(errors.len() * 99 / 100).copied().unwrap_or(0.0);
-            Price { mean, p99, ..price }
+        let penumbra = |of: &Picture| Ok::<_, Failure>(ShadowErrors::of(of, &exact, &unshadowed)?.penumbra);
+        let mut price = |visibility| {
+            let (price, picture) = run(visibility, TOLERANCE)?;
+            Ok(Price { penumbra: penumbra(&picture)?, ..price })
         };
-        let all = CHOICES.map(|visibility| (visibility, run(visibility, TOLERANCE).map(price))).into();
-        Ok(Self { size: [scene.width, scene.height], penumbra: penumbra.len(), all })
+        let all = CHOICES.map(|visibility| (visibility, price(visibility))).into();
+        Ok(Self { size: [scene.width, scene.height], penumbra: penumbra(&exact)?.pixels, all })
     }
 
     pub(crate) fn print(&self) {
@@ -86,8 +80,8 @@ impl Prices {
                     1e3 * price.shade,
                     1e3 * price.prepare,
                     1e3 * price.update,
-                    100.0 * price.mean,
-                    100.0 * price.p99
+                    100.0 * price.penumbra.mean,
+                    100.0 * price.penumbra.p99
                 )),
                 Err(reason) => say(format_args!("           {name:11} {}", reason.message())),
             }
@@ -101,8 +95,8 @@ impl Prices {
                 "shade_seconds": p.shade,
                 "prepare_seconds": p.prepare,
                 "update_seconds": p.update,
-                "mean_error": p.mean,
-                "p99_error": p.p99,
+                "mean_error": p.penumbra.mean,
+                "p99_error": p.penumbra.p99,
             }),
             Err(reason) => json!({"visibility": name(visibility), "unsuited": reason.message()}),
         };
@@ -116,13 +110,13 @@ impl Prices {
     }
 }
 
-/// One strategy's price without its errors, and its radiance at each visible point.
+/// One strategy's price without its errors, and its radiance at each visible point in a row.
 fn run(
     scene: &mut Scene,
     animation: &Animation,
     visibility: Visibility,
     tolerance: f32,
-) -> Result<(Price, Vec<Vec3>), Failure> {
+) -> Result<(Price, Picture), Failure> {
     let plan = Plan::new(visibility, scene);
     let (mut prepare, mut update) = (0.0, 0.0);
     let spheres = seconds(&mut prepare, || input::make_spheres(scene, animation, &plan, true))?;
@@ -145,7 +139,8 @@ fn run(
     let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance, depth, threshold: 0.0 };
     let occlusion = Occlusion::new(&plan, &world, kept.get(), maps, &silhouettes);
     let (shade, radiance) = occlusion.shade(&mut Backend::Cpu, depth, None, Shot { points: &points, frame: &frame })?;
-    Ok((Price { prepare, update, shade, mean: 0.0, p99: 0.0 }, radiance))
+    let picture = Picture::new(radiance.len(), 1, radiance);
+    Ok((Price { prepare, update, shade, penumbra: RegionError::default() }, picture))
 }
 
 /// A picture of visible points that are there.
