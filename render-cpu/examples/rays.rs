@@ -147,7 +147,7 @@ fn run(name: &str, scene: &Scene) {
     }
 }
 
-/// What is seen of the light at each point, and the price.
+/// The visible fraction at each point, and the figures of the run.
 fn shares<V: VisibilityLobes>(shader: &CpuShader<'_, V>, g: &GBuffer, frame: &Frame<'_>) -> (Vec<f64>, ShadeStats) {
     let mut out = vec![Vec3::ZERO; g.len()];
     let (stats, layers) = shader.shade_layers(&g.points, frame, &mut out).expect("room for all lobes");

@@ -56,7 +56,7 @@ impl Strategies {
         bindings
     }
 
-    /// What reads the shadow maps.
+    /// The code that reads the shadow maps.
     fn words(self) -> String {
         self.maps.map_or_else(String::new, Pages::wgsl)
     }
@@ -75,7 +75,7 @@ impl Variant {
         [SHADED.as_slice(), &self.strategies.bindings(), tables].concat()
     }
 
-    /// What it is made for, in words.
+    /// The purpose of the kernel, in words.
     fn name(&self) -> String {
         let strategies: Vec<&str> = self.strategies.calls().collect();
         let strategies = if strategies.is_empty() { "no blockers".to_owned() } else { strategies.join(" + ") };

@@ -24,7 +24,7 @@ pub(crate) fn read_material(root: &Root, index: usize) -> Result<Material, Strin
     for index in textures.into_iter().flatten().map(|index| index.value()) {
         let texture = root.textures.get(index).ok_or_else(|| fault(format!("there is no texture {index}")))?;
         let image = texture.source.value();
-        // What the reader of the document takes for a source that is not named.
+        // The document reader takes this number for a source that is not named.
         if image != u32::MAX as usize && image >= root.images.len() {
             return Err(fault(format!("texture {index}: there is no image {image}")));
         }

@@ -58,13 +58,15 @@ pub trait AnyHit: Sync {
 /// sides.
 ///
 /// # Accuracy
-/// On 10 000 random soups of triangles (loose, closed, crossing each other, wound either way, cards, strips, needles) 2 of 14
-/// million samples differ from f64 rays to each of them, both on needles as thin as rounding.
+/// On 10 000 random soups of triangles (loose, closed, crossing each other, wound either way, cards, strips, needles) 1 of 12.9
+/// million samples differs from f64 rays, on a needle as thin as rounding; where the light holds parts of triangles 108 of 1.3
+/// million, beside chords.
 ///
 /// # Cost
-/// A hierarchy of edges is asked once for a group of receivers, and cells of the group keep shorter lists; a receiver then takes
-/// time for each edge in its cell's list, for each silhouette before its light, for each row that one crosses, and for one
-/// ray. `cargo run --release -p render-cpu --example silhouettes` measures it beside shadow rays.
+/// A hierarchy of edges is asked once for a group of receivers that are close together, and cells of the group keep shorter
+/// lists; else it is asked for a few neighbours or for each receiver. A receiver then takes time for each edge in its list, for
+/// each silhouette before its light, for each row that one crosses, and for one ray. `cargo run --release -p render-cpu
+/// --example silhouettes` measures it beside shadow rays.
 #[derive(Debug)]
 pub struct SilhouetteBlockers<'m, H> {
     meshes: Meshes<'m>,
@@ -143,8 +145,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             entered: false,
             lists: Lists::default(),
             is_met: true,
-            // None that a caller could mean.
             is_cut: false,
+            // None that a caller could mean.
             light: Sphere { center: Vec3::NAN, radius: 0.0 },
             cutting: Vec::new(),
             origin: Vec3::ZERO,

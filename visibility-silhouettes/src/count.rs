@@ -85,8 +85,7 @@ impl Counter {
         self.digits.clear();
         self.waiting.clear();
         self.waiting.resize(blocks * self.words, 0);
-        for (b, starts) in starts[..blocks * EIGHT].chunks_exact(EIGHT).enumerate() {
-            debug_assert!(b < BLOCKS);
+        for starts in starts[..blocks * EIGHT].chunks_exact(EIGHT) {
             for _ in 0..self.words {
                 for place in 0..self.places {
                     let mut value = [0; EIGHT];

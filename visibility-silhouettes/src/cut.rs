@@ -90,12 +90,18 @@ impl Ball {
         sides.iter().any(|side| *side != Inside::Nowhere) || large.is_within(corners)
     }
 
-    /// Whether the plane of a triangle passes through the ball with the circle's middle inside of the triangle.
-    fn is_within(&self, corners: [Vec3; 3]) -> bool {
+    /// The normal of a triangle, and how far its plane is from the ball's centre along that.
+    fn plane(&self, corners: [Vec3; 3]) -> (DVec3, f64) {
         let [a, b, c] = corners.map(|p| p.as_dvec3());
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        let off = normal.dot(a - self.center);
+        (normal, normal.dot(a - self.center))
+    }
+
+    /// Whether the plane of a triangle passes through the ball with the circle's middle inside of the triangle.
+    fn is_within(&self, corners: [Vec3; 3]) -> bool {
+        let (normal, off) = self.plane(corners);
         let middle = self.center + normal * off;
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
         let sides = [(a, b), (b, c), (c, a)];
         off.abs() < self.radius && sides.iter().all(|(p, q)| (*q - *p).cross(middle - *p).dot(normal) > 0.0)
     }
@@ -131,9 +137,7 @@ impl Ball {
     /// What of the triangle is inside is convex: along the triangle's outline an arc begins where it leaves the ball and ends
     /// where it comes back.
     pub(crate) fn cut(&self, view: &View, corners: [Vec3; 3], side: f32, out: &mut Vec<Crossing>) {
-        let [a, b, c] = corners.map(|p| p.as_dvec3());
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        let off = normal.dot(a - self.center);
+        let (normal, off) = self.plane(corners);
         let rho = (self.radius * self.radius - off * off).sqrt();
         if side == 0.0 || normal == DVec3::ZERO || rho.is_nan() || rho <= 0.0 {
             return;

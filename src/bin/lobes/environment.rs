@@ -1,4 +1,4 @@
-//! What Vulkan's drivers find in the environment. They look there when they are loaded, and a program cannot change its own
+//! Variables that Vulkan's drivers read. They read them when they are loaded, and a program cannot change its own
 //! without unsafe code: so it starts itself anew, before it has done anything.
 
 use crate::args::{Command, Device, TradeDevice};
