@@ -5,8 +5,8 @@
 //! Reference: Monte Carlo of the same blockers (4096 samples a pixel unless given).
 
 use cosine_lobes::brdf::{Lambert, Material, Phong};
-use cosine_lobes::lighting::{MaskVisibility, SphereLight, depth_for};
-use cosine_lobes::lobe_core::Sphere;
+use cosine_lobes::lighting::{MaskVisibility, SphereLight};
+use cosine_lobes::lobe_core::{Accuracy, Sphere};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, Geometry, Reference, ReferenceJob, World};
 use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -75,12 +75,11 @@ fn measure(scene: &Scene, samples: u32, tolerance: f32) -> Cell {
     let blockers = BlockerSet { objects: vec![1; balls.len()], spheres: balls, ..BlockerSet::default() };
 
     let spheres = SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances);
-    let mut shader = CpuShader::new(MaskVisibility::new(spheres, depth_for(tolerance)));
+    let mut shader = CpuShader::new(MaskVisibility::new(spheres));
     let frame = Frame {
         materials: &scene.materials,
         lights: &scene.lights,
-        tolerance,
-        depth: depth_for(tolerance),
+        accuracy: Accuracy::new(tolerance),
         threshold: 0.0,
     };
     let mut radiance = vec![Vec3::ZERO; gbuffer.len()];

@@ -6,7 +6,8 @@
 use cosine_lobes::brdf::Lambert;
 use cosine_lobes::lighting::{MaskVisibility, SphereLight};
 use cosine_lobes::lobe_core::{
-    BrdfLobes, Call, Integrator, LightLobes, LightTerm, LobeBuffer, Receiver, Sphere, VisibilityLobes, VisibilitySum,
+    Accuracy, BrdfLobes, Call, Integrator, LightId, LightLobes, LightTerm, LobeBuffer, Receiver, Sphere,
+    VisibilityLobes, VisibilitySum, Visit,
 };
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
@@ -17,11 +18,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let material = Lambert { albedo: Vec3::new(0.8, 0.7, 0.6) };
     let ball = Sphere { center: Vec3::new(0.0, 0.8, 0.0), radius: 0.5 };
     let light = SphereLight::new(Sphere { center: Vec3::new(2.0, 4.0, 1.0), radius: 0.6 }, Vec3::splat(60.0));
-    let visibility = MaskVisibility::new(SphereBlockers::new(&[ball], &[1], &[]), 5);
-    let integrator = Integrator::default();
+    let visibility = MaskVisibility::new(SphereBlockers::new(&[ball], &[1], &[]));
+    let (integrator, accuracy) = (Integrator::default(), Accuracy::new(0.003));
 
     let mut scratch = visibility.scratch();
-    let mut sum = VisibilitySum::with_capacity(visibility.max_lobes());
+    let mut sum = VisibilitySum::with_capacity(visibility.max_lobes(accuracy));
     let mut lobes = LobeBuffer::with_capacity(material.max_lobes());
     let mut pixels = Vec::new();
     for i in 0..width * height {
@@ -30,9 +31,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let at = Receiver { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
         material.brdf_lobes(&at, &mut lobes.writer())?;
         let term = LightTerm { cone: light.cone(&at), radiance: light.radiance(&at) };
-        let (at, light, visibility) = (&at, &term, &visibility);
-        let call = Call { at, brdf: lobes.lobes(), light, visibility, tolerance: 0.003 };
-        let lit = integrator.radiance(&call, &mut scratch, &mut sum, &mut ())?;
+        let call = Call { at: &at, brdf: lobes.lobes(), light: &term };
+        let mut visit = Visit::alone(&visibility, LightId(0), accuracy, &mut scratch);
+        let lit = integrator.radiance(&call, &mut visit, &mut sum, &mut ())?;
         pixels.push(lit.radiance);
     }
     let picture = Picture::new(width, height, pixels);

@@ -5,7 +5,7 @@
 
 use cosine_lobes::brdf::Material;
 use cosine_lobes::lighting::{Blockers, Contour, Mask, MaskVisibility, SphereLight};
-use cosine_lobes::lobe_core::{Cone, Coverage, DynVisibility, Sphere, VisibilityQuery};
+use cosine_lobes::lobe_core::{Accuracy, Cone, Coverage, DynVisibility, Sphere, VisibilityQuery};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, World};
 use cosine_lobes::scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
@@ -67,11 +67,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let points = GBuffer::new(&World::new(&scene), 640, 400, 4);
     let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
-    let visibility = MaskVisibility::new(Boxes(boxes.clone()), frame.depth);
+        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let visibility = MaskVisibility::new(Boxes(boxes.clone()));
     let (mut radiance, mut again) = (vec![Vec3::ZERO; points.len()], vec![Vec3::ZERO; points.len()]);
     CpuShader::new(visibility).shade(&points.points, &frame, &mut radiance)?;
-    let boxed: Box<dyn DynVisibility> = Box::new(MaskVisibility::new(Boxes(boxes), frame.depth));
+    let boxed: Box<dyn DynVisibility> = Box::new(MaskVisibility::new(Boxes(boxes)));
     CpuShader::new(boxed).shade(&points.points, &frame, &mut again)?;
     assert_eq!(radiance, again, "static and dynamic dispatch give the same picture");
     let picture = Picture::new(640, 400, points.resolve(&radiance, Vec3::ZERO));

@@ -3,6 +3,7 @@
 //! `cargo run --release --example gpu` says what each takes and how far apart the pictures are, and writes gpu.png.
 
 use cosine_lobes::lighting::MaskVisibility;
+use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, World, blockers};
 use cosine_lobes::render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
 use cosine_lobes::scene::{Frame, Shade, builtin};
@@ -19,12 +20,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(()))?;
     let spheres =
         SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances).with_self_shadows(&set.self_shadows);
-    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.005, depth, threshold: 0.0 };
+    let frame = Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance: 0.005, depth },
+        threshold: 0.0,
+    };
 
     let gpu = Gpu::blocking(&GpuOptions::default())?;
     let mut on_gpu = GpuShader::new(&gpu, Occlusion { spheres: Some(&spheres), ..Occlusion::default() })?;
     let got = shade(&gpu.name(), &mut on_gpu, &g, &frame)?;
-    let want = shade("cpu", &mut CpuShader::new(MaskVisibility::new(&spheres, depth)), &g, &frame)?;
+    let want = shade("cpu", &mut CpuShader::new(MaskVisibility::new(&spheres)), &g, &frame)?;
 
     let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
     let largest = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);

@@ -6,7 +6,7 @@
 //! ([`SphereSet::self_shadows`](cosine_lobes::visibility_spheres::SphereSet)).
 
 use cosine_lobes::lighting::{Blockers, Mask, UnitSquare};
-use cosine_lobes::lobe_core::{Cone, Coverage, Receiver, Sphere, VisibilityQuery};
+use cosine_lobes::lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
 use cosine_lobes::render_cpu::World;
 use cosine_lobes::scene::{self, Mesh, Object, Proxy, Shape};
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereBlockers, SphereSet};
@@ -133,7 +133,7 @@ fn group(world: &World<'_>, mesh: &Mesh, number: usize) -> Group {
 /// Lit share of the light's disc.
 fn share(blockers: &SphereBlockers, at: &Receiver, light: Sphere) -> f32 {
     let cone = Cone::of_sphere(at.position, light);
-    let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
+    let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
     let mut scratch = blockers.scratch();
     match blockers.select(&query, &mut scratch) {
         Coverage::Lit => 1.0,

@@ -6,7 +6,7 @@
 //! and the tentacle of `scenes/assets`. Light of half-angle 6°, mask of depth 5, a floor of 96 × 96 points.
 
 use cosine_lobes::lighting::MaskVisibility;
-use cosine_lobes::lobe_core::{Receiver, VisibilityLobes};
+use cosine_lobes::lobe_core::{Accuracy, Receiver, VisibilityLobes};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSpheres, SphereSource, World, blockers};
 use cosine_lobes::scene::{self, Animation, BlockerSet, Frame, Proxy, Scene, ShadingPoints, Shape};
 use cosine_lobes::visibility_spheres::{SphereBlockers, SphereSet};
@@ -66,7 +66,7 @@ fn study(file: &str, clip: &str, count: usize) -> Fallible<()> {
         pose_seconds += start.elapsed().as_secs_f64();
         let points = floor(&scene);
         let world = World::new(&scene);
-        let truth = visible(&scene, &points, MaskVisibility::new(RayBlockers::new(&world).only(|o| o > 0), 5))?;
+        let truth = visible(&scene, &points, MaskVisibility::new(RayBlockers::new(&world).only(|o| o > 0)))?;
         let posed = errors(&scene, &points, &truth, &set)?;
         silhouettes.posed.push(posed.0);
         floors.posed.push(posed.1);
@@ -128,7 +128,7 @@ fn errors(scene: &Scene, points: &ShadingPoints, truth: &[f32], set: &BlockerSet
 
 fn by_spheres(set: &BlockerSet) -> MaskVisibility<SphereBlockers> {
     let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
-    MaskVisibility::new(spheres.with_self_shadows(&set.self_shadows), 5)
+    MaskVisibility::new(spheres.with_self_shadows(&set.self_shadows))
 }
 
 /// A square of the floor that holds the shadow.
@@ -169,7 +169,7 @@ fn visible<V: VisibilityLobes>(scene: &Scene, points: &ShadingPoints, visibility
 /// The red radiance of each point, and that without blockers.
 fn shade<V: VisibilityLobes>(scene: &Scene, points: &ShadingPoints, visibility: V) -> Fallible<(Vec<f32>, Vec<f32>)> {
     let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out)?;
     Ok((out.iter().map(|l| l.x).collect(), layers.unshadowed.iter().map(|l| l.x).collect()))

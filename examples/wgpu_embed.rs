@@ -4,6 +4,7 @@
 //! PREFIX-0.png and PREFIX-1.png (`embed` unless given) of what was in the texture. Any adapter will do, a software one as
 //! well; without one it says so and ends with 1.
 
+use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::blockers;
 use cosine_lobes::render_gpu::{Gpu, GpuCanvas, GpuGBuffer, GpuShader, Occlusion};
 use cosine_lobes::scene::{Frame, builtin};
@@ -65,8 +66,12 @@ async fn run() -> Result<(), Box<dyn Error>> {
     println!("{}: {WIDTH}×{HEIGHT}, {} spheres", gpu.name(), spheres.spheres().len());
     for picture in 0..2 {
         let start = Instant::now();
-        let frame =
-            Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+        let frame = Frame {
+            materials: &scene.materials,
+            lights: &scene.lights,
+            accuracy: Accuracy::new(0.003),
+            threshold: 0.0,
+        };
         shader.submit(&frame, points.buffer, points.count, &radiance)?;
         canvas.submit(&gpu, points.buffer, &radiance, &texture)?;
         let texels = read(&device, &queue, &texture)?;

@@ -2,9 +2,9 @@
 //! and the paper's method beside them.
 
 use cosine_lobes::brdf::{Lambert, Material, ModifiedPhong};
-use cosine_lobes::lighting::{MaskVisibility, PaperVisibility, SphereLight, depth_for};
+use cosine_lobes::lighting::{MaskVisibility, PaperVisibility, SphereLight};
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::lobe_core::{Cone, Method, Sphere, Unshadowed, VisibilityLobes, oracle};
+use cosine_lobes::lobe_core::{Accuracy, Cone, Method, Sphere, Unshadowed, VisibilityLobes, oracle};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, Geometry, Reference, ReferenceJob, World, blockers};
 use cosine_lobes::scene::{BlockerSet, Frame, Mesh, Object, Proxy, Scene, ShadeStats, builtin};
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -38,7 +38,7 @@ fn shade<V: VisibilityLobes>(
     threshold: f32,
 ) -> (Picture, ShadeStats) {
     let (materials, lights) = (&scene.materials, &scene.lights);
-    let frame = Frame { materials, lights, tolerance, depth: depth_for(tolerance), threshold };
+    let frame = Frame { materials, lights, accuracy: Accuracy::new(tolerance), threshold };
     let mut out = vec![Vec3::ZERO; g.len()];
     let (stats, _) = shader.shade_layers(&g.points, &frame, &mut out).expect("room for all lobes");
     (picture(g, &out), stats)
@@ -61,7 +61,7 @@ fn default_settings_are_as_accurate_as_promised() {
     let g = GBuffer::new(&world, scene.width, scene.height, 1);
     let (truth, unshadowed) = reference(&world, &g, &set, 512);
     for (tolerance, bound) in [(0.01, 0.003), (0.005, 0.002), (0.001, 0.001)] {
-        let shader = CpuShader::new(MaskVisibility::new(spheres(&set), depth_for(tolerance)));
+        let shader = CpuShader::new(MaskVisibility::new(spheres(&set)));
         let (test, _) = shade(&scene, &g, &shader, tolerance, 0.0);
         let whole = Comparison::of(&test, &truth).expect("equal sizes");
         let parts = ShadowErrors::of(&test, &truth, &unshadowed).expect("equal sizes");
@@ -143,7 +143,7 @@ fn the_paper_s_method_errs_as_the_paper_says() {
     let (truth, unshadowed) = reference(&world, &g, &set, 64);
     let tables = Tables::build();
     let paper = |threshold: f32| {
-        let visibility = PaperVisibility::new(spheres(&set), 5, &tables);
+        let visibility = PaperVisibility::new(spheres(&set), &tables);
         shade(&scene, &g, &CpuShader::with_method(visibility, Method::Paper(&tables)), 0.005, threshold)
     };
     let (test, all) = paper(0.0);
@@ -169,7 +169,7 @@ fn cost_and_radiance_are_additive_in_the_lights() {
     let world = World::new(&scene);
     let g = GBuffer::new(&world, scene.width, scene.height, 1);
     let set = posed(&scene);
-    let shader = CpuShader::new(MaskVisibility::new(spheres(&set), 5));
+    let shader = CpuShader::new(MaskVisibility::new(spheres(&set)));
     let with = |lights: &[SphereLight]| {
         let scene = Scene { lights: lights.to_vec(), ..scene.clone() };
         shade(&scene, &g, &shader, 0.005, 0.0)
@@ -190,7 +190,7 @@ fn threads_do_not_change_a_bit() {
     let world = World::new(&scene);
     let g = GBuffer::new(&world, scene.width, scene.height, 1);
     let set = posed(&scene);
-    let shader = CpuShader::new(MaskVisibility::new(spheres(&set), 5));
+    let shader = CpuShader::new(MaskVisibility::new(spheres(&set)));
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| shade(&scene, &g, &shader, 0.005, 0.0).0)

@@ -1,7 +1,8 @@
 use crate::term::Term;
+use crate::tile::tile_lobes;
 use crate::{Brdf, BrdfSample, Lafortune, Lambert, MaterialError, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
-use lobe_core::{BrdfLobes, LobesFull, LobesMut, Receiver};
+use lobe_core::{BrdfLobes, LobesFull, LobesMut, Receiver, Tile, TileLobes};
 
 /// Any of the built-in models: the closed set that scene files name. The open set is the [`Brdf`](crate::Brdf) trait.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +86,18 @@ impl BrdfLobes for Material {
 
     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
         each!(self, m => m.brdf_lobes(at, out))
+    }
+
+    /// Sixteen receivers at a time.
+    fn tile_lobes(
+        materials: &[Self],
+        of: &[u32],
+        _: &[Receiver],
+        tile: &Tile,
+        out: &mut TileLobes,
+    ) -> Result<(), LobesFull> {
+        tile_lobes(materials, of, tile, out);
+        Ok(())
     }
 }
 

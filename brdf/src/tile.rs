@@ -7,26 +7,9 @@ use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
 use lobe_core::{BrdfLobes, Lobe, OWN_NONE, Receiver, Tile, TileLobes};
 
-/// Lobes of all receivers of a tile, receiver `i` of material `of[i]`: those that
-/// [`brdf_lobes`](lobe_core::BrdfLobes::brdf_lobes) gives, in the same order, bit for bit.
-///
-/// # Cost
-/// Sixteen at a time, as many in one instruction as the processor offers; least where neighbours have the same material.
-///
-/// # Panics
-/// When `of` is not as long as the tile, or a number in it is not that of a material.
-///
-/// ```
-/// use brdf::{Material, tile_lobes};
-/// use glam::Vec3;
-/// use lobe_core::{OWN_NONE, Receiver, Tile, TileLobes};
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
-/// let (mut tile, mut lobes) = (Tile::default(), TileLobes::default());
-/// tile.set(&[at; 3]);
-/// tile_lobes(&[Material::lambert(Vec3::X), Material::lambert(Vec3::Y)], &[0, 1, 0], &tile, &mut lobes);
-/// assert_eq!(lobes.of(1).next().unwrap().1.flux, Vec3::Y);
-/// ```
-pub fn tile_lobes(materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
+/// [`BrdfLobes::tile_lobes`] of the built-in models: sixteen receivers at a time, as many in one instruction as the processor
+/// offers; least where neighbours have the same material.
+pub(crate) fn tile_lobes(materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
     lobes_at(Level::new(), materials, of, tile, out);
 }
 

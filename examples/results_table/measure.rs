@@ -2,6 +2,7 @@
 
 use crate::scenes::Case;
 use cosine_lobes::lighting::MaskVisibility;
+use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{BlockerSet, Frame, Scene, Shade, ShadeStats, ShadingPoints};
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -91,9 +92,13 @@ pub(crate) fn frames(
 ) -> Result<(Timing, Vec<Vec3>), String> {
     let spheres = SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances)
         .with_self_shadows(&blockers.self_shadows);
-    let mut shader = CpuShader::new(MaskVisibility::new(spheres, DEPTH));
-    let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: TOLERANCE, depth: DEPTH, threshold };
+    let mut shader = CpuShader::new(MaskVisibility::new(spheres));
+    let frame = Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance: TOLERANCE, depth: DEPTH },
+        threshold,
+    };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let mut runs = Vec::with_capacity(repeats);
     shader.shade(points, &frame, &mut out).map_err(|e| e.to_string())?;

@@ -14,8 +14,8 @@ mod sheet;
 
 use crate::sheet::{Cell, Sheet};
 use cosine_lobes::brdf::Material;
-use cosine_lobes::lighting::{MaskVisibility, SphereLight, depth_for};
-use cosine_lobes::lobe_core::{DynVisibility, Sphere, Unshadowed};
+use cosine_lobes::lighting::{MaskVisibility, SphereLight};
+use cosine_lobes::lobe_core::{Accuracy, DynVisibility, Sphere, Unshadowed};
 use cosine_lobes::render_cpu::{
     CpuShader, Estimate, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
 };
@@ -112,7 +112,7 @@ fn measure(name: &str, mut scene: Scene, samples: u32, sheet: &mut Sheet) -> Res
                 let blockers = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances)
                     .with_self_shadows(&set.self_shadows);
                 let memory = format!("{:.1} kB", (set.spheres.len() * size_of::<Sphere>()) as f64 / 1e3);
-                (Box::new(MaskVisibility::new(blockers, depth_for(TOLERANCE))), memory)
+                (Box::new(MaskVisibility::new(blockers)), memory)
             }
             Strategy::ShadowMap => {
                 let maps = maps(&scene, &points)?;
@@ -120,17 +120,17 @@ fn measure(name: &str, mut scene: Scene, samples: u32, sheet: &mut Sheet) -> Res
                 let texels: Vec<String> = maps.iter().map(|m| m.resolution().to_string()).collect();
                 let memory = format!("{megabytes:.1} MB ({}²)", texels.join(", "));
                 let blockers = ShadowMapBlockers::new(maps).with_casters(vec![true; scene.objects.len()]);
-                (Box::new(MaskVisibility::new(blockers, depth_for(TOLERANCE))), memory)
+                (Box::new(MaskVisibility::new(blockers)), memory)
             }
             Strategy::Silhouettes => {
                 let memory = silhouettes.meshes().iter().map(SilhouetteMesh::bytes).sum::<usize>() as f64 / 1e6;
                 let hits = SurfaceHits::new(&world, |_| true);
                 let blockers = SilhouetteBlockers::new(silhouettes.meshes(), hits);
-                (Box::new(MaskVisibility::new(blockers, depth_for(TOLERANCE))), format!("{memory:.1} MB"))
+                (Box::new(MaskVisibility::new(blockers)), format!("{memory:.1} MB"))
             }
             Strategy::Rays => {
                 let memory = format!("{} triangles", world.triangle_count());
-                (Box::new(MaskVisibility::new(RayBlockers::new(&world), depth_for(TOLERANCE))), memory)
+                (Box::new(MaskVisibility::new(RayBlockers::new(&world))), memory)
             }
             Strategy::None => (Box::new(Unshadowed), "0".into()),
         };
@@ -138,8 +138,7 @@ fn measure(name: &str, mut scene: Scene, samples: u32, sheet: &mut Sheet) -> Res
         let frame = Frame {
             materials: &scene.materials,
             lights: &scene.lights,
-            tolerance: TOLERANCE,
-            depth: depth_for(TOLERANCE),
+            accuracy: Accuracy::new(TOLERANCE),
             threshold: 0.0,
         };
         let mut shader = CpuShader::new(visibility);

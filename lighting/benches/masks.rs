@@ -5,8 +5,8 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 use lighting::{Blockers, Mask, MaskVisibility};
 use lobe_core::{
-    Cone, Coverage, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral,
-    visible_fraction,
+    Accuracy, Cone, Coverage, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilityQuery,
+    VisibilitySum, Visit, cap_integral,
 };
 use std::hint::black_box;
 
@@ -32,20 +32,19 @@ impl Blockers for Curtain {
 fn penumbra_point(c: &mut Criterion) {
     let at = Receiver { position: Vec3::ZERO, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
     let cone = Cone::of_sphere(at.position, Sphere { center: Vec3::new(0.0, 10.0, 0.0), radius: 1.4 });
-    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
     let mut group = c.benchmark_group("penumbra_point");
     for depth in [3, 4, 5, 6] {
-        let strategy = MaskVisibility::new(Curtain, depth);
+        let strategy = MaskVisibility::new(Curtain);
         let mut scratch = strategy.scratch();
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+        let accuracy = Accuracy::new(0.003).with_depth(depth);
+        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));
         for exponent in [1.0, 20.0, 200.0, 2000.0] {
             let lobe = Lobe::new(Vec3::Y, exponent, Vec3::ONE);
             let unshadowed = cap_integral(&at, &lobe, &cone);
             group.bench_function(BenchmarkId::new(format!("depth {depth}"), exponent), |b| {
                 b.iter(|| {
-                    assert_eq!(strategy.coverage(black_box(&query), &mut scratch), Coverage::Partial);
-                    strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut sum).expect("room");
-                    visible_fraction(&at, &lobe, unshadowed, &sum)
+                    let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
+                    visit.fraction(black_box(&at), &cone, &lobe, unshadowed, &mut sum).expect("room")
                 });
             });
         }

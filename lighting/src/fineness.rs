@@ -3,19 +3,6 @@ const COARSE: f32 = 0.005;
 /// Tolerance below which masks are deepest and no lobe has one mask alone.
 const FINEST: f32 = 0.002;
 
-/// Depth of the mask whose own error stays below a tolerance. Mean error over penumbrae, random blockers, light wholly
-/// above the horizon: 0.13 % of the unshadowed radiance at depth 4 (64 samples a row), 0.06 % at 5 and 0.03 % at 6 (256).
-#[must_use]
-pub fn depth_for(tolerance: f32) -> u32 {
-    if tolerance >= 0.008 {
-        4
-    } else if tolerance >= FINEST {
-        5
-    } else {
-        6
-    }
-}
-
 /// How many samples stand for what a lobe sees of a light, besides the depth of the masks.
 ///
 /// Samples come and go as things move: where some few carry what a lobe sees, each of them shows. So what is seen of the

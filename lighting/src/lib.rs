@@ -37,7 +37,7 @@ pub mod wgsl;
 pub use crate::contour::Contour;
 pub use crate::edges::Edges;
 pub use crate::facet::facet_coverage;
-pub use crate::fineness::{Fineness, depth_for};
+pub use crate::fineness::Fineness;
 pub use crate::mask::{MAX_DEPTH, Mask};
 pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};

@@ -9,7 +9,7 @@ use lobe_core::{Coverage, Shaft, VisibilityQuery};
 /// ```
 /// use lighting::{Blockers, MaskVisibility, Mixture};
 /// fn mixed<A: Blockers, B: Blockers, C: Blockers>(a: A, b: B, c: C) -> MaskVisibility<Mixture<A, Mixture<B, C>>> {
-///     MaskVisibility::new(Mixture::new(a, Mixture::new(b, c)), 5)
+///     MaskVisibility::new(Mixture::new(a, Mixture::new(b, c)))
 /// }
 /// ```
 #[derive(Clone, Copy, Debug, Default)]

@@ -8,7 +8,7 @@ use lobe_core::{Coverage, Shaft, VisibilityQuery};
 /// ```
 /// use lighting::{Blockers, MaskVisibility, Mixture};
 /// fn either<A: Blockers, B: Blockers>(a: Option<A>, b: Option<B>) -> MaskVisibility<Mixture<Option<A>, Option<B>>> {
-///     MaskVisibility::new(Mixture::new(a, b), 5)
+///     MaskVisibility::new(Mixture::new(a, b))
 /// }
 /// ```
 impl<B: Blockers> Blockers for Option<B> {

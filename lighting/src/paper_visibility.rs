@@ -1,9 +1,12 @@
 use crate::paper_weights::node_lobe;
 use crate::shadow_tree::{ShadowNode, ShadowTree};
-use crate::{Blockers, Mask, PaperWeights, UnitSquare};
+use crate::{Blockers, MAX_DEPTH, Mask, PaperWeights, UnitSquare};
 use glam::Vec3;
-use lobe_core::paper::{self, CapTable};
-use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum};
+use lobe_core::paper;
+use lobe_core::{
+    Accuracy, Coverage, Lobe, LobesFull, PartlySeen, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum,
+};
+use std::sync::OnceLock;
 
 /// The paper's visibility (§5.3): shadow nodes of a quad-tree as least-squares lobes, any [`Blockers`].
 ///
@@ -38,24 +41,27 @@ use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQue
 /// the product table is too coarse for their lobes: of a cover by level-1 nodes 10 % of the light is left at 1°, of one
 /// by leaves a third at 0.25°. `MaskVisibility` has none of these.
 #[derive(Clone, Debug)]
-pub struct PaperVisibility<B> {
+pub struct PaperVisibility<'t, B> {
     blockers: B,
-    caps: CapTable,
-    weights: PaperWeights,
+    tables: &'t paper::Tables,
+    /// By depth, solved for when they are first needed.
+    weights: [OnceLock<PaperWeights>; MAX_DEPTH as usize + 1],
 }
 
-impl<B: Blockers> PaperVisibility<B> {
-    /// A quad-tree of the given depth, clamped to 1…[`MAX_DEPTH`](crate::MAX_DEPTH); the paper uses 4 or 5. Solves for
-    /// the weights, which takes milliseconds: [`with_weights`](Self::with_weights) takes them ready.
+impl<'t, B: Blockers> PaperVisibility<'t, B> {
+    /// Quad-trees of the depth that a query asks for, clamped to 1…[`MAX_DEPTH`]; the paper uses 4 or 5. The first query of a
+    /// depth solves for the weights, which takes milliseconds: [`with_weights`](Self::with_weights) takes them ready.
     #[must_use]
-    pub fn new(blockers: B, depth: u32, tables: &paper::Tables) -> Self {
-        Self::with_weights(blockers, PaperWeights::solve(depth, tables), tables)
+    pub fn new(blockers: B, tables: &'t paper::Tables) -> Self {
+        Self { blockers, tables, weights: Default::default() }
     }
 
-    /// With weights that were solved for before, and their depth.
+    /// With weights of a depth that were solved for before.
     #[must_use]
-    pub fn with_weights(blockers: B, weights: PaperWeights, tables: &paper::Tables) -> Self {
-        Self { blockers, caps: tables.caps.clone(), weights }
+    pub fn with_weights(mut self, weights: PaperWeights) -> Self {
+        let depth = weights.depth() as usize;
+        self.weights[depth] = OnceLock::from(weights);
+        self
     }
 
     /// The blockers.
@@ -63,9 +69,10 @@ impl<B: Blockers> PaperVisibility<B> {
         &self.blockers
     }
 
-    /// The weights.
-    pub fn weights(&self) -> &PaperWeights {
-        &self.weights
+    /// The weights of a depth.
+    pub fn weights(&self, depth: u32) -> &PaperWeights {
+        let depth = depth.clamp(1, MAX_DEPTH);
+        self.weights[depth as usize].get_or_init(|| PaperWeights::solve(depth, self.tables))
     }
 }
 
@@ -78,20 +85,20 @@ pub struct PaperScratch<S> {
     nodes: Vec<ShadowNode>,
 }
 
-impl<B: Blockers> VisibilityLobes for PaperVisibility<B> {
+impl<B: Blockers> VisibilityLobes for PaperVisibility<'_, B> {
     type Scratch = PaperScratch<B::Scratch>;
 
     fn scratch(&self) -> Self::Scratch {
         PaperScratch {
             blockers: self.blockers.scratch(),
             mask: Mask::default(),
-            tree: ShadowTree::uncovered(self.weights.depth()),
-            nodes: Vec::with_capacity(self.max_lobes()),
+            tree: ShadowTree::uncovered(1),
+            nodes: Vec::new(),
         }
     }
 
-    fn max_lobes(&self) -> usize {
-        4usize.pow(self.weights.depth())
+    fn max_lobes(&self, accuracy: Accuracy) -> usize {
+        4usize.pow(accuracy.depth.clamp(1, MAX_DEPTH))
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
@@ -112,6 +119,10 @@ impl<B: Blockers> VisibilityLobes for PaperVisibility<B> {
         if query.cone.one_minus_cos <= 0.0 {
             return Coverage::Dark;
         }
+        let depth = query.accuracy.depth.clamp(1, MAX_DEPTH);
+        if scratch.tree.depth() != depth {
+            scratch.tree = ShadowTree::uncovered(depth);
+        }
         let square = UnitSquare::facing(query.cone, Vec3::X);
         scratch.mask.reset(&square, scratch.tree.mask_depth(), square.axis);
         if selected == Coverage::Dark {
@@ -126,19 +137,19 @@ impl<B: Blockers> VisibilityLobes for PaperVisibility<B> {
 
     fn visibility_lobes(
         &self,
-        _query: &VisibilityQuery<'_>,
+        seen: &PartlySeen<'_>,
         _brdf: &Lobe,
         _unshadowed: f32,
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
         let square = scratch.mask.square();
-        let weights = self.weights.at(0.5 / square.disc);
+        let weights = self.weights(seen.accuracy.depth).at(0.5 / square.disc);
         out.base = 1.0;
         out.whole.writer();
         let mut lobes = out.lobes.writer();
         for &node in &scratch.nodes {
-            let lobe = node_lobe(square, node, &self.caps);
+            let lobe = node_lobe(square, node, &self.tables.caps);
             lobes.push(Lobe { flux: lobe.flux * -weights[node.level as usize], ..lobe })?;
         }
         Ok(())

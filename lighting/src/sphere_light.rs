@@ -1,5 +1,5 @@
 use glam::Vec3;
-use lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere, cone_lobe};
+use lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight, cone_lobe};
 
 /// A ball that emits the same radiance in all directions from all of its surface.
 ///
@@ -28,6 +28,10 @@ impl SphereLight {
 }
 
 impl LightLobes for SphereLight {
+    fn bounds(&self) -> Sphere {
+        self.ball
+    }
+
     fn cone(&self, at: &Receiver) -> Cone {
         Cone::of_sphere(at.position, self.ball)
     }
@@ -41,5 +45,9 @@ impl LightLobes for SphereLight {
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
         let lobe = cone_lobe(&self.cone(at));
         out.push(Lobe { flux: lobe.flux * self.radiance, ..lobe })
+    }
+
+    fn tile_light(&self, _: &[Receiver], tile: &Tile, out: &mut TileLight) {
+        out.ball(tile, self.ball, self.radiance);
     }
 }

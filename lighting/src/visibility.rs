@@ -3,7 +3,9 @@ use crate::panes::Panes;
 use crate::share::Counts;
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::Vec3;
-use lobe_core::{Coverage, Lobe, LobesFull, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert};
+use lobe_core::{
+    Accuracy, Coverage, Lobe, LobesFull, PartlySeen, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert,
+};
 
 /// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one: else some
 /// few samples would carry its share, and show as they come and go.
@@ -34,7 +36,7 @@ pub(crate) const STEEP: f32 = 1.0;
 ///     }
 /// }
 ///
-/// let strategy = MaskVisibility::new(Curtain, 5); // a lobe_core::VisibilityLobes
+/// let strategy = MaskVisibility::new(Curtain); // a lobe_core::VisibilityLobes
 /// # let _ = strategy;
 /// ```
 pub trait Blockers: Sync {
@@ -95,15 +97,14 @@ pub trait Blockers: Sync {
 #[derive(Clone, Copy, Debug)]
 pub struct MaskVisibility<B> {
     blockers: B,
-    depth: u32,
     lobes: bool,
 }
 
 impl<B: Blockers> MaskVisibility<B> {
-    /// Masks of the given quad-tree depth, clamped to 1…[`MAX_DEPTH`].
+    /// The visible fraction of each lobe, by masks of the depth that a query asks for, clamped to 1…[`MAX_DEPTH`].
     #[must_use]
-    pub fn new(blockers: B, depth: u32) -> Self {
-        Self { blockers, depth: depth.clamp(1, MAX_DEPTH), lobes: false }
+    pub const fn new(blockers: B) -> Self {
+        Self { blockers, lobes: false }
     }
 
     /// Writes the lobes of a cut instead of the share that is seen: for whoever integrates them.
@@ -132,7 +133,7 @@ impl<B: Blockers> MaskVisibility<B> {
         if is_lambert(query.at, brdf) {
             return None;
         }
-        let (peak, sigmas) = (whole.peak(brdf, query.at.normal), zoom_sigmas(query.tolerance));
+        let (peak, sigmas) = (whole.peak(brdf, query.at.normal), zoom_sigmas(query.accuracy.tolerance));
         let square = whole.around(&peak, sigmas);
         if square == *whole {
             return (self.broad(query) != self.narrow(query) && peak.fall(whole) > STEEP).then_some(square);
@@ -144,11 +145,11 @@ impl<B: Blockers> MaskVisibility<B> {
 
     /// How finely broad lobes see: a cut is made of one mask.
     fn broad(&self, query: &VisibilityQuery<'_>) -> Fineness {
-        if self.lobes { Fineness::FINE } else { Fineness::broad(query.tolerance) }
+        if self.lobes { Fineness::FINE } else { Fineness::broad(query.accuracy.tolerance) }
     }
 
     fn narrow(&self, query: &VisibilityQuery<'_>) -> Fineness {
-        if self.lobes { Fineness::FINE } else { Fineness::narrow(query.tolerance) }
+        if self.lobes { Fineness::FINE } else { Fineness::narrow(query.accuracy.tolerance) }
     }
 
     fn draw(
@@ -159,7 +160,8 @@ impl<B: Blockers> MaskVisibility<B> {
         blockers: &mut B::Scratch,
         panes: &mut Panes,
     ) {
-        panes.draw(square, fineness, self.depth, query.at.normal, |mask| self.blockers.splat(query, blockers, mask));
+        let depth = depth(query.accuracy);
+        panes.draw(square, fineness, depth, query.at.normal, |mask| self.blockers.splat(query, blockers, mask));
     }
 
     /// The blockers.
@@ -194,9 +196,9 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         }
     }
 
-    fn max_lobes(&self) -> usize {
+    fn max_lobes(&self, accuracy: Accuracy) -> usize {
         // A node and all its children are both written while one blends into the other.
-        if self.lobes { (4usize.pow(self.depth + 1) - 1) / 3 } else { 0 }
+        if self.lobes { (4usize.pow(depth(accuracy) + 1) - 1) / 3 } else { 0 }
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
@@ -224,7 +226,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
 
     fn visibility_lobes(
         &self,
-        query: &VisibilityQuery<'_>,
+        query: &PartlySeen<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut Self::Scratch,
@@ -251,8 +253,13 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         }
         let [mask] = panes.masks() else { return Ok(()) };
         scratch.cut.build(mask);
-        Cut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.tolerance).write(out)
+        Cut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.accuracy.tolerance).write(out)
     }
+}
+
+/// The depth of the masks.
+fn depth(accuracy: Accuracy) -> u32 {
+    accuracy.depth.clamp(1, MAX_DEPTH)
 }
 
 /// How far a lobe's own window reaches, in its standard deviations: `√(2 ln(2/τ))` leaves less than half the tolerance

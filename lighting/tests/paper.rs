@@ -5,8 +5,8 @@ use lighting::{Blockers, MAX_DEPTH, Mask, MaskVisibility, PaperVisibility, Paper
 use lobe_core::oracle::Random;
 use lobe_core::paper::Tables;
 use lobe_core::{
-    Call, Cone, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, Method, OWN_NONE, Probe, Receiver,
-    VisibilityLobes, VisibilityQuery, VisibilitySum,
+    Accuracy, Call, Cone, Coverage, Integrator, LightId, LightTerm, Lit, Lobe, LobeBuffer, Look, Method, OWN_NONE,
+    Probe, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, Visit,
 };
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -100,24 +100,32 @@ fn unit(v: DVec3) -> Vec3 {
     v.normalize().as_vec3().normalize()
 }
 
-fn shade<V: VisibilityLobes>(method: Method<'_>, visibility: &V, at: &Receiver, f: Lobe, cone: &Cone) -> Lit {
+fn shade<V: VisibilityLobes>(
+    method: Method<'_>,
+    visibility: &V,
+    depth: u32,
+    at: &Receiver,
+    f: Lobe,
+    cone: &Cone,
+) -> Lit {
     let mut brdf = LobeBuffer::with_capacity(1);
     brdf.writer().push(f).expect("room for all lobes");
     let light = LightTerm { cone: *cone, radiance: Vec3::ONE };
-    let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::with_capacity(visibility.max_lobes()));
-    let call = Call { at, brdf: brdf.lobes(), light: &light, visibility, tolerance: 0.003 };
-    Integrator { method, threshold: 0.0 }.radiance(&call, &mut scratch, &mut sum, &mut ()).expect("room for all lobes")
+    let accuracy = Accuracy { tolerance: 0.003, depth };
+    let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::with_capacity(visibility.max_lobes(accuracy)));
+    let mut visit = Visit::alone(visibility, LightId(0), accuracy, &mut scratch);
+    let call = Call { at, brdf: brdf.lobes(), light: &light };
+    Integrator { method, threshold: 0.0 }.radiance(&call, &mut visit, &mut sum, &mut ()).expect("room for all lobes")
 }
 
 /// `base + Σ ∫(f̃L)c / ∫f̃L`, not clamped.
 fn visibility_sum(shapes: &Shapes, weights: &PaperWeights, at: &Receiver, f: Lobe, cone: &Cone) -> f32 {
-    let strategy = PaperVisibility::with_weights(shapes, weights.clone(), tables());
-    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes()));
-    let query = VisibilityQuery { at, cone, tolerance: 0.003 };
-    if strategy.coverage(&query, &mut scratch) == Coverage::Lit {
-        return 1.0;
-    }
-    strategy.visibility_lobes(&query, &f, 1.0, &mut scratch, &mut sum).expect("room for all lobes");
+    let strategy = PaperVisibility::new(shapes, tables()).with_weights(weights.clone());
+    let accuracy = Accuracy { tolerance: 0.003, depth: weights.depth() };
+    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes(accuracy)));
+    let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
+    let Look::Partial(seen) = visit.look(at, cone) else { return 1.0 };
+    visit.lobes(&seen, &f, 1.0, &mut sum).expect("room for all lobes");
     assert!(sum.whole.lobes().is_empty());
     let seen = tables().product(&f, &tables().light_lobe(cone, Vec3::ONE));
     sum.base + sum.lobes.lobes().iter().map(|c| tables().product(&seen, &c).flux.x).sum::<f32>() / seen.flux.x
@@ -229,13 +237,13 @@ fn without_blockers_nothing_is_lost() {
         let (at, theta) = (receiver(unit(normal)), random.log_uniform(0.001, 1.5));
         let cone = cone(unit(random.axis_at(normal, 0.5)), theta);
         let shapes = Shapes::at(cone.axis);
-        let strategy = PaperVisibility::with_weights(&shapes, weights.clone(), tables());
-        let lit = shade(Method::Paper(tables()), &strategy, &at, Lobe::new(at.normal, 1.0, Vec3::ONE), &cone);
+        let strategy = PaperVisibility::new(&shapes, tables()).with_weights(weights.clone());
+        let lit = shade(Method::Paper(tables()), &strategy, 5, &at, Lobe::new(at.normal, 1.0, Vec3::ONE), &cone);
         assert_eq!(lit.radiance, lit.unshadowed);
         // A blocker beside the light.
         let beside = Shapes { discs: vec![(DVec2::new(3.0 * theta.tan(), 0.0), theta.tan())], ..shapes };
-        let strategy = PaperVisibility::with_weights(&beside, weights.clone(), tables());
-        let lit = shade(Method::Paper(tables()), &strategy, &at, Lobe::new(at.normal, 1.0, Vec3::ONE), &cone);
+        let strategy = PaperVisibility::new(&beside, tables()).with_weights(weights.clone());
+        let lit = shade(Method::Paper(tables()), &strategy, 5, &at, Lobe::new(at.normal, 1.0, Vec3::ONE), &cone);
         assert_eq!(lit.radiance, lit.unshadowed);
     }
 }
@@ -369,14 +377,15 @@ fn error_against_brute_force() {
                     continue;
                 }
                 for (weights, [visibility, radiance, moments]) in weights.iter().zip(&mut errors) {
-                    let strategy = PaperVisibility::with_weights(&case.shapes, weights.clone(), tables());
-                    let paper = shade(Method::Paper(tables()), &strategy, &case.at, case.f, &case.cone);
+                    let strategy = PaperVisibility::new(&case.shapes, tables()).with_weights(weights.clone());
+                    let paper =
+                        shade(Method::Paper(tables()), &strategy, weights.depth(), &case.at, case.f, &case.cone);
                     let (seen, unshadowed) = (f64::from(paper.radiance.x), f64::from(paper.unshadowed.x));
                     assert!((0.0..=unshadowed).contains(&seen), "{seen} of {unshadowed}");
                     visibility.push(seen / unshadowed - lit / all);
                     radiance.push((seen - lit) / all);
-                    let mask = MaskVisibility::new(&case.shapes, weights.depth());
-                    let other = shade(Method::Moments, &mask, &case.at, case.f, &case.cone);
+                    let mask = MaskVisibility::new(&case.shapes);
+                    let other = shade(Method::Moments, &mask, weights.depth(), &case.at, case.f, &case.cone);
                     moments.push((f64::from(other.radiance.x) - lit) / all);
                 }
             }
@@ -413,18 +422,19 @@ fn threshold_drops_visibility_products() {
     let cone = cone(Vec3::Z, 0.1);
     let mut shapes = Shapes::at(Vec3::Z);
     shapes.discs.push((DVec2::new(0.03, 0.02), 0.04));
-    let strategy = PaperVisibility::new(&shapes, 5, tables());
+    let strategy = PaperVisibility::new(&shapes, tables());
+    let accuracy = Accuracy { tolerance: 0.003, depth: 5 };
     let mut brdf = LobeBuffer::with_capacity(1);
     brdf.writer().push(Lobe::new(Vec3::Z, 1.0, Vec3::ONE)).unwrap();
     let light = LightTerm { cone, radiance: Vec3::ONE };
-    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes()));
+    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes(accuracy)));
     let mut before = (0, 0.0);
     for threshold in [0.0, 1e-5, 3e-5, 1e-4, 1e-3] {
         let mut probe = Pruned::default();
-        let (brdf, visibility) = (brdf.lobes(), &strategy);
-        let call = Call { at: &at, brdf, light: &light, visibility, tolerance: 0.003 };
+        let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
+        let call = Call { at: &at, brdf: brdf.lobes(), light: &light };
         let lit = Integrator { method: Method::Paper(tables()), threshold }
-            .radiance(&call, &mut scratch, &mut sum, &mut probe)
+            .radiance(&call, &mut visit, &mut sum, &mut probe)
             .unwrap();
         println!("{threshold} {} of {} {}", probe.0, sum.lobes.lobes().len(), lit.radiance.x);
         // Each lost lobe is less shadow, by less than the threshold.

@@ -160,6 +160,10 @@ impl Cone {
     }
 }
 
+/// Which light is meant: its place in the frame's list of lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LightId(pub u32);
+
 /// All the segments from a ball of receivers to a ball of light: what a tile of receivers asks its blockers for.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaft {
@@ -167,6 +171,8 @@ pub struct Shaft {
     pub receivers: Sphere,
     /// Bounds the light; an infinite light has a far away centre.
     pub light: Sphere,
+    /// Which light.
+    pub id: LightId,
 }
 
 /// Two unit vectors that make a right-handed orthonormal basis `(u, v, axis)`, without a singular direction

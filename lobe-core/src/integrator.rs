@@ -1,7 +1,7 @@
 use crate::product::normalized_total;
 use crate::{Cone, Lobes};
 use crate::{
-    Coverage, Lobe, LobesFull, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral, paper,
+    Coverage, Lobe, LobesFull, Look, PartlySeen, Receiver, VisibilityLobes, VisibilitySum, Visit, cap_integral, paper,
 };
 use glam::Vec3;
 
@@ -66,19 +66,15 @@ pub struct Lit {
     pub unshadowed: Vec3,
 }
 
-/// One receiver and one light, to be integrated: the three lobe sums and what they are asked with.
-#[derive(Debug)]
-pub struct Call<'a, V: ?Sized> {
+/// One receiver and one light, to be integrated; what hides the light is asked through a [`Visit`].
+#[derive(Clone, Copy, Debug)]
+pub struct Call<'a> {
     /// The receiver.
     pub at: &'a Receiver,
     /// Reflectance lobes at the receiver.
     pub brdf: Lobes<'a>,
     /// The light.
     pub light: &'a LightTerm,
-    /// What hides it.
-    pub visibility: &'a V,
-    /// Asked mean error, see [`VisibilityQuery::tolerance`].
-    pub tolerance: f32,
 }
 
 /// Puts the three lobe sums together: the rendering equation for one receiver and one light (Eq. 21).
@@ -98,33 +94,32 @@ impl Integrator<'_> {
     /// asked how much of the light is seen, and only where that is a part, for lobes. A lit point costs one integral
     /// per reflectance lobe, a dark one no lobe either.
     ///
-    /// `scratch` and `sum` are working memory, one each a thread.
+    /// `sum` is working memory, one a thread.
     ///
     /// # Errors
     /// [`LobesFull`] when `sum` is smaller than the strategy's `max_lobes`.
     pub fn radiance<V: VisibilityLobes + ?Sized>(
         &self,
-        call: &Call<'_, V>,
-        scratch: &mut V::Scratch,
+        call: &Call<'_>,
+        visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
     ) -> Result<Lit, LobesFull> {
         match self.method {
-            Method::Moments => self.by_moments(call, scratch, sum, probe),
-            Method::Paper(tables) => self.by_paper(tables, call, scratch, sum, probe),
+            Method::Moments => self.by_moments(call, visit, sum, probe),
+            Method::Paper(tables) => self.by_paper(tables, call, visit, sum, probe),
         }
     }
 
     fn by_moments<V: VisibilityLobes + ?Sized>(
         &self,
-        call: &Call<'_, V>,
-        scratch: &mut V::Scratch,
+        call: &Call<'_>,
+        visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
     ) -> Result<Lit, LobesFull> {
-        let query = call.query();
         let mut lit = Lit::default();
-        let mut coverage = None;
+        let mut seen = None;
         for f in call.brdf.iter() {
             let integral = cap_integral(call.at, &f, &call.light.cone);
             let unshadowed = f.flux * call.light.radiance * integral;
@@ -137,10 +132,10 @@ impl Integrator<'_> {
                 }
                 continue;
             }
-            let fraction = match *coverage.get_or_insert_with(|| look(call.visibility, &query, scratch, probe)) {
-                Coverage::Lit => 1.0,
-                Coverage::Dark => 0.0,
-                Coverage::Partial => partly_seen(call.visibility, &query, &f, integral, scratch, sum, probe)?,
+            let fraction = match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, probe)) {
+                Look::Lit => 1.0,
+                Look::Dark => 0.0,
+                Look::Partial(seen) => partly_seen(visit, seen, &f, integral, sum, probe)?,
             };
             lit.radiance += unshadowed * fraction;
         }
@@ -150,15 +145,14 @@ impl Integrator<'_> {
     fn by_paper<V: VisibilityLobes + ?Sized>(
         &self,
         tables: &paper::Tables,
-        call: &Call<'_, V>,
-        scratch: &mut V::Scratch,
+        call: &Call<'_>,
+        visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
     ) -> Result<Lit, LobesFull> {
-        let query = call.query();
         let light_lobe = tables.light_lobe(&call.light.cone, call.light.radiance);
         let mut lit = Lit::default();
-        let mut coverage = None;
+        let mut seen = None;
         for f in call.brdf.iter() {
             // c_a of Eq. 12; a receiver's cosine is one more lobe.
             let f = if f.cosine > 0.0 {
@@ -176,12 +170,14 @@ impl Integrator<'_> {
                 probe.prune();
                 continue;
             }
-            let seen = *coverage.get_or_insert_with(|| look(call.visibility, &query, scratch, probe));
-            if seen != Coverage::Partial {
-                lit.radiance += if seen == Coverage::Lit { unshadowed } else { Vec3::ZERO };
-                continue;
+            match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, probe)) {
+                Look::Lit => {
+                    lit.radiance += unshadowed;
+                    continue;
+                }
+                Look::Dark => continue,
+                Look::Partial(seen) => visit.lobes(seen, &f, unshadowed.max_element(), sum)?,
             }
-            call.visibility.visibility_lobes(&query, &f, unshadowed.max_element(), scratch, sum)?;
             probe.end(Stage::VisibilityLobes);
             let lobes = sum.lobes.lobes();
             let mut shadow = Vec3::ZERO;
@@ -201,38 +197,31 @@ impl Integrator<'_> {
     }
 }
 
-impl<V: VisibilityLobes + ?Sized> Call<'_, V> {
-    fn query(&self) -> VisibilityQuery<'_> {
-        VisibilityQuery { at: self.at, cone: &self.light.cone, tolerance: self.tolerance }
-    }
-}
-
-/// Asks the strategy how much of the light is seen, and tells the probe.
-pub(crate) fn look<V: VisibilityLobes + ?Sized>(
-    visibility: &V,
-    query: &VisibilityQuery<'_>,
-    scratch: &mut V::Scratch,
+/// A receiver looks, and the probe is told.
+pub(crate) fn look<'q, V: VisibilityLobes + ?Sized>(
+    visit: &mut Visit<'_, V>,
+    at: &'q Receiver,
+    cone: &'q Cone,
     probe: &mut impl Probe,
-) -> Coverage {
-    let seen = visibility.coverage(query, scratch);
-    probe.coverage(seen);
+) -> Look<'q> {
+    let seen = visit.look(at, cone);
+    probe.coverage(seen.coverage());
     probe.end(Stage::Mask);
     seen
 }
 
 /// What the strategy's lobes let through of a reflectance lobe, where a part of the light is seen.
 pub(crate) fn partly_seen<V: VisibilityLobes + ?Sized>(
-    visibility: &V,
-    query: &VisibilityQuery<'_>,
+    visit: &mut Visit<'_, V>,
+    seen: &PartlySeen<'_>,
     f: &Lobe,
     unshadowed: f32,
-    scratch: &mut V::Scratch,
     sum: &mut VisibilitySum,
     probe: &mut impl Probe,
 ) -> Result<f32, LobesFull> {
-    visibility.visibility_lobes(query, f, unshadowed, scratch, sum)?;
+    visit.lobes(seen, f, unshadowed, sum)?;
     probe.end(Stage::VisibilityLobes);
-    let fraction = visible_fraction(query.at, f, unshadowed, sum);
+    let fraction = visible_fraction(seen.at, f, unshadowed, sum);
     let lobes = sum.lobes.lobes().len();
     probe.count(lobes, lobes + sum.whole.lobes().len());
     probe.end(Stage::Integration);

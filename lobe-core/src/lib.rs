@@ -21,6 +21,7 @@
 //! S. Meunier, R. Perrot, L. Aveneau, D. Meneveaux, D. Ghazanfarpour, *Cosine lobes for interactive direct lighting in
 //! dynamic scenes*, Computers & Graphics 34 (2010) 767–778: "the paper" in every comment here; equation numbers are its.
 
+mod accuracy;
 mod cap;
 mod compact;
 #[cfg(any(test, feature = "oracle"))]
@@ -41,11 +42,13 @@ pub mod special;
 mod tests;
 mod tile;
 mod tile_integrator;
+mod visit;
 pub mod wgsl;
 
+pub use crate::accuracy::Accuracy;
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::compact::compact_runs;
-pub use crate::geometry::{Cone, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
+pub use crate::geometry::{Cone, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
 pub use crate::integrator::{Call, Integrator, LightTerm, Lit, Method, Probe, Stage, visible_fraction};
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
@@ -57,3 +60,4 @@ pub use crate::source::{
 };
 pub use crate::tile::{Tile, TileLight, TileLobes};
 pub use crate::tile_integrator::{TileCall, TileLit};
+pub use crate::visit::{Look, PartlySeen, Visit};

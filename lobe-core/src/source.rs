@@ -1,6 +1,9 @@
 //! The three sources of lobes (reflectance, light, visibility) and what they exchange.
 
-use crate::{Cone, Lobe, LobeBuffer, LobesFull, LobesMut, Receiver, Shaft};
+use crate::{
+    Accuracy, Cone, LightId, Lobe, LobeBuffer, LobesFull, LobesMut, PartlySeen, Receiver, Shaft, Sphere, Tile,
+    TileLight, TileLobes,
+};
 use core::any::Any;
 use glam::Vec3;
 
@@ -38,13 +41,43 @@ pub trait BrdfLobes {
     /// # Errors
     /// [`LobesFull`] when `out` has no room.
     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull>;
+
+    /// The lobes of all receivers of a tile, receiver `i` of material `of[i]`. Provided: one receiver after the other. A set of
+    /// models that has something faster overrides it; the lobes are to be the same, in the same order, bit for bit.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when a material has more lobes than its [`max_lobes`](Self::max_lobes).
+    ///
+    /// # Panics
+    /// When `of`, `at` and `tile` differ in length, or a number in `of` is not that of a material.
+    fn tile_lobes(
+        materials: &[Self],
+        of: &[u32],
+        at: &[Receiver],
+        tile: &Tile,
+        out: &mut TileLobes,
+    ) -> Result<(), LobesFull>
+    where
+        Self: Sized,
+    {
+        out.one_by_one(materials, of, at, tile)
+    }
+}
+
+impl<B: BrdfLobes + ?Sized> BrdfLobes for Box<B> {
+    fn max_lobes(&self) -> usize {
+        (**self).max_lobes()
+    }
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        (**self).brdf_lobes(at, out)
+    }
 }
 
 /// An area light, seen as a uniformly bright cone of directions.
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::{Cone, LightLobes, LobeBuffer, LobesFull, LobesMut, Lobe, OWN_NONE, Receiver, cone_lobe};
+/// use lobe_core::{Cone, LightLobes, LobeBuffer, LobesFull, LobesMut, Lobe, OWN_NONE, Receiver, Sphere, cone_lobe};
 ///
 /// /// A sun of half-angle 0.27°.
 /// struct Sun {
@@ -52,6 +85,9 @@ pub trait BrdfLobes {
 /// }
 ///
 /// impl LightLobes for Sun {
+///     fn bounds(&self) -> Sphere {
+///         Sphere { center: self.direction * 1e9, radius: 4.7e6 }
+///     }
 ///     fn cone(&self, _: &Receiver) -> Cone {
 ///         Cone { axis: self.direction, one_minus_cos: 1.1e-5, distance: f32::INFINITY }
 ///     }
@@ -70,6 +106,10 @@ pub trait BrdfLobes {
 /// assert!((buffer.lobes().get(0).flux.x - 1.382).abs() < 1e-3); // 2π·1.1e-5·2e4
 /// ```
 pub trait LightLobes {
+    /// A ball around the light: where the shafts of groups of receivers end. A light at infinity has a far away one, of the angle
+    /// under which it is seen.
+    fn bounds(&self) -> Sphere;
+
     /// The cone in which the light is seen from `at`.
     fn cone(&self, at: &Receiver) -> Cone;
 
@@ -82,6 +122,33 @@ pub trait LightLobes {
     /// # Errors
     /// [`LobesFull`] when `out` has no room.
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull>;
+
+    /// The light as all receivers of a tile see it. Provided: one [`cone`](Self::cone) and one [`radiance`](Self::radiance) after
+    /// the other. A kind of light that has something faster overrides it; cones and radiance are to be the same, bit for bit.
+    ///
+    /// # Panics
+    /// When `at` is not as long as the tile.
+    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
+        out.one_by_one(tile, at.iter().map(|at| (self.cone(at), self.radiance(at))));
+    }
+}
+
+impl<L: LightLobes + ?Sized> LightLobes for Box<L> {
+    fn bounds(&self) -> Sphere {
+        (**self).bounds()
+    }
+    fn cone(&self, at: &Receiver) -> Cone {
+        (**self).cone(at)
+    }
+    fn radiance(&self, at: &Receiver) -> Vec3 {
+        (**self).radiance(at)
+    }
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        (**self).light_lobes(at, out)
+    }
+    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
+        (**self).tile_light(at, tile, out);
+    }
 }
 
 /// How much of a light a receiver sees, before any lobe is made.
@@ -100,10 +167,12 @@ pub enum Coverage {
 pub struct VisibilityQuery<'a> {
     /// The receiver.
     pub at: &'a Receiver,
-    /// The light as seen from there.
+    /// Which light.
+    pub light: LightId,
+    /// The light as seen from there, or the part of it that is asked about.
     pub cone: &'a Cone,
-    /// Asked mean error of the shadowed radiance, as a fraction of the unshadowed radiance.
-    pub tolerance: f32,
+    /// What error is requested.
+    pub accuracy: Accuracy,
 }
 
 /// Visibility inside a light's cone as a sum of lobes (Eq. 8), written for one reflectance lobe.
@@ -131,7 +200,8 @@ impl VisibilitySum {
 /// A visibility strategy: decides which part of a light a receiver sees, and says it in lobes.
 ///
 /// For each receiver and light the caller first asks for the [`coverage`](Self::coverage) and, only where that is
-/// [`Coverage::Partial`], for the lobes of each reflectance lobe. A lit or dark point costs no lobe.
+/// [`Coverage::Partial`], for the lobes of each reflectance lobe. A lit or dark point costs no lobe. [`Visit`] asks in
+/// that order, and nothing else can: only it gives the [`PartlySeen`] that lobes are asked with.
 ///
 /// Static dispatch: use the strategy's type. Dynamic: `Box<dyn DynVisibility>` implements this trait too.
 ///
@@ -145,7 +215,7 @@ impl VisibilitySum {
 /// impl VisibilityLobes for Veil {
 ///     type Scratch = ();
 ///     fn scratch(&self) {}
-///     fn max_lobes(&self) -> usize {
+///     fn max_lobes(&self, _: Accuracy) -> usize {
 ///         0
 ///     }
 ///     fn coverage(&self, _: &VisibilityQuery<'_>, _: &mut ()) -> Coverage {
@@ -153,7 +223,7 @@ impl VisibilitySum {
 ///     }
 ///     fn visibility_lobes(
 ///         &self,
-///         _: &VisibilityQuery<'_>,
+///         _: &PartlySeen<'_>,
 ///         _: &Lobe,
 ///         _: f32,
 ///         _: &mut (),
@@ -174,9 +244,10 @@ impl VisibilitySum {
 ///
 /// let boxed: Box<dyn DynVisibility> = Box::new(Veil);
 /// let (mut scratch, mut sum) = (boxed.scratch(), VisibilitySum::default());
-/// let call =
-///     Call { at: &at, brdf: brdf.lobes(), light: &light, visibility: &boxed, tolerance: 0.003 };
-/// let lit = Integrator::default().radiance(&call, &mut scratch, &mut sum, &mut ()).unwrap();
+/// let shaft = Shaft { receivers: Sphere { center: at.position, radius: 0.0 }, light: ball, id: LightId(0) };
+/// let mut visit = Visit::enter(&boxed, &shaft, Accuracy::new(0.003), &mut scratch);
+/// let call = Call { at: &at, brdf: brdf.lobes(), light: &light };
+/// let lit = Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).unwrap();
 /// assert_eq!(lit.radiance, 0.5 * lit.unshadowed);
 /// ```
 pub trait VisibilityLobes: Sync {
@@ -187,7 +258,7 @@ pub trait VisibilityLobes: Sync {
     fn scratch(&self) -> Self::Scratch;
 
     /// The largest number of lobes that [`visibility_lobes`](Self::visibility_lobes) writes into either sum.
-    fn max_lobes(&self) -> usize;
+    fn max_lobes(&self, accuracy: Accuracy) -> usize;
 
     /// Told before a group of receivers and one light: all queries until the next call stay inside `shaft`. A chance
     /// to cull; the results must not depend on it.
@@ -203,13 +274,13 @@ pub trait VisibilityLobes: Sync {
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
 
     /// The lobes of what is seen, as detailed as the reflectance lobe `brdf` needs. `unshadowed` is the integral of
-    /// that lobe (flux 1) over the whole light. Only after [`coverage`](Self::coverage) of the same query.
+    /// that lobe (flux 1) over the whole light. The query is the last one that [`coverage`](Self::coverage) was asked for.
     ///
     /// # Errors
     /// [`LobesFull`] when `out` has no room.
     fn visibility_lobes(
         &self,
-        query: &VisibilityQuery<'_>,
+        seen: &PartlySeen<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut Self::Scratch,
@@ -225,7 +296,7 @@ pub trait DynVisibility: Sync {
     /// See [`VisibilityLobes::scratch`].
     fn dyn_scratch(&self) -> DynScratch;
     /// See [`VisibilityLobes::max_lobes`].
-    fn dyn_max_lobes(&self) -> usize;
+    fn dyn_max_lobes(&self, accuracy: Accuracy) -> usize;
     /// See [`VisibilityLobes::enter`].
     fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage;
     /// See [`VisibilityLobes::coverage`].
@@ -236,7 +307,7 @@ pub trait DynVisibility: Sync {
     /// [`LobesFull`] when `out` has no room.
     fn dyn_visibility_lobes(
         &self,
-        query: &VisibilityQuery<'_>,
+        seen: &PartlySeen<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut DynScratch,
@@ -256,8 +327,8 @@ where
     fn dyn_scratch(&self) -> DynScratch {
         Box::new(self.scratch())
     }
-    fn dyn_max_lobes(&self) -> usize {
-        self.max_lobes()
+    fn dyn_max_lobes(&self, accuracy: Accuracy) -> usize {
+        self.max_lobes(accuracy)
     }
     fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
         self.enter(shaft, downcast(scratch))
@@ -267,13 +338,13 @@ where
     }
     fn dyn_visibility_lobes(
         &self,
-        query: &VisibilityQuery<'_>,
+        seen: &PartlySeen<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut DynScratch,
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
-        self.visibility_lobes(query, brdf, unshadowed, downcast(scratch), out)
+        self.visibility_lobes(seen, brdf, unshadowed, downcast(scratch), out)
     }
 }
 
@@ -283,8 +354,8 @@ impl<'v> VisibilityLobes for Box<dyn DynVisibility + 'v> {
     fn scratch(&self) -> DynScratch {
         (**self).dyn_scratch()
     }
-    fn max_lobes(&self) -> usize {
-        (**self).dyn_max_lobes()
+    fn max_lobes(&self, accuracy: Accuracy) -> usize {
+        (**self).dyn_max_lobes(accuracy)
     }
     fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
         (**self).dyn_enter(shaft, scratch)
@@ -294,13 +365,13 @@ impl<'v> VisibilityLobes for Box<dyn DynVisibility + 'v> {
     }
     fn visibility_lobes(
         &self,
-        query: &VisibilityQuery<'_>,
+        seen: &PartlySeen<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut DynScratch,
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
-        (**self).dyn_visibility_lobes(query, brdf, unshadowed, scratch, out)
+        (**self).dyn_visibility_lobes(seen, brdf, unshadowed, scratch, out)
     }
 }
 
@@ -312,7 +383,7 @@ impl VisibilityLobes for Unshadowed {
     type Scratch = ();
 
     fn scratch(&self) {}
-    fn max_lobes(&self) -> usize {
+    fn max_lobes(&self, _: Accuracy) -> usize {
         0
     }
     fn enter(&self, _: &Shaft, (): &mut ()) -> Coverage {
@@ -323,7 +394,7 @@ impl VisibilityLobes for Unshadowed {
     }
     fn visibility_lobes(
         &self,
-        _: &VisibilityQuery<'_>,
+        _: &PartlySeen<'_>,
         _: &Lobe,
         _: f32,
         (): &mut (),

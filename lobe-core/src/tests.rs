@@ -305,7 +305,7 @@ fn small_lights_at_the_horizon_of_a_tile() {
         (Tile::default(), TileLight::default(), TileLobes::default(), Vec::new());
     for (at, (radius, _)) in at.iter().zip(&centers) {
         tile.set(core::slice::from_ref(at));
-        light.set(&tile, Sphere { center: Vec3::ZERO, radius: *radius });
+        light.ball(&tile, Sphere { center: Vec3::ZERO, radius: *radius }, Vec3::ONE);
         lobes.reset(&tile, 1);
         set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(Lobe::new(Vec3::Z, 1.0, Vec3::ONE)));
         cap_integrals(&light, &lobes, &mut out);
@@ -571,7 +571,8 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
             rows.iter().enumerate().for_each(|(j, l)| set_row(lobes.block_mut(place, block), j, &bytemuck::cast(*l)));
         }
     }
-    let light = TileLight::of_cones(&tile, &cones);
+    let mut light = TileLight::default();
+    light.one_by_one(&tile, cones.iter().map(|cone| (*cone, Vec3::ONE)));
     for level in levels() {
         crate::cap::integrals_at(level, &light, &lobes, &mut out);
         for (i, (at, cone)) in at.iter().zip(&cones).enumerate() {
@@ -600,7 +601,7 @@ fn cones_and_balls_of_tiles_are_the_single_ones() {
         balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.0 }));
         for ball in balls {
             let mut light = TileLight::default();
-            light.set(&tile, ball);
+            light.ball(&tile, ball, Vec3::ONE);
             for (i, at) in at.iter().enumerate() {
                 assert_eq!(light.cone(i), Cone::of_sphere(at.position, ball));
             }

@@ -1,7 +1,7 @@
 //! Receivers that are shaded together, and what they exchange, in columns.
 
 use crate::lanes::{Columns, Kept, Lane, Level, WIDTH, map, row, set_row};
-use crate::{Cone, Lobe, Receiver, Sphere};
+use crate::{BrdfLobes, Cone, Lobe, LobeBuffer, LobesFull, Receiver, Sphere};
 use glam::Vec3;
 
 /// Position, normal and view of receivers, sixteen to a block.
@@ -89,17 +89,29 @@ impl Tile {
     }
 }
 
-/// A ball of light as the receivers of a [`Tile`] see it.
+/// A light as the receivers of a [`Tile`] see it.
 #[derive(Clone, Debug, Default)]
 pub struct TileLight {
     cones: Vec<Kept<5>>,
     pub(crate) seen: Vec<Kept<10>>,
+    /// The same for all receivers, where `each` is empty.
+    same: Vec3,
+    each: Vec<Kept<3>>,
+}
+
+/// The radiance of a light toward the receivers of a tile.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum TileRadiance<'a> {
+    Same(Vec3),
+    Each(&'a [Kept<3>]),
 }
 
 impl TileLight {
-    /// Takes another light or other receivers: the cones are those of [`Cone::of_sphere`], bit for bit.
-    pub fn set(&mut self, tile: &Tile, ball: Sphere) {
+    /// A ball of the same radiance toward all: the cones are those of [`Cone::of_sphere`], bit for bit.
+    pub fn ball(&mut self, tile: &Tile, ball: Sphere, radiance: Vec3) {
         let level = Level::new();
+        self.same = radiance;
+        self.each.clear();
         self.cones.resize(tile.blocks(), Kept::default());
         for (at, cones) in tile.blocks.iter().zip(&mut self.cones) {
             map(level, &ToCone(ball), &at.0, &[], &mut cones.0);
@@ -114,15 +126,41 @@ impl TileLight {
         }
     }
 
-    /// Any cones.
-    #[cfg(test)]
-    pub(crate) fn of_cones(tile: &Tile, cones: &[Cone]) -> Self {
-        let mut light = Self { cones: vec![Kept::default(); tile.blocks()], seen: Vec::new() };
-        for (i, cone) in cones.iter().enumerate() {
-            set_row(&mut light.cones[i / WIDTH].0, i % WIDTH, &bytemuck::cast(*cone));
+    /// A cone and a radiance for each receiver.
+    ///
+    /// # Panics
+    /// When there are not as many as receivers of the tile.
+    pub fn one_by_one(&mut self, tile: &Tile, seen: impl IntoIterator<Item = (Cone, Vec3)>) {
+        self.cones.resize(tile.blocks(), Kept::default());
+        self.each.resize(tile.blocks(), Kept::default());
+        let mut count = 0;
+        for (i, (cone, radiance)) in seen.into_iter().enumerate() {
+            let last = if i + 1 == tile.len() { WIDTH } else { i % WIDTH + 1 };
+            // The rows that are too many repeat the last one, as the tile's do.
+            for j in i % WIDTH..last {
+                set_row(&mut self.cones[i / WIDTH].0, j, &bytemuck::cast(cone));
+                set_row(&mut self.each[i / WIDTH].0, j, &radiance.to_array());
+            }
+            count = i + 1;
         }
-        light.see(Level::new(), tile);
-        light
+        assert_eq!(count, tile.len(), "one cone a receiver");
+        self.see(Level::new(), tile);
+    }
+
+    /// The light's radiance toward receiver `i`.
+    ///
+    /// # Panics
+    /// When the tile has no such receiver's block.
+    #[must_use]
+    pub fn radiance(&self, i: usize) -> Vec3 {
+        match self.radiances() {
+            TileRadiance::Same(radiance) => radiance,
+            TileRadiance::Each(each) => Vec3::from_array(row(&each[i / WIDTH].0, i % WIDTH)),
+        }
+    }
+
+    pub(crate) fn radiances(&self) -> TileRadiance<'_> {
+        if self.each.is_empty() { TileRadiance::Same(self.same) } else { TileRadiance::Each(&self.each) }
     }
 
     /// The cone that receiver `i` sees.
@@ -157,6 +195,8 @@ impl Lane<9, 5, 10> for ToSeen {
 pub struct TileLobes {
     blocks: usize,
     columns: Vec<Kept<8>>,
+    /// One receiver's.
+    buffer: LobeBuffer,
 }
 
 impl TileLobes {
@@ -165,6 +205,41 @@ impl TileLobes {
     pub fn reset(&mut self, tile: &Tile, places: usize) {
         self.blocks = tile.blocks();
         self.columns.resize(self.blocks * places, Kept::default());
+    }
+
+    /// The lobes of each receiver, asked for one after the other: [`BrdfLobes::tile_lobes`] of models that have nothing faster.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when a material has more lobes than its `max_lobes`.
+    ///
+    /// # Panics
+    /// When `of`, `at` and `tile` differ in length, or a number in `of` is not that of a material.
+    pub fn one_by_one<B: BrdfLobes>(
+        &mut self,
+        materials: &[B],
+        of: &[u32],
+        at: &[Receiver],
+        tile: &Tile,
+    ) -> Result<(), LobesFull> {
+        assert!(of.len() == at.len() && at.len() == tile.len(), "one material a receiver");
+        let places = of.iter().map(|m| materials[*m as usize].max_lobes()).max().unwrap_or(0);
+        self.reset(tile, places);
+        self.columns.iter_mut().for_each(|block| block.0 = [[0.0; WIDTH]; 8]);
+        if self.buffer.capacity() < places {
+            self.buffer = LobeBuffer::with_capacity(places);
+        }
+        for (i, (material, at)) in of.iter().zip(at).enumerate() {
+            let material = &materials[*material as usize];
+            material.brdf_lobes(at, &mut self.buffer.writer())?;
+            let lobes = self.buffer.lobes();
+            if lobes.len() > material.max_lobes() {
+                return Err(LobesFull);
+            }
+            for (place, lobe) in lobes.iter().enumerate() {
+                set_row(&mut self.columns[place * self.blocks + i / WIDTH].0, i % WIDTH, &bytemuck::cast(lobe));
+            }
+        }
+        Ok(())
     }
 
     /// Number of blocks, of all places together: those of the first place come first.

@@ -1,30 +1,23 @@
 use crate::integrator::{look, partly_seen};
 use crate::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
+use crate::tile::TileRadiance;
 use crate::{
-    Call, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, LobesFull, Method, Probe, Receiver, TileLight,
-    TileLobes, VisibilityLobes, VisibilityQuery, VisibilitySum,
+    Call, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, LobesFull, Look, Method, Probe, Receiver, TileLight,
+    TileLobes, VisibilityLobes, VisibilitySum, Visit,
 };
 use glam::Vec3;
 
 /// The receivers of a tile and one light, to be integrated: [`Call`](crate::Call) for many.
-#[derive(Debug)]
-pub struct TileCall<'a, V: ?Sized> {
+#[derive(Clone, Copy, Debug)]
+pub struct TileCall<'a> {
     /// The receivers.
     pub at: &'a [Receiver],
     /// Their reflectance lobes.
     pub lobes: &'a TileLobes,
-    /// The light's cones.
+    /// The light as they see it.
     pub light: &'a TileLight,
-    /// The light's radiance, W·m⁻²·sr⁻¹ per channel.
-    pub radiance: Vec3,
     /// [`cap_integrals`](crate::cap_integrals) of these lobes over this light. The paper's method has no use for them.
     pub integrals: &'a [f32],
-    /// What hides the light.
-    pub visibility: &'a V,
-    /// What it said of all of the receivers together ([`VisibilityLobes::enter`]).
-    pub entered: Coverage,
-    /// Asked mean error, see [`VisibilityQuery::tolerance`].
-    pub tolerance: f32,
 }
 
 /// What [`Integrator::tile`] finds, and its working memory.
@@ -80,8 +73,8 @@ impl Integrator<'_> {
     /// When the parts of `call` are not of one tile.
     pub fn tile<V: VisibilityLobes + ?Sized>(
         &self,
-        call: &TileCall<'_, V>,
-        scratch: &mut V::Scratch,
+        call: &TileCall<'_>,
+        visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
         out: &mut TileLit,
@@ -89,24 +82,35 @@ impl Integrator<'_> {
         out.blocks.resize(call.at.len().div_ceil(WIDTH), Kept::default());
         out.blocks.iter_mut().for_each(|block| block.0[1..].as_flattened_mut().fill(0.0));
         match self.method {
-            Method::Moments => self.tile_by_moments(call, scratch, sum, probe, out),
-            Method::Paper(_) => self.tile_one_by_one(call, scratch, sum, probe, out),
+            Method::Moments => self.tile_by_moments(call, visit, sum, probe, out),
+            Method::Paper(_) => self.tile_one_by_one(call, visit, sum, probe, out),
         }
     }
 
     fn tile_by_moments<V: VisibilityLobes + ?Sized>(
         &self,
-        call: &TileCall<'_, V>,
-        scratch: &mut V::Scratch,
+        call: &TileCall<'_>,
+        visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
         out: &mut TileLit,
     ) -> Result<(), LobesFull> {
-        let (level, add) = (Level::new(), AddLobe { light: call.radiance, threshold: self.threshold });
+        let (level, threshold) = (Level::new(), self.threshold);
         for (number, integrals) in call.integrals.chunks_exact(WIDTH).enumerate() {
-            let sums = &mut out.blocks[number % call.lobes.blocks_of_place()].0;
+            let block = number % call.lobes.blocks_of_place();
+            let sums = &mut out.blocks[block].0;
             sums[0].copy_from_slice(integrals);
-            update(level, &add, sums, call.lobes.block(number));
+            match call.light.radiances() {
+                TileRadiance::Same(light) => {
+                    update(level, &AddLobe { light, threshold }, sums, call.lobes.block(number));
+                }
+                TileRadiance::Each(each) => {
+                    let mut both = [[0.0; WIDTH]; 11];
+                    both[..8].copy_from_slice(call.lobes.block(number));
+                    both[8..].copy_from_slice(&each[block].0);
+                    update(level, &AddOwn { threshold }, sums, &both);
+                }
+            }
         }
         for first in (0..call.at.len()).step_by(WIDTH) {
             let [.., integrals, _, seen, dropped] = &out.blocks[first / WIDTH].0;
@@ -115,7 +119,7 @@ impl Integrator<'_> {
             probe.count(0, total(integrals));
             (0..total(dropped)).for_each(|_| probe.prune());
             for j in ones(rows_above(seen, 0.0) & ((1 << rows) - 1)) {
-                self.look_at(call, first + j, scratch, sum, probe, out)?;
+                self.look_at(call, first + j, visit, sum, probe, out)?;
             }
         }
         Ok(())
@@ -124,29 +128,28 @@ impl Integrator<'_> {
     /// One receiver that would be lit, if nothing hid the light.
     fn look_at<V: VisibilityLobes + ?Sized>(
         &self,
-        call: &TileCall<'_, V>,
+        call: &TileCall<'_>,
         i: usize,
-        scratch: &mut V::Scratch,
+        visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
         out: &mut TileLit,
     ) -> Result<(), LobesFull> {
-        if call.entered == Coverage::Lit {
+        if visit.entered() == Coverage::Lit {
             probe.coverage(Coverage::Lit);
             return Ok(());
         }
-        let query = VisibilityQuery { at: &call.at[i], cone: &call.light.cone(i), tolerance: call.tolerance };
-        match look(call.visibility, &query, scratch, probe) {
-            Coverage::Lit => {}
-            Coverage::Dark => out.set(i, Vec3::ZERO, [0, 0]),
-            Coverage::Partial => {
+        match look(visit, &call.at[i], &call.light.cone(i), probe) {
+            Look::Lit => {}
+            Look::Dark => out.set(i, Vec3::ZERO, [0, 0]),
+            Look::Partial(seen) => {
+                let light = call.light.radiance(i);
                 let (mut radiance, mut counts) = (Vec3::ZERO, [0, 0]);
                 for (number, f) in call.lobes.of(i) {
                     let integral = call.integrals[number];
-                    let unshadowed = f.flux * call.radiance * integral;
+                    let unshadowed = f.flux * light * integral;
                     if unshadowed.max_element() > self.threshold {
-                        radiance +=
-                            unshadowed * partly_seen(call.visibility, &query, &f, integral, scratch, sum, probe)?;
+                        radiance += unshadowed * partly_seen(visit, &seen, &f, integral, sum, probe)?;
                         let [lobes, whole] = [&sum.lobes, &sum.whole].map(|sum| sum.lobes().len());
                         counts = [counts[0] + lobes, counts[1] + lobes + whole];
                     }
@@ -159,8 +162,8 @@ impl Integrator<'_> {
 
     fn tile_one_by_one<V: VisibilityLobes + ?Sized>(
         &self,
-        call: &TileCall<'_, V>,
-        scratch: &mut V::Scratch,
+        call: &TileCall<'_>,
+        visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
         probe: &mut impl Probe,
         out: &mut TileLit,
@@ -172,11 +175,10 @@ impl Integrator<'_> {
         for (i, at) in call.at.iter().enumerate() {
             let mut writer = brdf.writer();
             call.lobes.of(i).try_for_each(|(_, lobe)| writer.push(lobe))?;
-            let light = LightTerm { cone: call.light.cone(i), radiance: call.radiance };
-            let (visibility, tolerance) = (call.visibility, call.tolerance);
-            let one = Call { at, brdf: brdf.lobes(), light: &light, visibility, tolerance };
+            let light = LightTerm { cone: call.light.cone(i), radiance: call.light.radiance(i) };
+            let one = Call { at, brdf: brdf.lobes(), light: &light };
             let mut counted = Counted { probe: &mut *probe, counts: [0, 0] };
-            let lit = self.radiance(&one, scratch, sum, &mut counted)?;
+            let lit = self.radiance(&one, visit, sum, &mut counted)?;
             out.set(i, lit.radiance, counted.counts);
             for (column, value) in out.blocks[i / WIDTH].0[4..7].iter_mut().zip(lit.unshadowed.to_array()) {
                 column[i % WIDTH] = value;
@@ -220,10 +222,23 @@ impl<P: Probe> Probe for Counted<'_, P> {
     }
 }
 
-/// Adds a lobe to the sums.
+/// Adds a lobe to the sums, where the light is as bright toward each receiver.
 struct AddLobe {
     light: Vec3,
     threshold: f32,
+}
+
+/// The same where it is not: its radiance follows the lobe.
+struct AddOwn {
+    threshold: f32,
+}
+
+impl Lane<SUMS, 11, SUMS> for AddOwn {
+    #[inline(always)]
+    fn value(&self, sums: [f32; SUMS], row: [f32; 11]) -> [f32; SUMS] {
+        let [lobe @ .., r, g, b] = row;
+        AddLobe { light: Vec3::new(r, g, b), threshold: self.threshold }.value(sums, lobe)
+    }
 }
 
 impl Lane<SUMS, 8, SUMS> for AddLobe {

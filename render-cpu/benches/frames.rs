@@ -7,7 +7,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use lighting::{MaskVisibility, SphereLight};
-use lobe_core::{OWN_NONE, Receiver, Sphere, Unshadowed};
+use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, RayShader, World};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
 use std::fmt::Display;
@@ -76,9 +76,13 @@ impl Case {
     fn run(&self, group: &mut BenchmarkGroup<'_, WallTime>, value: impl Display) {
         let (points, lights, materials) = (points(self.side), self.lights(), [self.material()]);
         let blockers = SphereBlockers::new(&blob(self.spheres), &vec![0; self.spheres], &[]);
-        let mut shader = CpuShader::new(MaskVisibility::new(blockers, self.depth));
-        let frame =
-            Frame { materials: &materials, lights: &lights, tolerance: 0.005, depth: self.depth, threshold: 0.0 };
+        let mut shader = CpuShader::new(MaskVisibility::new(blockers));
+        let frame = Frame {
+            materials: &materials,
+            lights: &lights,
+            accuracy: Accuracy { tolerance: 0.005, depth: self.depth },
+            threshold: 0.0,
+        };
         let mut out = vec![Vec3::ZERO; points.receivers.len()];
         group.throughput(Throughput::Elements(out.len() as u64));
         group.bench_function(BenchmarkId::from_parameter(value), |b| {
@@ -129,16 +133,16 @@ fn strategies(c: &mut Criterion) {
         self_shadows: Vec::new(),
         spheres: balls.clone(),
     };
-    let frame = Frame { materials: &materials, lights: &lights, tolerance: 0.005, depth: 5, threshold: 0.0 };
+    let frame = Frame { materials: &materials, lights: &lights, accuracy: Accuracy::new(0.005), threshold: 0.0 };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let mut group = c.benchmark_group("frame by strategy");
     group.throughput(Throughput::Elements(out.len() as u64));
     let mut none = CpuShader::new(Unshadowed);
     group.bench_function("none", |b| b.iter(|| none.shade(&points, &frame, &mut out).expect("room")));
     let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
-    let mut spheres = CpuShader::new(MaskVisibility::new(spheres, 5));
+    let mut spheres = CpuShader::new(MaskVisibility::new(spheres));
     group.bench_function("spheres", |b| b.iter(|| spheres.shade(&points, &frame, &mut out).expect("room")));
-    let mut rays = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world), 5));
+    let mut rays = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world)));
     group.bench_function("rays", |b| b.iter(|| rays.shade(&points, &frame, &mut out).expect("room")));
     for samples in [16, 256] {
         let mut sampler = RayShader::spheres(&set, samples);

@@ -9,7 +9,7 @@ use brdf::Material;
 use core::sync::atomic::AtomicBool;
 use glam::Vec3;
 use lighting::{MaskVisibility, SphereLight};
-use lobe_core::{Sphere, VisibilityLobes};
+use lobe_core::{Accuracy, Sphere, VisibilityLobes};
 use render_cpu::{
     CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
 };
@@ -76,17 +76,21 @@ fn run(name: &str, scene: &Scene) {
     let world = World::new(scene);
     let all = GBuffer::new(&world, 320, 240, 1);
     println!("{name}: {} triangles, {} points", world.triangle_count(), all.len());
-    let frame =
-        |depth| Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth, threshold: 0.0 };
+    let frame = |depth| Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance: 0.003, depth },
+        threshold: 0.0,
+    };
     let shade = |g: &GBuffer, depth: u32, start: usize, bisections: u32| {
-        let shader = CpuShader::new(MaskVisibility::new(RayBlockers::with_detail(&world, start, bisections), depth));
+        let shader = CpuShader::new(MaskVisibility::new(RayBlockers::with_detail(&world, start, bisections)));
         let (shares, stats) = shares(&shader, g, &frame(depth));
         (shares, stats, shader.visibility().blockers().rays())
     };
     let silhouettes = SceneSilhouettes::new(scene, |_| true);
     let outlines = |g: &GBuffer, depth: u32| {
         let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true));
-        shares(&CpuShader::new(MaskVisibility::new(blockers, depth)), g, &frame(depth))
+        shares(&CpuShader::new(MaskVisibility::new(blockers)), g, &frame(depth))
     };
     let (coarse, stats, rays) = shade(&all, 5, 8, 2);
     println!(

@@ -7,7 +7,10 @@
 use brdf::Material;
 use glam::Vec3;
 use lighting::{Blockers, MaskVisibility, SphereLight};
-use lobe_core::{Coverage, LightLobes, Lobe, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum};
+use lobe_core::{
+    Accuracy, Coverage, LightId, LightLobes, Lobe, Look, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery,
+    VisibilitySum, Visit,
+};
 use render_cpu::{GBuffer, RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use scene::{GROUP, Mesh, Scene, Shape, load_animated};
 use std::collections::HashMap;
@@ -88,9 +91,8 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     silhouettes.update(&scene);
     let refit = start.elapsed().as_secs_f64();
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
-    let exact =
-        MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true)), 5);
-    let rays = MaskVisibility::new(RayBlockers::new(&world), 5);
+    let exact = MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true)));
+    let rays = MaskVisibility::new(RayBlockers::new(&world));
     let groups: Vec<&[Receiver]> = points.receivers.chunks(GROUP).collect();
     let is_mesh = |r: &Receiver| match &scene.objects[r.object as usize].shape {
         Shape::Mesh(mesh) => mesh.triangles.len() > 12 || name == "room",
@@ -148,14 +150,17 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
         for tile in tiles {
             let center = tile.iter().map(|r| r.position).sum::<Vec3>() / tile.len() as f32;
             let radius = 1.000_01 * tile.iter().map(|r| r.position.distance(center)).fold(0.0, f32::max);
-            let entered =
-                visibility.enter(&Shaft { receivers: Sphere { center, radius }, light: light.ball }, &mut scratch);
+            let entered = visibility.enter(
+                &Shaft { receivers: Sphere { center, radius }, light: light.ball, id: LightId(0) },
+                &mut scratch,
+            );
             count += tile.len();
             if entered == Coverage::Lit {
                 continue;
             }
             for at in *tile {
-                let query = VisibilityQuery { at, cone: &light.cone(at), tolerance: 0.005 };
+                let query =
+                    VisibilityQuery { at, light: LightId(0), cone: &light.cone(at), accuracy: Accuracy::new(0.005) };
                 core::hint::black_box(visibility.coverage(&query, &mut scratch));
             }
         }
@@ -171,12 +176,11 @@ fn look<B: Blockers>(
     light: &SphereLight,
     scratch: &mut <MaskVisibility<B> as VisibilityLobes>::Scratch,
 ) -> Option<f32> {
-    let query = VisibilityQuery { at, cone: &light.cone(at), tolerance: 0.005 };
-    if visibility.coverage(&query, scratch) != Coverage::Partial {
-        return None;
-    }
+    let cone = light.cone(at);
+    let mut visit = Visit::alone(visibility, LightId(0), Accuracy::new(0.005), scratch);
+    let Look::Partial(seen) = visit.look(at, &cone) else { return None };
     let (lobe, mut sum) = (Lobe::new(at.normal, 1.0, Vec3::ONE), VisibilitySum::default());
-    visibility.visibility_lobes(&query, &lobe, 1.0, scratch, &mut sum).ok()?;
+    visit.lobes(&seen, &lobe, 1.0, &mut sum).ok()?;
     (0.01..0.99).contains(&sum.base).then_some(sum.base)
 }
 

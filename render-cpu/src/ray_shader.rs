@@ -20,7 +20,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::{SphereLight, facet_coverage};
-use lobe_core::{Cone, Coverage, LightLobes, OWN_NONE, Receiver, Shaft, Tile, orthonormal_basis};
+use lobe_core::{Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, Shaft, Tile, orthonormal_basis};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
@@ -55,10 +55,11 @@ const LISTED: usize = 48;
 /// of the points, light of 6°), which follows N^−0.7: 1.4 % with 64 samples, 0.5 % with 256, 0.2 % with 1024.
 ///
 /// ```
+/// use lobe_core::Accuracy;
 /// use render_cpu::RayShader;
 /// use scene::{BlockerSet, Frame, Shade, ShadingPoints};
 /// let mut shader = RayShader::spheres(&BlockerSet::default(), 64).culled(true);
-/// let frame = Frame { materials: &[], lights: &[], tolerance: 0.0, depth: 1, threshold: 0.0 };
+/// let frame = Frame { materials: &[], lights: &[], accuracy: Accuracy { tolerance: 0.0, depth: 1 }, threshold: 0.0 };
 /// shader.shade(&ShadingPoints::default(), &frame, &mut []).unwrap();
 /// ```
 #[derive(Debug)]
@@ -139,7 +140,7 @@ impl<'a> RayShader<'a> {
         let mut rays = 0;
         for (number, light) in frame.lights.iter().enumerate() {
             if self.culled {
-                self.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
+                self.enter(&Shaft { receivers: ball, light: light.ball, id: LightId(number as u32) }, scratch);
             }
             for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
                 let cone = light.cone(at);

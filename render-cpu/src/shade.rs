@@ -1,9 +1,8 @@
-use brdf::tile_lobes;
 use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
-    Coverage, Integrator, LobesFull, Method, Probe, Receiver, Shaft, Stage, Tile, TileCall, TileLight, TileLit,
-    TileLobes, VisibilityLobes, VisibilitySum, cap_integrals,
+    BrdfLobes, Coverage, Integrator, LightId, LightLobes, LobesFull, Method, Probe, Receiver, Shaft, Stage, Tile,
+    TileCall, TileLight, TileLit, TileLobes, VisibilityLobes, VisibilitySum, Visit, cap_integrals,
 };
 use rayon::prelude::*;
 use scene::{Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds};
@@ -22,11 +21,11 @@ const TIMED: usize = 32;
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::Unshadowed;
+/// use lobe_core::{Accuracy, Unshadowed};
 /// use render_cpu::CpuShader;
 /// use scene::{Frame, Shade, ShadingPoints};
 /// let mut shader = CpuShader::new(Unshadowed);
-/// let frame = Frame { materials: &[], lights: &[], tolerance: 0.003, depth: 5, threshold: 0.0 };
+/// let frame: Frame<'_> = Frame { materials: &[], lights: &[], accuracy: Accuracy::new(0.003), threshold: 0.0 };
 /// shader.shade(&ShadingPoints::default(), &frame, &mut []).unwrap();
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -75,10 +74,10 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
     ///
     /// # Panics
     /// When `out` is not as long as the points, or a material number is out of range.
-    pub fn shade_layers(
+    pub fn shade_layers<M: BrdfLobes + Sync, L: LightLobes + Sync>(
         &self,
         points: &ShadingPoints,
-        frame: &Frame<'_>,
+        frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
     ) -> Result<(ShadeStats, Layers), LobesFull> {
         let (stats, layers) = self.run(points, frame, out, true)?;
@@ -92,10 +91,10 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         Ok((stats, all))
     }
 
-    fn run(
+    fn run<M: BrdfLobes + Sync, L: LightLobes + Sync>(
         &self,
         points: &ShadingPoints,
-        frame: &Frame<'_>,
+        frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
         layers: bool,
     ) -> Result<(ShadeStats, Vec<Option<Layers>>), LobesFull> {
@@ -110,7 +109,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
                 integrals: Vec::new(),
                 lit: TileLit::default(),
                 scratch: self.visibility.scratch(),
-                sum: VisibilitySum::with_capacity(self.visibility.max_lobes()),
+                sum: VisibilitySum::with_capacity(self.visibility.max_lobes(frame.accuracy)),
             })
         };
         let pool = Mutex::new(Vec::new());
@@ -155,11 +154,11 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
     }
 
     #[expect(clippy::too_many_arguments, reason = "the group's slices and its memory")]
-    fn group(
+    fn group<M: BrdfLobes, L: LightLobes>(
         &self,
         receivers: &[Receiver],
         materials: &[u32],
-        frame: &Frame<'_>,
+        frame: &Frame<'_, M, L>,
         memory: &mut Memory<V>,
         work: &mut Work,
         layers: &mut Option<Layers>,
@@ -180,30 +179,22 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         let ball = tile.ball();
         // A facet under a smooth normal may hide the light that nothing else does.
         let is_bent = receivers.iter().any(|at| at.face != at.normal);
-        tile_lobes(frame.materials, materials, tile, lobes);
+        M::tile_lobes(frame.materials, materials, receivers, tile, lobes)?;
         work.lap(0);
         for (l, light) in frame.lights.iter().enumerate() {
-            cones.set(tile, light.ball);
+            light.tile_light(receivers, tile, cones);
             if matches!(self.method, Method::Moments) {
                 cap_integrals(cones, lobes, integrals);
             }
             work.lap(1);
-            let mut entered = self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
-            if is_bent && entered == Coverage::Lit {
-                entered = Coverage::Partial;
+            let shaft = Shaft { receivers: ball, light: light.bounds(), id: LightId(l as u32) };
+            let mut visit = Visit::enter(&self.visibility, &shaft, frame.accuracy, scratch);
+            if is_bent {
+                visit.let_each_look();
             }
             work.lap(2);
-            let call = TileCall {
-                at: receivers,
-                lobes,
-                light: cones,
-                radiance: light.radiance,
-                integrals,
-                visibility: &self.visibility,
-                entered,
-                tolerance: frame.tolerance,
-            };
-            integrator.tile(&call, scratch, sum, work, lit)?;
+            let call = TileCall { at: receivers, lobes, light: cones, integrals };
+            integrator.tile(&call, &mut visit, sum, work, lit)?;
             for (i, out) in out.iter_mut().enumerate() {
                 *out += lit.radiance(i);
             }
@@ -222,10 +213,20 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
     }
 }
 
-impl<V: VisibilityLobes> Shade for CpuShader<'_, V> {
+impl<V, M, L> Shade<M, L> for CpuShader<'_, V>
+where
+    V: VisibilityLobes,
+    M: BrdfLobes + Sync,
+    L: LightLobes + Sync,
+{
     type Error = LobesFull;
 
-    fn shade(&mut self, points: &ShadingPoints, frame: &Frame<'_>, out: &mut [Vec3]) -> Result<ShadeStats, LobesFull> {
+    fn shade(
+        &mut self,
+        points: &ShadingPoints,
+        frame: &Frame<'_, M, L>,
+        out: &mut [Vec3],
+    ) -> Result<ShadeStats, LobesFull> {
         self.run(points, frame, out, false).map(|(stats, _)| stats)
     }
 }

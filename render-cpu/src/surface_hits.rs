@@ -1,7 +1,7 @@
 use crate::World;
 use crate::world::Primitive;
 use glam::Vec3;
-use lobe_core::{Shaft, Sphere};
+use lobe_core::{LightId, Shaft, Sphere};
 use scene::Shape;
 use visibility_silhouettes::AnyHit;
 
@@ -61,7 +61,7 @@ impl AnyHit for SurfaceHits<'_> {
     fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
         let scene = self.world.scene();
         let mut found = Vec::new();
-        let whole = Shaft { receivers: ball, light: ball };
+        let whole = Shaft { receivers: ball, light: ball, id: LightId(0) };
         self.world.triangles_in(&whole, |o| self.has(o), usize::MAX, &mut found);
         for (object, index) in self.world.names(&found) {
             if let Shape::Mesh(mesh) = &scene.objects[object as usize].shape {

@@ -29,7 +29,7 @@ impl Subject for Rays {
     fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {
         let scene = scene(setting.balls);
         let world = World::new(&scene);
-        visitor.visit(&MaskVisibility::new(RayBlockers::new(&world), 5))
+        visitor.visit(&MaskVisibility::new(RayBlockers::new(&world)))
     }
 }
 
@@ -42,8 +42,7 @@ impl Subject for Mixed {
         let scene = scene(setting.balls);
         let world = World::new(&scene);
         let spheres = SphereBlockers::new(others, &vec![0; others.len()], &[]);
-        visitor
-            .visit(&MaskVisibility::new(Mixture::new(RayBlockers::new(&world).only(|object| object == 0), spheres), 5))
+        visitor.visit(&MaskVisibility::new(Mixture::new(RayBlockers::new(&world).only(|object| object == 0), spheres)))
     }
 }
 
@@ -81,7 +80,7 @@ impl Subject for Silhouettes {
         let world = World::new(&scene);
         let kept = SceneSilhouettes::new(&scene, |_| true);
         let blockers = SilhouetteBlockers::new(kept.meshes(), SurfaceHits::new(&world, |_| true));
-        visitor.visit(&MaskVisibility::new(blockers, 5))
+        visitor.visit(&MaskVisibility::new(blockers))
     }
 }
 

@@ -8,7 +8,7 @@ use brdf::Material;
 use core::f32::consts::{PI, TAU};
 use glam::{Mat4, Quat, Vec3};
 use lighting::{MaskVisibility, SphereLight};
-use lobe_core::{Receiver, Sphere, VisibilityLobes};
+use lobe_core::{Accuracy, Receiver, Sphere, VisibilityLobes};
 use rayon::prelude::*;
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, RayShader, Reference, ReferenceJob, World};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
@@ -69,7 +69,7 @@ fn scene(mut mesh: Mesh, half: f32, turn: Quat) -> Scene {
 /// The visible fraction of the light that each point sees.
 fn fractions<V: VisibilityLobes>(visibility: V, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
     let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out).expect("a shaded picture");
     let fraction = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
@@ -157,7 +157,7 @@ fn check(name: &str, mesh: &Mesh, turn: Quat) {
         let points = points(&world);
         let lights = known.lights(&scene, &points.receivers);
         let rays = RayBlockers::new(&world);
-        let fractions = fractions(MaskVisibility::new(&rays, 5), &scene, &points);
+        let fractions = fractions(MaskVisibility::new(&rays), &scene, &points);
         let errors = Errors::of(&lights, &fractions);
         let [p99, worst, umbra, lit] = [errors.quantile(99), errors.quantile(100), errors.umbra, errors.lit];
         println!(
@@ -217,7 +217,7 @@ fn sampled_light_stops_at_the_facet() {
     let fraction = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
     let sampled: Vec<_> = estimate.radiance.iter().zip(&estimate.unshadowed).map(fraction).collect();
     let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     for (name, culled) in [("reference", None), ("rays", Some(false)), ("culled rays", Some(true))] {
         let fractions = culled.map_or_else(
             || sampled.clone(),
@@ -252,9 +252,9 @@ fn spheres_stop_at_the_facet() {
     let fraction = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
     let want: Vec<_> = estimate.radiance.iter().zip(&estimate.unshadowed).map(fraction).collect();
     let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
-    let lobes = fractions(MaskVisibility::new(spheres, 5), &scene, &gbuffer.points);
+    let lobes = fractions(MaskVisibility::new(spheres), &scene, &gbuffer.points);
     let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let rays = [false, true].map(|culled| {
         let mut out = vec![Vec3::ZERO; gbuffer.len()];
         let Ok(_) = RayShader::spheres(&set, 4096).culled(culled).shade(&gbuffer.points, &frame, &mut out);

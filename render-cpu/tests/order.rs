@@ -4,7 +4,7 @@ use brdf::Material;
 use glam::Vec3;
 use lighting::{MaskVisibility, SphereLight};
 use lobe_core::oracle::Random;
-use lobe_core::{OWN_NONE, Receiver, Sphere};
+use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
 use render_cpu::CpuShader;
 use scene::{Frame, Shade, ShadingPoints};
 use visibility_spheres::SphereBlockers;
@@ -28,9 +28,9 @@ fn shade(points: &ShadingPoints, balls: &[Sphere]) -> Vec<[u32; 3]> {
     ];
     let lights = [SphereLight::new(Sphere { center: Vec3::new(1.0, 4.0, 0.5), radius: 0.6 }, Vec3::splat(3.0))];
     let blockers = SphereBlockers::new(balls, &vec![0; balls.len()], &[]);
-    let frame = Frame { materials: &materials, lights: &lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+    let frame = Frame { materials: &materials, lights: &lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
-    CpuShader::new(MaskVisibility::new(blockers, 5)).shade(points, &frame, &mut out).expect("shaded");
+    CpuShader::new(MaskVisibility::new(blockers)).shade(points, &frame, &mut out).expect("shaded");
     out.iter().map(|radiance| radiance.to_array().map(f32::to_bits)).collect()
 }
 

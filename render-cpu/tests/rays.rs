@@ -4,7 +4,7 @@ use brdf::Material;
 use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use lighting::{Blockers, Mask, MaskVisibility, SphereLight};
-use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadingPoints};
 
@@ -48,14 +48,15 @@ fn floor(half: f32) -> Mesh {
 }
 
 fn coverage(rays: &RayBlockers<'_>, at: &Receiver, light: Sphere, entered: bool) -> Coverage {
-    let visibility = MaskVisibility::new(RayBlockers::new(rays.world()), 5);
+    let visibility = MaskVisibility::new(RayBlockers::new(rays.world()));
     let mut scratch = visibility.scratch();
     if entered {
         let receivers = Sphere { center: at.position, radius: 0.05 };
-        visibility.enter(&Shaft { receivers, light }, &mut scratch);
+        visibility.enter(&Shaft { receivers, light, id: LightId(0) }, &mut scratch);
     }
     let cone = Cone::of_sphere(at.position, light);
-    visibility.coverage(&VisibilityQuery { at, cone: &cone, tolerance: 0.003 }, &mut scratch)
+    visibility
+        .coverage(&VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) }, &mut scratch)
 }
 
 /// A convex mesh does not shadow itself where the light is above the face, whatever the scale and place.
@@ -108,18 +109,21 @@ fn lit_points_cost_nothing() {
     let light = Sphere { center: Vec3::new(3.0, 3.0, 0.0), radius: 0.2 };
     let scene = scene(vec![floor(4.0), Mesh::cuboid(Vec3::Y * 0.5, Vec3::ONE)], light);
     let world = World::new(&scene);
-    let visibility = MaskVisibility::new(RayBlockers::new(&world), 5);
+    let visibility = MaskVisibility::new(RayBlockers::new(&world));
     let mut scratch = visibility.scratch();
     let mut ask = |x: f32, ball: Sphere, entered: bool| {
         let at =
             Receiver { position: Vec3::new(x, 0.0, 0.3), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
         if entered {
             let receivers = Sphere { center: at.position, radius: 0.05 };
-            visibility.enter(&Shaft { receivers, light: ball }, &mut scratch);
+            visibility.enter(&Shaft { receivers, light: ball, id: LightId(0) }, &mut scratch);
         }
         let cone = Cone::of_sphere(at.position, ball);
         let before = visibility.blockers().rays();
-        let coverage = visibility.coverage(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch);
+        let coverage = visibility.coverage(
+            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) },
+            &mut scratch,
+        );
         (coverage, visibility.blockers().rays() - before)
     };
     for entered in [false, true] {
@@ -152,8 +156,11 @@ fn a_large_floor_is_lit() {
         let cone = Cone::of_sphere(position, light);
         let mut scratch = rays.scratch();
         let receivers = Sphere { center: position, radius: 0.05 };
-        rays.enter(&Shaft { receivers, light }, &mut scratch);
-        let coverage = rays.select(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch);
+        rays.enter(&Shaft { receivers, light, id: LightId(0) }, &mut scratch);
+        let coverage = rays.select(
+            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) },
+            &mut scratch,
+        );
         assert_eq!(coverage, Coverage::Lit, "{position}");
     }
 }
@@ -170,8 +177,8 @@ fn near_monte_carlo() {
     reference.advance(1024, &AtomicBool::new(false), &|_| {});
     let truth = reference.estimate();
     let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
-    let shader = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world), frame.depth));
+        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let shader = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world)));
     let mut out = vec![Vec3::ZERO; g.len()];
     let (_, layers) = shader.shade_layers(&g.points, &frame, &mut out).unwrap();
     let (mut errors, mut noise) = (Vec::new(), 0.0);
@@ -221,18 +228,18 @@ fn near_the_full_mask() {
         let scene = scene(vec![floor(10.0), mesh], light);
         let world = World::new(&scene);
         let g = GBuffer::new(&world, 192, 144, 1);
-        let all = shares(MaskVisibility::new(RayBlockers::new(&world), 5), 5, &scene, &g.points);
+        let all = shares(MaskVisibility::new(RayBlockers::new(&world)), 5, &scene, &g.points);
         let mut points = ShadingPoints::default();
         for (k, _) in all.iter().enumerate().filter(|(_, share)| (0.01..=0.99).contains(*share)) {
             points.receivers.push(g.points.receivers[k]);
             points.materials.push(g.points.materials[k]);
         }
         let rays = RayBlockers::new(&world);
-        let own = shares(MaskVisibility::new(&rays, 5), 5, &scene, &points);
+        let own = shares(MaskVisibility::new(&rays), 5, &scene, &points);
         let (count, asked) = (points.receivers.len(), rays.rays() as f64 / points.receivers.len() as f64);
         assert!(count > 500 && asked < 600.0, "{name}: {count} points, {asked} rays");
         for depth in [5, 6] {
-            let full = shares(MaskVisibility::new(EveryCell(&world), depth), depth, &scene, &points);
+            let full = shares(MaskVisibility::new(EveryCell(&world)), depth, &scene, &points);
             let mean = own.iter().zip(&full).map(|(a, b)| (a - b).abs()).sum::<f64>() / count as f64;
             println!("{name}: {count} points, {asked:.0} rays, {mean:.5} from all cells of depth {depth}");
             assert!(mean <= 0.002, "{name}: {mean} from all cells of depth {depth}");
@@ -242,7 +249,12 @@ fn near_the_full_mask() {
 
 /// The share of the light that each point sees.
 fn shares<V: VisibilityLobes>(visibility: V, depth: u32, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
-    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth, threshold: 0.0 };
+    let frame = Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance: 0.003, depth },
+        threshold: 0.0,
+    };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out).expect("a shaded picture");
     let share = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);

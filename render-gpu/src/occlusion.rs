@@ -4,7 +4,7 @@ use crate::module::{self, Strategies};
 use crate::{Gpu, GpuError, GpuPose, GpuWorld};
 use core::num::NonZeroU64;
 use glam::Mat4;
-use lobe_core::Sphere;
+use lobe_core::LightId;
 use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers};
 use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
 use wgpu::BufferUsages;
@@ -112,7 +112,7 @@ impl Blockers {
     }
 
     /// Where a light's shadow map is.
-    pub(crate) fn map_of(&self, light: &Sphere) -> u32 {
+    pub(crate) fn map_of(&self, light: LightId) -> u32 {
         self.packed_maps.as_ref().map_or(0, |maps| maps.map_of(light))
     }
 

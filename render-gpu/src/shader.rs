@@ -12,7 +12,7 @@ use brdf::{Material, Models, PackedMaterials};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
 use lighting::{Fineness, MAX_DEPTH};
-use lobe_core::Method;
+use lobe_core::{LightId, Method};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 use wgpu::BufferUsages;
@@ -44,11 +44,12 @@ const FRAME_STRIDE: u64 = 256;
 /// its lobes and 4, and 32 for its tile's list. Only what differs from the last call is uploaded.
 ///
 /// ```no_run
+/// use lobe_core::Accuracy;
 /// use render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
 /// use scene::{Frame, Shade, ShadingPoints};
 /// let gpu = Gpu::blocking(&GpuOptions::default())?;
 /// let mut shader = GpuShader::new(&gpu, Occlusion::default())?;
-/// let frame = Frame { materials: &[], lights: &[], tolerance: 0.003, depth: 5, threshold: 0.0 };
+/// let frame = Frame { materials: &[], lights: &[], accuracy: Accuracy::new(0.003), threshold: 0.0 };
 /// shader.shade(&ShadingPoints::default(), &frame, &mut [])?;
 /// # Ok::<(), render_gpu::GpuError>(())
 /// ```
@@ -173,9 +174,9 @@ impl GpuShader {
     /// The kernels for a frame, compiled if they are new.
     fn kernels(&mut self, frame: &Frame<'_>) -> Result<usize, GpuError> {
         let variant = Variant {
-            depth: frame.depth.clamp(1, MAX_DEPTH),
+            depth: frame.accuracy.depth.clamp(1, MAX_DEPTH),
             fineness: match self.paper {
-                None => [Fineness::broad(frame.tolerance), Fineness::narrow(frame.tolerance)],
+                None => [Fineness::broad(frame.accuracy.tolerance), Fineness::narrow(frame.accuracy.tolerance)],
                 Some(_) => [Fineness::FINE; 2],
             },
             models: Models::of(frame.materials),
@@ -200,7 +201,7 @@ impl GpuShader {
     /// What does not depend on the slice: kernels, materials; returns the kernels' number and the words of a queue item.
     fn prepare(&mut self, frame: &Frame<'_>) -> Result<(usize, u64), GpuError> {
         if let Some(paper) = &mut self.paper {
-            paper.hold(&self.gpu, frame.depth.clamp(1, MAX_DEPTH))?;
+            paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
         let kernels = self.kernels(frame)?;
         self.materials.sized(&self.gpu, 0)?;
@@ -245,17 +246,17 @@ impl GpuShader {
     fn uniforms(&self, frame: &Frame<'_>, part: &Part<'_>) -> Vec<u8> {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
         let (sphere_count, block_count) = (self.blockers.sphere_count(), self.blockers.block_count());
-        for (light, bytes) in frame.lights.iter().zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
+        for ((number, light), bytes) in (0..).zip(frame.lights).zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
             let uniform = GpuFrame {
                 light: light.ball.center.extend(light.ball.radius).to_array(),
                 radiance: light.radiance.to_array(),
-                tolerance: frame.tolerance,
+                tolerance: frame.accuracy.tolerance,
                 threshold: frame.threshold,
                 point_count: part.count as u32,
                 queue_stride: part.stride as u32,
                 sphere_count,
                 block_count,
-                map: self.blockers.map_of(&light.ball),
+                map: self.blockers.map_of(LightId(number)),
                 rounds: 2,
                 ..GpuFrame::default()
             };

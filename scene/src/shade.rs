@@ -3,7 +3,7 @@
 use brdf::Material;
 use glam::Vec3;
 use lighting::SphereLight;
-use lobe_core::{Receiver, SelfShadow, Sphere};
+use lobe_core::{Accuracy, Receiver, SelfShadow, Sphere};
 
 /// The visible points of one frame, in any order; neighbours in the list should be neighbours in space.
 #[derive(Clone, Debug, Default)]
@@ -54,20 +54,26 @@ impl BlockerSet {
     }
 }
 
-/// What is constant over one frame.
-#[derive(Clone, Copy, Debug)]
-pub struct Frame<'a> {
+/// What is constant over one frame: the built-in materials and lights, or anyone's own.
+#[derive(Debug)]
+pub struct Frame<'a, M = Material, L = SphereLight> {
     /// Materials that the points refer to.
-    pub materials: &'a [Material],
-    /// Lights.
-    pub lights: &'a [SphereLight],
-    /// Asked mean error, as a fraction of the unshadowed radiance.
-    pub tolerance: f32,
-    /// Depth of the visibility mask's quad-tree, 1…6.
-    pub depth: u32,
+    pub materials: &'a [M],
+    /// Lights; a [`LightId`](lobe_core::LightId) is a place in this list.
+    pub lights: &'a [L],
+    /// Requested error, and the depth of the masks.
+    pub accuracy: Accuracy,
     /// Contributions whose radiance is below this are dropped (t_i of the paper, §4.3).
     pub threshold: f32,
 }
+
+impl<M, L> Clone for Frame<'_, M, L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M, L> Copy for Frame<'_, M, L> {}
 
 /// Seconds of one frame, split as in the paper's Table 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -137,8 +143,8 @@ impl core::ops::AddAssign for Counts {
     }
 }
 
-/// A renderer of lobe sums.
-pub trait Shade {
+/// A renderer of lobe sums, for one set of materials and one kind of lights: enums or boxes for several.
+pub trait Shade<M = Material, L = SphereLight> {
     /// What can go wrong.
     type Error;
 
@@ -146,6 +152,10 @@ pub trait Shade {
     ///
     /// # Errors
     /// The renderer's own; nothing is promised about `out` then.
-    fn shade(&mut self, points: &ShadingPoints, frame: &Frame<'_>, out: &mut [Vec3])
-    -> Result<ShadeStats, Self::Error>;
+    fn shade(
+        &mut self,
+        points: &ShadingPoints,
+        frame: &Frame<'_, M, L>,
+        out: &mut [Vec3],
+    ) -> Result<ShadeStats, Self::Error>;
 }

@@ -4,7 +4,7 @@ use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 use lighting::MaskVisibility;
-use lobe_core::{Cone, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 use std::hint::black_box;
 use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 
@@ -36,16 +36,19 @@ fn maps(c: &mut Criterion) {
     let position = Vec3::new(-0.55, 0.0, -0.1);
     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
     let cone = Cone::of_sphere(position, LIGHT);
-    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.005 };
+    let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.005) };
     let mut group = c.benchmark_group("shadow_map");
     group.sample_size(10);
     for resolution in [256, 1024] {
         let options = MapOptions { resolution, receivers: Some(receivers), ..MapOptions::default() };
         let build = || ShadowMap::build(&positions, &triangles, LIGHT, &options).expect("a sound map");
         group.bench_function(BenchmarkId::new("draw", resolution), |b| b.iter(build));
-        let strategy = MaskVisibility::new(ShadowMapBlockers::new(vec![build()]), 5);
+        let strategy = MaskVisibility::new(ShadowMapBlockers::new(vec![build()]));
         let mut scratch = strategy.scratch();
-        strategy.enter(&Shaft { receivers: Sphere { center: position, radius: 0.06 }, light: LIGHT }, &mut scratch);
+        strategy.enter(
+            &Shaft { receivers: Sphere { center: position, radius: 0.06 }, light: LIGHT, id: LightId(0) },
+            &mut scratch,
+        );
         group.bench_function(BenchmarkId::new("mask of a point", resolution), |b| {
             b.iter(|| strategy.coverage(black_box(&query), &mut scratch));
         });

@@ -11,7 +11,7 @@
 use glam::{Vec3, Vec3A};
 use lighting::{Blockers, Mask, UnitSquare};
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::Ray;
@@ -258,8 +258,9 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                     for (at, truth, contact) in &chosen {
                         let cone = Cone::of_sphere(at.position, light);
                         let ball = Sphere { center: at.position, radius: 0.0 };
-                        blockers.enter(&Shaft { receivers: ball, light }, &mut scratch);
-                        let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
+                        blockers.enter(&Shaft { receivers: ball, light, id: LightId(0) }, &mut scratch);
+                        let query =
+                            VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
                         let before = scratch.counts();
                         let mut run = |scratch: &mut ShadowMapScratch| {
                             if blockers.select(&query, scratch) == Coverage::Partial {

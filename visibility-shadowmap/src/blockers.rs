@@ -4,8 +4,8 @@ use crate::map::ShadowMap;
 use crate::probe::{Block, Image, Item, NEAR, Probe, TileProbe, Verdict};
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
-use lighting::{Blockers, Mask, UnitSquare, depth_for, facet_coverage};
-use lobe_core::{Coverage, Shaft, Sphere, VisibilityQuery};
+use lighting::{Blockers, Mask, UnitSquare, facet_coverage};
+use lobe_core::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
 
 /// Nodes that a group of receivers starts from, at most about this many.
 const FRONTIER: usize = 48;
@@ -30,8 +30,7 @@ const FRONTIER: usize = 48;
 /// such an outline.
 ///
 /// # Several lights
-/// One map for each. [`Blockers::enter`] names the light of the queries that follow: its ball must be the one that the
-/// map was built for. A light without a map is not shadowed. Without `enter` the map is found by the query's cone.
+/// One map for each, which must have been built for its ball. A light without a map is not shadowed.
 ///
 /// # Cost
 /// It follows the mask once the light is some 150 texels wide, five a cell; before that the texels, of which there are more
@@ -43,14 +42,23 @@ const FRONTIER: usize = 48;
 #[derive(Clone, Debug, Default)]
 pub struct ShadowMapBlockers {
     maps: Vec<ShadowMap>,
+    /// The light of each map.
+    lights: Vec<LightId>,
     casters: Vec<bool>,
 }
 
 impl ShadowMapBlockers {
-    /// One map for each light that casts shadows, in any order.
+    /// The maps of a frame's first lights, in their order.
     #[must_use]
     pub fn new(maps: Vec<ShadowMap>) -> Self {
-        Self { maps, casters: Vec::new() }
+        Self::of_lights((0..).map(LightId).zip(maps))
+    }
+
+    /// The maps of some of a frame's lights.
+    #[must_use]
+    pub fn of_lights(maps: impl IntoIterator<Item = (LightId, ShadowMap)>) -> Self {
+        let (lights, maps) = maps.into_iter().unzip();
+        Self { maps, lights, casters: Vec::new() }
     }
 
     /// States which objects, by their number, the maps were made of: a receiver on one of them sees no light below its
@@ -72,21 +80,18 @@ impl ShadowMapBlockers {
         &self.maps
     }
 
+    /// The light of each map.
+    #[must_use]
+    pub fn lights(&self) -> &[LightId] {
+        &self.lights
+    }
+
     pub(crate) fn casters(&self) -> &[bool] {
         &self.casters
     }
 
-    fn map_of(&self, light: &Sphere) -> Option<usize> {
-        self.maps.iter().position(|map| map.light == *light)
-    }
-
-    /// The map whose light is nearest to where the query sees one, within rounding.
-    fn map_seen(&self, query: &VisibilityQuery<'_>) -> Option<usize> {
-        let center = query.at.position + query.cone.axis * query.cone.distance;
-        let off = |map: &ShadowMap| map.light.center.distance(center);
-        let best = (0..self.maps.len()).min_by(|a, b| off(&self.maps[*a]).total_cmp(&off(&self.maps[*b])))?;
-        let size = query.cone.distance + center.abs().max_element();
-        (off(&self.maps[best]) <= 1e-5 * size).then_some(best)
+    fn map_of(&self, light: LightId) -> Option<usize> {
+        self.lights.iter().position(|of| *of == light)
     }
 
     /// The map's faces as a receiver sees them.
@@ -138,7 +143,7 @@ impl Blockers for ShadowMapBlockers {
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut ShadowMapScratch) -> Coverage {
-        let index = self.map_of(&shaft.light);
+        let index = self.map_of(shaft.id);
         scratch.entered = Some(index);
         scratch.frontier.clear();
         let Some(map) = index.map(|k| &self.maps[k]) else { return Coverage::Partial };
@@ -170,7 +175,7 @@ impl Blockers for ShadowMapBlockers {
         scratch.map = match scratch.entered {
             Some(entered) => entered,
             None => {
-                let found = self.map_seen(query);
+                let found = self.map_of(query.light);
                 scratch.frontier.clear();
                 scratch.frontier.extend(found.iter().flat_map(|k| roots(&self.maps[*k])));
                 first_layer_last(&mut scratch.frontier);
@@ -187,7 +192,7 @@ impl Blockers for ShadowMapBlockers {
             return Coverage::Lit;
         }
         let square = UnitSquare::facing(query.cone, Vec3::ZERO);
-        let cell = 2.0 * square.half / (1 << depth_for(query.tolerance)) as f32;
+        let cell = 2.0 * square.half / (1 << Accuracy::new(query.accuracy.tolerance).depth) as f32;
         let ShadowMapScratch { frontier, probes, stack, visited, .. } = scratch;
         Self::look(map, query, &square, cell, probes);
         stack.clear();

@@ -6,7 +6,7 @@
 //! ```
 //! use glam::{Vec2, Vec3};
 //! use lighting::MaskVisibility;
-//! use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+//! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 //! use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
 //!
 //! // A square one above the origin, a light above it.
@@ -14,12 +14,12 @@
 //! let light = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };
 //! let map = ShadowMap::build(&corners, &[[0, 1, 2], [0, 2, 3]], light, &MapOptions::default())?;
 //!
-//! let visibility = MaskVisibility::new(ShadowMapBlockers::new(vec![map]), 5);
+//! let visibility = MaskVisibility::new(ShadowMapBlockers::new(vec![map]));
 //! let mut scratch = visibility.scratch();
 //! let mut coverage = |position: Vec3| {
 //!     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
 //!     let cone = Cone::of_sphere(position, light);
-//!     visibility.coverage(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch)
+//!     visibility.coverage(&VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) }, &mut scratch)
 //! };
 //! assert_eq!(coverage(Vec3::ZERO), Coverage::Dark);
 //! assert_eq!(coverage(Vec3::new(1.25, 0.0, 0.0)), Coverage::Partial);

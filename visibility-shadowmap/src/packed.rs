@@ -18,7 +18,7 @@ use crate::blockers::ShadowMapBlockers;
 use crate::face::Face;
 use crate::layer::{Layer, MEANS};
 use crate::map::ShadowMap;
-use lobe_core::Sphere;
+use lobe_core::{LightId, Sphere};
 use std::sync::{Arc, Weak};
 
 /// Words of a face.
@@ -38,6 +38,7 @@ pub struct PackedMaps {
 /// Where a map is.
 #[derive(Clone, Debug)]
 struct Place {
+    id: LightId,
     light: Sphere,
     /// What was packed: the same as long as it is there.
     faces: Weak<[Face]>,
@@ -46,8 +47,8 @@ struct Place {
 }
 
 impl Place {
-    fn new(map: &ShadowMap, from: usize, to: usize) -> Self {
-        Self { light: map.light, faces: Arc::downgrade(&map.faces), from, to }
+    fn new(id: LightId, map: &ShadowMap, from: usize, to: usize) -> Self {
+        Self { id, light: map.light, faces: Arc::downgrade(&map.faces), from, to }
     }
 
     /// Whether it is this map's or a clone's.
@@ -66,8 +67,8 @@ impl PackedMaps {
 
     /// What the kernels know as `frame.map`: where a light's map is, 0 for a light without one, which is not shadowed.
     #[must_use]
-    pub fn map_of(&self, light: &Sphere) -> u32 {
-        self.maps.iter().find(|place| place.light == *light).map_or(0, |place| place.from as u32)
+    pub fn map_of(&self, light: LightId) -> u32 {
+        self.maps.iter().find(|place| place.id == light).map_or(0, |place| place.from as u32)
     }
 
     /// Makes these the maps of other blockers, such as those of the next frame. Maps that were there before (the same or clones, in
@@ -84,6 +85,9 @@ impl PackedMaps {
             self.words[..head.len()].copy_from_slice(&head);
             written = head.len();
         }
+        for (place, id) in self.maps.iter_mut().zip(blockers.lights()) {
+            place.id = *id;
+        }
         let mut words = Vec::new();
         for (place, map) in self.maps.iter_mut().zip(maps).filter(|(place, map)| !place.is_of(map)) {
             words.clear();
@@ -93,7 +97,7 @@ impl PackedMaps {
             };
             room.copy_from_slice(&words);
             written += words.len();
-            *place = Place::new(map, place.from, place.to);
+            *place = Place::new(place.id, map, place.from, place.to);
         }
         written
     }
@@ -101,10 +105,10 @@ impl PackedMaps {
     fn renew(&mut self, blockers: &ShadowMapBlockers) -> usize {
         self.words = pack_casters(blockers.casters());
         self.maps.clear();
-        for map in blockers.maps() {
+        for (id, map) in blockers.lights().iter().zip(blockers.maps()) {
             let from = self.words.len();
             pack_map(map, 0, &mut self.words);
-            self.maps.push(Place::new(map, from, self.words.len()));
+            self.maps.push(Place::new(*id, map, from, self.words.len()));
         }
         self.words.len()
     }
@@ -260,7 +264,7 @@ mod tests {
         let before = packed.words.clone();
         let written = packed.update(&of(&[&a, &small, &c]));
         assert!(written > 100 && written < all / 2, "{written} of {all}");
-        assert_eq!((packed.map_of(&b.light), packed.map_of(&small.light)), (0, packed.maps[1].from as u32));
+        assert_eq!((packed.map_of(LightId(3)), packed.map_of(LightId(1))), (0, packed.maps[1].from as u32));
         let mut alone = Vec::new();
         pack_map(&small, packed.maps[1].from, &mut alone);
         assert_eq!(packed.words[packed.maps[1].from..][..written], alone);

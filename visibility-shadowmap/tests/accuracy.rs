@@ -7,7 +7,7 @@ use glam::Vec3;
 use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Cone, Coverage, Lobe, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral,
+    Accuracy, Cone, LightId, Lobe, Look, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
     visible_fraction,
 };
 use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
@@ -150,8 +150,8 @@ fn glossy_lobes_see_what_they_look_at() {
         0.35,
         16,
     );
-    let strategy = MaskVisibility::new(ShadowMapBlockers::new(vec![mesh.map(LIGHT, &options(1024))]), 5);
-    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes()));
+    let strategy = MaskVisibility::new(ShadowMapBlockers::new(vec![mesh.map(LIGHT, &options(1024))]));
+    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(0));
     let mut random = Random::new(5);
     let outside = |at: &Receiver| at.position.x.abs() > 0.5 || at.position.z.abs() > 0.5;
     // The narrowest lobe is three texels wide.
@@ -162,16 +162,17 @@ fn glossy_lobes_see_what_they_look_at() {
             let off = random.between(0.0, 0.8) * f64::from(cone.tan());
             let axis = random.axis_at(cone.axis.as_dvec3(), off).as_vec3().normalize();
             let lobe = Lobe { exponent, flux: Vec3::ONE, axis, cosine: 0.0 };
-            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
             let truth = mesh.seen_by(&at, LIGHT, 64, |v| {
                 // The square's area as solid angle.
                 axis.as_dvec3().dot(v).powf(f64::from(exponent)) * cone.axis.as_dvec3().dot(v).powi(3)
             });
-            if !(0.01..0.99).contains(&truth) || strategy.coverage(&query, &mut scratch) != Coverage::Partial {
+            let mut visit = Visit::alone(&strategy, LightId(0), Accuracy::new(0.003), &mut scratch);
+            let Look::Partial(seen) = visit.look(&at, &cone) else { continue };
+            if !(0.01..0.99).contains(&truth) {
                 continue;
             }
             let unshadowed = cap_integral(&at, &lobe, &cone);
-            strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut sum).expect("room");
+            visit.lobes(&seen, &lobe, unshadowed, &mut sum).expect("room");
             errors += (f64::from(visible_fraction(&at, &lobe, unshadowed, &sum)) - truth).abs();
             count += 1;
         }

@@ -68,7 +68,7 @@ fn limits() -> Limits {
 /// Used as `Box<dyn …>`; the suite itself compares that with the static one.
 #[test]
 fn shadow_map() {
-    let boxed = |s: &Setting<'_>| -> Box<dyn DynVisibility> { Box::new(MaskVisibility::new(blockers(s, 256), 5)) };
+    let boxed = |s: &Setting<'_>| -> Box<dyn DynVisibility> { Box::new(MaskVisibility::new(blockers(s, 256))) };
     let measured = check(&boxed, &limits());
     println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
 }

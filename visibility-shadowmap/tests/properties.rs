@@ -7,8 +7,8 @@ use glam::{Quat, Vec3};
 use lighting::{Blockers, MaskVisibility};
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Cone, Coverage, DynVisibility, Lobe, LobesFull, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery,
-    VisibilitySum, cap_integral, visible_fraction,
+    Accuracy, Cone, Coverage, DynVisibility, LightId, Lobe, LobesFull, Look, Receiver, Shaft, Sphere, VisibilityLobes,
+    VisibilityQuery, VisibilitySum, Visit, cap_integral,
 };
 use visibility_shadowmap::{Bounds, Fineness, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
 
@@ -63,10 +63,12 @@ fn nothing_blocks_at_no_cost() {
         let blockers = blockers(&mesh, LIGHT, 64);
         let mut scratch = blockers.scratch();
         for at in floor_points(50, 3.0, 1) {
-            blockers
-                .enter(&Shaft { receivers: Sphere { center: at.position, radius: 0.1 }, light: LIGHT }, &mut scratch);
+            blockers.enter(
+                &Shaft { receivers: Sphere { center: at.position, radius: 0.1 }, light: LIGHT, id: LightId(0) },
+                &mut scratch,
+            );
             let cone = Cone::of_sphere(at.position, LIGHT);
-            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
             assert_eq!(blockers.select(&query, &mut scratch), Coverage::Lit);
         }
         assert_eq!(scratch.counts(), (0, 0));
@@ -329,13 +331,13 @@ fn groups_scratch_and_dispatch_change_no_bit() {
         Sphere { center: Vec3::new(-3.0, 3.0, -1.0), radius: 0.7 },
     ];
     let maps: Vec<_> = lights.iter().map(|l| mesh.map(*l, &options(300))).collect();
-    let strategy = MaskVisibility::new(ShadowMapBlockers::new(maps.clone()), 5);
-    let boxed: Box<dyn DynVisibility> = Box::new(MaskVisibility::new(ShadowMapBlockers::new(maps), 5));
+    let strategy = MaskVisibility::new(ShadowMapBlockers::new(maps.clone()));
+    let boxed: Box<dyn DynVisibility> = Box::new(MaskVisibility::new(ShadowMapBlockers::new(maps)));
     let (mut old, mut old_dyn) = (strategy.scratch(), boxed.scratch());
-    let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+    let mut sum = VisibilitySum::with_capacity(0);
     let mut partial = 0;
     for (k, at) in floor_points(150, 1.2, 14).iter().enumerate() {
-        let light = lights[k % 2];
+        let (light, id) = (lights[k % 2], LightId(k as u32 % 2));
         let lobe = if k % 3 == 0 {
             Lobe { exponent: 1.0, flux: Vec3::ONE, axis: Vec3::Y, cosine: 0.0 }
         } else {
@@ -343,69 +345,62 @@ fn groups_scratch_and_dispatch_change_no_bit() {
             Lobe { exponent: [20.0, 2000.0][k % 2], flux: Vec3::ONE, axis, cosine: 0.0 }
         };
         let radius = [0.0, 0.2, 2.0][k % 3];
-        let shaft = Shaft { receivers: Sphere { center: at.position + Vec3::X * radius * 0.9, radius }, light };
-        let fresh = fraction(&strategy, &mut strategy.scratch(), &mut sum, at, light, &lobe);
-        strategy.enter(&shaft, &mut old);
-        assert_eq!(fresh.to_bits(), fraction(&strategy, &mut old, &mut sum, at, light, &lobe).to_bits(), "{k}");
-        boxed.enter(&shaft, &mut old_dyn);
-        assert_eq!(fresh.to_bits(), fraction(&boxed, &mut old_dyn, &mut sum, at, light, &lobe).to_bits(), "{k}");
+        let shaft = Shaft { receivers: Sphere { center: at.position + Vec3::X * radius * 0.9, radius }, light, id };
+        let mut fresh = strategy.scratch();
+        let fresh = fraction(Visit::alone(&strategy, id, ACCURACY, &mut fresh), &mut sum, at, light, &lobe);
+        let entered = fraction(Visit::enter(&strategy, &shaft, ACCURACY, &mut old), &mut sum, at, light, &lobe);
+        assert_eq!(fresh.to_bits(), entered.to_bits(), "{k}");
+        let entered = fraction(Visit::enter(&boxed, &shaft, ACCURACY, &mut old_dyn), &mut sum, at, light, &lobe);
+        assert_eq!(fresh.to_bits(), entered.to_bits(), "{k}");
         partial += u32::from(fresh > 0.0 && fresh < 1.0);
     }
     assert!(partial > 40, "{partial}");
     // A light without a map is not shadowed.
     let other = Sphere { center: Vec3::new(0.0, 3.0, 9.0), radius: 0.5 };
     let at = receiver(Vec3::new(0.0, 0.0, -0.5), Vec3::Y);
-    strategy.enter(&Shaft { receivers: Sphere { center: at.position, radius: 0.1 }, light: other }, &mut old);
+    let shaft = Shaft { receivers: Sphere { center: at.position, radius: 0.1 }, light: other, id: LightId(2) };
     let lobe = Lobe { exponent: 1.0, flux: Vec3::ONE, axis: Vec3::Y, cosine: 0.0 };
-    assert_eq!(fraction(&strategy, &mut old, &mut sum, &at, other, &lobe), 1.0);
+    let visit = Visit::enter(&strategy, &shaft, ACCURACY, &mut old);
+    assert_eq!(fraction(visit, &mut sum, &at, other, &lobe), 1.0);
 }
 
+const ACCURACY: Accuracy = Accuracy { tolerance: 0.003, depth: 5 };
+
 fn fraction<V: VisibilityLobes>(
-    strategy: &V,
-    scratch: &mut V::Scratch,
+    mut visit: Visit<'_, V>,
     sum: &mut VisibilitySum,
     at: &Receiver,
     light: Sphere,
     lobe: &Lobe,
 ) -> f32 {
     let cone = Cone::of_sphere(at.position, light);
-    let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
-    match strategy.coverage(&query, scratch) {
-        Coverage::Lit => 1.0,
-        Coverage::Dark => 0.0,
-        Coverage::Partial => {
-            let unshadowed = cap_integral(at, lobe, &cone);
-            strategy.visibility_lobes(&query, lobe, unshadowed, scratch, sum).expect("room for all lobes");
-            visible_fraction(at, lobe, unshadowed, sum)
-        }
-    }
+    visit.fraction(at, &cone, lobe, cap_integral(at, lobe, &cone), sum).expect("room for all lobes")
 }
 
 #[test]
 fn a_full_buffer_is_an_error() {
     let mesh = sheet(Mesh::default(), [0.0, 2.0], 2.0, [-2.0, 2.0]);
-    let strategy = MaskVisibility::new(blockers(&mesh, LIGHT, 256), 5).with_lobes();
+    let strategy = MaskVisibility::new(blockers(&mesh, LIGHT, 256)).with_lobes();
     let (mut scratch, mut none) = (strategy.scratch(), VisibilitySum::with_capacity(0));
     let at = receiver(Vec3::ZERO, Vec3::Y);
     let cone = Cone::of_sphere(at.position, LIGHT);
-    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
-    assert_eq!(strategy.coverage(&query, &mut scratch), Coverage::Partial);
+    let mut visit = Visit::alone(&strategy, LightId(0), ACCURACY, &mut scratch);
+    let Look::Partial(seen) = visit.look(&at, &cone) else { panic!("a penumbra") };
     let lobe = Lobe { exponent: 20.0, flux: Vec3::ONE, axis: Vec3::Y, cosine: 0.0 };
-    let full: Result<(), LobesFull> = strategy.visibility_lobes(&query, &lobe, 1.0, &mut scratch, &mut none);
-    assert!(full.is_err());
+    assert_eq!(visit.lobes(&seen, &lobe, 1.0, &mut none), Err(LobesFull));
 }
 
 #[test]
 fn point_lights_have_hard_shadows() {
     let light = Sphere { radius: 0.0, ..LIGHT };
     let mesh = sheet(Mesh::default(), [-1.0, 0.0], 2.5, [-1.0, 1.0]);
-    let strategy = MaskVisibility::new(blockers(&mesh, light, 512), 5);
+    let strategy = MaskVisibility::new(blockers(&mesh, light, 512));
     let mut scratch = strategy.scratch();
     for (x, expected) in [(-1.0, Coverage::Dark), (-0.02, Coverage::Dark), (0.02, Coverage::Lit), (2.0, Coverage::Lit)]
     {
         let at = receiver(Vec3::new(x, 0.0, 0.1), Vec3::Y);
         let cone = Cone::of_sphere(at.position, light);
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
         assert_eq!(strategy.coverage(&query, &mut scratch), expected, "{x}");
     }
 }
@@ -464,7 +459,7 @@ fn any_scene_is_finite_and_a_group_changes_nothing() {
                 continue;
             }
             let group = Sphere { center: position, radius: 0.1 * scale as f32 };
-            blockers.enter(&Shaft { receivers: group, light }, &mut scratch);
+            blockers.enter(&Shaft { receivers: group, light, id: LightId(0) }, &mut scratch);
             let seen = share(&blockers, &mut scratch, &at, light);
             let alone = share(&blockers, &mut blockers.scratch(), &at, light);
             assert!(seen.is_nan() || (0.0..=1.0).contains(&seen), "{case}: {seen}");

@@ -174,7 +174,10 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
                 center: at.position + cone.axis * cone.distance,
                 radius: cone.distance * cone.sin_sq().sqrt(),
             };
-            self.list(&Shaft { receivers: Sphere { center: at.position, radius: 0.0 }, light }, scratch);
+            self.list(
+                &Shaft { receivers: Sphere { center: at.position, radius: 0.0 }, light, id: query.light },
+                scratch,
+            );
         }
         let facet = if self.hits.has(at.object) { facet_coverage(at, cone) } else { Coverage::Lit };
         scratch.facet = (facet == Coverage::Partial).then_some(at.face);

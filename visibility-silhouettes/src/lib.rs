@@ -7,7 +7,7 @@
 //! ```
 //! use glam::Vec3;
 //! use lighting::MaskVisibility;
-//! use lobe_core::{Cone, Coverage, Receiver, Sphere, VisibilityLobes, VisibilityQuery};
+//! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Sphere, VisibilityLobes, VisibilityQuery};
 //! use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 //!
 //! /// One square, one above the origin.
@@ -32,13 +32,13 @@
 //!
 //! let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x, 1.0, z));
 //! let meshes = [SilhouetteMesh::new(1, &corners, &[[0, 1, 2], [0, 2, 3]])];
-//! let visibility = MaskVisibility::new(SilhouetteBlockers::new(&meshes, Square), 5);
+//! let visibility = MaskVisibility::new(SilhouetteBlockers::new(&meshes, Square));
 //! let mut scratch = visibility.scratch();
 //! let light = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };
 //! let mut coverage = |position: Vec3| {
 //!     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
 //!     let cone = Cone::of_sphere(position, light);
-//!     visibility.coverage(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch)
+//!     visibility.coverage(&VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) }, &mut scratch)
 //! };
 //! assert_eq!(coverage(Vec3::ZERO), Coverage::Dark);
 //! assert_eq!(coverage(Vec3::new(1.25, 0.0, 0.0)), Coverage::Partial);

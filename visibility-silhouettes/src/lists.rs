@@ -5,7 +5,7 @@ use crate::edge_list::EdgeList;
 use crate::hull::Hull;
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use lobe_core::{Shaft, Sphere};
+use lobe_core::{LightId, Shaft, Sphere};
 
 /// Cells of a side into which the receivers of a shaft are divided, each with a list of its own.
 const CELLS: usize = 3;
@@ -100,7 +100,7 @@ struct Ball {
 impl Default for Lists {
     fn default() -> Self {
         Self {
-            shaft: Shaft { receivers: Sphere::default(), light: Sphere::default() },
+            shaft: Shaft { receivers: Sphere::default(), light: Sphere::default(), id: LightId(0) },
             margin: 0.0,
             edges: EdgeList::default(),
             is_whole: true,

@@ -6,7 +6,7 @@ use common::{Rays, Soup, ball, cuboid, turn};
 use glam::{DVec3, Vec3};
 use lighting::{Blockers, Raster, UnitSquare, hooks};
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityQuery};
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
 fn vec(random: &mut Random, size: f64) -> Vec3 {
@@ -133,11 +133,11 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
     if !case.is_multiple_of(3) {
         let center = position + vec(random, 0.1);
         blockers.enter(
-            &Shaft { receivers: Sphere { center, radius: position.distance(center) * 1.001 }, light },
+            &Shaft { receivers: Sphere { center, radius: position.distance(center) * 1.001 }, light, id: LightId(0) },
             &mut scratch,
         );
     }
-    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+    let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
     let coverage = blockers.select(&query, &mut scratch);
     let square = UnitSquare::facing(&cone, blockers.across(&query, &scratch)).above(normal);
     let (depth, coarse) = (1 + (case as u32 / 7) % 6, case.is_multiple_of(2));
@@ -233,7 +233,7 @@ fn masks_do_not_depend_on_the_hierarchy() {
         let position = vec(&mut random, 0.6) - Vec3::Y * 1.5;
         let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
         let cone = Cone::of_sphere(position, light);
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
         let [a, b] = [&fresh, &kept].map(|meshes| {
             let blockers = SilhouetteBlockers::new(meshes, Rays(&new));
             let mut scratch = blockers.scratch();
@@ -274,7 +274,7 @@ fn what_was_flat_may_grow() {
         let mut one = |k: u32| {
             let at = at(k as f32 * 0.05);
             let cone = Cone::of_sphere(at.position, light);
-            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
             let mut mask = hooks::mask(&UnitSquare::facing(&cone, Vec3::X), 5, true, Vec3::Y);
             match blockers.select(&query, &mut scratch) {
                 Coverage::Lit => {}
@@ -321,7 +321,8 @@ fn masks_do_not_depend_on_the_group() {
         let mut seen = |receivers: &[Receiver], entered: bool| -> Vec<_> {
             let mut scratch = blockers.scratch();
             if entered {
-                let shaft = Shaft { receivers: Sphere { center: middle, radius: reach * 1.001 }, light };
+                let shaft =
+                    Shaft { receivers: Sphere { center: middle, radius: reach * 1.001 }, light, id: LightId(0) };
                 blockers.enter(&shaft, &mut scratch);
             }
             let mut look = |at: &Receiver| {
@@ -329,7 +330,7 @@ fn masks_do_not_depend_on_the_group() {
                 if cone.one_minus_cos > 0.9 {
                     return None;
                 }
-                let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
+                let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
                 if blockers.select(&query, &mut scratch) != Coverage::Partial {
                     return None;
                 }

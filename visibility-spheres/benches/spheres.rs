@@ -4,7 +4,7 @@ use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use lighting::{Blockers, MaskVisibility};
-use lobe_core::{Cone, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 use std::hint::black_box;
 use visibility_spheres::SphereBlockers;
 
@@ -43,8 +43,8 @@ fn point(c: &mut Criterion) {
     let (mut culling, position) = (c.benchmark_group("sphere_stages"), Vec3::new(-0.55, 0.0, -0.1));
     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
     let cone = Cone::of_sphere(position, LIGHT);
-    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.005 };
-    let shaft = Shaft { receivers: Sphere { center: position, radius: 0.06 }, light: LIGHT };
+    let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.005) };
+    let shaft = Shaft { receivers: Sphere { center: position, radius: 0.06 }, light: LIGHT, id: LightId(0) };
     for count in [64, 512, 4096] {
         let blockers = SphereBlockers::new(&blob(count), &vec![0; count], &[]);
         let mut scratch = blockers.scratch();
@@ -54,7 +54,7 @@ fn point(c: &mut Criterion) {
         culling.bench_function(BenchmarkId::new("select for a point", count), |b| {
             b.iter(|| blockers.select(black_box(&query), &mut scratch));
         });
-        let strategy = MaskVisibility::new(blockers, 5);
+        let strategy = MaskVisibility::new(blockers);
         let mut scratch = strategy.scratch();
         strategy.enter(&shaft, &mut scratch);
         culling.bench_function(BenchmarkId::new("mask of a point", count), |b| {

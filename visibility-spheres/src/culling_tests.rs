@@ -4,7 +4,7 @@ use crate::SphereBlockers;
 use glam::{DVec3, Vec3};
 use lighting::Blockers;
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, Coverage, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 
 /// Spheres in clusters and strays, with all sizes, some repeated.
 fn cloud(random: &mut Random, count: usize, scale: f64) -> Vec<Sphere> {
@@ -41,7 +41,7 @@ fn shaft(random: &mut Random, case: usize, scale: f64) -> Shaft {
         4 => ball.radius = (light.center - ball.center).length() - light.radius.min(1e-3 * scale as f32),
         _ => {}
     }
-    Shaft { receivers: Sphere { radius: ball.radius.max(0.0), ..ball }, light }
+    Shaft { receivers: Sphere { radius: ball.radius.max(0.0), ..ball }, light, id: LightId(0) }
 }
 
 /// Distance from a point to the convex hull of two balls: the nearest ball of all between them, by golden section (the
@@ -141,7 +141,7 @@ fn selection_is_that_of_the_flat_loop() {
             if cone.one_minus_cos > 1.0 {
                 continue;
             }
-            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
             let (want, hits) = blockers.select_flat(&query);
             counts[want as usize] += 1;
             for scratch in [&mut culled, &mut whole] {
@@ -163,7 +163,10 @@ fn own_receivers_see_the_smaller_ball() {
     let seen = |blockers: &SphereBlockers, object| {
         let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object };
         let mut scratch = blockers.scratch();
-        let coverage = blockers.select(&VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 }, &mut scratch);
+        let coverage = blockers.select(
+            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) },
+            &mut scratch,
+        );
         (coverage, scratch.hits().to_vec())
     };
     let plain = |radius| SphereBlockers::new(&[Sphere { radius, ..ball }], &[7], &[]);
@@ -221,7 +224,7 @@ fn light_of_more_than_a_hemisphere_keeps_everything() {
     let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
     for one_minus_cos in [1.0, 1.5, 2.0] {
         let cone = Cone { axis: Vec3::Z, one_minus_cos, distance: f32::INFINITY };
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
         let mut scratch = blockers.scratch();
         let (want, hits) = blockers.select_flat(&query);
         assert_eq!(blockers.select(&query, &mut scratch), want);
@@ -271,13 +274,16 @@ fn what_is_not_a_sphere_blocks_nothing() {
     let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
     let light = Sphere { center: Vec3::Z * 10.0, radius: 1.0 };
     let cone = Cone::of_sphere(at.position, light);
-    let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+    let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
     let check = |blockers: &SphereBlockers, want: &[u32]| {
         let mut scratch = blockers.scratch();
         assert_eq!(scratch.candidates(), want);
         let lit = if want.is_empty() { Coverage::Lit } else { Coverage::Partial };
         assert_eq!(blockers.select(&query, &mut scratch), lit);
-        blockers.enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light }, &mut scratch);
+        blockers.enter(
+            &Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light, id: LightId(0) },
+            &mut scratch,
+        );
         assert_eq!(scratch.candidates(), want);
         assert_eq!(blockers.select(&query, &mut scratch), lit);
     };
@@ -294,7 +300,8 @@ fn what_is_not_a_sphere_blocks_nothing() {
         [good, Sphere { center: Vec3::splat(3e38), radius: 3e38 }, Sphere { center: Vec3::splat(-3e38), radius: 1.0 }];
     let blockers = SphereBlockers::new(&huge, &[0; 3], &[]);
     let mut scratch = blockers.scratch();
-    blockers.enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light }, &mut scratch);
+    blockers
+        .enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light, id: LightId(0) }, &mut scratch);
     assert!(scratch.candidates().contains(&0));
 }
 
@@ -363,7 +370,11 @@ fn timings() {
                     let points: Vec<Vec3> = (0..64).map(|i| point(tile, i)).collect();
                     let center = 0.5 * (points[0] + points[63]);
                     (
-                        Shaft { receivers: Sphere { center, radius: 1.00001 * center.distance(points[0]) }, light },
+                        Shaft {
+                            receivers: Sphere { center, radius: 1.00001 * center.distance(points[0]) },
+                            light,
+                            id: LightId(0),
+                        },
                         points,
                     )
                 })
@@ -392,7 +403,8 @@ fn timings() {
                         let at =
                             Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
                         let cone = Cone::of_sphere(at.position, light);
-                        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+                        let query =
+                            VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
                         if blockers.select(&query, &mut scratch) == Coverage::Partial {
                             hits += scratch.hits().len();
                             partial += 1;
@@ -414,7 +426,8 @@ fn timings() {
                         let at =
                             Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
                         let cone = Cone::of_sphere(at.position, light);
-                        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+                        let query =
+                            VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
                         std::hint::black_box(blockers.select(&query, &mut whole));
                     }
                 }

@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 use glam::Vec3;
 use lighting::{Blockers, Mask, UnitSquare};
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, Coverage, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
 
 fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
     Receiver { position, normal, face: normal, view: normal, object }
@@ -83,7 +83,7 @@ fn shares_follow_the_order_of_blocker_and_light() {
         let tau = if kind == 6 { 0.25 } else { 0.0 };
         let blockers = SphereBlockers::new(&[ball], &[7], &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, tau as f32]);
         let cone = Cone::of_sphere(at.position, light);
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
         let mut scratch = blockers.scratch();
         let share = match blockers.select(&query, &mut scratch) {
             Coverage::Lit => 1.0,
@@ -137,7 +137,7 @@ fn selection_never_contradicts_the_rays() {
         let objects: Vec<_> = (0..spheres.len() as u32).map(|i| i % 3).collect();
         let taus = [0.5, 0.0, 0.0];
         let blockers = SphereBlockers::new(&spheres, &objects, &taus);
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
         let mut scratch = blockers.scratch();
         let selected = blockers.select(&query, &mut scratch);
         counts[selected as usize] += 1;
@@ -177,7 +177,7 @@ fn culling_never_changes_a_result() {
         let objects = vec![0; spheres.len()];
         let blockers = SphereBlockers::new(&spheres, &objects, &[(0.3 * scale) as f32]);
         let (mut all, mut some) = (blockers.scratch(), blockers.scratch());
-        blockers.enter(&Shaft { receivers: ball, light }, &mut some);
+        blockers.enter(&Shaft { receivers: ball, light, id: LightId(0) }, &mut some);
         for _ in 0..10 {
             let position =
                 ball.center + (random.axis() * f64::from(ball.radius) * random.uniform().cbrt() * 0.9999).as_vec3();
@@ -186,7 +186,7 @@ fn culling_never_changes_a_result() {
             if cone.one_minus_cos > 1.0 {
                 continue;
             }
-            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
             let (a, b) = (blockers.select(&query, &mut all), blockers.select(&query, &mut some));
             assert_eq!(a, b, "case {case}");
             if a == Coverage::Partial {
@@ -202,7 +202,7 @@ fn culling_never_changes_a_result() {
             }
             let mut none = blockers.scratch();
             let everywhere = Sphere { center: position, radius: f32::MAX };
-            blockers.enter(&Shaft { receivers: everywhere, light }, &mut none);
+            blockers.enter(&Shaft { receivers: everywhere, light, id: LightId(0) }, &mut none);
             assert_eq!(blockers.select(&query, &mut none), a);
         }
         total += spheres.len();
@@ -219,7 +219,10 @@ fn shafts_at_infinity_keep_what_they_meet() {
     for distance in [1e3_f32, 1e8, 1e18, 1e20, 1e30] {
         let light = Sphere { center: Vec3::Z * distance, radius: 0.01 * distance };
         let mut scratch = blockers.scratch();
-        blockers.enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 1.0 }, light }, &mut scratch);
+        blockers.enter(
+            &Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 1.0 }, light, id: LightId(0) },
+            &mut scratch,
+        );
         assert_eq!(scratch.candidates().len(), 1, "distance {distance}");
     }
 }
@@ -228,12 +231,12 @@ fn shafts_at_infinity_keep_what_they_meet() {
 fn point_lights_are_hidden_by_what_their_direction_meets() {
     // A cone wider than a hemisphere (a receiver inside its own object's sphere) does not reach backwards.
     let blockers = SphereBlockers::new(&[Sphere { center: Vec3::Z * 0.5, radius: 1.0 }], &[0], &[0.8]);
-    let strategy = lighting::MaskVisibility::new(blockers, 5);
+    let strategy = lighting::MaskVisibility::new(blockers);
     let at = receiver(Vec3::ZERO, Vec3::NEG_Z, 0);
     for (axis, hidden) in [(Vec3::Z, true), (Vec3::NEG_Z, false)] {
         for one_minus_cos in [0.0, 1e-12, 1e-6] {
             let cone = Cone { axis, one_minus_cos, distance: 10.0 };
-            let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+            let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
             use lobe_core::VisibilityLobes;
             let mut scratch = strategy.scratch();
             let coverage = strategy.coverage(&query, &mut scratch);
@@ -257,7 +260,7 @@ fn facets_cut_the_light_of_their_own_object() {
     let theta = cone.sin_sq().sqrt().asin();
     let select = |face: Vec3, normal: Vec3, object: u32| {
         let at = Receiver { face, ..receiver(Vec3::ZERO, normal, object) };
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
+        let query = VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
         let mut scratch = blockers.scratch();
         let coverage = blockers.select(&query, &mut scratch);
         let mut mask = Mask::default();

@@ -1,11 +1,10 @@
 //! The whole chain, blockers to visible share, against brute force in f64 over random blockers.
 
 use glam::{DVec3, Vec3};
-use lighting::{MaskVisibility, depth_for};
+use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Cone, Coverage, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral,
-    visible_fraction,
+    Accuracy, Cone, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
 };
 use visibility_spheres::SphereBlockers;
 
@@ -134,27 +133,19 @@ fn errors(
             continue;
         }
         let objects = vec![0; case.spheres.len()];
-        let strategy = MaskVisibility::new(SphereBlockers::new(&case.spheres, &objects, &[]), depth_for(tolerance));
+        let strategy = MaskVisibility::new(SphereBlockers::new(&case.spheres, &objects, &[]));
         let mut scratch = strategy.scratch();
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
-        let query = VisibilityQuery { at: &case.at, cone: &case.cone, tolerance };
+        let accuracy = Accuracy::new(tolerance);
+        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));
         let unshadowed = cap_integral(&case.at, &case.lobe, &case.cone);
         let on_axis = -((case.lobe.exponent + 1.0) * (-case.cone.one_minus_cos).ln_1p()).exp_m1();
         if unshadowed < 1e-4 * on_axis {
             // Less than a ten-thousandth of what the lobe would see of the light: no picture shows a share of that.
             continue;
         }
-        let share = match strategy.coverage(&query, &mut scratch) {
-            Coverage::Lit => 1.0,
-            Coverage::Dark => 0.0,
-            Coverage::Partial => {
-                strategy
-                    .visibility_lobes(&query, &case.lobe, unshadowed, &mut scratch, &mut sum)
-                    .expect("room for max_lobes");
-                lobes += sum.lobes.lobes().len();
-                visible_fraction(&case.at, &case.lobe, unshadowed, &sum)
-            }
-        };
+        let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
+        let share = visit.fraction(&case.at, &case.cone, &case.lobe, unshadowed, &mut sum).expect("room for max_lobes");
+        lobes += sum.lobes.lobes().len();
         errors.push((f64::from(share) - lit / all).abs());
     }
     errors.sort_by(f64::total_cmp);

@@ -10,14 +10,14 @@ fn blockers(balls: &[lobe_core::Sphere]) -> SphereBlockers {
 
 #[test]
 fn spheres() {
-    let measured = check(&|s: &Setting<'_>| MaskVisibility::new(blockers(s.balls), 5), &Limits::default());
+    let measured = check(&|s: &Setting<'_>| MaskVisibility::new(blockers(s.balls)), &Limits::default());
     println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
 }
 
 /// The same masks, given as lobes.
 #[test]
 fn spheres_as_lobes() {
-    let strategy = |s: &Setting<'_>| MaskVisibility::new(blockers(s.balls), 5).with_lobes();
+    let strategy = |s: &Setting<'_>| MaskVisibility::new(blockers(s.balls)).with_lobes();
     let measured = check(&strategy, &Limits::default());
     println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));
 }
@@ -27,7 +27,7 @@ fn spheres_as_lobes() {
 fn mixture() {
     let mixed = |s: &Setting<'_>| {
         let half = |k: usize| blockers(&s.balls.iter().skip(k).step_by(2).copied().collect::<Vec<_>>());
-        MaskVisibility::new(Mixture::new(half(0), half(1)), 5)
+        MaskVisibility::new(Mixture::new(half(0), half(1)))
     };
     let measured = check(&mixed, &Limits::default());
     println!("{:?}", measured.unwrap_or_else(|e| panic!("{e}")));

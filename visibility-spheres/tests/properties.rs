@@ -1,11 +1,11 @@
 //! What must hold whatever the scene: limits, monotony, continuity, invariance, dispatch.
 
 use glam::{DQuat, DVec3, Vec3};
-use lighting::{MaskVisibility, depth_for};
+use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Cone, Coverage, DynVisibility, Lobe, LobesFull, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum,
-    cap_integral, visible_fraction,
+    Accuracy, Cone, DynVisibility, LightId, Lobe, LobesFull, Look, Receiver, Sphere, VisibilityLobes, VisibilitySum,
+    Visit, cap_integral,
 };
 use visibility_spheres::SphereBlockers;
 
@@ -85,7 +85,11 @@ impl Scene {
 
     fn strategy(&self) -> MaskVisibility<SphereBlockers> {
         let spheres: Vec<_> = self.spheres.iter().copied().map(sphere).collect();
-        MaskVisibility::new(SphereBlockers::new(&spheres, &vec![1; spheres.len()], &[]), depth_for(self.tolerance))
+        MaskVisibility::new(SphereBlockers::new(&spheres, &vec![1; spheres.len()], &[]))
+    }
+
+    fn accuracy(&self) -> Accuracy {
+        Accuracy::new(self.tolerance)
     }
 
     fn unshadowed(&self) -> f32 {
@@ -104,22 +108,14 @@ impl Scene {
     fn share(&self) -> f64 {
         let strategy = self.strategy();
         let mut scratch = strategy.scratch();
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(self.accuracy()));
         self.share_with(&strategy, &mut scratch, &mut sum)
     }
 
     fn share_with<V: VisibilityLobes>(&self, strategy: &V, scratch: &mut V::Scratch, sum: &mut VisibilitySum) -> f64 {
         let (at, cone, lobe) = (self.at(), self.cone(), self.brdf());
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: self.tolerance };
-        let share = match strategy.coverage(&query, scratch) {
-            Coverage::Lit => 1.0,
-            Coverage::Dark => 0.0,
-            Coverage::Partial => {
-                let unshadowed = self.unshadowed();
-                strategy.visibility_lobes(&query, &lobe, unshadowed, scratch, sum).expect("room for max_lobes");
-                visible_fraction(&at, &lobe, unshadowed, sum)
-            }
-        };
+        let mut visit = Visit::alone(strategy, LightId(0), self.accuracy(), scratch);
+        let share = visit.fraction(&at, &cone, &lobe, self.unshadowed(), sum).expect("room for max_lobes");
         assert!((0.0..=1.0).contains(&share), "V = {share} in {self:?}");
         f64::from(share)
     }
@@ -347,9 +343,10 @@ fn dispatch_and_reuse_are_bit_identical() {
     let strategy = scenes[0].strategy();
     let boxed: Box<dyn DynVisibility> = Box::new(scenes[0].strategy());
     let (mut old, mut old_dyn) = (strategy.scratch(), boxed.scratch());
-    let mut old_sum = VisibilitySum::with_capacity(strategy.max_lobes());
-    let mut dyn_sum = VisibilitySum::with_capacity(boxed.max_lobes());
-    assert_eq!(boxed.max_lobes(), strategy.max_lobes());
+    let accuracy = Accuracy::default();
+    let mut old_sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));
+    let mut dyn_sum = VisibilitySum::with_capacity(boxed.max_lobes(accuracy));
+    assert_eq!(boxed.max_lobes(accuracy), strategy.max_lobes(accuracy));
     for scene in &scenes {
         // The same blockers for all: those of the first scene, placed before this scene's receiver.
         let turn = DQuat::from_rotation_arc(
@@ -367,7 +364,7 @@ fn dispatch_and_reuse_are_bit_identical() {
         let fresh = here.share_with(
             &strategy,
             &mut strategy.scratch(),
-            &mut VisibilitySum::with_capacity(strategy.max_lobes()),
+            &mut VisibilitySum::with_capacity(strategy.max_lobes(accuracy)),
         );
         assert_eq!(fresh.to_bits(), here.share_with(&strategy, &mut old, &mut old_sum).to_bits());
         assert_eq!(fresh.to_bits(), here.share_with(&boxed, &mut old_dyn, &mut dyn_sum).to_bits());
@@ -379,34 +376,33 @@ fn dispatch_and_reuse_are_bit_identical() {
 #[test]
 fn too_small_a_sum_is_an_error() {
     let mut random = Random::new(7);
-    let mut seen = 0;
+    let mut refused = 0;
     for _ in 0..60 {
         let scene = Scene::random(&mut random, 0.4, 200.0, 3, false);
         let strategy = scene.strategy().with_lobes();
         let (at, cone, lobe) = (scene.at(), scene.cone(), scene.brdf());
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: scene.tolerance };
         let mut scratch = strategy.scratch();
-        if strategy.coverage(&query, &mut scratch) != Coverage::Partial {
-            continue;
-        }
+        let mut visit = Visit::alone(&strategy, LightId(0), scene.accuracy(), &mut scratch);
+        let Look::Partial(seen) = visit.look(&at, &cone) else { continue };
         let unshadowed = scene.unshadowed();
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
-        strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut sum).unwrap();
+        let most = strategy.max_lobes(scene.accuracy());
+        let mut sum = VisibilitySum::with_capacity(most);
+        visit.lobes(&seen, &lobe, unshadowed, &mut sum).unwrap();
         let needed = sum.whole.lobes().len();
-        assert!(needed <= strategy.max_lobes());
+        assert!(needed <= most);
         for capacity in [0, 1, needed / 2, needed - 1] {
             if capacity >= needed {
                 continue;
             }
             let mut small = VisibilitySum::with_capacity(capacity);
-            let result = strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut small);
+            let result = visit.lobes(&seen, &lobe, unshadowed, &mut small);
             assert_eq!(result, Err(LobesFull));
-            seen += 1;
+            refused += 1;
         }
         let mut exact = VisibilitySum::with_capacity(needed);
-        assert_eq!(strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut exact), Ok(()));
+        assert_eq!(visit.lobes(&seen, &lobe, unshadowed, &mut exact), Ok(()));
     }
-    assert!(seen > 40);
+    assert!(refused > 40);
 }
 
 #[test]

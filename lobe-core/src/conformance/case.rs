@@ -3,14 +3,20 @@
 use super::{Setting, Subject, Visitor};
 use crate::oracle::Random;
 use crate::{
-    Cone, Coverage, DynVisibility, Lobe, LobesFull, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes,
-    VisibilityQuery, VisibilitySum, cap_integral, visible_fraction,
+    Accuracy, Cone, Coverage, DynVisibility, LightId, Lobe, LobesFull, Look, OWN_NONE, PartlySeen, Receiver, Shaft,
+    Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, Visit, cap_integral, visible_fraction,
 };
 use core::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec3, Vec3};
 
 /// The light's distance in random cases.
 pub(super) const FAR: f64 = 10.0;
+
+/// What is asked for in all cases.
+const ACCURACY: Accuracy = Accuracy { tolerance: 0.003, depth: 5 };
+
+/// The only light.
+const LIGHT: LightId = LightId(0);
 
 /// Half-angles of lights in random cases, radians.
 const HALF_ANGLES: [f64; 3] = [0.02, 0.14, 0.44];
@@ -180,25 +186,33 @@ impl Case {
     fn ask<V: VisibilityLobes>(
         &self,
         strategy: &V,
+        entered: Option<&Shaft>,
         scratch: &mut V::Scratch,
         sum: &mut VisibilitySum,
     ) -> Result<(Coverage, f32), LobesFull> {
         let (at, brdf) = (self.at(), self.brdf());
         let cone = Cone::of_sphere(at.position, self.light.rounded());
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: 0.003 };
-        let coverage = strategy.coverage(&query, scratch);
-        let share = match coverage {
-            Coverage::Lit => 1.0,
-            Coverage::Dark => 0.0,
-            Coverage::Partial => {
+        let mut visit = match entered {
+            Some(shaft) => Visit::enter(strategy, shaft, ACCURACY, scratch),
+            None => Visit::alone(strategy, LIGHT, ACCURACY, scratch),
+        };
+        let look = visit.look(&at, &cone);
+        // What is said of all holds for each.
+        if visit.entered() == Coverage::Lit && look.coverage() != Coverage::Lit {
+            return Err(LobesFull);
+        }
+        let share = match &look {
+            Look::Lit => 1.0,
+            Look::Dark => 0.0,
+            Look::Partial(seen) => {
                 let unshadowed = cap_integral(&at, &brdf, &cone);
-                strategy.visibility_lobes(&query, &brdf, unshadowed, scratch, sum)?;
+                visit.lobes(seen, &brdf, unshadowed, sum)?;
                 // A constant as it comes: the integrator would cut it to [0, 1].
                 let constant = sum.lobes.lobes().is_empty() && sum.whole.lobes().is_empty();
                 if constant { sum.base } else { visible_fraction(&at, &brdf, unshadowed, sum) }
             }
         };
-        Ok((coverage, share))
+        Ok((look.coverage(), share))
     }
 
     fn with<Q: Visitor>(&self, subject: &impl Subject, visitor: Q) -> Q::Answer {
@@ -232,40 +246,36 @@ impl Visitor for Share<'_> {
         V::Scratch: 'static,
     {
         let Self { case, how } = self;
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
+        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(ACCURACY));
         let mut scratch = strategy.scratch();
         let answer = match how {
-            Use::Fresh => case.ask(strategy, &mut scratch, &mut sum),
+            Use::Fresh => case.ask(strategy, None, &mut scratch, &mut sum),
             Use::Used => {
                 // Another receiver, another light, another lobe.
                 let mut other = case.clone();
                 other.light.radius *= 1.7;
                 other.position += 0.3 * case.normal;
                 other.lobe = (case.normal, if case.lobe.1 == 1.0 { 100.0 } else { 1.0 });
-                let other = other.ask(strategy, &mut scratch, &mut sum);
-                other.and_then(|_| case.ask(strategy, &mut scratch, &mut sum))
+                let other = other.ask(strategy, None, &mut scratch, &mut sum);
+                other.and_then(|_| case.ask(strategy, None, &mut scratch, &mut sum))
             }
             Use::Entered => {
                 let answers = GROUPS.map(|radius| {
                     // At the group's rim.
                     let center = case.position.as_vec3() + 0.99 * radius * case.at().normal.any_orthonormal_vector();
-                    let shaft = Shaft { receivers: Sphere { center, radius }, light: case.light.rounded() };
-                    let all = strategy.enter(&shaft, &mut scratch);
-                    let answer = case.ask(strategy, &mut scratch, &mut sum);
-                    // What is said of all holds for each.
-                    answer
-                        .and_then(|a| if all != Coverage::Lit || a.0 == Coverage::Lit { Ok(a) } else { Err(LobesFull) })
+                    let shaft = Shaft { receivers: Sphere { center, radius }, light: case.light.rounded(), id: LIGHT };
+                    case.ask(strategy, Some(&shaft), &mut scratch, &mut sum)
                 });
                 if answers[0] == answers[1] { answers[0] } else { Err(LobesFull) }
             }
             Use::Boxed => {
                 let boxed: Box<dyn DynVisibility + '_> = Box::new(ByReference(strategy));
-                case.ask(&boxed, &mut boxed.scratch(), &mut sum)
+                case.ask(&boxed, None, &mut boxed.scratch(), &mut sum)
             }
             Use::Threads => std::thread::scope(|scope| {
                 let one = || {
-                    let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
-                    case.ask(strategy, &mut strategy.scratch(), &mut sum)
+                    let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(ACCURACY));
+                    case.ask(strategy, None, &mut strategy.scratch(), &mut sum)
                 };
                 let all: Vec<_> = (0..THREADS).map(|_| scope.spawn(one)).collect();
                 let mut answers = all.into_iter().map(|t| t.join().unwrap_or(Err(LobesFull)));
@@ -289,8 +299,8 @@ impl Visitor for Overflow<'_> {
         V: VisibilityLobes,
         V::Scratch: 'static,
     {
-        let without_room = || self.0.ask(strategy, &mut strategy.scratch(), &mut VisibilitySum::with_capacity(0));
-        (strategy.max_lobes() > 0).then(without_room)
+        let without_room = || self.0.ask(strategy, None, &mut strategy.scratch(), &mut VisibilitySum::with_capacity(0));
+        (strategy.max_lobes(ACCURACY) > 0).then(without_room)
     }
 }
 
@@ -304,8 +314,8 @@ impl<V: VisibilityLobes> VisibilityLobes for ByReference<'_, V> {
         self.0.scratch()
     }
 
-    fn max_lobes(&self) -> usize {
-        self.0.max_lobes()
+    fn max_lobes(&self, accuracy: Accuracy) -> usize {
+        self.0.max_lobes(accuracy)
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
@@ -318,12 +328,12 @@ impl<V: VisibilityLobes> VisibilityLobes for ByReference<'_, V> {
 
     fn visibility_lobes(
         &self,
-        query: &VisibilityQuery<'_>,
+        seen: &PartlySeen<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
-        self.0.visibility_lobes(query, brdf, unshadowed, scratch, out)
+        self.0.visibility_lobes(seen, brdf, unshadowed, scratch, out)
     }
 }

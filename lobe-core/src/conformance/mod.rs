@@ -49,7 +49,7 @@
 //!     fn scratch(&self) -> Self::Scratch {
 //!         Vec::new()
 //!     }
-//!     fn max_lobes(&self) -> usize {
+//!     fn max_lobes(&self, _: Accuracy) -> usize {
 //!         1024
 //!     }
 //!     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
@@ -72,7 +72,7 @@
 //!     }
 //!     fn visibility_lobes(
 //!         &self,
-//!         _: &VisibilityQuery<'_>,
+//!         _: &PartlySeen<'_>,
 //!         _: &Lobe,
 //!         _: f32,
 //!         scratch: &mut Self::Scratch,

@@ -6,8 +6,8 @@ use crate::{CpuShader, RayShader};
 use fearless_simd::{Level, Simd};
 use glam::{Vec2, Vec3};
 use lighting::MaskVisibility;
-use lobe_core::Receiver;
 use lobe_core::Sphere;
+use lobe_core::{Accuracy, Receiver};
 use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape};
 use visibility_spheres::SphereBlockers;
 
@@ -78,9 +78,9 @@ fn windows_make_up_the_picture() {
     let world = World::new(&scene);
     let set = crate::blockers(&scene, &mut |_, _| core::ops::ControlFlow::Continue(())).unwrap();
     let blockers = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
-    let mut shader = CpuShader::new(MaskVisibility::new(blockers.with_self_shadows(&set.self_shadows), 5));
+    let mut shader = CpuShader::new(MaskVisibility::new(blockers.with_self_shadows(&set.self_shadows)));
     let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let mut shade = |g: &GBuffer| {
         let mut out = vec![Vec3::ZERO; g.len()];
         shader.shade(&g.points, &frame, &mut out).unwrap();
@@ -208,7 +208,12 @@ fn instructions_do_not_matter() {
     scene.objects.push(Object::mesh("globe", globe(30, true), 0, Proxy::None));
     let world = World::new(&scene);
     let set = crate::blockers(&scene, &mut |_, _| core::ops::ControlFlow::Continue(())).unwrap();
-    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.0, depth: 1, threshold: 0.0 };
+    let frame = Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance: 0.0, depth: 1 },
+        threshold: 0.0,
+    };
     let look = |level: Level| {
         let mut view = View::new(&world, [90, 70], 1, 0..90, 0..70);
         view.rays.level = level;

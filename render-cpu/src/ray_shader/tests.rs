@@ -4,6 +4,7 @@ use crate::{GBuffer, Geometry, Reference, ReferenceJob, blockers};
 use brdf::{ModifiedPhong, Phong};
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
+use lobe_core::Accuracy;
 use scene::{Object, Scene};
 
 /// Two more balls that overlap, and glossy materials of both kinds.
@@ -28,7 +29,12 @@ fn rays_converge_to_the_reference() {
     let world = World::new(&scene);
     let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).unwrap();
     let g = GBuffer::new(&world, 48, 30, 1);
-    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.0, depth: 1, threshold: 0.0 };
+    let frame = Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance: 0.0, depth: 1 },
+        threshold: 0.0,
+    };
     for (geometry, on_spheres) in [(Geometry::Spheres, true), (Geometry::Mesh, false)] {
         let job = ReferenceJob { world: &world, gbuffer: &g, blockers: &set, geometry, seed: 1 };
         let mut reference = Reference::new(job);
@@ -59,7 +65,12 @@ fn culling_changes_no_sample() {
     let world = World::new(&scene);
     let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).unwrap();
     let g = GBuffer::new(&world, 96, 60, 1);
-    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance: 0.0, depth: 1, threshold: 0.0 };
+    let frame = Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance: 0.0, depth: 1 },
+        threshold: 0.0,
+    };
     let shade = |mut shader: RayShader<'_>| {
         let mut out = vec![Vec3::ZERO; g.len()];
         shader.shade(&g.points, &frame, &mut out).unwrap();

@@ -206,7 +206,7 @@ fn shaded(gpu: &Gpu) {
     let window = GBuffer::window(&World::new(&view.scene), 80, 45, 1, columns.clone(), rows.clone());
     let frame = view.frame(0.003, 5);
     let mut want = vec![Vec3::ZERO; window.len()];
-    let visibility = MaskVisibility::new(view.spheres.clone(), 5);
+    let visibility = MaskVisibility::new(view.spheres.clone());
     CpuShader::new(visibility).shade(&window.points, &frame, &mut want).expect("room for all lobes");
     let want = window.resolve(&want, Vec3::ZERO);
 

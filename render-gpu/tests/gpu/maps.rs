@@ -7,10 +7,10 @@ use self::mesh::{FLOOR, Mesh};
 use crate::call::{call_with, trial};
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare, depth_for};
+use lighting::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use lobe_core::{Cone, Coverage, Receiver, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
 use render_gpu::Gpu;
 use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers, wgsl};
 
@@ -72,7 +72,7 @@ struct Question {
 /// What the tolerance is for a depth.
 fn tolerance_for(depth: u32) -> f32 {
     let tolerance = [0.01, 0.003, 0.001][depth.clamp(4, 6) as usize - 4];
-    assert_eq!(depth_for(tolerance), depth.clamp(4, 6));
+    assert_eq!(Accuracy::new(tolerance).depth, depth.clamp(4, 6));
     tolerance
 }
 
@@ -102,7 +102,7 @@ fn numbers(question: &Question, packed: &PackedMaps) -> [f32; INPUTS] {
     let Question { at, light, tolerance, across, window } = question;
     let mut out = [0.0; INPUTS];
     let object = [at.object as f32];
-    let rest = [light.radius, *tolerance, packed.map_of(light) as f32];
+    let rest = [light.radius, *tolerance, packed.map_of(LightId(0)) as f32];
     let parts: [&[f32]; 8] = [
         &at.position.to_array(),
         &object,
@@ -153,7 +153,10 @@ fn rust_coverage(blockers: &ShadowMapBlockers, questions: &[Question]) -> Vec<Co
     let mut scratch = blockers.scratch();
     let coverage = |q: &Question| {
         let cone = Cone::of_sphere(q.at.position, q.light);
-        blockers.select(&VisibilityQuery { at: &q.at, cone: &cone, tolerance: q.tolerance }, &mut scratch)
+        blockers.select(
+            &VisibilityQuery { at: &q.at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(q.tolerance) },
+            &mut scratch,
+        )
     };
     questions.iter().map(coverage).collect()
 }
@@ -228,7 +231,7 @@ fn rust_masks(blockers: &ShadowMapBlockers, questions: &[Question], depth: u32) 
     let (mut scratch, mut mask) = (blockers.scratch(), Mask::default());
     let seen = |q: &Question| {
         let cone = Cone::of_sphere(q.at.position, q.light);
-        let query = VisibilityQuery { at: &q.at, cone: &cone, tolerance: q.tolerance };
+        let query = VisibilityQuery { at: &q.at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(q.tolerance) };
         blockers.select(&query, &mut scratch);
         let mut square = UnitSquare::facing(&cone, q.across);
         square.center = square.disc * Vec2::new(q.window[0], q.window[1]);

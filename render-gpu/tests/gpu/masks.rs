@@ -6,7 +6,10 @@ use libtest_mimic::Trial;
 use lighting::{Blockers, Edges, Fineness, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use lobe_core::{Cone, Coverage, Lobe, OWN_NONE, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum};
+use lobe_core::{
+    Accuracy, Cone, Coverage, LightId, Lobe, Look, OWN_NONE, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum,
+    Visit,
+};
 use render_gpu::Gpu;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -348,10 +351,11 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
     let got = call_groups(gpu, &pieces(&header), &body, &rows, [17, 3]);
     let (mut spread, mut classes) = (Spread::default(), [0; 3]);
     for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {
-        let query = VisibilityQuery { at: &case.at, cone: &case.light, tolerance };
-        let strategy = MaskVisibility::new(Curtain(*edge), depth);
+        let strategy = MaskVisibility::new(Curtain(*edge));
         let mut scratch = strategy.scratch();
-        let coverage = strategy.coverage(&query, &mut scratch);
+        let mut visit = Visit::alone(&strategy, LightId(0), Accuracy { tolerance, depth }, &mut scratch);
+        let look = visit.look(&case.at, &case.light);
+        let coverage = look.coverage();
         let class = match coverage {
             Coverage::Lit => 0_u8,
             Coverage::Partial => 1,
@@ -359,9 +363,9 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
         };
         classes[usize::from(class)] += 1;
         assert_eq!(got[0], f32::from(class), "{coverage:?}");
-        if coverage == Coverage::Partial {
+        if let Look::Partial(seen) = &look {
             let mut sum = VisibilitySum::with_capacity(0);
-            strategy.visibility_lobes(&query, &case.lobe, 1.0, &mut scratch, &mut sum).expect("no lobes");
+            visit.lobes(seen, &case.lobe, 1.0, &mut sum).expect("no lobes");
             assert!((0.0..=1.0).contains(&got[1]), "{}", got[1]);
             if sees_light(&case.lobe, &case.light) {
                 spread.add(got[1], sum.base);

@@ -145,8 +145,8 @@ fn compare_blockers(
     blockers: impl Blockers,
     occlusion: Occlusion<'_>,
 ) {
-    let depth = frame.depth;
-    let visibility = PaperVisibility::new(blockers, depth, tables);
+    let depth = frame.accuracy.depth;
+    let visibility = PaperVisibility::new(blockers, tables);
     let mut want = vec![Vec3::ZERO; view.points.receivers.len()];
     let mut cpu = CpuShader::with_method(visibility, Method::Paper(tables));
     let w = cpu.shade(&view.points, frame, &mut want).expect("room for all lobes").counts;

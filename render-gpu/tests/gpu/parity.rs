@@ -6,7 +6,7 @@ use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, Modif
 use glam::Vec3;
 use libtest_mimic::Trial;
 use lighting::{MaskVisibility, Mixture, SphereLight, facet_coverage};
-use lobe_core::{Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
+use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
@@ -49,7 +49,12 @@ impl View {
     }
 
     pub(crate) fn frame(&self, tolerance: f32, depth: u32) -> Frame<'_> {
-        Frame { materials: &self.scene.materials, lights: &self.scene.lights, tolerance, depth, threshold: 0.0 }
+        Frame {
+            materials: &self.scene.materials,
+            lights: &self.scene.lights,
+            accuracy: Accuracy { tolerance, depth },
+            threshold: 0.0,
+        }
     }
 
     /// Shadow maps of the meshes.
@@ -82,7 +87,7 @@ impl View {
     /// With the spheres on both sides.
     pub(crate) fn compare_spheres(&self, gpu: &Gpu, name: &str, tolerance: f32, depth: u32) {
         let frame = self.frame(tolerance, depth);
-        let want = self.cpu(MaskVisibility::new(self.spheres.clone(), depth), &frame);
+        let want = self.cpu(MaskVisibility::new(self.spheres.clone()), &frame);
         let occlusion = Occlusion { spheres: Some(&self.spheres), ..Occlusion::default() };
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
         assert_same(name, &want, &self.gpu(&mut shader, &frame));
@@ -207,13 +212,13 @@ fn of_shadow_maps(gpu: &Gpu) {
     let maps = view.maps();
     for (tolerance, depth) in [(0.003, 5), (0.01, 4)] {
         let frame = view.frame(tolerance, depth);
-        let want = view.cpu(MaskVisibility::new(maps.clone(), depth), &frame);
+        let want = view.cpu(MaskVisibility::new(maps.clone()), &frame);
         let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
         assert_same(&format!("maps, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
 
         let mixture = Mixture::new(maps.clone(), view.spheres.clone());
-        let want = view.cpu(MaskVisibility::new(mixture, depth), &frame);
+        let want = view.cpu(MaskVisibility::new(mixture), &frame);
         let both = Occlusion { spheres: Some(&view.spheres), maps: Some(&maps), rays: None };
         shader.occlude(both).expect("room for them");
         assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
@@ -234,7 +239,7 @@ fn maps_that_change(gpu: &Gpu) {
     let occlusion = Occlusion { maps: Some(&after), ..Occlusion::default() };
     shader.occlude(occlusion).expect("room for it");
     let got = view.gpu(&mut shader, &frame);
-    assert_same("a map that changed", &view.cpu(MaskVisibility::new(after.clone(), 5), &frame), &got);
+    assert_same("a map that changed", &view.cpu(MaskVisibility::new(after.clone()), &frame), &got);
     assert!(got != first && got == view.gpu(&mut GpuShader::new(gpu, occlusion).expect("a shader"), &frame));
 }
 

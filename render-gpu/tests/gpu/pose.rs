@@ -5,7 +5,7 @@ use brdf::Material;
 use glam::{Mat3, Mat4, Quat, Vec3};
 use libtest_mimic::Trial;
 use lighting::SphereLight;
-use lobe_core::{OWN_NONE, Receiver, SelfShadow, Sphere};
+use lobe_core::{Accuracy, OWN_NONE, Receiver, SelfShadow, Sphere};
 use render_gpu::{Gpu, GpuError, GpuPose, GpuShader, Occlusion};
 use scene::{Frame, Shade, ShadingPoints};
 use visibility_spheres::{BlockerSphere, BoundSet, BuildOptions, Carriers, Rig, RigPart, SphereBlockers, SphereSet};
@@ -250,7 +250,7 @@ fn moves_shadows(gpu: &Gpu) {
     let points = ShadingPoints { receivers: (0..1024).map(floor).collect(), materials: vec![0; 1024] };
     let materials = [Material::lambert(Vec3::ONE)];
     let lights = [SphereLight::new(Sphere { center: Vec3::new(1.0, 6.0, 0.5), radius: 0.5 }, Vec3::ONE)];
-    let frame = Frame { materials: &materials, lights: &lights, tolerance: 0.003, depth: 5, threshold: 0.0 };
+    let frame = Frame { materials: &materials, lights: &lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let shade = |shader: &mut GpuShader| {
         let mut out = vec![Vec3::ZERO; 1024];
         shader.shade(&points, &frame, &mut out).expect("it fits");

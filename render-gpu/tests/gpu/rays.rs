@@ -9,7 +9,7 @@ use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
 use lighting::{MaskVisibility, Mixture, PaperVisibility, SphereLight, facet_coverage};
 use lobe_core::paper::{ProductTable, Resolution, Tables};
-use lobe_core::{Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
+use lobe_core::{Accuracy, Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
@@ -57,7 +57,12 @@ fn fence() -> Scene {
 }
 
 fn frame(scene: &Scene, tolerance: f32, depth: u32) -> Frame<'_> {
-    Frame { materials: &scene.materials, lights: &scene.lights, tolerance, depth, threshold: 0.0 }
+    Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance, depth },
+        threshold: 0.0,
+    }
 }
 
 /// The radiance from the GPU, and the counts.
@@ -72,7 +77,7 @@ fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>)
 
 fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
-    let visibility = MaskVisibility::new(RayBlockers::new(world), frame.depth);
+    let visibility = MaskVisibility::new(RayBlockers::new(world));
     let stats = CpuShader::new(visibility).shade(points, frame, &mut out).expect("room for all lobes");
     (out, stats.counts)
 }
@@ -234,7 +239,7 @@ fn of_some_objects(gpu: &Gpu) {
     let frame = frame(&scene, 0.003, 5);
     let (mut want, mut got) = (vec![Vec3::ZERO; points.receivers.len()], vec![Vec3::NAN; points.receivers.len()]);
     let mixture = Mixture::new(spheres.clone(), RayBlockers::new(&world).only(by_rays));
-    let visibility = MaskVisibility::new(mixture, frame.depth);
+    let visibility = MaskVisibility::new(mixture);
     let counts = CpuShader::new(visibility).shade(&points, &frame, &mut want).expect("room for all lobes").counts;
     let ours = GpuWorld::only(gpu, &scene, by_rays).expect("geometry");
     let occlusion = Occlusion { spheres: Some(&spheres), rays: Some(&ours), ..Occlusion::default() };
@@ -252,7 +257,7 @@ fn by_the_papers_method(gpu: &Gpu) {
     let points = GBuffer::new(&world, 40, 30, 1).points;
     let frame = frame(&scene, 0.003, 4);
     let (mut want, mut got) = (vec![Vec3::ZERO; points.receivers.len()], vec![Vec3::NAN; points.receivers.len()]);
-    let visibility = PaperVisibility::new(RayBlockers::new(&world), frame.depth, &tables);
+    let visibility = PaperVisibility::new(RayBlockers::new(&world), &tables);
     let mut cpu = CpuShader::with_method(visibility, Method::Paper(&tables));
     let counts = cpu.shade(&points, &frame, &mut want).expect("room for all lobes").counts;
     let ours = GpuWorld::new(gpu, &scene).expect("geometry");

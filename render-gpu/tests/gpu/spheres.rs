@@ -6,7 +6,7 @@ use libtest_mimic::Trial;
 use lighting::{Blockers, Edges, Fineness, UnitSquare, hooks, wgsl as masks};
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 use render_gpu::{Gpu, GpuReceiver};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SphereBlockers, wgsl};
 use wgpu::util::DeviceExt;
@@ -185,7 +185,7 @@ impl Setup {
         let receivers = &self.receivers[tile * TILE..(tile + 1) * TILE];
         let center = receivers.iter().map(|at| at.position).sum::<Vec3>() / receivers.len() as f32;
         let radius = receivers.iter().map(|at| at.position.distance(center)).fold(0.0, f32::max) * 1.000_01;
-        Shaft { receivers: Sphere { center, radius }, light: self.light }
+        Shaft { receivers: Sphere { center, radius }, light: self.light, id: LightId(0) }
     }
 
     /// What each receiver sees.
@@ -197,7 +197,10 @@ impl Setup {
             blockers.enter(&self.shaft(tile), &mut scratch);
             all.extend(receivers.iter().map(|at| {
                 let cone = Cone::of_sphere(at.position, self.light);
-                blockers.select(&VisibilityQuery { at, cone: &cone, tolerance: 0.003 }, &mut scratch)
+                blockers.select(
+                    &VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) },
+                    &mut scratch,
+                )
             }));
         }
         all
@@ -433,7 +436,7 @@ fn windows(setup: &Setup, random: &mut Random) -> Vec<(usize, UnitSquare)> {
     let mut all = Vec::new();
     for (point, at) in setup.receivers.iter().enumerate() {
         let cone = Cone::of_sphere(at.position, setup.light);
-        let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
+        let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
         if cone.one_minus_cos > 1.0 || blockers.select(&query, &mut scratch) != Coverage::Partial {
             continue;
         }
@@ -477,7 +480,7 @@ fn spheres_on_masks(gpu: &Gpu, place: Place, seed: u64, share: f64) {
         for ((point, square), got) in cases.iter().zip(got.chunks(8 * side + 2)) {
             let at = &setup.receivers[*point];
             let cone = Cone::of_sphere(at.position, setup.light);
-            let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
+            let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
             blockers.select(&query, &mut scratch);
             let mut mask = hooks::mask(square, depth, coarse, at.normal);
             blockers.splat(&query, &mut scratch, &mut mask);
@@ -518,7 +521,7 @@ fn edges(gpu: &Gpu) {
         for ((point, _), got) in cases.iter().zip(got.chunks(8 * 8 + 2)) {
             let at = &setup.receivers[*point];
             let cone = Cone::of_sphere(at.position, setup.light);
-            let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
+            let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
             blockers.select(&query, &mut scratch);
             let across = blockers.across(&query, &scratch);
             // The same sum of one edge: an edge of the length of the sum, half its angle away.

@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::picture::{Bands, seconds};
 use crate::quality::LADDER;
 use crate::strategy::{Occlusion, Plan, Work};
+use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::render_cpu::{SceneSilhouettes, World};
 use cosine_lobes::scene::{Frame, ShadingPoints};
@@ -36,33 +37,33 @@ impl Budget<'_> {
         milliseconds: f32,
         bands: &Bands<'_>,
         frame: &Frame<'_>,
-    ) -> Result<(f32, u32), Failure> {
+    ) -> Result<Accuracy, Failure> {
         let mut find = 0.0;
         let (points, scale) = seconds(&mut find, || bands.strips());
         let fixed = self.fixed + find * scale;
-        let mut chosen: Option<((f32, u32), f64)> = None;
-        for (tolerance, depth) in LADDER {
-            let frame = Frame { tolerance, depth, ..*frame };
+        let mut chosen: Option<(Accuracy, f64)> = None;
+        for accuracy in LADDER {
+            let frame = Frame { accuracy, ..*frame };
             let occlusion = Occlusion::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes);
-            let shading = occlusion.shade(backend, depth, self.tables, Twice { points: &points, frame: &frame })?;
+            let shading = occlusion.shade(backend, self.tables, Twice { points: &points, frame: &frame })?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {
                 break;
             }
-            chosen = Some(((tolerance, depth), total));
+            chosen = Some((accuracy, total));
             if total > f64::from(milliseconds) {
                 break;
             }
         }
-        let (setting, total) = chosen.unwrap_or((LADDER[0], 0.0));
+        let (accuracy, total) = chosen.unwrap_or((LADDER[0], 0.0));
         if !self.quiet {
-            let (percent, depth) = (100.0 * setting.0, setting.1);
+            let (percent, depth) = (100.0 * accuracy.tolerance, accuracy.depth);
             let verdict = if total > f64::from(milliseconds) { ", no setting is faster" } else { "" };
             note(format_args!(
                 "lobes: --time-budget {milliseconds}: tolerance {percent} %, depth {depth}, about {total:.1} ms a frame{verdict}"
             ));
         }
-        Ok(setting)
+        Ok(accuracy)
     }
 }
 

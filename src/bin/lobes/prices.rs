@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::input;
 use crate::picture::seconds;
 use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
-use cosine_lobes::lighting::depth_for;
+use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{GBuffer, SceneSilhouettes, World};
 use cosine_lobes::scene::{Animation, BlockerSet, Frame, Scene, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::Bounds;
@@ -135,10 +135,14 @@ fn run(
         Some(receivers) => seconds(&mut update, || plan.maps(scene, receivers, None, u64::MAX))?.0,
         None => Vec::new(),
     };
-    let depth = depth_for(tolerance);
-    let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance, depth, threshold: 0.0 };
+    let frame = Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy::new(tolerance),
+        threshold: 0.0,
+    };
     let occlusion = Occlusion::new(&plan, &world, kept.get(), maps, &silhouettes);
-    let (shade, radiance) = occlusion.shade(&mut Backend::Cpu, depth, None, Shot { points: &points, frame: &frame })?;
+    let (shade, radiance) = occlusion.shade(&mut Backend::Cpu, None, Shot { points: &points, frame: &frame })?;
     let picture = Picture::new(radiance.len(), 1, radiance);
     Ok((Price { prepare, update, shade, penumbra: RegionError::default() }, picture))
 }

@@ -1,6 +1,7 @@
 //! Settings picked from the measured front of error against time.
 
 use clap::ValueEnum;
+use cosine_lobes::lobe_core::Accuracy;
 
 /// How good a picture is to be: points of the front that `lobes trade` measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -15,18 +16,23 @@ pub(crate) enum Quality {
 
 impl Quality {
     /// Tolerance and depth.
-    pub(crate) const fn setting(self) -> (f32, u32) {
+    pub(crate) const fn accuracy(self) -> Accuracy {
         match self {
-            Self::Draft => (0.1, 2),
-            Self::Interactive => (0.01, 4),
-            Self::High => (0.001, 6),
+            Self::Draft => Accuracy { tolerance: 0.1, depth: 2 },
+            Self::Interactive => Accuracy { tolerance: 0.01, depth: 4 },
+            Self::High => Accuracy { tolerance: 0.001, depth: 6 },
         }
     }
 }
 
 /// Settings along the front, from the fastest to the best: what a time budget chooses from.
-pub(crate) const LADDER: [(f32, u32); 5] =
-    [Quality::Draft.setting(), (0.03, 3), Quality::Interactive.setting(), (0.003, 5), Quality::High.setting()];
+pub(crate) const LADDER: [Accuracy; 5] = [
+    Quality::Draft.accuracy(),
+    Accuracy { tolerance: 0.03, depth: 3 },
+    Quality::Interactive.accuracy(),
+    Accuracy { tolerance: 0.003, depth: 5 },
+    Quality::High.accuracy(),
+];
 
 #[cfg(test)]
 mod tests {
@@ -34,6 +40,6 @@ mod tests {
 
     #[test]
     fn the_ladder_rises() {
-        assert!(LADDER.windows(2).all(|w| w[1].0 < w[0].0 && w[1].1 >= w[0].1));
+        assert!(LADDER.windows(2).all(|w| w[1].tolerance < w[0].tolerance && w[1].depth >= w[0].depth));
     }
 }

@@ -152,26 +152,24 @@ impl Job<'_> {
                 advise(&maps, &receivers);
             }
         }
-        let (tolerance, depth) = args.setting();
         let (materials, lights) = (&scene.materials, &scene.lights);
-        let mut frame = Frame { materials, lights, tolerance, depth, threshold: args.threshold };
-        match (figures.setting, args.time_budget) {
-            (Some(setting), _) => (frame.tolerance, frame.depth) = setting,
+        let mut frame = Frame { materials, lights, accuracy: args.accuracy(), threshold: args.threshold };
+        match (figures.accuracy, args.time_budget) {
+            (Some(accuracy), _) => frame.accuracy = accuracy,
             (None, Some(budget)) => {
                 let (maps, fixed, quiet) = (&maps, clocks.maps, args.view.quiet);
                 let choice = Budget { world, plan, spheres, maps, silhouettes, tables, fixed, quiet };
-                (frame.tolerance, frame.depth) = choice.choose(backend, budget, &bands, &frame)?;
+                frame.accuracy = choice.choose(backend, budget, &bands, &frame)?;
             }
             (None, None) => {}
         }
-        figures.setting = Some((frame.tolerance, frame.depth));
+        figures.accuracy = Some(frame.accuracy);
         figures.spheres = spheres.map_or(0, |s| s.spheres().len());
         figures.triangles = world.triangle_count();
         figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
         let planes = Occlusion::new(plan, world, spheres, maps, silhouettes).shade(
             backend,
-            frame.depth,
             tables,
             Shading { args, frame: &frame, bands: &mut bands, progress },
         )?;

@@ -4,6 +4,7 @@ use crate::args::{RenderArgs, name};
 use crate::console::say;
 use crate::files::numbered;
 use cosine_lobes::Window;
+use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_gpu::CompiledKernel;
 use cosine_lobes::scene::{Scene, ShadeStats};
 use serde_json::{Value, json};
@@ -41,7 +42,7 @@ pub(crate) struct Figures {
     /// One entry a frame.
     pub(crate) frames: Vec<FrameClocks>,
     /// Tolerance and depth, once a frame was shaded.
-    pub(crate) setting: Option<(f32, u32)>,
+    pub(crate) accuracy: Option<Accuracy>,
     /// Frames that were there already.
     pub(crate) skipped: usize,
     /// What shades.
@@ -62,7 +63,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures: &Figures, clocks: &Clocks) -> Value {
-    let (tolerance, depth) = figures.setting.unwrap_or_else(|| args.setting());
+    let accuracy = figures.accuracy.unwrap_or_else(|| args.accuracy());
     let Window { columns, rows, .. } = window;
     let mut runs = figures.runs.clone();
     runs.sort_by(|a, b| a.0.seconds.total_cmp(&b.0.seconds));
@@ -84,8 +85,8 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
         "lights": scene.lights.len(),
         "spheres": figures.spheres,
         "triangles": figures.triangles,
-        "tolerance": decimal(tolerance),
-        "depth": depth,
+        "tolerance": decimal(accuracy.tolerance),
+        "depth": accuracy.depth,
         "threads": rayon::current_num_threads(),
         "map_resolutions": figures.map_resolutions,
         "map_bytes": figures.map_bytes,

@@ -5,7 +5,7 @@ use crate::device::{Backend, Shader};
 use crate::failure::Failure;
 use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::lobe_core::{Method, Unshadowed};
+use cosine_lobes::lobe_core::{LightId, Method, Unshadowed};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SphereSource, SurfaceHits, World};
 use cosine_lobes::scene::{BlockerSet, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::visibility_shadowmap::{Bounds, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
@@ -202,10 +202,11 @@ impl<'a> Occlusion<'a> {
         plan: &'a Plan,
         world: &'a World<'a>,
         spheres: Option<&'a SphereBlockers>,
-        mut maps: Vec<ShadowMap>,
+        maps: Vec<ShadowMap>,
         silhouettes: &'a SceneSilhouettes,
     ) -> Self {
-        maps.retain(|map| map.faces() > 0);
+        let mut maps: Vec<(LightId, ShadowMap)> = (0..).map(LightId).zip(maps).collect();
+        maps.retain(|(_, map)| map.faces() > 0);
         let all = plan.objects.iter().all(|s| *s == Strategy::Rays);
         let rays = plan.uses(Strategy::Rays).then(|| match all {
             true => RayBlockers::new(world),
@@ -214,7 +215,7 @@ impl<'a> Occlusion<'a> {
         let maps = (!maps.is_empty()).then(|| {
             let scene = world.scene();
             let casters = (0..scene.objects.len()).map(|o| plan.in_maps(scene, o));
-            ShadowMapBlockers::new(maps).with_casters(casters.collect())
+            ShadowMapBlockers::of_lights(maps).with_casters(casters.collect())
         });
         let meshes = silhouettes.meshes();
         let silhouettes = (!meshes.is_empty()).then(|| {
@@ -228,7 +229,6 @@ impl<'a> Occlusion<'a> {
     pub(crate) fn shade<W: Work>(
         self,
         backend: &mut Backend,
-        depth: u32,
         tables: Option<&Tables>,
         work: W,
     ) -> Result<W::Output, Failure> {
@@ -243,11 +243,11 @@ impl<'a> Occlusion<'a> {
             (None, None, None, None) => {
                 work.with(&mut CpuShader::with_method(Unshadowed, tables.map_or(Method::Moments, Method::Paper)))
             }
-            (Some(spheres), None, None, None) => masked(spheres, depth, tables, work),
-            (None, None, Some(silhouettes), None) => masked(silhouettes, depth, tables, work),
+            (Some(spheres), None, None, None) => masked(spheres, tables, work),
+            (None, None, Some(silhouettes), None) => masked(silhouettes, tables, work),
             (spheres, maps, silhouettes, rays) => {
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(spheres, triangles), depth, tables, work)
+                masked(Mixture::new(spheres, triangles), tables, work)
             }
         }
     }
@@ -262,16 +262,11 @@ pub(crate) trait Work {
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, Failure>;
 }
 
-fn masked<B: Blockers, W: Work>(
-    blockers: B,
-    depth: u32,
-    tables: Option<&Tables>,
-    work: W,
-) -> Result<W::Output, Failure> {
+fn masked<B: Blockers, W: Work>(blockers: B, tables: Option<&Tables>, work: W) -> Result<W::Output, Failure> {
     match tables {
-        None => work.with(&mut CpuShader::new(MaskVisibility::new(blockers, depth))),
+        None => work.with(&mut CpuShader::new(MaskVisibility::new(blockers))),
         Some(tables) => {
-            let visibility = PaperVisibility::new(blockers, depth, tables);
+            let visibility = PaperVisibility::new(blockers, tables);
             work.with(&mut CpuShader::with_method(visibility, Method::Paper(tables)))
         }
     }

@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 use lighting::{Blockers, Mask, UnitSquare};
-use lobe_core::{Cone, Coverage, Receiver, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
 use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers, ShadowMapScratch};
 
 #[derive(Clone, Debug, Default)]
@@ -137,7 +137,7 @@ pub(crate) fn receiver(position: Vec3, normal: Vec3) -> Receiver {
 /// Share of the light's disc that the strategy leaves.
 pub(crate) fn share(blockers: &ShadowMapBlockers, scratch: &mut ShadowMapScratch, at: &Receiver, light: Sphere) -> f64 {
     let cone = Cone::of_sphere(at.position, light);
-    let query = VisibilityQuery { at, cone: &cone, tolerance: 0.003 };
+    let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
     if blockers.select(&query, scratch) == Coverage::Lit {
         return 1.0;
     }

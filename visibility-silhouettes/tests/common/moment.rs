@@ -2,11 +2,10 @@
 
 use super::{Rays, Soup, ball, cuboid};
 use glam::{DVec3, Vec3};
-use lighting::{MaskVisibility, depth_for};
+use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Cone, Coverage, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, cap_integral,
-    visible_fraction,
+    Accuracy, Cone, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
 };
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
@@ -82,19 +81,11 @@ impl Moment {
         soup.positions.iter_mut().for_each(|p| *p = (p.as_dvec3() + self.moved).as_vec3());
         let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
         let blockers = SilhouetteBlockers::new(&meshes, Rays(&soup));
-        let strategy = MaskVisibility::new(blockers, depth_for(self.tolerance));
-        let query = VisibilityQuery { at: &at, cone: &cone, tolerance: self.tolerance };
+        let strategy = MaskVisibility::new(blockers);
         let mut scratch = strategy.scratch();
         let unshadowed = cap_integral(&at, &lobe, &cone);
-        let share = match strategy.coverage(&query, &mut scratch) {
-            Coverage::Lit => 1.0,
-            Coverage::Dark => 0.0,
-            Coverage::Partial => {
-                let mut sum = VisibilitySum::with_capacity(strategy.max_lobes());
-                strategy.visibility_lobes(&query, &lobe, unshadowed, &mut scratch, &mut sum).expect("room for lobes");
-                visible_fraction(&at, &lobe, unshadowed, &sum)
-            }
-        };
+        let mut visit = Visit::alone(&strategy, LightId(0), Accuracy::new(self.tolerance), &mut scratch);
+        let share = visit.fraction(&at, &cone, &lobe, unshadowed, &mut VisibilitySum::default()).expect("no lobes");
         let on_axis = 1.0 - ((self.lobe.1 + 1.0) * f64::from(cone.cos()).ln()).exp();
         (f64::from(share), (100.0 * f64::from(unshadowed) / on_axis).min(1.0))
     }

@@ -5,8 +5,8 @@ use crate::parity::assert_same;
 use brdf::{Lambert, Material, Phong};
 use glam::Vec3;
 use lighting::{MaskVisibility, SphereLight};
-use lobe_core::Sphere;
 use lobe_core::oracle::Random;
+use lobe_core::{Accuracy, Sphere};
 use render_cpu::CpuShader;
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints};
@@ -38,9 +38,13 @@ pub(super) fn agree(gpu: &Gpu) {
         }
         let points = ShadingPoints { receivers, materials: (0..POINTS as u32).map(|k| k % 2).collect() };
         let lights = [light, second, third].map(|ball| SphereLight::new(ball, Vec3::new(3.0, 2.0, 1.0)));
-        let frame =
-            Frame { materials: &materials, lights: &lights, tolerance: tolerance_for(depth), depth, threshold: 1e-5 };
-        let want = shade(CpuShader::new(MaskVisibility::new(maps.clone(), depth)), &points, &frame);
+        let frame = Frame {
+            materials: &materials,
+            lights: &lights,
+            accuracy: Accuracy { tolerance: tolerance_for(depth), depth },
+            threshold: 1e-5,
+        };
+        let want = shade(CpuShader::new(MaskVisibility::new(maps.clone())), &points, &frame);
         let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
         let got = shade(GpuShader::new(gpu, occlusion).expect("a shader"), &points, &frame);
         assert_same(name, &want, &got);

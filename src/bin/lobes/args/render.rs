@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::quality::Quality;
 use clap::{Args, ValueEnum};
 use cosine_lobes::Window;
-use cosine_lobes::lighting::depth_for;
+use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::TILE;
 use cosine_lobes::scene::Strategy;
 use std::path::PathBuf;
@@ -98,10 +98,11 @@ pub(crate) struct RenderArgs {
 
 impl RenderArgs {
     /// Tolerance and depth, where no time budget decides.
-    pub(crate) fn setting(&self) -> (f32, u32) {
+    pub(crate) fn accuracy(&self) -> Accuracy {
+        let requested = Accuracy::new(self.tolerance);
         match self.quality {
-            Some(quality) => quality.setting(),
-            None => (self.tolerance, self.depth.unwrap_or_else(|| depth_for(self.tolerance))),
+            Some(quality) => quality.accuracy(),
+            None => self.depth.map_or(requested, |depth| requested.with_depth(depth)),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::picture::seconds;
 use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
 use cosine_lobes::Picture;
-use cosine_lobes::lighting::depth_for;
+use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::render_cpu::{GBuffer, RayShader, SceneSilhouettes, World};
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
@@ -129,9 +129,9 @@ impl<'a> Stage<'a> {
     /// Shades once to warm up, then as often as asked.
     pub(super) fn shoot(&mut self, setting: &Setting) -> Result<Shot, Failure> {
         let scene = self.world.scene();
-        let tolerance = setting.tolerance.unwrap_or(ANY_TOLERANCE);
-        let depth = setting.depth.unwrap_or_else(|| depth_for(tolerance));
-        let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance, depth, threshold: 0.0 };
+        let any = Accuracy::new(setting.tolerance.unwrap_or(ANY_TOLERANCE));
+        let accuracy = setting.depth.map_or(any, |depth| any.with_depth(depth));
+        let frame = Frame { materials: &scene.materials, lights: &scene.lights, accuracy, threshold: 0.0 };
         let timed = Timed { points: &self.gbuffer.points, frame: &frame, repeats: self.args.repeat as usize };
         match setting.technique {
             Technique::Samples { culled } => {
@@ -163,7 +163,7 @@ impl<'a> Stage<'a> {
                     TradeDevice::Gpu => &mut self.gpu,
                 };
                 let occlusion = Occlusion::new(&plan, self.world, spheres, maps, silhouettes);
-                let shot = occlusion.shade(backend, depth, tables, timed)?;
+                let shot = occlusion.shade(backend, tables, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }
         }

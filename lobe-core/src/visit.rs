@@ -1,0 +1,144 @@
+use crate::{
+    Accuracy, Cone, Coverage, LightId, Lobe, LobesFull, Receiver, Shaft, VisibilityLobes, VisibilityQuery,
+    VisibilitySum, visible_fraction,
+};
+
+/// A group of receivers asks a strategy about one light: the group enters, each receiver asks how much it sees, and who sees a
+/// part asks for lobes. The types hold that order.
+///
+/// ```
+/// use glam::Vec3;
+/// use lobe_core::*;
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// let light = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
+/// let shaft = Shaft { receivers: Sphere::default(), light, id: LightId(0) };
+/// let mut visit = Visit::enter(&Unshadowed, &shaft, Accuracy::default(), &mut ());
+/// assert_eq!(visit.entered(), Coverage::Lit);
+/// assert!(matches!(visit.look(&at, &Cone::of_sphere(at.position, light)), Look::Lit));
+/// ```
+#[derive(Debug)]
+pub struct Visit<'v, V: VisibilityLobes + ?Sized> {
+    visibility: &'v V,
+    scratch: &'v mut V::Scratch,
+    light: LightId,
+    accuracy: Accuracy,
+    entered: Coverage,
+    /// How many receivers have looked.
+    looks: u32,
+}
+
+/// How much of a light a receiver sees.
+#[derive(Debug)]
+pub enum Look<'q> {
+    /// All of it.
+    Lit,
+    /// Nothing.
+    Dark,
+    /// A part: what lobes are asked with.
+    Partial(PartlySeen<'q>),
+}
+
+impl Look<'_> {
+    /// The same without the right to ask for lobes.
+    #[must_use]
+    pub const fn coverage(&self) -> Coverage {
+        match self {
+            Self::Lit => Coverage::Lit,
+            Self::Dark => Coverage::Dark,
+            Self::Partial(_) => Coverage::Partial,
+        }
+    }
+}
+
+/// A query whose answer was [`Coverage::Partial`]: the right to ask for lobes, which only [`Visit::look`] gives.
+#[derive(Debug)]
+pub struct PartlySeen<'q> {
+    query: VisibilityQuery<'q>,
+    /// Which look of the visit it was.
+    look: u32,
+}
+
+impl<'q> core::ops::Deref for PartlySeen<'q> {
+    type Target = VisibilityQuery<'q>;
+    fn deref(&self) -> &Self::Target {
+        &self.query
+    }
+}
+
+impl<'v, V: VisibilityLobes + ?Sized> Visit<'v, V> {
+    /// The group enters: all receivers that will look are inside `shaft`.
+    pub fn enter(visibility: &'v V, shaft: &Shaft, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
+        let entered = visibility.enter(shaft, scratch);
+        Self { visibility, scratch, light: shaft.id, accuracy, entered, looks: 0 }
+    }
+
+    /// One receiver that looks alone: the strategy is told of no group, and must not have been told of another one with this
+    /// scratch.
+    pub fn alone(visibility: &'v V, light: LightId, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
+        Self { visibility, scratch, light, accuracy, entered: Coverage::Partial, looks: 0 }
+    }
+
+    /// What was said of the whole group: [`Coverage::Lit`] when nobody needs to look.
+    #[must_use]
+    pub const fn entered(&self) -> Coverage {
+        self.entered
+    }
+
+    /// Each receiver looks, whatever was said of the group. For groups in which facets differ from shading normals: the
+    /// facet may hide light that nothing else does.
+    pub fn let_each_look(&mut self) {
+        self.entered = Coverage::Partial;
+    }
+
+    /// How much of the light a receiver sees, whose cone from there is `cone`.
+    pub fn look<'q>(&mut self, at: &'q Receiver, cone: &'q Cone) -> Look<'q> {
+        let query = VisibilityQuery { at, light: self.light, cone, accuracy: self.accuracy };
+        self.looks = self.looks.wrapping_add(1);
+        match self.visibility.coverage(&query, self.scratch) {
+            Coverage::Lit => Look::Lit,
+            Coverage::Dark => Look::Dark,
+            Coverage::Partial => Look::Partial(PartlySeen { query, look: self.looks }),
+        }
+    }
+
+    /// The lobes of what the last receiver sees, see [`VisibilityLobes::visibility_lobes`].
+    ///
+    /// # Errors
+    /// [`LobesFull`] when `out` has no room.
+    ///
+    /// # Panics
+    /// When another receiver has looked since.
+    pub fn lobes(
+        &mut self,
+        seen: &PartlySeen<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        out: &mut VisibilitySum,
+    ) -> Result<(), LobesFull> {
+        assert_eq!(seen.look, self.looks, "lobes are of the receiver that looked last");
+        self.visibility.visibility_lobes(seen, brdf, unshadowed, self.scratch, out)
+    }
+
+    /// A receiver looks: what it sees of one reflectance lobe times the light, see [`visible_fraction`]. `unshadowed` is the integral
+    /// of that lobe (flux 1) over the whole light.
+    ///
+    /// # Errors
+    /// [`LobesFull`] when `sum` is smaller than the strategy's `max_lobes`.
+    pub fn fraction(
+        &mut self,
+        at: &Receiver,
+        cone: &Cone,
+        brdf: &Lobe,
+        unshadowed: f32,
+        sum: &mut VisibilitySum,
+    ) -> Result<f32, LobesFull> {
+        match self.look(at, cone) {
+            Look::Lit => Ok(1.0),
+            Look::Dark => Ok(0.0),
+            Look::Partial(seen) => {
+                self.lobes(&seen, brdf, unshadowed, sum)?;
+                Ok(visible_fraction(at, brdf, unshadowed, sum))
+            }
+        }
+    }
+}
