@@ -5,10 +5,11 @@
 //! Reference: Monte Carlo of the same blockers (4096 samples a pixel unless given).
 
 use cosine_lobes::brdf::{Lambert, Material, Phong};
-use cosine_lobes::lighting::{MaskVisibility, SphereLight};
+use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{Accuracy, Sphere};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, Geometry, Reference, ReferenceJob, World};
 use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Picture, ShadowErrors};
 use glam::Vec3;

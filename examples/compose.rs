@@ -4,11 +4,12 @@
 //! other `VisibilityLobes` for your own.
 
 use cosine_lobes::brdf::Lambert;
-use cosine_lobes::lighting::{MaskVisibility, SphereLight};
+use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{
     Accuracy, BrdfLobes, Call, Integrator, LightId, LightLobes, LightTerm, LobeBuffer, Receiver, Sphere,
     VisibilityLobes, VisibilitySum, Visit,
 };
+use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
 use glam::Vec3;

@@ -5,10 +5,10 @@
 //! disc. Two rules: one distance τ for the set, and a near radius and a distance for each sphere
 //! ([`SphereSet::self_shadows`](cosine_lobes::visibility_spheres::SphereSet)).
 
-use cosine_lobes::lighting::{Blockers, Mask, UnitSquare};
 use cosine_lobes::lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
 use cosine_lobes::render_cpu::World;
 use cosine_lobes::scene::{self, Mesh, Object, Proxy, Shape};
+use cosine_lobes::visibility_mask::{Blockers, Mask, UnitSquare};
 use cosine_lobes::visibility_spheres::{BuildOptions, SphereBlockers, SphereSet};
 use glam::Vec3;
 use rayon::prelude::*;

@@ -19,6 +19,7 @@ pub use lobe_core;
 pub use render_cpu;
 pub use render_gpu;
 pub use scene;
+pub use visibility_mask;
 pub use visibility_shadowmap;
 pub use visibility_silhouettes;
 pub use visibility_spheres;

@@ -2,11 +2,12 @@
 //! and the paper's method beside them.
 
 use cosine_lobes::brdf::{Lambert, Material, ModifiedPhong};
-use cosine_lobes::lighting::{MaskVisibility, PaperVisibility, SphereLight};
+use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{Accuracy, Cone, Method, Sphere, Unshadowed, VisibilityLobes, oracle};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, Geometry, Reference, ReferenceJob, World, blockers};
 use cosine_lobes::scene::{BlockerSet, Frame, Mesh, Object, Proxy, Scene, ShadeStats, builtin};
+use cosine_lobes::visibility_mask::{MaskVisibility, PaperVisibility};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Comparison, Picture, ShadowErrors};
 use glam::Vec3;

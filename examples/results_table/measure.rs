@@ -1,10 +1,10 @@
 //! Timing of frames whose visible points are given.
 
 use crate::scenes::Case;
-use cosine_lobes::lighting::MaskVisibility;
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{BlockerSet, Frame, Scene, Shade, ShadeStats, ShadingPoints};
+use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
 use glam::Vec3;

@@ -14,7 +14,7 @@ mod sheet;
 
 use crate::sheet::{Cell, Sheet};
 use cosine_lobes::brdf::Material;
-use cosine_lobes::lighting::{MaskVisibility, SphereLight};
+use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{Accuracy, DynVisibility, Sphere, Unshadowed};
 use cosine_lobes::render_cpu::{
     CpuShader, Estimate, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
@@ -22,6 +22,7 @@ use cosine_lobes::render_cpu::{
 use cosine_lobes::scene::{
     BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Strategy, load_animated,
 };
+use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 use cosine_lobes::visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use cosine_lobes::visibility_spheres::SphereBlockers;

@@ -1,49 +1,19 @@
-//! Sphere lights, and what every visibility strategy shares: the unit square, the mask and the cut.
+//! Area lights: the cone in which a receiver sees one, its radiance, and its lobes.
 //!
-//! A light is seen from a receiver as a cone ([`SphereLight`]). The [`UnitSquare`] faces it; blockers are rasterised on
-//! the square into a [`Mask`], a complete quad-tree as bits. [`MaskVisibility`] turns any [`Blockers`] into lobes;
-//! [`PaperVisibility`] does it as the paper does.
+//! A light is one type that implements [`LightLobes`](lobe_core::LightLobes); [`SphereLight`] is the built-in one. Add another kind
+//! beside it, here or in a crate of your own.
 //!
-//! Out of scope: what blocks (the `visibility-*` crates), scenes, images.
+//! Out of scope: what hides a light (the `visibility-*` crates), scenes, images.
+//!
+//! ```
+//! use glam::Vec3;
+//! use lighting::SphereLight;
+//! use lobe_core::{LightLobes, OWN_NONE, Receiver, Sphere};
+//! let lamp = SphereLight::new(Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 }, Vec3::splat(10.0));
+//! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+//! assert_eq!((lamp.cone(&at).axis, lamp.cone(&at).distance), (Vec3::Y, 4.0));
+//! ```
 
-mod contour;
-mod cut;
-mod edges;
-mod facet;
-mod fineness;
-#[doc(hidden)]
-pub mod hooks;
-mod lanes;
-mod mask;
-mod mixture;
-mod node;
-mod optional;
-mod panes;
-mod paper_visibility;
-mod paper_weights;
-mod raster;
-mod row;
-mod shadow_tree;
-mod share;
 mod sphere_light;
-mod square;
-#[cfg(test)]
-mod square_tests;
-#[cfg(test)]
-mod tests;
-mod visibility;
-pub mod wgsl;
 
-pub use crate::contour::Contour;
-pub use crate::edges::Edges;
-pub use crate::facet::facet_coverage;
-pub use crate::fineness::Fineness;
-pub use crate::mask::{MAX_DEPTH, Mask};
-pub use crate::mixture::{Mixture, MixtureScratch};
-pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
-pub use crate::paper_weights::PaperWeights;
-pub use crate::raster::{LitBounds, Raster};
-pub use crate::row::EightRows;
 pub use crate::sphere_light::SphereLight;
-pub use crate::square::UnitSquare;
-pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility};

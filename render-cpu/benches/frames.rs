@@ -6,11 +6,12 @@ use core::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use lighting::{MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, RayShader, World};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
 use std::fmt::Display;
+use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
 /// What a curve turns one number of.

@@ -8,12 +8,13 @@
 use brdf::Material;
 use core::sync::atomic::AtomicBool;
 use glam::Vec3;
-use lighting::{MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::{Accuracy, Sphere, VisibilityLobes};
 use render_cpu::{
     CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
 };
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadeStats};
+use visibility_mask::MaskVisibility;
 use visibility_silhouettes::SilhouetteBlockers;
 
 /// Samples of the reference at each receiver.

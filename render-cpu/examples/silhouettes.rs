@@ -6,7 +6,7 @@
 
 use brdf::Material;
 use glam::Vec3;
-use lighting::{Blockers, MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::{
     Accuracy, Coverage, LightId, LightLobes, Lobe, Look, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery,
     VisibilitySum, Visit,
@@ -17,6 +17,7 @@ use std::collections::HashMap;
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
+use visibility_mask::{Blockers, MaskVisibility};
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
 const SIZE: (u32, u32) = (480, 270);

@@ -19,11 +19,12 @@ use core::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
-use lighting::{SphereLight, facet_coverage};
+use lighting::SphereLight;
 use lobe_core::{Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, Shaft, Tile, orthonormal_basis};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
+use visibility_mask::facet_coverage;
 
 /// Samples at most where culling says that nothing blocks.
 const CLEAR_SAMPLES: u32 = 16;

@@ -2,14 +2,14 @@ use crate::World;
 use crate::world::{Primitive, Region};
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
-use lighting::{Blockers, Contour, Edges, Mask, facet_coverage};
 use lobe_core::{Cone, Coverage, OWN_NONE, Shaft, VisibilityQuery};
+use visibility_mask::{Blockers, Contour, Edges, Mask, facet_coverage};
 
 /// So many primitives in a group's shaft are tested one by one for each receiver; more are left to the hierarchy.
 const LISTED: usize = 48;
 
 /// The `rays` strategy: shadow rays on the true triangles and balls decide the cells of the mask. Wrap it in
-/// [`MaskVisibility`](lighting::MaskVisibility).
+/// [`MaskVisibility`](visibility_mask::MaskVisibility).
 ///
 /// # Method
 /// Rays stop at the first thing they meet (any hit), and the [`Contour`] asks for as few of them as a mask takes. No
@@ -53,7 +53,7 @@ impl<'w> RayBlockers<'w> {
         Self { world, objects: Vec::new(), start, bisections, rays: AtomicU64::new(0) }
     }
 
-    /// Only the objects that `blocks` says yes to by their number: a part of a [`Mixture`](lighting::Mixture) whose other
+    /// Only the objects that `blocks` says yes to by their number: a part of a [`Mixture`](visibility_mask::Mixture) whose other
     /// strategies have the rest.
     #[must_use]
     pub fn only(mut self, blocks: impl Fn(u32) -> bool) -> Self {

@@ -43,7 +43,7 @@ pub enum Geometry<'a> {
     /// The true geometry: triangles and balls.
     Mesh,
     /// The true geometry of the objects that the list says yes to, by number, and all blocker spheres: the truth beside a
-    /// [`Mixture`](lighting::Mixture) of strategies.
+    /// [`Mixture`](visibility_mask::Mixture) of strategies.
     Mixed(&'a [bool]),
     /// Nothing.
     None,

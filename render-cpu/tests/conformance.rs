@@ -2,11 +2,11 @@
 
 use brdf::Material;
 use glam::Vec3;
-use lighting::{MaskVisibility, Mixture};
 use lobe_core::Sphere;
 use lobe_core::conformance::{Limits, Setting, Subject, Visitor, check};
 use render_cpu::{RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use scene::{Camera, Mesh, Object, Scene, Shape};
+use visibility_mask::{MaskVisibility, Mixture};
 use visibility_silhouettes::SilhouetteBlockers;
 use visibility_spheres::SphereBlockers;
 

@@ -7,13 +7,14 @@ use crate::truth::{Light, Truth};
 use brdf::Material;
 use core::f32::consts::{PI, TAU};
 use glam::{Mat4, Quat, Vec3};
-use lighting::{MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::{Accuracy, Receiver, Sphere, VisibilityLobes};
 use rayon::prelude::*;
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, RayShader, Reference, ReferenceJob, World};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
+use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
 const FLOORS: [f32; 4] = [1.0, 8.0, 80.0, 1000.0];

@@ -2,11 +2,12 @@
 
 use brdf::Material;
 use glam::Vec3;
-use lighting::{MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::oracle::Random;
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
 use render_cpu::CpuShader;
 use scene::{Frame, Shade, ShadingPoints};
+use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
 /// Points of a floor, here and there, under some balls.

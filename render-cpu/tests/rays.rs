@@ -3,10 +3,11 @@
 use brdf::Material;
 use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
-use lighting::{Blockers, Mask, MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadingPoints};
+use visibility_mask::{Blockers, Mask, MaskVisibility};
 
 fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
     let object = |(i, mesh)| Object::mesh(format!("mesh {i}"), mesh, 0, Proxy::None);

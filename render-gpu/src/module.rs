@@ -6,8 +6,8 @@ use crate::kernel::{
 };
 use crate::{kernels, wgsl};
 use brdf::Models;
-use lighting::{Fineness, wgsl as masks};
 use lobe_core::wgsl as lobes;
+use visibility_mask::{Fineness, wgsl as masks};
 use visibility_shadowmap::{Pages, wgsl as maps};
 use visibility_spheres::wgsl as spheres;
 

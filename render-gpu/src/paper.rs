@@ -1,7 +1,7 @@
 use crate::memory::Memory;
 use crate::{Gpu, GpuError};
-use lighting::PaperWeights;
 use lobe_core::paper::Tables;
+use visibility_mask::PaperWeights;
 use wgpu::BufferUsages;
 
 /// The paper's tables on the GPU, and behind them the weights of the depth that was asked for last.

@@ -11,10 +11,10 @@ use crate::{Gpu, GpuError, GpuPose};
 use brdf::{Material, Models, PackedMaterials};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
-use lighting::{Fineness, MAX_DEPTH};
 use lobe_core::{LightId, Method};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
+use visibility_mask::{Fineness, MAX_DEPTH};
 use wgpu::BufferUsages;
 
 /// Points that are culled together: as in `render-cpu`.

@@ -4,8 +4,8 @@
 pub const BVH: &str = include_str!("kernels/bvh.wgsl");
 /// The kernel of visible points. Needs [`BVH`], `lobe_core::wgsl::GEOMETRY` and a constant `STACK`.
 pub const TRACE: &str = include_str!("kernels/trace.wgsl");
-/// The `rays` strategy for one point a thread. Needs [`BVH`], `lobe_core::wgsl::GEOMETRY`, `lighting::wgsl::FACET` and a
+/// The `rays` strategy for one point a thread. Needs [`BVH`], `lobe_core::wgsl::GEOMETRY`, `visibility_mask::wgsl::FACET` and a
 /// constant `STACK`.
 pub const RAYS: &str = include_str!("kernels/rays.wgsl");
-/// Its masks. Needs [`RAYS`], and of `lighting::wgsl` `CONTOUR` and `EDGES`.
+/// Its masks. Needs [`RAYS`], and of `visibility_mask::wgsl` `CONTOUR` and `EDGES`.
 pub const RAYS_SPLAT: &str = include_str!("kernels/rays_splat.wgsl");

@@ -63,7 +63,7 @@ const HOOKS: &str = "
 
 #[test]
 fn kernels_of_the_paper_validate() {
-    use lighting::wgsl as masks;
+    use visibility_mask::wgsl as masks;
     let frame = [include_str!("../src/kernels/frame.wgsl"), include_str!("../src/kernels/queue.wgsl"), HOOKS];
     let core = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::PAPER];
     module(
@@ -82,8 +82,8 @@ fn kernels_of_the_paper_validate() {
         mask_block_span(mask, lane, 0.0, 1.0);
     }";
     let masks = [masks::SQUARE, masks::MASK, masks::TOTAL, masks::PAPER];
-    for depth in 1..=lighting::MAX_DEPTH {
-        let header = lighting::wgsl::paper_header(depth);
+    for depth in 1..=visibility_mask::MAX_DEPTH {
+        let header = visibility_mask::wgsl::paper_header(depth);
         let points = include_str!("../src/kernels/points.wgsl");
         let kernel = [points, include_str!("../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
         let module = module(&[frame.as_slice(), &core, &masks, &kernel].concat());

@@ -1,8 +1,8 @@
 //! The WGSL of masks and penumbrae without a GPU: every variant validates.
 
-use lighting::{Fineness, wgsl};
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use visibility_mask::{Fineness, wgsl};
 
 /// Blockers and reflectance, as the kernel asks for them.
 const HOOKS: &str = "
@@ -25,7 +25,7 @@ fn validate(pieces: &[&str]) -> naga::Module {
 
 /// All depths, and tolerances for each fineness.
 fn variants() -> impl Iterator<Item = (u32, f32)> {
-    (1..=lighting::MAX_DEPTH).flat_map(|depth| [0.01, 0.003, 0.001].map(|tolerance| (depth, tolerance)))
+    (1..=visibility_mask::MAX_DEPTH).flat_map(|depth| [0.01, 0.003, 0.001].map(|tolerance| (depth, tolerance)))
 }
 
 #[test]

@@ -10,7 +10,16 @@ const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
 
 fn validate(pieces: &[&str]) -> naga::Module {
     let words = Pages::of(3 << 27, 1 << 27).wgsl();
-    let common = [FRAME, &words, wgsl::COMMON, GEOMETRY, LOBE, SPECIAL, lighting::wgsl::SQUARE, lighting::wgsl::FACET];
+    let common = [
+        FRAME,
+        &words,
+        wgsl::COMMON,
+        GEOMETRY,
+        LOBE,
+        SPECIAL,
+        visibility_mask::wgsl::SQUARE,
+        visibility_mask::wgsl::FACET,
+    ];
     let text = common.iter().chain(pieces).copied().collect::<Vec<_>>().join("\n");
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
@@ -26,10 +35,13 @@ fn coverage_validates() {
 
 #[test]
 fn splat_validates_for_every_mask_and_keeps_two_words_a_row_and_line() {
-    for depth in 1..=lighting::MAX_DEPTH {
+    for depth in 1..=visibility_mask::MAX_DEPTH {
         for coarse in [false, true] {
-            let header = lighting::wgsl::header(depth, lighting::Fineness { coarse, ..lighting::Fineness::FINE });
-            let module = validate(&[&header, lighting::wgsl::MASK, wgsl::SPLAT]);
+            let header = visibility_mask::wgsl::header(
+                depth,
+                visibility_mask::Fineness { coarse, ..visibility_mask::Fineness::FINE },
+            );
+            let module = validate(&[&header, visibility_mask::wgsl::MASK, wgsl::SPLAT]);
             let (_, bits) = module
                 .global_variables
                 .iter()

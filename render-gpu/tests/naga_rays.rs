@@ -26,10 +26,13 @@ fn visible_points_validate() {
 #[test]
 fn shadow_rays_validate() {
     const STACK: &str = "const STACK = 32u;";
-    validate(&[RAYS, STACK, BVH, GEOMETRY, lighting::wgsl::FACET]);
+    validate(&[RAYS, STACK, BVH, GEOMETRY, visibility_mask::wgsl::FACET]);
     for (depth, coarse) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
-        let header = lighting::wgsl::header(depth, lighting::Fineness { coarse, ..lighting::Fineness::FINE });
-        use lighting::wgsl::{CONTOUR, EDGES, FACET, MASK, SQUARE};
+        let header = visibility_mask::wgsl::header(
+            depth,
+            visibility_mask::Fineness { coarse, ..visibility_mask::Fineness::FINE },
+        );
+        use visibility_mask::wgsl::{CONTOUR, EDGES, FACET, MASK, SQUARE};
         let masks = [header.as_str(), SQUARE, MASK, CONTOUR, EDGES, FACET];
         let main = "@compute @workgroup_size(LANES) fn main(@builtin(local_invocation_index) lane: u32) {
             let light = Cone(vec3f(0.0, 0.0, 1.0), 0.01, 5.0);
@@ -47,6 +50,6 @@ fn shadow_rays_validate() {
 fn rim_is_rusts() {
     for k in 0..8 {
         let (sin, cos) = (core::f64::consts::TAU * (f64::from(k) + 0.5) / 32.0).sin_cos();
-        assert!(lighting::wgsl::CONTOUR.contains(&format!("vec2f({cos:.11}, {sin:.11})")), "{cos} {sin}");
+        assert!(visibility_mask::wgsl::CONTOUR.contains(&format!("vec2f({cos:.11}, {sin:.11})")), "{cos} {sin}");
     }
 }

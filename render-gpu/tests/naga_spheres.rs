@@ -1,8 +1,8 @@
 //! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are Rust's.
 
-use ::lighting::{Fineness, wgsl as lighting};
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
+use visibility_mask::{Fineness, wgsl as masks};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
 
 const FRAME: &str = include_str!("../src/kernels/frame.wgsl");
@@ -57,7 +57,7 @@ fn classification_validates() {
     let stub = "fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
     let models = brdf::Models::of(&[brdf::Material::lambert(glam::Vec3::ONE)]);
     let reflectance = brdf::wgsl::compose(models);
-    let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, lighting::FACET];
+    let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
     let mut pieces = vec![CLASSIFY, QUEUE, FRAME, HOOK, stub, &reflectance, GEOMETRY, LOBE, SPECIAL];
     pieces.extend(parts);
     let classify = module(&pieces);
@@ -67,22 +67,22 @@ fn classification_validates() {
 
 #[test]
 fn splats_validate_at_all_depths() {
-    for depth in 1..=::lighting::MAX_DEPTH {
+    for depth in 1..=visibility_mask::MAX_DEPTH {
         for coarse in [false, true] {
-            let header = lighting::header(depth, Fineness { coarse, ..Fineness::FINE });
+            let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
             module(&[
                 &header,
                 wgsl::SPHERES_SPLAT,
                 wgsl::SPHERES,
-                lighting::FACET,
+                masks::FACET,
                 wgsl::ELLIPSE,
                 wgsl::SPLAT,
                 wgsl::BLOCKED_CONE,
                 wgsl::CONE_TEST,
                 wgsl::PACKED,
-                lighting::MASK,
-                lighting::EDGES,
-                lighting::SQUARE,
+                masks::MASK,
+                masks::EDGES,
+                masks::SQUARE,
                 FRAME,
                 GEOMETRY,
                 LOBE,

@@ -3,9 +3,9 @@
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
-use lighting::MaskVisibility;
 use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 use std::hint::black_box;
+use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 4.6, 0.5), radius: 0.5 };

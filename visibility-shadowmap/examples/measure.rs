@@ -9,7 +9,6 @@
 //! ΔV within 0.03 diagonals of the object; `w`: width of the light in texels at the nearest blocker.
 
 use glam::{Vec3, Vec3A};
-use lighting::{Blockers, Mask, UnitSquare};
 use lobe_core::oracle::Random;
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
 use obvhs::BvhBuildParams;
@@ -17,6 +16,7 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use std::time::Instant;
+use visibility_mask::{Blockers, Mask, UnitSquare};
 use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers, ShadowMapScratch};
 
 struct Mesh {

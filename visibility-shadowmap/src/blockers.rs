@@ -4,14 +4,14 @@ use crate::map::ShadowMap;
 use crate::probe::{Block, Image, Item, NEAR, Probe, TileProbe, Verdict};
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
-use lighting::{Blockers, Mask, UnitSquare, facet_coverage};
 use lobe_core::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
+use visibility_mask::{Blockers, Mask, UnitSquare, facet_coverage};
 
 /// Nodes that a group of receivers starts from, at most about this many.
 const FRONTIER: usize = 48;
 
 /// The `shadow-map` strategy: the texels of each light's [`ShadowMap`] block what is behind them. Wrap it in
-/// [`MaskVisibility`](lighting::MaskVisibility).
+/// [`MaskVisibility`](visibility_mask::MaskVisibility).
 ///
 /// # Method (§5.3 of the paper)
 /// A texel with a surface is a small quadrilateral at its depth. Its corners take the mean depth of those neighbours that

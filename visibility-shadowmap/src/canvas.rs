@@ -1,7 +1,7 @@
 //! Where convex polygons are united before they go to the mask.
 
 use glam::Vec2;
-use lighting::{MAX_DEPTH, Mask, Raster};
+use visibility_mask::{MAX_DEPTH, Mask, Raster};
 
 /// Samples in a cell: columns in a row line, row lines.
 const ACROSS: usize = 16;

@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use glam::{Vec2, Vec3};
-//! use lighting::MaskVisibility;
+//! use visibility_mask::MaskVisibility;
 //! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 //! use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
 //!

@@ -4,8 +4,8 @@ use crate::face::{Affine, Face};
 use crate::fit::tangents;
 use crate::layer::{Layer, Node, Part};
 use glam::{DVec3, Vec2, Vec3};
-use lighting::UnitSquare;
 use lobe_core::{Shaft, Sphere};
+use visibility_mask::UnitSquare;
 
 /// A blocker near the receiver must be above its tangent plane by so many texels: else a surface shadows itself. One
 /// farther than `BIAS/TILT` texels toward the light must only be above the plane, by a rounding: else light leaks along

@@ -3,8 +3,8 @@ use crate::clip::Polygon;
 use crate::fit::tangents;
 use crate::layer::{EMPTY, Layer, Part};
 use glam::{DVec3, Vec2, Vec3};
-use lighting::{Mask, UnitSquare};
 use lobe_core::oracle::Random;
+use visibility_mask::{Mask, UnitSquare};
 
 fn mask(depth: u32) -> Mask {
     let mut mask = Mask::default();

@@ -18,11 +18,11 @@ pub const COMMON: &str =
     concat!(include_str!("layer.wgsl"), "\n", include_str!("probe.wgsl"), "\n", include_str!("own_face.wgsl"));
 
 /// `fn maps_coverage(at: Receiver, cone: Cone) -> u32`, one thread a receiver: whether texels can hide some of a light. As
-/// [`Blockers::select`](lighting::Blockers::select) of [`ShadowMapBlockers`](crate::ShadowMapBlockers).
+/// [`Blockers::select`](visibility_mask::Blockers::select) of [`ShadowMapBlockers`](crate::ShadowMapBlockers).
 pub const COVERAGE: &str = include_str!("coverage.wgsl");
 
 /// `fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask)`, one thread a row of the mask: clears of the row `lit`
-/// what [`Blockers::splat`](lighting::Blockers::splat) does. Has no barriers. Needs `mask.wgsl` and the header of `lighting`.
+/// what [`Blockers::splat`](visibility_mask::Blockers::splat) does. Has no barriers. Needs `mask.wgsl` and the header of `lighting`.
 ///
 /// A thread keeps four lines of `16 · 2^depth` samples: 256 bytes at depth 5, 512 at depth 6.
 pub const SPLAT: &str = concat!(include_str!("canvas.wgsl"), "\n", include_str!("splat.wgsl"));

@@ -4,12 +4,12 @@ mod common;
 
 use common::{Errors, Mesh, receiver};
 use glam::Vec3;
-use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
 use lobe_core::{
     Accuracy, Cone, LightId, Lobe, Look, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
     visible_fraction,
 };
+use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(2.0, 5.0, 1.5), radius: 0.6 };

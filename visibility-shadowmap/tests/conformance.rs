@@ -1,9 +1,9 @@
 //! The suite that all visibility strategies keep, for shadow maps.
 
 use glam::Vec3;
-use lighting::MaskVisibility;
 use lobe_core::conformance::{Limits, Setting, check};
 use lobe_core::{DynVisibility, Sphere};
+use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 
 /// Corners around a rim: the chord of the largest ball (1.5 rad) is off its rim by 0.1 % of the smallest light (0.005).

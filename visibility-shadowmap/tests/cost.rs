@@ -4,8 +4,8 @@ mod common;
 
 use common::{Mesh, receiver, share};
 use glam::Vec3;
-use lighting::Blockers;
 use lobe_core::Sphere;
+use visibility_mask::Blockers;
 use visibility_shadowmap::{MapOptions, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };

@@ -4,12 +4,12 @@ mod common;
 
 use common::{Mesh, receiver, share};
 use glam::{Quat, Vec3};
-use lighting::{Blockers, MaskVisibility};
 use lobe_core::oracle::Random;
 use lobe_core::{
     Accuracy, Cone, Coverage, DynVisibility, LightId, Lobe, LobesFull, Look, Receiver, Shaft, Sphere, VisibilityLobes,
     VisibilityQuery, VisibilitySum, Visit, cap_integral,
 };
+use visibility_mask::{Blockers, MaskVisibility};
 use visibility_shadowmap::{Bounds, Fineness, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.6 };

@@ -7,8 +7,8 @@ use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use lighting::{Blockers, Edges, Mask, facet_coverage};
 use lobe_core::{Cone, Coverage, Shaft, Sphere, VisibilityQuery};
+use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 /// What answers the one question that outlines leave open: whether a ray meets any triangle.
 ///
@@ -41,7 +41,7 @@ pub trait AnyHit: Sync {
 }
 
 /// The `silhouettes` strategy: triangle meshes block exactly, at the price of their outlines. Wrap it in
-/// [`MaskVisibility`](lighting::MaskVisibility).
+/// [`MaskVisibility`](visibility_mask::MaskVisibility).
 ///
 /// # Method
 /// Seen from a receiver, the number of surfaces before a direction changes only across silhouettes: edges between a triangle

@@ -2,7 +2,7 @@
 
 use crate::project::{Crossing, View};
 use fearless_simd::{Simd, f32x8, prelude::*};
-use lighting::{EightRows, MAX_DEPTH, Mask, Raster};
+use visibility_mask::{EightRows, MAX_DEPTH, Mask, Raster};
 
 /// Rows that are counted side by side.
 const EIGHT: usize = 8;

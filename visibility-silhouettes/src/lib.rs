@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use glam::Vec3;
-//! use lighting::MaskVisibility;
+//! use visibility_mask::MaskVisibility;
 //! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Sphere, VisibilityLobes, VisibilityQuery};
 //! use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 //!

@@ -4,8 +4,8 @@ use crate::lanes::Lanes3;
 use crate::select::{STEP, Silhouettes};
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
-use lighting::{Raster, UnitSquare};
 use lobe_core::Cone;
+use visibility_mask::{Raster, UnitSquare};
 
 /// Ends nearer than this part of the light's distance are clipped: they are far outside of the window.
 const NEAR: f32 = 1e-7;

@@ -5,8 +5,8 @@ use crate::hull::UNSURE;
 use crate::lanes::Lanes3;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use lighting::Edges;
 use lobe_core::{Cone, orthonormal_basis};
+use visibility_mask::Edges;
 
 /// Numbers of a silhouette: its two ends seen from the receiver, and by how much the number of surfaces grows to its right,
 /// looking from the first end to the second.

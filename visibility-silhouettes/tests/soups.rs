@@ -4,9 +4,9 @@ mod common;
 
 use common::{Rays, Soup, ball, cuboid, turn};
 use glam::{DVec3, Vec3};
-use lighting::{Blockers, Raster, UnitSquare, hooks};
 use lobe_core::oracle::Random;
 use lobe_core::{Accuracy, Cone, Coverage, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityQuery};
+use visibility_mask::{Blockers, Raster, UnitSquare, hooks};
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
 fn vec(random: &mut Random, size: f64) -> Vec3 {

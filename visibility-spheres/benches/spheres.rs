@@ -3,9 +3,9 @@
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use lighting::{Blockers, MaskVisibility};
 use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 use std::hint::black_box;
+use visibility_mask::{Blockers, MaskVisibility};
 use visibility_spheres::SphereBlockers;
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 4.6, 0.5), radius: 0.5 };

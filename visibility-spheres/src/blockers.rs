@@ -6,11 +6,11 @@ use crate::shaft_test::ShaftTest;
 use crate::sphere_tree::SphereTree;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use lighting::{Blockers, Edges, Mask, facet_coverage};
 use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 /// Spheres that block light, as the `spheres` strategy sees them: wrap it in
-/// [`MaskVisibility`](lighting::MaskVisibility).
+/// [`MaskVisibility`](visibility_mask::MaskVisibility).
 ///
 /// # Self-shadowing
 /// A sphere set stands for a mesh that lies partly inside, partly outside of it, so a receiver on the mesh is often inside

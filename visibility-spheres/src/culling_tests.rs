@@ -2,9 +2,9 @@
 
 use crate::SphereBlockers;
 use glam::{DVec3, Vec3};
-use lighting::Blockers;
 use lobe_core::oracle::Random;
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use visibility_mask::Blockers;
 
 /// Spheres in clusters and strays, with all sizes, some repeated.
 fn cloud(random: &mut Random, count: usize, scale: f64) -> Vec<Sphere> {
@@ -341,7 +341,7 @@ fn over_a_floor(count: usize, grows: bool) -> (Vec<Sphere>, f32) {
 #[test]
 #[ignore = "timings: in release, on a quiet machine"]
 fn timings() {
-    use lighting::{Mask, UnitSquare};
+    use visibility_mask::{Mask, UnitSquare};
     println!(
         "spheres       build  refit | enter a tile (flat) candidates | select a point (no enter) hits | splat | all, a point"
     );

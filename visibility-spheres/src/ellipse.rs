@@ -3,7 +3,7 @@
 use crate::block::LANES;
 use core::ops::Range;
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
-use lighting::{LitBounds, Mask, Raster};
+use visibility_mask::{LitBounds, Mask, Raster};
 
 // Rows are taken eight at once, too.
 pub(crate) const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];

@@ -7,8 +7,8 @@ use crate::splat::BlockedCone;
 use crate::wide::splat_wide;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
-use lighting::{Edges, Mask};
 use lobe_core::Cone;
+use visibility_mask::{Edges, Mask};
 
 /// Numbers of a hit: to the centre; `d sin β`; the cosine of a wide cone, else 1; the radius of a sphere that meets the
 /// light, else 0.

@@ -1,8 +1,8 @@
 //! The cone that a sphere blocks, and what of it is in front of a light that the sphere meets.
 
 use glam::Vec3;
-use lighting::Mask;
 use lobe_core::Cone;
+use visibility_mask::Mask;
 
 /// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,9 +7,9 @@ use crate::splat::{BlockedCone, order_by_ray};
 use core::f64::consts::PI;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{DVec3, Vec2, Vec3};
-use lighting::{Mask, UnitSquare};
 use lobe_core::Cone;
 use lobe_core::oracle::Random;
+use visibility_mask::{Mask, UnitSquare};
 
 /// The cone that one sphere blocks under the self-distance τ; `None` if it is empty.
 fn blocked_cone(to: Vec3, radius: f32, tau: f32) -> Option<BlockedCone> {

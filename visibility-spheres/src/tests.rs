@@ -4,9 +4,9 @@ use crate::SphereBlockers;
 use crate::splat_tests::chord;
 use core::f64::consts::PI;
 use glam::Vec3;
-use lighting::{Blockers, Mask, UnitSquare};
 use lobe_core::oracle::Random;
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
+use visibility_mask::{Blockers, Mask, UnitSquare};
 
 fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
     Receiver { position, normal, face: normal, view: normal, object }
@@ -231,7 +231,7 @@ fn shafts_at_infinity_keep_what_they_meet() {
 fn point_lights_are_hidden_by_what_their_direction_meets() {
     // A cone wider than a hemisphere (a receiver inside its own object's sphere) does not reach backwards.
     let blockers = SphereBlockers::new(&[Sphere { center: Vec3::Z * 0.5, radius: 1.0 }], &[0], &[0.8]);
-    let strategy = lighting::MaskVisibility::new(blockers);
+    let strategy = visibility_mask::MaskVisibility::new(blockers);
     let at = receiver(Vec3::ZERO, Vec3::NEG_Z, 0);
     for (axis, hidden) in [(Vec3::Z, true), (Vec3::NEG_Z, false)] {
         for one_minus_cos in [0.0, 1e-12, 1e-6] {

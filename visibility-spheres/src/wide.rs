@@ -4,7 +4,7 @@ use crate::block::LANES;
 use crate::ellipse::{FLAT, LANE};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
-use lighting::{MAX_DEPTH, Mask, Raster};
+use visibility_mask::{MAX_DEPTH, Mask, Raster};
 
 /// Farther than any window reaches.
 const LIMIT: f32 = 1e9;

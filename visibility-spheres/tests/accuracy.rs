@@ -1,11 +1,11 @@
 //! The whole chain, blockers to visible share, against brute force in f64 over random blockers.
 
 use glam::{DVec3, Vec3};
-use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
 use lobe_core::{
     Accuracy, Cone, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
 };
+use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
 struct Case {

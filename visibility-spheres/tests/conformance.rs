@@ -1,7 +1,7 @@
 //! The suite that all visibility strategies keep.
 
-use lighting::{MaskVisibility, Mixture};
 use lobe_core::conformance::{Limits, Setting, check};
+use visibility_mask::{MaskVisibility, Mixture};
 use visibility_spheres::SphereBlockers;
 
 fn blockers(balls: &[lobe_core::Sphere]) -> SphereBlockers {

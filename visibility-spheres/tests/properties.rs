@@ -1,12 +1,12 @@
 //! What must hold whatever the scene: limits, monotony, continuity, invariance, dispatch.
 
 use glam::{DQuat, DVec3, Vec3};
-use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
 use lobe_core::{
     Accuracy, Cone, DynVisibility, LightId, Lobe, LobesFull, Look, Receiver, Sphere, VisibilityLobes, VisibilitySum,
     Visit, cap_integral,
 };
+use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
 /// Everything in f64, so that a scene can be turned, scaled and moved before it is rounded.

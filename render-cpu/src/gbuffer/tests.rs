@@ -5,10 +5,10 @@ use crate::world::Rays;
 use crate::{CpuShader, RayShader};
 use fearless_simd::{Level, Simd};
 use glam::{Vec2, Vec3};
-use lighting::MaskVisibility;
 use lobe_core::Sphere;
 use lobe_core::{Accuracy, Receiver};
 use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape};
+use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
 #[test]

@@ -6,11 +6,12 @@ use brdf::Material;
 use core::f32::consts::PI;
 use glam::{Mat4, Quat, Vec3};
 use libtest_mimic::Trial;
-use lighting::{MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, World};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, Occlusion};
 use scene::{Camera, Mesh, Object, Proxy, Scene, Shade, Shape, builtin};
+use visibility_mask::MaskVisibility;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![

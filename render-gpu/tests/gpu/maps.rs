@@ -7,11 +7,11 @@ use self::mesh::{FLOOR, Mesh};
 use crate::call::{call_with, trial};
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
 use render_gpu::Gpu;
+use visibility_mask::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers, wgsl};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -140,8 +140,8 @@ fn gpu_coverage_in(pages: Pages, gpu: &Gpu, packed: &PackedMaps, questions: &[Qu
         GEOMETRY,
         LOBE,
         SPECIAL,
-        lighting::wgsl::SQUARE,
-        lighting::wgsl::FACET,
+        visibility_mask::wgsl::SQUARE,
+        visibility_mask::wgsl::FACET,
     ];
     let body = "let at = receiver();
         y(0u, f32(maps_coverage(at, cone_of_sphere(at.position, frame.light))));";
@@ -178,8 +178,8 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
             rows.push(lane as f32);
         }
     }
-    let header = lighting::wgsl::header(depth, Fineness::FINE);
-    let masks = [&header, lighting::wgsl::MASK, lighting::wgsl::SQUARE];
+    let header = visibility_mask::wgsl::header(depth, Fineness::FINE);
+    let masks = [&header, visibility_mask::wgsl::MASK, visibility_mask::wgsl::SQUARE];
     let words = Pages::ONE.wgsl();
     let pieces = [
         FRAME,
@@ -189,7 +189,7 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
         GEOMETRY,
         LOBE,
         SPECIAL,
-        lighting::wgsl::FACET,
+        visibility_mask::wgsl::FACET,
         masks[0],
         masks[1],
         masks[2],

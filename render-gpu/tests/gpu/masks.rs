@@ -3,7 +3,6 @@
 use crate::call::{call, call_groups, trial};
 use glam::Vec3;
 use libtest_mimic::Trial;
-use lighting::{Blockers, Edges, Fineness, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use lobe_core::{
@@ -11,6 +10,7 @@ use lobe_core::{
     Visit,
 };
 use render_gpu::Gpu;
+use visibility_mask::{Blockers, Edges, Fineness, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![

@@ -5,13 +5,14 @@ use crate::parity::View;
 use brdf::{Lambert, ModifiedPhong, Phong};
 use glam::Vec3;
 use libtest_mimic::Trial;
-use lighting::{Blockers, Mixture, PaperVisibility, PaperWeights, SphereLight};
+use lighting::SphereLight;
 use lobe_core::oracle::Random;
 use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Cone, Lobe, Method, Sphere, wgsl};
 use render_cpu::CpuShader;
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::Shade;
+use visibility_mask::{Blockers, Mixture, PaperVisibility, PaperWeights};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
@@ -108,9 +109,16 @@ fn paper_caps(gpu: &Gpu) {
         y(0, light.exponent); y(1, light.flux.x); y(2, occluder.exponent); y(3, occluder.flux.x);
         y(4, paper_weight(u32(x(1)), x(2)));";
     // Weights want nothing else of the piece that they stand in.
-    let all = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::PAPER, lighting::wgsl::SQUARE, lighting::wgsl::MASK];
-    let header = lighting::wgsl::paper_header(5);
-    let more = [header.as_str(), lighting::wgsl::TOTAL, lighting::wgsl::PAPER];
+    let all = [
+        wgsl::SPECIAL,
+        wgsl::GEOMETRY,
+        wgsl::LOBE,
+        wgsl::PAPER,
+        visibility_mask::wgsl::SQUARE,
+        visibility_mask::wgsl::MASK,
+    ];
+    let header = visibility_mask::wgsl::paper_header(5);
+    let more = [header.as_str(), visibility_mask::wgsl::TOTAL, visibility_mask::wgsl::PAPER];
     let got = call_with(gpu, &[all.as_slice(), &more].concat(), body, &rows, [3, 5], &[(9, &words)]);
     let mut worst = 0.0_f32;
     for (got, row) in got.chunks(5).zip(rows.chunks(3)) {

@@ -5,12 +5,13 @@ use crate::gbuffer::{globe, large_floor};
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use libtest_mimic::Trial;
-use lighting::{MaskVisibility, Mixture, SphereLight, facet_coverage};
+use lighting::SphereLight;
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use std::ops::ControlFlow;
+use visibility_mask::{MaskVisibility, Mixture, facet_coverage};
 use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
 use visibility_spheres::SphereBlockers;
 

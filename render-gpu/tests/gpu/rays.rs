@@ -7,12 +7,13 @@ use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
-use lighting::{MaskVisibility, Mixture, PaperVisibility, SphereLight, facet_coverage};
+use lighting::SphereLight;
 use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Accuracy, Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
+use visibility_mask::{MaskVisibility, Mixture, PaperVisibility, facet_coverage};
 use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {

@@ -4,10 +4,11 @@ use crate::call::trial;
 use crate::parity::{View, assert_same};
 use glam::Vec3;
 use libtest_mimic::Trial;
-use lighting::{MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::Sphere;
 use render_gpu::{Gpu, GpuError, GpuShader, Occlusion};
 use scene::{Frame, Shade, ShadingPoints};
+use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {

@@ -3,11 +3,11 @@
 use crate::call::trial;
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{Blockers, Edges, Fineness, UnitSquare, hooks, wgsl as masks};
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use lobe_core::{Accuracy, Cone, Coverage, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 use render_gpu::{Gpu, GpuReceiver};
+use visibility_mask::{Blockers, Edges, Fineness, UnitSquare, hooks, wgsl as masks};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SphereBlockers, wgsl};
 use wgpu::util::DeviceExt;
 

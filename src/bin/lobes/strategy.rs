@@ -3,11 +3,11 @@
 use crate::args::Visibility;
 use crate::device::{Backend, Shader};
 use crate::failure::Failure;
-use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{LightId, Method, Unshadowed};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SphereSource, SurfaceHits, World};
 use cosine_lobes::scene::{BlockerSet, Object, Proxy, Scene, Shape, Strategy};
+use cosine_lobes::visibility_mask::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use cosine_lobes::visibility_shadowmap::{Bounds, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
 use cosine_lobes::visibility_spheres::SphereBlockers;

@@ -2,8 +2,8 @@
 #![allow(dead_code, reason = "each test uses a part")]
 
 use glam::{DVec3, Vec3};
-use lighting::{Blockers, Mask, UnitSquare};
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
+use visibility_mask::{Blockers, Mask, UnitSquare};
 use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers, ShadowMapScratch};
 
 #[derive(Clone, Debug, Default)]

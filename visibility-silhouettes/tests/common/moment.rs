@@ -2,11 +2,11 @@
 
 use super::{Rays, Soup, ball, cuboid};
 use glam::{DVec3, Vec3};
-use lighting::MaskVisibility;
 use lobe_core::oracle::Random;
 use lobe_core::{
     Accuracy, Cone, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
 };
+use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
 pub(crate) const EXPONENTS: [f64; 6] = [1.0, 3.0, 20.0, 200.0, 2000.0, 50_000.0];

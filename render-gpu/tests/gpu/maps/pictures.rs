@@ -4,12 +4,13 @@ use super::{Case, cases, tolerance_for};
 use crate::parity::assert_same;
 use brdf::{Lambert, Material, Phong};
 use glam::Vec3;
-use lighting::{MaskVisibility, SphereLight};
+use lighting::SphereLight;
 use lobe_core::oracle::Random;
 use lobe_core::{Accuracy, Sphere};
 use render_cpu::CpuShader;
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Counts, Frame, Shade, ShadeStats, ShadingPoints};
+use visibility_mask::MaskVisibility;
 use visibility_shadowmap::ShadowMapBlockers;
 
 /// Points of a picture.

@@ -1,7 +1,6 @@
 //! The paper's visibility: what its weights promise, and its error against brute force in f64.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use lighting::{Blockers, MAX_DEPTH, Mask, MaskVisibility, PaperVisibility, PaperWeights};
 use lobe_core::oracle::Random;
 use lobe_core::paper::Tables;
 use lobe_core::{
@@ -10,6 +9,7 @@ use lobe_core::{
 };
 use std::sync::OnceLock;
 use std::time::Instant;
+use visibility_mask::{Blockers, MAX_DEPTH, Mask, MaskVisibility, PaperVisibility, PaperWeights};
 
 fn tables() -> &'static Tables {
     static TABLES: OnceLock<Tables> = OnceLock::new();

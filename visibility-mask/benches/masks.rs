@@ -1,14 +1,14 @@
-//! From a mask to radiance: one point in penumbra, by depth and exponent. `cargo bench -p lighting`.
+//! From a mask to radiance: one point in penumbra, by depth and exponent. `cargo bench -p visibility-mask`.
 
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
-use lighting::{Blockers, Mask, MaskVisibility};
 use lobe_core::{
     Accuracy, Cone, Coverage, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilityQuery,
     VisibilitySum, Visit, cap_integral,
 };
 use std::hint::black_box;
+use visibility_mask::{Blockers, Mask, MaskVisibility};
 
 /// Hides the left of the light, with a slanted edge: the cheapest blocker there is.
 struct Curtain;

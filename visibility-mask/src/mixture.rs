@@ -7,7 +7,7 @@ use lobe_core::{Coverage, Shaft, VisibilityQuery};
 /// Each is asked on its own; only what finds something blocks cells.
 ///
 /// ```
-/// use lighting::{Blockers, MaskVisibility, Mixture};
+/// use visibility_mask::{Blockers, MaskVisibility, Mixture};
 /// fn mixed<A: Blockers, B: Blockers, C: Blockers>(a: A, b: B, c: C) -> MaskVisibility<Mixture<A, Mixture<B, C>>> {
 ///     MaskVisibility::new(Mixture::new(a, Mixture::new(b, c)))
 /// }

@@ -1,10 +1,10 @@
 //! Masks from answers to "is the light hidden in this direction?" against areas that are known.
 
 use glam::{DVec2, Vec2, Vec3};
-use lighting::{Blockers, Contour, Mask, MaskVisibility, UnitSquare};
 use lobe_core::conformance::{Limits, Setting, check};
 use lobe_core::oracle::Random;
 use lobe_core::{Cone, Coverage, Sphere, VisibilityQuery};
+use visibility_mask::{Blockers, Contour, Mask, MaskVisibility, UnitSquare};
 
 fn square(half_angle: f32) -> UnitSquare {
     let one_minus_cos = 2.0 * (0.5 * half_angle).sin().powi(2);

@@ -17,7 +17,7 @@ pub(crate) const STEEP: f32 = 1.0;
 ///
 /// ```
 /// use glam::Vec3;
-/// use lighting::{Blockers, Mask, MaskVisibility};
+/// use visibility_mask::{Blockers, Mask, MaskVisibility};
 /// use lobe_core::{Coverage, VisibilityQuery};
 ///
 /// /// Hides everything to the left of the light's middle.

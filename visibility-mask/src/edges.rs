@@ -24,7 +24,7 @@ pub(crate) const PLANE: f32 = 4.0;
 ///
 /// ```
 /// use glam::Vec3;
-/// use lighting::Edges;
+/// use visibility_mask::Edges;
 /// let cone = lobe_core::Cone { axis: Vec3::Y, one_minus_cos: 0.01, distance: 5.0 };
 /// let mut edges = Edges::new(&cone);
 /// edges.add(Vec3::new(1.0, 0.3, 1.0), 2.0); // of any length; what is along the axis does not matter

@@ -6,7 +6,7 @@ use lobe_core::{Coverage, Shaft, VisibilityQuery};
 /// One [`Mixture`](crate::Mixture) of optional kinds serves every scene, and is compiled once.
 ///
 /// ```
-/// use lighting::{Blockers, MaskVisibility, Mixture};
+/// use visibility_mask::{Blockers, MaskVisibility, Mixture};
 /// fn either<A: Blockers, B: Blockers>(a: Option<A>, b: Option<B>) -> MaskVisibility<Mixture<Option<A>, Option<B>>> {
 ///     MaskVisibility::new(Mixture::new(a, b))
 /// }

@@ -1,0 +1,79 @@
+//! What every visibility strategy shares: the unit square before a light, the mask on it, and what a lobe sees through it.
+//!
+//! The [`UnitSquare`] faces the light's cone; blockers are rasterised on it into a [`Mask`], a complete quad-tree as bits.
+//! [`MaskVisibility`] turns any [`Blockers`] into visible fractions of lobes, or into lobes; [`PaperVisibility`] does it as the
+//! paper does. [`Mixture`] puts two kinds of blockers into one mask; [`Contour`] fills it by asking whether a direction is blocked.
+//!
+//! Out of scope: what blocks (the other `visibility-*` crates), lights, scenes, images.
+//!
+//! ```
+//! use glam::Vec3;
+//! use lobe_core::*;
+//! use visibility_mask::{Blockers, Mask, MaskVisibility};
+//!
+//! /// Hides everything to the left of the light's middle.
+//! struct Curtain;
+//!
+//! impl Blockers for Curtain {
+//!     type Scratch = ();
+//!     fn scratch(&self) {}
+//!     fn select(&self, _: &VisibilityQuery<'_>, _: &mut ()) -> Coverage {
+//!         Coverage::Partial
+//!     }
+//!     fn splat(&self, _: &VisibilityQuery<'_>, _: &mut (), mask: &mut Mask) {
+//!         for row in 0..mask.side() {
+//!             mask.block_span(row, f32::NEG_INFINITY, 0.0);
+//!         }
+//!     }
+//! }
+//!
+//! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+//! let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.01, distance: 5.0 };
+//! let lambert = Lobe::new(at.normal, 1.0, Vec3::ONE);
+//! let strategy = MaskVisibility::new(Curtain);
+//! let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::default());
+//! let mut visit = Visit::alone(&strategy, LightId(0), Accuracy::default(), &mut scratch);
+//! let unshadowed = cap_integral(&at, &lambert, &cone);
+//! let fraction = visit.fraction(&at, &cone, &lambert, unshadowed, &mut sum).unwrap();
+//! assert!((fraction - 0.5).abs() < 0.01);
+//! ```
+
+mod contour;
+mod cut;
+mod edges;
+mod facet;
+mod fineness;
+#[doc(hidden)]
+pub mod hooks;
+mod lanes;
+mod mask;
+mod mixture;
+mod node;
+mod optional;
+mod panes;
+mod paper_visibility;
+mod paper_weights;
+mod raster;
+mod row;
+mod shadow_tree;
+mod share;
+mod square;
+#[cfg(test)]
+mod square_tests;
+#[cfg(test)]
+mod tests;
+mod visibility;
+pub mod wgsl;
+
+pub use crate::contour::Contour;
+pub use crate::edges::Edges;
+pub use crate::facet::facet_coverage;
+pub use crate::fineness::Fineness;
+pub use crate::mask::{MAX_DEPTH, Mask};
+pub use crate::mixture::{Mixture, MixtureScratch};
+pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
+pub use crate::paper_weights::PaperWeights;
+pub use crate::raster::{LitBounds, Raster};
+pub use crate::row::EightRows;
+pub use crate::square::UnitSquare;
+pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility};
