@@ -3,13 +3,14 @@
 //! `cargo run --release --example self_shadow [-- COUNTS MESH…]`, counts as `16,64`. Receivers spread evenly over the
 //! mesh, where they face a light of half-angle 6° wholly; six lights around and above. V is the lit share of the light's
 //! disc. Two rules: one distance τ for the set, and a near radius and a distance for each sphere
-//! ([`SphereSet::self_shadows`](cosine_lobes::visibility_spheres::SphereSet)).
+//! ([`SphereSet::self_shadows`](cosine_lobes::sphere_sets::SphereSet)).
 
 use cosine_lobes::lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
 use cosine_lobes::render_cpu::World;
 use cosine_lobes::scene::{self, Mesh, Object, Proxy, Shape};
+use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
 use cosine_lobes::visibility_mask::{Blockers, Mask, UnitSquare};
-use cosine_lobes::visibility_spheres::{BuildOptions, SphereBlockers, SphereSet};
+use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::Instant;

@@ -8,8 +8,9 @@
 use cosine_lobes::lobe_core::{Accuracy, Receiver, VisibilityLobes};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSpheres, SphereSource, World, blockers};
 use cosine_lobes::scene::{self, Animation, BlockerSet, Frame, Proxy, Scene, ShadingPoints, Shape};
+use cosine_lobes::sphere_sets::SphereSet;
 use cosine_lobes::visibility_mask::MaskVisibility;
-use cosine_lobes::visibility_spheres::{SphereBlockers, SphereSet};
+use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
 use std::error::Error;
 use std::ops::ControlFlow;

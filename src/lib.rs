@@ -16,33 +16,18 @@
 pub use brdf;
 pub use lighting;
 pub use lobe_core;
+pub use pictures;
 pub use render_cpu;
 pub use render_gpu;
 pub use scene;
+pub use sphere_sets;
 pub use visibility_mask;
 pub use visibility_shadowmap;
 pub use visibility_silhouettes;
 pub use visibility_spheres;
 
-mod checksum;
-mod comparison;
-mod error_map;
-mod exr_file;
-mod exr_part;
-mod flip;
-mod output;
-mod picture;
-mod png_file;
-mod stamp;
-mod window;
-
-pub use crate::checksum::checksum;
-pub use crate::comparison::{Comparison, RegionError, ShadowErrors, SizesDiffer};
-pub use crate::error_map::{FlipMap, signed_difference};
-pub use crate::exr_file::{ExrLayer, read_exr, read_exr_layer, write_exr};
-pub use crate::exr_part::{ExrPart, MergeError, merge_exr};
-pub use crate::output::{ImageFileError, Output, remove_unfinished};
-pub use crate::picture::{Picture, luminance};
-pub use crate::png_file::{srgb_bytes, write_png};
-pub use crate::stamp::read_stamp;
-pub use crate::window::Window;
+pub use pictures::{
+    Comparison, ExrLayer, ExrPart, FlipMap, ImageFileError, MergeError, Output, Picture, RegionError, ShadowErrors,
+    SizesDiffer, Window, checksum, luminance, merge_exr, read_exr, read_exr_layer, read_stamp, remove_unfinished,
+    signed_difference, srgb_bytes, write_exr, write_png,
+};

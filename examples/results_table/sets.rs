@@ -2,7 +2,7 @@
 
 use cosine_lobes::lobe_core::{SelfShadow, Sphere};
 use cosine_lobes::scene::{BlockerSet, Mesh, Shape, load};
-use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet};
+use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
 use glam::{Mat4, Vec3};
 use std::path::Path;
 

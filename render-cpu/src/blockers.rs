@@ -1,8 +1,8 @@
 use crate::scene_spheres::{SceneSpheres, SphereSource};
 use core::ops::ControlFlow;
 use scene::{BlockerSet, Scene};
+use sphere_sets::{BindError, BuildError, MisfitError, SetFileError};
 use std::path::PathBuf;
-use visibility_spheres::{BindError, BuildError, MisfitError, SetFileError};
 
 /// Why the blockers of a scene could not be made.
 #[derive(Debug)]
@@ -81,7 +81,7 @@ mod tests {
     use glam::{Mat4, Quat, Vec3};
     use lobe_core::Sphere;
     use scene::{Mesh, Proxy, Shape};
-    use visibility_spheres::{BuildOptions, SphereSet};
+    use sphere_sets::{BuildOptions, SphereSet};
 
     fn make(scene: &Scene) -> Result<BlockerSet, BlockersError> {
         blockers(scene, &mut |_, _| ControlFlow::Continue(()))

@@ -2,8 +2,8 @@ use crate::blockers::{BlockersError, BlockersProgress};
 use glam::{Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
 use scene::{Animation, BlockerSet, Doubles, Mesh, Object, Proxy, Scene, Shape};
+use sphere_sets::{BoundSet, BuildOptions, Carriers, SphereSet};
 use std::path::Path;
-use visibility_spheres::{BoundSet, BuildOptions, Carriers, SphereSet};
 
 /// Where an object's blocker spheres come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -56,7 +56,7 @@ pub enum GpuError {
     },
     /// A pose does not fit the spheres that follow it.
     #[error("the pose does not fit the spheres: {0}")]
-    Bind(#[from] visibility_spheres::BindError),
+    Bind(#[from] sphere_sets::BindError),
     /// The GPU has no implementation of this.
     #[error("the GPU cannot do this: {0}")]
     Unsupported(String),

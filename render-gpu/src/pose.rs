@@ -3,12 +3,12 @@ use crate::memory::Memory;
 use crate::module::Text;
 use crate::{Gpu, GpuError};
 use glam::Mat4;
-use visibility_spheres::Rig;
+use sphere_sets::SphereRig;
 use wgpu::BufferUsages;
 
 /// Blocker spheres that follow bones on the GPU: a pose uploads its bones, 48 bytes a joint, and no spheres.
 ///
-/// The same as [`BoundSet::pose`](visibility_spheres::BoundSet::pose) to within f32's rounding. Used by
+/// The same as [`BoundSet::pose`](sphere_sets::BoundSet::pose) to within f32's rounding. Used by
 /// [`GpuShader::pose`](crate::GpuShader::pose), or alone on a buffer of one's own.
 ///
 /// The spheres keep the order that they had when the blockers were made. A pose in which neighbours have come far apart
@@ -16,9 +16,9 @@ use wgpu::BufferUsages;
 ///
 /// ```no_run
 /// # fn of(gpu: &render_gpu::Gpu, shader: &mut render_gpu::GpuShader, blockers: &visibility_spheres::SphereBlockers,
-/// # body: &visibility_spheres::BoundSet, frames: &[Vec<glam::Mat4>]) -> Result<(), render_gpu::GpuError> {
-/// use visibility_spheres::{Rig, RigPart};
-/// let mut pose = render_gpu::GpuPose::new(gpu, Rig::new(blockers, &[RigPart { first: 0, set: body }])?)?;
+/// # body: &sphere_sets::BoundSet, frames: &[Vec<glam::Mat4>]) -> Result<(), render_gpu::GpuError> {
+/// use sphere_sets::{SphereRig, SphereRigPart};
+/// let mut pose = render_gpu::GpuPose::new(gpu, SphereRig::new(blockers, &[SphereRigPart { first: 0, set: body }])?)?;
 /// for joints in frames {
 ///     shader.pose(&mut pose, &[(joints, &[])])?;
 ///     // shader.shade(…)
@@ -28,7 +28,7 @@ use wgpu::BufferUsages;
 /// ```
 #[derive(Debug)]
 pub struct GpuPose {
-    rig: Rig,
+    rig: SphereRig,
     kernel: Kernel,
     words: Memory,
     bones: Memory,
@@ -43,9 +43,9 @@ impl GpuPose {
     ///
     /// # Errors
     /// [`GpuError`].
-    pub fn new(gpu: &Gpu, rig: Rig) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, rig: SphereRig) -> Result<Self, GpuError> {
         let bindings = [(Slot::Spheres, Access::Write), (Slot::Rig, Access::Read), (Slot::Bones, Access::Read)];
-        let pieces = [lobe_core::wgsl::SPECIAL, visibility_spheres::wgsl::PACKED, visibility_spheres::wgsl::POSE];
+        let pieces = [lobe_core::wgsl::SPECIAL, visibility_spheres::wgsl::PACKED, sphere_sets::wgsl::POSE];
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
         let (needed, limits) = (rig.spheres().div_ceil(GROUP).into(), gpu.device().limits());
         let allowed = limits.max_compute_workgroups_per_dimension.into();

@@ -3,7 +3,8 @@
 use glam::{Mat4, Vec3};
 use lobe_core::wgsl::{GEOMETRY, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use visibility_spheres::{BuildOptions, Carriers, Rig, RigPart, SphereBlockers, SphereSet, wgsl};
+use sphere_sets::{BuildOptions, Carriers, SphereRig, SphereRigPart, SphereSet};
+use visibility_spheres::{SphereBlockers, wgsl};
 
 fn module(pieces: &[&str]) -> naga::Module {
     let text = pieces.join("\n");
@@ -25,7 +26,7 @@ fn constant(module: &naga::Module, name: &str) -> usize {
 
 #[test]
 fn a_rig_has_the_words_that_its_kernel_reads() {
-    let pose = module(&[SPECIAL, wgsl::PACKED, wgsl::POSE]);
+    let pose = module(&[SPECIAL, wgsl::PACKED, sphere_sets::wgsl::POSE]);
     let entry = &pose.entry_points[0];
     assert_eq!((entry.name.as_str(), entry.workgroup_size), ("pose_spheres", [64, 1, 1]));
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
@@ -42,12 +43,12 @@ fn a_rig_has_the_words_that_its_kernel_reads() {
         let bound = set.bind(&corners, &triangles, &carriers).unwrap();
         let spheres = &bound.rest().spheres;
         let blockers = SphereBlockers::new(spheres, &vec![0; spheres.len()], &[]);
-        let rig = Rig::new(&blockers, &[RigPart { first: 0, set: &bound }]).unwrap();
+        let rig = SphereRig::new(&blockers, &[SphereRigPart { first: 0, set: &bound }]).unwrap();
         let each = constant(&pose, "RIG_WORDS") + targets.len() * constant(&pose, "MORPH_WORDS");
         assert_eq!(rig.words().len(), 1 + spheres.len() * each);
         assert_eq!(rig.spheres() as usize, spheres.len());
         // One sphere too few.
-        assert!(Rig::new(&blockers, &[RigPart { first: 1, set: &bound }]).is_err());
+        assert!(SphereRig::new(&blockers, &[SphereRigPart { first: 1, set: &bound }]).is_err());
     }
 }
 

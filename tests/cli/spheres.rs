@@ -1,5 +1,5 @@
 use super::*;
-use cosine_lobes::visibility_spheres::{BoundSet, SphereSet};
+use cosine_lobes::sphere_sets::{BoundSet, SphereSet};
 
 /// A mesh's spheres are built once: the second picture is the same and takes them from the cache.
 #[test]

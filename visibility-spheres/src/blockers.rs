@@ -135,8 +135,9 @@ impl SphereBlockers {
         if found == Coverage::Lit { facet } else { found }
     }
 
-    /// Those that can block, neighbours near each other.
-    pub(crate) fn order(&self) -> &[u32] {
+    /// The numbers of the spheres that can block, neighbours near each other: the order in which a GPU holds them.
+    #[must_use]
+    pub fn order(&self) -> &[u32] {
         self.tree.order()
     }
 
@@ -152,8 +153,13 @@ impl SphereBlockers {
         }
     }
 
-    /// What [`own`](Self::own) is whatever the sphere's radius, and what τ has besides.
-    pub(crate) fn own_law(&self, index: usize) -> (SelfShadow, f32) {
+    /// How receivers of its own object see sphere `index`, in units of its radius, and the part of its self-shadow distance τ that does
+    /// not grow with the radius: what a shader needs to follow a sphere that changes.
+    ///
+    /// # Panics
+    /// When there is no such sphere.
+    #[must_use]
+    pub fn own_law(&self, index: usize) -> (SelfShadow, f32) {
         match self.self_shadows.get(index) {
             Some(own) => (*own, 0.0),
             None => (SelfShadow::whole(0.0), self.own(index).1),

@@ -1,4 +1,17 @@
-//! Visibility from sphere sets: building, culling and splatting.
+//! Visibility from spheres: culling, and splatting on the mask.
+//!
+//! [`SphereBlockers`] holds the spheres of a frame under a hierarchy and is one [`Blockers`](visibility_mask::Blockers): exact for
+//! balls, and for the sets that `sphere-sets` fits to meshes.
+//!
+//! ```
+//! use glam::Vec3;
+//! use lobe_core::Sphere;
+//! use visibility_mask::MaskVisibility;
+//! use visibility_spheres::SphereBlockers;
+//! let ball = Sphere { center: Vec3::Y, radius: 0.5 };
+//! let strategy = MaskVisibility::new(SphereBlockers::new(&[ball], &[0], &[])); // a lobe_core::VisibilityLobes
+//! # let _ = strategy;
+//! ```
 
 mod block;
 mod blockers;
@@ -6,7 +19,6 @@ mod ellipse;
 mod hits;
 mod looks;
 mod packed;
-mod set;
 mod shaft_test;
 mod sphere_tree;
 mod splat;
@@ -15,10 +27,6 @@ mod wide;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
 pub use crate::packed::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK};
-pub use crate::set::{
-    BindError, BoundSet, BuildError, BuildOptions, Carriers, MisfitError, Progress, Rig, RigPart, SetFileError,
-    SetQuality, SphereSet, Verdict, preview,
-};
 
 #[cfg(test)]
 mod culling_tests;

@@ -18,6 +18,3 @@ pub const ELLIPSE: &str = include_str!("ellipse.wgsl");
 pub const SPLAT: &str = concat!(include_str!("splat.wgsl"), "\n", include_str!("wide.wgsl"));
 /// `spheres_edges` and `spheres_splat`: with all of these but [`SHAFT_TEST`].
 pub const SPHERES_SPLAT: &str = include_str!("spheres_splat.wgsl");
-/// Bindings 6, 12 and 13, and the entry point `pose_spheres`, one sphere a thread, 64 a workgroup: a kernel of its own that
-/// wants no `frame`, with lobe-core's special functions.
-pub const POSE: &str = include_str!("set/pose.wgsl");

@@ -8,7 +8,8 @@ use lighting::SphereLight;
 use lobe_core::{Accuracy, OWN_NONE, Receiver, SelfShadow, Sphere};
 use render_gpu::{Gpu, GpuError, GpuPose, GpuShader, Occlusion};
 use scene::{Frame, Shade, ShadingPoints};
-use visibility_spheres::{BlockerSphere, BoundSet, BuildOptions, Carriers, Rig, RigPart, SphereBlockers, SphereSet};
+use sphere_sets::{BoundSet, BuildOptions, Carriers, SphereRig, SphereRigPart, SphereSet};
+use visibility_spheres::{BlockerSphere, SphereBlockers};
 use wgpu::util::DeviceExt;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -94,8 +95,8 @@ impl Crowd {
     }
 
     fn pose(&self, gpu: &Gpu) -> GpuPose {
-        let parts = self.firsts.map(|first| RigPart { first, set: &self.set });
-        GpuPose::new(gpu, Rig::new(&self.blockers, &parts).expect("it fits")).expect("it fits")
+        let parts = self.firsts.map(|first| SphereRigPart { first, set: &self.set });
+        GpuPose::new(gpu, SphereRig::new(&self.blockers, &parts).expect("it fits")).expect("it fits")
     }
 
     /// The blockers as they are in the buffer.

@@ -2,7 +2,7 @@
 
 use crate::console::counted;
 use cosine_lobes::scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Strategy};
-use cosine_lobes::visibility_spheres::SetQuality;
+use cosine_lobes::sphere_sets::SetQuality;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 

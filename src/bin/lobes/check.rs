@@ -10,7 +10,7 @@ use crate::{input, sphere_cache};
 use cosine_lobes::lobe_core::{BrdfLobes, Receiver};
 use cosine_lobes::render_cpu::{BlockersError, SphereSource, read_set};
 use cosine_lobes::scene::{Animation, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy};
-use cosine_lobes::visibility_spheres::SetQuality;
+use cosine_lobes::sphere_sets::SetQuality;
 use glam::Vec3;
 use serde_json::{Value, json};
 use std::collections::HashMap;

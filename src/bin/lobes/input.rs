@@ -9,7 +9,7 @@ use cosine_lobes::brdf::Material;
 use cosine_lobes::lobe_core::{BrdfLobes, LobeBuffer, Receiver};
 use cosine_lobes::render_cpu::SceneSpheres;
 use cosine_lobes::scene::{self, Animation, Scene};
-use cosine_lobes::visibility_spheres::SetQuality;
+use cosine_lobes::sphere_sets::SetQuality;
 use glam::Vec3;
 use std::f32::consts::TAU;
 use std::ops::ControlFlow;

@@ -6,7 +6,7 @@ use crate::fingerprint::Fingerprint;
 use crate::strategy::Plan;
 use cosine_lobes::render_cpu::{BlockersError, SphereSource};
 use cosine_lobes::scene::{Mesh, Object, Proxy, Scene, Shape};
-use cosine_lobes::visibility_spheres::{BuildOptions, SphereSet};
+use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
 use cosine_lobes::{ImageFileError, Output, checksum};
 use glam::Mat4;
 use std::fs;

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::files;
 use crate::whole_mesh::WholeMesh;
 use cosine_lobes::scene;
-use cosine_lobes::visibility_spheres::{BuildOptions, SetQuality, SphereSet, Verdict, preview};
+use cosine_lobes::sphere_sets::{BuildOptions, SetQuality, SphereSet, Verdict, preview};
 use cosine_lobes::{ImageFileError, write_png};
 use serde_json::json;
 use std::io::Write;

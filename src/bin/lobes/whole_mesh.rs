@@ -1,7 +1,7 @@
 //! All parts of a mesh file as one mesh, with what carries it.
 
 use cosine_lobes::scene::{Animation, Object, Shape};
-use cosine_lobes::visibility_spheres::Carriers;
+use cosine_lobes::sphere_sets::Carriers;
 use glam::{Mat4, Vec3};
 
 /// The triangles of all objects, at the first moment.

@@ -1,0 +1,33 @@
+//! Pictures of linear RGB values: OpenEXR and PNG files, parts of pictures, comparison and FLIP.
+//!
+//! ```
+//! use glam::Vec3;
+//! use pictures::{Comparison, Picture};
+//! let reference = Picture::new(2, 1, vec![Vec3::ONE, Vec3::splat(2.0)]);
+//! let test = Picture::new(2, 1, vec![Vec3::ONE, Vec3::splat(2.5)]);
+//! let error = Comparison::of(&test, &reference).unwrap();
+//! assert_eq!((error.mae, error.bias, error.max), (0.25, 0.25, 0.5));
+//! ```
+
+mod checksum;
+mod comparison;
+mod error_map;
+mod exr_file;
+mod exr_part;
+mod flip;
+mod output;
+mod picture;
+mod png_file;
+mod stamp;
+mod window;
+
+pub use crate::checksum::checksum;
+pub use crate::comparison::{Comparison, RegionError, ShadowErrors, SizesDiffer};
+pub use crate::error_map::{FlipMap, signed_difference};
+pub use crate::exr_file::{ExrLayer, read_exr, read_exr_layer, write_exr};
+pub use crate::exr_part::{ExrPart, MergeError, merge_exr};
+pub use crate::output::{ImageFileError, Output, remove_unfinished};
+pub use crate::picture::{Picture, luminance};
+pub use crate::png_file::{srgb_bytes, write_png};
+pub use crate::stamp::read_stamp;
+pub use crate::window::Window;
