@@ -19,6 +19,7 @@ pub use lobe_core;
 pub use pictures;
 pub use render_cpu;
 pub use render_gpu;
+pub use renderer;
 pub use scene;
 pub use sphere_sets;
 pub use visibility_mask;

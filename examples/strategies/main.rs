@@ -23,7 +23,7 @@ use cosine_lobes::scene::{
     BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Strategy, load_animated,
 };
 use cosine_lobes::visibility_mask::MaskVisibility;
-use cosine_lobes::visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+use cosine_lobes::visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 use cosine_lobes::visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Picture, luminance, signed_difference, srgb_bytes};
@@ -277,7 +277,7 @@ fn maps(scene: &Scene, points: &GBuffer) -> Result<Vec<ShadowMap>, Box<dyn Error
             all.append(mesh);
         }
     }
-    let receivers = Bounds::of(points.points.receivers.iter().map(|r| r.position));
+    let receivers = ReceiverBounds::of(points.points.receivers.iter().map(|r| r.position));
     let options = MapOptions { resolution: TEXELS, receivers, ..MapOptions::default() };
     let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options);
     Ok(scene.lights.iter().map(map).collect::<Result<_, _>>()?)

@@ -227,6 +227,12 @@ impl<'s> World<'s> {
         Self::make(scene, Some(hierarchy))
     }
 
+    /// The same scene again, in which nothing has moved since its hierarchy was made. Costs nothing.
+    #[must_use]
+    pub fn kept(scene: &'s Scene, hierarchy: Hierarchy) -> Self {
+        Self { scene, triangles: hierarchy.triangles, balls: hierarchy.balls }
+    }
+
     /// What [`refit`](Self::refit) takes.
     #[must_use]
     pub fn into_hierarchy(self) -> Hierarchy {

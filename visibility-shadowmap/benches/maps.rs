@@ -6,7 +6,7 @@ use glam::Vec3;
 use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
 use std::hint::black_box;
 use visibility_mask::MaskVisibility;
-use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 4.6, 0.5), radius: 0.5 };
 
@@ -32,7 +32,7 @@ fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
 
 fn maps(c: &mut Criterion) {
     let (positions, triangles) = ball();
-    let receivers = Bounds { min: Vec3::new(-2.0, -0.01, -2.0), max: Vec3::new(2.0, 0.01, 2.0) };
+    let receivers = ReceiverBounds { min: Vec3::new(-2.0, -0.01, -2.0), max: Vec3::new(2.0, 0.01, 2.0) };
     let position = Vec3::new(-0.55, 0.0, -0.1);
     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
     let cone = Cone::of_sphere(position, LIGHT);

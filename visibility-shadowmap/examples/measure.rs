@@ -17,7 +17,7 @@ use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use std::time::Instant;
 use visibility_mask::{Blockers, Mask, UnitSquare};
-use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers, ShadowMapScratch};
+use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers, ShadowMapScratch};
 
 struct Mesh {
     name: String,
@@ -172,7 +172,7 @@ fn main() {
 }
 
 fn measure(mesh: &Mesh, resolutions: &[u32]) {
-    let Some(bounds) = Bounds::of(mesh.positions.iter().copied()) else { return };
+    let Some(bounds) = ReceiverBounds::of(mesh.positions.iter().copied()) else { return };
     let (center, diagonal) = (0.5 * (bounds.min + bounds.max), (bounds.max - bounds.min).length());
     let (sin, cos) = mesh.elevation.to_radians().sin_cos();
     let direction = Vec3::new(0.6 * cos, sin, 0.8 * cos);
@@ -239,7 +239,7 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                 .collect();
             for &resolution in resolutions {
                 for layers in if resolution == 512 && name == "floor" { 1..=4 } else { 4..=4 } {
-                    let used = Bounds::of(receivers.iter().map(|r| r.position));
+                    let used = ReceiverBounds::of(receivers.iter().map(|r| r.position));
                     let options = MapOptions { resolution, layers, receivers: used };
                     let start = Instant::now();
                     let map = match ShadowMap::build(&mesh.positions, &mesh.triangles, light, &options) {

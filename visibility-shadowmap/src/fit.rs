@@ -2,7 +2,7 @@
 
 use crate::clip::Polygon;
 use crate::face::{Face, Frame};
-use crate::options::Bounds;
+use crate::options::ReceiverBounds;
 use glam::DVec3;
 
 /// A triangle relative to the light's centre.
@@ -228,6 +228,6 @@ fn cone(triangles: &[Triangle]) -> Option<(DVec3, f64)> {
 }
 
 /// The bounds' corners relative to the light.
-pub(crate) fn corners(bounds: &Bounds, light: DVec3) -> [DVec3; 8] {
+pub(crate) fn corners(bounds: &ReceiverBounds, light: DVec3) -> [DVec3; 8] {
     bounds.corners().map(|p| p.as_dvec3() - light)
 }

@@ -42,7 +42,7 @@ struct Level {
 /// Part of a layer: `2^level` texels a side, at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
-    /// Bounds of q, texels' corners included (but for a texel itself); `min > max` when there is no surface.
+    /// ReceiverBounds of q, texels' corners included (but for a texel itself); `min > max` when there is no surface.
     pub(crate) min: f32,
     pub(crate) max: f32,
     /// Largest difference to the bilinear function of the corners; infinite when a texel is empty.

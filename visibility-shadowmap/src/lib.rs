@@ -53,7 +53,7 @@ mod tests;
 pub mod wgsl;
 
 pub use crate::blockers::{ShadowMapBlockers, ShadowMapScratch};
-pub use crate::map::{Advice, Fineness, ShadowMap};
-pub use crate::options::{Bounds, MapError, MapOptions};
+pub use crate::map::{MapAdvice, MapFineness, ShadowMap};
+pub use crate::options::{MapError, MapOptions, ReceiverBounds};
 pub use crate::packed::PackedMaps;
 pub use crate::pages::Pages;

@@ -2,7 +2,7 @@ use crate::contacts::shaft_texels;
 use crate::face::Face;
 use crate::fit::{Fit, Triangle, corners};
 use crate::layer::Layer;
-use crate::options::{Bounds, MapError, MapOptions};
+use crate::options::{MapError, MapOptions, ReceiverBounds};
 use crate::probe::Item;
 use crate::raster::draw;
 use core::fmt;
@@ -25,24 +25,24 @@ pub struct ShadowMap {
     pub(crate) faces: Arc<[Face]>,
     resolution: u32,
     /// What is drawn; `None` when nothing is.
-    casters: Option<Bounds>,
+    casters: Option<ReceiverBounds>,
 }
 
 /// Whether a map is fine enough for the penumbrae of a light, see [`ShadowMap::advice`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Advice {
+pub struct MapAdvice {
     /// The width of the shaft between receivers and light, in texels, where it meets the nearest blocker; infinite when
     /// nothing blocks.
     pub shaft_texels: f32,
     /// The resolution at which the shaft would be 32 texels wide; may be above [`MapOptions::MAX_RESOLUTION`].
     pub wanted_resolution: u32,
     /// What that means.
-    pub fineness: Fineness,
+    pub fineness: MapFineness,
 }
 
 /// The 16/32-texel rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fineness {
+pub enum MapFineness {
     /// 32 texels or more: mean error over penumbrae on floors about 0.5 % or less; on the casters themselves from 64 on
     /// below 2 %.
     Fine,
@@ -52,11 +52,11 @@ pub enum Fineness {
     TooCoarse,
 }
 
-impl fmt::Display for Advice {
+impl fmt::Display for MapAdvice {
     /// One sentence, to be shown as a warning unless the map is fine.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.fineness {
-            Fineness::Fine => write!(f, "the shadow map is fine enough"),
+            MapFineness::Fine => write!(f, "the shadow map is fine enough"),
             _ => write!(
                 f,
                 "the light is {:.1} texels of the shadow map wide, penumbrae want 32: resolution {}",
@@ -123,7 +123,7 @@ impl ShadowMap {
                 .collect();
         }
         faces.retain(|face| !face.layers.is_empty());
-        let casters = Bounds::of(casters.iter().flatten().map(|p| (*p + center).as_vec3()));
+        let casters = ReceiverBounds::of(casters.iter().flatten().map(|p| (*p + center).as_vec3()));
         Ok(Self { light, faces: faces.into(), resolution: options.resolution, casters })
     }
 
@@ -161,7 +161,7 @@ impl ShadowMap {
         let rough =
             MapOptions { resolution: options.resolution.min(ROUGH), layers: MapOptions::default().layers, ..*options };
         let rough = Self::build(positions, triangles, light, &rough)?;
-        let wanted = |b: Option<Bounds>| b.map_or(0, |b| rough.advice(&b).wanted_resolution);
+        let wanted = |b: Option<ReceiverBounds>| b.map_or(0, |b| rough.advice(&b).wanted_resolution);
         let wanted = wanted(options.receivers).max(wanted(rough.casters)).saturating_mul(2);
         let contacts = shaft_texels(&rough.faces, f64::from(light.radius));
         let contacts = (f64::from(rough.resolution) * CONTACT / contacts).ceil() as u32;
@@ -215,7 +215,7 @@ impl ShadowMap {
     /// of the light at w = 7, 0.6 % at 14 and at 42, 0.4 % at 84, 0.2 % at 169; on the bunny itself 7 % at 15, 4.5 % at
     /// 31, 1.7 % at 62, 0.7 % at 123; under a picket fence 1.1 % at 11.
     #[must_use]
-    pub fn advice(&self, receivers: &Bounds) -> Advice {
+    pub fn advice(&self, receivers: &ReceiverBounds) -> MapAdvice {
         let middle = 0.5 * (receivers.min.as_dvec3() + receivers.max.as_dvec3());
         let light = self.light.center.as_dvec3();
         let farthest = receivers.corners().iter().map(|p| p.as_dvec3().distance(light)).fold(0.0, f64::max);
@@ -229,13 +229,13 @@ impl ShadowMap {
         };
         let widest = self.faces.iter().map(width).fold(f64::NEG_INFINITY, f64::max);
         let widest = if self.faces.is_empty() { f64::INFINITY } else { widest.max(1e-3) };
-        Advice {
+        MapAdvice {
             shaft_texels: widest as f32,
             wanted_resolution: (f64::from(self.resolution) * FINE / widest).ceil() as u32,
             fineness: match widest {
-                w if w >= FINE => Fineness::Fine,
-                w if w >= COARSE => Fineness::Coarse,
-                _ => Fineness::TooCoarse,
+                w if w >= FINE => MapFineness::Fine,
+                w if w >= COARSE => MapFineness::Coarse,
+                _ => MapFineness::TooCoarse,
             },
         }
     }

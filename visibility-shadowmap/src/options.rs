@@ -2,14 +2,14 @@ use glam::Vec3;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub struct ReceiverBounds {
     /// Smallest coordinates.
     pub min: Vec3,
     /// Largest coordinates.
     pub max: Vec3,
 }
 
-impl Bounds {
+impl ReceiverBounds {
     /// The smallest box around points; `None` without points.
     #[must_use]
     pub fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
@@ -49,7 +49,7 @@ pub struct MapOptions {
     pub layers: u32,
     /// Where receivers may be. The map is fitted to the casters that can shadow them: others (the floor below, the walls
     /// around receivers and light) take no texels. `None`: anywhere.
-    pub receivers: Option<Bounds>,
+    pub receivers: Option<ReceiverBounds>,
 }
 
 impl Default for MapOptions {

@@ -10,7 +10,7 @@ use lobe_core::{
     visible_fraction,
 };
 use visibility_mask::MaskVisibility;
-use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(2.0, 5.0, 1.5), radius: 0.6 };
 
@@ -56,7 +56,7 @@ fn cube_on_a_floor() {
     assert!(lit <= 0.02, "{lit}");
     // With a floor among the casters, the same: it can shadow no receiver.
     let both = cube.quad([(-9, -9), (-9, 9), (9, 9), (9, -9)].map(|(x, z)| Vec3::new(x as f32, 0.0, z as f32)));
-    let bounds = Bounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 1.0, 2.0) };
+    let bounds = ReceiverBounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 1.0, 2.0) };
     let fitted = MapOptions { receivers: Some(bounds), ..options(512) };
     assert_eq!(both.map(LIGHT, &fitted).faces(), 1);
     Errors::of(&both, &receivers, LIGHT, &fitted).below("cube and floor, floor", 0.5, 0.12, 0.02);
@@ -99,7 +99,7 @@ fn fence_on_itself() {
         receiver(Vec3::new(x, y, 0.01), Vec3::Z)
     };
     let receivers: Vec<_> = (0..620).map(on_picket).collect();
-    let bounds = Bounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 1.0, 9.0) };
+    let bounds = ReceiverBounds { min: Vec3::new(-9.0, 0.0, -9.0), max: Vec3::new(9.0, 1.0, 9.0) };
     let options = MapOptions { receivers: Some(bounds), ..options(2048) };
     let map = ShadowMap::fitted(&fence.positions, &fence.triangles, light, &options).expect("a good mesh");
     // More texels a side than were allowed for a square, not more in all.

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lobe_core::conformance::{Limits, Setting, check};
 use lobe_core::{DynVisibility, Sphere};
 use visibility_mask::MaskVisibility;
-use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 
 /// Corners around a rim: the chord of the largest ball (1.5 rad) is off its rim by 0.1 % of the smallest light (0.005).
 const CORNERS: u32 = 1024;
@@ -41,7 +41,7 @@ fn add(ball: &Sphere, eye: Vec3, positions: &mut Vec<Vec3>, triangles: &mut Vec<
 fn blockers(setting: &Setting<'_>, resolution: u32) -> ShadowMapBlockers {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     setting.balls.iter().for_each(|ball| add(ball, setting.receiver, &mut positions, &mut triangles));
-    let receivers = Some(Bounds { min: setting.receiver - 1e-3, max: setting.receiver + 1e-3 });
+    let receivers = Some(ReceiverBounds { min: setting.receiver - 1e-3, max: setting.receiver + 1e-3 });
     let options = MapOptions { resolution, receivers, ..MapOptions::default() };
     let map = ShadowMap::build(&positions, &triangles, setting.light, &options).expect("finite balls");
     ShadowMapBlockers::new(vec![map])

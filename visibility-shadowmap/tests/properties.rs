@@ -10,7 +10,7 @@ use lobe_core::{
     VisibilityQuery, VisibilitySum, Visit, cap_integral,
 };
 use visibility_mask::{Blockers, MaskVisibility};
-use visibility_shadowmap::{Bounds, Fineness, MapError, MapOptions, ShadowMap, ShadowMapBlockers};
+use visibility_shadowmap::{MapError, MapFineness, MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.6 };
 
@@ -73,7 +73,10 @@ fn nothing_blocks_at_no_cost() {
         }
         assert_eq!(scratch.counts(), (0, 0));
         assert_eq!(blockers.maps()[0].faces(), 0);
-        assert_eq!(blockers.maps()[0].advice(&Bounds { min: Vec3::ZERO, max: Vec3::ONE }).fineness, Fineness::Fine);
+        assert_eq!(
+            blockers.maps()[0].advice(&ReceiverBounds { min: Vec3::ZERO, max: Vec3::ONE }).fineness,
+            MapFineness::Fine
+        );
     }
 }
 
@@ -444,7 +447,7 @@ fn any_scene_is_finite_and_a_group_changes_nothing() {
             center: (random.axis() * scale * random.log_uniform(0.01, 30.0)).as_vec3(),
             radius: (scale * random.log_uniform(0.001, 3.0)) as f32,
         };
-        let around = Bounds { min: Vec3::splat(-scale as f32), max: Vec3::splat(scale as f32) };
+        let around = ReceiverBounds { min: Vec3::splat(-scale as f32), max: Vec3::splat(scale as f32) };
         let options = MapOptions {
             resolution: 16 + (random.bits() % 100) as u32,
             layers: 1 + case % 4,
@@ -503,7 +506,7 @@ fn bad_input_is_refused() {
     for layers in [0, 5] {
         assert_eq!(build(LIGHT, &MapOptions { layers, ..options(64) }).unwrap_err(), MapError::Layers(layers));
     }
-    let not_finite = Bounds { min: Vec3::NAN, max: Vec3::ONE };
+    let not_finite = ReceiverBounds { min: Vec3::NAN, max: Vec3::ONE };
     assert!(build(LIGHT, &MapOptions { receivers: Some(not_finite), ..options(64) }).is_err());
     assert!(build(Sphere { center: Vec3::INFINITY, ..LIGHT }, &options(64)).is_err());
     assert_eq!(build(Sphere { radius: -1.0, ..LIGHT }, &options(64)).unwrap_err(), MapError::NegativeRadius);
@@ -516,7 +519,7 @@ fn bad_input_is_refused() {
 #[test]
 fn advice_follows_the_width_of_the_light() {
     let mesh = Mesh::default().sphere(Vec3::new(0.0, 1.5, 0.0), 0.6, 12);
-    let bounds = Bounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 0.0, 2.0) };
+    let bounds = ReceiverBounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 0.0, 2.0) };
     let advice = |resolution| mesh.map(LIGHT, &options(resolution)).advice(&bounds);
     // Nearest blocker 2.9 from the light, receivers 5: w = 2·0.6·2.1/(5·2.9·t), t ≈ 2·0.175/resolution.
     let expected = |resolution: f32| 1.2 * 2.1 / (5.0 * 2.9) * resolution / 0.35;
@@ -528,6 +531,6 @@ fn advice_follows_the_width_of_the_light() {
         assert!(advice(told.wanted_resolution.max(16) + 4).shaft_texels > 31.0);
     }
     let fineness = |resolution| advice(resolution).fineness;
-    assert_eq!([16, 48, 256].map(fineness), [Fineness::TooCoarse, Fineness::Coarse, Fineness::Fine]);
+    assert_eq!([16, 48, 256].map(fineness), [MapFineness::TooCoarse, MapFineness::Coarse, MapFineness::Fine]);
     assert!(advice(16).to_string().contains("resolution"));
 }

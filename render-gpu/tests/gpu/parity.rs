@@ -12,7 +12,7 @@ use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use std::ops::ControlFlow;
 use visibility_mask::{MaskVisibility, Mixture, facet_coverage};
-use visibility_shadowmap::{Bounds, MapOptions, ShadowMap, ShadowMapBlockers};
+use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 use visibility_spheres::SphereBlockers;
 
 /// Largest and mean difference, as shares of the picture's largest value.
@@ -66,7 +66,7 @@ impl View {
                 all.append(mesh);
             }
         }
-        let receivers = Bounds::of(self.points.receivers.iter().map(|r| r.position));
+        let receivers = ReceiverBounds::of(self.points.receivers.iter().map(|r| r.position));
         let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
         let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options).expect("a map");
         let casters = self.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();

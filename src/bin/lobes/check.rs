@@ -1,14 +1,13 @@
 use crate::advice::{Advice, advise};
-use crate::args::{CheckArgs, Visibility};
+use crate::args::CheckArgs;
 use crate::console::{counted, listed, say};
 use crate::failure::Failure;
+use crate::input;
 use crate::moment::last_frame;
-use crate::picture::BAND_RAYS;
 use crate::prices::Prices;
-use crate::strategy::Plan;
-use crate::{input, sphere_cache};
 use cosine_lobes::lobe_core::{BrdfLobes, Receiver};
 use cosine_lobes::render_cpu::{BlockersError, SphereSource, read_set};
+use cosine_lobes::renderer::{BAND_RAYS, Plan, known_set};
 use cosine_lobes::scene::{Animation, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy};
 use cosine_lobes::sphere_sets::SetQuality;
 use glam::Vec3;
@@ -39,7 +38,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
         return Ok(());
     }
     let (scene, animation) = input::load(args.file.as_deref(), args.clip.as_deref(), false)?;
-    let plan = Plan::new(Visibility::Scene, &scene);
+    let plan = Plan::new(None, &scene);
     let requirement = |number| requirement(&scene, &animation, &plan, number);
     let objects = (0..scene.objects.len()).map(requirement).collect::<Result<Vec<_>, Failure>>()?;
     let prices = || Prices::measure(scene.clone(), &animation);
@@ -93,7 +92,9 @@ fn spheres(object: &Object) -> Result<(usize, Option<SetQuality>), BlockersError
     match (&object.proxy, &object.shape) {
         (Proxy::None, _) => Ok((0, None)),
         (Proxy::Spheres(list), _) | (Proxy::Count(_), Shape::Spheres(list)) => Ok((list.len(), None)),
-        (Proxy::Count(n), Shape::Mesh(mesh)) => Ok((*n, sphere_cache::known(mesh, *n).map(|set| set.quality))),
+        (Proxy::Count(n), Shape::Mesh(mesh)) => {
+            Ok((*n, input::cache_folder().and_then(|cache| known_set(mesh, *n, &cache)).map(|set| set.quality)))
+        }
         (Proxy::File { path, placement }, _) => {
             let set = read_set(path, placement, object)?;
             Ok((set.spheres.len(), Some(set.quality)))

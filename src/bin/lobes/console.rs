@@ -7,7 +7,7 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Set by Ctrl-C while something is under way that can be put away in order.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
@@ -109,22 +109,33 @@ pub(crate) fn progress(what: &str, length: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// A fit of seconds: a bar at a terminal, else a line at its end, so that a log tells what took so long.
+/// From one line of a fit to the next, where no bar is seen.
+const LINES: Duration = Duration::from_secs(5);
+
+/// A fit of seconds: a bar at a terminal, else a line every few seconds and one at its end, so that a log tells what takes so long.
 pub(crate) struct Fit {
     what: String,
     bar: ProgressBar,
     quiet: bool,
     start: Instant,
+    told: Instant,
 }
 
 impl Fit {
     pub(crate) fn new(what: &str, quiet: bool) -> Self {
-        Self { what: what.to_owned(), bar: progress("spheres", 1000, quiet), quiet, start: Instant::now() }
+        let now = Instant::now();
+        Self { what: what.to_owned(), bar: progress("spheres", 1000, quiet), quiet, start: now, told: now }
     }
 
     /// How much is done, in [0, 1].
-    pub(crate) fn report(&self, done: f32) {
+    pub(crate) fn report(&mut self, done: f32) {
         self.bar.set_position((done * 1000.0) as u64);
+        if self.bar.is_hidden() && !self.quiet && self.told.elapsed() >= LINES {
+            self.told = Instant::now();
+            let (what, percent) = (&self.what, 100.0 * done);
+            let left = self.start.elapsed().as_secs_f32() * (1.0 - done) / done.max(1e-3);
+            note(format_args!("lobes: {what}: {percent:.0} % fitted, about {left:.0} s left"));
+        }
     }
 
     pub(crate) fn end(self) {

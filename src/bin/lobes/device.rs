@@ -1,94 +1,74 @@
-//! What shades: the cores of the CPU, or a GPU.
+//! Which device shades, and what is told of it.
 
-use crate::args::{Device, RenderArgs};
+use crate::args::{self, RenderArgs};
 use crate::console::note;
 use crate::failure::Failure;
-use crate::strategy::Plan;
-use cosine_lobes::lobe_core::{Method, VisibilityLobes};
-use cosine_lobes::render_cpu::{CpuShader, Layers};
-use cosine_lobes::render_gpu::{CompiledKernel, Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, KernelLog, Occlusion};
-use cosine_lobes::scene::{Frame, Scene, Shade, ShadeStats, ShadingPoints};
-use cosine_lobes::visibility_shadowmap::ShadowMapBlockers;
-use cosine_lobes::visibility_spheres::SphereBlockers;
-use glam::Vec3;
-use std::error::Error;
+use cosine_lobes::render_gpu::{CompiledKernel, GpuError, KernelLog};
+use cosine_lobes::renderer::{Backend, Device, RenderError, Renderer, Settings};
+use cosine_lobes::scene::{Animation, Scene};
 use std::time::Duration;
 
-/// What shades all frames of a command.
-pub(crate) enum Backend {
-    Cpu,
-    Gpu(Box<GpuBackend>),
-}
-
-impl Backend {
-    /// The device that is asked for. What a GPU lacks is refused, or left to the CPU where the choice is free.
-    pub(crate) fn new(args: &RenderArgs) -> Result<Self, Failure> {
-        match args.device {
-            Device::Cpu => Ok(Self::Cpu),
-            Device::Gpu => match lack(args) {
-                Some(lack) => Err(Failure::new(format_args!("--device gpu: {lack}"))),
-                None => Self::gpu(args.view.quiet),
-            },
-            Device::Auto => {
-                let backend = match lack(args) {
-                    Some(lack) => Err(lack.to_owned()),
-                    None => hardware(open(args.view.quiet)),
-                };
-                if !args.view.quiet {
-                    match &backend {
-                        Ok(gpu) => note(format_args!("lobes: note: --device auto: {}", gpu.name())),
-                        Err(reason) => note(format_args!("lobes: note: --device auto: cpu, since {reason}")),
-                    }
+/// A renderer on the device that is asked for. What a GPU lacks is refused, or left to the CPU where the choice is free.
+pub(crate) fn renderer(
+    args: &RenderArgs,
+    scene: Scene,
+    animation: Animation,
+    settings: Settings,
+) -> Result<Renderer, Failure> {
+    let quiet = args.view.quiet;
+    let device = match args.device {
+        args::Device::Cpu => Device::Cpu,
+        args::Device::Gpu => Device::Gpu,
+        args::Device::Auto => {
+            let gpu = match lack(args) {
+                Some(lack) => Err(lack.to_owned()),
+                None => hardware(Backend::open(Device::Gpu)),
+            };
+            if !quiet {
+                match &gpu {
+                    Ok(name) => note(format_args!("lobes: note: --device auto: {name}")),
+                    Err(reason) => note(format_args!("lobes: note: --device auto: cpu, since {reason}")),
                 }
-                Ok(backend.unwrap_or(Self::Cpu))
             }
+            if gpu.is_ok() { Device::Gpu } else { Device::Cpu }
         }
+    };
+    if let (args::Device::Gpu, Some(lack)) = (args.device, lack(args)) {
+        return Err(Failure::new(format_args!("--device gpu: {lack}")));
     }
+    let renderer = Renderer::new(scene, animation, Settings { device, ..settings }).map_err(explain)?;
+    watch_all(renderer.backend(), quiet);
+    Ok(renderer)
+}
 
-    /// A GPU, and no other device.
-    pub(crate) fn gpu(quiet: bool) -> Result<Self, Failure> {
-        open(quiet).map_err(|error| match error {
-            // What wgpu tells of it is a list of all that it was built without.
-            GpuError::NoAdapter { .. } => Failure::new(
-                "--device gpu: no GPU adapter; install a Vulkan driver (a software one: packages libvulkan1 and \
-                 mesa-vulkan-drivers), or take --device cpu",
-            ),
-            error => Failure::new(format_args!("--device gpu: {error}")),
-        })
-    }
+/// A GPU, and no other device.
+pub(crate) fn gpu(quiet: bool) -> Result<Backend, Failure> {
+    let backend = Backend::open(Device::Gpu).map_err(explain)?;
+    watch_all(&backend, quiet);
+    Ok(backend)
+}
 
-    /// The kernels that were compiled, the slowest first.
-    pub(crate) fn kernels(&self) -> Vec<CompiledKernel> {
-        match self {
-            Self::Cpu => Vec::new(),
-            Self::Gpu(gpu) => gpu.shader.gpu().kernels().compiled(),
-        }
-    }
-
-    /// The most bytes of shadow maps that it can use.
-    pub(crate) fn room_for_maps(&self) -> u64 {
-        match self {
-            Self::Cpu => u64::MAX,
-            Self::Gpu(gpu) => gpu.shader.gpu().room_for_maps(),
-        }
-    }
-
-    /// `cpu`, or what the GPU calls itself.
-    pub(crate) fn name(&self) -> String {
-        match self {
-            Self::Cpu => "cpu".to_owned(),
-            Self::Gpu(gpu) => gpu.shader.gpu().name(),
-        }
+fn explain(error: RenderError) -> Failure {
+    match error {
+        // What wgpu tells of it is a list of all that it was built without.
+        RenderError::Gpu(GpuError::NoAdapter { .. }) => Failure::new(
+            "--device gpu: no GPU adapter; install a Vulkan driver (a software one: packages libvulkan1 and \
+             mesa-vulkan-drivers), or take --device cpu",
+        ),
+        RenderError::Gpu(error) => Failure::new(format_args!("--device gpu: {error}")),
+        error => Failure::new(error),
     }
 }
 
-fn open(quiet: bool) -> Result<Backend, GpuError> {
-    let gpu = Gpu::blocking(&GpuOptions::default())?;
-    if !quiet {
+/// The kernels that were compiled, the slowest first.
+pub(crate) fn kernels(backend: &Backend) -> Vec<CompiledKernel> {
+    backend.gpu().map(|gpu| gpu.kernels().compiled()).unwrap_or_default()
+}
+
+fn watch_all(backend: &Backend, quiet: bool) {
+    if let Some(gpu) = backend.gpu().filter(|_| !quiet) {
         watch(gpu.kernels().clone());
     }
-    let shader = GpuShader::new(&gpu, Occlusion::default())?;
-    Ok(Backend::Gpu(Box::new(GpuBackend { shader, world: None })))
 }
 
 /// Kernels that compile for longer are told of.
@@ -130,84 +110,24 @@ fn news(slow: &mut Vec<String>, compiling: &[CompiledKernel], compiled: &[Compil
     lines
 }
 
-/// A GPU that is worth choosing: software ones are slower than the CPU's own path.
-fn hardware(backend: Result<Backend, GpuError>) -> Result<Backend, String> {
+/// The name of a GPU that is worth choosing: software ones are slower than the CPU's own path.
+fn hardware(backend: Result<Backend, RenderError>) -> Result<String, String> {
     match backend {
-        Ok(Backend::Gpu(gpu)) if gpu.shader.gpu().is_software() => {
-            Err(format!("{} is no hardware", gpu.shader.gpu().name()))
-        }
-        Err(GpuError::NoAdapter { .. }) => Err("there is no GPU adapter".to_owned()),
-        other => other.map_err(|error| error.to_string()),
+        Ok(backend) => match backend.gpu() {
+            Some(gpu) if !gpu.is_software() => Ok(gpu.name()),
+            _ => Err(format!("{} is no hardware", backend.name())),
+        },
+        Err(RenderError::Gpu(GpuError::NoAdapter { .. })) => Err("there is no GPU adapter".to_owned()),
+        Err(error) => Err(error.to_string()),
     }
 }
 
 /// What is asked for and a GPU does not have.
 fn lack(args: &RenderArgs) -> Option<&'static str> {
-    args.layers.then_some(LAYERS)
-}
-
-const LAYERS: &str = "--layers are made by the CPU only";
-
-/// A GPU's shader, and what its rays meet.
-pub(crate) struct GpuBackend {
-    shader: GpuShader,
-    world: Option<GpuWorld>,
-}
-
-impl GpuBackend {
-    /// The shader with these blockers; `traced` is the scene, where some of its objects are by rays, and the plan that says
-    /// which: the same one with each call.
-    pub(crate) fn occluded(
-        &mut self,
-        method: Method<'_>,
-        spheres: Option<&SphereBlockers>,
-        maps: Option<&ShadowMapBlockers>,
-        traced: Option<(&Scene, &Plan)>,
-    ) -> Result<&mut GpuShader, GpuError> {
-        match (traced, &mut self.world) {
-            (None, world) => *world = None,
-            (Some((scene, _)), Some(world)) => world.update(scene)?,
-            (Some((scene, plan)), world) => {
-                *world = Some(GpuWorld::only(self.shader.gpu(), scene, |o| plan.traces_on_gpu(scene, o))?)
-            }
-        }
-        self.shader.set_method(method);
-        self.shader.occlude(Occlusion { spheres, maps, rays: self.world.as_ref() })?;
-        Ok(&mut self.shader)
+    if args.layers {
+        return Some("--layers are made by the CPU only");
     }
-}
-
-/// What shades, whatever it computes on.
-pub(crate) trait Shader: Shade<Error: Error> {
-    /// Shades, and tells what the picture is made of.
-    fn shade_layers(
-        &mut self,
-        points: &ShadingPoints,
-        frame: &Frame<'_>,
-        out: &mut [Vec3],
-    ) -> Result<(ShadeStats, Layers), Failure>;
-}
-
-impl<V: VisibilityLobes> Shader for CpuShader<'_, V> {
-    fn shade_layers(
-        &mut self,
-        points: &ShadingPoints,
-        frame: &Frame<'_>,
-        out: &mut [Vec3],
-    ) -> Result<(ShadeStats, Layers), Failure> {
-        Ok(CpuShader::shade_layers(self, points, frame, out)?)
-    }
-}
-
-impl Shader for GpuShader {
-    fn shade_layers(
-        &mut self,
-        _: &ShadingPoints,
-        _: &Frame<'_>,
-        _: &mut [Vec3],
-    ) -> Result<(ShadeStats, Layers), Failure> {
-        Err(Failure::new(LAYERS))
-    }
+    (args.method == args::Method::Lobes).then_some("--method lobes is summed by the CPU only")
 }
 
 #[cfg(test)]

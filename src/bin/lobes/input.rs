@@ -3,17 +3,15 @@
 use crate::args::ViewArgs;
 use crate::console;
 use crate::failure::Failure;
-use crate::sphere_cache;
-use crate::strategy::Plan;
+use crate::teller::Teller;
 use cosine_lobes::brdf::Material;
 use cosine_lobes::lobe_core::{BrdfLobes, LobeBuffer, Receiver};
 use cosine_lobes::render_cpu::SceneSpheres;
+use cosine_lobes::renderer::{Plan, scene_spheres};
 use cosine_lobes::scene::{self, Animation, Scene};
-use cosine_lobes::sphere_sets::SetQuality;
 use glam::Vec3;
 use std::f32::consts::TAU;
-use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Loads the scene as it is at its first moment, or takes the built-in one, and passes warnings on.
 pub(crate) fn load(file: Option<&Path>, clip: Option<&str>, quiet: bool) -> Result<(Scene, Animation), Failure> {
@@ -58,17 +56,11 @@ pub(crate) fn make_spheres(
     plan: &Plan,
     quiet: bool,
 ) -> Result<SceneSpheres, Failure> {
-    sphere_cache::fill(scene, plan, quiet)?;
-    let source = |object| plan.spheres(scene, object);
-    // What takes long was done before, but where nothing could be kept.
-    let set = SceneSpheres::new(scene, Some(animation), source, &mut |_, _| ControlFlow::Continue(()))?;
-    for (object, error) in set.silhouette_errors().filter(|(_, e)| !quiet && *e > SetQuality::UNSUITABLE) {
-        let name = &scene.objects[object].name;
-        let percent = 100.0 * error;
-        console::note(format_args!(
-            "lobes: warning: object \"{name}\": its spheres miss {percent:.0} % of its silhouette: silhouettes are exact, or \
-             more spheres (its keys `visibility` and `proxy`)"
-        ));
-    }
-    Ok(set)
+    let (cache, mut teller) = (cache_folder(), Teller::new(quiet));
+    Ok(scene_spheres(scene, animation, plan, cache.as_deref(), &mut |event| teller.hear(event))?)
+}
+
+/// Where sphere sets of earlier runs are: `cosine-lobes` in the user's folder of caches, whether or not it is there.
+pub(crate) fn cache_folder() -> Option<PathBuf> {
+    Some(dirs::cache_dir()?.join("cosine-lobes"))
 }

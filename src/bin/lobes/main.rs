@@ -2,7 +2,6 @@
 
 mod advice;
 mod args;
-mod budget;
 mod check;
 mod checkpoint;
 mod compare;
@@ -15,16 +14,14 @@ mod fingerprint;
 mod input;
 mod merge;
 mod moment;
-mod picture;
 mod prices;
 mod quality;
 mod reference;
 mod render;
-mod sphere_cache;
 mod spheres;
 mod stamp;
 mod stats;
-mod strategy;
+mod teller;
 mod trade;
 mod whole_mesh;
 

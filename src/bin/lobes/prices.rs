@@ -2,15 +2,13 @@
 
 use crate::args::{Visibility, name};
 use crate::console::say;
-use crate::device::{Backend, Shader};
 use crate::failure::Failure;
 use crate::input;
-use crate::picture::seconds;
-use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{GBuffer, SceneSilhouettes, World};
+use cosine_lobes::renderer::{Backend, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, seconds};
 use cosine_lobes::scene::{Animation, BlockerSet, Frame, Scene, ShadingPoints};
-use cosine_lobes::visibility_shadowmap::Bounds;
+use cosine_lobes::visibility_shadowmap::ReceiverBounds;
 use cosine_lobes::{Picture, RegionError, ShadowErrors};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -117,7 +115,7 @@ fn run(
     visibility: Visibility,
     tolerance: f32,
 ) -> Result<(Price, Picture), Failure> {
-    let plan = Plan::new(visibility, scene);
+    let plan = Plan::new(visibility.strategy(), scene);
     let (mut prepare, mut update) = (0.0, 0.0);
     let spheres = seconds(&mut prepare, || input::make_spheres(scene, animation, &plan, true))?;
     let scene = &*scene;
@@ -130,7 +128,7 @@ fn run(
     seconds(&mut update, || kept.update(&set));
     let world = World::new(scene);
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
-    let receivers = Bounds::of(points.receivers.iter().map(|r| r.position)).filter(|_| plan.wants_maps(scene));
+    let receivers = ReceiverBounds::of(points.receivers.iter().map(|r| r.position)).filter(|_| plan.wants_maps(scene));
     let maps = match receivers {
         Some(receivers) => seconds(&mut update, || plan.maps(scene, receivers, None, u64::MAX))?.0,
         None => Vec::new(),
@@ -141,8 +139,9 @@ fn run(
         accuracy: Accuracy::new(tolerance),
         threshold: 0.0,
     };
-    let occlusion = Occlusion::new(&plan, &world, kept.get(), maps, &silhouettes);
-    let (shade, radiance) = occlusion.shade(&mut Backend::Cpu, None, Shot { points: &points, frame: &frame })?;
+    let blockers = FrameBlockers::new(&plan, &world, kept.get(), maps, &silhouettes);
+    let (shade, radiance) =
+        blockers.shade(&mut Backend::Cpu, Form::Fractions, Shot { points: &points, frame: &frame })?;
     let picture = Picture::new(radiance.len(), 1, radiance);
     Ok((Price { prepare, update, shade, penumbra: RegionError::default() }, picture))
 }
@@ -157,11 +156,11 @@ impl Work for Shot<'_> {
     type Output = (f64, Vec<Vec3>);
 
     /// The quickest of three.
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, Failure> {
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError> {
         let mut radiance = vec![Vec3::ZERO; self.points.receivers.len()];
         let mut quickest = f64::INFINITY;
         for _ in 0..3 {
-            quickest = quickest.min(shader.shade(self.points, self.frame, &mut radiance)?.seconds);
+            quickest = quickest.min(shader.shade(self.points, self.frame, &mut radiance).map_err(Into::into)?.seconds);
         }
         Ok((quickest, radiance))
     }

@@ -25,21 +25,13 @@ impl Quality {
     }
 }
 
-/// Settings along the front, from the fastest to the best: what a time budget chooses from.
-pub(crate) const LADDER: [Accuracy; 5] = [
-    Quality::Draft.accuracy(),
-    Accuracy { tolerance: 0.03, depth: 3 },
-    Quality::Interactive.accuracy(),
-    Accuracy { tolerance: 0.003, depth: 5 },
-    Quality::High.accuracy(),
-];
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cosine_lobes::renderer::LADDER;
 
     #[test]
-    fn the_ladder_rises() {
-        assert!(LADDER.windows(2).all(|w| w[1].tolerance < w[0].tolerance && w[1].depth >= w[0].depth));
+    fn qualities_are_on_the_ladder() {
+        assert!([Quality::Draft, Quality::Interactive, Quality::High].iter().all(|q| LADDER.contains(&q.accuracy())));
     }
 }

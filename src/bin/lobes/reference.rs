@@ -1,13 +1,13 @@
-use crate::args::{Geometry as Choice, ReferenceArgs, Visibility, name};
+use crate::args::{Geometry as Choice, ReferenceArgs, name};
 use crate::checkpoint;
 use crate::console::{self, note, say};
 use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
 use crate::moment;
-use crate::strategy::Plan;
 use cosine_lobes::render_cpu::{GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
-use cosine_lobes::scene::BlockerSet;
+use cosine_lobes::renderer::Plan;
+use cosine_lobes::scene::{BlockerSet, Strategy};
 use cosine_lobes::{ExrLayer, Picture};
 use glam::Vec3;
 use serde_json::json;
@@ -29,7 +29,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         )));
     }
     let files = Files::create(&args.output, None)?;
-    let plan = Plan::new(if args.geometry == Choice::Scene { Visibility::Scene } else { Visibility::Spheres }, &scene);
+    let plan = Plan::new((args.geometry != Choice::Scene).then_some(Strategy::Spheres), &scene);
     let solid = plan.by_surfaces(&scene);
     let geometry = match args.geometry {
         _ if args.unshadowed => Geometry::None,

@@ -4,57 +4,27 @@ use crate::args::{RenderArgs, name};
 use crate::console::say;
 use crate::files::numbered;
 use cosine_lobes::Window;
-use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_gpu::CompiledKernel;
+use cosine_lobes::renderer::{Clocks, FrameClocks, ImageStats};
 use cosine_lobes::scene::{Scene, ShadeStats};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Seconds that are spent once.
-#[derive(Default)]
-pub(crate) struct Clocks {
-    pub(crate) load: f64,
-    pub(crate) spheres: f64,
-    pub(crate) tables: f64,
-}
-
-/// Seconds of one frame, outside shading.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct FrameClocks {
-    /// Positions, normals, lights and camera of the moment.
-    pub(crate) pose: f64,
-    /// Spheres carried there, and the hierarchy over them.
-    pub(crate) spheres: f64,
-    /// Boxes of the hierarchy over triangles and balls: built for the first frame, refitted for others.
-    pub(crate) hierarchy: f64,
-    /// Edges, planes and their hierarchy: as that.
-    pub(crate) silhouettes: f64,
-    pub(crate) maps: f64,
-    pub(crate) gbuffer: f64,
-    pub(crate) write: f64,
-}
-
 /// What was rendered.
 #[derive(Default)]
 pub(crate) struct Figures {
-    /// Shading of each frame or repetition, and its points.
-    pub(crate) runs: Vec<(ShadeStats, usize)>,
-    /// One entry a frame.
-    pub(crate) frames: Vec<FrameClocks>,
-    /// Tolerance and depth, once a frame was shaded.
-    pub(crate) accuracy: Option<Accuracy>,
+    /// Seconds of loading.
+    pub(crate) load: f64,
+    /// One entry a picture, and seconds of writing it.
+    pub(crate) pictures: Vec<(ImageStats, f64)>,
     /// Frames that were there already.
     pub(crate) skipped: usize,
     /// What shades.
     pub(crate) device: String,
-    /// Seconds of compiling kernels, for all frames; and each kernel of a GPU, the slowest first.
-    pub(crate) kernels: f64,
+    /// Each kernel of a GPU, the slowest first.
     pub(crate) compiled: Vec<CompiledKernel>,
-    pub(crate) spheres: usize,
-    pub(crate) triangles: usize,
-    /// Resolution of each light's shadow map, and bytes of all.
-    pub(crate) map_resolutions: Vec<u32>,
-    pub(crate) map_bytes: usize,
+    /// Seconds spent once.
+    pub(crate) clocks: Clocks,
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -62,15 +32,18 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
-pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures: &Figures, clocks: &Clocks) -> Value {
-    let accuracy = figures.accuracy.unwrap_or_else(|| args.accuracy());
+pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures: &Figures) -> Value {
+    let pictures = || figures.pictures.iter().map(|(stats, _)| stats);
+    let last = pictures().next_back().cloned().unwrap_or_default();
+    let accuracy = if figures.pictures.is_empty() { args.accuracy() } else { last.accuracy };
     let Window { columns, rows, .. } = window;
-    let mut runs = figures.runs.clone();
+    let mut runs: Vec<_> = pictures().flat_map(|p| p.shading.iter().map(|stats| (*stats, p.points))).collect();
     runs.sort_by(|a, b| a.0.seconds.total_cmp(&b.0.seconds));
     let (ShadeStats { seconds, stages, counts }, points) = runs.get(runs.len() / 2).copied().unwrap_or_default();
-    let of = |clock: fn(&FrameClocks) -> f64| median(figures.frames.iter().map(clock).collect());
+    let frames = || pictures().map(|p| &p.clocks);
+    let of = |clock: fn(&FrameClocks) -> f64| median(frames().map(clock).collect());
     // The first frame is built and not updated.
-    let updates = || figures.frames.iter().skip(1);
+    let updates = || frames().skip(1);
     let update = |clock: fn(&FrameClocks) -> f64| median(updates().map(clock).collect());
     json!({
         "device": figures.device,
@@ -80,16 +53,16 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
         "height": scene.height,
         "crop": [columns.start, rows.start, columns.end, rows.end],
         "points": points,
-        "frames": figures.frames.len(),
+        "frames": figures.pictures.len(),
         "skipped_frames": figures.skipped,
         "lights": scene.lights.len(),
-        "spheres": figures.spheres,
-        "triangles": figures.triangles,
+        "spheres": last.spheres,
+        "triangles": last.triangles,
         "tolerance": decimal(accuracy.tolerance),
         "depth": accuracy.depth,
         "threads": rayon::current_num_threads(),
-        "map_resolutions": figures.map_resolutions,
-        "map_bytes": figures.map_bytes,
+        "map_resolutions": last.map_resolutions,
+        "map_bytes": last.map_bytes,
         "seconds": seconds,
         "points_per_second": if seconds > 0.0 { points as f64 / seconds } else { 0.0 },
         "stages": {
@@ -115,16 +88,16 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
             "silhouettes": update(|f| f.silhouettes),
             "maps": update(|f| f.maps),
         },
-        "load_seconds": clocks.load,
-        "spheres_seconds": clocks.spheres,
-        "tables_seconds": clocks.tables,
-        "kernels_seconds": figures.kernels,
+        "load_seconds": figures.load,
+        "spheres_seconds": figures.clocks.spheres,
+        "tables_seconds": figures.clocks.tables,
+        "kernels_seconds": pictures().map(|p| p.kernels).sum::<f64>(),
         "kernels": figures.compiled.iter().map(kernel).collect::<Vec<_>>(),
-        "hierarchy_seconds": figures.frames.first().map_or(0.0, |f| f.hierarchy),
-        "silhouettes_seconds": figures.frames.first().map_or(0.0, |f| f.silhouettes),
+        "hierarchy_seconds": frames().next().map_or(0.0, |f| f.hierarchy),
+        "silhouettes_seconds": frames().next().map_or(0.0, |f| f.silhouettes),
         "map_seconds": of(|f| f.maps),
         "gbuffer_seconds": of(|f| f.gbuffer),
-        "write_seconds": of(|f| f.write),
+        "write_seconds": median(figures.pictures.iter().map(|(_, write)| *write).collect()),
     })
 }
 

@@ -15,15 +15,14 @@ use self::stage::Stage;
 use self::truth::Truth;
 use crate::args::{Method, TradeArgs, TradeDevice, TradeGeometry, Visibility, name};
 use crate::console::{self, STOP, say};
-use crate::device::Backend;
+use crate::device;
 use crate::failure::Failure;
 use crate::fingerprint::Fingerprint;
 use crate::input;
 use crate::moment;
-use crate::picture::seconds;
-use crate::render::paper_tables;
-use crate::strategy::Plan;
+use crate::teller::Teller;
 use cosine_lobes::render_cpu::{GBuffer, World};
+use cosine_lobes::renderer::{Backend, Plan, paper_tables, seconds};
 use cosine_lobes::scene::{Animation, BlockerSet, Proxy, Scene, Shape};
 use std::sync::atomic::Ordering;
 
@@ -41,7 +40,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
         )));
     }
     let strategies = strategies(args, &scene)?;
-    let gpu = if args.device.contains(&TradeDevice::Gpu) { Backend::gpu(view.quiet)? } else { Backend::Cpu };
+    let gpu = if args.device.contains(&TradeDevice::Gpu) { device::gpu(view.quiet)? } else { Backend::Cpu };
     let failed = |e: std::io::Error| Failure::new(format_args!("{}: {e}", args.output.display()));
     std::fs::create_dir_all(&args.output).map_err(failed)?;
 
@@ -71,7 +70,9 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let mut stage = Stage::new(args, &world, &gbuffer, &blockers, &sets, gbuffer_times[1], gpu);
     let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
     if settings.iter().any(|s| s.method == "paper") && (left(&record) > 0 || !args.output.join("sheet.png").exists()) {
-        stage.tables = Some(paper_tables(view.quiet));
+        let mut teller = Teller::new(view.quiet);
+        stage.tables = Some(paper_tables(&mut |event| teller.hear(event))?);
+        teller.end();
     }
     let title = scene_name(args);
     console::stoppable(|| -> Result<(), Failure> {
@@ -123,7 +124,7 @@ fn posed(
     visibility: Visibility,
     quiet: bool,
 ) -> Result<BlockerSet, Failure> {
-    let plan = Plan::new(visibility, scene);
+    let plan = Plan::new(visibility.strategy(), scene);
     let spheres = input::make_spheres(scene, animation, &plan, quiet)?;
     animation.seek(time, scene);
     let mut set = BlockerSet::default();
@@ -143,7 +144,7 @@ fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failur
     let blocks = |s: &&cosine_lobes::scene::Object| s.proxy != Proxy::None;
     let balls = scene.objects.iter().filter(blocks).all(|o| matches!(o.shape, Shape::Spheres(_)));
     let mut good = vec![Visibility::Spheres];
-    if args.geometry == TradeGeometry::Mesh && Plan::new(Visibility::ShadowMap, scene).wants_maps(scene) {
+    if args.geometry == TradeGeometry::Mesh && Plan::new(Visibility::ShadowMap.strategy(), scene).wants_maps(scene) {
         // What `render` takes, then each strategy for all objects.
         good.insert(0, Visibility::Scene);
         good.extend([Visibility::ShadowMap, Visibility::Silhouettes]);

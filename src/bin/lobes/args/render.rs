@@ -1,11 +1,13 @@
 use super::ViewArgs;
 use super::values::{crop, frames, map_resolution, positive, threshold, tiles, tolerance, whole};
 use crate::failure::Failure;
+use crate::input;
 use crate::quality::Quality;
 use clap::{Args, ValueEnum};
 use cosine_lobes::Window;
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::TILE;
+use cosine_lobes::renderer::{self, Settings};
 use cosine_lobes::scene::Strategy;
 use std::path::PathBuf;
 
@@ -106,6 +108,23 @@ impl RenderArgs {
         }
     }
 
+    /// What a renderer is asked for, but for the device.
+    pub(crate) fn settings(&self) -> Settings {
+        Settings {
+            strategy: self.visibility.strategy(),
+            method: self.method.into(),
+            accuracy: self.accuracy(),
+            time_budget: self.time_budget,
+            threshold: self.threshold,
+            samples: self.view.samples,
+            map_resolution: self.map_resolution,
+            layers: self.layers,
+            repeat: self.repeat,
+            cache: input::cache_folder(),
+            ..Settings::default()
+        }
+    }
+
     /// The part of a picture of that size that is asked for.
     pub(crate) fn window(&self, width: u32, height: u32) -> Result<Window, Failure> {
         let mut window = Window::whole(width as usize, height as usize);
@@ -147,8 +166,10 @@ pub(crate) enum Visibility {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {
-    /// Fits that conserve flux and direction, integrals in closed form
+    /// Fits that conserve flux and direction, integrals in closed form; of each reflectance lobe the fraction that the mask leaves
     Moments,
+    /// The same with visibility as a sum of lobes, cut from the mask's quad-tree, and products with them
+    Lobes,
     /// The paper as printed: least-squares lobes, tabulated products, shadow nodes with level weights
     Paper,
 }
@@ -162,6 +183,16 @@ pub(crate) enum Device {
     Gpu,
     /// The graphics adapter if it is hardware and has what the picture needs, else all cores; says which
     Auto,
+}
+
+impl From<Method> for renderer::Method {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Moments => Self::Moments,
+            Method::Lobes => Self::Lobes,
+            Method::Paper => Self::Paper,
+        }
+    }
 }
 
 impl Visibility {

@@ -28,7 +28,7 @@ pub(crate) struct TradeArgs {
     pub(crate) geometry: TradeGeometry,
 
     /// Methods, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Method::Moments, Method::Paper])]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Method::Moments, Method::Lobes, Method::Paper])]
     pub(crate) method: Vec<Method>,
 
     /// Strategies, separated by commas; when left out, all that see the geometry

@@ -48,7 +48,11 @@ pub(super) fn all(args: &TradeArgs, strategies: &[Visibility], gpu: &str) -> Vec
             };
             for &depth in &args.depth {
                 match method {
-                    Method::Moments => list.extend(args.tolerance.iter().map(|t| setting(Some(*t), depth))),
+                    // A GPU does not sum lobes of visibility.
+                    Method::Lobes if device == TradeDevice::Gpu => {}
+                    Method::Moments | Method::Lobes => {
+                        list.extend(args.tolerance.iter().map(|t| setting(Some(*t), depth)))
+                    }
                     Method::Paper => list.push(setting(None, depth)),
                 }
             }

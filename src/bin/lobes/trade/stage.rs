@@ -1,17 +1,18 @@
 use super::setting::{Setting, Technique};
 use super::truth::Truth;
-use crate::args::{TradeArgs, TradeDevice, TradeGeometry, Visibility};
-use crate::console::{STOP, note};
-use crate::device::{Backend, Shader};
+use crate::args::{Method, TradeArgs, TradeDevice, TradeGeometry, Visibility};
+use crate::console::STOP;
 use crate::failure::Failure;
-use crate::picture::seconds;
-use crate::strategy::{KeptSpheres, Occlusion, Plan, Work};
+use crate::teller::Teller;
 use cosine_lobes::Picture;
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::render_cpu::{GBuffer, RayShader, SceneSilhouettes, World};
+use cosine_lobes::renderer::{
+    Backend, Coarser, Event, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, seconds,
+};
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
-use cosine_lobes::visibility_shadowmap::{Bounds, ShadowMap};
+use cosine_lobes::visibility_shadowmap::{ReceiverBounds, ShadowMap};
 use glam::Vec3;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -140,10 +141,10 @@ impl<'a> Stage<'a> {
                     TradeGeometry::Spheres => RayShader::spheres(self.blockers, spp),
                     TradeGeometry::Mesh => RayShader::surfaces(self.world, spp),
                 };
-                timed.run(&mut shader.culled(culled))
+                Ok(timed.run(&mut shader.culled(culled))?)
             }
             Technique::Lobes(method, visibility) => {
-                let plan = Plan::new(visibility, scene);
+                let plan = Plan::new(visibility.strategy(), scene);
                 let (maps, map_seconds) = match plan.wants_maps(scene) {
                     true => self.maps(visibility, &plan)?,
                     false => (Vec::new(), 0.0),
@@ -154,16 +155,17 @@ impl<'a> Stage<'a> {
                     _ => SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o)),
                 };
                 let (_, silhouettes) = &*self.silhouettes.insert((visibility, silhouettes));
-                let tables = match method {
-                    crate::args::Method::Paper => self.tables.as_ref(),
-                    crate::args::Method::Moments => None,
+                let form = match (method, &self.tables) {
+                    (Method::Paper, Some(tables)) => Form::Paper(tables),
+                    (Method::Lobes, _) => Form::Lobes,
+                    _ => Form::Fractions,
                 };
                 let backend = match setting.device {
                     TradeDevice::Cpu => &mut Backend::Cpu,
                     TradeDevice::Gpu => &mut self.gpu,
                 };
-                let occlusion = Occlusion::new(&plan, self.world, spheres, maps, silhouettes);
-                let shot = occlusion.shade(backend, tables, timed)?;
+                let blockers = FrameBlockers::new(&plan, self.world, spheres, maps, silhouettes);
+                let shot = blockers.shade(backend, form, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }
         }
@@ -172,7 +174,7 @@ impl<'a> Stage<'a> {
     /// The lights' shadow maps, drawn once, and how long that took.
     fn maps(&mut self, visibility: Visibility, plan: &Plan) -> Result<(Vec<ShadowMap>, f64), Failure> {
         if self.maps.as_ref().is_none_or(|(of, ..)| *of != visibility) {
-            let receivers = Bounds::of(self.gbuffer.points.receivers.iter().map(|r| r.position));
+            let receivers = ReceiverBounds::of(self.gbuffer.points.receivers.iter().map(|r| r.position));
             let mut time = 0.0;
             let (maps, coarser) = match receivers {
                 // The same maps for all devices.
@@ -182,8 +184,8 @@ impl<'a> Stage<'a> {
                 }
                 None => (Vec::new(), None),
             };
-            if let Some(coarser) = coarser.filter(|_| !self.args.view.quiet) {
-                note(format_args!("lobes: note: {coarser}"));
+            if let Some(Coarser { wanted, needed, room, drawn }) = coarser {
+                let _ = Teller::new(self.args.view.quiet).hear(Event::CoarserMaps { wanted, needed, room, drawn });
             }
             self.maps = Some((visibility, maps, time));
         }
@@ -199,10 +201,7 @@ struct Timed<'a> {
 }
 
 impl Timed<'_> {
-    fn run<S: Shade>(&self, shader: &mut S) -> Result<Shot, Failure>
-    where
-        S::Error: std::error::Error,
-    {
+    fn run<S: Shade>(&self, shader: &mut S) -> Result<Shot, S::Error> {
         let mut radiance = vec![Vec3::ZERO; self.points.receivers.len()];
         shader.shade(self.points, self.frame, &mut radiance)?;
         let (start, mut times) = (Instant::now(), Vec::with_capacity(self.repeats));
@@ -218,7 +217,7 @@ impl Timed<'_> {
 impl Work for Timed<'_> {
     type Output = Shot;
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Shot, Failure> {
-        self.run(shader)
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Shot, RenderError> {
+        self.run(shader).map_err(Into::into)
     }
 }

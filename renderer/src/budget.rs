@@ -1,18 +1,20 @@
-//! Tolerance and depth for a frame time, by measuring.
-
-use crate::console::note;
-use crate::device::{Backend, Shader};
-use crate::failure::Failure;
-use crate::picture::{Bands, seconds};
-use crate::quality::LADDER;
-use crate::strategy::{Occlusion, Plan, Work};
-use cosine_lobes::lobe_core::Accuracy;
-use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::render_cpu::{SceneSilhouettes, World};
-use cosine_lobes::scene::{Frame, ShadingPoints};
-use cosine_lobes::visibility_shadowmap::ShadowMap;
-use cosine_lobes::visibility_spheres::SphereBlockers;
+use crate::bands::{Bands, seconds};
+use crate::event::tell;
+use crate::{Backend, Event, Form, FrameBlockers, Listener, Plan, RenderError, Shader, Work};
 use glam::Vec3;
+use lobe_core::Accuracy;
+use render_cpu::{SceneSilhouettes, World};
+use scene::{Frame, ShadingPoints};
+use visibility_shadowmap::ShadowMap;
+use visibility_spheres::SphereBlockers;
+
+/// A point of the measured front of error against time.
+const fn point(tolerance: f32, depth: u32) -> Accuracy {
+    Accuracy { tolerance, depth }
+}
+
+/// Settings along that front, from the fastest to the best: what a time budget chooses from.
+pub const LADDER: [Accuracy; 5] = [point(0.1, 2), point(0.03, 3), point(0.01, 4), point(0.003, 5), point(0.001, 6)];
 
 /// What the picture is shaded with, but for tolerance and depth.
 pub(crate) struct Budget<'a> {
@@ -21,10 +23,9 @@ pub(crate) struct Budget<'a> {
     pub(crate) spheres: Option<&'a SphereBlockers>,
     pub(crate) maps: &'a [ShadowMap],
     pub(crate) silhouettes: &'a SceneSilhouettes,
-    pub(crate) tables: Option<&'a Tables>,
+    pub(crate) form: Form<'a>,
     /// Seconds of a frame that no setting changes, but for finding the visible points.
     pub(crate) fixed: f64,
-    pub(crate) quiet: bool,
 }
 
 impl Budget<'_> {
@@ -37,15 +38,17 @@ impl Budget<'_> {
         milliseconds: f32,
         bands: &Bands<'_>,
         frame: &Frame<'_>,
-    ) -> Result<Accuracy, Failure> {
+        listener: &mut Listener<'_>,
+    ) -> Result<Accuracy, RenderError> {
         let mut find = 0.0;
         let (points, scale) = seconds(&mut find, || bands.strips());
         let fixed = self.fixed + find * scale;
         let mut chosen: Option<(Accuracy, f64)> = None;
         for accuracy in LADDER {
             let frame = Frame { accuracy, ..*frame };
-            let occlusion = Occlusion::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes);
-            let shading = occlusion.shade(backend, self.tables, Twice { points: &points, frame: &frame })?;
+            let blockers =
+                FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes);
+            let shading = blockers.shade(backend, self.form, Twice { points: &points, frame: &frame })?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {
                 break;
@@ -56,13 +59,8 @@ impl Budget<'_> {
             }
         }
         let (accuracy, total) = chosen.unwrap_or((LADDER[0], 0.0));
-        if !self.quiet {
-            let (percent, depth) = (100.0 * accuracy.tolerance, accuracy.depth);
-            let verdict = if total > f64::from(milliseconds) { ", no setting is faster" } else { "" };
-            note(format_args!(
-                "lobes: --time-budget {milliseconds}: tolerance {percent} %, depth {depth}, about {total:.1} ms a frame{verdict}"
-            ));
-        }
+        let is_within = total <= f64::from(milliseconds);
+        tell(listener, Event::Chosen { accuracy, milliseconds: total, is_within })?;
         Ok(accuracy)
     }
 }
@@ -76,9 +74,21 @@ struct Twice<'a> {
 impl Work for Twice<'_> {
     type Output = f64;
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<f64, Failure> {
+    fn with<S: Shader>(self, shader: &mut S) -> Result<f64, RenderError> {
         let mut out = vec![Vec3::ZERO; self.points.receivers.len()];
-        let mut once = || shader.shade(self.points, self.frame, &mut out).map(|stats| stats.seconds);
-        Ok(once()?.min(once()?))
+        let mut once =
+            || shader.shade(self.points, self.frame, &mut out).map(|stats| stats.seconds).map_err(Into::into);
+        let first: Result<f64, RenderError> = once();
+        Ok(first?.min(once()?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LADDER;
+
+    #[test]
+    fn the_ladder_rises() {
+        assert!(LADDER.windows(2).all(|w| w[1].tolerance < w[0].tolerance && w[1].depth >= w[0].depth));
     }
 }

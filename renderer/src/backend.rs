@@ -1,0 +1,152 @@
+//! What shades: the cores of the CPU, or a GPU.
+
+use crate::{Device, RenderError};
+use core::error::Error;
+use glam::Vec3;
+use lobe_core::VisibilityLobes;
+use render_cpu::{CpuShader, Layers as PointLayers};
+use scene::{Frame, Shade, ShadeStats, ShadingPoints};
+
+#[cfg(feature = "gpu")]
+use {
+    crate::Plan,
+    lobe_core::Method,
+    render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion},
+    scene::Scene,
+    visibility_shadowmap::ShadowMapBlockers,
+    visibility_spheres::SphereBlockers,
+};
+
+/// What shades the frames of a [`Renderer`](crate::Renderer).
+#[derive(Debug)]
+pub enum Backend {
+    /// The cores of the CPU.
+    Cpu,
+    /// A GPU.
+    #[cfg(feature = "gpu")]
+    Gpu(Box<GpuBackend>),
+}
+
+#[cfg(not(feature = "gpu"))]
+const NOT_BUILT: &str = "this program was built without its GPU part (feature `gpu`)";
+pub(crate) const LAYERS: &str = "layers are made by the CPU only";
+pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
+
+impl Backend {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// [`RenderError`] where there is none.
+    pub fn open(device: Device) -> Result<Self, RenderError> {
+        match device {
+            Device::Cpu => Ok(Self::Cpu),
+            #[cfg(feature = "gpu")]
+            Device::Gpu => {
+                let gpu = Gpu::blocking(&GpuOptions::default())?;
+                let shader = GpuShader::new(&gpu, Occlusion::default())?;
+                Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None })))
+            }
+            #[cfg(not(feature = "gpu"))]
+            Device::Gpu => Err(RenderError::NotOnGpu(NOT_BUILT)),
+        }
+    }
+
+    /// The GPU, where there is one.
+    #[cfg(feature = "gpu")]
+    #[must_use]
+    pub fn gpu(&self) -> Option<&Gpu> {
+        match self {
+            Self::Cpu => None,
+            Self::Gpu(gpu) => Some(gpu.shader.gpu()),
+        }
+    }
+
+    /// The most bytes of shadow maps that it can use.
+    #[must_use]
+    pub fn room_for_maps(&self) -> u64 {
+        match self {
+            Self::Cpu => u64::MAX,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.shader.gpu().room_for_maps(),
+        }
+    }
+
+    /// `cpu`, or what the GPU calls itself.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Self::Cpu => "cpu".to_owned(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.shader.gpu().name(),
+        }
+    }
+}
+
+/// A GPU's shader, and what its rays meet.
+#[cfg(feature = "gpu")]
+#[derive(Debug)]
+pub struct GpuBackend {
+    shader: GpuShader,
+    world: Option<GpuWorld>,
+}
+
+#[cfg(feature = "gpu")]
+impl GpuBackend {
+    /// The shader with these blockers; `traced` is the scene, where some of its objects are by rays, and the plan that says
+    /// which: the same one with each call.
+    pub(crate) fn occluded(
+        &mut self,
+        method: Method<'_>,
+        spheres: Option<&SphereBlockers>,
+        maps: Option<&ShadowMapBlockers>,
+        traced: Option<(&Scene, &Plan)>,
+    ) -> Result<&mut GpuShader, GpuError> {
+        match (traced, &mut self.world) {
+            (None, world) => *world = None,
+            (Some((scene, _)), Some(world)) => world.update(scene)?,
+            (Some((scene, plan)), world) => {
+                *world = Some(GpuWorld::only(self.shader.gpu(), scene, |o| plan.traces_on_gpu(scene, o))?)
+            }
+        }
+        self.shader.set_method(method);
+        self.shader.occlude(Occlusion { spheres, maps, rays: self.world.as_ref() })?;
+        Ok(&mut self.shader)
+    }
+}
+
+/// What shades, whatever it computes on.
+pub trait Shader: Shade<Error: Error + Into<RenderError>> {
+    /// Shades, and tells what the picture is made of.
+    ///
+    /// # Errors
+    /// As [`Shade::shade`]; [`RenderError::NotOnGpu`] on a GPU.
+    fn shade_layers(
+        &mut self,
+        points: &ShadingPoints,
+        frame: &Frame<'_>,
+        out: &mut [Vec3],
+    ) -> Result<(ShadeStats, PointLayers), RenderError>;
+}
+
+impl<V: VisibilityLobes> Shader for CpuShader<'_, V> {
+    fn shade_layers(
+        &mut self,
+        points: &ShadingPoints,
+        frame: &Frame<'_>,
+        out: &mut [Vec3],
+    ) -> Result<(ShadeStats, PointLayers), RenderError> {
+        Ok(CpuShader::shade_layers(self, points, frame, out)?)
+    }
+}
+
+#[cfg(feature = "gpu")]
+impl Shader for GpuShader {
+    fn shade_layers(
+        &mut self,
+        _: &ShadingPoints,
+        _: &Frame<'_>,
+        _: &mut [Vec3],
+    ) -> Result<(ShadeStats, PointLayers), RenderError> {
+        Err(RenderError::NotOnGpu(LAYERS))
+    }
+}

@@ -1,0 +1,98 @@
+use core::ops::Range;
+use pictures::Window;
+use render_cpu::{GBuffer, TILE, World};
+use scene::ShadingPoints;
+use std::time::Instant;
+use visibility_shadowmap::ReceiverBounds;
+
+/// Camera rays in flight: bounds the memory of large pictures.
+pub const BAND_RAYS: u64 = 1 << 19;
+
+/// Runs `work` and adds what it takes to a clock in seconds.
+pub fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    *clock += start.elapsed().as_secs_f64();
+    result
+}
+
+/// Camera rays that a time budget is measured with.
+const TRIAL_RAYS: u64 = 1 << 15;
+
+/// The visible points of a window of the picture, band by band of rows.
+#[derive(Debug)]
+pub(crate) struct Bands<'w> {
+    pub(crate) world: &'w World<'w>,
+    samples: u32,
+    pub(crate) window: Window,
+    rows: u32,
+    /// The picture's only band, where it has been looked at before it is shaded.
+    kept: Option<GBuffer>,
+    /// Seconds of finding visible points.
+    pub(crate) seconds: f64,
+}
+
+impl<'w> Bands<'w> {
+    pub(crate) fn new(world: &'w World<'w>, samples: u32, window: Window) -> Self {
+        let rows = BAND_RAYS / (window.size()[0] as u64 * u64::from(samples)).max(1);
+        let rows = (rows as u32 / TILE * TILE).max(TILE);
+        Self { world, samples, window, rows, kept: None, seconds: 0.0 }
+    }
+
+    /// Bands of these rows, whose borders are those of tiles.
+    pub(crate) fn ranges(&self, rows: Range<u32>) -> impl Iterator<Item = Range<u32>> + use<> {
+        let step = self.rows;
+        let cut = move |k: u32| (k * step).max(rows.start)..((k + 1) * step).min(rows.end);
+        (rows.start / step..rows.end.div_ceil(step)).map(cut)
+    }
+
+    pub(crate) fn points(&mut self, window: &Window, rows: Range<u32>) -> GBuffer {
+        let (world, samples) = (self.world, self.samples);
+        let scene = world.scene();
+        let columns = window.columns.start as u32..window.columns.end as u32;
+        match self.kept.take() {
+            Some(g) => g,
+            None => {
+                seconds(&mut self.seconds, || GBuffer::window(world, scene.width, scene.height, samples, columns, rows))
+            }
+        }
+    }
+
+    /// The box of all visible points of the picture, those outside the window too: its parts are to be as the whole.
+    /// `None` when the camera sees nothing. Costs nothing where one band is the whole picture, since its points are kept; else all
+    /// points are found twice.
+    pub(crate) fn bounds(&mut self) -> Option<ReceiverBounds> {
+        let mut all: Option<ReceiverBounds> = None;
+        let [width, height] = self.window.image;
+        let picture = Window::whole(width, height);
+        let ranges: Vec<_> = self.ranges(0..height as u32).collect();
+        let keep = ranges.len() == 1 && self.window.is_whole();
+        for rows in ranges {
+            let g = self.points(&picture, rows);
+            if let Some(b) = ReceiverBounds::of(g.points.receivers.iter().map(|r| r.position)) {
+                all = Some(all.map_or(b, |a| ReceiverBounds { min: a.min.min(b.min), max: a.max.max(b.max) }));
+            }
+            self.kept = keep.then_some(g);
+        }
+        all
+    }
+
+    /// The points of strips spread over the picture, and how many times their rows the picture has.
+    pub(crate) fn strips(&self) -> (ShadingPoints, f64) {
+        let scene = self.world.scene();
+        let (width, height) = (scene.width, scene.height);
+        let all = height.div_ceil(TILE);
+        let rays = u64::from(width) * u64::from(TILE) * u64::from(self.samples);
+        let count = (TRIAL_RAYS / rays).clamp(1, u64::from(all)) as u32;
+        let (mut points, mut taken) = (ShadingPoints::default(), 0);
+        for i in 0..count {
+            let top = (u64::from(2 * i + 1) * u64::from(all) / (2 * u64::from(count))) as u32 * TILE;
+            let rows = top..(top + TILE).min(height);
+            taken += rows.len();
+            let g = GBuffer::rows(self.world, width, height, self.samples, rows);
+            points.receivers.extend(g.points.receivers);
+            points.materials.extend(g.points.materials);
+        }
+        (points, f64::from(height) / taken.max(1) as f64)
+    }
+}

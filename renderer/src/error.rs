@@ -1,0 +1,31 @@
+use render_cpu::BlockersError;
+use std::collections::TryReserveError;
+use visibility_shadowmap::MapError;
+
+/// Why a picture could not be made. Nothing of it is printed or kept here.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The spheres of an object could not be fitted, read or carried along.
+    #[error(transparent)]
+    Blockers(#[from] BlockersError),
+    /// A shadow map could not be drawn.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// A strategy wrote more lobes than it says.
+    #[error(transparent)]
+    LobesFull(#[from] lobe_core::LobesFull),
+    /// The picture finds no room in memory.
+    #[error(transparent)]
+    Memory(#[from] TryReserveError),
+    /// The GPU failed.
+    #[cfg(feature = "gpu")]
+    #[error(transparent)]
+    Gpu(#[from] render_gpu::GpuError),
+    /// What is asked for does not exist on the GPU.
+    #[error("{0}")]
+    NotOnGpu(&'static str),
+    /// The listener has stopped the work.
+    #[error("cancelled")]
+    Cancelled,
+}

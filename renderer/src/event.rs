@@ -1,0 +1,91 @@
+use crate::RenderError;
+use core::ops::ControlFlow;
+use lobe_core::Accuracy;
+use std::path::Path;
+use visibility_shadowmap::MapAdvice;
+
+/// What a [`Renderer`](crate::Renderer) tells while it works.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum Event<'a> {
+    /// Spheres are being fitted to an object; `done` is in [0, 1].
+    Fitting {
+        /// The object's name.
+        object: &'a str,
+        /// How many.
+        spheres: usize,
+        /// How much of it is done.
+        done: f32,
+    },
+    /// They are fitted.
+    Fitted {
+        /// The object's name.
+        object: &'a str,
+        /// How many.
+        spheres: usize,
+        /// How long it took.
+        seconds: f64,
+    },
+    /// A set of an earlier run was not what it should be, and is made anew.
+    DamagedSet {
+        /// Its file.
+        path: &'a Path,
+    },
+    /// An object's spheres stand badly for it.
+    PoorFit {
+        /// The object's name.
+        object: &'a str,
+        /// The share of its silhouette that they miss.
+        error: f32,
+    },
+    /// The paper's tables are being made.
+    Tables {
+        /// How much of it is done, in [0, 1].
+        done: f32,
+    },
+    /// The device has no room for maps as fine as the lights want.
+    CoarserMaps {
+        /// Texels a side that were wanted, of the finest map.
+        wanted: u32,
+        /// Bytes that those take.
+        needed: u64,
+        /// Bytes that there are.
+        room: u64,
+        /// Texels a side that are taken.
+        drawn: u32,
+    },
+    /// How the map of a light suits the receivers.
+    Map {
+        /// Number of the light.
+        light: usize,
+        /// Whether it is fine enough, in words.
+        advice: MapAdvice,
+    },
+    /// A time budget has chosen.
+    Chosen {
+        /// What.
+        accuracy: Accuracy,
+        /// What a frame takes.
+        milliseconds: f64,
+        /// Whether that is within the budget; nothing is faster if not.
+        is_within: bool,
+    },
+    /// Rows of the picture that are shaded.
+    Rows {
+        /// So many.
+        done: u32,
+        /// Of so many.
+        of: u32,
+    },
+}
+
+/// Hears what goes on, and may stop it.
+pub type Listener<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
+
+/// Tells a listener, and ends where that says so.
+pub(crate) fn tell(listener: &mut Listener<'_>, event: Event<'_>) -> Result<(), RenderError> {
+    match listener(event) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(RenderError::Cancelled),
+    }
+}

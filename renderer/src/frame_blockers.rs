@@ -1,0 +1,126 @@
+use crate::{Backend, Plan, RenderError, Shader};
+use lobe_core::paper::Tables;
+use lobe_core::{LightId, Method as Products, Unshadowed};
+use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits, World};
+use scene::Strategy;
+use visibility_mask::{Blockers, MaskVisibility, Mixture, PaperVisibility};
+use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
+use visibility_silhouettes::SilhouetteBlockers;
+use visibility_spheres::SphereBlockers;
+
+/// In which form visibility meets reflectance, ready to be used.
+#[derive(Clone, Copy, Debug)]
+pub enum Form<'t> {
+    /// Visible fractions of lobes.
+    Fractions,
+    /// Lobes of visibility.
+    Lobes,
+    /// The paper's lobes, by its tables.
+    Paper(&'t Tables),
+}
+
+/// What blocks light in one frame, by strategy.
+#[derive(Debug)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "a GPU gathers what its rays meet from them"))]
+pub struct FrameBlockers<'a> {
+    plan: &'a Plan,
+    world: &'a World<'a>,
+    spheres: Option<&'a SphereBlockers>,
+    maps: Option<ShadowMapBlockers>,
+    silhouettes: Option<SilhouetteBlockers<'a, SurfaceHits<'a>>>,
+    rays: Option<RayBlockers<'a>>,
+}
+
+impl<'a> FrameBlockers<'a> {
+    /// Gathers what the plan asks for, and leaves out what turned out empty.
+    #[must_use]
+    pub fn new(
+        plan: &'a Plan,
+        world: &'a World<'a>,
+        spheres: Option<&'a SphereBlockers>,
+        maps: Vec<ShadowMap>,
+        silhouettes: &'a SceneSilhouettes,
+    ) -> Self {
+        let mut maps: Vec<(LightId, ShadowMap)> = (0..).map(LightId).zip(maps).collect();
+        maps.retain(|(_, map)| map.faces() > 0);
+        let all = plan.all(Strategy::Rays);
+        let rays = plan.uses(Strategy::Rays).then(|| match all {
+            true => RayBlockers::new(world),
+            false => RayBlockers::new(world).only(|o| plan.traces(o)),
+        });
+        let maps = (!maps.is_empty()).then(|| {
+            let scene = world.scene();
+            let casters = (0..scene.objects.len()).map(|o| plan.in_maps(scene, o));
+            ShadowMapBlockers::of_lights(maps).with_casters(casters.collect())
+        });
+        let meshes = silhouettes.meshes();
+        let silhouettes = (!meshes.is_empty()).then(|| {
+            SilhouetteBlockers::new(meshes, SurfaceHits::new(world, |o| plan.by_silhouettes(world.scene(), o)))
+        });
+        Self { plan, world, spheres, maps, silhouettes, rays }
+    }
+
+    /// Does the work with the shader that these blockers make. What is not there is not in the shader; mixtures of any kinds
+    /// share one.
+    ///
+    /// # Errors
+    /// Those of the work; [`RenderError::NotOnGpu`] for a form that a GPU does not have, `RenderError::Gpu` of the device.
+    pub fn shade<W: Work>(self, backend: &mut Backend, form: Form<'_>, work: W) -> Result<W::Output, RenderError> {
+        #[cfg(feature = "gpu")]
+        if let Backend::Gpu(gpu) = backend {
+            // What is exact by silhouettes is exact by rays, which a GPU has.
+            let traces = self.rays.is_some() || self.silhouettes.is_some();
+            let traced = traces.then(|| (self.world.scene(), self.plan));
+            let method = match form {
+                Form::Fractions => Products::Moments,
+                Form::Lobes => return Err(RenderError::NotOnGpu(crate::backend::LOBES)),
+                Form::Paper(tables) => Products::Paper(tables),
+            };
+            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced)?);
+        }
+        #[cfg(not(feature = "gpu"))]
+        let Backend::Cpu = backend;
+        match (self.spheres, self.maps, self.silhouettes, self.rays) {
+            (None, None, None, None) => work.with(&mut CpuShader::with_method(Unshadowed, form.products())),
+            (Some(spheres), None, None, None) => masked(spheres, form, work),
+            (None, None, Some(silhouettes), None) => masked(silhouettes, form, work),
+            (spheres, maps, silhouettes, rays) => {
+                let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
+                masked(Mixture::new(spheres, triangles), form, work)
+            }
+        }
+    }
+}
+
+impl<'t> Form<'t> {
+    /// How products of lobes are taken.
+    const fn products(self) -> Products<'t> {
+        match self {
+            Self::Fractions | Self::Lobes => Products::Moments,
+            Self::Paper(tables) => Products::Paper(tables),
+        }
+    }
+}
+
+/// Something to be done with a shader of whatever device and visibility.
+pub trait Work {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    ///
+    /// # Errors
+    /// Its own.
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
+}
+
+fn masked<B: Blockers, W: Work>(blockers: B, form: Form<'_>, work: W) -> Result<W::Output, RenderError> {
+    match form {
+        Form::Fractions => work.with(&mut CpuShader::new(MaskVisibility::new(blockers))),
+        Form::Lobes => work.with(&mut CpuShader::new(MaskVisibility::new(blockers).with_lobes())),
+        Form::Paper(tables) => {
+            let visibility = PaperVisibility::new(blockers, tables);
+            work.with(&mut CpuShader::with_method(visibility, form.products()))
+        }
+    }
+}

@@ -1,0 +1,121 @@
+use crate::bands::{Bands, seconds};
+use crate::event::tell;
+use crate::{Event, FrameClocks, Listener, RenderError, Shader, Work};
+use glam::Vec3;
+use lobe_core::Accuracy;
+use scene::{Frame, ShadeStats, ShadingPoints};
+
+/// A picture, or a window of one, row by row from the top, and how it was made.
+#[derive(Clone, Debug, Default)]
+pub struct Image {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Linear radiance toward the eye, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec<Vec3>,
+    /// What it is made of, where the settings ask for it.
+    pub layers: Option<Layers>,
+    /// How it was made.
+    pub stats: ImageStats,
+}
+
+/// What a picture is made of, pixel by pixel.
+#[derive(Clone, Debug, Default)]
+pub struct Layers {
+    /// Radiance without blockers.
+    pub unshadowed: Vec<Vec3>,
+    /// The part of each light.
+    pub lights: Vec<Vec<Vec3>>,
+    /// Unit shading normals, the mean of a pixel's rays.
+    pub normals: Vec<Vec3>,
+    /// Distance from the plane of the eye, infinite where nothing is seen.
+    pub depths: Vec<f32>,
+    /// Visibility lobes made.
+    pub lobes: Vec<f32>,
+    /// Lobe integrals evaluated.
+    pub products: Vec<f32>,
+}
+
+/// How a picture was made.
+#[derive(Clone, Debug, Default)]
+pub struct ImageStats {
+    /// Requested error and depth of masks.
+    pub accuracy: Accuracy,
+    /// Visible points.
+    pub points: usize,
+    /// Of each repetition of the shading.
+    pub shading: Vec<ShadeStats>,
+    /// Seconds of the frame outside shading.
+    pub clocks: FrameClocks,
+    /// Seconds of compiling kernels.
+    pub kernels: f64,
+    /// Blocker spheres.
+    pub spheres: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Resolution of each light's shadow map.
+    pub map_resolutions: Vec<u32>,
+    /// Bytes of all of them.
+    pub map_bytes: usize,
+}
+
+/// Shades a picture; the work that a strategy is chosen for.
+pub(crate) struct Shading<'a, 'w> {
+    pub(crate) frame: &'a Frame<'a>,
+    pub(crate) bands: &'a mut Bands<'w>,
+    pub(crate) repeat: u32,
+    pub(crate) layers: bool,
+    pub(crate) listener: &'a mut Listener<'a>,
+}
+
+impl Work for Shading<'_, '_> {
+    type Output = Image;
+
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Image, RenderError> {
+        let Self { frame, bands, repeat, layers, listener } = self;
+        let background = bands.world.scene().background;
+        let window = bands.window.clone();
+        let mut image = Image { size: window.size(), ..Image::default() };
+        let mut all = layers.then(|| Layers { lights: vec![Vec::new(); frame.lights.len()], ..Layers::default() });
+        // At once: a picture that finds no room is refused here, and growing would take twice the memory.
+        image.radiance.try_reserve_exact(window.columns.len() * window.rows.len())?;
+        image.stats.shading.resize(repeat as usize, ShadeStats::default());
+        let fail = |error: S::Error| -> RenderError { error.into() };
+        // Compiles what there is to compile.
+        seconds(&mut image.stats.kernels, || shader.shade(&ShadingPoints::default(), frame, &mut [])).map_err(fail)?;
+        let of = window.rows.len() as u32;
+        for rows in bands.ranges(window.rows.start as u32..window.rows.end as u32) {
+            tell(listener, Event::Rows { done: rows.start - window.rows.start as u32, of })?;
+            let g = bands.points(&window, rows);
+            let mut radiance = vec![Vec3::ZERO; g.len()];
+            for (repetition, total) in image.stats.shading.iter_mut().enumerate() {
+                *total += match &mut all {
+                    None => shader.shade(&g.points, frame, &mut radiance).map_err(fail)?,
+                    Some(all) => {
+                        let (stats, points) = shader.shade_layers(&g.points, frame, &mut radiance)?;
+                        if repetition == 0 {
+                            let count = frame.lights.len();
+                            all.unshadowed.extend(g.resolve(&points.unshadowed, background));
+                            for (l, plane) in all.lights.iter_mut().enumerate() {
+                                let part: Vec<Vec3> = points.lights.iter().skip(l).step_by(count).copied().collect();
+                                plane.extend(g.resolve(&part, Vec3::ZERO));
+                            }
+                            let numbers = |n: &[u32]| n.iter().map(|n| *n as f32).collect::<Vec<f32>>();
+                            all.lobes.extend(g.resolve(&numbers(&points.lobes), 0.0));
+                            all.products.extend(g.resolve(&numbers(&points.integrals), 0.0));
+                        }
+                        stats
+                    }
+                };
+            }
+            if let Some(all) = &mut all {
+                let normals: Vec<Vec3> = g.points.receivers.iter().map(|r| r.normal).collect();
+                all.normals.extend(g.resolve(&normals, Vec3::ZERO));
+                all.depths.extend(g.resolve(&g.depths, f32::INFINITY));
+            }
+            image.radiance.extend(g.resolve(&radiance, background));
+            image.stats.points += g.len();
+        }
+        image.layers = all;
+        Ok(image)
+    }
+}

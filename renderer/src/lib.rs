@@ -1,0 +1,52 @@
+//! The whole of it as one type: a scene goes in, radiance comes out.
+//!
+//! - [`Renderer`]: scene, strategies, spheres, frames, device and method; [`Settings`] say how, an [`Image`] comes of it.
+//! - [`Event`] and [`Listener`]: what is told while it works. Nothing is printed here, nothing exits.
+//! - Its parts, for those who put them together in another way: [`Plan`] (which strategy each object takes), [`scene_spheres`],
+//!   [`KeptSpheres`], [`FrameBlockers`], [`Backend`].
+//!
+//! The command `lobes` is a thin shell over it.
+//!
+//! ```
+//! use renderer::{Renderer, Settings};
+//! use scene::Animation;
+//! let mut scene = scene::builtin();
+//! (scene.width, scene.height) = (32, 18);
+//! let mut renderer = Renderer::new(scene, Animation::default(), Settings::default())?;
+//! let image = renderer.render()?;
+//! assert_eq!(image.radiance.len(), 32 * 18);
+//! # Ok::<(), renderer::RenderError>(())
+//! ```
+//!
+//! # Features
+//! `gpu`: shading on a GPU through wgpu. Without it nothing of wgpu is compiled.
+
+mod backend;
+mod bands;
+mod budget;
+mod clocks;
+mod error;
+mod event;
+mod frame_blockers;
+mod image;
+mod kept_spheres;
+mod plan;
+mod renderer;
+mod settings;
+mod sphere_cache;
+mod tables;
+
+pub use crate::backend::{Backend, Shader};
+pub use crate::bands::{BAND_RAYS, seconds};
+pub use crate::budget::LADDER;
+pub use crate::clocks::{Clocks, FrameClocks};
+pub use crate::error::RenderError;
+pub use crate::event::{Event, Listener};
+pub use crate::frame_blockers::{Form, FrameBlockers, Work};
+pub use crate::image::{Image, ImageStats, Layers};
+pub use crate::kept_spheres::KeptSpheres;
+pub use crate::plan::{Coarser, Plan};
+pub use crate::renderer::Renderer;
+pub use crate::settings::{Device, Method, Settings};
+pub use crate::sphere_cache::{known_set, scene_spheres};
+pub use crate::tables::paper_tables;

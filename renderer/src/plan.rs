@@ -1,0 +1,200 @@
+use crate::RenderError;
+use glam::Vec3;
+use rayon::prelude::*;
+use render_cpu::SphereSource;
+use scene::{Object, Proxy, Scene, Shape, Strategy};
+use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap};
+
+/// The finest map that is taken unless asked for.
+const FITTED: u32 = 2048;
+
+/// One strategy for each object; [`Strategy::None`] for those that block nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    objects: Vec<Strategy>,
+}
+
+impl Plan {
+    /// One strategy for all objects, or each object's own where none is given: what its scene says; else meshes by silhouettes, balls
+    /// and sets of spheres as they are.
+    #[must_use]
+    pub fn new(strategy: Option<Strategy>, scene: &Scene) -> Self {
+        let of = |o: &Object| {
+            // Exact, unless spheres are there already.
+            let usual = match (&o.proxy, &o.shape) {
+                (Proxy::Count(_), Shape::Mesh(_)) => Strategy::Silhouettes,
+                _ => Strategy::Spheres,
+            };
+            let strategy = strategy.or(o.strategy).unwrap_or(usual);
+            let blocks = match strategy {
+                Strategy::Spheres => o.proxy != Proxy::None,
+                // The true geometry also of things that nobody gave a proxy.
+                Strategy::ShadowMap | Strategy::Silhouettes | Strategy::Rays => o.visible || o.proxy != Proxy::None,
+                Strategy::None => false,
+            };
+            if blocks { strategy } else { Strategy::None }
+        };
+        Self { objects: scene.objects.iter().map(of).collect() }
+    }
+
+    /// The strategy of an object.
+    #[must_use]
+    pub fn of(&self, object: usize) -> Strategy {
+        self.objects[object]
+    }
+
+    /// Whether an object is by rays.
+    #[must_use]
+    pub fn traces(&self, object: u32) -> bool {
+        self.of(object as usize) == Strategy::Rays
+    }
+
+    /// Whether an object is by rays on a GPU: meshes by silhouettes are, too.
+    #[must_use]
+    pub fn traces_on_gpu(&self, scene: &Scene, object: u32) -> bool {
+        self.traces(object) || self.by_silhouettes(scene, object)
+    }
+
+    /// Whether every object takes this strategy.
+    #[must_use]
+    pub fn all(&self, strategy: Strategy) -> bool {
+        self.objects.iter().all(|s| *s == strategy)
+    }
+
+    /// Whether any object takes this strategy.
+    #[must_use]
+    pub fn uses(&self, strategy: Strategy) -> bool {
+        self.objects.contains(&strategy)
+    }
+
+    /// The spheres that an object blocks with: those of its proxy, or the balls that it is. Maps and silhouettes have triangles
+    /// only, so the balls of an object by them are spheres.
+    #[must_use]
+    pub fn spheres(&self, scene: &Scene, object: usize) -> SphereSource {
+        match (self.objects[object], &scene.objects[object].shape) {
+            (Strategy::Spheres, _) => SphereSource::Proxy,
+            (Strategy::ShadowMap | Strategy::Silhouettes, Shape::Spheres(_)) => SphereSource::Shape,
+            _ => SphereSource::Nothing,
+        }
+    }
+
+    /// For each object whether it blocks by its true surface, as rays and maps see it, and not by spheres.
+    #[must_use]
+    pub fn by_surfaces(&self, scene: &Scene) -> Vec<bool> {
+        let by_surface =
+            |o| self.objects[o] == Strategy::Rays || self.in_maps(scene, o) || self.by_silhouettes(scene, o as u32);
+        (0..self.objects.len()).map(by_surface).collect()
+    }
+
+    /// Whether an object's triangles block by their silhouettes.
+    #[must_use]
+    pub fn by_silhouettes(&self, scene: &Scene, object: u32) -> bool {
+        let o = object as usize;
+        self.objects[o] == Strategy::Silhouettes && matches!(scene.objects[o].shape, Shape::Mesh(_))
+    }
+
+    /// Whether an object's triangles are in the shadow maps.
+    #[must_use]
+    pub fn in_maps(&self, scene: &Scene, object: usize) -> bool {
+        self.objects[object] == Strategy::ShadowMap && matches!(scene.objects[object].shape, Shape::Mesh(_))
+    }
+
+    /// Whether there are any triangles for shadow maps.
+    #[must_use]
+    pub fn wants_maps(&self, scene: &Scene) -> bool {
+        (0..self.objects.len()).any(|o| self.in_maps(scene, o))
+    }
+
+    /// Bytes that the maps of all lights take at most, where each is one picture and none is asked to be finer: 32 a texel,
+    /// 8 of each of four layers.
+    #[must_use]
+    pub fn most_map_bytes(&self, scene: &Scene) -> u64 {
+        if self.wants_maps(scene) { scene.lights.len() as u64 * u64::from(FITTED).pow(2) * 32 } else { 0 }
+    }
+
+    /// A map for each light, for receivers in `bounds`; `resolution` as asked for, else as each light requires and as has room
+    /// in so many bytes of the device. With what there is to say where that makes them coarser.
+    ///
+    /// # Errors
+    /// [`RenderError::Map`].
+    pub fn maps(
+        &self,
+        scene: &Scene,
+        receivers: ReceiverBounds,
+        resolution: Option<u32>,
+        room: u64,
+    ) -> Result<(Vec<ShadowMap>, Option<Coarser>), RenderError> {
+        let (mut positions, mut triangles) = (Vec::<Vec3>::new(), Vec::<[u32; 3]>::new());
+        for (_, object) in scene.objects.iter().enumerate().filter(|(o, _)| self.in_maps(scene, *o)) {
+            if let Shape::Mesh(mesh) = &object.shape {
+                let first = positions.len() as u32;
+                positions.extend_from_slice(&mesh.positions);
+                triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
+            }
+        }
+        let options = MapOptions { receivers: Some(receivers), ..MapOptions::default() };
+        let draw = |finest: u32| -> Result<Vec<ShadowMap>, RenderError> {
+            let map = |light| match resolution {
+                Some(resolution) => {
+                    ShadowMap::build(&positions, &triangles, light, &MapOptions { resolution, ..options })
+                }
+                None => ShadowMap::fitted(&positions, &triangles, light, &MapOptions { resolution: finest, ..options }),
+            };
+            Ok(scene.lights.par_iter().map(|l| map(l.ball)).collect::<Result<_, _>>()?)
+        };
+        let mut maps = draw(FITTED)?;
+        // Which objects cast comes before them.
+        let bytes = |maps: &[ShadowMap]| {
+            maps.iter().map(ShadowMap::packed_bytes).sum::<u64>() + 4 * (1 + self.objects.len().div_ceil(32)) as u64
+        };
+        let finest = |maps: &[ShadowMap]| maps.iter().map(ShadowMap::resolution).max().unwrap_or(0);
+        let (wanted, needed) = (finest(&maps), bytes(&maps));
+        let mut most = wanted;
+        // What is asked for is not changed: the device refuses it.
+        while resolution.is_none() && bytes(&maps) > room && most > MapOptions::MIN_RESOLUTION {
+            let share = (room as f64 / bytes(&maps) as f64).sqrt().min(0.95);
+            most = ((f64::from(most) * share) as u32).max(MapOptions::MIN_RESOLUTION);
+            maps = draw(most)?;
+        }
+        let coarser = (most < wanted).then(|| Coarser { wanted, needed, room, drawn: finest(&maps) });
+        Ok((maps, coarser))
+    }
+}
+
+/// Maps that are coarser than their lights want, since the device has no room for finer ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Coarser {
+    /// Texels a side that were wanted, of the finest map.
+    pub wanted: u32,
+    /// Bytes that those take.
+    pub needed: u64,
+    /// Bytes that there are.
+    pub room: u64,
+    /// Texels a side that are taken.
+    pub drawn: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_have_room_unless_their_resolution_is_asked_for() {
+        let scene = scene::builtin();
+        let plan = Plan::new(Some(Strategy::ShadowMap), &scene);
+        let receivers = ReceiverBounds { min: Vec3::new(-3.0, 0.0, -3.0), max: Vec3::new(3.0, 2.0, 3.0) };
+        let bytes = |maps: &[ShadowMap]| maps.iter().map(ShadowMap::packed_bytes).sum::<u64>();
+        let draw = |resolution, room| plan.maps(&scene, receivers, resolution, room).expect("maps");
+        let (wanted, said) = draw(None, u64::MAX);
+        assert_eq!((wanted.len(), said), (scene.lights.len(), None));
+        for share in [2, 100] {
+            let room = bytes(&wanted) / share;
+            let (maps, said) = draw(None, room);
+            assert!(bytes(&maps) <= room && 4 * bytes(&maps) > room, "{} of {room}", bytes(&maps));
+            let finest = maps.iter().map(ShadowMap::resolution).max().expect("maps");
+            assert!(said.is_some_and(|said| said.drawn == finest && said.room == room), "{said:?}");
+        }
+        let (asked, said) = draw(Some(512), 1000);
+        assert!(bytes(&asked) > 1000 && said.is_none() && asked.iter().all(|map| map.resolution() == 512));
+    }
+}

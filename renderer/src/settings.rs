@@ -1,0 +1,75 @@
+use lobe_core::Accuracy;
+use scene::Strategy;
+use std::path::PathBuf;
+
+/// In which form visibility meets reflectance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Method {
+    /// The closed integral of each reflectance lobe over the light, times the lobe's *visible fraction*: the sum of the lobe over
+    /// the mask. The fastest, and the closest to the reference.
+    #[default]
+    Moments,
+    /// The same with visibility as a sum of lobes, cut from the mask's quad-tree, whose products with the reflectance lobe are
+    /// integrated in closed form.
+    Lobes,
+    /// The paper as printed: least-squares lobes, tabulated products.
+    Paper,
+}
+
+/// What computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Device {
+    /// All cores of the CPU.
+    #[default]
+    Cpu,
+    /// The strongest graphics adapter, a software one where there is no other. Needs the feature `gpu`.
+    Gpu,
+}
+
+/// What a [`Renderer`](crate::Renderer) is asked for, beside the scene.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// How all objects block light; `None`: each as its scene says, else by what suits it.
+    pub strategy: Option<Strategy>,
+    /// In which form visibility meets reflectance.
+    pub method: Method,
+    /// What computes.
+    pub device: Device,
+    /// Requested error, and the depth of the masks.
+    pub accuracy: Accuracy,
+    /// The best accuracy whose frame takes at most so many milliseconds instead, measured before the first frame.
+    pub time_budget: Option<f32>,
+    /// Contributions whose radiance is below this are dropped.
+    pub threshold: f32,
+    /// Camera rays a pixel.
+    pub samples: u32,
+    /// Texels a side of each light's shadow map; `None`: what the light's width takes.
+    pub map_resolution: Option<u32>,
+    /// Whether pictures come with their layers ([`Layers`](crate::Layers)); on the CPU.
+    pub layers: bool,
+    /// How many times each picture is shaded, to be timed.
+    pub repeat: u32,
+    /// Folder of sphere sets of earlier runs; `None`: nothing is read or kept.
+    pub cache: Option<PathBuf>,
+}
+
+impl Default for Settings {
+    /// Every object by what suits it, on the CPU, within 0.5 %, a ray a pixel, no cache.
+    fn default() -> Self {
+        Self {
+            strategy: None,
+            method: Method::Moments,
+            device: Device::Cpu,
+            accuracy: Accuracy::default(),
+            time_budget: None,
+            threshold: 0.0,
+            samples: 1,
+            map_resolution: None,
+            layers: false,
+            repeat: 1,
+            cache: None,
+        }
+    }
+}

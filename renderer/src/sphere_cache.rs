@@ -1,0 +1,145 @@
+use crate::event::tell;
+use crate::{Event, Listener, Plan, RenderError};
+use core::ops::ControlFlow;
+use glam::Mat4;
+use pictures::{ImageFileError, Output, checksum};
+use render_cpu::{BlockersError, SceneSpheres, SphereSource};
+use scene::{Animation, Mesh, Object, Proxy, Scene, Shape};
+use sphere_sets::{BuildError, BuildOptions, SetQuality, SphereSet};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use xxhash_rust::xxh3::Xxh3;
+
+/// The blocker spheres of those objects that the plan gives some; the scene is at its first moment. Sets are read from the
+/// `cache`, and kept there.
+///
+/// # Errors
+/// [`RenderError::Blockers`], [`RenderError::Cancelled`].
+pub fn scene_spheres(
+    scene: &mut Scene,
+    animation: &Animation,
+    plan: &Plan,
+    cache: Option<&Path>,
+    listener: &mut Listener<'_>,
+) -> Result<SceneSpheres, RenderError> {
+    if let Some(folder) = cache {
+        fill(scene, plan, folder, listener)?;
+    }
+    let source = |object| plan.spheres(scene, object);
+    // What takes long was done before, but where nothing could be kept.
+    let mut fits = Fits::default();
+    let set =
+        SceneSpheres::new(scene, Some(animation), source, &mut |object, done| fits.report(object, done, listener));
+    let set = match set {
+        Err(BlockersError::Build { source: BuildError::Cancelled, .. }) => return Err(RenderError::Cancelled),
+        other => other?,
+    };
+    for (object, error) in set.silhouette_errors().filter(|(_, e)| *e > SetQuality::UNSUITABLE) {
+        tell(listener, Event::PoorFit { object: &scene.objects[object].name, error })?;
+    }
+    Ok(set)
+}
+
+/// Fits whose number of spheres is not known here.
+#[derive(Default)]
+struct Fits;
+
+impl Fits {
+    fn report(&mut self, object: &str, done: f32, listener: &mut Listener<'_>) -> ControlFlow<()> {
+        listener(Event::Fitting { object, spheres: 0, done })
+    }
+}
+
+/// Builds the sphere sets that the scene's objects ask for, or finds them among those of earlier runs, and lets the
+/// objects refer to their files. Where nothing can be stored the scene is left as it is.
+fn fill(scene: &mut Scene, plan: &Plan, folder: &Path, listener: &mut Listener<'_>) -> Result<(), RenderError> {
+    let built = |o: &Object| matches!((&o.proxy, &o.shape), (Proxy::Count(_), Shape::Mesh(_)));
+    let by_proxy = |number: usize| plan.spheres(scene, number) == SphereSource::Proxy;
+    let wanted: Vec<usize> = (0..scene.objects.len()).filter(|n| by_proxy(*n) && built(&scene.objects[*n])).collect();
+    if wanted.is_empty() {
+        return Ok(());
+    }
+    for number in wanted {
+        let object = &mut scene.objects[number];
+        let (Proxy::Count(count), Shape::Mesh(mesh)) = (&object.proxy, &object.shape) else { continue };
+        let key = key(mesh, *count);
+        let path = match find(folder, &key, listener)? {
+            Some((path, _)) => path,
+            None => {
+                let set = build(&object.name, mesh, *count, listener)?;
+                // A full disk: the set is built a second time where blockers are made.
+                let Ok(path) = store(folder, &key, &set) else { return Ok(()) };
+                path
+            }
+        };
+        // Made for the mesh as it stands.
+        object.proxy = Proxy::File { path, placement: Mat4::IDENTITY };
+    }
+    Ok(())
+}
+
+/// The set of an earlier run that is kept in a folder, if there is one.
+#[must_use]
+pub fn known_set(mesh: &Mesh, count: usize, cache: &Path) -> Option<SphereSet> {
+    find(cache, &key(mesh, count), &mut |_| ControlFlow::Continue(())).ok()?.map(|(_, set)| set)
+}
+
+/// The file of a set and the set. One whose content is not what its name says is told of and removed.
+fn find(folder: &Path, key: &str, listener: &mut Listener<'_>) -> Result<Option<(PathBuf, SphereSet)>, RenderError> {
+    let begin = format!("{key}.");
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(None) };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let Some(sum) = name.to_str().and_then(|n| n.strip_prefix(&begin)?.strip_suffix(".json")) else { continue };
+        let path = entry.path();
+        let Ok(bytes) = fs::read(&path) else { continue };
+        let text = (checksum(&bytes) == sum).then_some(bytes).and_then(|bytes| String::from_utf8(bytes).ok());
+        match text.and_then(|text| SphereSet::from_json(&text).ok()) {
+            Some(set) => return Ok(Some((path, set))),
+            None => {
+                tell(listener, Event::DamagedSet { path: &path })?;
+                let _ = fs::remove_file(path);
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// Of all that decides the set: the builder's version, the mesh and the count. The same on every machine.
+fn key(mesh: &Mesh, count: usize) -> String {
+    let mut hash = Xxh3::new();
+    hash.update(&(SphereSet::BUILDER as u64).to_le_bytes());
+    hash.update(&(count as u64).to_le_bytes());
+    hash.update(&(mesh.positions.len() as u64).to_le_bytes());
+    for position in &mesh.positions {
+        position.to_array().iter().for_each(|x| hash.update(&x.to_bits().to_le_bytes()));
+    }
+    mesh.triangles.iter().flatten().for_each(|i| hash.update(&i.to_le_bytes()));
+    format!("{:016x}", hash.digest())
+}
+
+fn build(object: &str, mesh: &Mesh, spheres: usize, listener: &mut Listener<'_>) -> Result<SphereSet, RenderError> {
+    let start = Instant::now();
+    let options = BuildOptions::new(spheres);
+    let set = SphereSet::build_with_progress(&mesh.positions, &mesh.triangles, &options, &mut |done| {
+        listener(Event::Fitting { object, spheres, done })
+    });
+    let set = match set {
+        Err(BuildError::Cancelled) => return Err(RenderError::Cancelled),
+        other => other.map_err(|source| BlockersError::Build { object: object.to_owned(), source })?,
+    };
+    tell(listener, Event::Fitted { object, spheres, seconds: start.elapsed().as_secs_f64() })?;
+    Ok(set)
+}
+
+/// Writes a set under a name that has its checksum.
+fn store(folder: &Path, key: &str, set: &SphereSet) -> Result<PathBuf, ImageFileError> {
+    let text = set.to_json();
+    let path = folder.join(format!("{key}.{}.json", checksum(text.as_bytes())));
+    let failed = |source| ImageFileError::Io { path: path.clone(), source };
+    fs::create_dir_all(folder).map_err(failed)?;
+    Output::create(&path)?.finish(|file| file.write_all(text.as_bytes()).map_err(failed))?;
+    Ok(path)
+}
