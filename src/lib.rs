@@ -18,6 +18,7 @@ pub use lighting;
 pub use lobe_core;
 pub use pictures;
 pub use render_cpu;
+#[cfg(feature = "gpu")]
 pub use render_gpu;
 pub use renderer;
 pub use scene;

@@ -3,6 +3,7 @@ use crate::metallic_roughness::normal_reflectance;
 use crate::{Lafortune, Material, MetallicRoughness};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
+use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
 
 /// The models that occur among some materials: what a shader needs the code of.
 ///
@@ -99,6 +100,20 @@ impl PackedMaterials {
             max_lobes = max_lobes.max(lobes);
         }
         Self { words, models: Models::of(materials), max_lobes }
+    }
+}
+
+impl GpuMaterials for Material {
+    fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
+        let PackedMaterials { words, models, max_lobes } = PackedMaterials::new(materials);
+        let names: Vec<&str> = models.names().collect();
+        GpuMaterialSet {
+            name: if names.is_empty() { "no materials".to_owned() } else { names.join(" + ") },
+            wgsl: crate::wgsl::compose(models),
+            words,
+            max_lobes,
+            is_lambert: names.iter().all(|name| *name == "lambert"),
+        }
     }
 }
 

@@ -1,4 +1,5 @@
 use glam::Vec3;
+use lobe_core::gpu::GpuLight;
 use lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight, cone_lobe};
 
 /// A ball that emits the same radiance in all directions from all of its surface.
@@ -49,5 +50,14 @@ impl LightLobes for SphereLight {
 
     fn tile_light(&self, _: &[Receiver], tile: &Tile, out: &mut TileLight) {
         out.ball(tile, self.ball, self.radiance);
+    }
+}
+
+impl GpuLight for SphereLight {
+    const NAME: &'static str = "sphere lights";
+    const WGSL: &'static str = include_str!("sphere_light.wgsl");
+
+    fn gpu_radiance(&self) -> [f32; 3] {
+        self.radiance.to_array()
     }
 }

@@ -6,7 +6,7 @@
 //! - moment lobes, which keep a function's total and mean vector exactly ([`cone_lobe`],
 //!   [`product_lobe`], [`mixture_lobe`]);
 //! - the three sources of lobes ([`BrdfLobes`], [`LightLobes`], [`VisibilityLobes`]) and the [`Integrator`] that puts
-//!   them together;
+//!   them together; [`gpu`]: what they bring to a GPU;
 //! - [`paper`]: the least-squares lobes and the product table of the paper that this project starts from.
 //!
 //! # Conventions
@@ -27,6 +27,7 @@ mod compact;
 #[cfg(any(test, feature = "oracle"))]
 pub mod conformance;
 mod geometry;
+pub mod gpu;
 mod integrator;
 pub mod lanes;
 mod lobe;

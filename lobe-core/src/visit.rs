@@ -12,9 +12,11 @@ use crate::{
 /// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
 /// let light = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
 /// let shaft = Shaft { receivers: Sphere::default(), light, id: LightId(0) };
-/// let mut visit = Visit::enter(&Unshadowed, &shaft, Accuracy::default(), &mut ());
+/// let mut scratch = Unshadowed.scratch();
+/// let mut visit = Visit::enter(&Unshadowed, &shaft, Accuracy::default(), &mut scratch);
 /// assert_eq!(visit.entered(), Coverage::Lit);
-/// assert!(matches!(visit.look(&at, &Cone::of_sphere(at.position, light)), Look::Lit));
+/// let cone = Cone::of_sphere(at.position, light);
+/// assert!(matches!(visit.look(&at, &cone), Look::Lit));
 /// ```
 #[derive(Debug)]
 pub struct Visit<'v, V: VisibilityLobes + ?Sized> {

@@ -23,6 +23,8 @@ pub(crate) enum Slot {
     Normals,
     /// A page of the shadow maps.
     Maps(u32),
+    /// A buffer of somebody's own blockers.
+    Own(u32),
 }
 
 impl Slot {
@@ -45,6 +47,8 @@ impl Slot {
             Self::Primitives => 14,
             Self::Normals => 15,
             Self::Maps(page) => Pages::binding(page),
+            // Pages do not reach so far.
+            Self::Own(number) => 512 + number,
         }
     }
 }

@@ -48,7 +48,7 @@ impl GpuReceiver {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct GpuFrame {
-    /// Centre and radius.
+    /// The ball around the light: centre and radius.
     pub(crate) light: [f32; 4],
     pub(crate) radiance: [f32; 3],
     pub(crate) tolerance: f32,
@@ -61,4 +61,6 @@ pub(crate) struct GpuFrame {
     /// 2.
     pub(crate) rounds: u32,
     pub(crate) pad0: u32,
+    /// What else the kind of light is told by.
+    pub(crate) shape: [[f32; 4]; 2],
 }

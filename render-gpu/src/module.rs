@@ -5,7 +5,7 @@ use crate::kernel::{
     Binding, Slot,
 };
 use crate::{kernels, wgsl};
-use brdf::Models;
+use lobe_core::gpu::GpuMaterialSet;
 use lobe_core::wgsl as lobes;
 use visibility_mask::{Fineness, wgsl as masks};
 use visibility_shadowmap::{Pages, wgsl as maps};
@@ -15,13 +15,18 @@ use visibility_spheres::wgsl as spheres;
 pub(crate) const LIST_BYTES: u64 = 4 * visibility_spheres::LIST_WORDS as u64;
 
 /// What the kernels of a frame depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Variant {
     pub(crate) depth: u32,
     /// What broad lobes and narrow ones see.
     pub(crate) fineness: [Fineness; 2],
-    pub(crate) models: Models,
+    /// The materials, but for their words.
+    pub(crate) materials: GpuMaterialSet,
+    /// Name and text of the kind of light.
+    pub(crate) light: [&'static str; 2],
     pub(crate) strategies: Strategies,
+    /// Somebody's own strategies.
+    pub(crate) own: Vec<OwnText>,
     /// By the paper's method, and not by moments.
     pub(crate) paper: bool,
 }
@@ -34,6 +39,29 @@ pub(crate) struct Strategies {
     pub(crate) maps: Option<Pages>,
     /// Size of the stack of shadow rays.
     pub(crate) rays: Option<u32>,
+}
+
+/// The texts of somebody's own strategy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct OwnText {
+    pub(crate) name: &'static str,
+    pub(crate) shared: String,
+    pub(crate) coverage: String,
+    pub(crate) splat: String,
+    pub(crate) has_edges: bool,
+    /// Number, name and type of its buffers.
+    pub(crate) buffers: Vec<(u32, &'static str, &'static str)>,
+}
+
+impl OwnText {
+    /// The declarations of its buffers.
+    fn declarations(&self) -> String {
+        let declare = |(number, name, element): &(u32, &str, &str)| {
+            let binding = Slot::Own(*number).binding();
+            format!("@group(0) @binding({binding}) var<storage, read> {name}: array<{element}>;\n")
+        };
+        self.buffers.iter().map(declare).collect()
+    }
 }
 
 impl Strategies {
@@ -72,22 +100,22 @@ impl Variant {
     /// The buffers of the kernels that shade.
     fn bindings(&self) -> Vec<Binding> {
         let tables: &[Binding] = if self.paper { &[(Slot::Tables, Read)] } else { &[] };
-        [SHADED.as_slice(), &self.strategies.bindings(), tables].concat()
+        let own: Vec<Binding> =
+            self.own.iter().flat_map(|own| &own.buffers).map(|(number, ..)| (Slot::Own(*number), Read)).collect();
+        [SHADED.as_slice(), &self.strategies.bindings(), &own, tables].concat()
     }
 
     /// The purpose of the kernel, in words.
     fn name(&self) -> String {
-        let strategies: Vec<&str> = self.strategies.calls().collect();
+        let strategies: Vec<&str> = self.strategies.calls().chain(self.own.iter().map(|own| own.name)).collect();
         let strategies = if strategies.is_empty() { "no blockers".to_owned() } else { strategies.join(" + ") };
-        let models: Vec<&str> = self.models.names().collect();
-        let models = if models.is_empty() { "no materials".to_owned() } else { models.join(" + ") };
         let method = if self.paper { ", paper" } else { "" };
-        format!("{strategies}, {models}, depth {}{method}", self.depth)
+        format!("{strategies}, {}, depth {}{method}", self.materials.name, self.depth)
     }
 
-    /// Whether all reflectance is Lambert's.
-    fn is_lambert(&self) -> bool {
-        self.models.names().all(|name| name == "lambert")
+    /// Whether anything blocks.
+    pub(crate) fn is_blocked(&self) -> bool {
+        self.strategies.any() || !self.own.is_empty()
     }
 }
 
@@ -156,11 +184,11 @@ const SHADED: [Binding; 5] = [
 
 /// What every point sees of a light.
 pub(crate) fn classify(variant: &Variant) -> Text {
-    let reflectance = brdf::wgsl::compose(variant.models);
+    let reflectance = &variant.materials.wgsl;
     let (integral, kernel) = if variant.paper {
         (lobes::PAPER, kernels::PAPER_CLASSIFY)
     } else {
-        (if variant.is_lambert() { lobes::CAP_LAMBERT } else { lobes::CAP }, kernels::CLASSIFY)
+        (if variant.materials.is_lambert { lobes::CAP_LAMBERT } else { lobes::CAP }, kernels::CLASSIFY)
     };
     let strategies = variant.strategies;
     let all = strategies.calls().map(|name| match name {
@@ -168,9 +196,10 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         "rays" => "coverage = max(coverage, rays_coverage(at, cone));",
         _ => "coverage = max(coverage, maps_coverage(at, cone));",
     });
+    let own = variant.own.iter().map(|own| format!("coverage = max(coverage, {}_coverage(tile, at, cone));", own.name));
+    let all: String = all.map(str::to_owned).chain(own).collect();
     let hook = format!(
-        "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {{ var coverage = LIT; {} return coverage; }}",
-        all.collect::<String>()
+        "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {{ var coverage = LIT; {all} return coverage; }}"
     );
     let (stack, words) = (stack(strategies), strategies.words());
     let mut pieces = vec![
@@ -182,7 +211,8 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         lobes::GEOMETRY,
         lobes::LOBE,
         integral,
-        &reflectance,
+        reflectance,
+        variant.light[1],
         &hook,
         kernel,
     ];
@@ -192,8 +222,12 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
     }
-    if strategies.calls().next().is_some() {
+    if variant.is_blocked() {
         pieces.push(masks::FACET);
+    }
+    let declarations: Vec<String> = variant.own.iter().map(OwnText::declarations).collect();
+    for (own, declarations) in variant.own.iter().zip(&declarations) {
+        pieces.extend([own.shared.as_str(), declarations, &own.coverage]);
     }
     if strategies.maps.is_some() {
         pieces.extend([masks::SQUARE, words.as_str(), maps::COMMON, maps::COVERAGE]);
@@ -203,9 +237,9 @@ pub(crate) fn classify(variant: &Variant) -> Text {
 
 /// What the points in a penumbra see.
 pub(crate) fn penumbra(variant: &Variant) -> Text {
-    let reflectance = brdf::wgsl::compose(variant.models);
+    let reflectance = &variant.materials.wgsl;
     let [broad, narrow] = variant.fineness;
-    let header = match (variant.paper, variant.is_lambert()) {
+    let header = match (variant.paper, variant.materials.is_lambert) {
         (true, _) => masks::paper_header(variant.depth),
         (false, true) => masks::header(variant.depth, broad),
         (false, false) => masks::header_of_lobes(variant.depth, broad, narrow),
@@ -216,13 +250,16 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         "rays" => "edges += rays_edges(lane, at, light, window);",
         _ => "",
     });
-    let edges: String = edges.collect();
+    let own = variant.own.iter().filter(|own| own.has_edges);
+    let own = own.map(|own| format!("edges += {}_edges(lane, tile, at, light, window);", own.name));
+    let edges: String = edges.map(str::to_owned).chain(own).collect();
     let splats = strategies.calls().map(|name| match name {
         "spheres" => "spheres_splat(lane, tile, at, light, mask);",
         "rays" => "rays_splat(lane, at, light, mask);",
         _ => "maps_splat(lane, at, light, mask);",
     });
-    let splats: String = splats.collect();
+    let own = variant.own.iter().map(|own| format!("{}_splat(lane, tile, at, light, mask);", own.name));
+    let splats: String = splats.map(str::to_owned).chain(own).collect();
     let (stack, words) = (stack(strategies), strategies.words());
     let hooks = format!(
         "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {{ \
@@ -236,7 +273,8 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         lobes::SPECIAL,
         lobes::GEOMETRY,
         lobes::LOBE,
-        &reflectance,
+        reflectance,
+        variant.light[1],
         &header,
         masks::SQUARE,
         masks::MASK,
@@ -247,7 +285,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     if variant.paper {
         pieces.extend([lobes::PAPER, masks::PAPER, kernels::PAPER_PENUMBRA]);
     } else {
-        let shares = if variant.is_lambert() { masks::LAMBERT } else { masks::LOBES };
+        let shares = if variant.materials.is_lambert { masks::LAMBERT } else { masks::LOBES };
         pieces.extend([masks::SHARE, masks::VISIBILITY, shares, kernels::PENUMBRA]);
     }
     if strategies.spheres {
@@ -264,8 +302,12 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     if strategies.rays.is_some() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS, masks::CONTOUR, wgsl::RAYS_SPLAT]);
     }
-    if strategies.calls().next().is_some() {
+    if variant.is_blocked() {
         pieces.push(masks::FACET);
+    }
+    let declarations: Vec<String> = variant.own.iter().map(OwnText::declarations).collect();
+    for (own, declarations) in variant.own.iter().zip(&declarations) {
+        pieces.extend([own.shared.as_str(), declarations, &own.splat]);
     }
     if strategies.maps.is_some() {
         pieces.extend([words.as_str(), maps::COMMON, maps::SPLAT]);

@@ -3,6 +3,9 @@
 use super::*;
 use crate::kernel::Access;
 use crate::layout::GpuFrame;
+use brdf::Models;
+use lighting::SphereLight;
+use lobe_core::gpu::GpuLight as _;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, StorageAccess, TypeInner};
 
@@ -40,6 +43,15 @@ fn check(name: &str, text: &Text) -> naga::Module {
     module
 }
 
+const LIGHT: [&str; 2] = [SphereLight::NAME, SphereLight::WGSL];
+
+/// Materials of these models.
+fn set(models: Models) -> GpuMaterialSet {
+    let (name, wgsl) = (models.names().collect::<Vec<_>>().join(" + "), brdf::wgsl::compose(models));
+    let is_lambert = name == "lambert";
+    GpuMaterialSet { name, wgsl, words: Vec::new(), max_lobes: 0, is_lambert }
+}
+
 fn variants() -> impl Iterator<Item = Variant> {
     let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b11, 0b1_1111].map(Models::from_bits);
     let strategies = [(true, false), (false, true), (true, true), (false, false)];
@@ -52,8 +64,10 @@ fn variants() -> impl Iterator<Item = Variant> {
                 [(0.001, false), (0.003, false), (0.01, false), (0.003, true)].map(move |(tolerance, paper)| Variant {
                     depth,
                     fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
-                    models,
+                    materials: set(models),
+                    light: LIGHT,
                     strategies,
+                    own: Vec::new(),
                     paper,
                 })
             })
@@ -77,11 +91,13 @@ fn a_kernel_has_only_what_its_scene_uses() {
     let lambert = Variant {
         depth: 5,
         fineness: [Fineness::FINE; 2],
-        models: Models::from_bits(1),
+        materials: set(Models::from_bits(1)),
+        light: LIGHT,
+        own: Vec::new(),
         strategies: Strategies { spheres: true, maps: None, rays: None },
         paper: false,
     };
-    let unshadowed = Variant { strategies: Strategies::default(), ..lambert };
+    let unshadowed = Variant { strategies: Strategies::default(), ..lambert.clone() };
     let text = classify(&unshadowed).text;
     assert!(!text.contains("slab") && !text.contains("spheres_") && !text.contains("phong"), "one closed integral");
     let text = penumbra(&lambert).text;
@@ -109,7 +125,8 @@ fn the_frame_is_laid_out_as_in_rust() {
         block_count,
         map,
         rounds,
-        pad0
+        pad0,
+        shape
     );
     assert_eq!(offsets, rust);
 }

@@ -1,10 +1,11 @@
 use crate::kernel::{Kernel, Slot};
 use crate::memory::Memory;
-use crate::module::{self, Strategies};
+use crate::module::{self, OwnText, Strategies};
 use crate::{Gpu, GpuError, GpuPose, GpuWorld};
 use core::num::NonZeroU64;
 use glam::Mat4;
 use lobe_core::LightId;
+use lobe_core::gpu::GpuBlockers;
 use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers};
 use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
 use wgpu::BufferUsages;
@@ -18,6 +19,8 @@ pub struct Occlusion<'a> {
     pub maps: Option<&'a ShadowMapBlockers>,
     /// The `rays` strategy: everything there. Given anew after each of its updates.
     pub rays: Option<&'a GpuWorld>,
+    /// Strategies that this crate does not know.
+    pub own: &'a [&'a dyn GpuBlockers],
 }
 
 /// Blockers on the GPU.
@@ -35,6 +38,8 @@ pub(crate) struct Blockers {
     moved: bool,
     packed_maps: Option<PackedMaps>,
     maps: Memory,
+    own: Vec<OwnText>,
+    own_buffers: Vec<Memory>,
 }
 
 impl Default for Blockers {
@@ -51,6 +56,8 @@ impl Default for Blockers {
             moved: false,
             packed_maps: None,
             maps: Memory::new("shadow maps", storage).paged(),
+            own: Vec::new(),
+            own_buffers: Vec::new(),
         }
     }
 }
@@ -84,8 +91,41 @@ impl Blockers {
                 self.bound = Some(Kernel::new(gpu, &module::bounds())?);
             }
         }
+        self.own.clear();
+        self.own = self.hold_own(gpu, occlusion.own)?;
         self.strategies = strategies;
         Ok(())
+    }
+
+    /// The texts of somebody's own strategies, whose buffers are uploaded.
+    fn hold_own(&mut self, gpu: &Gpu, own: &[&dyn GpuBlockers]) -> Result<Vec<OwnText>, GpuError> {
+        let (mut texts, mut count) = (Vec::new(), 0);
+        for blockers in own {
+            let mut buffers = Vec::new();
+            for buffer in blockers.buffers() {
+                if count == self.own_buffers.len() {
+                    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+                    self.own_buffers.push(Memory::new("own blockers", usage));
+                }
+                self.own_buffers[count].hold(gpu, bytemuck::cast_slice(&buffer.words))?;
+                buffers.push((count as u32, buffer.name, buffer.element));
+                count += 1;
+            }
+            texts.push(OwnText {
+                name: blockers.name(),
+                shared: blockers.shared(),
+                coverage: blockers.coverage(),
+                splat: blockers.splat(),
+                has_edges: blockers.has_edges(),
+                buffers,
+            });
+        }
+        Ok(texts)
+    }
+
+    /// Somebody's own strategies.
+    pub(crate) fn own(&self) -> &[OwnText] {
+        &self.own
     }
 
     /// Moves the spheres that follow bones.
@@ -124,6 +164,7 @@ impl Blockers {
             Slot::Nodes => self.world.as_ref().map(|[nodes, _]| nodes.as_entire_buffer_binding()),
             Slot::Primitives => self.world.as_ref().map(|[_, all]| all.as_entire_buffer_binding()),
             Slot::Maps(page) => self.page(page),
+            Slot::Own(number) => self.own_buffers.get(number as usize).and_then(Memory::whole),
             _ => None,
         }
     }

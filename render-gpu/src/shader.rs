@@ -8,10 +8,10 @@ use crate::module::{self, Variant};
 use crate::occlusion::{Blockers, Occlusion};
 use crate::paper::Paper;
 use crate::{Gpu, GpuError, GpuPose};
-use brdf::{Material, Models, PackedMaterials};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
-use lobe_core::{LightId, Method};
+use lobe_core::gpu::{GpuLight, GpuMaterialSet, GpuMaterials};
+use lobe_core::{Accuracy, LightId, Method};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 use visibility_mask::{Fineness, MAX_DEPTH};
@@ -49,7 +49,7 @@ const FRAME_STRIDE: u64 = 256;
 /// use scene::{Frame, Shade, ShadingPoints};
 /// let gpu = Gpu::blocking(&GpuOptions::default())?;
 /// let mut shader = GpuShader::new(&gpu, Occlusion::default())?;
-/// let frame = Frame { materials: &[], lights: &[], accuracy: Accuracy::new(0.003), threshold: 0.0 };
+/// let frame: Frame<'_> = Frame { materials: &[], lights: &[], accuracy: Accuracy::new(0.003), threshold: 0.0 };
 /// shader.shade(&ShadingPoints::default(), &frame, &mut [])?;
 /// # Ok::<(), render_gpu::GpuError>(())
 /// ```
@@ -62,8 +62,7 @@ pub struct GpuShader {
     /// The paper's method, where that is asked for.
     paper: Option<Paper>,
     materials: Memory,
-    /// The materials that were packed last, and the most lobes that one has.
-    packed_of: Vec<Material>,
+    /// The most lobes that a material has.
     max_lobes: u32,
     frames: Memory,
     queue: Memory,
@@ -100,7 +99,6 @@ impl GpuShader {
             kernels: Vec::new(),
             paper: None,
             materials: Memory::new("materials", storage),
-            packed_of: Vec::new(),
             max_lobes: 0,
             frames: Memory::new("lights", storage | BufferUsages::UNIFORM),
             queue: Memory::new("queue", storage | BufferUsages::COPY_SRC),
@@ -172,22 +170,24 @@ impl GpuShader {
     }
 
     /// The kernels for a frame, compiled if they are new.
-    fn kernels(&mut self, frame: &Frame<'_>) -> Result<usize, GpuError> {
+    fn kernels<L: GpuLight>(&mut self, accuracy: Accuracy, materials: GpuMaterialSet) -> Result<usize, GpuError> {
         let variant = Variant {
-            depth: frame.accuracy.depth.clamp(1, MAX_DEPTH),
+            depth: accuracy.depth.clamp(1, MAX_DEPTH),
             fineness: match self.paper {
-                None => [Fineness::broad(frame.accuracy.tolerance), Fineness::narrow(frame.accuracy.tolerance)],
+                None => [Fineness::broad(accuracy.tolerance), Fineness::narrow(accuracy.tolerance)],
                 Some(_) => [Fineness::FINE; 2],
             },
-            models: Models::of(frame.materials),
+            materials,
+            light: [L::NAME, L::WGSL],
             strategies: self.blockers.strategies(),
+            own: self.blockers.own().to_vec(),
             paper: self.paper.is_some(),
         };
         if let Some(known) = self.kernels.iter().position(|(known, _)| *known == variant) {
             return Ok(known);
         }
         let make = |text: module::Text| Kernel::new(&self.gpu, &text);
-        let blocked = variant.strategies.any();
+        let blocked = variant.is_blocked();
         let kernels = Kernels {
             cull: variant.strategies.spheres.then(|| make(module::cull())).transpose()?,
             classify: make(module::classify(&variant))?,
@@ -199,18 +199,15 @@ impl GpuShader {
     }
 
     /// What does not depend on the slice: kernels, materials; returns the kernels' number and the words of a queue item.
-    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(usize, u64), GpuError> {
+    fn prepare<M: GpuMaterials, L: GpuLight>(&mut self, frame: &Frame<'_, M, L>) -> Result<(usize, u64), GpuError> {
         if let Some(paper) = &mut self.paper {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
-        let kernels = self.kernels(frame)?;
-        self.materials.sized(&self.gpu, 0)?;
-        if self.packed_of != frame.materials {
-            let packed = PackedMaterials::new(frame.materials);
-            self.materials.hold(&self.gpu, bytemuck::cast_slice(&packed.words))?;
-            self.max_lobes = packed.max_lobes;
-            self.packed_of = frame.materials.to_vec();
-        }
+        let mut set = M::gpu_set(frame.materials);
+        self.materials.hold(&self.gpu, bytemuck::cast_slice(&core::mem::take(&mut set.words)))?;
+        // Of another set with the same kernels there may be more.
+        self.max_lobes = core::mem::take(&mut set.max_lobes);
+        let kernels = self.kernels::<L>(frame.accuracy, set)?;
         Ok((kernels, 1 + u64::from(self.max_lobes)))
     }
 
@@ -223,9 +220,9 @@ impl GpuShader {
     ///
     /// # Errors
     /// [`GpuError`], but never [`GpuError::LoopsCut`]: nobody waits for it here.
-    pub fn submit(
+    pub fn submit<M: GpuMaterials, L: GpuLight>(
         &mut self,
-        frame: &Frame<'_>,
+        frame: &Frame<'_, M, L>,
         points: &wgpu::Buffer,
         count: u32,
         radiance: &wgpu::Buffer,
@@ -243,13 +240,15 @@ impl GpuShader {
     }
 
     /// One uniform a light.
-    fn uniforms(&self, frame: &Frame<'_>, part: &Part<'_>) -> Vec<u8> {
+    fn uniforms<M, L: GpuLight>(&self, frame: &Frame<'_, M, L>, part: &Part<'_>) -> Vec<u8> {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
         let (sphere_count, block_count) = (self.blockers.sphere_count(), self.blockers.block_count());
         for ((number, light), bytes) in (0..).zip(frame.lights).zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
+            let bounds = light.bounds();
             let uniform = GpuFrame {
-                light: light.ball.center.extend(light.ball.radius).to_array(),
-                radiance: light.radiance.to_array(),
+                light: bounds.center.extend(bounds.radius).to_array(),
+                radiance: light.gpu_radiance(),
+                shape: light.gpu_shape(),
                 tolerance: frame.accuracy.tolerance,
                 threshold: frame.threshold,
                 point_count: part.count as u32,
@@ -266,7 +265,12 @@ impl GpuShader {
     }
 
     /// The commands for one slice.
-    fn record(&mut self, kernels: usize, frame: &Frame<'_>, part: &Part<'_>) -> Result<wgpu::CommandEncoder, GpuError> {
+    fn record<M, L: GpuLight>(
+        &mut self,
+        kernels: usize,
+        frame: &Frame<'_, M, L>,
+        part: &Part<'_>,
+    ) -> Result<wgpu::CommandEncoder, GpuError> {
         let gpu = self.gpu.clone();
         let tiles = part.count.div_ceil(TILE);
         let uniforms = self.uniforms(frame, part);
@@ -390,12 +394,17 @@ struct Part<'a> {
     radiance: &'a wgpu::Buffer,
 }
 
-impl Shade for GpuShader {
+impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
     type Error = GpuError;
 
     /// # Panics
     /// When `out` is not as long as the points.
-    fn shade(&mut self, points: &ShadingPoints, frame: &Frame<'_>, out: &mut [Vec3]) -> Result<ShadeStats, GpuError> {
+    fn shade(
+        &mut self,
+        points: &ShadingPoints,
+        frame: &Frame<'_, M, L>,
+        out: &mut [Vec3],
+    ) -> Result<ShadeStats, GpuError> {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
         let start = Instant::now();
         let mut stats = ShadeStats::default();

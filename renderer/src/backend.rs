@@ -109,7 +109,7 @@ impl GpuBackend {
             }
         }
         self.shader.set_method(method);
-        self.shader.occlude(Occlusion { spheres, maps, rays: self.world.as_ref() })?;
+        self.shader.occlude(Occlusion { spheres, maps, rays: self.world.as_ref(), own: &[] })?;
         Ok(&mut self.shader)
     }
 }

@@ -1,5 +1,5 @@
 // What each point sees of one light: all of it, and its radiance is added; nothing; or a part, and the point is queued with
-// its integrals. As `Integrator::by_moments`. 64 threads, one tile. Needs frame.wgsl, queue.wgsl, brdf's lobes,
+// its integrals. As `Integrator::by_moments`. 64 threads, one tile. Needs frame.wgsl, the light's text, queue.wgsl, brdf's lobes,
 // `cap_integral`, points.wgsl, tiles.wgsl and `blockers_coverage(tile, at, cone)`.
 
 // `MaskVisibility::coverage`, before any mask is made.
@@ -18,7 +18,8 @@ fn classify_point(tile: u32, point: u32) {
     if (at.material == NO_MATERIAL) {
         return;
     }
-    let cone = cone_of_sphere(at.position, frame.light);
+    let cone = light_cone(at);
+    let bright = light_radiance(at);
     let lobes = brdf_lobe_count(at.material);
     var sum = vec3f(0.0);
     var coverage = UNKNOWN;
@@ -31,7 +32,7 @@ fn classify_point(tile: u32, point: u32) {
             integral = cap_integral(at, lobe, cone);
             count(INTEGRALS);
         }
-        let unshadowed = lobe.flux * frame.radiance * integral;
+        let unshadowed = lobe.flux * bright * integral;
         let brightest = max(max(unshadowed.x, unshadowed.y), unshadowed.z);
         if (brightest > frame.threshold) {
             if (coverage == UNKNOWN) {

@@ -1,6 +1,6 @@
 // One light of one frame, for the points of a slice. The same struct as `layout::GpuFrame`.
 struct Frame {
-    // Centre and radius.
+    // The ball around the light: centre and radius.
     light: vec4f,
     radiance: vec3f,
     tolerance: f32,
@@ -15,6 +15,8 @@ struct Frame {
     // 2: what a loop that nobody ends early comes to.
     rounds: u32,
     pad0: u32,
+    // What else the kind of light is told by.
+    shape: array<vec4f, 2>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

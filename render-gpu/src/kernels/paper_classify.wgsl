@@ -1,5 +1,5 @@
 // `classify` by the paper's method, as `Integrator::by_paper`: the product of reflectance and light comes from the table. A
-// point is queued where any blocker may shade it, umbra included. Needs frame.wgsl, queue.wgsl, points.wgsl, tiles.wgsl,
+// point is queued where any blocker may shade it, umbra included. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, tiles.wgsl,
 // brdf's lobes, paper.wgsl of lobe-core and `blockers_coverage(tile, at, cone)`.
 
 fn classify_point(tile: u32, point: u32) {
@@ -7,8 +7,8 @@ fn classify_point(tile: u32, point: u32) {
     if (at.material == NO_MATERIAL) {
         return;
     }
-    let cone = cone_of_sphere(at.position, frame.light);
-    let light = paper_light_lobe(cone, frame.radiance);
+    let cone = light_cone(at);
+    let light = paper_light_lobe(cone, light_radiance(at));
     let lobes = brdf_lobe_count(at.material);
     var sum = vec3f(0.0);
     var coverage = UNKNOWN;

@@ -1,5 +1,5 @@
 // One queued point, one workgroup, by the paper's method: shadow nodes of the light's square, a lobe each. As
-// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, queue.wgsl, points.wgsl, lighting's pieces and paper.wgsl,
+// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, lighting's pieces and paper.wgsl,
 // that of lobe-core, brdf's lobes and `blockers_splat(lane, tile, at, light, mask)`.
 
 @compute @workgroup_size(LANES)
@@ -15,7 +15,7 @@ fn penumbra(
     let queued = queue_point(item);
     let point = queued & ~HIDDEN;
     let at = points[point];
-    let light = cone_of_sphere(at.position, frame.light);
+    let light = light_cone(at);
     let square = square_facing(light, vec3f(1.0, 0.0, 0.0));
     let mask = mask_reset(square, lane, square.axis);
     if (decide(lane, (queued & HIDDEN) != 0u)) {
@@ -25,7 +25,7 @@ fn penumbra(
     }
     paper_tree(lane);
     let nodes = paper_count(lane);
-    let light_lobe = paper_light_lobe(light, frame.radiance);
+    let light_lobe = paper_light_lobe(light, light_radiance(at));
     var sum = vec3f(0.0);
     var integrals = 0u;
     var pruned = 0u;

@@ -1,5 +1,5 @@
 // One queued point, one workgroup: its mask of one light, and what each of its reflectance lobes sees of it. As
-// `Integrator::by_moments`. Needs frame.wgsl, queue.wgsl, points.wgsl, lighting's pieces, brdf's lobes and the strategies.
+// `Integrator::by_moments`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, lighting's pieces, brdf's lobes and the strategies.
 
 @compute @workgroup_size(LANES)
 fn penumbra(
@@ -14,13 +14,14 @@ fn penumbra(
     let point = queue_point(item);
     let tile = point / 64u;
     let at = points[point];
-    let light = cone_of_sphere(at.position, frame.light);
+    let light = light_cone(at);
+    let bright = light_radiance(at);
     let window = visibility_window(lane, tile, at, light);
     let coverage = visibility_coverage(lane);
     var sum = vec3f(0.0);
     for (var k = 0u; k + 1u < frame.queue_stride; k++) {
         let lobe = brdf_lobe(at.material, at, k);
-        let unshadowed = lobe.flux * frame.radiance * queue_integral(item, k);
+        let unshadowed = lobe.flux * bright * queue_integral(item, k);
         let brightest = max(max(unshadowed.x, unshadowed.y), unshadowed.z);
         let is_seen = k < brdf_lobe_count(at.material) && brightest > frame.threshold;
         if (decide(lane, is_seen && coverage == PARTIAL)) {

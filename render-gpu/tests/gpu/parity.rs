@@ -220,7 +220,7 @@ fn of_shadow_maps(gpu: &Gpu) {
 
         let mixture = Mixture::new(maps.clone(), view.spheres.clone());
         let want = view.cpu(MaskVisibility::new(mixture), &frame);
-        let both = Occlusion { spheres: Some(&view.spheres), maps: Some(&maps), rays: None };
+        let both = Occlusion { spheres: Some(&view.spheres), maps: Some(&maps), ..Occlusion::default() };
         shader.occlude(both).expect("room for them");
         assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
     }

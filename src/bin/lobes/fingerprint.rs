@@ -1,12 +1,12 @@
 use std::fmt::{self, Debug, Write};
-use std::hash::{DefaultHasher, Hasher};
+use xxhash_rust::xxh3::Xxh3;
 
-/// A number that tells what it was fed with: the same for the same, wherever it runs; other builds may give another.
-pub(crate) struct Fingerprint(DefaultHasher);
+/// A number that tells what it was fed with: the same for the same, wherever it runs.
+pub(crate) struct Fingerprint(Xxh3);
 
 impl Fingerprint {
     pub(crate) fn new() -> Self {
-        Self(DefaultHasher::new())
+        Self(Xxh3::new())
     }
 
     /// Adds all that the value's debug form shows.
@@ -17,19 +17,19 @@ impl Fingerprint {
     }
 
     pub(crate) fn bytes(mut self, bytes: &[u8]) -> Self {
-        self.0.write_usize(bytes.len());
-        self.0.write(bytes);
+        self.0.update(&(bytes.len() as u64).to_le_bytes());
+        self.0.update(bytes);
         self
     }
 
     pub(crate) fn value(&self) -> u64 {
-        self.0.finish()
+        self.0.digest()
     }
 }
 
 impl Write for Fingerprint {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0.write(text.as_bytes());
+        self.0.update(text.as_bytes());
         Ok(())
     }
 }

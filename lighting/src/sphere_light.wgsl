@@ -1,0 +1,5 @@
+// A ball of the same radiance everywhere, as `SphereLight`. Needs frame.wgsl of render-gpu and lobe-core's geometry.
+
+fn light_cone(at: Receiver) -> Cone { return cone_of_sphere(at.position, frame.light); }
+
+fn light_radiance(at: Receiver) -> vec3f { return frame.radiance; }

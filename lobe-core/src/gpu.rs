@@ -1,0 +1,125 @@
+//! What materials, lights and blockers bring to a GPU: WGSL text, and the words that it reads. Nothing here knows a graphics
+//! library; `render-gpu` puts the parts together, the built-in ones and anybody's own alike.
+//!
+//! A text may call what [`wgsl`](crate::wgsl) defines (`GEOMETRY`, `LOBE`, `SPECIAL`) and reads the light from `frame`: `frame.light`
+//! (the light's [bounds](crate::LightLobes::bounds)), `frame.radiance`, `frame.shape`. Names start with that of the part, so that parts do not
+//! collide.
+
+use crate::{BrdfLobes, LightLobes};
+use core::fmt::Debug;
+
+/// Materials as kernels read them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GpuMaterialSet {
+    /// The models that occur, in words: part of a kernel's name.
+    pub name: String,
+    /// Defines `fn brdf_lobe_count(material: u32) -> u32` and `fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe`: the lobes of
+    /// [`brdf_lobes`](BrdfLobes::brdf_lobes) in the same order, with a flux of 0 where a receiver has less. Both read `materials`, an
+    /// `array<u32>`, which render-gpu declares.
+    pub wgsl: String,
+    /// What `materials` holds. Not empty.
+    pub words: Vec<u32>,
+    /// The largest number of lobes of a material.
+    pub max_lobes: u32,
+    /// Whether all lobes are Lambert's: exponent 1 about the normal. Kernels are smaller then.
+    pub is_lambert: bool,
+}
+
+/// Materials that a GPU can shade.
+///
+/// ```
+/// use glam::Vec3;
+/// use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
+/// use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
+///
+/// /// Reflects back to where the light came from, in a colour.
+/// struct Retro(Vec3);
+///
+/// impl BrdfLobes for Retro {
+///     fn max_lobes(&self) -> usize {
+///         1
+///     }
+///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+///         out.push(Lobe::with_flux(at.view, 40.0, self.0))
+///     }
+/// }
+///
+/// impl GpuMaterials for Retro {
+///     fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
+///         let wgsl = "fn brdf_lobe_count(material: u32) -> u32 { return 1u; }
+///             fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe {
+///                 let color = vec3u(materials[3u * material], materials[3u * material + 1u], materials[3u * material + 2u]);
+///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), 0.0);
+///             }";
+///         let words = materials.iter().flat_map(|m| m.0.to_array()).map(f32::to_bits).collect();
+///         GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, is_lambert: false }
+///     }
+/// }
+/// ```
+pub trait GpuMaterials: BrdfLobes + Sized {
+    /// All of a frame's materials, numbered as in the list.
+    fn gpu_set(materials: &[Self]) -> GpuMaterialSet;
+}
+
+/// A kind of light that a GPU can shade with.
+pub trait GpuLight: LightLobes {
+    /// The kind, in a word: part of a kernel's name.
+    const NAME: &'static str;
+
+    /// Defines `fn light_cone(at: Receiver) -> Cone` and `fn light_radiance(at: Receiver) -> vec3f`: as
+    /// [`cone`](LightLobes::cone) and [`radiance`](LightLobes::radiance).
+    const WGSL: &'static str;
+
+    /// What `frame.radiance` holds.
+    fn gpu_radiance(&self) -> [f32; 3];
+
+    /// What `frame.shape` holds, an `array<vec4f, 2>`. Nothing by default.
+    fn gpu_shape(&self) -> [[f32; 4]; 2] {
+        [[0.0; 4]; 2]
+    }
+}
+
+/// A buffer that kernels read: `var<storage, read> NAME: array<ELEMENT>`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GpuBuffer {
+    /// Its name in WGSL; starts with that of its part.
+    pub name: &'static str,
+    /// Type of its elements in WGSL: `u32`, `vec4f`, or a struct of the part's text.
+    pub element: &'static str,
+    /// What it holds. Not empty.
+    pub words: Vec<u32>,
+}
+
+/// Blockers that a GPU can shade with.
+///
+/// # Functions
+/// With NAME for [`name`](Self::name):
+/// - of [`coverage`](Self::coverage): `fn NAME_coverage(tile: u32, at: Receiver, cone: Cone) -> u32`, one thread a receiver: `LIT`, `PARTIAL` or
+///   `DARK`, as the `select` of `Blockers`;
+/// - of [`splat`](Self::splat): `fn NAME_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask)`, one thread a row of the mask, by the
+///   functions of visibility-mask's `mask.wgsl`: `mask_block_span` and others. No barriers;
+/// - where [`has_edges`](Self::has_edges), of the same: `fn NAME_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f`, a thread's part of the
+///   sum of edges.
+pub trait GpuBlockers: Debug + Sync {
+    /// What the names of its functions and buffers start with.
+    fn name(&self) -> &'static str;
+
+    /// What both texts share: structs, constants, functions.
+    fn shared(&self) -> String {
+        String::new()
+    }
+
+    /// The text of `NAME_coverage`.
+    fn coverage(&self) -> String;
+
+    /// The text of `NAME_splat`, and of `NAME_edges` where there is one.
+    fn splat(&self) -> String;
+
+    /// Whether masks are turned across its edges.
+    fn has_edges(&self) -> bool {
+        false
+    }
+
+    /// What its functions read, as of now.
+    fn buffers(&self) -> Vec<GpuBuffer>;
+}
