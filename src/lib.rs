@@ -14,6 +14,7 @@
 //! ```
 
 pub use brdf;
+pub use glam;
 pub use lighting;
 pub use lobe_core;
 pub use pictures;

@@ -37,6 +37,8 @@
 //! # Scope
 //! Out of scope here: textures, transmission, emission, interreflection.
 
+#[cfg(feature = "oracle")]
+pub mod conformance;
 mod error;
 mod ggx;
 #[cfg(test)]

@@ -18,7 +18,8 @@
 //! ```
 //! use lobe_core::conformance::{Limits, Setting, check};
 //! use lobe_core::Unshadowed;
-//! let broken = check(&|_: &Setting<'_>| Unshadowed, &Limits::default()).unwrap_err();
+//! let report = check(&|_: &Setting<'_>| Unshadowed, &Limits::default()).unwrap_err();
+//! let broken = &report.broken[0];
 //! assert_eq!(broken.property, "full cover is dark");
 //! assert_eq!(broken.exceeded.map(|e| (e.field, e.value, e.limit)), Some(("cover", 1.0, 0.0)));
 //! ```
@@ -103,14 +104,18 @@
 //! };
 //! let measured = check(&|s: &Setting<'_>| Rays(s.balls.to_vec()), &limits)?;
 //! assert_eq!((measured.cover, measured.order), (0.0, 0.0));
-//! # Ok::<(), lobe_core::conformance::Broken>(())
+//! # Ok::<(), lobe_core::conformance::Report>(())
 //! ```
 
 mod case;
 mod exact;
+mod lights;
 mod properties;
+mod run;
 
+pub use self::lights::{LightLimits, check_light};
 pub use self::properties::check;
+pub use self::run::Run;
 
 use crate::{Sphere, VisibilityLobes};
 use glam::Vec3;
@@ -232,14 +237,34 @@ pub struct Measured {
     pub jump_several: f64,
 }
 
-/// The first property that a strategy does not keep.
+/// Every property that a strategy does not keep.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// One entry a property, in the order in which they were tried.
+    pub broken: Vec<Broken>,
+}
+
+impl core::fmt::Display for Report {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        for (i, broken) in self.broken.iter().enumerate() {
+            write!(f, "{}{broken}", if i == 0 { "" } else { "\n" })?;
+        }
+        Ok(())
+    }
+}
+
+impl core::error::Error for Report {}
+
+/// A property that a strategy does not keep.
 #[derive(Clone, Debug)]
 pub struct Broken {
     /// Which one.
     pub property: &'static str,
     /// The limit that was exceeded, where the property has one.
     pub exceeded: Option<Exceeded>,
-    /// The case, and what came out: all of it, of which `Display` shows the beginning.
+    /// In how many cases.
+    pub times: u32,
+    /// The worst case, and what came out: all of it, of which `Display` shows the beginning.
     pub case: String,
 }
 
@@ -256,7 +281,7 @@ pub struct Exceeded {
 
 impl core::fmt::Display for Broken {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{}: ", self.property)?;
+        write!(f, "{} ({} times): ", self.property, self.times)?;
         if let Some(Exceeded { field, value, limit }) = self.exceeded {
             write!(f, "{value:.3e} is above Limits::{field}, {limit:.3e}: ")?;
         }

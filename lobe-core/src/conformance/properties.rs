@@ -1,7 +1,7 @@
 //! The properties, one function each.
 
 use super::case::{Ball, Case, FAR, Use, WIDE};
-use super::{Broken, Exceeded, Limits, Measured, Subject};
+use super::{Limits, Measured, Report, Run, Subject};
 use crate::oracle::Random;
 use crate::{Coverage, LobesFull};
 use core::f64::consts::PI;
@@ -13,48 +13,31 @@ const CROWDED: usize = 6;
 /// Runs the whole suite; deterministic.
 ///
 /// # Errors
-/// [`Broken`]: the first property that does not hold, with the case.
-pub fn check(subject: &impl Subject, limits: &Limits) -> Result<Measured, Broken> {
+/// [`Report`]: every property that does not hold, each with its worst case.
+pub fn check(subject: &impl Subject, limits: &Limits) -> Result<Measured, Report> {
     let mut random = Random::new(4);
-    let mut measured = Measured::default();
-    nothing_blocks(subject, limits, &mut random, &mut measured)?;
-    full_cover(subject, limits, &mut random, &mut measured)?;
-    overlaps(subject, limits, &mut random, &mut measured)?;
-    several(subject, limits, &mut random, &mut measured)?;
-    slivers(subject, limits, &mut random)?;
-    many_balls(subject, limits, &mut random, &mut measured)?;
-    motion(subject, limits, &mut random, &mut measured)?;
-    motion_of_several(subject, limits, &mut random, &mut measured)?;
-    Ok(measured)
-}
-
-fn ensure(holds: bool, property: &'static str, case: impl FnOnce() -> String) -> Result<(), Broken> {
-    if holds { Ok(()) } else { Err(Broken { property, exceeded: None, case: case() }) }
-}
-
-/// The same for a value and the field of [`Limits`] that it must not exceed.
-fn within(
-    value: f64,
-    (field, limit): (&'static str, f64),
-    property: &'static str,
-    case: impl FnOnce() -> String,
-) -> Result<(), Broken> {
-    let exceeded = Some(Exceeded { field, value, limit });
-    if value <= limit { Ok(()) } else { Err(Broken { property, exceeded, case: case() }) }
+    let mut run = Run::default();
+    nothing_blocks(subject, limits, &mut random, &mut run);
+    full_cover(subject, limits, &mut random, &mut run);
+    overlaps(subject, limits, &mut random, &mut run);
+    several(subject, limits, &mut random, &mut run);
+    slivers(subject, limits, &mut random, &mut run);
+    many_balls(subject, limits, &mut random, &mut run);
+    motion(subject, limits, &mut random, &mut run);
+    motion_of_several(subject, limits, &mut random, &mut run);
+    let Run { measured, broken } = run;
+    if broken.is_empty() { Ok(measured) } else { Err(Report { broken }) }
 }
 
 /// No balls, and balls that no ray to the light meets.
-fn nothing_blocks(
-    subject: &impl Subject,
-    limits: &Limits,
-    random: &mut Random,
-    out: &mut Measured,
-) -> Result<(), Broken> {
+fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
     for _ in 0..limits.cases {
         let mut case = Case::random(random);
         for how in [Use::Fresh, Use::Entered, Use::Boxed] {
             let (coverage, _) = case.share(subject, how);
-            ensure(coverage == Coverage::Lit, "no blocker is lit at no cost", || format!("{coverage:?} of {case:?}"))?;
+            out.ensure(coverage == Coverage::Lit, "no blocker is lit at no cost", || {
+                format!("{coverage:?} of {case:?}")
+            });
         }
         let theta = case.cone().1;
         for i in 0..4 {
@@ -76,18 +59,19 @@ fn nothing_blocks(
         }
         let beside = case.balls.remove(0);
         let (_, share) = case.share(subject, Use::Fresh);
-        ensure(share == 1.0, "what is behind receiver or light blocks nothing", || format!("V = {share} in {case:?}"))?;
+        out.ensure(share == 1.0, "what is behind receiver or light blocks nothing", || {
+            format!("V = {share} in {case:?}")
+        });
         case.balls = vec![beside];
         let dark = 1.0 - f64::from(case.share(subject, Use::Fresh).1);
-        within(dark, ("beside", limits.beside), "what is beside blocks nothing", || {
+        out.within(dark, ("beside", limits.beside), "what is beside blocks nothing", || {
             format!("1 - V = {dark} in {case:?}")
-        })?;
-        out.beside = out.beside.max(dark);
+        });
+        out.measured.beside = out.measured.beside.max(dark);
     }
-    Ok(())
 }
 
-fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
     for _ in 0..limits.cases {
         let mut case = Case::random(random);
         let theta = case.cone().1;
@@ -97,11 +81,10 @@ fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
         case.balls.push(case.ball(random, size, off, distance));
         for how in [Use::Fresh, Use::Entered, Use::Boxed] {
             let share = f64::from(case.share(subject, how).1);
-            within(share, ("cover", limits.cover), "full cover is dark", || format!("V = {share} in {case:?}"))?;
-            out.cover = out.cover.max(share);
+            out.within(share, ("cover", limits.cover), "full cover is dark", || format!("V = {share} in {case:?}"));
+            out.measured.cover = out.measured.cover.max(share);
         }
     }
-    Ok(())
 }
 
 /// A light of half-angle `theta` straight above a diffuse receiver. What a Lambert lobe weighs differently within it is
@@ -121,7 +104,7 @@ fn closed_sizes(theta: f64) -> [f64; 6] {
     [0.3 * theta, theta, 3.0 * theta, 0.5, 1.2, 1.5]
 }
 
-fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
     let (mut sum, mut count) = (0.0, 0);
     for theta in [0.005, 0.035] {
         for size in closed_sizes(theta) {
@@ -132,22 +115,21 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
                 case.balls.push(case.ball(random, size, off, distance));
                 let (_, share) = case.share(subject, Use::Fresh);
                 let error = (f64::from(share) - case.closed()).abs();
-                within(error, ("overlap", limits.overlap), "overlap of two discs", || {
+                out.within(error, ("overlap", limits.overlap), "overlap of two discs", || {
                     format!("V = {share}, closed {} in {case:?}", case.closed())
-                })?;
-                out.overlap = out.overlap.max(error);
+                });
+                out.measured.overlap = out.measured.overlap.max(error);
                 (sum, count) = (sum + error, count + 1);
             }
         }
     }
-    out.overlap_mean = sum / f64::from(count.max(1));
-    within(out.overlap_mean, ("overlap_mean", limits.overlap_mean), "mean overlap of two discs", || {
-        format!("{}", out.overlap_mean)
-    })
+    out.measured.overlap_mean = sum / f64::from(count.max(1));
+    let mean = out.measured.overlap_mean;
+    out.within(mean, ("overlap_mean", limits.overlap_mean), "mean overlap of two discs", || format!("{mean}"));
 }
 
 /// Two to five balls, any light, any lobe, also through the horizon; every [`CROWDED`]th time a crowd of small ones as well.
-fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
     let mut sum = 0.0;
     for k in 0..limits.cases {
         let mut case = if k % CROWDED == 1 { Case::lit_by(random, WIDE) } else { Case::random(random) };
@@ -159,20 +141,19 @@ fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
         }
         let (share, exact) = (f64::from(case.share(subject, Use::Fresh).1), case.exact());
         let error = (share - exact).abs();
-        within(error, ("several", limits.several), "several balls against quadrature", || {
+        out.within(error, ("several", limits.several), "several balls against quadrature", || {
             format!("V = {share}, exactly {exact} in {case:?}")
-        })?;
-        out.several = out.several.max(error);
+        });
+        out.measured.several = out.measured.several.max(error);
         sum += error;
     }
-    out.several_mean = sum / limits.cases.max(1) as f64;
-    within(out.several_mean, ("several_mean", limits.several_mean), "mean of several balls", || {
-        format!("{}", out.several_mean)
-    })
+    out.measured.several_mean = sum / limits.cases.max(1) as f64;
+    let mean = out.measured.several_mean;
+    out.within(mean, ("several_mean", limits.several_mean), "mean of several balls", || format!("{mean}"));
 }
 
 /// A ball that hides next to nothing of the light, or next to all of it.
-fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random) -> Result<(), Broken> {
+fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
     for k in 0..4 * limits.cases {
         let mut case = Case::random(random);
         let theta = case.cone().1;
@@ -187,13 +168,12 @@ fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random) -> Resu
         let distance = random.between(0.5, 0.4 * FAR);
         case.balls.push(case.ball(random, size, off, distance));
         let (_, share) = case.share(subject, Use::Fresh);
-        ensure((0.0..=1.0).contains(&share), "V is in [0, 1] at slivers", || format!("V = {share} in {case:?}"))?;
+        out.ensure((0.0..=1.0).contains(&share), "V is in [0, 1] at slivers", || format!("V = {share} in {case:?}"));
     }
-    Ok(())
 }
 
 /// Range, scratch, dispatch, overflow, monotony, order, rotation: one to five balls at random, now and then before a crowd.
-fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
     for k in 0..limits.cases {
         let mut case = Case::random(random);
         let mut last = 1.0;
@@ -204,7 +184,7 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
         for _ in 0..1 + random.bits() % 5 {
             case.balls.push(case.blocker(random));
             let (coverage, share) = case.share(subject, Use::Fresh);
-            ensure((0.0..=1.0).contains(&share), "V is in [0, 1]", || format!("V = {share} in {case:?}"))?;
+            out.ensure((0.0..=1.0).contains(&share), "V is in [0, 1]", || format!("V = {share} in {case:?}"));
             for (how, property) in [
                 (Use::Used, "used scratch changes nothing"),
                 (Use::Entered, "enter changes nothing"),
@@ -212,38 +192,37 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
                 (Use::Threads, "threads change nothing"),
             ] {
                 let (_, again) = case.share(subject, how);
-                ensure(share == again, property, || format!("V = {share}, then {again} in {case:?}"))?;
+                out.ensure(share == again, property, || format!("V = {share}, then {again} in {case:?}"));
             }
             if coverage == Coverage::Partial {
                 let full = case.overflow(subject);
-                ensure(matches!(full, None | Some(Err(LobesFull))), "overflow is an error", || {
+                out.ensure(matches!(full, None | Some(Err(LobesFull))), "overflow is an error", || {
                     format!("{full:?} in {case:?}")
-                })?;
+                });
             }
             let brighter = f64::from(share) - last;
-            within(brighter, ("brighter", limits.brighter), "a further blocker never brightens", || {
+            out.within(brighter, ("brighter", limits.brighter), "a further blocker never brightens", || {
                 format!("V from {last} to {share} in {case:?}")
-            })?;
-            out.brighter = out.brighter.max(brighter);
+            });
+            out.measured.brighter = out.measured.brighter.max(brighter);
             last = f64::from(share);
         }
         let mut reversed = case.clone();
         reversed.balls.reverse();
         let (_, share) = reversed.share(subject, Use::Fresh);
         let change = (f64::from(share) - last).abs();
-        within(change, ("order", limits.order), "order does not matter", || {
+        out.within(change, ("order", limits.order), "order does not matter", || {
             format!("V = {last}, reversed {share} in {case:?}")
-        })?;
-        out.order = out.order.max(change);
+        });
+        out.measured.order = out.measured.order.max(change);
         let turn = DQuat::from_axis_angle(random.axis(), random.between(0.0, PI));
         let (_, share) = case.turned(turn).share(subject, Use::Fresh);
         let change = (f64::from(share) - last).abs();
-        within(change, ("turn", limits.turn), "turning everything changes nothing", || {
+        out.within(change, ("turn", limits.turn), "turning everything changes nothing", || {
             format!("V = {last}, turned {share} in {case:?}")
-        })?;
-        out.turn = out.turn.max(change);
+        });
+        out.measured.turn = out.measured.turn.max(change);
     }
-    Ok(())
 }
 
 /// What moves in a sweep.
@@ -255,7 +234,7 @@ enum Moves {
 }
 
 /// One ball passes the light in small steps, or the light or the receiver moves instead.
-fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Measured) -> Result<(), Broken> {
+fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
     let theta = 0.035;
     for k in 0..limits.cases / 3 {
         let size = closed_sizes(theta)[k / 4 % 6];
@@ -268,19 +247,13 @@ fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mu
         let center = start.position + (axis * size.cos() + along * size.sin()) * distance;
         start.balls.push(Ball { center, radius: distance * size.sin() });
         let moves = [Moves::Ball, Moves::Light, Moves::Receiver][(k / 4 + k) % 3];
-        let jump = sweep(subject, &start, moves, along, 1.2, ("jump", limits.jump), Case::closed)?;
-        out.jump = out.jump.max(jump);
+        let jump = sweep(subject, &start, moves, along, 1.2, ("jump", limits.jump), Case::closed, out);
+        out.measured.jump = out.measured.jump.max(jump);
     }
-    Ok(())
 }
 
 /// The same with two or three balls, any light and lobe: they take turns at being the largest.
-fn motion_of_several(
-    subject: &impl Subject,
-    limits: &Limits,
-    random: &mut Random,
-    out: &mut Measured,
-) -> Result<(), Broken> {
+fn motion_of_several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
     for k in 0..limits.cases / 3 {
         let mut start = Case::random(random);
         for _ in 0..2 + k % 2 {
@@ -288,14 +261,14 @@ fn motion_of_several(
         }
         let along = random.axis_at(start.cone().0, 0.5 * PI);
         let moves = [Moves::Ball, Moves::Light, Moves::Receiver][k % 3];
-        let jump = sweep(subject, &start, moves, along, 0.4, ("jump_several", limits.jump_several), Case::exact)?;
-        out.jump_several = out.jump_several.max(jump);
+        let jump = sweep(subject, &start, moves, along, 0.4, ("jump_several", limits.jump_several), Case::exact, out);
+        out.measured.jump_several = out.measured.jump_several.max(jump);
     }
-    Ok(())
 }
 
 /// Largest change of V in a step that the exact one does not make, while something moves by `± reach` half-angles of the
 /// light in steps of a hundredth of one.
+#[expect(clippy::too_many_arguments, reason = "a case and how it moves")]
 fn sweep(
     subject: &impl Subject,
     start: &Case,
@@ -304,7 +277,8 @@ fn sweep(
     reach: f64,
     limit: (&'static str, f64),
     exact: impl Fn(&Case) -> f64,
-) -> Result<f64, Broken> {
+    out: &mut Run,
+) -> f64 {
     let theta = start.cone().1;
     let distance = start.balls[0].center.distance(start.position);
     let steps = (200.0 * reach * 2.0 / 3.0) as u32;
@@ -326,12 +300,12 @@ fn sweep(
         let now = (f64::from(case.share(subject, Use::Fresh).1), exact(&case));
         if let Some((share, truth)) = last {
             let jump = ((now.0 - share) - (now.1 - truth)).abs();
-            within(jump, limit, "nothing pops", || {
+            out.within(jump, limit, "nothing pops", || {
                 format!("V from {share} to {}, exactly from {truth} to {} as {moves:?} moves in {case:?}", now.0, now.1)
-            })?;
+            });
             largest = largest.max(jump);
         }
         last = Some(now);
     }
-    Ok(largest)
+    largest
 }

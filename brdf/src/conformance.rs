@@ -1,0 +1,210 @@
+//! What every reflectance model has to keep, as a suite that anyone can run on their own (feature `oracle`).
+
+use crate::Brdf;
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use glam::{DVec3, Vec3};
+use lobe_core::conformance::{Report, Run};
+use lobe_core::oracle::Random;
+use lobe_core::{LobeBuffer, OWN_NONE, Receiver, Tile, TileLobes};
+
+/// How far a model may be off.
+#[derive(Clone, Copy, Debug)]
+pub struct BrdfLimits {
+    /// How much more than it receives it may reflect, relative.
+    pub energy: f64,
+    /// Relative difference of `f_r` when light and eye change places; infinite for a model that is not reciprocal.
+    pub reciprocity: f64,
+    /// Difference of the sum of lobes from [`eval`](Brdf::eval), as a share of the largest value.
+    pub lobes: f64,
+    /// Relative difference of the energy that drawn directions carry from that of `eval`.
+    pub sampling: f64,
+}
+
+impl Default for BrdfLimits {
+    /// Those of a model whose lobes are the model.
+    fn default() -> Self {
+        Self { energy: 1e-3, reciprocity: 1e-4, lobes: 1e-4, sampling: 0.05 }
+    }
+}
+
+/// What [`check`] measured; the fields are those of [`BrdfLimits`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeasuredBrdf {
+    /// The largest reflected share of what comes from one direction.
+    pub energy: f64,
+    /// See [`BrdfLimits::reciprocity`].
+    pub reciprocity: f64,
+    /// See [`BrdfLimits::lobes`].
+    pub lobes: f64,
+    /// See [`BrdfLimits::sampling`].
+    pub sampling: f64,
+}
+
+/// Rows and columns of the hemisphere that energy is summed over: errors below 1e-3 for exponents up to some hundred.
+const GRID: [u32; 2] = [128, 256];
+
+/// Directions that are drawn for each view.
+const DRAWN: u32 = 20_000;
+
+/// Tries a model from views straight above to grazing: nothing is NaN or negative, the horizon is dark, energy, reciprocity, lobes
+/// against `eval`, drawn directions against `eval`, and tiles against single receivers, bit for bit.
+///
+/// # Errors
+/// [`Report`]: every property that does not hold, each with its worst case.
+///
+/// ```
+/// use brdf::conformance::{BrdfLimits, check};
+/// use brdf::{Lambert, Phong};
+/// use glam::Vec3;
+/// check(&Lambert { albedo: Vec3::splat(0.8) }, &BrdfLimits::default()).unwrap();
+/// // The original Phong model is not reciprocal.
+/// let phong = Phong { kd: Vec3::ZERO, ks: Vec3::splat(0.1), exponent: 20.0 };
+/// let report = check(&phong, &BrdfLimits::default()).unwrap_err();
+/// assert_eq!(report.broken[0].property, "light and eye change places");
+/// ```
+pub fn check<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Report> {
+    let (mut run, mut random, mut measured) = (Run::default(), Random::new(5), MeasuredBrdf::default());
+    let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
+    let (t, b) = normal.any_orthonormal_pair();
+    let around = 0.6 * t + 0.8 * b;
+    let toward = |angle: f32| normal * angle.cos() + around * angle.sin();
+    let receiver = |view: Vec3| Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
+    let mut receivers = Vec::new();
+    for angle in [0.0_f32, 0.3, 0.8, 1.2, 1.5] {
+        let at = receiver(toward(angle).normalize());
+        receivers.push(at);
+        lobes(model, &at, limits, &mut random, &mut run, &mut measured);
+        energy(model, &at, limits, &mut random, &mut run, &mut measured);
+        // f_r of the pair, both ways.
+        for _ in 0..200 {
+            let v = above(&mut random, normal);
+            let (cos, back) = (normal.dot(v), normal.dot(at.view));
+            if cos < 1e-2 || back < 1e-2 {
+                continue;
+            }
+            let there = model.eval(&at, v).as_dvec3() / f64::from(cos);
+            let swapped = model.eval(&receiver(v), at.view).as_dvec3() / f64::from(back);
+            let size = there.max(swapped).max_element().max(1e-6);
+            let error = (there - swapped).abs().max_element() / size;
+            measured.reciprocity = measured.reciprocity.max(error);
+            run.within(error, ("reciprocity", limits.reciprocity), "light and eye change places", || {
+                format!("{there} and {swapped} for {v} and {}", at.view)
+            });
+        }
+    }
+    // From below the horizon nothing must break.
+    receivers.push(receiver(toward(1.65).normalize()));
+    tiles(model, &receivers, &mut run);
+    run.end().map(|()| measured)
+}
+
+/// A direction above the horizon.
+fn above(random: &mut Random, normal: Vec3) -> Vec3 {
+    let off = random.between(0.0, FRAC_PI_2 - 1e-3);
+    random.axis_at(normal.as_dvec3(), off).as_vec3().normalize()
+}
+
+/// The sum of lobes against `eval`, the horizon, and signs.
+fn lobes<B: Brdf>(
+    model: &B,
+    at: &Receiver,
+    limits: &BrdfLimits,
+    random: &mut Random,
+    run: &mut Run,
+    measured: &mut MeasuredBrdf,
+) {
+    let mut buffer = LobeBuffer::with_capacity(model.max_lobes());
+    let written = model.brdf_lobes(at, &mut buffer.writer());
+    run.ensure(written.is_ok(), "lobes fit max_lobes", || format!("{at:?}"));
+    let mirror = (2.0 * at.normal.dot(at.view) * at.normal - at.view).normalize();
+    let mut directions: Vec<Vec3> = (0..400).map(|_| above(random, at.normal)).collect();
+    directions.extend([at.view, mirror, at.normal]);
+    for spread in [0.01, 0.1, 0.3] {
+        for from in [at.view, mirror] {
+            directions.extend((0..40).map(|_| (from + random.axis().as_vec3() * spread).normalize()));
+        }
+    }
+    let values: Vec<(Vec3, Vec3)> =
+        directions.into_iter().filter(|v| at.normal.dot(*v) > 0.0).map(|v| (v, model.eval(at, v))).collect();
+    let peak = values.iter().map(|(_, f)| f.max_element()).fold(1e-20, f32::max);
+    for (v, f) in &values {
+        run.ensure(f.is_finite() && f.min_element() >= 0.0, "eval is finite and not negative", || {
+            format!("{f} at {v}")
+        });
+        let sum = buffer.lobes().eval(at.normal, *v);
+        let error = f64::from((sum - *f).abs().max_element() / peak);
+        measured.lobes = measured.lobes.max(error);
+        run.within(error, ("lobes", limits.lobes), "lobes are the model", || {
+            format!("{sum} for {f} at {v}, seen from {}", at.view)
+        });
+        let below = model.eval(at, *v - 2.0 * at.normal.dot(*v) * at.normal);
+        run.ensure(below == Vec3::ZERO, "below the horizon is nothing", || format!("{below} opposite to {v}"));
+    }
+}
+
+/// Reflected energy, by quadrature and by drawn directions.
+fn energy<B: Brdf>(
+    model: &B,
+    at: &Receiver,
+    limits: &BrdfLimits,
+    random: &mut Random,
+    run: &mut Run,
+    measured: &mut MeasuredBrdf,
+) {
+    let (t, b) = at.normal.any_orthonormal_pair();
+    let [rows, columns] = GRID;
+    let mut sum = DVec3::ZERO;
+    for i in 0..rows {
+        let theta = (f64::from(i) + 0.5) / f64::from(rows) * FRAC_PI_2;
+        for j in 0..columns {
+            let (s, c) = ((f64::from(j) + 0.5) / f64::from(columns) * TAU).sin_cos();
+            let v = t.as_dvec3() * (c * theta.sin())
+                + b.as_dvec3() * (s * theta.sin())
+                + at.normal.as_dvec3() * theta.cos();
+            sum += model.eval(at, v.as_vec3().normalize()).as_dvec3() * theta.sin();
+        }
+    }
+    let all = sum * (FRAC_PI_2 / f64::from(rows) * TAU / f64::from(columns));
+    measured.energy = measured.energy.max(all.max_element());
+    run.within(all.max_element() - 1.0, ("energy", limits.energy), "no more goes out than comes in", || {
+        format!("{all} toward {}", at.view)
+    });
+    let mut drawn = DVec3::ZERO;
+    for _ in 0..DRAWN {
+        let u = core::array::from_fn(|_| random.between(0.0, 1.0 - 1e-7) as f32);
+        let Some(sample) = model.sample(at, u) else { continue };
+        let fine = sample.pdf > 0.0 && at.normal.dot(sample.direction) > -1e-6 && sample.direction.is_normalized();
+        run.ensure(fine, "drawn directions are above the horizon", || format!("{sample:?} of {u:?}"));
+        let density = model.pdf(at, sample.direction);
+        let same = (f64::from(density) / f64::from(sample.pdf) - 1.0).abs();
+        run.within(same, ("", 1e-3), "pdf is that of sample", || format!("{density} for {sample:?}"));
+        drawn += model.eval(at, sample.direction).as_dvec3() / f64::from(sample.pdf);
+    }
+    let drawn = drawn / f64::from(DRAWN);
+    let error = (drawn - all).abs().max_element() / all.max_element().max(1e-3 / PI);
+    measured.sampling = measured.sampling.max(error);
+    run.within(error, ("sampling", limits.sampling), "drawn directions carry the energy", || {
+        format!("{drawn} for {all} toward {}", at.view)
+    });
+}
+
+/// The same bits in tiles.
+fn tiles<B: Brdf>(model: &B, receivers: &[Receiver], run: &mut Run) {
+    let (mut tile, mut out) = (Tile::default(), TileLobes::default());
+    tile.set(receivers);
+    let of = vec![0; receivers.len()];
+    let mut buffer = LobeBuffer::with_capacity(model.max_lobes());
+    let models = core::slice::from_ref(model);
+    if B::tile_lobes(models, &of, receivers, &tile, &mut out).is_err() {
+        run.ensure(false, "lobes fit max_lobes", || "in a tile".to_owned());
+        return;
+    }
+    for (i, at) in receivers.iter().enumerate() {
+        if model.brdf_lobes(at, &mut buffer.writer()).is_err() {
+            continue;
+        }
+        let single: Vec<_> = buffer.lobes().iter().filter(|lobe| lobe.flux != Vec3::ZERO).collect();
+        let tiled: Vec<_> = out.of(i).map(|(_, lobe)| lobe).collect();
+        run.ensure(single == tiled, "tiles have the lobes of single receivers", || format!("{tiled:?} for {single:?}"));
+    }
+}

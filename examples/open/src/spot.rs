@@ -1,0 +1,59 @@
+//! A light: a ball in a shade, so that it shines into a cone with a smooth edge.
+
+use cosine_lobes::glam::Vec3;
+use cosine_lobes::lobe_core::gpu::GpuLight;
+use cosine_lobes::lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere, cone_lobe};
+
+/// Full radiance within an angle of `direction`, none beyond another, smooth between.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
+    pub ball: Sphere,
+    pub radiance: Vec3,
+    /// Unit.
+    pub direction: Vec3,
+    /// Cosines of the angles to which it shines fully, and at all.
+    pub inner: f32,
+    pub outer: f32,
+}
+
+impl LightLobes for Spot {
+    fn bounds(&self) -> Sphere {
+        self.ball
+    }
+
+    fn cone(&self, at: &Receiver) -> Cone {
+        Cone::of_sphere(at.position, self.ball)
+    }
+
+    fn radiance(&self, at: &Receiver) -> Vec3 {
+        let cos = -self.cone(at).axis.dot(self.direction);
+        let x = ((cos - self.outer) / (self.inner - self.outer)).clamp(0.0, 1.0);
+        self.radiance * (x * x * (3.0 - 2.0 * x))
+    }
+
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        let lobe = cone_lobe(&self.cone(at));
+        out.push(Lobe { flux: lobe.flux * self.radiance(at), ..lobe })
+    }
+}
+
+impl GpuLight for Spot {
+    const NAME: &'static str = "spot";
+
+    const WGSL: &'static str = "
+        fn light_cone(at: Receiver) -> Cone { return cone_of_sphere(at.position, frame.light); }
+
+        fn light_radiance(at: Receiver) -> vec3f {
+            let cos = -dot(light_cone(at).axis, frame.shape[0].xyz);
+            let x = clamp((cos - frame.shape[1].y) / (frame.shape[1].x - frame.shape[1].y), 0.0, 1.0);
+            return frame.radiance * (x * x * (3.0 - 2.0 * x));
+        }";
+
+    fn gpu_radiance(&self) -> [f32; 3] {
+        self.radiance.to_array()
+    }
+
+    fn gpu_shape(&self) -> [[f32; 4]; 2] {
+        [self.direction.extend(0.0).to_array(), [self.inner, self.outer, 0.0, 0.0]]
+    }
+}

@@ -1,0 +1,71 @@
+//! A material: diffuse, and bright back toward where the light comes from, as velvet and road signs are.
+
+use core::f32::consts::{PI, TAU};
+use cosine_lobes::brdf::{Brdf, BrdfSample};
+use cosine_lobes::glam::Vec3;
+use cosine_lobes::lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
+use cosine_lobes::lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
+
+/// `f_r = kd/π + ks·(n + 2)/2π·max(v·ω_o, 0)ⁿ`.
+#[derive(Clone, Copy, Debug)]
+pub struct Velvet {
+    pub kd: Vec3,
+    pub ks: Vec3,
+    pub exponent: f32,
+}
+
+impl Velvet {
+    /// Scale of the retro-reflective lobe.
+    fn scale(&self) -> Vec3 {
+        self.ks * ((self.exponent + 2.0) / TAU)
+    }
+}
+
+impl BrdfLobes for Velvet {
+    fn max_lobes(&self) -> usize {
+        2
+    }
+
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        out.push(Lobe::new(at.normal, 1.0, self.kd / PI))?;
+        out.push(Lobe::new(at.view, self.exponent, self.scale()).times_cosine())
+    }
+}
+
+/// For the Monte-Carlo reference and the suite.
+impl Brdf for Velvet {
+    fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+        let cos = at.normal.dot(v).max(0.0);
+        (self.kd / PI + self.scale() * v.dot(at.view).max(0.0).powf(self.exponent)) * cos
+    }
+
+    fn sample(&self, at: &Receiver, [choice, x, y]: [f32; 3]) -> Option<BrdfSample> {
+        let (axis, e) = if choice < 0.5 { (at.normal, 1.0) } else { (at.view, self.exponent) };
+        let cos = x.powf(1.0 / (e + 1.0));
+        let (sin, (t, b)) = ((1.0 - cos * cos).max(0.0).sqrt(), axis.any_orthonormal_pair());
+        let (s, c) = (TAU * y).sin_cos();
+        let direction = (t * (c * sin) + b * (s * sin) + axis * cos).normalize();
+        let above = at.normal.dot(direction) > 0.0;
+        above.then(|| BrdfSample { direction, pdf: self.pdf(at, direction) })
+    }
+
+    fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
+        let lobe = |cos: f32, e: f32| (e + 1.0) / TAU * cos.max(0.0).powf(e);
+        0.5 * (lobe(at.normal.dot(v), 1.0) + lobe(at.view.dot(v), self.exponent))
+    }
+}
+
+/// Seven words a material.
+impl GpuMaterials for Velvet {
+    fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
+        let numbers = |m: &Self| {
+            let flux = m.scale() * (TAU / (m.exponent + 1.0));
+            m.kd.to_array().into_iter().chain(flux.to_array()).chain([m.exponent])
+        };
+        let mut words: Vec<u32> = materials.iter().flat_map(numbers).map(f32::to_bits).collect();
+        // No buffer is empty.
+        words.push(0);
+        let wgsl = include_str!("velvet.wgsl").to_owned();
+        GpuMaterialSet { name: "velvet".to_owned(), wgsl, words, max_lobes: 2, is_lambert: false }
+    }
+}

@@ -1,0 +1,77 @@
+//! Each part through the suite of its kind, and both devices side by side.
+
+use cosine_lobes::brdf::conformance::{BrdfLimits, check as check_brdf};
+use cosine_lobes::glam::Vec3;
+use cosine_lobes::lobe_core::conformance::{LightLimits, Limits, Setting, check, check_light};
+use cosine_lobes::lobe_core::{
+    BrdfLobes, Call, Integrator, LightId, LightLobes, LightTerm, LobeBuffer, VisibilityLobes, VisibilitySum, Visit,
+};
+use cosine_lobes::render_gpu::{Gpu, GpuOptions};
+use cosine_lobes::visibility_mask::MaskVisibility;
+use open::scene::Own;
+use open::{Capsule, Capsules};
+
+#[test]
+fn velvet_is_a_material() {
+    for material in Own::new(8, 8).materials {
+        check_brdf(&material, &BrdfLimits::default()).unwrap();
+    }
+}
+
+#[test]
+fn spots_are_lights() {
+    for light in Own::new(8, 8).lights {
+        check_light(&light, &LightLimits::default()).unwrap();
+    }
+}
+
+/// Capsules without a length are balls. Their masks are not turned across their edges, so that some err more, and pop.
+#[test]
+fn capsules_are_blockers() {
+    let capsules = |s: &Setting<'_>| {
+        let capsule = |ball: &cosine_lobes::lobe_core::Sphere| Capsule { ends: [ball.center; 2], radius: ball.radius };
+        MaskVisibility::new(Capsules(s.balls.iter().map(capsule).collect()))
+    };
+    let limits = Limits { overlap: 0.005, jump: 0.008, jump_several: 0.008, ..Limits::default() };
+    println!("{:?}", check(&capsules, &limits).unwrap());
+}
+
+/// Tiles of points give the bits that the integrator gives of each point alone.
+#[test]
+fn tiles_are_single_points() {
+    let own = Own::new(96, 60);
+    let points = own.points();
+    let tiled = own.on_cpu(&points).unwrap();
+    let (visibility, frame) = (MaskVisibility::new(own.capsules.clone()), own.frame());
+    let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::default());
+    let mut lobes = LobeBuffer::with_capacity(2);
+    for (i, at) in points.points.receivers.iter().enumerate() {
+        frame.materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer()).unwrap();
+        let mut all = Vec3::ZERO;
+        for (number, light) in frame.lights.iter().enumerate() {
+            let term = LightTerm { cone: light.cone(at), radiance: light.radiance(at) };
+            let mut visit = Visit::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
+            let call = Call { at, brdf: lobes.lobes(), light: &term };
+            all += Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).unwrap().radiance;
+        }
+        assert_eq!(all, tiled[i], "point {i}");
+    }
+}
+
+/// The same picture on the GPU, where there is one.
+#[test]
+fn both_devices_agree() {
+    let Ok(gpu) = Gpu::blocking(&GpuOptions::default()) else {
+        println!("no GPU: not compared");
+        return;
+    };
+    let own = Own::new(96, 60);
+    let points = own.points();
+    let (cpu, gpu) = (own.on_cpu(&points).unwrap(), own.on_gpu(&gpu, &points).unwrap());
+    let peak = cpu.iter().map(|p| p.max_element()).fold(0.0, f32::max);
+    let errors: Vec<f32> = cpu.iter().zip(&gpu).map(|(a, b)| (*a - *b).abs().max_element() / peak).collect();
+    let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+    let most = errors.iter().fold(0.0, |a: f32, b| a.max(*b));
+    println!("mean {mean:.2e}, most {most:.2e} of the peak");
+    assert!(peak > 0.1 && mean < 1e-4 && most < 5e-3, "mean {mean}, most {most}");
+}
