@@ -307,23 +307,25 @@ impl Mask {
         }
     }
 
-    /// The lit samples of the eight rows from `j` on, a multiple of eight. Rows that the mask does not have are dark.
+    /// The lit samples of the eight rows from `j` on, a multiple of eight: 64 in each word, as many words as are asked for.
+    /// Rows that the mask does not have are dark.
     #[inline(always)]
-    #[must_use]
-    pub fn lit_rows(&self, j: usize) -> EightRows {
-        let mut samples = [[0; EIGHT]; WIDTH / 64];
-        for k in 0..EIGHT.min(self.side() - j) {
-            let row = self.lit(j + k).0;
-            samples.iter_mut().zip(row).for_each(|(word, bits)| word[k] = bits);
+    pub fn lit_rows(&self, j: usize, samples: &mut [EightRows]) {
+        let count = EIGHT.min(self.side() - j);
+        for (number, word) in samples.iter_mut().enumerate() {
+            *word = [0; EIGHT];
+            for (k, bits) in word[..count].iter_mut().enumerate() {
+                *bits = self.lit(j + k).0.get(number).copied().unwrap_or_default();
+            }
         }
-        samples
     }
 
-    /// Blocks all samples of the eight rows from `j` on but these; `j` is a multiple of eight.
+    /// Blocks all samples of the eight rows from `j` on but these, 64 in each word; `j` is a multiple of eight.
     #[inline(always)]
-    pub fn keep_rows(&mut self, j: usize, samples: &EightRows) {
+    pub fn keep_rows(&mut self, j: usize, samples: &[EightRows]) {
         for k in 0..EIGHT.min(self.side() - j) {
-            let kept = Row(samples.map(|word| word[k]));
+            let mut kept = row::NONE;
+            kept.0.iter_mut().zip(samples).for_each(|(kept, word)| *kept = word[k]);
             self.set(j + k, row::and(&self.lit(j + k), &kept));
         }
     }

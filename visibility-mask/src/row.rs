@@ -16,8 +16,8 @@ pub(crate) const SUBLINES: usize = 8;
 #[repr(align(32))]
 pub(crate) struct Row(pub(crate) [u64; WIDTH / 64]);
 
-/// Samples of eight rows: bit `k % 64` of `[k / 64][j]` is sample `k` of the row `j`.
-pub type EightRows = [[u64; EIGHT]; WIDTH / 64];
+/// 64 samples of eight rows: bit `k` of `[j]` is sample `k` of the row `j`.
+pub type EightRows = [u64; EIGHT];
 
 /// No sample.
 pub(crate) const NONE: Row = Row([0; WIDTH / 64]);

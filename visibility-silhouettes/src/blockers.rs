@@ -134,6 +134,8 @@ pub struct SilhouetteScratch<H> {
     outside: Silhouettes,
     crossings: Vec<Crossing>,
     counter: Counter,
+    fewest: Fewest,
+    next: Fewest,
     hits: H,
 }
 
@@ -156,6 +158,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             outside: Silhouettes::default(),
             crossings: Vec::new(),
             counter: Counter::default(),
+            fewest: Fewest::default(),
+            next: Fewest::default(),
             hits: self.hits.scratch(),
         }
     }
@@ -228,6 +232,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             cutting,
             crossings,
             counter,
+            fewest,
+            next,
             hits,
             ..
         } = scratch;
@@ -244,10 +250,10 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             ball.outside(silhouettes, outside);
         }
         let drawn = if ball.is_some() { &*outside } else { &*silhouettes };
-        let mut fewest = dispatch!(Level::new(), simd => {
+        dispatch!(Level::new(), simd => {
             project(simd, drawn, &view, crossings);
             counter.count(simd, &view, crossings, mask);
-            counter.fewest()
+            counter.fewest(fewest);
         });
         let is_open = |fewest: &Fewest, hits: &mut H::Scratch| {
             fewest.middle.is_some_and(|(row, sample)| {
@@ -256,20 +262,23 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
                 !self.hits.is_hit(*origin, direction, distance, hits)
             })
         };
-        let mut any = is_open(&fewest, hits);
+        let mut any = is_open(fewest, hits);
         let mut is_doubtful = fewest.is_doubtful();
         while is_doubtful {
-            let next = dispatch!(Level::new(), _simd => counter.fewest());
+            dispatch!(Level::new(), _simd => counter.fewest(next));
             is_doubtful = next.is_doubtful();
-            match (any, is_open(&next, hits)) {
-                (true, true) => fewest.add(&next),
-                (false, true) => (fewest, any) = (next, true),
+            match (any, is_open(next, hits)) {
+                (true, true) => fewest.add(next),
+                (false, true) => {
+                    core::mem::swap(fewest, next);
+                    any = true;
+                }
                 _ => {}
             }
         }
         if any {
-            for (j, samples) in (0..view.rows).step_by(8).zip(&fewest.rows) {
-                mask.keep_rows(j, samples);
+            for j in (0..view.rows).step_by(8) {
+                mask.keep_rows(j, fewest.rows(j));
             }
         } else {
             mask.block_all();

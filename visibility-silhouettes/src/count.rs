@@ -6,27 +6,22 @@ use visibility_mask::{EightRows, MAX_DEPTH, Mask, Raster};
 
 /// Rows that are counted side by side.
 const EIGHT: usize = 8;
-/// Blocks of so many rows of the largest mask, samples in a word, and words of a row at most.
-const BLOCKS: usize = (1 << MAX_DEPTH) / EIGHT;
+/// Samples in a word.
 const WORD: usize = 64;
-const WORDS: usize = 4;
 /// One line more than there are rows.
 const ROW_LINES: usize = (1 << MAX_DEPTH) + 1;
-
-/// A word of each of eight rows.
-type Words = [u64; EIGHT];
 
 /// Eight words of one digit, and of what is to be added to it.
 #[derive(Clone, Copy, Debug)]
 struct Digit {
-    value: Words,
-    more: Words,
+    value: EightRows,
+    more: EightRows,
 }
 
 impl Digit {
     /// Adds two words, one of which becomes the carry.
     #[inline(always)]
-    fn add(&mut self, more: Words, carry: &mut Words) {
+    fn add(&mut self, more: EightRows, carry: &mut EightRows) {
         for ((value, one), other) in self.value.iter_mut().zip(more).zip(carry) {
             let sum = *value ^ one ^ *other;
             *other = (one & *other) | (*value & (one ^ *other));
@@ -56,13 +51,17 @@ pub(crate) struct Counter {
     places: usize,
     /// Samples that matter and were not yet given as the fewest.
     rest: Vec<EightRows>,
+    /// Words of a row, and what of the fewest has a 0 in a digit.
     words: usize,
+    lower: Vec<EightRows>,
 }
 
 /// The samples before which the fewest surfaces lie, and which of them shows best whether these are none.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Fewest {
-    pub(crate) rows: [EightRows; BLOCKS],
+    /// The words of eight rows, then those of the next eight.
+    rows: Vec<EightRows>,
+    words: usize,
     /// Row and sample in the middle of the longest run.
     pub(crate) middle: Option<(usize, usize)>,
     /// How many there are, and how many more.
@@ -79,8 +78,10 @@ impl Counter {
     pub(crate) fn count<S: Simd>(&mut self, simd: S, view: &View, crossings: &[Crossing], mask: &Mask) {
         let blocks = view.rows.div_ceil(EIGHT);
         self.words = (view.raster.width as usize).div_ceil(WORD);
-        self.rest.clear();
-        self.rest.extend((0..blocks).map(|b| mask.lit_rows(b * EIGHT)));
+        self.rest.resize(blocks * self.words, [0; EIGHT]);
+        for (block, rest) in self.rest.chunks_exact_mut(self.words).enumerate() {
+            mask.lit_rows(block * EIGHT, rest);
+        }
         let starts = self.start(crossings, blocks);
         self.digits.clear();
         self.waiting.clear();
@@ -159,7 +160,7 @@ impl Counter {
 
     /// Adds one to a digit of some samples.
     #[inline(always)]
-    fn add_words(&mut self, number: usize, lowest: usize, mut carry: Words) {
+    fn add_words(&mut self, number: usize, lowest: usize, mut carry: EightRows) {
         let waiting = &mut self.waiting[number];
         let digits = &mut self.digits[number * self.places..][..self.places];
         for (place, digit) in digits.iter_mut().enumerate().skip(lowest) {
@@ -189,34 +190,36 @@ impl Counter {
 
     /// The samples with the fewest surfaces that were not yet given.
     #[inline(always)]
-    pub(crate) fn fewest(&mut self) -> Fewest {
-        let mut fewest = Fewest::none();
-        fewest.rows[..self.rest.len()].copy_from_slice(&self.rest);
-        for place in (0..self.places).rev() {
+    pub(crate) fn fewest(&mut self, fewest: &mut Fewest) {
+        let Self { digits, places, rest, words, lower, .. } = self;
+        fewest.rows.clone_from(rest);
+        fewest.words = *words;
+        lower.resize(rest.len(), [0; EIGHT]);
+        for place in (0..*places).rev() {
             // Those that have 0 here, if there are any.
-            let mut lower = [[[0; EIGHT]; WORDS]; BLOCKS];
-            let mut any = 0;
-            let digits = self.digits.chunks_exact(self.places * self.words);
-            for ((lower, rows), digits) in lower.iter_mut().zip(&fewest.rows).zip(digits) {
-                for ((lower, rows), digits) in lower.iter_mut().zip(rows).zip(digits.chunks_exact(self.places)) {
-                    for k in 0..EIGHT {
-                        lower[k] = rows[k] & !digits[place].value[k];
-                        any |= lower[k];
-                    }
+            let mut any = [0; EIGHT];
+            for ((lower, rows), digits) in lower.iter_mut().zip(&fewest.rows).zip(digits.chunks_exact(*places)) {
+                for k in 0..EIGHT {
+                    lower[k] = rows[k] & !digits[place].value[k];
+                    any[k] |= lower[k];
                 }
             }
-            if any != 0 {
-                fewest.rows = lower;
+            if any != [0; EIGHT] {
+                core::mem::swap(&mut fewest.rows, lower);
             }
         }
-        for (rest, rows) in self.rest.iter_mut().zip(&fewest.rows) {
-            for (rest, row) in rest.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
+        fewest.find_middle();
+        fewest.others = 0;
+        if fewest.count >= (rest.len() * EIGHT * WORD) as u32 / FEW {
+            // Never doubtful.
+            return;
+        }
+        for (rest, rows) in rest.iter_mut().zip(&fewest.rows) {
+            for (rest, row) in rest.iter_mut().zip(rows) {
                 *rest &= !row;
                 fewest.others += rest.count_ones();
             }
         }
-        fewest.find_middle(self.rest.len());
-        fewest
     }
 }
 
@@ -230,8 +233,9 @@ fn columns<S: Simd>(simd: S, view: &View, c: &Crossing, base: usize) -> [u32; EI
 }
 
 impl Fewest {
-    fn none() -> Self {
-        Self { rows: [[[0; EIGHT]; WORDS]; BLOCKS], middle: None, count: 0, others: 0 }
+    /// The eight rows from `j` on, a multiple of eight.
+    pub(crate) fn rows(&self, j: usize) -> &[EightRows] {
+        &self.rows[j / EIGHT * self.words..][..self.words]
     }
 
     /// Whether these are so few that others may have fewer in truth: two edges that lie on each other to the last digit may be
@@ -242,17 +246,17 @@ impl Fewest {
 
     /// Those of another as well.
     pub(crate) fn add(&mut self, other: &Self) {
-        let rows = self.rows.as_flattened_mut().as_flattened_mut();
-        for (row, more) in rows.iter_mut().zip(other.rows.as_flattened().as_flattened()) {
+        for (row, more) in self.rows.as_flattened_mut().iter_mut().zip(other.rows.as_flattened()) {
             *row |= more;
         }
     }
 
     /// The row with the most samples and the middle of its longest run.
     #[inline(always)]
-    fn find_middle(&mut self, blocks: usize) {
+    fn find_middle(&mut self) {
+        (self.count, self.middle) = (0, None);
         let mut best = (0, 0);
-        for (b, rows) in self.rows[..blocks].iter().enumerate() {
+        for (b, rows) in self.rows.chunks_exact(self.words).enumerate() {
             let mut counts = [0; EIGHT];
             for words in rows {
                 for k in 0..EIGHT {
@@ -271,17 +275,30 @@ impl Fewest {
             return;
         }
         let mut longest = (0, 0);
-        for (word, bits) in self.rows[j / EIGHT].iter().map(|words| words[j % EIGHT]).enumerate() {
-            let (mut bits, mut runs, mut length) = (bits, bits, 0);
-            while runs != 0 {
-                bits = runs;
-                length += 1;
-                runs &= runs >> 1;
-            }
+        for (word, bits) in self.rows(j).iter().map(|words| words[j % EIGHT]).enumerate() {
+            let (length, first) = longest_run(bits);
             if length > longest.0 {
-                longest = (length, WORD * word + bits.trailing_zeros() as usize + (length - 1) / 2);
+                longest = (length, WORD * word + first as usize + (length as usize - 1) / 2);
             }
         }
         self.middle = Some((j, longest.1));
     }
+}
+
+/// How long the longest run of ones in a word is, and where the first of that length begins.
+#[inline(always)]
+fn longest_run(bits: u64) -> (u32, u32) {
+    // Where runs of 1, 2, 4 … ones begin.
+    let mut begins = [bits; 7];
+    for k in 0..6 {
+        begins[k + 1] = begins[k] & begins[k] >> (1 << k);
+    }
+    let (mut runs, mut length) = (u64::MAX, 0);
+    for (k, begins) in begins.into_iter().enumerate().rev() {
+        let longer = runs & begins.unbounded_shr(length);
+        if longer != 0 {
+            (runs, length) = (longer, length + (1 << k));
+        }
+    }
+    (length, runs.trailing_zeros())
 }

@@ -48,7 +48,7 @@ impl<const C: usize> Columns<C> {
     pub(crate) fn reserve(&mut self, count: usize) {
         let wanted = self.len + count + LANES;
         if self.columns[0].len() < wanted {
-            self.grow(2 * wanted);
+            self.grow(wanted.next_power_of_two());
         }
     }
 

@@ -164,8 +164,9 @@ impl Hull {
     #[inline(always)]
     pub(crate) fn narrow<S: Simd>(&self, simd: S, list: &EdgeList, out: &mut EdgeList) {
         out.clear();
-        out.reserve(list.len());
         for first in (0..list.len()).step_by(8) {
+            // Not for all of them at once: of a long list little is left.
+            out.reserve(8);
             let lanes = mask32x8::from_bitmask(simd, u64::from(list.lanes(first)));
             let keep = lanes & !self.cancel(simd, &(list, first));
             self.sift(simd, &(list, first), keep, out);

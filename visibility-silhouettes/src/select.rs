@@ -78,7 +78,7 @@ pub(crate) fn silhouettes<S: Simd>(
     }
 }
 
-/// Which of eight edges, in front of the receiver, certainly pass beside the disc of a light.
+/// Which of eight edges certainly pass beside the disc of a light, as far as they are between the receiver and its plane.
 ///
 /// Such an edge changes the number of surfaces before all samples alike, or before none: it is on one side of the disc in
 /// all rows that both meet.
@@ -91,19 +91,32 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>) -> mask32x8
     let [size, reach] = [normal.dot_each(normal), a.dot_each(a) * edge.dot_each(edge)];
     let along = normal.dot(axis).abs() - reach.sqrt() * 1e-6;
     let mut beside = along.simd_gt((size * (cone.sin_sq() * AROUND_SQ)).sqrt());
+    // What is behind the light's plane does not count.
+    let (mut from, mut to) = (a, b);
+    let [mut depth_a, mut depth_b] = [a.dot(axis), b.dot(axis)];
+    let far = f32x8::splat(simd, cone.distance * cos * cos);
+    let [far_a, far_b] = [depth_a.simd_gt(far), depth_b.simd_gt(far)];
+    if (far_a | far_b).any_true() {
+        beside |= far_a & far_b;
+        let t = (far - depth_a) / (depth_b - depth_a);
+        let cut = Lanes3::new(a.x + edge.x * t, a.y + edge.y * t, a.z + edge.z * t);
+        (from, to) = (from.or(far_a, cut), to.or(far_b, cut));
+        (depth_a, depth_b) = (far_a.select(far, depth_a), far_b.select(far, depth_b));
+    }
     // Or the edge ends before the disc: with p on it nearest to the axis seen from the receiver, both ends are on one side of p
-    // and outside of the cone.
-    let [from, to] = [a.dot(axis), b.dot(axis)];
+    // and outside of the cone. An end behind the receiver is on the far side of the other one.
+    let zero = f32x8::splat(simd, 0.0);
+    let [front_a, front_b] = [depth_a.simd_gt(zero), depth_b.simd_gt(zero)];
     // d/dt of the squared cosine at the ends: its sign tells whether the edge comes nearer from there on.
     let across = edge.dot(axis);
-    let [at_a, at_b] =
-        [across * a.dot_each(a) - from * a.dot_each(edge), across * b.dot_each(b) - to * b.dot_each(edge)];
-    let zero = f32x8::splat(simd, 0.0);
-    let one_side = (at_a.simd_lt(zero) & at_b.simd_lt(zero)) | (at_a.simd_gt(zero) & at_b.simd_gt(zero));
+    let at_a = across * from.dot_each(from) - depth_a * from.dot_each(edge);
+    let at_b = across * to.dot_each(to) - depth_b * to.dot_each(edge);
+    let leaves = at_a.simd_lt(zero) & (at_b.simd_lt(zero) | !front_b);
+    let comes = at_b.simd_gt(zero) & (at_a.simd_gt(zero) | !front_a);
     let limit = cos * cos * (2.0 - AROUND_SQ);
-    let outside = (from * from).simd_lt(a.dot_each(a) * limit) & (to * to).simd_lt(b.dot_each(b) * limit);
-    beside |= one_side & outside;
-    beside & from.simd_gt(zero) & to.simd_gt(zero)
+    let outside_a = (depth_a * depth_a).simd_lt(from.dot_each(from) * limit) | !front_a;
+    let outside_b = (depth_b * depth_b).simd_lt(to.dot_each(to) * limit) | !front_b;
+    beside | !(front_a | front_b) | ((leaves | comes) & outside_a & outside_b)
 }
 
 /// On which side of eight planes a point lies, and where f32 does not tell.
