@@ -210,7 +210,8 @@ fn far_meshes_alone_are_what_they_are_near() {
             s.y + 1.0
         )
     };
-    let kinds: [(&str, fn(DVec3) -> String); 3] = [("m.obj", obj), ("m.ply", ply), ("m.gltf", node)];
+    type Text = fn(DVec3) -> String;
+    let kinds: [(&str, Text); 3] = [("m.obj", obj), ("m.ply", ply), ("m.gltf", node)];
     for (name, content) in kinds {
         let file = folder.path().join(name);
         let load = |s| {
