@@ -3,7 +3,7 @@
 use crate::args::Visibility;
 use crate::device::{Backend, Shader};
 use crate::failure::Failure;
-use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility};
+use cosine_lobes::lighting::{Blockers, MaskVisibility, Mixture, PaperVisibility, SphereLight};
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{Method, Unshadowed};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SphereSource, SurfaceHits, World};
@@ -48,19 +48,15 @@ impl Plan {
         self.objects[object]
     }
 
-    /// Whether an object is by rays.
-    pub(crate) fn traces(&self, object: u32) -> bool {
-        self.of(object as usize) == Strategy::Rays
+    /// Whether an object is by rays: maps that do not show it leave it to them.
+    pub(crate) fn traces(&self, scene: &Scene, object: u32) -> bool {
+        let o = object as usize;
+        self.of(o) == Strategy::Rays || self.is_mapped(scene, o) && !self.in_maps(scene, o)
     }
 
     /// Whether an object is by rays on a GPU: meshes by silhouettes are, too.
     pub(crate) fn traces_on_gpu(&self, scene: &Scene, object: u32) -> bool {
-        self.traces(object) || self.by_silhouettes(scene, object)
-    }
-
-    /// Whether any object takes this strategy.
-    pub(crate) fn uses(&self, strategy: Strategy) -> bool {
-        self.objects.contains(&strategy)
+        self.traces(scene, object) || self.by_silhouettes(scene, object)
     }
 
     /// The spheres that an object blocks with: those of its proxy, or the balls that it is. Maps and silhouettes have triangles
@@ -76,7 +72,7 @@ impl Plan {
     /// For each object whether it blocks by its true surface, as rays and maps see it, and not by spheres.
     pub(crate) fn by_surfaces(&self, scene: &Scene) -> Vec<bool> {
         let by_surface =
-            |o| self.objects[o] == Strategy::Rays || self.in_maps(scene, o) || self.by_silhouettes(scene, o as u32);
+            |o| self.objects[o] == Strategy::Rays || self.is_mapped(scene, o) || self.by_silhouettes(scene, o as u32);
         (0..self.objects.len()).map(by_surface).collect()
     }
 
@@ -86,14 +82,21 @@ impl Plan {
         self.objects[o] == Strategy::Silhouettes && matches!(scene.objects[o].shape, Shape::Mesh(_))
     }
 
-    /// Whether an object's triangles are in the shadow maps.
-    fn in_maps(&self, scene: &Scene, object: usize) -> bool {
+    /// Whether an object's triangles are meant for the shadow maps.
+    fn is_mapped(&self, scene: &Scene, object: usize) -> bool {
         self.objects[object] == Strategy::ShadowMap && matches!(scene.objects[object].shape, Shape::Mesh(_))
     }
 
-    /// Whether there are any triangles for shadow maps.
+    /// Whether an object's triangles are in the shadow maps: the map of every light shows them.
+    fn in_maps(&self, scene: &Scene, object: usize) -> bool {
+        let Shape::Mesh(mesh) = &scene.objects[object].shape else { return false };
+        let shows = |light: &SphereLight| ShadowMap::shows(&mesh.positions, &mesh.triangles, light.ball);
+        self.objects[object] == Strategy::ShadowMap && scene.lights.iter().all(shows)
+    }
+
+    /// Whether there are any triangles meant for shadow maps.
     pub(crate) fn wants_maps(&self, scene: &Scene) -> bool {
-        (0..self.objects.len()).any(|o| self.in_maps(scene, o))
+        (0..self.objects.len()).any(|o| self.is_mapped(scene, o))
     }
 
     /// Bytes that the maps of all lights take at most, where each is one picture and none is asked to be finer: 32 a texel,
@@ -206,13 +209,13 @@ impl<'a> Occlusion<'a> {
         silhouettes: &'a SceneSilhouettes,
     ) -> Self {
         maps.retain(|map| map.faces() > 0);
-        let all = plan.objects.iter().all(|s| *s == Strategy::Rays);
-        let rays = plan.uses(Strategy::Rays).then(|| match all {
+        let scene = world.scene();
+        let traced: Vec<bool> = (0..plan.objects.len() as u32).map(|o| plan.traces(scene, o)).collect();
+        let rays = traced.contains(&true).then(|| match traced.iter().all(|traced| *traced) {
             true => RayBlockers::new(world),
-            false => RayBlockers::new(world).only(|o| plan.traces(o)),
+            false => RayBlockers::new(world).only(|o| traced[o as usize]),
         });
         let maps = (!maps.is_empty()).then(|| {
-            let scene = world.scene();
             let casters = (0..scene.objects.len()).map(|o| plan.in_maps(scene, o));
             ShadowMapBlockers::new(maps).with_casters(casters.collect())
         });
