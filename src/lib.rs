@@ -33,6 +33,7 @@ mod output;
 mod picture;
 mod png_file;
 mod stamp;
+mod stream;
 mod window;
 
 pub use crate::checksum::checksum;
@@ -44,4 +45,5 @@ pub use crate::output::{ImageFileError, Output, remove_unfinished};
 pub use crate::picture::{Picture, luminance};
 pub use crate::png_file::{srgb_bytes, write_png};
 pub use crate::stamp::read_stamp;
+pub use crate::stream::PictureStream;
 pub use crate::window::Window;

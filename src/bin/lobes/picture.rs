@@ -7,7 +7,7 @@ use crate::strategy::Work;
 use cosine_lobes::render_cpu::{GBuffer, TILE, World};
 use cosine_lobes::scene::{Frame, ShadeStats, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::Bounds;
-use cosine_lobes::{ExrLayer, Window};
+use cosine_lobes::{ExrLayer, ExrPart, PictureStream, Window};
 use glam::Vec3;
 use std::ops::Range;
 use std::time::Instant;
@@ -103,16 +103,9 @@ impl<'w> Bands<'w> {
     }
 }
 
-/// The picture and what it is made of, row by row as bands are finished.
+/// What shading a picture came to.
 #[derive(Default)]
-pub(crate) struct Planes {
-    pub(crate) beauty: Vec<Vec3>,
-    unshadowed: Vec<Vec3>,
-    lights: Vec<Vec<Vec3>>,
-    normals: Vec<Vec3>,
-    depths: Vec<f32>,
-    lobes: Vec<f32>,
-    products: Vec<f32>,
+pub(crate) struct Shaded {
     pub(crate) points: usize,
     /// Seconds of compiling kernels.
     pub(crate) kernels: f64,
@@ -120,45 +113,70 @@ pub(crate) struct Planes {
     pub(crate) stats: Vec<ShadeStats>,
 }
 
+/// What `--layers` adds to the rows of a band.
+#[derive(Default)]
+struct Planes {
+    unshadowed: Vec<Vec3>,
+    lights: Vec<Vec<Vec3>>,
+    normals: Vec<Vec3>,
+    depths: Vec<f32>,
+    lobes: Vec<f32>,
+    products: Vec<f32>,
+}
+
+/// The names of a picture's channels, with those of `--layers` for so many lights where it is given.
+pub(crate) fn channels(lights: Option<usize>) -> Vec<String> {
+    let planes = lights.map(|count| Planes { lights: vec![Vec::new(); count], ..Planes::default() });
+    let nowhere = Window { image: [0, 0], columns: 0..0, rows: 0..0 };
+    part(nowhere, &[], planes.as_ref()).channels.into_iter().map(|(name, _)| name).collect()
+}
+
+fn part(window: Window, beauty: &[Vec3], planes: Option<&Planes>) -> ExrPart {
+    let mut layers = vec![ExrLayer::color("beauty", beauty)];
+    layers.extend(planes.into_iter().flat_map(Planes::layers));
+    ExrPart::of_layers(window, &layers)
+}
+
 /// Shades a picture; the work that a strategy is chosen for.
 pub(crate) struct Shading<'a, 'w> {
     pub(crate) args: &'a RenderArgs,
     pub(crate) frame: &'a Frame<'a>,
     pub(crate) bands: &'a mut Bands<'w>,
+    /// Gets the rows.
+    pub(crate) stream: &'a mut PictureStream,
     /// Told how many rows are done.
     pub(crate) progress: &'a dyn Fn(u32),
 }
 
 impl Work for Shading<'_, '_> {
-    type Output = Planes;
+    type Output = Shaded;
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Planes, Failure> {
-        let Self { args, frame, bands, progress } = self;
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Shaded, Failure> {
+        let Self { args, frame, bands, stream, progress } = self;
         let scene = bands.world.scene();
-        let mut planes = Planes { lights: vec![Vec::new(); frame.lights.len()], ..Planes::default() };
-        // At once: a picture that finds no room is refused here, and growing would take twice the memory.
         let window = bands.window.clone();
-        planes.beauty.try_reserve_exact(window.columns.len() * window.rows.len())?;
-        planes.stats.resize(args.repeat as usize, ShadeStats::default());
+        let mut shaded = Shaded { stats: vec![ShadeStats::default(); args.repeat as usize], ..Shaded::default() };
         // Compiles what there is to compile.
-        seconds(&mut planes.kernels, || shader.shade(&ShadingPoints::default(), frame, &mut []))?;
+        seconds(&mut shaded.kernels, || shader.shade(&ShadingPoints::default(), frame, &mut []))?;
         for rows in bands.ranges(window.rows.start as u32..window.rows.end as u32) {
             progress(rows.start - window.rows.start as u32);
-            let g = bands.points(&window, rows);
+            let g = bands.points(&window, rows.clone());
             let mut radiance = vec![Vec3::ZERO; g.len()];
-            for (repetition, total) in planes.stats.iter_mut().enumerate() {
+            let mut planes = Planes::default();
+            for (repetition, total) in shaded.stats.iter_mut().enumerate() {
                 let stats = if args.layers {
                     let (stats, layers) = shader.shade_layers(&g.points, frame, &mut radiance)?;
                     if repetition == 0 {
                         let count = frame.lights.len();
-                        planes.unshadowed.extend(g.resolve(&layers.unshadowed, scene.background));
-                        for (l, plane) in planes.lights.iter_mut().enumerate() {
+                        planes.unshadowed = g.resolve(&layers.unshadowed, scene.background);
+                        let light = |l: usize| {
                             let part: Vec<Vec3> = layers.lights.iter().skip(l).step_by(count).copied().collect();
-                            plane.extend(g.resolve(&part, Vec3::ZERO));
-                        }
+                            g.resolve(&part, Vec3::ZERO)
+                        };
+                        planes.lights = (0..count).map(light).collect();
                         let numbers = |n: &[u32]| n.iter().map(|n| *n as f32).collect::<Vec<f32>>();
-                        planes.lobes.extend(g.resolve(&numbers(&layers.lobes), 0.0));
-                        planes.products.extend(g.resolve(&numbers(&layers.integrals), 0.0));
+                        planes.lobes = g.resolve(&numbers(&layers.lobes), 0.0);
+                        planes.products = g.resolve(&numbers(&layers.integrals), 0.0);
                     }
                     stats
                 } else {
@@ -168,19 +186,24 @@ impl Work for Shading<'_, '_> {
             }
             if args.layers {
                 let normals: Vec<Vec3> = g.points.receivers.iter().map(|r| r.normal).collect();
-                planes.normals.extend(g.resolve(&normals, Vec3::ZERO));
-                planes.depths.extend(g.resolve(&g.depths, f32::INFINITY));
+                planes.normals = g.resolve(&normals, Vec3::ZERO);
+                planes.depths = g.resolve(&g.depths, f32::INFINITY);
             }
-            planes.beauty.extend(g.resolve(&radiance, scene.background));
-            planes.points += g.len();
+            shaded.points += g.len();
+            let beauty = g.resolve(&radiance, scene.background);
+            let band = Window { rows: rows.start as usize..rows.end as usize, ..window.clone() };
+            if !stream.send(part(band, &beauty, args.layers.then_some(&planes))) {
+                // Why is told when the stream is finished.
+                break;
+            }
         }
-        Ok(planes)
+        Ok(shaded)
     }
 }
 
 impl Planes {
     /// The layers that `--layers` asks for.
-    pub(crate) fn layers(&self) -> Vec<ExrLayer> {
+    fn layers(&self) -> Vec<ExrLayer> {
         let mut layers = vec![ExrLayer::color("unshadowed", &self.unshadowed)];
         layers.extend(self.lights.iter().enumerate().map(|(i, l)| ExrLayer::color(&format!("light{i}"), l)));
         layers.push(ExrLayer::vector("normal", &self.normals));

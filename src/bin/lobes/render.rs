@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
 use crate::moment::{self, Moment};
-use crate::picture::{Bands, Planes, Shading, seconds};
+use crate::picture::{Bands, Shaded, Shading, channels, seconds};
 use crate::stamp::Stamp;
 use crate::stats::{self, Clocks, Figures, FrameClocks};
 use crate::strategy::{KeptSpheres, Occlusion, Plan};
@@ -15,7 +15,7 @@ use cosine_lobes::render_cpu::{BlockersError, SceneSilhouettes, World};
 use cosine_lobes::scene::{BlockerSet, Frame};
 use cosine_lobes::visibility_shadowmap::{Bounds, Fineness, ShadowMap};
 use cosine_lobes::visibility_spheres::SphereBlockers;
-use cosine_lobes::{ImageFileError, Output, Picture, Window};
+use cosine_lobes::{ImageFileError, Output, PictureStream, Window};
 use rayon::prelude::*;
 use std::io::Write;
 use std::path::PathBuf;
@@ -90,13 +90,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             let (spheres, tables) = (blockers.get(), tables.as_ref());
             let silhouettes = silhouettes.as_ref().unwrap_or(&none);
             let job = Job { args, window: &window, plan: &plan, spheres, silhouettes, tables, progress: &progress };
-            let planes = job.picture(&world, &mut backend, &mut figures, &mut clocks)?;
+            let names = channels(args.layers.then_some(world.scene().lights.len()));
+            let mut stream = files.stream(window.clone(), args.view.exposure, &names)?;
+            job.picture(&world, &mut backend, &mut stream, &mut figures, &mut clocks)?;
             hierarchy = Some(world.into_hierarchy());
-            let layers = if args.layers { planes.layers() } else { Vec::new() };
-            let [width, height] = window.size();
-            let image = Picture::new(width, height, planes.beauty);
-            let part = window.clone();
-            seconds(&mut clocks.write, || files.write_window(part, &image, args.view.exposure, &layers))?;
+            seconds(&mut clocks.write, || stream.finish())?;
             figures.frames.push(clocks);
         }
         bar.finish_and_clear();
@@ -129,14 +127,15 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// One picture of a world.
+    /// One picture of a world, as far as the stream takes it.
     fn picture(
         &self,
         world: &World<'_>,
         backend: &mut Backend,
+        stream: &mut PictureStream,
         figures: &mut Figures,
         clocks: &mut FrameClocks,
-    ) -> Result<Planes, Failure> {
+    ) -> Result<(), Failure> {
         let Self { args, window, plan, spheres, silhouettes, tables, progress } = *self;
         let scene = world.scene();
         let mut bands = Bands::new(world, args.view.samples, window.clone());
@@ -169,16 +168,16 @@ impl Job<'_> {
         figures.triangles = world.triangle_count();
         figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let planes = Occlusion::new(plan, world, spheres, maps, silhouettes).shade(
+        let shaded: Shaded = Occlusion::new(plan, world, spheres, maps, silhouettes).shade(
             backend,
             frame.depth,
             tables,
-            Shading { args, frame: &frame, bands: &mut bands, progress },
+            Shading { args, frame: &frame, bands: &mut bands, stream, progress },
         )?;
         clocks.gbuffer = bands.seconds;
-        figures.kernels += planes.kernels;
-        figures.runs.extend(planes.stats.iter().map(|stats| (*stats, planes.points)));
-        Ok(planes)
+        figures.kernels += shaded.kernels;
+        figures.runs.extend(shaded.stats.iter().map(|stats| (*stats, shaded.points)));
+        Ok(())
     }
 }
 
