@@ -1,3 +1,7 @@
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
 /// CRC-32 (IEEE 802.3) of some bytes as eight hexadecimal digits: what files that are read back carry, so that a flipped bit
 /// is noticed.
 ///
@@ -18,6 +22,29 @@ pub(crate) fn seal(file: &mut [u8], text: &str) {
         let sum = checksum(file);
         file[place].copy_from_slice(sum.as_bytes());
     }
+}
+
+/// As [`seal`] for a file on the disk, which `path` names for reading and `file` is at the start of, for writing.
+pub(crate) fn seal_file(path: &Path, file: &mut (impl Write + Seek), text: &str) -> io::Result<()> {
+    let mut from = File::open(path)?;
+    let (mut sum, mut part, mut place, mut at) = (crc32fast::Hasher::new(), vec![0; 1 << 20], None, 0_u64);
+    loop {
+        let count = from.read(&mut part)?;
+        if count == 0 {
+            break;
+        }
+        sum.update(&part[..count]);
+        // The text is in the header: in the first part.
+        if at == 0 {
+            place = self::place(&part[..count], text);
+        }
+        at += count as u64;
+    }
+    if let Some(place) = place {
+        file.seek(SeekFrom::Start(place.start as u64))?;
+        file.write_all(format!("{:08x}", sum.finalize()).as_bytes())?;
+    }
+    Ok(())
 }
 
 /// Whether a file has the checksum that `text` in it ends with.

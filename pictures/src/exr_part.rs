@@ -141,34 +141,63 @@ impl ExrPart {
         let first = parts.first().ok_or(MergeError::Nothing)?;
         let [width, height] = first.window.image;
         let names = |part: &Self| part.channels.iter().map(|c| c.0.clone()).collect::<Vec<_>>();
-        let mut taken = vec![false; width * height];
-        let mut channels: Vec<(String, Vec<f32>)> =
-            names(first).into_iter().map(|name| (name, vec![0.0; width * height])).collect();
         for (number, part) in parts.iter().enumerate() {
             if part.window.image != first.window.image || names(part) != names(first) {
                 return Err(MergeError::Other(number + 1));
             }
+            let common = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start) < a.end.min(b.end);
+            let overlaps = |earlier: &Self| {
+                let (a, b) = (&part.window, &earlier.window);
+                common(&a.rows, &b.rows) && common(&a.columns, &b.columns)
+            };
+            if parts[..number].iter().any(overlaps) {
+                return Err(MergeError::Overlap(number + 1));
+            }
+        }
+        // Before any memory is reserved: the image is as large as its file says, the parts as what was read.
+        Self::check_complete(parts, [width, height])?;
+        let mut channels: Vec<(String, Vec<f32>)> =
+            names(first).into_iter().map(|name| (name, vec![0.0; width * height])).collect();
+        for part in parts {
             let (columns, own) = (part.window.columns.clone(), part.window.size()[0]);
             for (line, row) in part.window.rows.clone().enumerate() {
                 let place = row * width + columns.start..row * width + columns.end;
-                if taken[place.clone()].contains(&true) {
-                    return Err(MergeError::Overlap(number + 1));
-                }
-                taken[place.clone()].fill(true);
                 for ((_, all), (_, values)) in channels.iter_mut().zip(&part.channels) {
                     all[place.clone()].copy_from_slice(&values[line * own..(line + 1) * own]);
                 }
             }
         }
-        let missing: Vec<usize> = (0..taken.len()).filter(|i| !taken[*i]).collect();
-        let (Some(first), Some(last)) = (missing.first(), missing.last()) else {
-            return Ok(Self { window: Window::whole(width, height), channels });
-        };
-        let rows = first / width..last / width + 1;
-        let column = |i: &usize| i % width;
-        let [low, high] =
-            [missing.iter().map(column).min(), missing.iter().map(column).max()].map(Option::unwrap_or_default);
-        Err(MergeError::Missing { count: missing.len(), columns: low..high + 1, rows })
+        Ok(Self { window: Window::whole(width, height), channels })
+    }
+
+    /// Whether parts that do not overlap have all pixels of an image.
+    fn check_complete(parts: &[Self], [width, height]: [usize; 2]) -> Result<(), MergeError> {
+        // Between two of these rows all are alike.
+        let mut cuts: Vec<usize> = parts.iter().flat_map(|p| [p.window.rows.start, p.window.rows.end]).collect();
+        cuts.extend([0, height]);
+        cuts.sort_unstable();
+        cuts.dedup();
+        let (mut count, mut low, mut high) = (0_usize, [usize::MAX; 2], [0; 2]);
+        for pair in cuts.windows(2) {
+            let rows = pair[0]..pair[1];
+            let here = parts.iter().filter(|p| p.window.rows.start <= rows.start && p.window.rows.end >= rows.end);
+            let mut spans: Vec<Range<usize>> = here.map(|p| p.window.columns.clone()).collect();
+            spans.sort_unstable_by_key(|span| span.start);
+            spans.push(width..width);
+            let mut from = 0;
+            for span in spans {
+                if span.start > from {
+                    count = count.saturating_add((span.start - from).saturating_mul(rows.len()));
+                    low = [low[0].min(from), low[1].min(rows.start)];
+                    high = [high[0].max(span.start), high[1].max(rows.end)];
+                }
+                from = from.max(span.end);
+            }
+        }
+        if count == 0 {
+            return Ok(());
+        }
+        Err(MergeError::Missing { count, columns: low[0]..high[0], rows: low[1]..high[1] })
     }
 
     /// A channel's values.
@@ -234,5 +263,27 @@ mod tests {
         let mut other = part(3..5, 0..4);
         other.channels.pop();
         assert_eq!(ExrPart::merge(&[part(0..3, 0..4), other]), Err(MergeError::Other(2)));
+    }
+
+    /// The size of an image is what a file says: nothing is reserved for pixels that nobody has.
+    #[test]
+    fn huge_images_of_small_parts_are_refused() {
+        let mut small = part(0..3, 0..4);
+        small.window.image = [2_000_000_000, 2_000_000_000];
+        let missing = MergeError::Missing {
+            count: 4_000_000_000_000_000_000 - 12,
+            columns: 0..2_000_000_000,
+            rows: 0..2_000_000_000,
+        };
+        assert_eq!(ExrPart::merge(&[small]), Err(missing));
+    }
+
+    #[test]
+    fn gaps_are_told_exactly() {
+        let missing = |parts: &[ExrPart]| ExrPart::merge(parts).unwrap_err();
+        let gap = |count, columns, rows| MergeError::Missing { count, columns, rows };
+        assert_eq!(missing(&[part(1..5, 0..4)]), gap(4, 0..1, 0..4));
+        assert_eq!(missing(&[part(0..2, 0..4), part(3..5, 0..2)]), gap(8, 2..5, 0..4));
+        assert_eq!(missing(&[part(0..5, 0..1), part(0..5, 3..4), part(2..3, 1..3)]), gap(8, 0..5, 1..3));
     }
 }

@@ -19,6 +19,7 @@ mod output;
 mod picture;
 mod png_file;
 mod stamp;
+mod stream;
 mod window;
 
 pub use crate::checksum::checksum;
@@ -30,4 +31,5 @@ pub use crate::output::{ImageFileError, Output, remove_unfinished};
 pub use crate::picture::{Picture, luminance};
 pub use crate::png_file::{srgb_bytes, write_png};
 pub use crate::stamp::read_stamp;
+pub use crate::stream::PictureStream;
 pub use crate::window::Window;

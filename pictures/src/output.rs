@@ -162,13 +162,21 @@ impl Output {
     /// # Errors
     /// Those of `write`, of the disk, and of the renaming; the old file, if any, is untouched then.
     pub fn finish(
-        mut self,
+        self,
         write: impl FnOnce(&mut BufWriter<File>) -> Result<(), ImageFileError>,
+    ) -> Result<(), ImageFileError> {
+        self.finish_at(|file, _| write(file))
+    }
+
+    /// The same for who wants to know where the file is until it has its name.
+    pub(crate) fn finish_at(
+        mut self,
+        write: impl FnOnce(&mut BufWriter<File>, &Path) -> Result<(), ImageFileError>,
     ) -> Result<(), ImageFileError> {
         let failed = |e| ImageFileError::io(&self.path, e);
         if let Some(file) = &self.file {
             let mut buffered = BufWriter::new(file.try_clone().map_err(failed)?);
-            write(&mut buffered)?;
+            write(&mut buffered, &self.temporary)?;
             buffered.flush().map_err(failed)?;
             // The content is on the disk before the name is: a power cut leaves the old file or the new one.
             file.sync_all().map_err(failed)?;

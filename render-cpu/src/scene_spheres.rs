@@ -24,7 +24,7 @@ pub enum SphereSource {
 /// How an object shadows itself is fitted with its sphere set, sphere by sphere, and follows the spheres' radii; explicit
 /// spheres are measured against a visible mesh for one distance τ.
 /// Exact balls stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
-/// blackening a skin. Equal balls are one ([`Doubles`]). A ball that coincides with a light blocks nothing: it is how a light is made visible.
+/// blackening a skin. Equal balls are one, and equal meshes ([`Doubles`]). A ball that coincides with a light blocks nothing: it is how a light is made visible.
 ///
 /// # Cost of a pose
 /// One to four matrix products a sphere that follows bones, a copy of the others.
@@ -108,10 +108,12 @@ impl SceneSpheres {
         out.self_distances.clear();
         out.self_shadows.clear();
         let (mut posed, mut turned) = (Vec::new(), Vec::new());
-        let (mut balls, mut own_balls) = (Doubles::default(), Doubles::default());
+        let (mut balls, mut own_balls, mut meshes) = (Doubles::default(), Doubles::default(), Doubles::default());
         for (number, (object, own)) in scene.objects.iter().zip(&self.objects).enumerate() {
             let mut self_shadows = &own.self_shadows;
+            let is_double = !meshes.is_first_mesh(&scene.objects, number);
             let spheres = match (&own.spheres, &object.shape, &object.proxy) {
+                _ if is_double => &Vec::new(),
                 (Spheres::Shape, Shape::Spheres(list), _) | (Spheres::Listed, _, Proxy::Spheres(list)) => list,
                 (Spheres::Still(list), ..) => list,
                 (Spheres::Bound(set), ..) => {

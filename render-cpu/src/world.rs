@@ -376,7 +376,7 @@ impl<'s> World<'s> {
     }
 }
 
-/// The triangles with an area and the balls with a radius of all objects that are seen or block; equal balls once.
+/// The triangles with an area and the balls with a radius of all objects that are seen or block; equal meshes and balls once.
 fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
     let (mut triangles, mut balls, mut doubles) = (Vec::new(), Vec::new(), Doubles::default());
     for (number, object) in scene.objects.iter().enumerate() {
@@ -385,7 +385,7 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
             continue;
         }
         match &object.shape {
-            Shape::Mesh(mesh) => {
+            Shape::Mesh(mesh) if doubles.is_first_mesh(&scene.objects, number) => {
                 for (index, corners) in mesh.triangles.iter().enumerate() {
                     let [a, b, c] = corners.map(|i| Vec3A::from(mesh.positions[i as usize]));
                     let (e1, e2) = (b - a, c - a);
@@ -395,6 +395,7 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
                     }
                 }
             }
+            Shape::Mesh(_) => {}
             Shape::Spheres(spheres) => {
                 let all = spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0 && doubles.is_first(object, s));
                 balls.extend(all.map(|(index, sphere)| Ball {

@@ -87,7 +87,8 @@ impl Backend {
 #[derive(Debug)]
 pub struct GpuBackend {
     shader: GpuShader,
-    world: Option<GpuWorld>,
+    /// With the objects that are in it.
+    world: Option<(GpuWorld, Vec<bool>)>,
 }
 
 #[cfg(feature = "gpu")]
@@ -101,15 +102,26 @@ impl GpuBackend {
         maps: Option<&ShadowMapBlockers>,
         traced: Option<(&Scene, &Plan)>,
     ) -> Result<&mut GpuShader, GpuError> {
-        match (traced, &mut self.world) {
-            (None, world) => *world = None,
-            (Some((scene, _)), Some(world)) => world.update(scene)?,
-            (Some((scene, plan)), world) => {
-                *world = Some(GpuWorld::only(self.shader.gpu(), scene, |o| plan.traces_on_gpu(scene, o))?)
+        if let Some((scene, plan)) = traced {
+            let objects: Vec<bool> = (0..scene.objects.len() as u32).map(|o| plan.traces_on_gpu(scene, o)).collect();
+            match &mut self.world {
+                // What maps show changes as lights move.
+                Some((world, kept)) if *kept == objects => world.update(scene)?,
+                world => {
+                    let traced = GpuWorld::only(self.shader.gpu(), scene, |o| objects[o as usize])?;
+                    *world = Some((traced, objects));
+                }
             }
+        } else {
+            self.world = None;
         }
         self.shader.set_method(method);
-        self.shader.occlude(Occlusion { spheres, maps, rays: self.world.as_ref(), own: &[] })?;
+        self.shader.occlude(Occlusion {
+            spheres,
+            maps,
+            rays: self.world.as_ref().map(|(world, _)| world),
+            own: &[],
+        })?;
         Ok(&mut self.shader)
     }
 }

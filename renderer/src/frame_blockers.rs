@@ -2,7 +2,6 @@ use crate::{Backend, Plan, RenderError, Shader};
 use lobe_core::paper::Tables;
 use lobe_core::{LightId, Method as Products, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits, World};
-use scene::Strategy;
 use visibility_mask::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
 use visibility_silhouettes::SilhouetteBlockers;
@@ -43,13 +42,13 @@ impl<'a> FrameBlockers<'a> {
     ) -> Self {
         let mut maps: Vec<(LightId, ShadowMap)> = (0..).map(LightId).zip(maps).collect();
         maps.retain(|(_, map)| map.faces() > 0);
-        let all = plan.all(Strategy::Rays);
-        let rays = plan.uses(Strategy::Rays).then(|| match all {
+        let scene = world.scene();
+        let traced: Vec<bool> = (0..scene.objects.len() as u32).map(|o| plan.traces(scene, o)).collect();
+        let rays = traced.contains(&true).then(|| match traced.iter().all(|traced| *traced) {
             true => RayBlockers::new(world),
-            false => RayBlockers::new(world).only(|o| plan.traces(o)),
+            false => RayBlockers::new(world).only(|o| traced[o as usize]),
         });
         let maps = (!maps.is_empty()).then(|| {
-            let scene = world.scene();
             let casters = (0..scene.objects.len()).map(|o| plan.in_maps(scene, o));
             ShadowMapBlockers::of_lights(maps).with_casters(casters.collect())
         });

@@ -1,6 +1,7 @@
 use crate::bands::{Bands, seconds};
 use crate::event::tell;
 use crate::{Event, FrameClocks, Listener, RenderError, Shader, Work};
+use core::ops::ControlFlow;
 use glam::Vec3;
 use lobe_core::Accuracy;
 use scene::{Frame, ShadeStats, ShadingPoints};
@@ -58,50 +59,76 @@ pub struct ImageStats {
     pub map_bytes: usize,
 }
 
-/// Shades a picture; the work that a strategy is chosen for.
-pub(crate) struct Shading<'a, 'w> {
+/// Rows of a picture that are done.
+#[derive(Clone, Debug, Default)]
+pub struct Band {
+    /// Which rows of the picture.
+    pub rows: core::ops::Range<usize>,
+    /// As [`Image::radiance`].
+    pub radiance: Vec<Vec3>,
+    /// As [`Image::layers`].
+    pub layers: Option<Layers>,
+}
+
+/// Takes bands as they are done, from the top, and may have had enough.
+pub type Sink<'a> = dyn FnMut(Band) -> ControlFlow<()> + 'a;
+
+impl Layers {
+    /// Appends the rows that follow.
+    pub(crate) fn append(&mut self, next: Self) {
+        self.unshadowed.extend(next.unshadowed);
+        self.lights.resize(next.lights.len(), Vec::new());
+        self.lights.iter_mut().zip(next.lights).for_each(|(all, next)| all.extend(next));
+        self.normals.extend(next.normals);
+        self.depths.extend(next.depths);
+        self.lobes.extend(next.lobes);
+        self.products.extend(next.products);
+    }
+}
+
+/// Shades a picture band by band; the work that a strategy is chosen for.
+pub(crate) struct Shading<'a, 'w, 'l, 's> {
     pub(crate) frame: &'a Frame<'a>,
     pub(crate) bands: &'a mut Bands<'w>,
     pub(crate) repeat: u32,
     pub(crate) layers: bool,
-    pub(crate) listener: &'a mut Listener<'a>,
+    pub(crate) listener: &'a mut Listener<'l>,
+    pub(crate) sink: &'a mut Sink<'s>,
 }
 
-impl Work for Shading<'_, '_> {
-    type Output = Image;
+impl Work for Shading<'_, '_, '_, '_> {
+    type Output = ImageStats;
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<Image, RenderError> {
-        let Self { frame, bands, repeat, layers, listener } = self;
+    fn with<S: Shader>(self, shader: &mut S) -> Result<ImageStats, RenderError> {
+        let Self { frame, bands, repeat, layers, listener, sink } = self;
         let background = bands.world.scene().background;
         let window = bands.window.clone();
-        let mut image = Image { size: window.size(), ..Image::default() };
-        let mut all = layers.then(|| Layers { lights: vec![Vec::new(); frame.lights.len()], ..Layers::default() });
-        // At once: a picture that finds no room is refused here, and growing would take twice the memory.
-        image.radiance.try_reserve_exact(window.columns.len() * window.rows.len())?;
-        image.stats.shading.resize(repeat as usize, ShadeStats::default());
+        let mut done = ImageStats { shading: vec![ShadeStats::default(); repeat as usize], ..ImageStats::default() };
         let fail = |error: S::Error| -> RenderError { error.into() };
         // Compiles what there is to compile.
-        seconds(&mut image.stats.kernels, || shader.shade(&ShadingPoints::default(), frame, &mut [])).map_err(fail)?;
+        seconds(&mut done.kernels, || shader.shade(&ShadingPoints::default(), frame, &mut [])).map_err(fail)?;
         let of = window.rows.len() as u32;
         for rows in bands.ranges(window.rows.start as u32..window.rows.end as u32) {
             tell(listener, Event::Rows { done: rows.start - window.rows.start as u32, of })?;
-            let g = bands.points(&window, rows);
+            let g = bands.points(&window, rows.clone());
             let mut radiance = vec![Vec3::ZERO; g.len()];
-            for (repetition, total) in image.stats.shading.iter_mut().enumerate() {
+            let mut all = layers.then(Layers::default);
+            for (repetition, total) in done.shading.iter_mut().enumerate() {
                 *total += match &mut all {
                     None => shader.shade(&g.points, frame, &mut radiance).map_err(fail)?,
                     Some(all) => {
                         let (stats, points) = shader.shade_layers(&g.points, frame, &mut radiance)?;
                         if repetition == 0 {
                             let count = frame.lights.len();
-                            all.unshadowed.extend(g.resolve(&points.unshadowed, background));
-                            for (l, plane) in all.lights.iter_mut().enumerate() {
+                            all.unshadowed = g.resolve(&points.unshadowed, background);
+                            let light = |l: usize| {
                                 let part: Vec<Vec3> = points.lights.iter().skip(l).step_by(count).copied().collect();
-                                plane.extend(g.resolve(&part, Vec3::ZERO));
-                            }
+                                g.resolve(&part, Vec3::ZERO)
+                            };
+                            all.lights = (0..count).map(light).collect();
                             let numbers = |n: &[u32]| n.iter().map(|n| *n as f32).collect::<Vec<f32>>();
-                            all.lobes.extend(g.resolve(&numbers(&points.lobes), 0.0));
-                            all.products.extend(g.resolve(&numbers(&points.integrals), 0.0));
+                            all.lobes = g.resolve(&numbers(&points.lobes), 0.0);
+                            all.products = g.resolve(&numbers(&points.integrals), 0.0);
                         }
                         stats
                     }
@@ -109,13 +136,15 @@ impl Work for Shading<'_, '_> {
             }
             if let Some(all) = &mut all {
                 let normals: Vec<Vec3> = g.points.receivers.iter().map(|r| r.normal).collect();
-                all.normals.extend(g.resolve(&normals, Vec3::ZERO));
-                all.depths.extend(g.resolve(&g.depths, f32::INFINITY));
+                all.normals = g.resolve(&normals, Vec3::ZERO);
+                all.depths = g.resolve(&g.depths, f32::INFINITY);
             }
-            image.radiance.extend(g.resolve(&radiance, background));
-            image.stats.points += g.len();
+            done.points += g.len();
+            let rows = rows.start as usize..rows.end as usize;
+            if sink(Band { rows, radiance: g.resolve(&radiance, background), layers: all }).is_break() {
+                break;
+            }
         }
-        image.layers = all;
-        Ok(image)
+        Ok(done)
     }
 }

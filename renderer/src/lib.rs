@@ -43,7 +43,7 @@ pub use crate::clocks::{Clocks, FrameClocks};
 pub use crate::error::RenderError;
 pub use crate::event::{Event, Listener};
 pub use crate::frame_blockers::{Form, FrameBlockers, Work};
-pub use crate::image::{Image, ImageStats, Layers};
+pub use crate::image::{Band, Image, ImageStats, Layers, Sink};
 pub use crate::kept_spheres::KeptSpheres;
 pub use crate::plan::{Coarser, Plan};
 pub use crate::renderer::Renderer;

@@ -1,5 +1,6 @@
 use crate::RenderError;
 use glam::Vec3;
+use lighting::SphereLight;
 use rayon::prelude::*;
 use render_cpu::SphereSource;
 use scene::{Object, Proxy, Scene, Shape, Strategy};
@@ -43,28 +44,17 @@ impl Plan {
         self.objects[object]
     }
 
-    /// Whether an object is by rays.
+    /// Whether an object is by rays: maps that do not show it leave it to them.
     #[must_use]
-    pub fn traces(&self, object: u32) -> bool {
-        self.of(object as usize) == Strategy::Rays
+    pub fn traces(&self, scene: &Scene, object: u32) -> bool {
+        let o = object as usize;
+        self.of(o) == Strategy::Rays || self.is_mapped(scene, o) && !self.in_maps(scene, o)
     }
 
     /// Whether an object is by rays on a GPU: meshes by silhouettes are, too.
     #[must_use]
     pub fn traces_on_gpu(&self, scene: &Scene, object: u32) -> bool {
-        self.traces(object) || self.by_silhouettes(scene, object)
-    }
-
-    /// Whether every object takes this strategy.
-    #[must_use]
-    pub fn all(&self, strategy: Strategy) -> bool {
-        self.objects.iter().all(|s| *s == strategy)
-    }
-
-    /// Whether any object takes this strategy.
-    #[must_use]
-    pub fn uses(&self, strategy: Strategy) -> bool {
-        self.objects.contains(&strategy)
+        self.traces(scene, object) || self.by_silhouettes(scene, object)
     }
 
     /// The spheres that an object blocks with: those of its proxy, or the balls that it is. Maps and silhouettes have triangles
@@ -82,7 +72,7 @@ impl Plan {
     #[must_use]
     pub fn by_surfaces(&self, scene: &Scene) -> Vec<bool> {
         let by_surface =
-            |o| self.objects[o] == Strategy::Rays || self.in_maps(scene, o) || self.by_silhouettes(scene, o as u32);
+            |o| self.objects[o] == Strategy::Rays || self.is_mapped(scene, o) || self.by_silhouettes(scene, o as u32);
         (0..self.objects.len()).map(by_surface).collect()
     }
 
@@ -93,16 +83,23 @@ impl Plan {
         self.objects[o] == Strategy::Silhouettes && matches!(scene.objects[o].shape, Shape::Mesh(_))
     }
 
-    /// Whether an object's triangles are in the shadow maps.
-    #[must_use]
-    pub fn in_maps(&self, scene: &Scene, object: usize) -> bool {
+    /// Whether an object's triangles are meant for the shadow maps.
+    fn is_mapped(&self, scene: &Scene, object: usize) -> bool {
         self.objects[object] == Strategy::ShadowMap && matches!(scene.objects[object].shape, Shape::Mesh(_))
     }
 
-    /// Whether there are any triangles for shadow maps.
+    /// Whether an object's triangles are in the shadow maps: the map of every light shows them.
+    #[must_use]
+    pub fn in_maps(&self, scene: &Scene, object: usize) -> bool {
+        let Shape::Mesh(mesh) = &scene.objects[object].shape else { return false };
+        let shows = |light: &SphereLight| ShadowMap::shows(&mesh.positions, &mesh.triangles, light.ball);
+        self.objects[object] == Strategy::ShadowMap && scene.lights.iter().all(shows)
+    }
+
+    /// Whether there are any triangles meant for shadow maps.
     #[must_use]
     pub fn wants_maps(&self, scene: &Scene) -> bool {
-        (0..self.objects.len()).any(|o| self.in_maps(scene, o))
+        (0..self.objects.len()).any(|o| self.is_mapped(scene, o))
     }
 
     /// Bytes that the maps of all lights take at most, where each is one picture and none is asked to be finer: 32 a texel,

@@ -3,8 +3,8 @@ use crate::budget::Budget;
 use crate::event::tell;
 use crate::image::Shading;
 use crate::{
-    Backend, Clocks, Event, Form, FrameBlockers, FrameClocks, Image, KeptSpheres, Listener, Method, Plan, RenderError,
-    Settings, paper_tables, scene_spheres,
+    Backend, Clocks, Event, Form, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Layers, Listener, Method,
+    Plan, RenderError, Settings, Sink, paper_tables, scene_spheres,
 };
 use core::ops::ControlFlow;
 use lobe_core::Accuracy;
@@ -187,6 +187,31 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn render_window(&mut self, window: &Window, listener: &mut Listener<'_>) -> Result<Image, RenderError> {
+        let mut image = Image { size: window.size(), ..Image::default() };
+        // At once: a picture that finds no room is refused here, and growing would take twice the memory.
+        image.radiance.try_reserve_exact(window.columns.len() * window.rows.len())?;
+        image.layers = self.settings.layers.then(Layers::default);
+        image.stats = self.render_bands(window, listener, &mut |band| {
+            image.radiance.extend(band.radiance);
+            if let (Some(all), Some(next)) = (&mut image.layers, band.layers) {
+                all.append(next);
+            }
+            ControlFlow::Continue(())
+        })?;
+        Ok(image)
+    }
+
+    /// The same in bands of rows, which go to `sink` as they are done: pictures of any size in bounded memory. Ends early where the
+    /// sink has had enough.
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn render_bands(
+        &mut self,
+        window: &Window,
+        listener: &mut Listener<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Result<ImageStats, RenderError> {
         self.prepare(listener)?;
         let mut clocks = FrameClocks { pose: core::mem::take(&mut self.pose), ..FrameClocks::default() };
         self.follow(&mut clocks)?;
@@ -210,7 +235,8 @@ impl Renderer {
                 _ => Form::Fractions,
             },
         };
-        let made = job.picture(&world, &mut self.backend, &mut self.chosen, &mut self.is_advised, clocks, listener);
+        let made =
+            job.picture(&world, &mut self.backend, &mut self.chosen, &mut self.is_advised, clocks, listener, sink);
         self.hierarchy = Some(world.into_hierarchy());
         self.is_moved = false;
         made
@@ -248,7 +274,8 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// One picture of a world.
+    /// One picture of a world, as far as the sink takes it.
+    #[expect(clippy::too_many_arguments, reason = "what it changes, whom it tells, where it goes")]
     fn picture(
         &self,
         world: &World<'_>,
@@ -257,7 +284,8 @@ impl Job<'_> {
         is_advised: &mut bool,
         mut clocks: FrameClocks,
         listener: &mut Listener<'_>,
-    ) -> Result<Image, RenderError> {
+        sink: &mut Sink<'_>,
+    ) -> Result<ImageStats, RenderError> {
         let Self { settings, window, plan, silhouettes, form, .. } = *self;
         let (scene, spheres) = (world.scene(), self.spheres.get());
         let mut bands = Bands::new(world, settings.samples, window.clone());
@@ -290,14 +318,14 @@ impl Job<'_> {
         let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
         let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes);
         let (repeat, layers) = (settings.repeat, settings.layers);
-        let shading = Shading { frame: &frame, bands: &mut bands, repeat, layers, listener };
-        let mut image = blockers.shade(backend, form, shading)?;
+        let shading = Shading { frame: &frame, bands: &mut bands, repeat, layers, listener, sink };
+        let mut stats = blockers.shade(backend, form, shading)?;
         clocks.gbuffer = bands.seconds;
-        image.stats.clocks = clocks;
-        image.stats.accuracy = frame.accuracy;
-        image.stats.spheres = spheres.map_or(0, |s| s.spheres().len());
-        image.stats.triangles = world.triangle_count();
-        (image.stats.map_resolutions, image.stats.map_bytes) = (map_resolutions, map_bytes);
-        Ok(image)
+        stats.clocks = clocks;
+        stats.accuracy = frame.accuracy;
+        stats.spheres = spheres.map_or(0, |s| s.spheres().len());
+        stats.triangles = world.triangle_count();
+        (stats.map_resolutions, stats.map_bytes) = (map_resolutions, map_bytes);
+        Ok(stats)
     }
 }

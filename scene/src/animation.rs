@@ -4,7 +4,7 @@ use crate::mesh::MAX_COORDINATE;
 use crate::placement::Placement;
 use crate::skeleton::{Carrier, Skeleton};
 use crate::{Camera, Object, Proxy, Scene, Shape};
-use glam::{Mat4, Vec3};
+use glam::{DVec3, Mat4, Vec3};
 use lobe_core::Sphere;
 
 /// What of a loaded scene moves, and how: key frames of a scene file, clips of glTF files.
@@ -30,6 +30,7 @@ use lobe_core::Sphere;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Animation {
+    pub(crate) origin: DVec3,
     pub(crate) duration: Option<f32>,
     pub(crate) fps: f32,
     pub(crate) clips: Vec<String>,
@@ -103,6 +104,13 @@ pub(crate) enum CameraMover {
 impl Animation {
     /// Frames a second where a file does not say.
     pub const DEFAULT_FPS: f32 = 24.0;
+
+    /// The scene's origin in the world of its file: all coordinates of the scene are relative to it. Zero but for scenes that lie
+    /// far from the origin of their file, where single precision would show.
+    #[must_use]
+    pub const fn origin(&self) -> DVec3 {
+        self.origin
+    }
 
     /// Whether nothing moves.
     #[must_use]
@@ -239,6 +247,7 @@ impl Default for Animation {
     /// Nothing moves.
     fn default() -> Self {
         Self {
+            origin: DVec3::ZERO,
             duration: None,
             fps: Self::DEFAULT_FPS,
             clips: Vec::new(),

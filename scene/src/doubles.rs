@@ -1,10 +1,10 @@
-use crate::{Object, Proxy};
+use crate::{Mesh, Object, Proxy, Shape};
 use lobe_core::Sphere;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-/// Finds equal spheres: two that lie in the same place are one surface and one blocker.
+/// Finds equal spheres and equal meshes: two that lie in the same place are one surface and one blocker.
 ///
-/// Of equal spheres of objects that are seen and block alike the first one stands for all. Without that rule each would shadow
+/// Of equal ones of objects that are seen and block alike the first one stands for all. Without that rule each would shadow
 /// the surface of the other: a receiver lies on its own object's sphere and, but for rounding, inside the other's.
 ///
 /// ```
@@ -15,16 +15,44 @@ use std::collections::HashSet;
 /// let mut doubles = Doubles::default();
 /// assert!(doubles.is_first(&object, &ball));
 /// assert!(!doubles.is_first(&object, &ball));
+/// let quad = scene::Mesh::quad(glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y);
+/// let objects = [1, 2].map(|_| Object::mesh("quad", quad.clone(), 0, scene::Proxy::None));
+/// assert!(doubles.is_first_mesh(&objects, 0));
+/// assert!(!doubles.is_first_mesh(&objects, 1));
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Doubles {
     known: HashSet<([u32; 4], bool, bool, Option<crate::Strategy>)>,
+    /// Objects by their first vertex and the numbers of vertices and triangles.
+    meshes: HashMap<([u32; 3], usize, usize), Vec<usize>>,
 }
 
 impl Doubles {
-    /// Forgets all spheres.
+    /// Forgets all spheres and meshes.
     pub fn clear(&mut self) {
         self.known.clear();
+        self.meshes.clear();
+    }
+
+    /// Remembers the mesh of an object; true when no equal one of an object that is seen and blocks like this one came before, and
+    /// for what is no mesh. All calls are for the same objects, in their order.
+    pub fn is_first_mesh(&mut self, objects: &[Object], number: usize) -> bool {
+        let object = &objects[number];
+        let Shape::Mesh(mesh) = &object.shape else { return true };
+        let Some(first) = mesh.positions.first() else { return true };
+        let key = ((*first + 0.0).to_array().map(f32::to_bits), mesh.positions.len(), mesh.triangles.len());
+        let alike = self.meshes.entry(key).or_default();
+        let is_double = alike.iter().any(|other| {
+            let other = &objects[*other];
+            let same = |o: &Mesh| (&o.positions, &o.triangles) == (&mesh.positions, &mesh.triangles);
+            let blocks =
+                (other.visible, other.strategy, &other.proxy) == (object.visible, object.strategy, &object.proxy);
+            blocks && matches!(&other.shape, Shape::Mesh(o) if same(o))
+        });
+        if !is_double {
+            alike.push(number);
+        }
+        !is_double
     }
 
     /// Remembers a sphere of an object; true when no equal one of an object that is seen and blocks like this one came before.

@@ -139,7 +139,8 @@ fn document(
     }
     let buffers = Buffers::load(path, root, chunk)?;
     // The tree first: what a node names wrongly is that node's fault.
-    let skeleton = animated(path, root, json, &buffers, wanted, context)?;
+    let mut skeleton = animated(path, root, json, &buffers, wanted, context)?;
+    skeleton.origin = context.origin;
     let shown = shown_nodes(root)?;
     let mut reader = Reader {
         root,
@@ -336,7 +337,8 @@ impl Reader<'_> {
         if let (Some(joints), Some(influences)) = (joints, influences) {
             carrier.joints = joints.iter().map(|&(node, bind)| (Some(node), bind)).collect();
             if influences.unbound {
-                carrier.joints.push((None, Mat4::IDENTITY));
+                let here = Mat4::from_translation((-self.skeleton.origin).as_vec3());
+                carrier.joints.push((None, here));
             }
             moves = morphing || joints.iter().any(|&(node, _)| self.moving[node]);
             self.notes.reduced += influences.reduced;

@@ -4,7 +4,7 @@ use crate::Camera;
 use crate::animation::node_camera;
 use crate::placement::Clock;
 use crate::skeleton::{Bone, Local, Skeleton};
-use glam::{Mat4, Quat, Vec3};
+use glam::{DVec3, Mat4, Quat, Vec3};
 use gltf::json::{Index, Node, Root};
 
 /// All nodes, at rest.
@@ -49,7 +49,7 @@ pub(crate) fn skeleton(root: &Root) -> Result<Skeleton, String> {
         let lost = bones.iter().position(|b| b.rest.is_nan()).unwrap_or(0);
         return Err(format!("node cycle at node {lost}"));
     }
-    Ok(Skeleton { bones, order, clock: Clock { first: 0.0, last: 0.0, repeats: true } })
+    Ok(Skeleton { bones, order, origin: DVec3::ZERO, clock: Clock { first: 0.0, last: 0.0, repeats: true } })
 }
 
 fn local(node: &Node) -> Local {

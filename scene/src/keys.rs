@@ -3,10 +3,11 @@
 use crate::SceneError;
 use crate::camera::Camera;
 use crate::mesh::MAX_COORDINATE;
+use crate::origin::{Origins, relative};
 use crate::placement::{Clock, Keyed, Placement, linear_turn, one_axis, smooth_turn};
 use crate::toml_reader::{Table, Value};
 use crate::track::{Interpolation, Meaning, Track};
-use glam::{Mat4, Vec3};
+use glam::{DVec3, Mat4, Vec3};
 
 /// Times beyond this are refused: eleven days.
 pub(crate) const MAX_SECONDS: f32 = 1e6;
@@ -26,15 +27,18 @@ pub(crate) struct Stand {
     pub(crate) scale: Vec3,
     pub(crate) axis: Vec3,
     pub(crate) degrees: f32,
+    /// Without [`Origins::shift`].
     pub(crate) translation: Vec3,
 }
 
 impl Stand {
     pub(crate) const ORIGIN: Self = Self { scale: Vec3::ONE, axis: Vec3::Y, degrees: 0.0, translation: Vec3::ZERO };
 
-    pub(crate) fn matrix(&self) -> Mat4 {
+    pub(crate) fn matrix(&self, origins: &Origins) -> Mat4 {
         let turn = crate::placement::rotation(self.axis, self.degrees);
-        Mat4::from_scale_rotation_translation(self.scale, turn, self.translation)
+        let matrix = Mat4::from_scale_rotation_translation(self.scale, turn, self.translation);
+        let fine = crate::placement::fine_rotation(self.axis, self.degrees);
+        origins.place(matrix, |p| fine * (self.scale.as_dvec3() * p))
     }
 }
 
@@ -113,9 +117,10 @@ impl<'s> Keys<'s> {
         }
     }
 
-    fn vectors(&mut self, key: &'static str, own: Vec3) -> Result<Track, SceneError> {
+    /// Vectors without `shift`; `own` is without it.
+    fn vectors(&mut self, key: &'static str, own: Vec3, shift: DVec3) -> Result<Track, SceneError> {
         let (times, values) = self.values(key, own, |v| {
-            let p = v.vec3()?;
+            let p = v.relative(shift)?;
             if p.abs().max_element() > MAX_COORDINATE {
                 return Err(v.error(format!("{p}: coordinates must lie within ±1e9")));
             }
@@ -135,6 +140,7 @@ impl<'s> Keys<'s> {
     pub(crate) fn placement(
         mut self,
         own: Stand,
+        origins: Origins,
         check: impl Fn(Value<'s>, Vec3) -> Result<(), SceneError>,
     ) -> Result<Placement, SceneError> {
         let (times, scales) = self.values("scale", own.scale, |v| {
@@ -142,16 +148,17 @@ impl<'s> Keys<'s> {
             check(v, scale).map(|()| scale)
         })?;
         let scale = self.track(times, &flat(&scales), 3);
-        self.rigid(own, scale)
+        self.rigid(own, scale, origins)
     }
 
     /// The placement that the keys of a light describe: it turns and moves only.
-    pub(crate) fn rigid_placement(self) -> Result<Placement, SceneError> {
-        self.rigid(Stand::ORIGIN, Track::constant(&[1.0; 3]))
+    pub(crate) fn rigid_placement(self, origins: Origins) -> Result<Placement, SceneError> {
+        let own = Stand { translation: relative(DVec3::ZERO, origins.shift()), ..Stand::ORIGIN };
+        self.rigid(own, Track::constant(&[1.0; 3]), origins)
     }
 
-    fn rigid(mut self, own: Stand, scale: Track) -> Result<Placement, SceneError> {
-        let translation = self.vectors("translate", own.translation)?;
+    fn rigid(mut self, own: Stand, scale: Track, origins: Origins) -> Result<Placement, SceneError> {
+        let translation = self.vectors("translate", own.translation, origins.shift())?;
         let (times, turns) = self.values("rotate", (own.axis, own.degrees), read_rotation)?;
         let turn = if self.smooth {
             if one_axis(&turns).is_none() {
@@ -170,15 +177,15 @@ impl<'s> Keys<'s> {
             linear_turn(&times, &turns)
         };
         let clock = self.finish()?;
-        Ok(Placement::Keys(Box::new(Keyed { clock, scale, turn, translation })))
+        Ok(Placement::Keys(Box::new(Keyed { clock, scale, turn, translation, origins })))
     }
 
-    /// The camera's way. Every key is a valid view.
-    pub(crate) fn camera(mut self, own: Camera) -> Result<CameraKeys, SceneError> {
+    /// The camera's way, relative to an origin. Every key is a valid view.
+    pub(crate) fn camera(mut self, own: Camera, origin: DVec3) -> Result<CameraKeys, SceneError> {
         let place = self.place;
-        let eye = self.vectors("eye", own.eye)?;
-        let target = self.vectors("target", own.target)?;
-        let up = self.vectors("up", own.up)?;
+        let eye = self.vectors("eye", own.eye, origin)?;
+        let target = self.vectors("target", own.target, origin)?;
+        let up = self.vectors("up", own.up, DVec3::ZERO)?;
         let (times, fovs) = self.values("fov", own.vertical_fov, |v| v.number().map(f32::to_radians))?;
         let fov = self.track(times, &fovs, 1);
         let times = self.times.clone();

@@ -9,7 +9,7 @@ use crate::{
     Animation, Bounds, Camera, Mesh, Object, Pose, Proxy, Scene, SceneError, Shape, gltf_file, obj, ply, scene_file,
 };
 use brdf::{Lambert, Material, ModifiedPhong};
-use glam::{Mat4, Vec3};
+use glam::{DVec3, Mat4, Vec3};
 use lighting::SphereLight;
 use lobe_core::Sphere;
 use std::path::Path;
@@ -23,6 +23,8 @@ pub(crate) struct Context {
     pub(crate) skeletons: Vec<Skeleton>,
     /// Names of all clips.
     pub(crate) clips: Vec<String>,
+    /// What the coordinates of the mesh file that was read last are relative to.
+    pub(crate) origin: DVec3,
 }
 
 impl Context {
@@ -195,7 +197,8 @@ pub fn load_objects(
     clip: Option<&str>,
 ) -> Result<(Vec<Object>, Animation, Vec<String>), SceneError> {
     let (path, mut context) = (path.as_ref(), Context::default());
-    let Bare { mut objects, animation, .. } = bare_objects(path, clip, &mut context)?;
+    let file = file_parts(path, clip, &mut context, MESH_OR_SCENE)?;
+    let Bare { mut objects, animation, .. } = bare_objects(file, &mut context);
     animation.move_objects(0.0, &animation.worlds(0.0), &mut objects);
     for object in &objects {
         if let Shape::Mesh(mesh) = &object.shape {
@@ -274,9 +277,25 @@ struct File {
     moving_camera: Option<CameraMover>,
 }
 
-/// The meshes of a file, degenerate triangles taken out; of a glTF with the clip of that name or number.
+/// The meshes of a file, degenerate triangles taken out; of a glTF with the clip of that name or number. Relative to
+/// [`Context::origin`], which is not zero where the file's meshes are far from its origin.
 pub(crate) fn mesh_parts(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<Vec<Part>, SceneError> {
-    file_parts(path, clip, context, ".obj, .ply, .gltf or .glb").map(|file| file.parts)
+    near_parts(path, clip, context, ".obj, .ply, .gltf or .glb").map(|file| file.parts)
+}
+
+fn near_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &str) -> Result<File, SceneError> {
+    let (lines, skeletons, clips) = (context.warnings.len(), context.skeletons.len(), context.clips.len());
+    context.origin = DVec3::ZERO;
+    let file = file_parts(path, clip, context, endings)?;
+    let bounds = file.parts.iter().fold(Bounds::EMPTY, |b, part| b.union(part.mesh.bounds()));
+    context.origin = crate::origin::near(bounds.center(), bounds.radius());
+    if context.origin == DVec3::ZERO {
+        return Ok(file);
+    }
+    context.warnings.truncate(lines);
+    context.skeletons.truncate(skeletons);
+    context.clips.truncate(clips);
+    file_parts(path, clip, context, endings)
 }
 
 fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &str) -> Result<File, SceneError> {
@@ -298,7 +317,7 @@ fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &
             return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
         }
         "obj" => (vec![obj::parse(path, &obj_text(path, bytes)?, context)?], None, None),
-        "ply" => (vec![ply::parse(path, &bytes)?], None, None),
+        "ply" => (vec![ply::parse(path, &bytes, context.origin)?], None, None),
         "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
         _ => gltf_file::parse(path, &bytes, clip, context)?,
     };
@@ -362,10 +381,11 @@ struct Bare {
     camera: Option<Camera>,
 }
 
-fn bare_objects(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<Bare, SceneError> {
-    let File { mut parts, camera, moving_camera } =
-        file_parts(path, clip, context, ".toml, .obj, .ply, .gltf or .glb")?;
-    let mut animation = Animation { camera: moving_camera, ..context.animation() };
+const MESH_OR_SCENE: &str = ".toml, .obj, .ply, .gltf or .glb";
+
+fn bare_objects(file: File, context: &mut Context) -> Bare {
+    let File { mut parts, camera, moving_camera } = file;
+    let mut animation = Animation { origin: context.origin, camera: moving_camera, ..context.animation() };
     let here = Placement::Fixed(Mat4::IDENTITY);
     animation.movers = parts.iter_mut().map(|part| part.place(Normals::File, &here)).collect();
     let mut materials: Vec<Material> =
@@ -387,12 +407,13 @@ fn bare_objects(path: &Path, clip: Option<&str>, context: &mut Context) -> Resul
         };
         objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
     }
-    Ok(Bare { objects, materials, animation, camera })
+    Bare { objects, materials, animation, camera }
 }
 
 /// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
 fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
-    let Bare { mut objects, materials, mut animation, camera } = bare_objects(path, clip, context)?;
+    let file = near_parts(path, clip, context, MESH_OR_SCENE)?;
+    let Bare { mut objects, materials, mut animation, camera } = bare_objects(file, context);
     let bounds = swept_bounds(&animation, &mut objects);
     let radius = bounds.radius();
     let (width, height) = DEFAULT_SIZE;

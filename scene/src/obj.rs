@@ -37,7 +37,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
         let content = joined.split('#').next().unwrap_or("");
         let mut words = content.split_whitespace();
         match words.next() {
-            Some("v") => positions.push(position(words).map_err(fault)?),
+            Some("v") => positions.push(position(words, context.origin).map_err(fault)?),
             Some("vn") => normals.push(Vec3::from_array(numbers(&mut words).map_err(fault)?)),
             Some("f") => {
                 let face: Result<Vec<Corner>, _> = words.map(|w| corner(w, positions.len(), normals.len())).collect();
@@ -107,9 +107,17 @@ fn numbers<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<[f32; 3], St
 }
 
 /// `x y z`, `x y z w` (homogeneous) or `x y z r g b` (a colour, ignored).
-fn position<'w>(mut words: impl Iterator<Item = &'w str>) -> Result<Vec3, String> {
+///
+/// Relative to an origin.
+fn position<'w>(mut words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<Vec3, String> {
+    let fine = words.clone();
     let p = Vec3::from_array(numbers(&mut words)?);
     let rest: Vec<f32> = words.map(number).collect::<Result<_, _>>()?;
+    if origin != DVec3::ZERO {
+        let fine: Vec<f64> = fine.filter_map(|word| word.parse().ok()).collect();
+        let w = if let [_, _, _, w] = fine[..] { w } else { 1.0 };
+        return Ok((DVec3::from_slice(&fine) / w - origin).as_vec3());
+    }
     match rest[..] {
         [w] if w != 0.0 => Ok(p / w),
         [_] => Err("vertex weight is 0".to_owned()),

@@ -1,7 +1,8 @@
 //! Where a thing of the scene file stands, and when.
 
+use crate::origin::Origins;
 use crate::track::{Meaning, Track};
-use glam::{Mat4, Quat, Vec3};
+use glam::{DQuat, DVec3, Mat4, Quat, Vec3};
 
 /// Keys that end, or start again.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,14 +46,24 @@ pub(crate) struct Keyed {
     pub(crate) clock: Clock,
     pub(crate) scale: Track,
     pub(crate) turn: Turn,
+    /// Without [`Origins::shift`].
     pub(crate) translation: Track,
+    pub(crate) origins: Origins,
 }
 
 /// The rotation about a unit axis; any finite number of degrees.
 pub(crate) fn rotation(axis: Vec3, degrees: f32) -> Quat {
-    // Whole turns go first: in radians and single precision they would cost accuracy.
-    let angle = f64::from(degrees).rem_euclid(360.0).to_radians();
-    Quat::from_axis_angle(axis, angle as f32)
+    Quat::from_axis_angle(axis, angle(degrees) as f32)
+}
+
+/// The same in double precision.
+pub(crate) fn fine_rotation(axis: Vec3, degrees: f32) -> DQuat {
+    DQuat::from_axis_angle(axis.as_dvec3().normalize(), angle(degrees))
+}
+
+/// Radians. Whole turns go first: in radians and single precision they would cost accuracy.
+fn angle(degrees: f32) -> f64 {
+    f64::from(degrees).rem_euclid(360.0).to_radians()
 }
 
 impl Turn {
@@ -60,6 +71,13 @@ impl Turn {
         match self {
             Self::About(axis, degrees) => rotation(*axis, sample::<1>(degrees, time)[0]),
             Self::Free(track) => Quat::from_array(sample(track, time)),
+        }
+    }
+
+    fn fine(&self, time: f32) -> DQuat {
+        match self {
+            Self::About(axis, degrees) => fine_rotation(*axis, sample::<1>(degrees, time)[0]),
+            Self::Free(_) => self.at(time).as_dquat().normalize(),
         }
     }
 }
@@ -73,7 +91,9 @@ impl Placement {
                 let time = keys.clock.local(time);
                 let (scale, moved) = (sample(&keys.scale, time), sample(&keys.translation, time));
                 let turn = keys.turn.at(time);
-                Mat4::from_scale_rotation_translation(Vec3::from_array(scale), turn, Vec3::from_array(moved))
+                let scale = Vec3::from_array(scale);
+                let matrix = Mat4::from_scale_rotation_translation(scale, turn, Vec3::from_array(moved));
+                keys.origins.place(matrix, |p: DVec3| keys.turn.fine(time) * (scale.as_dvec3() * p))
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::load::Part;
 use crate::{Mesh, SceneError};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::path::Path;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -127,7 +127,8 @@ fn take_line<'a>(bytes: &mut &'a [u8]) -> &'a [u8] {
     line
 }
 
-pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Part, SceneError> {
+/// Positions are relative to `origin`.
+pub(crate) fn parse(path: &Path, bytes: &[u8], origin: DVec3) -> Result<Part, SceneError> {
     let mut rest = bytes;
     let mut line = 0;
     let (format, elements) = header(&mut rest, &mut line, bytes.len()).map_err(|message| match line {
@@ -138,7 +139,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Part, SceneError> {
     let mut mesh = Mesh::default();
     for element in &elements {
         for i in 0..element.count {
-            let read = read_element(&mut body, element, &mut mesh);
+            let read = read_element(&mut body, element, origin, &mut mesh);
             read.map_err(|message| match format {
                 Format::Ascii => SceneError::at_line(path, body.line, message),
                 _ => SceneError::file(path, format!("{} {i}: {message}", element.name)),
@@ -220,16 +221,17 @@ fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Ve
     Ok((format, elements))
 }
 
-fn read_element(body: &mut Body<'_>, element: &Element, mesh: &mut Mesh) -> Result<(), String> {
+fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, mesh: &mut Mesh) -> Result<(), String> {
     body.start_element()?;
     let (mut position, mut normal, mut normal_parts) = (Vec3::ZERO, Vec3::ZERO, 0);
     for property in &element.properties {
         let Some(length) = property.length else {
-            let value = body.value(property.kind)? as f32;
+            let fine = body.value(property.kind)?;
+            let value = fine as f32;
             match property.name.as_str() {
-                "x" => position.x = value,
-                "y" => position.y = value,
-                "z" => position.z = value,
+                "x" => position.x = (fine - origin.x) as f32,
+                "y" => position.y = (fine - origin.y) as f32,
+                "z" => position.z = (fine - origin.z) as f32,
                 "nx" => (normal.x, normal_parts) = (value, normal_parts + 1),
                 "ny" => (normal.y, normal_parts) = (value, normal_parts + 1),
                 "nz" => (normal.z, normal_parts) = (value, normal_parts + 1),

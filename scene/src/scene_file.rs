@@ -4,12 +4,13 @@ use crate::animation::{CameraMover, LightMover};
 use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
 use crate::load::{self, Context};
 use crate::mesh::MAX_COORDINATE;
+use crate::origin::Origins;
 use crate::scene::check_balls;
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
 use crate::{Animation, Camera, Scene, SceneError};
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lighting::SphereLight;
 use lobe_core::Sphere;
 use std::collections::HashMap;
@@ -23,8 +24,23 @@ pub(crate) const DEFAULT_SPHERES: usize = 64;
 pub(crate) const DEFAULT_FOV: f32 = 35.0;
 pub(crate) const DEFAULT_SIZE: (u32, u32) = (960, 540);
 
-/// Reads the text of a scene file; `path` is what messages name and what relative paths start from.
+/// Reads the text of a scene file; `path` is what messages name and what relative paths start from. A scene that is far from the
+/// origin is read relative to a point near what its camera looks at first.
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
+    let (scene, animation) = parse_from(path, text, DVec3::ZERO, context)?;
+    let mut camera = scene.camera;
+    if let Some(CameraMover::Keys(keys)) = &animation.camera {
+        camera = keys.at(0.0);
+    }
+    let origin = crate::origin::near(camera.target, camera.eye.distance(camera.target));
+    if origin == DVec3::ZERO {
+        return Ok((scene, animation));
+    }
+    *context = Context::default();
+    parse_from(path, text, origin, context)
+}
+
+fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let source = Source { path, text };
     let root = DeTable::parse(text)
         .map_err(|e| source.error(e.span().map_or(text.len(), |s| s.start), e.message().to_owned()))?;
@@ -73,7 +89,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
     let (mut objects, mut movers) = (Vec::new(), Vec::new());
     if let Some(value) = root.get("objects") {
         for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
-            for (object, mover) in read_object(entry.table()?, i, path, &mut materials, context)? {
+            for (object, mover) in read_object(entry.table()?, i, path, origin, &mut materials, context)? {
                 objects.push(object);
                 movers.push(mover);
             }
@@ -82,7 +98,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
     let (mut lights, mut light_movers) = (Vec::new(), Vec::new());
     if let Some(value) = root.get("lights") {
         for entry in value.elements("[[lights]]")? {
-            light_movers.extend(light(entry.table()?, &mut lights)?);
+            light_movers.extend(light(entry.table()?, origin, &mut lights)?);
         }
     }
     let camera = root.get("camera");
@@ -92,10 +108,11 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
     }
     let bounds = objects.iter().fold(crate::Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
     let (camera, camera_keys) = match camera {
-        Some(value) => read_camera(value)?,
+        Some(value) => read_camera(value, origin)?,
         None => (load::default_camera(bounds, width, height), None),
     };
     let animation = Animation {
+        origin,
         duration,
         fps,
         movers,
@@ -131,15 +148,15 @@ impl Materials {
     }
 }
 
-fn read_camera(value: Value<'_>) -> Result<(Camera, Option<CameraKeys>), SceneError> {
+fn read_camera(value: Value<'_>, origin: DVec3) -> Result<(Camera, Option<CameraKeys>), SceneError> {
     let mut t = value.table()?;
     let (eye, target) = (t.require("eye")?, t.require("target")?);
     let up = t.get("up");
     let fov = t.get("fov");
     let degrees = fov.map_or(Ok(DEFAULT_FOV), |v| v.number())?;
     let camera = Camera {
-        eye: eye.vec3()?,
-        target: target.vec3()?,
+        eye: eye.relative(origin)?,
+        target: target.relative(origin)?,
         up: up.map_or(Ok(Vec3::Y), |v| v.nonzero_vec3())?,
         vertical_fov: degrees.to_radians(),
     };
@@ -156,7 +173,7 @@ fn read_camera(value: Value<'_>) -> Result<(Camera, Option<CameraKeys>), SceneEr
         _ => up.unwrap_or(value),
     };
     camera.validate().map_err(|e| place.error(e))?;
-    Ok((camera, keys.map(|keys| keys.camera(camera)).transpose()?))
+    Ok((camera, keys.map(|keys| keys.camera(camera, origin)).transpose()?))
 }
 
 fn material(mut t: Table<'_>) -> Result<Material, SceneError> {
@@ -208,14 +225,19 @@ fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {
 }
 
 /// Appends a light; what moves it, if anything does.
-fn light(mut t: Table<'_>, lights: &mut Vec<SphereLight>) -> Result<Option<LightMover>, SceneError> {
+fn light(mut t: Table<'_>, origin: DVec3, lights: &mut Vec<SphereLight>) -> Result<Option<LightMover>, SceneError> {
     let kind = t.require("kind")?;
-    let (place, balls) = match kind.string()? {
+    let (place, origins, balls) = match kind.string()? {
         "sphere" => {
             let (center, radius) = (t.require("center")?, t.require("radius")?);
-            (center, vec![Sphere { center: center.vec3()?, radius: radius.positive()? }])
+            let origins = Origins::of(origin, center.place()?);
+            (center, origins, vec![Sphere { center: center.relative(origins.own)?, radius: radius.positive()? }])
         }
-        "spheres" => t.require("spheres").and_then(|list| Ok((list, list.spheres()?)))?,
+        "spheres" => {
+            let list = t.require("spheres")?;
+            let origins = Origins::of(origin, list.first_place()?);
+            (list, origins, list.spheres(origins.own)?)
+        }
         other => {
             return Err(kind.error(format!("unknown kind of light \"{other}\": expected \"sphere\" or \"spheres\"")));
         }
@@ -234,6 +256,9 @@ fn light(mut t: Table<'_>, lights: &mut Vec<SphereLight>) -> Result<Option<Light
         return Err(value.error("the light's radiance is too large for single precision"));
     }
     let first = lights.len();
-    lights.extend(balls.iter().map(|&ball| SphereLight::new(ball, radiance)));
-    keys.map(|keys| Ok(LightMover { first, balls, placement: keys.rigid_placement()? })).transpose()
+    // Where they stand: their own coordinates are the world's.
+    let shift = origins.shift();
+    let here = |ball: &Sphere| Sphere { center: crate::origin::relative(ball.center.as_dvec3(), shift), ..*ball };
+    lights.extend(balls.iter().map(|ball| SphereLight::new(here(ball), radiance)));
+    keys.map(|keys| Ok(LightMover { first, balls, placement: keys.rigid_placement(origins)? })).transpose()
 }

@@ -4,12 +4,13 @@ use crate::animation::{Body, Mover};
 use crate::deformer::BoundBall;
 use crate::keys::{Keys, Stand, read_rotation, read_scale};
 use crate::load::{self, Context, Normals, Part, share_out};
+use crate::origin::{Origins, relative};
 use crate::placement::Placement;
 use crate::scene::check_balls;
 use crate::scene_file::{DEFAULT_SPHERES, Materials};
 use crate::toml_reader::{Table, Value};
 use crate::{Mesh, Object, Proxy, SceneError, Shape, Strategy};
-use glam::Mat4;
+use glam::{DVec3, Mat4, Vec3};
 use lobe_core::Sphere;
 use std::collections::HashMap;
 use std::path::Path;
@@ -28,6 +29,7 @@ pub(crate) fn read_object(
     mut t: Table<'_>,
     index: usize,
     path: &Path,
+    origin: DVec3,
     materials: &mut Materials,
     context: &mut Context,
 ) -> Result<Vec<(Object, Option<Mover>)>, SceneError> {
@@ -45,7 +47,7 @@ pub(crate) fn read_object(
     let (shape, value) = t.one_of(&["quad", "plane", "box", "sphere", "spheres", "mesh"])?;
     let clip = t.get("clip").map(|v| read_clip(v).map(|name| (v, name))).transpose()?;
     let first_clip = context.clips.len();
-    let geometry = geometry(shape, value, path, clip, context)?;
+    let (geometry, origins) = geometry(shape, value, path, clip, origin, context)?;
     for clip in &mut context.clips[first_clip..] {
         *clip = format!("{name}/{clip}");
     }
@@ -58,19 +60,19 @@ pub(crate) fn read_object(
     };
     let visible = t.get("visible").map_or(Ok(true), |v| v.boolean())?;
     let strategy = t.get("visibility").map(read_strategy).transpose()?;
-    let (stand, place) = transform(&mut t)?;
+    let (stand, place) = transform(&mut t, &origins)?;
     let proxy_key = t.get("proxy");
-    let proxy = proxy_key.map(|v| read_proxy(v, path)).transpose()?;
+    let proxy = proxy_key.map(|v| read_proxy(v, path, origins.own)).transpose()?;
     let keys = Keys::read(&mut t)?;
     t.finish()?;
 
     let round = matches!(geometry, Geometry::Spheres(_)) || matches!(proxy, Some(Proxy::Spheres(_)));
     let placement = match (keys, stand) {
-        (None, stand) => Placement::Fixed(stand.matrix()),
-        (Some(keys), Stood::Matrix(_)) => {
+        (None, stand) => Placement::Fixed(stand.matrix(&origins)),
+        (Some(keys), Stood::Matrix(..)) => {
             return Err(keys.error("an object with a matrix takes no keys: give scale, rotate and translate"));
         }
-        (Some(keys), Stood::Parts(own)) => keys.placement(own, |v, s| {
+        (Some(keys), Stood::Parts(own)) => keys.placement(own, origins, |v, s| {
             let even = (s - s.x).abs().max_element() <= 1e-4 * s.x.abs();
             if round && !even { Err(v.error(UNEVEN)) } else { Ok(()) }
         })?,
@@ -101,7 +103,12 @@ pub(crate) fn read_object(
             check_balls(&balls).map_err(|e| proxy_key.unwrap_or(value).error(e))?;
             Some(Proxy::Spheres(balls))
         }
-        Some(Proxy::File { path, .. }) => scale().map(|_| Some(Proxy::File { path, placement: matrix }))?,
+        Some(Proxy::File { path, .. }) => {
+            // Sets in files are in the coordinates that the mesh's file means.
+            let own = relative(-origins.own, DVec3::ZERO);
+            let placement = if own == Vec3::ZERO { matrix } else { matrix * Mat4::from_translation(own) };
+            scale().map(|_| Some(Proxy::File { path, placement }))?
+        }
         other => other,
     };
 
@@ -197,23 +204,28 @@ fn geometry(
     value: Value<'_>,
     path: &Path,
     clip: Option<(Value<'_>, String)>,
+    origin: DVec3,
     context: &mut Context,
-) -> Result<Geometry, SceneError> {
+) -> Result<(Geometry, Origins), SceneError> {
     if let (Some((place, _)), true) = (&clip, shape != "mesh") {
         return Err(place.error("only meshes of glTF files have clips"));
     }
     if shape == "spheres" {
-        return Ok(Geometry::Spheres(value.spheres()?));
+        let origins = Origins::of(origin, value.first_place()?);
+        return Ok((Geometry::Spheres(value.spheres(origins.own)?), origins));
     }
     if shape == "mesh" {
         let file = path.with_file_name("").join(value.string()?);
         let (place, clip) = clip.map_or((value, None), |(place, name)| (place, Some(name)));
-        return load::mesh_parts(&file, clip.as_deref(), context).map(Geometry::Solid).map_err(|e| place.error(e));
+        let parts = load::mesh_parts(&file, clip.as_deref(), context).map_err(|e| place.error(e))?;
+        return Ok((Geometry::Solid(parts), Origins { own: context.origin, world: origin }));
     }
     let mut t = value.table()?;
+    let center = t.require(if shape == "plane" { "point" } else { "center" })?;
+    let origins = Origins::of(origin, center.place()?);
+    let center = center.relative(origins.own)?;
     let geometry = match shape {
         "quad" => {
-            let center = t.require("center")?.vec3()?;
             let (u, v) = (t.require("u")?, t.require("v")?);
             let (u, place) = (u.nonzero_vec3()?, v);
             let v = v.nonzero_vec3()?;
@@ -223,14 +235,12 @@ fn geometry(
             Geometry::Flat(Mesh::quad(center, u, v))
         }
         "plane" => {
-            let point = t.require("point")?.vec3()?;
             let normal = t.require("normal")?.nonzero_vec3()?.normalize();
             let half = 0.5 * t.get("size").map_or(Ok(100.0), |v| v.positive())?;
             let (u, v) = lobe_core::orthonormal_basis(normal);
-            Geometry::Flat(Mesh::quad(point, u * half, v * half))
+            Geometry::Flat(Mesh::quad(center, u * half, v * half))
         }
         "box" => {
-            let center = t.require("center")?.vec3()?;
             let size = t.require("size")?;
             let edges = size.vec3()?;
             if edges.min_element() <= 0.0 {
@@ -239,38 +249,36 @@ fn geometry(
             let mesh = Mesh::cuboid(center, edges);
             Geometry::Solid(vec![Part::fixed("box".to_owned(), mesh, None)])
         }
-        _ => {
-            let center = t.require("center")?.vec3()?;
-            Geometry::Spheres(vec![Sphere { center, radius: t.require("radius")?.positive()? }])
-        }
+        _ => Geometry::Spheres(vec![Sphere { center, radius: t.require("radius")?.positive()? }]),
     };
     t.finish()?;
-    Ok(geometry)
+    Ok((geometry, origins))
 }
 
 /// How an object is placed at rest.
 enum Stood {
-    Matrix(Mat4),
+    /// The matrix, and its translation in double precision.
+    Matrix(Mat4, DVec3),
     Parts(Stand),
 }
 
 impl Stood {
-    fn matrix(&self) -> Mat4 {
+    fn matrix(&self, origins: &Origins) -> Mat4 {
         match self {
-            Self::Matrix(matrix) => *matrix,
-            Self::Parts(stand) => stand.matrix(),
+            Self::Matrix(matrix, translation) => origins.place_matrix(*matrix, *translation),
+            Self::Parts(stand) => stand.matrix(origins),
         }
     }
 }
 
 /// Where the object stands, and the key to blame when that doesn't suit the shape.
-fn transform<'s>(t: &mut Table<'s>) -> Result<(Stood, Option<Value<'s>>), SceneError> {
+fn transform<'s>(t: &mut Table<'s>, origins: &Origins) -> Result<(Stood, Option<Value<'s>>), SceneError> {
     let (scale, rotate, translate, matrix) = (t.get("scale"), t.get("rotate"), t.get("translate"), t.get("matrix"));
     if let Some(m) = matrix {
         if scale.or(rotate).or(translate).is_some() {
             return Err(m.error("either a matrix or scale, rotate and translate, not both"));
         }
-        return Ok((Stood::Matrix(m.mat4()?), Some(m)));
+        return Ok((Stood::Matrix(m.mat4()?, m.translation()?), Some(m)));
     }
     let own = Stand::ORIGIN;
     let (axis, degrees) = rotate.map_or(Ok((own.axis, own.degrees)), read_rotation)?;
@@ -278,7 +286,7 @@ fn transform<'s>(t: &mut Table<'s>) -> Result<(Stood, Option<Value<'s>>), SceneE
         scale: scale.map_or(Ok(own.scale), read_scale)?,
         axis,
         degrees,
-        translation: translate.map_or(Ok(own.translation), |v| v.vec3())?,
+        translation: translate.map_or(Ok(relative(DVec3::ZERO, origins.shift())), |v| v.relative(origins.shift()))?,
     };
     Ok((Stood::Parts(stand), scale))
 }
@@ -292,7 +300,7 @@ fn read_strategy(value: Value<'_>) -> Result<Strategy, SceneError> {
     })
 }
 
-fn read_proxy(value: Value<'_>, path: &Path) -> Result<Proxy, SceneError> {
+fn read_proxy(value: Value<'_>, path: &Path, origin: DVec3) -> Result<Proxy, SceneError> {
     let what = "expected \"none\", { spheres = N }, { file = \"set.json\" } or { explicit = [[x, y, z, radius], …] }";
     if value.is_string() {
         return if value.string()? == "none" { Ok(Proxy::None) } else { Err(value.error(what)) };
@@ -308,7 +316,7 @@ fn read_proxy(value: Value<'_>, path: &Path) -> Result<Proxy, SceneError> {
             }
             Proxy::File { path: file, placement: Mat4::IDENTITY }
         }
-        (_, v) => Proxy::Spheres(v.spheres()?),
+        (_, v) => Proxy::Spheres(v.spheres(origin)?),
     };
     t.finish()?;
     Ok(proxy)

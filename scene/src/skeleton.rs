@@ -2,7 +2,7 @@
 
 use crate::placement::{Clock, sample};
 use crate::track::Track;
-use glam::{Mat4, Quat, Vec3};
+use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
 
 /// A node's matrix to its parent.
 #[derive(Clone, Debug)]
@@ -33,6 +33,8 @@ pub(crate) struct Skeleton {
     pub(crate) bones: Vec<Bone>,
     /// Parents before their children.
     pub(crate) order: Vec<usize>,
+    /// World matrices are relative to it.
+    pub(crate) origin: DVec3,
     pub(crate) clock: Clock,
 }
 
@@ -53,21 +55,41 @@ impl Bone {
     }
 
     pub(crate) fn local(&self, time: f32) -> Mat4 {
+        match self.parts(time) {
+            Err(matrix) => matrix,
+            Ok((scale, rotation, translation)) => Mat4::from_scale_rotation_translation(scale, rotation, translation),
+        }
+    }
+
+    /// The same in double precision.
+    fn fine_local(&self, time: f32) -> DMat4 {
+        match self.parts(time) {
+            Err(matrix) => matrix.as_dmat4(),
+            Ok((scale, rotation, translation)) => {
+                let (scale, translation) = (scale.as_dvec3(), translation.as_dvec3());
+                DMat4::from_scale_rotation_translation(scale, rotation.as_dquat().normalize(), translation)
+            }
+        }
+    }
+
+    /// Scale, rotation and translation, or the matrix: glTF 2.0 allows no channels on a node that has one.
+    fn parts(&self, time: f32) -> Result<(Vec3, Quat, Vec3), Mat4> {
         let (scale, rotation, translation) = match self.local {
-            // glTF 2.0 allows no channels on a node with a matrix.
-            Local::Matrix(matrix) => return matrix,
+            Local::Matrix(matrix) => return Err(matrix),
             Local::Parts { scale, rotation, translation } => (scale, rotation, translation),
         };
         let vector = |track: &Option<Track>, rest| track.as_ref().map_or(rest, |t| Vec3::from_array(sample(t, time)));
         let rotation = self.rotation.as_ref().map_or(rotation, |t| Quat::from_array(sample(t, time)));
-        let (scale, translation) = (vector(&self.scale, scale), vector(&self.translation, translation));
-        Mat4::from_scale_rotation_translation(scale, rotation, translation)
+        Ok((vector(&self.scale, scale), rotation, vector(&self.translation, translation)))
     }
 }
 
 impl Skeleton {
     /// World matrices of all nodes; what leaves single precision is as at rest.
     pub(crate) fn worlds(&self, time: f32) -> Vec<Mat4> {
+        if self.origin != DVec3::ZERO {
+            return self.far_worlds(time);
+        }
         let time = self.clock.local(time);
         let mut worlds = vec![Mat4::IDENTITY; self.bones.len()];
         for &i in &self.order {
@@ -76,6 +98,24 @@ impl Skeleton {
             let world = bone.parent.map_or(local, |p| worlds[p] * local);
             let usable = world.to_cols_array().iter().all(|v| v.abs() <= crate::mesh::MAX_COORDINATE);
             worlds[i] = if usable { world } else { bone.rest };
+        }
+        worlds
+    }
+
+    /// The same in double precision, relative to the origin.
+    fn far_worlds(&self, time: f32) -> Vec<Mat4> {
+        let time = self.clock.local(time);
+        let mut far = vec![DMat4::IDENTITY; self.bones.len()];
+        let mut worlds = vec![Mat4::IDENTITY; self.bones.len()];
+        for &i in &self.order {
+            let bone = &self.bones[i];
+            let local = bone.fine_local(time);
+            let world = bone.parent.map_or(local, |p| far[p] * local);
+            let usable = world.to_cols_array().iter().all(|v| v.abs() <= f64::from(crate::mesh::MAX_COORDINATE));
+            far[i] = if usable { world } else { bone.rest.as_dmat4() };
+            let mut near = far[i];
+            near.w_axis -= self.origin.extend(0.0);
+            worlds[i] = near.as_mat4();
         }
         worlds
     }

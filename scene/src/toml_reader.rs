@@ -1,7 +1,7 @@
 //! TOML with places: every value knows its line, and every message names it.
 
 use crate::SceneError;
-use glam::{Mat3, Mat4, Vec3, Vec4};
+use glam::{DVec3, Mat3, Mat4, Vec3, Vec4};
 use lobe_core::Sphere;
 use std::path::Path;
 use toml::Spanned;
@@ -53,20 +53,32 @@ impl<'s> Value<'s> {
         Err(self.error(format!("expected {what}, found {found}")))
     }
 
-    /// A finite number, as a whole one or with a point.
-    pub(crate) fn number(&self) -> Result<f32, SceneError> {
-        let text = match self.value.get_ref() {
+    /// The digits of a number, as a whole one or with a point.
+    fn digits(&self) -> Result<String, SceneError> {
+        match self.value.get_ref() {
             DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
-                Ok(whole) => whole.to_string(),
-                Err(_) => return Err(self.error(format!("{} is out of range", i.as_str()))),
+                Ok(whole) => Ok(whole.to_string()),
+                Err(_) => Err(self.error(format!("{} is out of range", i.as_str()))),
             },
-            DeValue::Float(f) => f.as_str().to_owned(),
-            _ => return self.expected("a number"),
-        };
+            DeValue::Float(f) => Ok(f.as_str().to_owned()),
+            _ => self.expected("a number"),
+        }
+    }
+
+    /// A finite number.
+    pub(crate) fn number(&self) -> Result<f32, SceneError> {
+        let text = self.digits()?;
         match text.parse::<f32>() {
             Ok(x) if x.is_finite() => Ok(x),
             _ => Err(self.error(format!("{text} is not a finite number of single precision"))),
         }
+    }
+
+    /// The same in double precision.
+    fn fine_number(&self) -> Result<f64, SceneError> {
+        self.number()?;
+        let text = self.digits()?;
+        text.parse().map_err(|_| self.error(format!("{text} is not a number")))
     }
 
     pub(crate) fn positive(&self) -> Result<f32, SceneError> {
@@ -118,6 +130,20 @@ impl<'s> Value<'s> {
         self.numbers("[x, y, z]").map(Vec3::from_array)
     }
 
+    /// A position in double precision.
+    pub(crate) fn place(&self) -> Result<DVec3, SceneError> {
+        self.vec3()?;
+        let of = |e: &Self| e.fine_number();
+        let [x, y, z] = self.elements("[x, y, z]")?[..] else { return self.expected("[x, y, z]") };
+        Ok(DVec3::new(of(&x)?, of(&y)?, of(&z)?))
+    }
+
+    /// A position relative to an origin.
+    pub(crate) fn relative(&self, origin: DVec3) -> Result<Vec3, SceneError> {
+        // Rounded once.
+        if origin == DVec3::ZERO { self.vec3() } else { Ok(crate::origin::relative(self.place()?, origin)) }
+    }
+
     pub(crate) fn nonzero_vec3(&self) -> Result<Vec3, SceneError> {
         let v = self.vec3()?;
         if v.length() > 1e-18 { Ok(v) } else { Err(self.error("vector has length zero")) }
@@ -150,8 +176,28 @@ impl<'s> Value<'s> {
         if m.row(3) == Vec4::W { Ok(m) } else { Err(self.error("the last row must be [0, 0, 0, 1]")) }
     }
 
-    /// `[[x, y, z, radius], …]`, at least one.
-    pub(crate) fn spheres(&self) -> Result<Vec<Sphere>, SceneError> {
+    /// The translation of a matrix in double precision.
+    pub(crate) fn translation(&self) -> Result<DVec3, SceneError> {
+        self.mat4()?;
+        let mut column = DVec3::ZERO;
+        for (k, row) in self.elements("rows")?.iter().take(3).enumerate() {
+            column[k] = row.elements("numbers")?[3].fine_number()?;
+        }
+        Ok(column)
+    }
+
+    /// Where the first of `[[x, y, z, radius], …]` is, in double precision.
+    pub(crate) fn first_place(&self) -> Result<DVec3, SceneError> {
+        self.spheres(DVec3::ZERO)?;
+        let mut place = DVec3::ZERO;
+        for (k, number) in self.elements("spheres")?[0].elements("numbers")?.iter().take(3).enumerate() {
+            place[k] = number.fine_number()?;
+        }
+        Ok(place)
+    }
+
+    /// `[[x, y, z, radius], …]`, at least one; relative to an origin.
+    pub(crate) fn spheres(&self, origin: DVec3) -> Result<Vec<Sphere>, SceneError> {
         let what = "[[x, y, z, radius], …]";
         let elements = self.elements(what)?;
         if elements.is_empty() {
@@ -159,8 +205,14 @@ impl<'s> Value<'s> {
         }
         let ball = |e: Self| {
             let [x, y, z, radius] = e.numbers("[x, y, z, radius]")?;
+            let mut center = Vec3::new(x, y, z);
+            if origin != DVec3::ZERO {
+                for (k, number) in e.elements("numbers")?.iter().take(3).enumerate() {
+                    center[k] = (number.fine_number()? - origin[k]) as f32;
+                }
+            }
             if radius > 0.0 {
-                Ok(Sphere { center: Vec3::new(x, y, z), radius })
+                Ok(Sphere { center, radius })
             } else {
                 Err(e.error(format!("radius {radius} must be greater than 0")))
             }

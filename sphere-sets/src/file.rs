@@ -94,7 +94,9 @@ impl SphereSet {
             keys.remove("format");
             keys.remove("version");
         }
-        let file: File = serde_json::from_value(value).map_err(|error| SetFileError { message: error.to_string() })?;
+        // Keys of the file are quoted in it, whatever they are.
+        let one_line = |error: serde_json::Error| error.to_string().replace(char::is_control, " ");
+        let file: File = serde_json::from_value(value).map_err(|error| SetFileError { message: one_line(error) })?;
 
         let length = |what: &str, value: f32| {
             let message = match value {

@@ -4,6 +4,7 @@
 mod check;
 mod compare;
 mod frames;
+mod maps;
 mod parts;
 mod reference;
 mod refusals;

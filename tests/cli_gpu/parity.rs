@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-crate::tests![strategies, settings, paper, shadow_maps, rays, samples_and_threshold, trade];
+crate::tests![strategies, settings, paper, shadow_maps, walls, rays, samples_and_threshold, trade];
 
 /// Largest and mean difference, as shares of the picture's largest value.
 const LARGEST: f32 = 1e-3;
@@ -68,6 +68,27 @@ fn paper() {
     same(folder.path(), &["--size", "48x27", "--method", "paper"]);
     let maps = ["--visibility", "shadow-map", "--depth", "4", "--threshold", "0.01"];
     same(folder.path(), &[&["--size", "48x27", "--method", "paper"], &maps[..]].concat());
+}
+
+/// A light that moves past a table's side: the side is in the map, by rays and in the map again.
+fn walls() {
+    let folder = folder();
+    let folder = folder.path();
+    let side = "[[objects]]\nquad = { center = [1.5, 1.0, 0.0], u = [0.0, 0.8, 0.0], v = [0.0, 0.0, 0.8] }\n";
+    let keys = "keys = [{ time = 0 }, { time = 1, translate = [-3.0, 0.0, 0.0] }]\n";
+    let scene = SCENE.replace("[[lights]]", &format!("{side}[[lights]]"));
+    fs::write(folder.join("walls.toml"), format!("[animation]\nfps = 3\n{scene}{keys}")).unwrap();
+    let options = ["render", "walls.toml", "--frames", "0..4", "--visibility", "shadow-map", "-q"];
+    for device in ["cpu", "gpu"] {
+        succeed(folder, &[&options[..], &["--device", device, "-o", &format!("{device}.exr")]].concat());
+    }
+    for frame in 0..4 {
+        let [want, got] = ["cpu", "gpu"].map(|d| read_exr(&folder.join(format!("{d}.{frame:04}.exr"))).unwrap());
+        let peak = want.pixels().iter().map(|p| p.max_element()).fold(0.0, f32::max);
+        for (a, b) in want.pixels().iter().zip(got.pixels()) {
+            assert!((*a - *b).abs().max_element() <= LARGEST * peak, "frame {frame}");
+        }
+    }
 }
 
 /// A table's top in the map, a ball beside it.

@@ -17,7 +17,8 @@ pub(super) struct Gathered {
     pub(super) scale: f32,
 }
 
-/// The triangles with an area and the balls with a radius of all objects that are seen or block, equal balls once. Something that is neither
+/// The triangles with an area and the balls with a radius of all objects that are seen or block, equal meshes and balls once.
+/// Something that is neither
 /// where there is none: a hierarchy has a node at least.
 pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuError> {
     let (needed, allowed) = (scene.objects.len() as u64, u64::from(BLOCKS));
@@ -55,7 +56,7 @@ fn add(all: &mut Gathered, doubles: &mut Doubles, number: u32, scene: &Scene, bl
     let material = object.material as u32;
     let seen = if object.visible { VISIBLE } else { 0 };
     match &object.shape {
-        Shape::Mesh(mesh) => {
+        Shape::Mesh(mesh) if doubles.is_first_mesh(&scene.objects, number as usize) => {
             for (index, corners) in mesh.triangles.iter().enumerate() {
                 let [a, b, c] = corners.map(|i| mesh.positions[i as usize]);
                 if (b - a).cross(c - a) == Vec3::ZERO {
@@ -77,6 +78,7 @@ fn add(all: &mut Gathered, doubles: &mut Doubles, number: u32, scene: &Scene, bl
                 });
             }
         }
+        Shape::Mesh(_) => {}
         Shape::Spheres(balls) => {
             for (index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.radius > 0.0) {
                 if !doubles.is_first(object, ball) {

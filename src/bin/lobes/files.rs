@@ -1,7 +1,7 @@
 //! The pictures that a command writes.
 
 use crate::failure::Failure;
-use cosine_lobes::{ExrLayer, ExrPart, Output, Picture, Window, srgb_bytes, write_png};
+use cosine_lobes::{ExrLayer, ExrPart, Output, Picture, PictureStream, Window, srgb_bytes, write_png};
 use std::fs::canonicalize;
 use std::path::{Path, PathBuf};
 
@@ -96,20 +96,21 @@ impl Files {
     /// Writes the picture to all of them, and the further layers to those that can hold them.
     pub(crate) fn write(self, picture: &Picture, exposure: f32, further: &[ExrLayer]) -> Result<(), Failure> {
         let window = Window::whole(picture.width(), picture.height());
-        self.write_window(window, picture, exposure, further)
-    }
-
-    /// The same for a part of a picture.
-    pub(crate) fn write_window(
-        self,
-        window: Window,
-        picture: &Picture,
-        exposure: f32,
-        further: &[ExrLayer],
-    ) -> Result<(), Failure> {
         let main = ExrLayer::color("beauty", picture.pixels());
         let layers: Vec<ExrLayer> = std::iter::once(main).chain(further.iter().cloned()).collect();
         self.write_part(picture, exposure, &ExrPart::of_layers(window, &layers))
+    }
+
+    /// Writes them band by band, with channels of these names where a file can hold them.
+    pub(crate) fn stream(self, window: Window, exposure: f32, channels: &[String]) -> Result<PictureStream, Failure> {
+        let mut stream = PictureStream::new(window);
+        for (format, output) in self.list {
+            match format {
+                Format::Png => stream.add_png(output, exposure)?,
+                Format::Exr => stream.add_exr(output, channels)?,
+            }
+        }
+        Ok(stream)
     }
 
     /// Writes all channels of a part to those that can hold them, and its picture to the others.

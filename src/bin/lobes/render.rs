@@ -8,9 +8,10 @@ use crate::moment::{self, Moment};
 use crate::stamp::Stamp;
 use crate::stats::{self, Figures};
 use crate::teller::Teller;
-use cosine_lobes::renderer::{Layers, seconds};
-use cosine_lobes::{ExrLayer, ImageFileError, Output, Picture};
+use cosine_lobes::renderer::{Band, Layers, seconds};
+use cosine_lobes::{ExrLayer, ExrPart, ImageFileError, Output, Window};
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
@@ -57,13 +58,19 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     for moment in &moments {
         let files = opened.take().map_or_else(|| open(moment), Ok)?;
         renderer.seek(moment.time);
-        let image = renderer.render_window(&window, &mut |event| teller.hear(event))?;
-        let layers = image.layers.as_ref().map(layers).unwrap_or_default();
-        let [width, height] = image.size;
-        let picture = Picture::new(width, height, image.radiance);
+        let names = channels(args.layers.then_some(renderer.scene().lights.len()));
+        let mut stream = files.stream(window.clone(), args.view.exposure, &names)?;
+        let stats = renderer.render_bands(&window, &mut |event| teller.hear(event), &mut |band| {
+            let rows = Window { rows: band.rows.clone(), ..window.clone() };
+            // Why it has had enough is told when the stream is finished.
+            match stream.send(part(rows, &band)) {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
+        })?;
         let mut write = 0.0;
-        seconds(&mut write, || files.write_window(window.clone(), &picture, args.view.exposure, &layers))?;
-        figures.pictures.push((image.stats, write));
+        seconds(&mut write, || stream.finish())?;
+        figures.pictures.push((stats, write));
         teller.next_picture();
     }
     teller.end();
@@ -84,13 +91,23 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The layers that `--layers` asks for.
-fn layers(of: &Layers) -> Vec<ExrLayer> {
-    let mut layers = vec![ExrLayer::color("unshadowed", &of.unshadowed)];
-    layers.extend(of.lights.iter().enumerate().map(|(i, l)| ExrLayer::color(&format!("light{i}"), l)));
-    layers.push(ExrLayer::vector("normal", &of.normals));
-    layers.push(ExrLayer::scalar("depth", 'Z', of.depths.clone()));
-    layers.push(ExrLayer::scalar("lobes", 'N', of.lobes.clone()));
-    layers.push(ExrLayer::scalar("products", 'N', of.products.clone()));
-    layers
+/// The names of a picture's channels, with those of `--layers` for so many lights where it is given.
+fn channels(lights: Option<usize>) -> Vec<String> {
+    let layers = lights.map(|count| Layers { lights: vec![Vec::new(); count], ..Layers::default() });
+    let nowhere = Window { image: [0, 0], columns: 0..0, rows: 0..0 };
+    part(nowhere, &Band { layers, ..Band::default() }).channels.into_iter().map(|(name, _)| name).collect()
+}
+
+/// Rows as files take them.
+fn part(window: Window, band: &Band) -> ExrPart {
+    let mut all = vec![ExrLayer::color("beauty", &band.radiance)];
+    if let Some(layers) = &band.layers {
+        all.push(ExrLayer::color("unshadowed", &layers.unshadowed));
+        all.extend(layers.lights.iter().enumerate().map(|(i, l)| ExrLayer::color(&format!("light{i}"), l)));
+        all.push(ExrLayer::vector("normal", &layers.normals));
+        all.push(ExrLayer::scalar("depth", 'Z', layers.depths.clone()));
+        all.push(ExrLayer::scalar("lobes", 'N', layers.lobes.clone()));
+        all.push(ExrLayer::scalar("products", 'N', layers.products.clone()));
+    }
+    ExrPart::of_layers(window, &all)
 }

@@ -1,0 +1,84 @@
+//! Coordinates relative to a point nearby, for what lies far from the origin of its file.
+//!
+//! Single precision tells points 1e6 from the origin only 0.06 apart. So the numbers of a file are read in double precision and a
+//! point near the scene is subtracted before they are rounded.
+
+use glam::{DVec3, Mat3, Mat4, Vec3};
+
+/// What is farther from the origin than so many times its size is taken relative to a point nearby.
+const FAR: f64 = 32.0;
+
+/// A point near `center` for a thing of that size, or the origin where that is near enough. Of few binary digits, so that the
+/// differences of most numbers to it are exact.
+pub(crate) fn near(center: Vec3, size: f32) -> DVec3 {
+    let (center, size) = (center.as_dvec3(), f64::from(size));
+    if !(center.is_finite() && size > 0.0 && size.is_finite()) || center.abs().max_element() <= FAR * size {
+        return DVec3::ZERO;
+    }
+    let unit = size.log2().ceil().exp2();
+    (center / unit).round() * unit
+}
+
+/// What the numbers of an object are relative to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Origins {
+    /// The origin of its own coordinates, in the coordinates that the file means.
+    pub(crate) own: DVec3,
+    /// The origin of the scene, in the world that the file means.
+    pub(crate) world: DVec3,
+}
+
+impl Origins {
+    /// For an object that has `place` in its own coordinates: relative to the scene's origin if it is nearer to that.
+    pub(crate) fn of(world: DVec3, place: DVec3) -> Self {
+        let own = if place.distance_squared(world) < place.length_squared() { world } else { DVec3::ZERO };
+        Self { own, world }
+    }
+
+    /// What is subtracted from a translation from own coordinates to the world.
+    pub(crate) fn shift(&self) -> DVec3 {
+        self.world - self.own
+    }
+
+    /// A matrix whose translation is without [`Self::shift`] and that turns and scales about the file's origin, between these origins.
+    /// `linear`: its linear part in double precision.
+    pub(crate) fn place(&self, matrix: Mat4, linear: impl Fn(DVec3) -> DVec3) -> Mat4 {
+        if self.own == DVec3::ZERO {
+            return matrix;
+        }
+        let moved = matrix.w_axis.truncate().as_dvec3() + (linear(self.own) - self.own);
+        Mat4 { w_axis: moved.as_vec3().extend(1.0), ..matrix }
+    }
+
+    /// The same of a matrix whose translation is given in double precision.
+    pub(crate) fn place_matrix(&self, matrix: Mat4, translation: DVec3) -> Mat4 {
+        if *self == Self::default() {
+            return matrix;
+        }
+        let linear = Mat3::from_mat4(matrix).as_dmat3();
+        let moved = translation - self.world + linear * self.own;
+        Mat4 { w_axis: moved.as_vec3().extend(1.0), ..matrix }
+    }
+}
+
+/// The difference of a position to an origin; for the origin zero the position in single precision as it is.
+pub(crate) fn relative(position: DVec3, origin: DVec3) -> Vec3 {
+    (position - origin).as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_far_has_an_origin_of_its_own() {
+        assert_eq!(near(Vec3::new(30.0, -5.0, 2.0), 1.0), DVec3::ZERO);
+        assert_eq!(near(Vec3::new(1e6, 3.0, -2e5), 5.0), DVec3::new(1e6, 0.0, -2e5));
+        for size in [0.0, f32::NAN, f32::INFINITY, -1.0] {
+            assert_eq!(near(Vec3::splat(1e6), size), DVec3::ZERO);
+        }
+        assert_eq!(near(Vec3::NAN, 1.0), DVec3::ZERO);
+        let tiny = near(Vec3::splat(1.0), 1e-30);
+        assert!(tiny.is_finite() && tiny.distance(DVec3::ONE) < 1e-15);
+    }
+}

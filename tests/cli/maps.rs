@@ -1,0 +1,81 @@
+//! What shadow maps do not show is by rays.
+
+use super::*;
+use cosine_lobes::read_exr;
+
+/// A floor, a wall whose plane goes through the light or near to its centre, and a block away from it.
+const WALL: &str = r#"
+[image]
+width = 64
+height = 36
+[camera]
+eye = [6.0, 5.0, 8.0]
+target = [0.5, 0.5, 0.0]
+fov = 40.0
+[[objects]]
+name = "floor"
+plane = { point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0], size = 40.0 }
+[[objects]]
+name = "wall"
+quad = { center = [OFF, 1.5, 0.0], u = [0.0, 1.5, 0.0], v = [0.0, 0.0, 2.0] }
+visibility = "STRATEGY"
+[[objects]]
+name = "block"
+box = { center = [-2.5, 0.5, 0.0], size = [0.7, 1.0, 0.7] }
+visibility = "STRATEGY"
+[[lights]]
+kind = "sphere"
+center = [0.0, 5.0, 0.0]
+radius = 1.0
+radiance = 20.0
+"#;
+
+/// Mean and largest difference of two pictures over the brightest value.
+fn apart(folder: &Path, a: &str, b: &str) -> [f32; 2] {
+    let [a, b] = [a, b].map(|name| read_exr(&folder.join(name)).unwrap());
+    let peak = a.pixels().iter().map(|p| p.max_element()).fold(0.0, f32::max);
+    assert!(peak > 0.0);
+    let each: Vec<f32> = a.pixels().iter().zip(b.pixels()).map(|(a, b)| (*a - *b).abs().max_element() / peak).collect();
+    [each.iter().sum::<f32>() / each.len() as f32, each.iter().copied().fold(0.0, f32::max)]
+}
+
+/// Before: 10 % of the light too much in the penumbra of the wall in the light's plane, which had no shadow at all, and up to 75 %
+/// along the foot of the one beside it.
+#[test]
+fn walls_in_the_planes_of_the_light_have_their_shadows() {
+    let folder = folder();
+    let folder = folder.path();
+    for off in ["0.0", "0.5", "-0.3"] {
+        for strategy in ["shadow-map", "silhouettes"] {
+            let scene = WALL.replace("OFF", off).replace("STRATEGY", strategy);
+            fs::write(folder.join(format!("{strategy}.toml")), scene).unwrap();
+            succeed(folder, &["render", &format!("{strategy}.toml"), "-q", "-o", &format!("{strategy}.exr")]);
+        }
+        let [mean, largest] = apart(folder, "silhouettes.exr", "shadow-map.exr");
+        assert!(mean < 1e-3 && largest < 0.03, "{off}: {mean} {largest}");
+    }
+}
+
+/// As a light moves past a wall, the wall is in the map, by rays, and in the map again.
+#[test]
+fn what_maps_show_changes_with_the_light() {
+    let folder = folder();
+    let folder = folder.path();
+    let keys = "keys = [{ time = 0, translate = [-3.0, 0.0, 0.0] }, { time = 1, translate = [3.0, 0.0, 0.0] }]\n";
+    for strategy in ["shadow-map", "silhouettes"] {
+        let scene = format!("{}{keys}", WALL.replace("OFF", "0.0").replace("STRATEGY", strategy));
+        fs::write(folder.join(format!("{strategy}.toml")), format!("[animation]\nfps = 4\n{scene}")).unwrap();
+        succeed(
+            folder,
+            &["render", &format!("{strategy}.toml"), "--frames", "0..5", "-q", "-o", &format!("{strategy}.exr")],
+        );
+    }
+    for frame in 0..5 {
+        let [mean, largest] =
+            apart(folder, &format!("silhouettes.{frame:04}.exr"), &format!("shadow-map.{frame:04}.exr"));
+        assert!(mean < 1e-3 && largest < 0.1, "{frame}: {mean} {largest}");
+        // One frame alone is as in the sequence.
+        succeed(folder, &["render", "shadow-map.toml", "--frame", &frame.to_string(), "-q", "-o", "one.exr"]);
+        assert_eq!(apart(folder, "one.exr", &format!("shadow-map.{frame:04}.exr")), [0.0; 2]);
+    }
+}
