@@ -1,6 +1,6 @@
 //! The closed forms at their extremes, each beside its value by quadrature in f64, as a table in Markdown; ends with code 1 where
 //! one is farther off than its documentation states:
-//! `cargo run --release -p lobe-core --features oracle --example extremes > docs/extremes.md`.
+//! `cargo run --release -p cosine-lobes-lobe-core --features oracle --example extremes > docs/extremes.md`.
 
 use core::f32::consts::{FRAC_PI_2, PI};
 use glam::{DVec3, Vec3};
@@ -146,7 +146,7 @@ fn caps(table: &mut Table) {
 
 fn main() -> ExitCode {
     println!(
-        "# Extremes\n\nThe closed forms in f32 beside quadrature in f64: `cargo run --release -p lobe-core --features oracle --example extremes`."
+        "# Extremes\n\nThe closed forms in f32 beside quadrature in f64: `cargo run --release -p cosine-lobes-lobe-core --features oracle --example extremes`."
     );
     let mut table = Table { sound: true };
     products(&mut table);

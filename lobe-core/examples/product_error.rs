@@ -1,5 +1,5 @@
 //! Builds the product table of the paper (§4.1) and prints what it costs and how far it is from the exact integrals,
-//! beside the paper's figures: `cargo run --release -p lobe-core --example product_error`.
+//! beside the paper's figures: `cargo run --release -p cosine-lobes-lobe-core --example product_error`.
 
 use glam::Vec3;
 use lobe_core::Lobe;

@@ -1,5 +1,5 @@
 //! Frames of a floor under a blob of spheres, visible points given: how time grows with points, spheres, lights, the size of
-//! a light, the exponent and the depth, and what each strategy costs. `cargo bench -p render-cpu`.
+//! a light, the exponent and the depth, and what each strategy costs. `cargo bench -p cosine-lobes-render-cpu`.
 
 use brdf::{Lambert, Material, ModifiedPhong};
 use core::time::Duration;

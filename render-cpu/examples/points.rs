@@ -1,6 +1,6 @@
 //! What finding the visible points costs: the built-in scene and, given scene files as arguments, those.
 //!
-//! `cargo run --release -p render-cpu --example points -- scenes/bunny.toml scenes/walk.toml`
+//! `cargo run --release -p cosine-lobes-render-cpu --example points -- scenes/bunny.toml scenes/walk.toml`
 
 use render_cpu::{GBuffer, World};
 use std::time::Instant;

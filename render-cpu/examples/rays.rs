@@ -1,7 +1,7 @@
 //! How far the exact strategies, `silhouettes` and `rays`, are from Monte Carlo, and what they cost: a picket fence and, given
 //! mesh files as arguments, those, each over a floor under a light of half-angle 6°.
 //!
-//! `cargo run --release -p render-cpu --example rays -- bunny.obj`
+//! `cargo run --release -p cosine-lobes-render-cpu --example rays -- bunny.obj`
 //!
 //! V is the visible share of a diffuse receiver's irradiance, in %; receivers with V between 1 and 99 count.
 

@@ -1,6 +1,6 @@
 //! What it costs to refit the hierarchy of a moving mesh, and to build it anew: side by side, medians.
 //!
-//! `cargo run --release -p render-cpu --example refit`
+//! `cargo run --release -p cosine-lobes-render-cpu --example refit`
 
 use glam::Vec3;
 use lighting::SphereLight;

@@ -1,6 +1,6 @@
 //! The price of exact triangles: silhouettes beside shadow rays, per receiver and per frame.
 //!
-//! `cargo run --release -p render-cpu --example silhouettes [-- SCENE…]` prints a table in Markdown: meshes × light sizes × where receivers are.
+//! `cargo run --release -p cosine-lobes-render-cpu --example silhouettes [-- SCENE…]` prints a table in Markdown: meshes × light sizes × where receivers are.
 //! Times are of one thread's processor: what the `coverage` of receivers in penumbra takes (tile work, frame of the light, mask,
 //! one ray), and what all receivers take, lit and dark ones too. Meshes that are not there are left out.
 

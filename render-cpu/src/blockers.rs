@@ -5,10 +5,11 @@ use sphere_sets::{BindError, BuildError, MisfitError, SetFileError};
 use std::path::PathBuf;
 
 /// Why the blockers of a scene could not be made.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BlockersError {
     /// No spheres could be built for an object.
+    #[error("blocker spheres of object \"{object}\": {source}")]
     Build {
         /// The object's name.
         object: String,
@@ -16,6 +17,7 @@ pub enum BlockersError {
         source: BuildError,
     },
     /// A sphere-set file could not be read.
+    #[error("{path}: cannot read: {source}", path = path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -23,6 +25,7 @@ pub enum BlockersError {
         source: std::io::Error,
     },
     /// A sphere-set file was made for another mesh.
+    #[error("{path}: object \"{object}\": {source}", path = path.display())]
     Misfit {
         /// The file.
         path: PathBuf,
@@ -32,6 +35,7 @@ pub enum BlockersError {
         source: MisfitError,
     },
     /// The spheres of a moving object cannot follow it.
+    #[error("blocker spheres of object \"{object}\": {source}")]
     Bind {
         /// The object's name.
         object: String,
@@ -39,6 +43,7 @@ pub enum BlockersError {
         source: BindError,
     },
     /// A sphere-set file is wrong.
+    #[error("{path}: {source}", path = path.display())]
     Set {
         /// The file.
         path: PathBuf,
@@ -46,20 +51,6 @@ pub enum BlockersError {
         source: SetFileError,
     },
 }
-
-impl core::fmt::Display for BlockersError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Build { object, source } => write!(f, "blocker spheres of object \"{object}\": {source}"),
-            Self::Bind { object, source } => write!(f, "blocker spheres of object \"{object}\": {source}"),
-            Self::Misfit { path, object, source } => write!(f, "{}: object \"{object}\": {source}", path.display()),
-            Self::Read { path, source } => write!(f, "{}: cannot read: {source}", path.display()),
-            Self::Set { path, source } => write!(f, "{}: {source}", path.display()),
-        }
-    }
-}
-
-impl core::error::Error for BlockersError {}
 
 /// Hears of an object's name and how much of its spheres is done, in [0, 1], and may stop the work.
 pub type BlockersProgress<'a> = dyn FnMut(&str, f32) -> ControlFlow<()> + 'a;

@@ -1,7 +1,7 @@
 //! What posing costs: microseconds for 1000 vertices of each animated file that is given.
 //! Without arguments the animated files and scenes of `scenes`.
 //!
-//! `cargo run --release -p scene --example seek_cost [-- FILE…]` prints a table in Markdown; medians of 101 moments.
+//! `cargo run --release -p cosine-lobes-scene --example seek_cost [-- FILE…]` prints a table in Markdown; medians of 101 moments.
 
 use scene::{SceneError, load_animated};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Builds a sphere set for the triangles of an OBJ file and prints its quality.
 //!
 //! ```text
-//! cargo run --release -p sphere-sets --example build_set -- bunny.obj 64 [set.json [preview.rgba]]
+//! cargo run --release -p cosine-lobes-sphere-sets --example build_set -- bunny.obj 64 [set.json [preview.rgba]]
 //! ```
 use std::{error::Error, time::Instant};
 

@@ -1,4 +1,4 @@
-//! From a mask to radiance: one point in penumbra, by depth and exponent. `cargo bench -p visibility-mask`.
+//! From a mask to radiance: one point in penumbra, by depth and exponent. `cargo bench -p cosine-lobes-visibility-mask`.
 
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};

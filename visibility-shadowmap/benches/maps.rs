@@ -1,4 +1,4 @@
-//! The `shadow-map` strategy: drawing a map, one point. `cargo bench -p visibility-shadowmap`.
+//! The `shadow-map` strategy: drawing a map, one point. `cargo bench -p cosine-lobes-visibility-shadowmap`.
 
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};

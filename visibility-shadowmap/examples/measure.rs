@@ -1,6 +1,6 @@
 //! Errors of the shadow map against shadow rays on the mesh, by light size and resolution.
 //!
-//! `cargo run --release -p visibility-shadowmap --example measure [MESH.obj [RESOLUTION…]]`; without a mesh two stacked
+//! `cargo run --release -p cosine-lobes-visibility-shadowmap --example measure [MESH.obj [RESOLUTION…]]`; without a mesh two stacked
 //! plates, a picket fence and, where it is present, a bunny.
 //!
 //! A light four diagonals away; receivers on a floor under the object and on the object itself. `pen`, `p99`: mean and

@@ -1,4 +1,4 @@
-//! The `spheres` strategy, stage by stage: hierarchy, culling of a group, one point. `cargo bench -p visibility-spheres`.
+//! The `spheres` strategy, stage by stage: hierarchy, culling of a group, one point. `cargo bench -p cosine-lobes-visibility-spheres`.
 
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};

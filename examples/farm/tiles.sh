@@ -1,0 +1,16 @@
+#!/bin/sh
+# One picture in parts by GNU parallel: on this machine, or on those that PARALLEL names (PARALLEL='--sshlogin a,b --workdir .').
+# A part that fails is tried three times. After an interruption the same command makes what is missing.
+#
+#   tiles.sh SCENE OUT.exr PARTS [options of lobes render]
+set -eu
+scene=$1 out=$2 parts=$3
+shift 3
+lobes=${LOBES:-lobes}
+folder=$out.parts
+mkdir -p "$folder"
+# Files are written whole or not at all, so what is there is done.
+seq "$parts" | parallel --retries 3 --halt soon,fail=1 --joblog "$folder/log" --resume-failed --quote \
+    "$lobes" render "$scene" --quiet --tiles "{}/$parts" -o "$folder/{}.exr" "$@"
+"$lobes" merge "$folder"/*.exr -o "$out" --quiet
+rm -r "$folder"
