@@ -1,4 +1,25 @@
-//! Shading on the CPU and the Monte-Carlo reference.
+//! Shading on the CPU, what shadow rays and camera rays meet, and the Monte-Carlo reference.
+//!
+//! - [`CpuShader`]: shades points by lobe sums, with any visibility strategy, materials and lights.
+//! - [`World`]: the geometry of a scene, ready for rays; [`GBuffer`]: the visible points of a picture.
+//! - What blocks in a scene: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`], [`RayBlockers`].
+//! - [`Reference`]: Monte Carlo of the same points, which reports its own error and can be kept and resumed; [`RayShader`]: shadow
+//!   rays on the same points, what the lobes are measured against. Both share nothing with the lobes.
+//!
+//! ```
+//! use glam::Vec3;
+//! use lobe_core::{Accuracy, Unshadowed};
+//! use render_cpu::{CpuShader, GBuffer, World};
+//! use scene::{Frame, Shade};
+//! let scene = scene::builtin();
+//! let points = GBuffer::new(&World::new(&scene), 32, 18, 1);
+//! let frame =
+//!     Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::default(), threshold: 0.0 };
+//! let mut radiance = vec![Vec3::ZERO; points.len()];
+//! CpuShader::new(Unshadowed).shade(&points.points, &frame, &mut radiance).unwrap();
+//! let pixels = points.resolve(&radiance, scene.background);
+//! assert_eq!(pixels.len(), 32 * 18);
+//! ```
 
 mod blockers;
 mod gbuffer;

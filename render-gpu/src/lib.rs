@@ -1,4 +1,22 @@
 //! Shading on the GPU through wgpu: the same lobe sums in WGSL.
+//!
+//! - [`Gpu`]: a device, one's own or the strongest that is there; [`KernelLog`] tells what its driver compiles.
+//! - [`GpuShader`]: shades points, as `CpuShader` does; materials, lights and own blockers come by the parts of
+//!   [`lobe_core::gpu`].
+//! - [`Occlusion`]: what blocks: spheres, shadow maps, rays ([`GpuWorld`]), and anybody's own.
+//! - [`GpuGBuffer`]: visible points found on the GPU; [`GpuPose`]: spheres that follow bones; [`GpuCanvas`]: radiance to a texture.
+//!
+//! ```no_run
+//! use lobe_core::Accuracy;
+//! use render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
+//! use scene::{Frame, Shade, ShadingPoints};
+//! let gpu = Gpu::blocking(&GpuOptions::default())?;
+//! let frame: Frame<'_> = Frame { materials: &[], lights: &[], accuracy: Accuracy::default(), threshold: 0.0 };
+//! GpuShader::new(&gpu, Occlusion::default())?.shade(&ShadingPoints::default(), &frame, &mut [])?;
+//! # Ok::<(), render_gpu::GpuError>(())
+//! ```
+
+pub use wgpu;
 
 mod bvh;
 mod canvas;

@@ -29,9 +29,12 @@ pub fn scene_spheres(
     }
     let source = |object| plan.spheres(scene, object);
     // What takes long was done before, but where nothing could be kept.
-    let mut fits = Fits::default();
-    let set =
-        SceneSpheres::new(scene, Some(animation), source, &mut |object, done| fits.report(object, done, listener));
+    let count = |name: &str| match scene.objects.iter().find(|o| o.name == name).map(|o| &o.proxy) {
+        Some(Proxy::Count(count)) => *count,
+        _ => 0,
+    };
+    let mut progress = |object: &str, done| listener(Event::Fitting { object, spheres: count(object), done });
+    let set = SceneSpheres::new(scene, Some(animation), source, &mut progress);
     let set = match set {
         Err(BlockersError::Build { source: BuildError::Cancelled, .. }) => return Err(RenderError::Cancelled),
         other => other?,
@@ -40,16 +43,6 @@ pub fn scene_spheres(
         tell(listener, Event::PoorFit { object: &scene.objects[object].name, error })?;
     }
     Ok(set)
-}
-
-/// Fits whose number of spheres is not known here.
-#[derive(Default)]
-struct Fits;
-
-impl Fits {
-    fn report(&mut self, object: &str, done: f32, listener: &mut Listener<'_>) -> ControlFlow<()> {
-        listener(Event::Fitting { object, spheres: 0, done })
-    }
 }
 
 /// Builds the sphere sets that the scene's objects ask for, or finds them among those of earlier runs, and lets the
