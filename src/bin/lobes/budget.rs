@@ -43,7 +43,8 @@ impl Budget<'_> {
         let mut chosen: Option<((f32, u32), f64)> = None;
         for (tolerance, depth) in LADDER {
             let frame = Frame { tolerance, depth, ..*frame };
-            let occlusion = Occlusion::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes);
+            let maps = self.maps.to_vec();
+            let occlusion = Occlusion::new(self.plan, self.world, self.spheres, maps, self.silhouettes, tolerance);
             let shading = occlusion.shade(backend, depth, self.tables, Twice { points: &points, frame: &frame })?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {

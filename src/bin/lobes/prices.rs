@@ -137,7 +137,7 @@ fn run(
     };
     let depth = depth_for(tolerance);
     let frame = Frame { materials: &scene.materials, lights: &scene.lights, tolerance, depth, threshold: 0.0 };
-    let occlusion = Occlusion::new(&plan, &world, kept.get(), maps, &silhouettes);
+    let occlusion = Occlusion::new(&plan, &world, kept.get(), maps, &silhouettes, tolerance);
     let (shade, radiance) = occlusion.shade(&mut Backend::Cpu, depth, None, Shot { points: &points, frame: &frame })?;
     let picture = Picture::new(radiance.len(), 1, radiance);
     Ok((Price { prepare, update, shade, penumbra: RegionError::default() }, picture))

@@ -169,7 +169,7 @@ impl Job<'_> {
         figures.triangles = world.triangle_count();
         figures.map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         figures.map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let planes = Occlusion::new(plan, world, spheres, maps, silhouettes).shade(
+        let planes = Occlusion::new(plan, world, spheres, maps, silhouettes, frame.tolerance).shade(
             backend,
             frame.depth,
             tables,

@@ -197,13 +197,14 @@ pub(crate) struct Occlusion<'a> {
 }
 
 impl<'a> Occlusion<'a> {
-    /// Gathers what the plan asks for, and leaves out what turned out empty.
+    /// Gathers what the plan asks for, for pictures of a tolerance, and leaves out what turned out empty.
     pub(crate) fn new(
         plan: &'a Plan,
         world: &'a World<'a>,
         spheres: Option<&'a SphereBlockers>,
         mut maps: Vec<ShadowMap>,
         silhouettes: &'a SceneSilhouettes,
+        tolerance: f32,
     ) -> Self {
         maps.retain(|map| map.faces() > 0);
         let all = plan.objects.iter().all(|s| *s == Strategy::Rays);
@@ -218,7 +219,8 @@ impl<'a> Occlusion<'a> {
         });
         let meshes = silhouettes.meshes();
         let silhouettes = (!meshes.is_empty()).then(|| {
-            SilhouetteBlockers::new(meshes, SurfaceHits::new(world, |o| plan.by_silhouettes(world.scene(), o)))
+            let hits = SurfaceHits::new(world, |o| plan.by_silhouettes(world.scene(), o));
+            SilhouetteBlockers::new(meshes, hits).with_tolerance(tolerance)
         });
         Self { plan, world, spheres, maps, silhouettes, rays }
     }

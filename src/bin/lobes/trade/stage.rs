@@ -162,7 +162,7 @@ impl<'a> Stage<'a> {
                     TradeDevice::Cpu => &mut Backend::Cpu,
                     TradeDevice::Gpu => &mut self.gpu,
                 };
-                let occlusion = Occlusion::new(&plan, self.world, spheres, maps, silhouettes);
+                let occlusion = Occlusion::new(&plan, self.world, spheres, maps, silhouettes, tolerance);
                 let shot = occlusion.shade(backend, depth, tables, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }
