@@ -1,6 +1,6 @@
 use crate::SilhouetteMesh;
 use crate::count::{Counter, Fewest};
-use crate::cut::Ball;
+use crate::cut::{Ball, Chord, Front};
 use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes};
 use crate::mesh::side;
@@ -159,7 +159,10 @@ pub struct SilhouetteScratch<H> {
     silhouettes: Silhouettes,
     /// Whether any of them may be of simplified forms.
     is_coarse: bool,
+    /// What of them is outside of the light, the arcs in which it cuts triangles, and whether these are the receiver's.
     outside: Silhouettes,
+    arcs: Vec<Chord>,
+    is_outside_known: bool,
     crossings: Vec<Crossing>,
     counter: Counter,
     fewest: Fewest,
@@ -185,6 +188,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             silhouettes: Silhouettes::default(),
             is_coarse: false,
             outside: Silhouettes::default(),
+            arcs: Vec::new(),
+            is_outside_known: false,
             crossings: Vec::new(),
             counter: Counter::default(),
             fewest: Fewest::default(),
@@ -218,6 +223,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         scratch.cone = *cone;
         scratch.silhouettes.clear();
         scratch.is_coarse = false;
+        scratch.is_outside_known = false;
         if scratch.lists.is_empty() && !scratch.is_met {
             return facet;
         }
@@ -255,6 +261,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             silhouettes,
             is_coarse,
             outside,
+            arcs,
+            is_outside_known,
             light,
             is_cut,
             cutting,
@@ -272,10 +280,17 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         // Where the light holds parts of triangles, what blocks ends at its front side; else at its plane.
         let ball = is_cut.then(|| Ball::new(*light, *origin));
         if let Some(ball) = &ball {
-            for corners in cutting.iter() {
-                ball.cut(&view, corners.map(|p| p - *origin), side(*corners, *origin), crossings);
+            if !*is_outside_known {
+                // The same for all windows of the receiver.
+                arcs.clear();
+                let front = Front { axis: query.cone.axis, distance: view.far };
+                for corners in cutting.iter() {
+                    ball.cut(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
+                }
+                ball.outside(silhouettes, outside);
+                *is_outside_known = true;
             }
-            ball.outside(silhouettes, outside);
+            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
         }
         let drawn = if ball.is_some() { &*outside } else { &*silhouettes };
         dispatch!(Level::new(), simd => {
