@@ -126,7 +126,7 @@ fn measure(name: &str, mut scene: Scene, samples: u32, sheet: &mut Sheet) -> Res
             Strategy::Silhouettes => {
                 let memory = silhouettes.meshes().iter().map(SilhouetteMesh::bytes).sum::<usize>() as f64 / 1e6;
                 let hits = SurfaceHits::new(&world, |_| true);
-                let blockers = SilhouetteBlockers::new(silhouettes.meshes(), hits);
+                let blockers = SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(TOLERANCE);
                 (Box::new(MaskVisibility::new(blockers)), format!("{memory:.1} MB"))
             }
             Strategy::Rays => {

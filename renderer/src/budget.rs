@@ -47,7 +47,7 @@ impl Budget<'_> {
         for accuracy in LADDER {
             let frame = Frame { accuracy, ..*frame };
             let blockers =
-                FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes);
+                FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy);
             let shading = blockers.shade(backend, self.form, Twice { points: &points, frame: &frame })?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {

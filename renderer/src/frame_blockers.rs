@@ -1,6 +1,6 @@
 use crate::{Backend, Plan, RenderError, Shader};
 use lobe_core::paper::Tables;
-use lobe_core::{LightId, Method as Products, Unshadowed};
+use lobe_core::{Accuracy, LightId, Method as Products, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use visibility_mask::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
@@ -31,7 +31,7 @@ pub struct FrameBlockers<'a> {
 }
 
 impl<'a> FrameBlockers<'a> {
-    /// Gathers what the plan asks for, and leaves out what turned out empty.
+    /// Gathers what the plan asks for, for pictures of an accuracy, and leaves out what turned out empty.
     #[must_use]
     pub fn new(
         plan: &'a Plan,
@@ -39,6 +39,7 @@ impl<'a> FrameBlockers<'a> {
         spheres: Option<&'a SphereBlockers>,
         maps: Vec<ShadowMap>,
         silhouettes: &'a SceneSilhouettes,
+        accuracy: Accuracy,
     ) -> Self {
         let mut maps: Vec<(LightId, ShadowMap)> = (0..).map(LightId).zip(maps).collect();
         maps.retain(|(_, map)| map.faces() > 0);
@@ -54,7 +55,8 @@ impl<'a> FrameBlockers<'a> {
         });
         let meshes = silhouettes.meshes();
         let silhouettes = (!meshes.is_empty()).then(|| {
-            SilhouetteBlockers::new(meshes, SurfaceHits::new(world, |o| plan.by_silhouettes(world.scene(), o)))
+            let hits = SurfaceHits::new(world, |o| plan.by_silhouettes(world.scene(), o));
+            SilhouetteBlockers::new(meshes, hits).with_tolerance(accuracy.tolerance)
         });
         Self { plan, world, spheres, maps, silhouettes, rays }
     }

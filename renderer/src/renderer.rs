@@ -316,7 +316,7 @@ impl Job<'_> {
         }
         let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes);
+        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
         let (repeat, layers) = (settings.repeat, settings.layers);
         let shading = Shading { frame: &frame, bands: &mut bands, repeat, layers, listener, sink };
         let mut stats = blockers.shade(backend, form, shading)?;

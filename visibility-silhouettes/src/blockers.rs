@@ -1,6 +1,7 @@
 use crate::SilhouetteMesh;
 use crate::count::{Counter, Fewest};
-use crate::cut::Ball;
+use crate::cut::{Ball, Chord, Front};
+use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes};
 use crate::mesh::side;
 use crate::project::{Crossing, View, project};
@@ -9,6 +10,10 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use lobe_core::{Cone, Coverage, Shaft, Sphere, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
+
+/// The size of details that a tolerance leaves out: this part of it, in radii of the light. Root mean square: measured so that
+/// masks differ by less than a quarter of the tolerance in the mean.
+const DETAIL: f32 = 4.0;
 
 /// What answers the one question that outlines leave open: whether a ray meets any triangle.
 ///
@@ -67,6 +72,13 @@ pub trait AnyHit: Sync {
 /// lists; else it is asked for a few neighbours or for each receiver. A receiver then takes time for each edge in its list, for
 /// each silhouette before its light, for each row that one crosses, and for one ray. `cargo run --release -p cosine-lobes-render-cpu
 /// --example silhouettes` measures it beside shadow rays.
+///
+/// # Simplified forms
+/// Of a large mesh most edges are finer than a mask can show. [`SilhouetteMesh::with_coarse`] divides a mesh into patches and
+/// simplifies each, but not its rim; [`with_tolerance`](Self::with_tolerance) draws the simplified form of a patch for receivers
+/// from so far on that the root mean square of what it leaves out is a small part of the light's size there. Any choice of
+/// forms is closed, since an edge between two patches is kept for each choice. Two of three rays then say whether the fewest
+/// surfaces are none.
 #[derive(Debug)]
 pub struct SilhouetteBlockers<'m, H> {
     meshes: Meshes<'m>,
@@ -78,6 +90,17 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     #[must_use]
     pub fn new(meshes: &'m [SilhouetteMesh], hits: H) -> Self {
         Self { meshes: Meshes::new(meshes), hits }
+    }
+
+    /// Lets outlines of [simplified forms](SilhouetteMesh::with_coarse) take the place of those that a receiver cannot tell
+    /// from them: masks stay within a quarter of `tolerance` of the exact ones, a part of the unshadowed radiance. 0, as from
+    /// [`new`](Self::new), for exact masks.
+    ///
+    /// What is drawn for a receiver depends on it and its light alone, not on which receivers it is grouped with.
+    #[must_use]
+    pub fn with_tolerance(mut self, tolerance: f32) -> Self {
+        self.meshes.fineness = Fineness(DETAIL * tolerance.clamp(0.0, 0.1));
+        self
     }
 
     /// What rays meet.
@@ -109,7 +132,10 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SilhouetteScratch<H::Scratch>) {
         let list = scratch.lists.at(simd, &self.meshes, query.at.position);
         let x = scratch.origin;
-        silhouettes(simd, x, query.cone, list, |edge| self.meshes.sides(edge, x), &mut scratch.silhouettes);
+        let light = scratch.light;
+        let sides = |edge| self.meshes.sides(edge, x);
+        let is_drawn = |edge| self.meshes.is_drawn(edge, x, light);
+        scratch.is_coarse = silhouettes(simd, x, query.cone, list, sides, is_drawn, &mut scratch.silhouettes);
     }
 }
 
@@ -131,7 +157,12 @@ pub struct SilhouetteScratch<H> {
     /// The normal of its facet, where that hides a part of the light.
     facet: Option<Vec3>,
     silhouettes: Silhouettes,
+    /// Whether any of them may be of simplified forms.
+    is_coarse: bool,
+    /// What of them is outside of the light, the arcs in which it cuts triangles, and whether these are the receiver's.
     outside: Silhouettes,
+    arcs: Vec<Chord>,
+    is_outside_known: bool,
     crossings: Vec<Crossing>,
     counter: Counter,
     fewest: Fewest,
@@ -155,7 +186,10 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             cone: Cone { axis: Vec3::Z, one_minus_cos: 0.0, distance: 0.0 },
             facet: None,
             silhouettes: Silhouettes::default(),
+            is_coarse: false,
             outside: Silhouettes::default(),
+            arcs: Vec::new(),
+            is_outside_known: false,
             crossings: Vec::new(),
             counter: Counter::default(),
             fewest: Fewest::default(),
@@ -191,6 +225,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         scratch.origin = self.hits.leave(at.position, at.face);
         scratch.cone = *cone;
         scratch.silhouettes.clear();
+        scratch.is_coarse = false;
+        scratch.is_outside_known = false;
         if scratch.lists.is_empty() && !scratch.is_met {
             return facet;
         }
@@ -226,7 +262,10 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             origin,
             facet,
             silhouettes,
+            is_coarse,
             outside,
+            arcs,
+            is_outside_known,
             light,
             is_cut,
             cutting,
@@ -244,10 +283,17 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         // Where the light holds parts of triangles, what blocks ends at its front side; else at its plane.
         let ball = is_cut.then(|| Ball::new(*light, *origin));
         if let Some(ball) = &ball {
-            for corners in cutting.iter() {
-                ball.cut(&view, corners.map(|p| p - *origin), side(*corners, *origin), crossings);
+            if !*is_outside_known {
+                // The same for all windows of the receiver.
+                arcs.clear();
+                let front = Front { axis: query.cone.axis, distance: view.far };
+                for corners in cutting.iter() {
+                    ball.cut(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
+                }
+                ball.outside(silhouettes, outside);
+                *is_outside_known = true;
             }
-            ball.outside(silhouettes, outside);
+            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
         }
         let drawn = if ball.is_some() { &*outside } else { &*silhouettes };
         dispatch!(Level::new(), simd => {
@@ -263,6 +309,22 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             })
         };
         let mut any = is_open(fewest, hits);
+        if *is_coarse {
+            // What simplified forms leave out may lie just on that ray: two of three rays say it.
+            let mut rows = [fewest.middle.map_or(0, |(row, _)| row); 2];
+            let mut ask = |rows: &[usize], any: bool| {
+                fewest.witness(rows).map_or((0, any), |(row, sample)| {
+                    let (direction, plane) = view.ray(row, sample);
+                    let distance = ball.map_or(plane, |ball| ball.distance(direction));
+                    (row, !self.hits.is_hit(*origin, direction, distance, hits))
+                })
+            };
+            let second = ask(&rows, any);
+            if second.1 != any {
+                rows[1] = second.0;
+                (_, any) = ask(&rows, any);
+            }
+        }
         let mut is_doubtful = fewest.is_doubtful();
         while is_doubtful {
             dispatch!(Level::new(), _simd => counter.fewest(next));

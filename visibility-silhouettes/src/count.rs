@@ -274,6 +274,12 @@ impl Fewest {
         if count == 0 {
             return;
         }
+        self.middle = Some((j, self.middle_of(j)));
+    }
+
+    /// The middle of the longest run in a row that has one.
+    #[inline(always)]
+    fn middle_of(&self, j: usize) -> usize {
         let mut longest = (0, 0);
         for (word, bits) in self.rows(j).iter().map(|words| words[j % EIGHT]).enumerate() {
             let (length, first) = longest_run(bits);
@@ -281,7 +287,16 @@ impl Fewest {
                 longest = (length, WORD * word + first as usize + (length as usize - 1) / 2);
             }
         }
-        self.middle = Some((j, longest.1));
+        longest.1
+    }
+
+    /// Another that shows it: of the row with the most samples besides some.
+    pub(crate) fn witness(&self, besides: &[usize]) -> Option<(usize, usize)> {
+        let rows = self.rows.len() / self.words * EIGHT;
+        let count = |j: usize| self.rows(j).iter().map(|words| words[j % EIGHT].count_ones()).sum::<u32>();
+        let others = (0..rows).filter(|j| !besides.contains(j)).map(|j| (count(j), j));
+        let (count, row) = others.max_by_key(|(count, j)| (*count, rows - j))?;
+        (count > 0).then(|| (row, self.middle_of(row)))
     }
 }
 

@@ -1,7 +1,6 @@
 //! Triangles that meet the light: only what of them is before its front side blocks.
 
 use crate::edge_list::Columns;
-use crate::project::{Crossing, View};
 use crate::select::{NUMBERS, STEP, Silhouettes};
 use core::f64::consts::TAU;
 use glam::{DVec3, Vec3};
@@ -12,11 +11,41 @@ const SIDES: f64 = 64.0;
 /// Arcs that end on the rim of the light's disc are drawn a little beyond it.
 const BEYOND: f32 = 1.001;
 
+/// The cosine of the angle that one chord spans at most, a little more.
+const ONE_CHORD: f64 = 0.995_19;
+/// Beside the light's plane, for rounding, as a part of its distance.
+const ROUNDING: f64 = 1e-5;
+
 /// A light seen from a receiver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ball {
     center: DVec3,
     radius: f64,
+}
+
+/// A piece of an outline, seen from a receiver, and by how much the number of surfaces grows to its right.
+pub(crate) type Chord = (Vec3, Vec3, i32);
+
+/// The plane of the circle in which a cone touches its light, across the axis: surfaces count as far as there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Front {
+    pub(crate) axis: Vec3,
+    pub(crate) distance: f32,
+}
+
+impl Front {
+    /// Whether points are certainly before it, and whether they are certainly behind it.
+    fn sides(&self, points: &[Vec3]) -> [bool; 2] {
+        let depths = points.iter().map(|p| f64::from(self.axis.dot(*p)) - f64::from(self.distance));
+        let margin = ROUNDING * f64::from(self.distance);
+        [depths.clone().all(|depth| depth < -margin), depths.clone().all(|depth| depth > margin)]
+    }
+
+    /// A point moved away from the axis, a little beyond the light's rim.
+    fn beyond(&self, p: Vec3) -> Vec3 {
+        let along = self.axis * self.axis.dot(p);
+        along + (p - along) * BEYOND
+    }
 }
 
 /// Where an edge is inside of a ball.
@@ -136,13 +165,21 @@ impl Ball {
     ///
     /// What of the triangle is inside is convex: along the triangle's outline an arc begins where it leaves the ball and ends
     /// where it comes back.
-    pub(crate) fn cut(&self, view: &View, corners: [Vec3; 3], side: f32, out: &mut Vec<Crossing>) {
-        let (normal, off) = self.plane(corners);
-        let rho = (self.radius * self.radius - off * off).sqrt();
-        if side == 0.0 || normal == DVec3::ZERO || rho.is_nan() || rho <= 0.0 {
+    pub(crate) fn cut(&self, front: &Front, corners: [Vec3; 3], side: impl Fn() -> f32, out: &mut Vec<Chord>) {
+        if front.sides(&corners)[1] {
             return;
         }
-        let circle = Circle::new(self.center + normal * off, normal, rho, view);
+        let (normal, off) = self.plane(corners);
+        let rho = (self.radius * self.radius - off * off).sqrt();
+        if normal == DVec3::ZERO || rho.is_nan() || rho <= 0.0 {
+            return;
+        }
+        let side = side();
+        if side == 0.0 {
+            return;
+        }
+        let middle = self.center + normal * off;
+        let circle = || Circle::new(middle, normal, rho, front);
         // Points where the outline leaves the ball (true) and where it enters, in its order.
         let mut events = [(false, Vec3::ZERO); 6];
         let mut count = 0;
@@ -167,12 +204,21 @@ impl Ball {
         if count > 0 {
             for k in 0..count {
                 let ((leaves, from), (_, to)) = (events[k], events[(k + 1) % count]);
-                if leaves {
-                    circle.draw(view, Some([from, to]), side, out);
+                if !leaves {
+                    continue;
+                }
+                // Most arcs are one chord, before the plane or behind it.
+                let [a, b] = [from, to].map(|p| p.as_dvec3() - middle);
+                let is_short = a.cross(b).dot(normal) > 0.0
+                    && a.dot(b) > ONE_CHORD * (a.length_squared() * b.length_squared()).sqrt();
+                match front.sides(&[from, to]) {
+                    [true, _] if is_short => out.push((to, from, side as i32)),
+                    [_, true] if is_short => {}
+                    _ => circle().draw(front, Some([from, to]), side, out),
                 }
             }
         } else if !all && self.is_within(corners) {
-            circle.draw(view, None, side, out);
+            circle().draw(front, None, side, out);
         }
     }
 }
@@ -189,13 +235,13 @@ struct Circle {
 
 impl Circle {
     /// Angles count from where the circle is nearest to the receiver along the view's axis.
-    fn new(middle: DVec3, normal: DVec3, rho: f64, view: &View) -> Self {
-        let axis = view.square.axis.as_dvec3();
+    fn new(middle: DVec3, normal: DVec3, rho: f64, front: &Front) -> Self {
+        let axis = front.axis.as_dvec3();
         let toward = axis - normal * axis.dot(normal);
         let u = -toward.normalize_or(normal.any_orthonormal_vector()) * rho;
         let v = normal.cross(u);
         // depth(φ) = middle − |u·axis| cos φ.
-        let (room, reach) = (f64::from(view.far) - middle.dot(axis), -u.dot(axis));
+        let (room, reach) = (f64::from(front.distance) - middle.dot(axis), -u.dot(axis));
         let front = if room >= reach {
             Some([-0.5 * TAU, 0.5 * TAU])
         } else if room <= -reach {
@@ -214,7 +260,7 @@ impl Circle {
 
     /// Appends the front part of the arc from one point to another, or of the whole circle, run through backward: so it is the
     /// outline of what is around it.
-    fn draw(&self, view: &View, ends: Option<[Vec3; 2]>, side: f32, out: &mut Vec<Crossing>) {
+    fn draw(&self, plane: &Front, ends: Option<[Vec3; 2]>, side: f32, out: &mut Vec<Chord>) {
         let Some([low, high]) = self.front else { return };
         let whole = high - low >= TAU;
         let angle = |p: Vec3| {
@@ -246,14 +292,14 @@ impl Circle {
                     Some([first, _]) if k == 0 && from == start => first,
                     Some([_, last]) if k == count && to == start + span => last,
                     None if k == count && whole => self.at(from),
-                    _ if !whole && (k == 0 || k == count) => view.beyond(self.at(t), BEYOND),
+                    _ if !whole && (k == 0 || k == count) => plane.beyond(self.at(t)),
                     _ => self.at(t),
                 }
             };
             let mut before = point(count);
             for k in (0..count).rev() {
                 let next = point(k);
-                out.extend(Crossing::of_segment(view, before, next, side as i32));
+                out.push((before, next, side as i32));
                 before = next;
             }
         }

@@ -11,6 +11,11 @@ pub(crate) const COLUMNS: usize = 15;
 pub(crate) const ENDS: [usize; 2] = [0, 3];
 pub(crate) const PLANES: [usize; 2] = [6, 10];
 pub(crate) const ID: usize = 14;
+/// In the number of an edge: that it is drawn for some of the receivers only.
+pub(crate) const SOMETIMES: u32 = 1 << 31;
+/// That it is one of a simplified form.
+pub(crate) const COARSE: u32 = 1 << 30;
+pub(crate) const MARKS: u32 = SOMETIMES | COARSE;
 
 /// Numbers of eight things side by side.
 pub(crate) type Block<const C: usize> = [[f32; LANES]; C];

@@ -1,7 +1,7 @@
-use crate::edge_list::{Block, COLUMNS, ENDS, EdgeList, Eight, PLANES};
+use crate::edge_list::{Block, COARSE, COLUMNS, ENDS, EdgeList, Eight, PLANES};
 use crate::lanes::Lanes3;
 use crate::mesh::SilhouetteMesh;
-use crate::tree::Node;
+use crate::tree::{Node, Tree};
 use core::f32::consts::TAU;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
@@ -25,6 +25,33 @@ pub(crate) struct Hull {
     radius: f32,
     /// The largest of |x| + |y| + |z| of a receiver.
     reach: f32,
+    /// The light, whose size says what details receivers can tell apart.
+    light: Sphere,
+}
+
+/// How finely outlines are drawn: details smaller than this part of a light's radius may be left out. 0 for none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Fineness(pub(crate) f32);
+
+impl Fineness {
+    /// How many times as far as a detail is large a receiver must be to leave it out.
+    #[inline(always)]
+    pub(crate) fn scale(self, from: Vec3, light: Sphere) -> f32 {
+        from.distance(light.center) / (self.0 * light.radius)
+    }
+
+    /// The least and the most of this for receivers in a ball.
+    fn scales(self, center: Vec3, radius: f32, light: Sphere) -> [f32; 2] {
+        let all = self.0 * light.radius;
+        let distance = center.distance(light.center);
+        let rounding = 1e-5 * (distance + center.abs().element_sum());
+        [(distance - radius - rounding).max(0.0) / all, (distance + radius + rounding) / all]
+    }
+
+    /// Whether simplified forms are never drawn.
+    pub(crate) fn is_exact(self, light: Sphere) -> bool {
+        !(self.0 > 0.0 && light.radius > 0.0)
+    }
 }
 
 impl Hull {
@@ -36,7 +63,7 @@ impl Hull {
         let axis = if length > 0.0 { to / length } else { Vec3::Z };
         let (u, v) = orthonormal_basis(axis);
         let support = |n: Vec3| n.abs().dot(half) + radius;
-        let mut hull = Self { center, half, radius, reach: 0.0, ..Self::default() };
+        let mut hull = Self { center, half, radius, reach: 0.0, light, ..Self::default() };
         let outer = (center.abs() + half + radius).element_sum();
         hull.reach = outer + margin;
         // Offsets are differences of long numbers.
@@ -63,7 +90,7 @@ impl Hull {
 
     /// Which children of a node may have silhouettes inside, as bits.
     #[inline(always)]
-    fn meets<S: Simd>(&self, simd: S, node: &Node) -> u32 {
+    fn meets<S: Simd>(&self, simd: S, node: &Node, forms: Option<(&Forms<'_>, &[[f32; 8]; 2])>) -> u32 {
         let middle = node.vectors(simd, 0);
         let half = node.vectors(simd, 3);
         let mut outside = mask32x8::splat(simd, false);
@@ -80,6 +107,16 @@ impl Hull {
         let unsure = (far + self.reach) * (2.0 * UNSURE);
         let along = to.dot_each(axis).abs() - wide.dot_each(axis.abs()) - unsure;
         outside |= along.simd_gt(far * f32x8::simd_from(simd, node.bounds[9]));
+        if let Some((forms, reach)) = forms {
+            let away = to.dot_each(to).sqrt();
+            let [reach, detail] = [f32x8::simd_from(simd, reach[0]), f32x8::simd_from(simd, reach[1])];
+            let (zero, around) = (f32x8::splat(simd, 0.0), forms.radius + 1e-5 * self.reach);
+            outside |= if forms.is_coarse {
+                (away * 1.000_01 + reach + detail * forms.scales[0] + around).simd_lt(zero)
+            } else {
+                (away * 0.999_99 - reach - detail * forms.scales[1] - around).simd_gt(zero)
+            };
+        }
         !outside.to_bitmask() as u32 & ((1 << node.len) - 1)
     }
 
@@ -123,22 +160,58 @@ impl Hull {
     /// Appends the edges of a mesh that may be silhouettes inside of the hull. `base` is the number of its first edge. Gives
     /// up, with `false`, where more than `leaves` leaves are met, which it counts down.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "memory that is kept")]
     pub(crate) fn find<S: Simd>(
         &self,
         simd: S,
         mesh: &SilhouetteMesh,
         base: u32,
+        fineness: Fineness,
+        forms: &mut Vec<Option<bool>>,
         stack: &mut Vec<u32>,
         leaves: &mut usize,
         out: &mut EdgeList,
     ) -> bool {
-        let nodes = mesh.tree().nodes();
+        if mesh.patches().is_empty() || fineness.is_exact(self.light) {
+            return self.find_in(simd, mesh, mesh.trees()[0], base, None, stack, leaves, out);
+        }
+        let radius = self.half.length() + self.radius;
+        let scales = fineness.scales(self.center, radius, self.light);
+        forms.clear();
+        forms.extend(mesh.patches().iter().map(|patch| patch.is_coarse_from(self.center, radius, scales)));
+        let [fine, coarse] = mesh.trees();
+        if forms.iter().all(|form| *form == Some(false)) {
+            return self.find_in(simd, mesh, fine, base, None, stack, leaves, out);
+        }
+        let mut forms = Forms { forms, is_coarse: false, radius, scales };
+        if !self.find_in(simd, mesh, fine, base, Some(&forms), stack, leaves, out) {
+            return false;
+        }
+        forms.is_coarse = true;
+        self.find_in(simd, mesh, coarse, base, Some(&forms), stack, leaves, out)
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "memory that is kept")]
+    fn find_in<S: Simd>(
+        &self,
+        simd: S,
+        mesh: &SilhouetteMesh,
+        tree: &Tree,
+        base: u32,
+        forms: Option<&Forms<'_>>,
+        stack: &mut Vec<u32>,
+        leaves: &mut usize,
+        out: &mut EdgeList,
+    ) -> bool {
+        let nodes = tree.nodes();
         stack.clear();
         stack.extend((!nodes.is_empty()).then_some(0));
+        let mark = if forms.is_some_and(|forms| forms.is_coarse) { COARSE } else { 0 };
         let mut block: Block<COLUMNS> = [[0.0; 8]; COLUMNS];
         while let Some(number) = stack.pop() {
             let node = &nodes[number as usize];
-            let mut met = self.meets(simd, node);
+            let mut met = self.meets(simd, node, forms.zip(tree.reach(number as usize)));
             while met != 0 {
                 let k = met.trailing_zeros() as usize & 7;
                 met &= met - 1;
@@ -151,10 +224,17 @@ impl Hull {
                 *leaves = left;
                 let first = node.first[k] as usize;
                 let lanes = mask32x8::from_bitmask(simd, u64::from(mesh.fetch_planes(simd, first, count, &mut block)));
-                let keep = lanes & !self.cancel(simd, &block);
-                mesh.fetch_ends(simd, first, keep.to_bitmask() as u32, base, &mut block);
+                let mut keep = (lanes & !self.cancel(simd, &block)).to_bitmask() as u32;
+                let mut sometimes = 0;
+                if let Some(forms) = forms {
+                    (keep, sometimes) = forms.drawn(mesh, first, keep);
+                }
+                if keep == 0 {
+                    continue;
+                }
+                mesh.fetch_ends(simd, first, keep, [sometimes, mark], base, &mut block);
                 out.reserve(8);
-                self.sift(simd, &block, keep, out);
+                self.sift(simd, &block, mask32x8::from_bitmask(simd, u64::from(keep)), out);
             }
         }
         true
@@ -171,6 +251,37 @@ impl Hull {
             let keep = lanes & !self.cancel(simd, &(list, first));
             self.sift(simd, &(list, first), keep, out);
         }
+    }
+}
+
+/// Which forms of the patches of a mesh are drawn for the receivers of a hull: none where these do not agree.
+struct Forms<'f> {
+    forms: &'f [Option<bool>],
+    /// The tree that is looked through.
+    is_coarse: bool,
+    /// Of a ball around the receivers.
+    radius: f32,
+    scales: [f32; 2],
+}
+
+impl Forms<'_> {
+    /// Which of some edges are drawn for any of the receivers, and which of these not for all.
+    #[inline(always)]
+    fn drawn(&self, mesh: &SilhouetteMesh, first: usize, mut lanes: u32) -> (u32, u32) {
+        let (mut drawn, mut sometimes) = (0, 0);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros();
+            lanes &= lanes - 1;
+            let (mut is_drawn, mut is_sure) = (true, true);
+            for (patch, is_coarse) in mesh.tag(first + lane as usize).patches() {
+                let form = self.forms[usize::from(patch)];
+                is_drawn &= form.is_none_or(|form| form == is_coarse);
+                is_sure &= form.is_some();
+            }
+            drawn |= u32::from(is_drawn) << lane;
+            sometimes |= u32::from(is_drawn && !is_sure) << lane;
+        }
+        (drawn, sometimes)
     }
 }
 

@@ -47,12 +47,13 @@
 //!
 //! # Limits
 //! A surface that reaches into the light blocks up to the circle where the cone of light touches it, not up to the light's own
-//! surface. Needles as thin as the rounding of their corners may be a sample off. Under lights of 15° and more, meshes of
-//! many triangles have edges finer than the mask, and cost accordingly.
+//! surface. Needles as thin as the rounding of their corners may be a sample off. Meshes of many triangles have edges finer than
+//! the mask, and cost accordingly, unless [simplified forms](SilhouetteMesh::with_coarse) may take their place.
 //!
 //! Out of scope: tracing rays, deciding what casts shadows.
 
 mod blockers;
+mod coarse;
 mod count;
 mod cut;
 mod edge_list;

@@ -2,7 +2,7 @@
 
 use crate::SilhouetteMesh;
 use crate::edge_list::EdgeList;
-use crate::hull::Hull;
+use crate::hull::{Fineness, Hull};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use lobe_core::{LightId, Shaft, Sphere};
@@ -30,6 +30,7 @@ pub(crate) struct Meshes<'m> {
     meshes: &'m [SilhouetteMesh],
     /// The number of each mesh's first edge.
     bases: Vec<u32>,
+    pub(crate) fineness: Fineness,
 }
 
 impl<'m> Meshes<'m> {
@@ -39,7 +40,7 @@ impl<'m> Meshes<'m> {
             *sum += mesh.edge_count() as u32;
             Some(base)
         };
-        Self { meshes, bases: meshes.iter().scan(0, next).collect() }
+        Self { meshes, bases: meshes.iter().scan(0, next).collect(), fineness: Fineness::default() }
     }
 
     /// On which sides of an edge's triangles a point lies.
@@ -48,15 +49,22 @@ impl<'m> Meshes<'m> {
         self.meshes[mesh].sides((edge - self.bases[mesh]) as usize, x)
     }
 
+    /// Whether an edge is drawn for a receiver.
+    pub(crate) fn is_drawn(&self, edge: u32, x: Vec3, light: Sphere) -> bool {
+        let mesh = self.bases.partition_point(|base| *base <= edge) - 1;
+        self.meshes[mesh].is_drawn((edge - self.bases[mesh]) as usize, x, self.fineness.scale(x, light))
+    }
+
     /// Lists the edges that may be silhouettes inside of a hull; returns in how many leaves they are. Gives up where these are
     /// more than `most`.
-    fn list(&self, hull: &Hull, most: usize, stack: &mut Vec<u32>, out: &mut EdgeList) -> Option<usize> {
+    fn list(&self, hull: &Hull, most: usize, memory: &mut Memory, out: &mut EdgeList) -> Option<usize> {
         out.clear();
-        let mut left = most;
-        let all =
-            self.meshes.iter().zip(&self.bases).all(
-                |(mesh, base)| dispatch!(Level::new(), simd => hull.find(simd, mesh, *base, stack, &mut left, out)),
-            );
+        let (mut left, Memory { forms, stack }) = (most, memory);
+        let all = self.meshes.iter().zip(&self.bases).all(|(mesh, base)| {
+            dispatch!(Level::new(), simd => {
+                hull.find(simd, mesh, *base, self.fineness, forms, stack, &mut left, out)
+            })
+        });
         all.then(|| most - left)
     }
 }
@@ -82,6 +90,13 @@ pub(crate) struct Lists {
     single: usize,
     /// So many receivers are still to have lists of their own.
     alone: u32,
+    memory: Memory,
+}
+
+/// What a search keeps from one to the next.
+#[derive(Clone, Debug, Default)]
+struct Memory {
+    forms: Vec<Option<bool>>,
     stack: Vec<u32>,
 }
 
@@ -110,7 +125,7 @@ impl Default for Lists {
             seen: Vec::new(),
             single: 0,
             alone: 0,
-            stack: Vec::new(),
+            memory: Memory::default(),
         }
     }
 }
@@ -127,7 +142,7 @@ impl Lists {
         let Sphere { center, radius } = shaft.receivers;
         let mut list = |receivers, most| {
             let hull = Self::hull(receivers, shaft.light, margin);
-            meshes.list(&hull, most, &mut self.stack, &mut self.edges)
+            meshes.list(&hull, most, &mut self.memory, &mut self.edges)
         };
         let first = if radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
         self.is_whole = list(shaft.receivers, first).is_some();
@@ -197,7 +212,7 @@ impl Lists {
         let mut receivers = Sphere { center: at, radius: if is_alone { 0.0 } else { NEIGHBOURS * near.sqrt() } };
         let (light, margin) = (self.shaft.light, self.margin);
         let mut list =
-            |receivers, most| meshes.list(&Self::hull(receivers, light, margin), most, &mut self.stack, &mut edges);
+            |receivers, most| meshes.list(&Self::hull(receivers, light, margin), most, &mut self.memory, &mut edges);
         let most = BALL_LEAVES.max(BALL_TIMES * self.single);
         if is_alone || list(receivers, most).is_none() {
             self.alone = if is_alone { self.alone } else { ALONE };

@@ -1,7 +1,9 @@
-use crate::edge_list::{Block, COLUMNS, ENDS, ID, LANES, PLANES};
+use crate::coarse::{self, Coarse};
+use crate::edge_list::{Block, COLUMNS, ENDS, ID, LANES, PLANES, SOMETIMES};
 use crate::lanes::columns;
-use crate::topology::{self, Edge, normal};
-use crate::tree::Tree;
+use crate::topology::{self, Edge, Tag, normal};
+use crate::tree::{Reach, Tree};
+use core::ops::Range;
 use fearless_simd::Simd;
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -13,7 +15,7 @@ use rayon::prelude::*;
 /// are left out. The mesh may move ([`refit`](Self::refit)) as long as its triangles keep their corners.
 ///
 /// # Cost
-/// About 72 bytes a triangle.
+/// About 62 bytes a triangle; [`with_coarse`](Self::with_coarse) 30 more, and twice the time.
 #[derive(Clone, Debug)]
 pub struct SilhouetteMesh {
     /// The number of the object that the triangles belong to.
@@ -25,9 +27,50 @@ pub struct SilhouetteMesh {
     triangles: Vec<[u32; 3]>,
     /// Unit normal `n` and `−n·a`, from f64.
     planes: Vec<[f32; 4]>,
-    /// In the order of the tree's leaves.
+    /// Those of the mesh in the order of its tree's leaves, then those with simplified forms of patches in the order of theirs.
     edges: Vec<Edge>,
     tree: Tree,
+    coarse_tree: Tree,
+    /// Triangles of the mesh itself.
+    triangle_count: usize,
+    /// For each edge when it is drawn; none if all are.
+    tags: Vec<Tag>,
+    patches: Vec<Patch>,
+    /// The patch of each triangle.
+    triangle_patches: Vec<u16>,
+    /// Corners of simplified forms alone, and corners that these leave out with the triangles next to them.
+    own: Vec<u32>,
+    left_out: Vec<[u32; 2]>,
+}
+
+/// A part of a mesh that has a simplified form: a ball around it, and by how much the form differs from it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Patch {
+    center: Vec3,
+    radius: f32,
+    detail: f32,
+}
+
+impl Patch {
+    /// Whether the simplified form does for a receiver: from so far on, in units of the difference, outlines are not told
+    /// apart.
+    #[inline(always)]
+    pub(crate) fn is_coarse(&self, from: Vec3, scale: f32) -> bool {
+        from.distance(self.center) > self.radius + self.detail * scale
+    }
+
+    /// The same for all receivers in a ball, if they agree.
+    pub(crate) fn is_coarse_from(&self, center: Vec3, radius: f32, scale: [f32; 2]) -> Option<bool> {
+        let distance = center.distance(self.center);
+        let rounding = 1e-5 * (distance + center.abs().element_sum());
+        if distance - radius - rounding > self.radius + self.detail * scale[1] {
+            Some(true)
+        } else if distance + radius + rounding < self.radius + self.detail * scale[0] {
+            Some(false)
+        } else {
+            None
+        }
+    }
 }
 
 impl SilhouetteMesh {
@@ -37,7 +80,26 @@ impl SilhouetteMesh {
     /// When a triangle has a corner that is not among `positions`.
     #[must_use]
     pub fn new(object: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        let (welded, numbers) = topology::weld(positions);
+        Self::make(object, positions, triangles, |_, _| None)
+    }
+
+    /// The same with a simplified form for receivers that are far away, if they allow one
+    /// ([`SilhouetteBlockers::with_tolerance`](crate::SilhouetteBlockers::with_tolerance)): for large meshes.
+    ///
+    /// # Panics
+    /// As [`new`](Self::new).
+    #[must_use]
+    pub fn with_coarse(object: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        Self::make(object, positions, triangles, coarse::coarse)
+    }
+
+    fn make(
+        object: u32,
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        simplify: impl Fn(&[Vec3], &[[u32; 3]]) -> Option<Coarse>,
+    ) -> Self {
+        let (mut welded, numbers) = topology::weld(positions);
         let mut sources = vec![0; welded.len()];
         for (source, number) in numbers.iter().enumerate().rev() {
             sources[*number as usize] = source as u32;
@@ -46,23 +108,67 @@ impl SilhouetteMesh {
         // One without area blocks nothing, but may have some later.
         triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
         let mut edges = topology::edges(&mut triangles);
+        let triangle_count = triangles.len();
+        let (mut tags, mut triangle_patches, mut patches) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut own, mut left_out) = (Vec::new(), Vec::new());
+        let mut fine = edges.len();
+        if let Some(coarse) = simplify(&welded, &triangles) {
+            triangles.extend(coarse.triangles);
+            own.extend((welded.len()..).map(|i| i as u32).take(coarse.own.len()));
+            welded.extend(coarse.own.iter().map(|i| welded[*i as usize]).collect::<Vec<_>>());
+            sources.extend(coarse.own.iter().map(|i| sources[*i as usize]).collect::<Vec<_>>());
+            triangle_patches = coarse.patches;
+            triangle_patches.extend(coarse.triangle_patches);
+            let mut all = topology::tagged_edges(&triangles, triangle_count as u32, &triangle_patches);
+            all.sort_by_key(|(_, tag)| tag.is_coarse());
+            fine = all.partition_point(|(_, tag)| !tag.is_coarse());
+            (edges, tags) = all.into_iter().unzip();
+            left_out = coarse.left_out.iter().map(|[corner, near]| [*corner, near + triangle_count as u32]).collect();
+            patches = vec![Patch::default(); coarse.count];
+        }
         let bounds = |e: &Edge| {
             let [a, b] = e.ends().map(|k| welded[triangles[e.triangle() as usize][k] as usize]);
             [a.min(b), a.max(b)]
         };
         let boxes: Vec<_> = edges.iter().map(bounds).collect();
-        let (tree, order) = Tree::new(&boxes);
+        let (tree, mut order) = Tree::new(&boxes[..fine], 0);
+        let (coarse_tree, coarse_order) = Tree::new(&boxes[fine..], fine);
+        order.extend(coarse_order.iter().map(|i| i + fine as u32));
         edges = order.iter().map(|i| edges[*i as usize]).collect();
+        if !tags.is_empty() {
+            tags = order.iter().map(|i| tags[*i as usize]).collect();
+        }
         // Neighbours in the tree become neighbours in memory.
         let places = topology::by_first_use(triangles.len(), edges.iter().flat_map(|e| e.triangles()));
         edges.iter_mut().for_each(|edge| edge.renumber(&places));
         triangles = topology::placed(&triangles, &places);
+        if !triangle_patches.is_empty() {
+            triangle_patches = topology::placed(&triangle_patches, &places);
+        }
+        left_out.iter_mut().for_each(|[_, near]| *near = places[*near as usize]);
         let places = topology::by_first_use(welded.len(), triangles.iter().flatten().copied());
         triangles.iter_mut().flatten().for_each(|corner| *corner = places[*corner as usize]);
+        left_out.iter_mut().for_each(|[corner, _]| *corner = places[*corner as usize]);
+        own.iter_mut().for_each(|corner| *corner = places[*corner as usize]);
         let (welded, sources) = (topology::placed(&welded, &places), topology::placed(&sources, &places));
         let positions = welded.iter().map(|p| p.extend(0.0)).collect();
         let planes = vec![[0.0; 4]; triangles.len()];
-        let mut mesh = Self { object, positions, sources, triangles, planes, edges, tree };
+        let mut mesh = Self {
+            object,
+            positions,
+            sources,
+            triangles,
+            planes,
+            edges,
+            tree,
+            coarse_tree,
+            triangle_count,
+            tags,
+            patches,
+            triangle_patches,
+            own,
+            left_out,
+        };
         mesh.fit();
         mesh
     }
@@ -87,14 +193,26 @@ impl SilhouetteMesh {
 
     /// Planes, flat edges, boxes and cones from the positions.
     fn fit(&mut self) {
-        let Self { positions, triangles, planes, edges, tree, .. } = self;
+        let Self {
+            positions,
+            triangles,
+            planes,
+            edges,
+            tree,
+            coarse_tree,
+            tags,
+            patches,
+            triangle_patches,
+            own,
+            left_out,
+            ..
+        } = self;
+        fit_planes(planes, triangles, positions);
+        if !own.is_empty() {
+            settle(own, left_out, triangles, planes, positions);
+            fit_planes(planes, triangles, positions);
+        }
         let corners = |t: u32| triangles[t as usize].map(|i| positions[i as usize].truncate());
-        planes.par_iter_mut().with_min_len(1024).zip(0..triangles.len() as u32).for_each(|(plane, t)| {
-            let corners = corners(t);
-            let n = normal(corners).normalize_or_zero();
-            let d = -n.dot(corners[0].as_dvec3());
-            *plane = [n.x as f32, n.y as f32, n.z as f32, d as f32];
-        });
         edges.par_iter_mut().with_min_len(1024).for_each(|edge| {
             let flat = edge.other().is_some_and(|other| {
                 let [p, q] = [edge.triangle(), other].map(|t| planes[t as usize]);
@@ -103,14 +221,34 @@ impl SilhouetteMesh {
             });
             edge.set_flat(flat);
         });
-        tree.fit(|range| {
+        fit_patches(patches, triangle_patches, left_out, triangles, positions, planes);
+        let shapes = |range: Range<usize>| {
             range.filter(|i| !edges[*i].is_flat()).map(|i| {
                 let edge = edges[i];
                 let corners = corners(edge.triangle());
                 let normal = |t: u32| Vec3::from_slice(&planes[t as usize]);
                 (edge.ends().map(|k| corners[k]), normal(edge.triangle()), edge.other().map(normal))
             })
-        });
+        };
+        // An edge of the mesh as far as it may be drawn, one of a simplified form from where on.
+        let reach = |range: Range<usize>, middle: Vec3, is_coarse: bool| {
+            let one = |tag: &Tag| {
+                let of = |(patch, _): (u16, bool)| {
+                    let Patch { center, radius, detail } = patches[usize::from(patch)];
+                    let sign = if is_coarse { -1.0 } else { 1.0 };
+                    Reach { reach: center.distance(middle) + sign * radius, detail: sign * detail }
+                };
+                tag.patches().filter(|(_, c)| *c == is_coarse).map(of).reduce(|a, b| a.and(b, 0.0))
+            };
+            let all = tags.get(range).unwrap_or_default().iter().map(one);
+            all.reduce(|a, b| Some(a?.and(b?, 0.0))).flatten().unwrap_or(Reach::EVERYWHERE)
+        };
+        tree.fit(shapes);
+        if !patches.is_empty() {
+            tree.fit_reaches(|range, middle| reach(range, middle, false));
+            coarse_tree.fit(shapes);
+            coarse_tree.fit_reaches(|range, middle| reach(range, middle, true));
+        }
     }
 
     /// The number of the object.
@@ -122,10 +260,10 @@ impl SilhouetteMesh {
     /// Triangles with three different corners.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
+        self.triangle_count
     }
 
-    /// Edges.
+    /// Edges, with those of simplified forms.
     #[must_use]
     pub fn edge_count(&self) -> usize {
         self.edges.len()
@@ -140,10 +278,34 @@ impl SilhouetteMesh {
             + size_of_val(&self.planes[..])
             + size_of_val(&self.edges[..])
             + self.tree.bytes()
+            + self.coarse_tree.bytes()
+            + size_of_val(&self.tags[..])
+            + size_of_val(&self.patches[..])
+            + size_of_val(&self.triangle_patches[..])
+            + size_of_val(&self.own[..])
+            + size_of_val(&self.left_out[..])
     }
 
-    pub(crate) fn tree(&self) -> &Tree {
-        &self.tree
+    /// The tree of the mesh's edges, and that of edges with simplified forms.
+    pub(crate) fn trees(&self) -> [&Tree; 2] {
+        [&self.tree, &self.coarse_tree]
+    }
+
+    pub(crate) fn patches(&self) -> &[Patch] {
+        &self.patches
+    }
+
+    /// When an edge is drawn.
+    #[inline(always)]
+    pub(crate) fn tag(&self, edge: usize) -> Tag {
+        self.tags.get(edge).copied().unwrap_or_default()
+    }
+
+    /// Whether an edge is drawn for a receiver.
+    pub(crate) fn is_drawn(&self, edge: usize, from: Vec3, scale: f32) -> bool {
+        self.tag(edge)
+            .patches()
+            .all(|(patch, coarse)| self.patches[usize::from(patch)].is_coarse(from, scale) == coarse)
     }
 
     /// Writes the planes on both sides of up to eight edges side by side; returns which of them are not flat, as bits.
@@ -164,13 +326,15 @@ impl SilhouetteMesh {
         lanes
     }
 
-    /// The same for the ends and the numbers of those that `lanes` has; `base` is the number of the mesh's first edge.
+    /// The same for the ends and the numbers of those that `lanes` has; `base` is the number of the mesh's first edge, the
+    /// first of `marks` are lanes that are not always drawn, the second a mark for all.
     #[inline(always)]
     pub(crate) fn fetch_ends<S: Simd>(
         &self,
         simd: S,
         first: usize,
         mut lanes: u32,
+        marks: [u32; 2],
         base: u32,
         out: &mut Block<COLUMNS>,
     ) {
@@ -188,8 +352,9 @@ impl SilhouetteMesh {
         for (rows, first) in ends.iter().zip(ENDS) {
             columns(simd, rows, &mut out[first..first + 3]);
         }
-        for (number, id) in (base + first as u32..).zip(&mut out[ID]) {
-            *id = f32::from_bits(number);
+        for (lane, id) in (0..).zip(&mut out[ID]) {
+            let sometimes = if marks[0] >> lane & 1 == 1 { SOMETIMES } else { 0 };
+            *id = f32::from_bits((base + first as u32 + lane) | sometimes | marks[1]);
         }
     }
 
@@ -200,6 +365,66 @@ impl SilhouetteMesh {
         let side = |t: u32| side(self.triangles[t as usize].map(|i| self.positions[i as usize].truncate()), x);
         let [one, other] = [side(edge.triangle()), edge.other().map_or(0.0, side)];
         if edge.is_down() { [other, one] } else { [one, other] }
+    }
+}
+
+/// Corners of simplified forms take over so much of what those left out are off: then outlines neither shrink nor grow.
+const SETTLE: f32 = 0.65;
+
+fn fit_planes(planes: &mut [[f32; 4]], triangles: &[[u32; 3]], positions: &[Vec4]) {
+    planes.par_iter_mut().with_min_len(1024).zip(triangles).for_each(|(plane, corners)| {
+        let corners = corners.map(|i| positions[i as usize].truncate());
+        let n = normal(corners).normalize_or_zero();
+        let d = -n.dot(corners[0].as_dvec3());
+        *plane = [n.x as f32, n.y as f32, n.z as f32, d as f32];
+    });
+}
+
+/// Moves the corners of simplified forms by what the corners left out are off their planes in the mean: else round shapes would
+/// shrink.
+fn settle(own: &[u32], left_out: &[[u32; 2]], triangles: &[[u32; 3]], planes: &[[f32; 4]], positions: &mut [Vec4]) {
+    let mut sums = vec![Vec4::ZERO; positions.len()];
+    for [corner, near] in left_out {
+        let plane = Vec4::from_array(planes[*near as usize]);
+        let away = plane.dot(positions[*corner as usize].truncate().extend(1.0));
+        for i in triangles[*near as usize] {
+            sums[i as usize] += (plane.truncate() * away).extend(1.0);
+        }
+    }
+    for i in own {
+        let sum = sums[*i as usize];
+        positions[*i as usize] += (sum.truncate() * (SETTLE / sum.w.max(1.0))).extend(0.0);
+    }
+}
+
+/// Where patches are, and the root mean square of the distances of corners left out from the planes next to them.
+fn fit_patches(
+    patches: &mut [Patch],
+    triangle_patches: &[u16],
+    left_out: &[[u32; 2]],
+    triangles: &[[u32; 3]],
+    positions: &[Vec4],
+    planes: &[[f32; 4]],
+) {
+    let mut bounds = vec![[Vec3::INFINITY, Vec3::NEG_INFINITY]; patches.len()];
+    for (corners, patch) in triangles.iter().zip(triangle_patches) {
+        if let Some([low, high]) = bounds.get_mut(usize::from(*patch)) {
+            for p in corners.map(|i| positions[i as usize].truncate()) {
+                (*low, *high) = (low.min(p), high.max(p));
+            }
+        }
+    }
+    let mut sums = vec![(0.0_f64, 0_u32); patches.len()];
+    for [corner, near] in left_out {
+        let p = positions[*corner as usize];
+        let away = f64::from(p.truncate().extend(1.0).dot(Vec4::from_array(planes[*near as usize])));
+        let (sum, count) = &mut sums[usize::from(triangle_patches[*near as usize])];
+        *sum += away * away;
+        *count += 1;
+    }
+    for ((patch, [low, high]), (sum, count)) in patches.iter_mut().zip(bounds).zip(sums) {
+        let detail = (sum / f64::from(count.max(1))).sqrt() as f32;
+        *patch = Patch { center: 0.5 * (low + high), radius: 0.5 * low.distance(high), detail };
     }
 }
 

@@ -43,12 +43,6 @@ impl View {
         (self.square.world(Vec3::new(x, y, 1.0)) / length, self.far * length)
     }
 
-    /// A point moved away from the axis, so many times as far.
-    pub(crate) fn beyond(&self, p: Vec3, scale: f32) -> Vec3 {
-        let along = self.square.axis * self.square.axis.dot(p);
-        along + (p - along) * scale
-    }
-
     /// A point on the square, in samples and rows.
     fn place(&self, x: f32, y: f32) -> Vec2 {
         let at =

@@ -1,9 +1,9 @@
 //! The silhouettes that one receiver sees before its light.
 
-use crate::edge_list::{Columns, ENDS, EdgeList, ID, PLANES};
+use crate::edge_list::{COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
 use crate::hull::UNSURE;
 use crate::lanes::Lanes3;
-use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 use lobe_core::{Cone, orthonormal_basis};
 use visibility_mask::Edges;
@@ -22,7 +22,8 @@ const AROUND_SQ: f32 = 1.000_2;
 /// Lists the silhouettes among some edges that may lie before the light.
 ///
 /// An edge is one where the receiver is in front of one of its triangles and behind the other, or where there is no other.
-/// `sides` decides for an edge by its number what f32 cannot.
+/// `sides` decides for an edge by its number what f32 cannot, `is_drawn` whether one that is not always drawn is now. Returns whether
+/// any may be of a simplified form.
 #[inline(always)]
 pub(crate) fn silhouettes<S: Simd>(
     simd: S,
@@ -30,9 +31,11 @@ pub(crate) fn silhouettes<S: Simd>(
     cone: &Cone,
     edges: &EdgeList,
     sides: impl Fn(u32) -> [f32; 2],
+    is_drawn: impl Fn(u32) -> bool,
     out: &mut Silhouettes,
-) {
+) -> bool {
     out.clear();
+    let mut is_coarse = false;
     out.reserve(edges.len());
     let zero = f32x8::splat(simd, 0.0);
     let tan = AROUND * cone.tan();
@@ -60,7 +63,7 @@ pub(crate) fn silhouettes<S: Simd>(
             while ask != 0 {
                 let lane = ask.trailing_zeros() as usize & 7;
                 ask &= ask - 1;
-                let [one, other] = sides(edges.get(ID, first + lane).to_bits());
+                let [one, other] = sides(edges.get(ID, first + lane).to_bits() & !MARKS);
                 steps[lane] = one - other;
             }
             step = f32x8::simd_from(simd, steps);
@@ -69,13 +72,31 @@ pub(crate) fn silhouettes<S: Simd>(
         if keep.any_true() && !window.is_empty() {
             keep &= !beside(simd, cone, a, b);
         }
-        if keep.any_true() {
-            out.put3(0, keep, a);
-            out.put3(3, keep, b);
-            out.put(STEP, keep, step);
-            out.end(keep);
+        if !keep.any_true() {
+            continue;
         }
+        let marks = edges.load(simd, ID, first).bitcast::<u32x8<S>>();
+        let marked = keep & marks.simd_ge(u32x8::splat(simd, COARSE));
+        let sometimes = marks.simd_ge(u32x8::splat(simd, SOMETIMES));
+        let mut ask = (marked & sometimes).to_bitmask();
+        if ask != 0 {
+            let mut drawn = keep.to_bitmask();
+            while ask != 0 {
+                let lane = ask.trailing_zeros() as usize & 7;
+                ask &= ask - 1;
+                if !is_drawn(edges.get(ID, first + lane).to_bits() & !MARKS) {
+                    drawn &= !(1 << lane);
+                }
+            }
+            keep = mask32x8::from_bitmask(simd, drawn);
+        }
+        is_coarse |= marked.any_true();
+        out.put3(0, keep, a);
+        out.put3(3, keep, b);
+        out.put(STEP, keep, step);
+        out.end(keep);
     }
+    is_coarse
 }
 
 /// Which of eight edges certainly pass beside the disc of a light, as far as they are between the receiver and its plane.

@@ -1,5 +1,6 @@
 //! Which triangles share an edge.
 
+use crate::coarse::WHOLE;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -108,7 +109,7 @@ pub(crate) fn placed<T: Copy>(things: &[T], places: &[u32]) -> Vec<T> {
 
 /// One side of a triangle: its two ends, lower number first, then which side it is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Side {
+pub(crate) struct Side {
     ends: (u32, u32),
     /// Runs from the higher number to the lower.
     down: bool,
@@ -116,7 +117,17 @@ struct Side {
     corner: u32,
 }
 
-fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+impl Side {
+    pub(crate) fn ends(&self) -> (u32, u32) {
+        self.ends
+    }
+
+    pub(crate) fn is_down(&self) -> bool {
+        self.down
+    }
+}
+
+pub(crate) fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     let mut sides = Vec::with_capacity(3 * triangles.len());
     for (number, corners) in (0..).zip(triangles) {
         for corner in 0..3 {
@@ -180,14 +191,78 @@ pub(crate) fn edges(triangles: &mut [[u32; 3]]) -> Vec<Edge> {
     }
     let mut edges = Vec::with_capacity(all.len() / 2);
     for group in all.chunk_by(|a, b| a.ends == b.ends) {
-        // Those that run up come first.
-        let (up, down) = group.split_at(group.partition_point(|side| !side.down));
-        for k in 0..up.len().max(down.len()) {
-            edges.push(match (up.get(k), down.get(k)) {
-                (Some(one), other) => Edge::new(one, other.map_or(NONE, |o| o.triangle)),
-                (None, Some(one)) => Edge::new(one, NONE),
-                (None, None) => continue,
-            });
+        pairs(group, |edge| edges.push(edge));
+    }
+    edges
+}
+
+/// The edges of sides that have the same ends; those that run up come first.
+fn pairs(sides: &[Side], mut push: impl FnMut(Edge)) {
+    let (up, down) = sides.split_at(sides.partition_point(|side| !side.down));
+    for k in 0..up.len().max(down.len()) {
+        match (up.get(k), down.get(k)) {
+            (Some(one), other) => push(Edge::new(one, other.map_or(NONE, |o| o.triangle))),
+            (None, Some(one)) => push(Edge::new(one, NONE)),
+            (None, None) => {}
+        }
+    }
+}
+
+/// In which forms of the patches on its two sides an edge is there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Tag([u16; 2]);
+
+impl Tag {
+    /// A patch, and whether its simplified form is meant.
+    fn of(patch: u16, is_coarse: bool) -> u16 {
+        if patch == WHOLE { 0 } else { 2 * patch + 2 + u16::from(is_coarse) }
+    }
+
+    /// Patches, and whether their simplified form is meant. None where the edge is always there.
+    pub(crate) fn patches(self) -> impl Iterator<Item = (u16, bool)> {
+        self.0.into_iter().filter(|half| *half != 0).map(|half| ((half - 2) / 2, half % 2 == 1))
+    }
+
+    pub(crate) fn is_coarse(self) -> bool {
+        self.patches().any(|(_, coarse)| coarse)
+    }
+}
+
+/// The edges of a mesh and of simplified forms of its patches, with their tags. The first `fine` triangles are of the mesh;
+/// `patches` are those of all.
+///
+/// What is drawn of any choice of forms is closed: each triangle's sides are there exactly where its form is chosen.
+pub(crate) fn tagged_edges(triangles: &[[u32; 3]], fine: u32, patches: &[u16]) -> Vec<(Edge, Tag)> {
+    let mut edges = Vec::new();
+    let patch = |side: &Side| patches[side.triangle as usize];
+    let half = |side: &Side| Tag::of(patch(side), side.triangle >= fine);
+    for group in sides(triangles).chunk_by(|a, b| a.ends == b.ends) {
+        // The sides of two patches, if there are two, and those of others.
+        let of = |wanted: u16| -> Vec<Side> { group.iter().filter(|s| patch(s) == wanted).copied().collect() };
+        let first = of(patch(&group[0]));
+        let other = group.iter().map(patch).find(|p| *p != patch(&group[0])).map(of).unwrap_or_default();
+        if other.is_empty() {
+            let (fine, coarse): (Vec<Side>, Vec<Side>) = group.iter().partition(|side| side.triangle < fine);
+            for sides in [fine, coarse] {
+                pairs(&sides, |edge| edges.push((edge, Tag([half(&sides[0]), 0]))));
+            }
+            continue;
+        }
+        // One triangle of each form, on the same side of the edge.
+        let is_one = |sides: &[Side]| {
+            let forms = if patch(&sides[0]) == WHOLE { 1 } else { 2 };
+            let fine = sides.iter().filter(|side| side.triangle < fine).count();
+            sides.len() == forms && fine == 1 && sides.iter().all(|side| side.down == sides[0].down)
+        };
+        let is_pair = first.len() + other.len() == group.len() && first[0].down != other[0].down;
+        if is_pair && is_one(&first) && is_one(&other) {
+            // One edge for each choice of their forms.
+            for (a, b) in first.iter().flat_map(|a| other.iter().map(move |b| (a, b))) {
+                let (up, down) = if a.down { (b, a) } else { (a, b) };
+                edges.push((Edge::new(up, down.triangle), Tag([half(a), half(b)])));
+            }
+        } else {
+            edges.extend(group.iter().map(|side| (Edge::new(side, NONE), Tag([half(side), 0]))));
         }
     }
     edges

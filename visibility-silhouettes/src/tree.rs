@@ -37,6 +37,8 @@ const EMPTY: Node = Node { bounds: [[0.0; WIDE]; 10], first: [0; WIDE], count: [
 pub(crate) struct Tree {
     /// Parents before their children.
     nodes: Vec<Node>,
+    /// How far from each child's middle something of it is drawn: `reach` and `detail`. None where that is everywhere.
+    reaches: Vec<[[f32; WIDE]; 2]>,
 }
 
 /// Box and cone of normals.
@@ -48,17 +50,36 @@ struct Bounds {
     sin: f32,
 }
 
+/// How far from a point something is drawn, where a receiver that asks for `scale` wants details of the size `detail` as far as
+/// `detail · scale`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    pub(crate) reach: f32,
+    pub(crate) detail: f32,
+}
+
+impl Reach {
+    /// Everywhere.
+    pub(crate) const EVERYWHERE: Self = Self { reach: f32::INFINITY, detail: 0.0 };
+    const NOWHERE: Self = Self { reach: f32::NEG_INFINITY, detail: f32::NEG_INFINITY };
+
+    /// Of two things, one of them around a point so far away.
+    pub(crate) fn and(self, other: Self, away: f32) -> Self {
+        Self { reach: self.reach.max(other.reach + away), detail: self.detail.max(other.detail) }
+    }
+}
+
 /// An edge as the tree sees it: its ends, the normals on both sides.
 pub(crate) type Shape = ([Vec3; 2], Vec3, Option<Vec3>);
 
 impl Tree {
-    /// A tree over boxes (low, high), and the order in which its leaves hold them. Bounds are there after
+    /// A tree over boxes (low, high), and the order in which its leaves hold them: from `first` on. Bounds are there after
     /// [`fit`](Self::fit).
-    pub(crate) fn new(boxes: &[[Vec3; 2]]) -> (Self, Vec<u32>) {
+    pub(crate) fn new(boxes: &[[Vec3; 2]], first: usize) -> (Self, Vec<u32>) {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut tree = Self::default();
         if !boxes.is_empty() {
-            tree.add(boxes, &mut order, 0);
+            tree.add(boxes, &mut order, first);
         }
         (tree, order)
     }
@@ -72,7 +93,7 @@ impl Tree {
         // The part with the largest box is split, until there are eight.
         while parts.len() < WIDE {
             let area = |r: &Range<usize>| half_area(of(boxes, &order[r.clone()]));
-            let open = (0..parts.len()).filter(|k| parts[*k].len() > WIDE);
+            let open = (0..parts.len()).filter(|k| parts[*k].len() > unit(order.len()));
             let Some(k) = open.max_by(|a, b| area(&parts[*a]).total_cmp(&area(&parts[*b]))) else { break };
             let part = parts[k].clone();
             let middle = part.start + split(boxes, &mut order[part.clone()]);
@@ -96,9 +117,8 @@ impl Tree {
     pub(crate) fn fit<I: Iterator<Item = Shape> + Clone>(&mut self, edges: impl Fn(Range<usize>) -> I + Sync) {
         self.nodes.par_iter_mut().with_min_len(32).for_each(|node| {
             for k in 0..usize::from(node.len) {
-                if node.count[k] > 0 {
-                    let first = node.first[k] as usize;
-                    node.set(k, &around(edges(first..first + usize::from(node.count[k]))));
+                if let Some(range) = node.edges(k) {
+                    node.set(k, &around(edges(range)));
                 }
             }
         });
@@ -113,12 +133,42 @@ impl Tree {
         }
     }
 
+    /// How far from a point the edges of a range are drawn; after [`fit`](Self::fit).
+    pub(crate) fn fit_reaches(&mut self, reach: impl Fn(Range<usize>, Vec3) -> Reach + Sync) {
+        let Self { nodes, reaches } = self;
+        reaches.resize(nodes.len(), [[0.0; WIDE]; 2]);
+        nodes.par_iter().with_min_len(32).zip(&mut *reaches).for_each(|(node, [reaches, details])| {
+            let children = reaches.iter_mut().zip(details).enumerate().take(usize::from(node.len));
+            for (k, (to, detail)) in children {
+                if let Some(range) = node.edges(k) {
+                    Reach { reach: *to, detail: *detail } = reach(range, node.middle(k));
+                }
+            }
+        });
+        for (number, node) in nodes.iter().enumerate().rev() {
+            for k in (0..usize::from(node.len)).filter(|k| node.count[*k] == 0) {
+                let child = node.first[k] as usize;
+                let [reach, detail] = reaches[child];
+                let all = (0..usize::from(nodes[child].len)).fold(Reach::NOWHERE, |sum, c| {
+                    let away = node.middle(k).distance(nodes[child].middle(c));
+                    sum.and(Reach { reach: reach[c], detail: detail[c] }, away)
+                });
+                (reaches[number][0][k], reaches[number][1][k]) = (all.reach, all.detail);
+            }
+        }
+    }
+
+    /// What [`fit_reaches`](Self::fit_reaches) found for the children of a node.
+    pub(crate) fn reach(&self, node: usize) -> Option<&[[f32; WIDE]; 2]> {
+        self.reaches.get(node)
+    }
+
     pub(crate) fn nodes(&self) -> &[Node] {
         &self.nodes
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..])
+        size_of_val(&self.nodes[..]) + size_of_val(&self.reaches[..])
     }
 }
 
@@ -141,6 +191,16 @@ impl Node {
             column[k] = *value;
         }
         self.bounds[9][k] = bounds.sin;
+    }
+
+    /// The edges of a child that is a leaf.
+    fn edges(&self, k: usize) -> Option<Range<usize>> {
+        let first = self.first[k] as usize;
+        (self.count[k] > 0).then(|| first..first + usize::from(self.count[k]))
+    }
+
+    fn middle(&self, k: usize) -> Vec3 {
+        Vec3::new(self.bounds[0][k], self.bounds[1][k], self.bounds[2][k])
     }
 
     fn get(&self, k: usize) -> Bounds {
@@ -207,6 +267,11 @@ fn half_area([low, high]: [Vec3; 2]) -> f32 {
     side.x * side.y + side.y * side.z + side.z * side.x
 }
 
+/// Parts of so many edges are as large as they should be: where there are more than fill eight leaves, those of one node.
+fn unit(count: usize) -> usize {
+    if count > WIDE * WIDE { WIDE * WIDE } else { WIDE }
+}
+
 /// Blocks of eight that so many edges take.
 fn blocks(count: usize) -> f32 {
     count.div_ceil(WIDE) as f32
@@ -218,6 +283,7 @@ fn split(boxes: &[[Vec3; 2]], order: &mut [u32]) -> usize {
     let middle = |i: u32| boxes[i as usize][0] + boxes[i as usize][1];
     let spread = order.iter().map(|i| middle(*i)).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |a, m| join(a, [m, m]));
     let mut best = (f32::INFINITY, 0, 0, 0.0);
+    let unit = unit(order.len());
     for (axis, size) in (spread[1] - spread[0]).to_array().into_iter().enumerate() {
         if size.is_nan() || size <= 0.0 {
             continue;
@@ -234,7 +300,7 @@ fn split(boxes: &[[Vec3; 2]], order: &mut [u32]) -> usize {
             }
             bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
             for (k, i) in order.iter().enumerate() {
-                if k > 0 && k % WIDE == 0 {
+                if k > 0 && k % unit == 0 {
                     let cost = half_area(bounds) * blocks(k) + after[k / WIDE];
                     if cost < best.0 {
                         best = (cost, axis, k, 0.0);
@@ -273,6 +339,8 @@ fn split(boxes: &[[Vec3; 2]], order: &mut [u32]) -> usize {
     }
     let (cost, axis, count, _) = best;
     let count = if cost.is_finite() { count } else { order.len() / 2 };
+    // Full nodes are fewer.
+    let count = ((count + unit / 2) / unit * unit).clamp(unit, (order.len() - 1) / unit * unit);
     // Ties by number, so that the tree does not depend on the order that came in.
     order.select_nth_unstable_by(count, |a, b| middle(*a)[axis].total_cmp(&middle(*b)[axis]).then(a.cmp(b)));
     count

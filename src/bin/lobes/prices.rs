@@ -139,7 +139,7 @@ fn run(
         accuracy: Accuracy::new(tolerance),
         threshold: 0.0,
     };
-    let blockers = FrameBlockers::new(&plan, &world, kept.get(), maps, &silhouettes);
+    let blockers = FrameBlockers::new(&plan, &world, kept.get(), maps, &silhouettes, frame.accuracy);
     let (shade, radiance) =
         blockers.shade(&mut Backend::Cpu, Form::Fractions, Shot { points: &points, frame: &frame })?;
     let picture = Picture::new(radiance.len(), 1, radiance);

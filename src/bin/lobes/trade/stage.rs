@@ -164,7 +164,7 @@ impl<'a> Stage<'a> {
                     TradeDevice::Cpu => &mut Backend::Cpu,
                     TradeDevice::Gpu => &mut self.gpu,
                 };
-                let blockers = FrameBlockers::new(&plan, self.world, spheres, maps, silhouettes);
+                let blockers = FrameBlockers::new(&plan, self.world, spheres, maps, silhouettes, frame.accuracy);
                 let shot = blockers.shade(backend, form, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }

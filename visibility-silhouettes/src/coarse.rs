@@ -1,0 +1,357 @@
+//! Fewer triangles for outlines that are seen from afar.
+
+use crate::topology;
+use core::cmp::Reverse;
+use core::ops::Range;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::collections::{BinaryHeap, HashMap};
+
+/// Triangles of a patch at most. Its rim is kept, so that small patches have little to lose.
+const PATCH: usize = 2048;
+/// One in so many corners inside of a patch is kept.
+const KEPT: usize = 8;
+/// A patch that keeps more than this part of its triangles is left as it is.
+const WORTH: f64 = 0.6;
+/// The cosine by which a triangle's normal turns at most in one step.
+const TURN: f64 = 0.3;
+
+/// A mesh in patches, and their simplified forms. Each has the rim of its patch, so that any of them go together.
+#[derive(Debug)]
+pub(crate) struct Coarse {
+    /// The patch of each triangle of the mesh; [`WHOLE`] where it has no simplified form.
+    pub(crate) patches: Vec<u16>,
+    /// Corners of the mesh that simplified forms have as corners of their own, since they may lie beside them.
+    pub(crate) own: Vec<u32>,
+    /// The triangles of the simplified forms, between corners of the mesh on rims and their own, whose numbers follow those; and
+    /// their patches.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) triangle_patches: Vec<u16>,
+    /// Each corner that is left out, and the number among `triangles` of the one next to it.
+    pub(crate) left_out: Vec<[u32; 2]>,
+    /// Patches with a simplified form.
+    pub(crate) count: usize,
+}
+
+/// No patch, or one that is always drawn as it is.
+pub(crate) const WHOLE: u16 = u16::MAX;
+/// Patches at most: two of them fit into a [`Tag`](topology::Tag).
+const MOST: usize = 1 << 14;
+
+/// Simplifies a mesh patch by patch; none where that is not worth it.
+pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coarse> {
+    let middle = |t: &u32| triangles[*t as usize].iter().map(|i| positions[*i as usize]).sum::<Vec3>();
+    let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+    let mut parts = Vec::new();
+    divide(&mut order, 0, &middle, &mut parts);
+    let forms: Vec<Option<Form>> = parts
+        .par_iter()
+        .map(|part| Patch::new(positions, triangles, &order[part.clone()]).simplified(positions.len()))
+        .collect();
+    let mut out = Coarse {
+        patches: vec![WHOLE; triangles.len()],
+        own: Vec::new(),
+        triangles: Vec::new(),
+        triangle_patches: Vec::new(),
+        left_out: Vec::new(),
+        count: 0,
+    };
+    for (part, form) in parts.into_iter().zip(forms) {
+        let (Some(form), true) = (form, out.count < MOST) else { continue };
+        let patch = out.count as u16;
+        let first = out.triangles.len() as u32;
+        order[part].iter().for_each(|t| out.patches[*t as usize] = patch);
+        out.triangle_patches.extend(form.triangles.iter().map(|_| patch));
+        let (mesh, before) = (positions.len() as u32, out.own.len() as u32);
+        let place = |i: u32| if i < mesh { i } else { i + before };
+        out.triangles.extend(form.triangles.iter().map(|t| t.map(place)));
+        out.own.extend(form.own);
+        out.left_out.extend(form.left_out.iter().map(|[corner, near]| [*corner, near + first]));
+        out.count += 1;
+    }
+    (out.count > 0).then_some(out)
+}
+
+/// Halves a list of triangles by the middles of their corners until the parts are small.
+fn divide(order: &mut [u32], first: usize, middle: &impl Fn(&u32) -> Vec3, parts: &mut Vec<Range<usize>>) {
+    if order.len() <= PATCH {
+        parts.push(first..first + order.len());
+        return;
+    }
+    let bounds = order.iter().map(middle).fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[a, b], m| [a.min(m), b.max(m)]);
+    let axis = (bounds[1] - bounds[0]).max_position();
+    let half = order.len() / 2;
+    order.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
+    let (low, high) = order.split_at_mut(half);
+    divide(low, first, middle, parts);
+    divide(high, first + half, middle, parts);
+}
+
+/// What a patch becomes, in the numbers of the mesh; after these come the patch's own.
+struct Form {
+    own: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    left_out: Vec<[u32; 2]>,
+}
+
+/// A sum of squared distances from planes, `xᵀAx + 2b·x + c`, times their triangles' areas.
+#[derive(Clone, Copy, Default)]
+struct Quadric([f64; 10]);
+
+impl Quadric {
+    fn of_plane(n: DVec3, d: f64, weight: f64) -> Self {
+        let DVec3 { x, y, z } = n;
+        Self([x * x, y * y, z * z, x * y, y * z, z * x, x * d, y * d, z * d, d * d].map(|q| q * weight))
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self(core::array::from_fn(|k| self.0[k] + other.0[k]))
+    }
+
+    fn at(&self, DVec3 { x, y, z }: DVec3) -> f64 {
+        let q = &self.0;
+        let square = q[0] * x * x + q[1] * y * y + q[2] * z * z;
+        square + 2.0 * (q[3] * x * y + q[4] * y * z + q[5] * z * x + q[6] * x + q[7] * y + q[8] * z) + q[9]
+    }
+}
+
+/// A part of a mesh that is being simplified by moving corners onto neighbours of theirs, the least harmful first (M. Garland,
+/// P. Heckbert, *Surface Simplification Using Quadric Error Metrics*, 1997).
+struct Patch {
+    /// Numbers of the corners in the mesh, and where they are, from one of them.
+    numbers: Vec<u32>,
+    positions: Vec<DVec3>,
+    /// Those without area are gone.
+    triangles: Vec<[u32; 3]>,
+    /// Triangles of each corner.
+    around: Vec<Vec<u32>>,
+    quadrics: Vec<Quadric>,
+    /// Corners of the rim, and of edges that have not two triangles.
+    is_fixed: Vec<bool>,
+    /// Onto which corner each has been moved, and how often its surroundings have changed.
+    onto: Vec<u32>,
+    changes: Vec<u32>,
+}
+
+/// A step and its price, which orders steps: for numbers that are not negative the bits do.
+type Step = Reverse<(u64, u32, u32, [u32; 2])>;
+
+impl Patch {
+    fn new(positions: &[Vec3], triangles: &[[u32; 3]], part: &[u32]) -> Self {
+        let mut numbers: Vec<u32> = part.iter().flat_map(|t| triangles[*t as usize]).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let places: HashMap<u32, u32> = numbers.iter().copied().zip(0..).collect();
+        let origin = numbers.first().map_or(DVec3::ZERO, |i| positions[*i as usize].as_dvec3());
+        let count = numbers.len();
+        let mut patch = Self {
+            positions: numbers.iter().map(|i| positions[*i as usize].as_dvec3() - origin).collect(),
+            triangles: part.iter().map(|t| triangles[*t as usize].map(|i| places[&i])).collect(),
+            around: vec![Vec::new(); count],
+            quadrics: vec![Quadric::default(); count],
+            is_fixed: vec![false; count],
+            onto: (0..count as u32).collect(),
+            changes: vec![0; count],
+            numbers,
+        };
+        for (t, corners) in (0..).zip(&patch.triangles) {
+            let [a, b, c] = corners.map(|i| patch.positions[i as usize]);
+            let normal = (b - a).cross(c - a);
+            let unit = normal.normalize_or_zero();
+            let quadric = Quadric::of_plane(unit, -unit.dot(a), normal.length());
+            for i in corners.map(|i| i as usize) {
+                patch.around[i].push(t);
+                patch.quadrics[i] = patch.quadrics[i].plus(&quadric);
+            }
+        }
+        for group in topology::sides(&patch.triangles).chunk_by(|a, b| a.ends() == b.ends()) {
+            if group.len() != 2 || group[0].is_down() == group[1].is_down() {
+                let (a, b) = group[0].ends();
+                (patch.is_fixed[a as usize], patch.is_fixed[b as usize]) = (true, true);
+            }
+        }
+        patch
+    }
+
+    fn neighbours(&self, i: u32) -> Vec<u32> {
+        let all = self.around[i as usize].iter().flat_map(|t| self.triangles[*t as usize]);
+        let mut all: Vec<u32> = all.filter(|k| *k != i).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Puts the steps of a corner onto a neighbour into the queue.
+    fn propose(&self, from: u32, to: u32, steps: &mut BinaryHeap<Step>) {
+        let [a, b] = [from as usize, to as usize];
+        if !self.is_fixed[a] {
+            let price = self.quadrics[a].plus(&self.quadrics[b]).at(self.positions[b]).max(0.0);
+            steps.push(Reverse((price.to_bits(), from, to, [self.changes[a], self.changes[b]])));
+        }
+    }
+
+    /// Whether a corner can be moved onto a neighbour: the surface stays one, and no triangle turns over.
+    fn may_move(&self, from: u32, to: u32) -> bool {
+        let [near, other] = [self.neighbours(from), self.neighbours(to)];
+        let shared = self.around[from as usize].iter().filter(|t| self.triangles[**t as usize].contains(&to)).count();
+        let common = near.iter().filter(|i| other.binary_search(i).is_ok()).count();
+        let keeps = |t: &u32| {
+            let corners = self.triangles[*t as usize];
+            let normal = |corners: [u32; 3]| {
+                let [a, b, c] = corners.map(|i| self.positions[i as usize]);
+                (b - a).cross(c - a)
+            };
+            let [was, is] = [normal(corners), normal(corners.map(|i| if i == from { to } else { i }))];
+            corners.contains(&to) || was.dot(is) > TURN * (was.length_squared() * is.length_squared()).sqrt()
+        };
+        shared == 2 && common == 2 && self.around[from as usize].iter().all(keeps)
+    }
+
+    fn step(&mut self, from: u32, to: u32) {
+        for t in core::mem::take(&mut self.around[from as usize]) {
+            let corners = &mut self.triangles[t as usize];
+            if corners.contains(&to) {
+                for i in *corners {
+                    self.around[i as usize].retain(|other| *other != t);
+                }
+                *corners = [to; 3];
+            } else {
+                corners.iter_mut().filter(|i| **i == from).for_each(|i| *i = to);
+                self.around[to as usize].push(t);
+            }
+        }
+        self.quadrics[to as usize] = self.quadrics[to as usize].plus(&self.quadrics[from as usize]);
+        self.onto[from as usize] = to;
+        self.changes[from as usize] += 1;
+        self.changes[to as usize] += 1;
+    }
+
+    /// `mesh` is the number of the mesh's corners.
+    fn simplified(mut self, mesh: usize) -> Option<Form> {
+        let mut steps = BinaryHeap::new();
+        for from in 0..self.numbers.len() as u32 {
+            self.neighbours(from).into_iter().for_each(|to| self.propose(from, to, &mut steps));
+        }
+        let inner = self.is_fixed.iter().filter(|fixed| !**fixed).count();
+        let mut left = inner - inner / KEPT;
+        while left > 0 {
+            let Some(Reverse((_, from, to, changes))) = steps.pop() else { break };
+            if changes != [from, to].map(|i| self.changes[i as usize]) || !self.may_move(from, to) {
+                continue;
+            }
+            self.step(from, to);
+            left -= 1;
+            for near in self.neighbours(to) {
+                self.propose(near, to, &mut steps);
+                self.propose(to, near, &mut steps);
+            }
+        }
+        let kept: Vec<u32> = (0..self.triangles.len() as u32)
+            .filter(|t| self.triangles[*t as usize][0] != self.triangles[*t as usize][1])
+            .collect();
+        if kept.len() as f64 > WORTH * self.triangles.len() as f64 {
+            return None;
+        }
+        let mut places = vec![0; self.triangles.len()];
+        kept.iter().zip(0..).for_each(|(t, place)| places[*t as usize] = place);
+        let left_out = (0..self.numbers.len() as u32).filter(|i| self.onto[*i as usize] != *i);
+        let left_out = left_out.filter_map(|i| Some([self.numbers[i as usize], places[self.nearest(i)? as usize]]));
+        let left_out = left_out.collect();
+        let mut numbers = self.numbers.clone();
+        let mut own = Vec::new();
+        for (i, number) in numbers.iter_mut().enumerate() {
+            if !self.is_fixed[i] && self.onto[i] == i as u32 {
+                own.push(*number);
+                *number = (mesh + own.len() - 1) as u32;
+            }
+        }
+        let triangles = kept.iter().map(|t| self.triangles[*t as usize].map(|i| numbers[i as usize])).collect();
+        Some(Form { own, triangles, left_out })
+    }
+
+    /// The triangle next to a corner that has been moved, among those around where it is now.
+    fn nearest(&self, i: u32) -> Option<u32> {
+        let mut at = i;
+        while self.onto[at as usize] != at {
+            at = self.onto[at as usize];
+        }
+        let p = self.positions[i as usize];
+        let mut best = (f64::NEG_INFINITY, None);
+        let ring = self.neighbours(at).into_iter().chain([at]);
+        for t in ring.flat_map(|k| &self.around[k as usize]) {
+            let [a, b, c] = self.triangles[*t as usize].map(|k| self.positions[k as usize]);
+            let n = (b - a).cross(c - a);
+            // How deep inside of the triangle's sides, seen along its normal.
+            let inside = [(a, b), (b, c), (c, a)].map(|(u, v)| (v - u).cross(p - u).dot(n) / n.length_squared());
+            let inside =
+                inside.into_iter().fold(0.0, f64::min) - 1e-3 * (n.dot(p - a) / n.length()).abs() / n.length().sqrt();
+            if inside > best.0 {
+                best = (inside, Some(*t));
+            }
+        }
+        best.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lobe_core::oracle::Random;
+    use std::collections::BTreeMap;
+
+    /// A wavy sheet, folded so that it meets itself: triangles of 60 by 60 squares.
+    fn sheet(random: &mut Random) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        const SIDE: u32 = 60;
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        for i in 0..=SIDE {
+            for k in 0..=SIDE {
+                let height = (i as f32 * 0.2).sin() + (k as f32 * 0.15).cos() + random.uniform() as f32 * 0.05;
+                positions.push(Vec3::new(i as f32, height, k as f32));
+            }
+        }
+        let corner = |i: u32, k: u32| i * (SIDE + 1) + k;
+        for (i, k) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| (i, k))) {
+            let [a, b, c, d] = [corner(i, k), corner(i + 1, k), corner(i, k + 1), corner(i + 1, k + 1)];
+            triangles.extend([[a, b, c], [c, b, d]]);
+        }
+        // A fin across two patches: edges of three triangles.
+        positions.push(Vec3::new(30.0, 9.0, 30.0));
+        let top = positions.len() as u32 - 1;
+        triangles.extend((0..SIDE).map(|k| [corner(30, k), corner(30, k + 1), top]));
+        (positions, triangles)
+    }
+
+    /// Whatever forms are chosen and on whatever side of each triangle a receiver is: each outline ends nowhere.
+    #[test]
+    fn any_forms_go_together() {
+        let mut random = Random::new(3);
+        let (positions, mut triangles) = sheet(&mut random);
+        topology::edges(&mut triangles);
+        let fine = triangles.len();
+        let coarse = coarse(&positions, &triangles).expect("a large mesh");
+        assert!(coarse.count > 1 && coarse.triangles.len() * 3 < fine);
+        triangles.extend(coarse.triangles);
+        let patches = [coarse.patches, coarse.triangle_patches].concat();
+        let edges = topology::tagged_edges(&triangles, fine as u32, &patches);
+        for _ in 0..20 {
+            let forms: Vec<bool> = (0..coarse.count).map(|_| random.uniform() < 0.5).collect();
+            let side: Vec<i32> = (0..triangles.len()).map(|_| (random.uniform() * 3.0) as i32 - 1).collect();
+            let mut ends = BTreeMap::new();
+            let mut drawn = 0;
+            for (edge, tag) in &edges {
+                if tag.patches().all(|(patch, is_coarse)| forms[usize::from(patch)] == is_coarse) {
+                    let step = side[edge.triangle() as usize] - edge.other().map_or(0, |t| side[t as usize]);
+                    let [from, to] = edge.ends().map(|k| triangles[edge.triangle() as usize][k]);
+                    *ends.entry(from).or_insert(0) -= step;
+                    *ends.entry(to).or_insert(0) += step;
+                    drawn += edge.triangles().count();
+                }
+            }
+            assert!(ends.values().all(|sum| *sum == 0));
+            // Each side of each triangle once.
+            let is_chosen = |t: &usize| patches[*t] == WHOLE || forms[usize::from(patches[*t])] == (*t >= fine);
+            assert_eq!(drawn, 3 * (0..triangles.len()).filter(is_chosen).count());
+        }
+    }
+}
