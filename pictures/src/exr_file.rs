@@ -1,8 +1,11 @@
 use crate::{ExrPart, ImageFileError, Output, Picture, Window};
+use exr::meta::MetaData;
+use exr::meta::attribute::ChannelDescription;
+use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
 use glam::Vec3;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Seek};
 use std::path::Path;
 
 /// A named plane of an OpenEXR file: `channels` have one letter each and one value a pixel each.
@@ -68,11 +71,30 @@ pub fn read_exr(path: &Path) -> Result<Picture, ImageFileError> {
 /// A file that can be read at all.
 pub(crate) fn open(path: &Path) -> Result<BufReader<File>, ImageFileError> {
     let file = File::open(path).map_err(|e| ImageFileError::io(path, e))?;
-    if file.metadata().is_ok_and(|m| m.is_dir()) {
+    let metadata = file.metadata().map_err(|e| ImageFileError::io(path, e))?;
+    if metadata.is_dir() {
         return Err(ImageFileError::format(path, "is a folder"));
     }
-    Ok(BufReader::new(file))
+    let mut file = BufReader::new(file);
+    // What is wrong with a header is told by who reads the picture.
+    let claimed = MetaData::read_from_buffered(&mut file, false).map_or(0, |meta| {
+        let bytes = |h: &Header| {
+            let channel = |c: &ChannelDescription| c.sample_type.bytes_per_sample() as u64;
+            let pixels = (h.layer_size.width() as u64).saturating_mul(h.layer_size.height() as u64);
+            pixels.saturating_mul(h.channels.list.iter().map(channel).sum())
+        };
+        meta.headers.iter().map(bytes).fold(0, u64::saturating_add)
+    });
+    if claimed > DENSEST.saturating_mul(metadata.len()).saturating_add(1 << 20) {
+        let (size, megabytes) = (metadata.len(), claimed >> 20);
+        return Err(ImageFileError::format(path, format!("{megabytes} MB of pixels in a file of {size} bytes")));
+    }
+    file.rewind().map_err(|e| ImageFileError::io(path, e))?;
+    Ok(file)
 }
+
+/// Compression packs no picture more densely: deflate by 1032.
+const DENSEST: u64 = 4096;
 
 /// Reads a layer of R, G, B channels, half, float or integer, by its name: a prefix of the channels' names or the name
 /// of a part of the file. `None` when the file has no such layer. `beauty` also finds bare channels; further channels
@@ -150,6 +172,26 @@ mod tests {
         assert_eq!(read_exr(&a).unwrap(), Picture::new(3, 2, ramp(1.0)));
         assert_eq!(read_exr_layer(&a, "unshadowed").unwrap(), Some(Picture::new(3, 2, ramp(2.0))));
         assert_eq!(read_exr_layer(&a, "light0").unwrap(), None);
+    }
+
+    /// The size of a picture is what its file says: no memory is reserved that the file's own size does not justify.
+    #[test]
+    fn huge_sizes_in_small_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        write(&path);
+        let mut bytes = std::fs::read(&path).unwrap();
+        // The data window and the display window: two pairs of corners of 32 bits.
+        for name in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
+            let at = bytes.windows(name.len()).position(|part| part == name).unwrap() + name.len() + 4;
+            for corner in [8, 12] {
+                bytes[at + corner..at + corner + 4].copy_from_slice(&1_000_000_i32.to_le_bytes());
+            }
+        }
+        std::fs::write(&path, bytes).unwrap();
+        for error in [read_exr(&path).unwrap_err(), ExrPart::read(&path).unwrap_err()] {
+            assert!(error.to_string().contains("MB of pixels in a file of"), "{error}");
+        }
     }
 
     /// Half floats with alpha, and unsigned integers in a part named "beauty" that is not the first.

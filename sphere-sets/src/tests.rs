@@ -396,6 +396,8 @@ fn json_that_is_wrong_is_refused_in_one_line() {
         (with("/self_shadows/1/4", json!(-0.5)), "distance of self_shadow 1"),
         (with("/self_shadows/1/0", json!(1e39)), "self_shadow 1"),
         (with("/quality/coverage", json!(true)), "boolean"),
+        // Names of keys are quoted, whatever is in them.
+        (good.to_json().replacen("\"quality\"", "\"a\\nb\": 1, \"quality\"", 1), "unknown field"),
         (with("/quality/p95_gap", json!(-1.0)), "p95_gap"),
         (with("/mesh/bounds/0/0", json!(9.0)), "bounds"),
         (with("/mesh/triangles", json!(-1)), "-1"),

@@ -3,6 +3,7 @@
 
 mod check;
 mod compare;
+mod faults;
 mod frames;
 mod maps;
 mod parts;

@@ -1,33 +1,12 @@
-//! The closed forms at their extremes, each beside its value by quadrature in f64, as a table in Markdown; ends with code 1 where
-//! one is farther off than its documentation states:
-//! `cargo run --release -p cosine-lobes-lobe-core --features oracle --example extremes > docs/extremes.md`.
+//! The closed forms.
 
+use crate::table::Table;
 use core::f32::consts::{FRAC_PI_2, PI};
+use cosine_lobes::lobe_core::oracle::{self, CapLobe};
+use cosine_lobes::lobe_core::{
+    Cone, Lobe, OWN_NONE, Receiver, cap_integral, power, product_of_angle, sphere_light_irradiance,
+};
 use glam::{DVec3, Vec3};
-use lobe_core::oracle::{self, CapLobe};
-use lobe_core::{Cone, Lobe, OWN_NONE, Receiver, cap_integral, power, product_of_angle, sphere_light_irradiance};
-use std::process::ExitCode;
-
-/// The worst of a table, and whether all is within what is stated.
-struct Table {
-    sound: bool,
-}
-
-impl Table {
-    fn head(what: &str, columns: &[&str]) {
-        println!("\n## {what}\n\n| {} | value | f64 | error |", columns.join(" | "));
-        println!("|{}", "---|".repeat(columns.len() + 3));
-    }
-
-    /// A row: the error is relative to `scale`, which is the value itself or one that the documentation names.
-    fn row(&mut self, words: &[String], got: f32, want: f64, scale: f64, limit: f64) {
-        let error = if want == f64::from(got) { 0.0 } else { (f64::from(got) - want).abs() / scale };
-        let bad = if error <= limit { "" } else { " **beyond what is stated**" };
-        self.sound &= bad.is_empty();
-        // Without the sign of a zero.
-        println!("| {} | {:.6e} | {want:.6e} | {error:.1e}{bad} |", words.join(" | "), got + 0.0);
-    }
-}
 
 /// Angles as `1 − cos`, and their name.
 fn angles() -> [(&'static str, f32); 7] {
@@ -45,7 +24,7 @@ fn angles() -> [(&'static str, f32); 7] {
     ]
 }
 
-fn products(table: &mut Table) {
+pub(crate) fn products(table: &mut Table) {
     Table::head("Product of two lobes, error of the coaxial value", &["e₁", "e₂", "α"]);
     for e1 in [0.0_f32, 1e-6, 0.5, 1.0, 1e5, 1e7] {
         for e2 in [0.0_f32, 1.0, 1e5] {
@@ -60,7 +39,7 @@ fn products(table: &mut Table) {
     }
 }
 
-fn powers(table: &mut Table) {
+pub(crate) fn powers(table: &mut Table) {
     Table::head("Power of a cosine, relative error over 1 + its logarithm", &["e", "angle"]);
     for e in [0.0_f32, 1e-6, 0.5, 1.0, 1e5, 1e7, 1e30, f32::INFINITY] {
         for angle in [0.0_f32, 1e-7, 1e-3, 1.0, FRAC_PI_2 + 1e-6, PI] {
@@ -78,7 +57,7 @@ fn powers(table: &mut Table) {
     }
 }
 
-fn irradiances(table: &mut Table) {
+pub(crate) fn irradiances(table: &mut Table) {
     Table::head("Sphere light on a Lambert receiver, relative error", &["radius/distance", "height of the centre"]);
     for sin in [0.0_f32, 1e-6, 1e-4, 1e-2, 0.5, 0.999, 1.0] {
         for (name, height) in [
@@ -98,7 +77,7 @@ fn irradiances(table: &mut Table) {
     }
 }
 
-fn caps(table: &mut Table) {
+pub(crate) fn caps(table: &mut Table) {
     Table::head(
         "Lobe over a light, error of the on-axis value",
         &["e", "1 − cos θ", "lobe's axis", "light above the horizon"],
@@ -142,16 +121,4 @@ fn caps(table: &mut Table) {
             }
         }
     }
-}
-
-fn main() -> ExitCode {
-    println!(
-        "# Extremes\n\nThe closed forms in f32 beside quadrature in f64: `cargo run --release -p cosine-lobes-lobe-core --features oracle --example extremes`."
-    );
-    let mut table = Table { sound: true };
-    products(&mut table);
-    powers(&mut table);
-    irradiances(&mut table);
-    caps(&mut table);
-    if table.sound { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -1,0 +1,161 @@
+//! What the program reads.
+
+use cosine_lobes::render_cpu::{GBuffer, Geometry, Reference, ReferenceJob, World};
+use cosine_lobes::scene::{self, BlockerSet, SCHEMA_EXAMPLE, Scene};
+use cosine_lobes::sphere_sets::{BoundSet, BuildOptions, SphereSet};
+use cosine_lobes::{Comparison, ExrLayer, ExrPart, Output, merge_exr, read_exr, read_exr_layer, read_stamp, write_exr};
+use glam::Vec3;
+use std::cell::RefCell;
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use tempfile::TempDir;
+
+/// Writes the input to a file of that name and hands its path on.
+fn with_file(name: &str, data: &[u8], work: impl FnOnce(&Path)) {
+    thread_local! {
+        static FOLDER: RefCell<Option<TempDir>> = const { RefCell::new(None) };
+    }
+    FOLDER.with_borrow_mut(|folder| {
+        let memory = Path::new("/dev/shm");
+        let new = || if memory.is_dir() { TempDir::new_in(memory) } else { TempDir::new() };
+        let folder = folder.get_or_insert_with(|| new().expect("a folder for inputs"));
+        let file = folder.path().join(name);
+        fs::write(&file, data).expect("room for the input");
+        work(&file);
+    });
+}
+
+/// A file either loads as a valid scene, at all of its moments, or is refused in one line.
+fn load(name: &str, data: &[u8]) {
+    with_file(name, data, |file| match scene::load_animated(file) {
+        Ok((mut scene, animation, warnings)) => {
+            assert!(warnings.iter().all(|w| !w.is_empty() && !w.contains('\n')), "{warnings:?}");
+            for time in [0.0, 0.5 * animation.duration(), animation.duration(), f32::NAN, -1.0, f32::INFINITY] {
+                animation.seek(time, &mut scene);
+                scene.validate().unwrap_or_else(|e| panic!("valid before, at {time}: {e}"));
+            }
+        }
+        Err(error) => {
+            let message = error.to_string();
+            assert!(!message.is_empty() && !message.contains('\n'), "{message:?}");
+        }
+    });
+}
+
+pub(crate) fn obj(data: &[u8]) {
+    load("m.obj", data);
+}
+
+pub(crate) fn ply(data: &[u8]) {
+    load("m.ply", data);
+}
+
+pub(crate) fn gltf(data: &[u8]) {
+    load("m.gltf", data);
+}
+
+pub(crate) fn glb(data: &[u8]) {
+    load("m.glb", data);
+}
+
+pub(crate) fn scene_file(data: &[u8]) {
+    load("m.toml", data);
+}
+
+pub(crate) fn scene_seeds() -> Vec<Vec<u8>> {
+    // Meshes are missing here.
+    let without = |text: &str| text.replace("mesh = ", "sphere = { center = [0, 1, 0], radius = 0.5 } # ");
+    vec![SCHEMA_EXAMPLE.into(), without(SCHEMA_EXAMPLE).into()]
+}
+
+pub(crate) fn sphere_set(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    match SphereSet::from_json(text) {
+        Ok(set) => {
+            assert!(set.spheres.iter().all(|s| s.center.is_finite() && s.radius.is_finite()), "{set:?}");
+            let again = SphereSet::from_json(&set.to_json()).expect("what was written");
+            assert_eq!(set, again);
+        }
+        Err(error) => assert!(!error.to_string().contains('\n')),
+    }
+    if let Ok(set) = BoundSet::from_json(text) {
+        BoundSet::from_json(&set.to_json()).expect("what was written");
+    }
+}
+
+pub(crate) fn sphere_set_seeds() -> Vec<Vec<u8>> {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let set = SphereSet::build(&corners, &triangles, &BuildOptions::draft(3)).expect("a tetrahedron");
+    vec![set.to_json().into()]
+}
+
+pub(crate) fn exr(data: &[u8]) {
+    with_file("p.exr", data, |file| {
+        if let Ok(picture) = read_exr(file) {
+            Comparison::of(&picture, &picture).expect("the same size");
+        }
+        for name in ["unshadowed", "", "beauty"] {
+            drop(read_exr_layer(file, name));
+        }
+        if let Ok(part) = ExrPart::read(file) {
+            assert!(part.channels.iter().all(|(_, c)| c.len() == part.window.size().iter().product::<usize>()));
+        }
+        drop(merge_exr(&[file.to_owned(), file.to_owned()]));
+        drop(merge_exr(&[file.to_owned()]));
+        drop(read_stamp(file));
+    });
+}
+
+pub(crate) fn exr_seeds() -> Vec<Vec<u8>> {
+    let folder = TempDir::new().expect("a folder for seeds");
+    let file = folder.path().join("p.exr");
+    let values: Vec<Vec3> = (0..20).map(|k| Vec3::splat(k as f32)).collect();
+    let layers = [ExrLayer::color("beauty", &values), ExrLayer::color("unshadowed", &values)];
+    [None, Some("0.1.0 0123456789abcdef")]
+        .map(|stamp| {
+            let output = Output::create(&file).expect("a file").stamped(stamp);
+            write_exr(output, 5, 4, &layers).expect("room for a picture");
+            fs::read(&file).expect("what was written")
+        })
+        .into()
+}
+
+/// A few points of a small scene.
+fn with_reference(work: impl FnOnce(&mut Reference<'_>)) {
+    let mut scene = Scene { width: 4, height: 2, ..scene::builtin() };
+    scene.objects.truncate(1);
+    let world = World::new(&scene);
+    let gbuffer = GBuffer::new(&world, scene.width, scene.height, 1);
+    let blockers = BlockerSet::default();
+    let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry: Geometry::Mesh, seed: 1 };
+    work(&mut Reference::new(job));
+}
+
+pub(crate) fn checkpoint(data: &[u8]) {
+    thread_local! {
+        static SAVED: Vec<Vec<u8>> = checkpoint_seeds();
+    }
+    with_reference(|reference| {
+        if reference.restore(data).is_ok() {
+            let estimate = reference.estimate();
+            assert!(estimate.radiance.iter().chain(&estimate.std_error).all(|v| v.is_finite()));
+            // A checksum of 32 bits does not let a changed one through by chance.
+            assert!(SAVED.with(|all| all.iter().any(|one| one == data)), "a checkpoint that nobody saved");
+        }
+    });
+}
+
+pub(crate) fn checkpoint_seeds() -> Vec<Vec<u8>> {
+    let mut all = Vec::new();
+    for samples in [0, 8, 64] {
+        with_reference(|reference| {
+            reference.advance(samples, &AtomicBool::new(false), &|_| {});
+            let mut bytes = Vec::new();
+            reference.save(&mut bytes).expect("room in memory");
+            all.push(bytes);
+        });
+    }
+    all
+}

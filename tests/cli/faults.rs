@@ -1,0 +1,195 @@
+//! What may happen to a command: it is killed, the disk is full, another one writes to the same place.
+#![cfg(unix)]
+
+use super::*;
+use std::process::{Child, Stdio};
+use std::thread::sleep;
+use std::time::Instant;
+
+fn start(folder: &Path, args: &[&str]) -> Child {
+    let cache = folder.with_extension("cache");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lobes"));
+    command.current_dir(folder).args(args).env("XDG_CACHE_HOME", cache).stdout(Stdio::null()).spawn().unwrap()
+}
+
+/// What the files of a folder hold.
+fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    names(folder).into_iter().map(|name| (name.clone(), fs::read(folder.join(name)).unwrap())).collect()
+}
+
+/// A folder with two scenes, two parts of a picture, and a mesh.
+fn prepared() -> Folder {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("rolling.toml"), rolling()).unwrap();
+    for (name, tiles) in [("part1.exr", "1/2"), ("part2.exr", "2/2")] {
+        succeed(path, &["render", "scene.toml", "--size", "64x64", "-q", "--tiles", tiles, "-o", name]);
+    }
+    let mut mesh = String::new();
+    for k in 0..60 {
+        let (a, b) = ((k as f32 * 0.7).sin(), (k as f32 * 1.3).cos());
+        mesh += &format!("v {a} {b} {}\nv {} {b} {a}\nv {b} {} {a}\n", a * b, a + 0.3, a + 0.2);
+        mesh += &format!("f {} {} {}\n", 3 * k + 1, 3 * k + 2, 3 * k + 3);
+    }
+    fs::write(path.join("mesh.obj"), mesh).unwrap();
+    folder
+}
+
+/// Every command that writes files.
+const COMMANDS: [&[&str]; 6] = [
+    &["render", "scene.toml", "--size", "320x240", "--layers", "-q", "-o", "a.exr", "-o", "a.png"],
+    &["render", "rolling.toml", "--size", "160x96", "--frames", "0..8", "-q", "-o", "f.png", "-o", "f.exr"],
+    &["merge", "part1.exr", "part2.exr", "-o", "m.exr", "-o", "m.png", "-q"],
+    &["compare", "part1.exr", "part1.exr", "--diff", "d.png", "--heatmap", "h.png"],
+    &["reference", "scene.toml", "--spp", "4096", "-o", "r.exr", "-q"],
+    &["spheres", "mesh.obj", "--count", "6", "-o", "set.json", "-q"],
+];
+
+/// Killed at any moment, a command leaves whole files or none, and the next one makes what it would have made.
+#[test]
+fn killed_commands_leave_whole_files() {
+    for args in COMMANDS {
+        let whole = prepared();
+        let begin = Instant::now();
+        succeed(whole.path(), args);
+        let (time, want) = (begin.elapsed(), contents(whole.path()));
+        for tenth in [1, 3, 5, 7, 9] {
+            let folder = prepared();
+            let mut child = start(folder.path(), args);
+            sleep(time * tenth / 10);
+            // It may be done already.
+            let _ = child.kill();
+            child.wait().unwrap();
+            for (name, bytes) in contents(folder.path()) {
+                let expected = want.iter().find(|(n, _)| *n == name);
+                let unfinished = name.ends_with(".tmp") || name.ends_with(".checkpoint");
+                assert!(unfinished || expected.is_some_and(|(_, w)| *w == bytes), "{args:?} after {tenth}/10: {name}");
+            }
+            succeed(folder.path(), args);
+            assert!(contents(folder.path()) == want, "{args:?} after {tenth}/10: {:?}", names(folder.path()));
+        }
+    }
+}
+
+/// A disk that is full is one line and a code; what was there before stays, and nothing half written does.
+#[test]
+fn full_disks_are_told_and_old_files_stay() {
+    // Files of at most so many blocks of 512 bytes; the signal for larger ones is ignored, so that writing fails.
+    let limited = |folder: &Path, blocks: u32, args: &[&str]| {
+        let words = args.join(" ");
+        let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec {} {words}", env!("CARGO_BIN_EXE_lobes"));
+        let cache = folder.with_extension("cache");
+        Command::new("sh").current_dir(folder).args(["-c", &line]).env("XDG_CACHE_HOME", cache).output().unwrap()
+    };
+    for args in COMMANDS {
+        let folder = prepared();
+        let folder = folder.path();
+        succeed(folder, args);
+        let old = contents(folder);
+        // Something else was there: it must survive.
+        let inputs = ["scene.toml", "rolling.toml", "part1.exr", "part2.exr", "mesh.obj"];
+        let outputs: Vec<&String> = old.iter().map(|(n, _)| n).filter(|n| !inputs.contains(&n.as_str())).collect();
+        for name in &outputs {
+            fs::write(folder.join(name), b"old").unwrap();
+        }
+        let before = contents(folder);
+        let ran = limited(folder, 0, args);
+        let stderr = String::from_utf8(ran.stderr).unwrap();
+        assert_eq!(ran.status.code(), Some(2), "{args:?}: {stderr}");
+        let last = stderr.lines().last().unwrap_or_default();
+        assert!(last.starts_with("lobes: error: "), "{args:?}: {stderr}");
+        assert!(contents(folder) == before, "{args:?}: {:?}", names(folder));
+        // And with room again it works.
+        for name in &outputs {
+            fs::remove_file(folder.join(name)).unwrap();
+        }
+        succeed(folder, args);
+        assert!(contents(folder) == old, "{args:?}");
+    }
+}
+
+/// Two commands that write the same files: the last one to finish has written whole ones.
+#[test]
+fn two_writers_at_one_place_leave_one_whole_file() {
+    for args in COMMANDS {
+        let folder = prepared();
+        let folder = folder.path();
+        let alone = prepared();
+        succeed(alone.path(), args);
+        for _ in 0..3 {
+            let children: Vec<Child> = (0..4).map(|_| start(folder, args)).collect();
+            for mut child in children {
+                assert!(child.wait().unwrap().success(), "{args:?}");
+            }
+            assert!(contents(folder) == contents(alone.path()), "{args:?}: {:?}", names(folder));
+        }
+    }
+}
+
+/// Pictures with flipped bits are read or refused in one line.
+#[test]
+fn flipped_bits_of_pictures_are_read_or_refused() {
+    let folder = prepared();
+    let folder = folder.path();
+    let whole = fs::read(folder.join("part1.exr")).unwrap();
+    for k in 0..60_usize {
+        let mut bytes = whole.clone();
+        // More of them in the header, which says how large everything is.
+        let at = if k % 2 == 0 { k * 7 % 400 } else { k * 7919 % bytes.len() };
+        bytes[at] ^= 1 << (k % 8);
+        fs::write(folder.join("bad.exr"), bytes).unwrap();
+        for args in [&["compare", "bad.exr", "part1.exr"][..], &["merge", "bad.exr", "part2.exr", "-o", "m.exr"]] {
+            let ran = lobes(folder, args);
+            let stderr = String::from_utf8(ran.stderr).unwrap();
+            assert!(matches!(ran.status.code(), Some(0 | 2)), "{args:?}, bit {k}: {stderr}");
+            assert!(stderr.lines().count() <= 1, "{args:?}, bit {k}: {stderr}");
+        }
+    }
+}
+
+/// Threads, tiles and reruns change no bit, whatever the strategy and the layers.
+#[test]
+fn threads_and_tiles_change_no_bit() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), format!("{SCENE}{TABLE}")).unwrap();
+    for strategy in ["silhouettes", "spheres", "shadow-map", "rays"] {
+        let render = |output: &str, more: &[&str]| {
+            let base = ["render", "table.toml", "--visibility", strategy, "--layers", "-q", "-o", output];
+            succeed(folder, &[&base[..], more].concat());
+            fs::read(folder.join(output)).unwrap()
+        };
+        let whole = render("a.exr", &[]);
+        for threads in ["1", "2", "3", "5", "8", "16"] {
+            assert!(render("b.exr", &["--threads", threads]) == whole, "{strategy}: {threads} threads");
+        }
+        for part in 1..=4 {
+            render(&format!("{part}.exr"), &["--tiles", &format!("{part}/4"), "--threads", &part.to_string()]);
+        }
+        succeed(folder, &["merge", "1.exr", "2.exr", "3.exr", "4.exr", "-o", "m.exr", "-q"]);
+        assert!(fs::read(folder.join("m.exr")).unwrap() == whole, "{strategy}: tiles");
+    }
+}
+
+/// The same by the paper's method, whose tables take seconds.
+#[test]
+fn threads_and_tiles_change_no_bit_by_the_paper() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), format!("{SCENE}{TABLE}")).unwrap();
+    // One of those that share a code path in this method: what is drawn, and what is traced.
+    for strategy in ["silhouettes", "rays"] {
+        let render = |output: &str, more: &[&str]| {
+            let base =
+                ["render", "table.toml", "--visibility", strategy, "--method", "paper", "--layers", "-q", "-o", output];
+            succeed(folder, &[&base[..], more].concat());
+            fs::read(folder.join(output)).unwrap()
+        };
+        let whole = render("a.exr", &["--threads", "16"]);
+        for part in ["1", "2"] {
+            render(&format!("{part}.exr"), &["--tiles", &format!("{part}/2"), "--threads", part]);
+        }
+        succeed(folder, &["merge", "1.exr", "2.exr", "-o", "m.exr", "-q"]);
+        assert!(fs::read(folder.join("m.exr")).unwrap() == whole, "{strategy}");
+    }
+}
