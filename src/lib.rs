@@ -1,17 +1,27 @@
 //! Deterministic, noise-free direct lighting from area lights, as sums of cosine lobes.
 //!
-//! This package is the composition: it re-exports the crates that do the work, each as a module, and adds what its
-//! command `lobes` needs to read, write and compare pictures. The feature `oracle` adds the f64 oracle and the suite
-//! that visibility strategies are tried with, `lobe_core::conformance`.
+//! One crate that re-exports all of them, each as a module:
+//!
+//! - [`renderer`]: a scene to a picture, the whole of it as one type; start here.
+//! - [`scene`]: meshes, materials, camera, animation and their files; [`pictures`]: OpenEXR, PNG, comparison.
+//! - [`lobe_core`], [`brdf`], [`lighting`], [`visibility_mask`]: lobes, and the three sources of them: reflectance, light, visibility.
+//! - [`visibility_silhouettes`], [`visibility_spheres`] with [`sphere_sets`], [`visibility_shadowmap`]: what blocks light.
+//! - [`render_cpu`], `render_gpu`: points to radiance.
 //!
 //! ```
-//! use cosine_lobes::{Comparison, Picture};
-//! use glam::Vec3;
-//! let reference = Picture::new(2, 1, vec![Vec3::ONE, Vec3::splat(2.0)]);
-//! let test = Picture::new(2, 1, vec![Vec3::ONE, Vec3::splat(2.5)]);
-//! let error = Comparison::of(&test, &reference).unwrap();
-//! assert_eq!((error.mae, error.bias, error.max), (0.25, 0.25, 0.5));
+//! use cosine_lobes::renderer::{Renderer, Settings};
+//! use cosine_lobes::scene::{Animation, builtin};
+//! let mut scene = builtin();
+//! (scene.width, scene.height) = (32, 18);
+//! let image = Renderer::new(scene, Animation::default(), Settings::default())?.render()?;
+//! assert_eq!(image.size, [32, 18]);
+//! # Ok::<(), cosine_lobes::renderer::RenderError>(())
 //! ```
+//!
+//! # Features
+//! `cli` (default): the command `lobes`. `gpu` (default): `render_gpu`, through wgpu. `oracle`: the f64 oracle, and the suites that strategies,
+//! lights and materials are tried with ([`lobe_core`]'s `conformance`, [`brdf`]'s `conformance`). With `default-features = false` neither
+//! clap nor wgpu nor plotters is built.
 
 pub use brdf;
 pub use glam;

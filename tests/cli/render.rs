@@ -289,3 +289,34 @@ fn equal_balls_are_one() {
         assert!(picture("many.exr") == picture("scene.exr"), "{visibility}: many");
     }
 }
+
+#[test]
+fn a_scene_without_lights_says_so() {
+    let folder = folder();
+    let folder = folder.path();
+    let floor = "[[objects]]\nplane = { point = [0, 0, 0], normal = [0, 1, 0], size = 4 }\n";
+    fs::write(folder.join("dark.toml"), floor).unwrap();
+    let told = |further: &[&str]| {
+        let out = lobes(folder, &[&["render", "dark.toml", "--size", "16x8", "-o", "dark.png"], further].concat());
+        assert!(out.status.success());
+        String::from_utf8_lossy(&out.stderr).contains("has no light")
+    };
+    assert!(told(&[]) && !told(&["--quiet"]));
+}
+
+/// Visibility as lobes gives the picture of visible fractions, to within what masks can show.
+#[test]
+fn lobes_of_visibility_give_the_same_picture() {
+    let folder = folder();
+    let folder = folder.path();
+    for method in ["moments", "lobes"] {
+        let output = format!("{method}.exr");
+        succeed(folder, &["render", "scene.toml", "--quiet", "--method", method, "-o", &output]);
+    }
+    let [moments, lobes] = ["moments.exr", "lobes.exr"].map(|name| cosine_lobes::read_exr(&folder.join(name)).unwrap());
+    let peak = moments.pixels().iter().map(|p| p.max_element()).fold(0.0, f32::max);
+    let pairs = || moments.pixels().iter().zip(lobes.pixels());
+    let most = pairs().map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
+    assert!(most > 0.0 && most < 0.01 * peak, "{most} of {peak}");
+    refuse(folder, &["render", "scene.toml", "--method", "lobes", "--device", "gpu", "-o", "a.png"], "by the CPU only");
+}

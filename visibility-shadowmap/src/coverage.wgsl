@@ -3,7 +3,7 @@
 
 const MAP_DIAGONAL = 0.70710678;
 
-// Cells a side of the mask for a tolerance: 2^depth, as `depth_for` of lighting.
+// Cells a side of the mask for a tolerance: 2^depth, as `Accuracy::new`.
 fn map_cells(tolerance: f32) -> f32 {
     return select(select(64.0, 32.0, tolerance >= 0.002), 16.0, tolerance >= 0.008);
 }

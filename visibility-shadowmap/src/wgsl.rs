@@ -4,7 +4,7 @@
 //! a variable `frame` with
 //! `light: vec4f` (centre and radius), `tolerance: f32` and `map: u32`, which is
 //! [`PackedMaps::map_of`](crate::PackedMaps::map_of) the light; `geometry.wgsl` and `lobe.wgsl` of `lobe-core`,
-//! `square.wgsl` and `facet.wgsl` of `lighting`, and [`COMMON`].
+//! `square.wgsl` and `facet.wgsl` of `visibility-mask`, and [`COMMON`].
 //!
 //! # Accuracy
 //! What Rust works out in f64 is in f32 here, with texels and depths counted from where the receiver is seen: 1e-7 of the
@@ -22,7 +22,7 @@ pub const COMMON: &str =
 pub const COVERAGE: &str = include_str!("coverage.wgsl");
 
 /// `fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask)`, one thread a row of the mask: clears of the row `lit`
-/// what [`Blockers::splat`](visibility_mask::Blockers::splat) does. Has no barriers. Needs `mask.wgsl` and the header of `lighting`.
+/// what [`Blockers::splat`](visibility_mask::Blockers::splat) does. Has no barriers. Needs `mask.wgsl` and the header of `visibility-mask`.
 ///
 /// A thread keeps four lines of `16 · 2^depth` samples: 256 bytes at depth 5, 512 at depth 6.
 pub const SPLAT: &str = concat!(include_str!("canvas.wgsl"), "\n", include_str!("splat.wgsl"));

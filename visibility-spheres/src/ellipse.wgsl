@@ -1,5 +1,5 @@
 // A ball wholly in front of the plane through the receiver, on the mask: an ellipse, in its centre form, in rows and samples
-// of the mask. Needs lighting's mask.wgsl.
+// of the mask. Needs visibility-mask's mask.wgsl.
 struct Ellipse {
     x: f32,
     y: f32,

@@ -1,5 +1,5 @@
 // What spheres hide of one light: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
-// blocked_cone, frame, lobe-core's geometry and lighting's facet.
+// blocked_cone, frame, lobe-core's geometry and visibility-mask's facet.
 @group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
 @group(0) @binding(7) var<storage, read> lists: array<u32>;
 @group(0) @binding(11) var<storage, read> sphere_bounds: array<vec4f>;

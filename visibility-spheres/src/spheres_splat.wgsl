@@ -1,4 +1,4 @@
-// What spheres block on a mask, by a workgroup of LANES threads. Needs spheres, splat, ellipse, and lighting's edges.wgsl.
+// What spheres block on a mask, by a workgroup of LANES threads. Needs spheres, splat, ellipse, and visibility-mask's edges.wgsl.
 
 // Kinds of splats.
 const ELLIPSE = 0u;

@@ -1,4 +1,4 @@
-// The cone that a sphere blocks, and what of it is in front of a light that the sphere meets. Needs blocked_cone and lighting's
+// The cone that a sphere blocks, and what of it is in front of a light that the sphere meets. Needs blocked_cone and visibility-mask's
 // mask.wgsl.
 
 // Adds its rim where that crosses the light's disc, as if the sphere were small and far.

@@ -10,11 +10,11 @@ pub const SHAFT_TEST: &str = include_str!("shaft_test.wgsl");
 pub const CONE_TEST: &str = include_str!("cone_test.wgsl");
 /// The cone that a sphere blocks.
 pub const BLOCKED_CONE: &str = include_str!("blocked_cone.wgsl");
-/// Bindings 6, 7 and 11, and `spheres_coverage`: with [`CONE_TEST`], [`BLOCKED_CONE`] and lighting's facet.
+/// Bindings 6, 7 and 11, and `spheres_coverage`: with [`CONE_TEST`], [`BLOCKED_CONE`] and visibility-mask's facet.
 pub const SPHERES: &str = include_str!("spheres.wgsl");
-/// A ball on a mask: with lighting's mask.
+/// A ball on a mask: with visibility-mask's mask.
 pub const ELLIPSE: &str = include_str!("ellipse.wgsl");
-/// Other cones on a mask: with [`BLOCKED_CONE`], [`ELLIPSE`] and lighting's mask and edges.
+/// Other cones on a mask: with [`BLOCKED_CONE`], [`ELLIPSE`] and visibility-mask's mask and edges.
 pub const SPLAT: &str = concat!(include_str!("splat.wgsl"), "\n", include_str!("wide.wgsl"));
 /// `spheres_edges` and `spheres_splat`: with all of these but [`SHAFT_TEST`].
 pub const SPHERES_SPLAT: &str = include_str!("spheres_splat.wgsl");

@@ -1,5 +1,5 @@
 // Cones that reach the plane through the receiver across the light, on the mask: spheres beside the receiver, or about it. Needs
-// ellipse.wgsl and lighting's mask.wgsl.
+// ellipse.wgsl and visibility-mask's mask.wgsl.
 
 // Farther than any window reaches.
 const WIDE_LIMIT = 1e9;

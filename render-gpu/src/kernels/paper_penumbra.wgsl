@@ -1,5 +1,5 @@
 // One queued point, one workgroup, by the paper's method: shadow nodes of the light's square, a lobe each. As
-// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, lighting's pieces and paper.wgsl,
+// `Integrator::by_paper` with `PaperVisibility`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, visibility-mask's pieces and paper.wgsl,
 // that of lobe-core, brdf's lobes and `blockers_splat(lane, tile, at, light, mask)`.
 
 @compute @workgroup_size(LANES)

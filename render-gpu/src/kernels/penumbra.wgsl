@@ -1,5 +1,5 @@
 // One queued point, one workgroup: its mask of one light, and what each of its reflectance lobes sees of it. As
-// `Integrator::by_moments`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, lighting's pieces, brdf's lobes and the strategies.
+// `Integrator::by_moments`. Needs frame.wgsl, the light's text, queue.wgsl, points.wgsl, visibility-mask's pieces, brdf's lobes and the strategies.
 
 @compute @workgroup_size(LANES)
 fn penumbra(

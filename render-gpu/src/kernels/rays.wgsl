@@ -1,5 +1,5 @@
 // The `rays` strategy: shadow rays to the true triangles and balls. `World` and `RayBlockers` of render-cpu. Needs bvh.wgsl,
-// geometry.wgsl, lighting's facet.wgsl and STACK, at least the depth of the hierarchy.
+// geometry.wgsl, visibility-mask's facet.wgsl and STACK, at least the depth of the hierarchy.
 
 // How far above the plane of a receiver's face a shape may seem to be by rounding, over its distance.
 const BLUR = 3e-7;

@@ -1,4 +1,4 @@
-// Masks from shadow rays: `RayBlockers::splat`. Needs rays.wgsl, and lighting's contour.wgsl and edges.wgsl.
+// Masks from shadow rays: `RayBlockers::splat`. Needs rays.wgsl, and visibility-mask's contour.wgsl and edges.wgsl.
 
 // Where the rays of the point that is shaded begin, and the light.
 var<private> rays_origin: vec3f;

@@ -46,6 +46,9 @@ pub(crate) fn view(args: &ViewArgs) -> Result<(Scene, Animation), Failure> {
     if let Some((width, height)) = args.size {
         (scene.width, scene.height) = (width, height);
     }
+    if scene.lights.is_empty() && !args.quiet {
+        console::note("lobes: warning: the scene has no light: its picture is black (a table `[[lights]]` adds one)");
+    }
     Ok((scene, animation))
 }
 
