@@ -17,6 +17,7 @@ use std::time::Instant;
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
 const SIZE: (u32, u32) = (480, 270);
+const TOLERANCE: f32 = 0.005;
 /// One tile in so many is measured with rays, which take long.
 const SPARSE: usize = 5;
 
@@ -88,8 +89,8 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     silhouettes.update(&scene);
     let refit = start.elapsed().as_secs_f64();
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
-    let exact =
-        MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true)), 5);
+    let hits = SurfaceHits::new(&world, |_| true);
+    let exact = MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(TOLERANCE), 5);
     let rays = MaskVisibility::new(RayBlockers::new(&world), 5);
     let groups: Vec<&[Receiver]> = points.receivers.chunks(GROUP).collect();
     let is_mesh = |r: &Receiver| match &scene.objects[r.object as usize].shape {
@@ -155,7 +156,7 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
                 continue;
             }
             for at in *tile {
-                let query = VisibilityQuery { at, cone: &light.cone(at), tolerance: 0.005 };
+                let query = VisibilityQuery { at, cone: &light.cone(at), tolerance: TOLERANCE };
                 core::hint::black_box(visibility.coverage(&query, &mut scratch));
             }
         }
@@ -171,7 +172,7 @@ fn look<B: Blockers>(
     light: &SphereLight,
     scratch: &mut <MaskVisibility<B> as VisibilityLobes>::Scratch,
 ) -> Option<f32> {
-    let query = VisibilityQuery { at, cone: &light.cone(at), tolerance: 0.005 };
+    let query = VisibilityQuery { at, cone: &light.cone(at), tolerance: TOLERANCE };
     if visibility.coverage(&query, scratch) != Coverage::Partial {
         return None;
     }

@@ -188,7 +188,12 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
                 cap_integrals(cones, lobes, integrals);
             }
             work.lap(1);
-            let mut entered = self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
+            // Of receivers that all face away from the light none is asked about.
+            let any = !matches!(self.method, Method::Moments) || integrals.iter().any(|integral| *integral > 0.0);
+            let mut entered = Coverage::Lit;
+            if any {
+                entered = self.visibility.enter(&Shaft { receivers: ball, light: light.ball }, scratch);
+            }
             if is_bent && entered == Coverage::Lit {
                 entered = Coverage::Partial;
             }
