@@ -21,6 +21,7 @@ use visibility_mask::{Blockers, MaskVisibility};
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
 const SIZE: (u32, u32) = (480, 270);
+const TOLERANCE: f32 = 0.005;
 /// One tile in so many is measured with rays, which take long.
 const SPARSE: usize = 5;
 
@@ -92,7 +93,8 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     silhouettes.update(&scene);
     let refit = start.elapsed().as_secs_f64();
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
-    let exact = MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true)));
+    let hits = SurfaceHits::new(&world, |_| true);
+    let exact = MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(TOLERANCE));
     let rays = MaskVisibility::new(RayBlockers::new(&world));
     let groups: Vec<&[Receiver]> = points.receivers.chunks(GROUP).collect();
     let is_mesh = |r: &Receiver| match &scene.objects[r.object as usize].shape {
@@ -160,8 +162,12 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
                 continue;
             }
             for at in *tile {
-                let query =
-                    VisibilityQuery { at, light: LightId(0), cone: &light.cone(at), accuracy: Accuracy::new(0.005) };
+                let query = VisibilityQuery {
+                    at,
+                    light: LightId(0),
+                    cone: &light.cone(at),
+                    accuracy: Accuracy::new(TOLERANCE),
+                };
                 core::hint::black_box(visibility.coverage(&query, &mut scratch));
             }
         }
@@ -178,7 +184,7 @@ fn look<B: Blockers>(
     scratch: &mut <MaskVisibility<B> as VisibilityLobes>::Scratch,
 ) -> Option<f32> {
     let cone = light.cone(at);
-    let mut visit = Visit::alone(visibility, LightId(0), Accuracy::new(0.005), scratch);
+    let mut visit = Visit::alone(visibility, LightId(0), Accuracy::new(TOLERANCE), scratch);
     let Look::Partial(seen) = visit.look(at, &cone) else { return None };
     let (lobe, mut sum) = (Lobe::new(at.normal, 1.0, Vec3::ONE), VisibilitySum::default());
     visit.lobes(&seen, &lobe, 1.0, &mut sum).ok()?;

@@ -187,8 +187,14 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
                 cap_integrals(cones, lobes, integrals);
             }
             work.lap(1);
-            let shaft = Shaft { receivers: ball, light: light.bounds(), id: LightId(l as u32) };
-            let mut visit = Visit::enter(&self.visibility, &shaft, frame.accuracy, scratch);
+            let (id, accuracy) = (LightId(l as u32), frame.accuracy);
+            let shaft = Shaft { receivers: ball, light: light.bounds(), id };
+            // Of receivers that all face away from the light none is asked about.
+            let any = !matches!(self.method, Method::Moments) || integrals.iter().any(|integral| *integral > 0.0);
+            let mut visit = match any {
+                true => Visit::enter(&self.visibility, &shaft, accuracy, scratch),
+                false => Visit::alone(&self.visibility, id, accuracy, scratch),
+            };
             if is_bent {
                 visit.let_each_look();
             }

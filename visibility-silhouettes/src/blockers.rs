@@ -93,7 +93,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     }
 
     /// Lets outlines of [simplified forms](SilhouetteMesh::with_coarse) take the place of those that a receiver cannot tell
-    /// from them: masks stay within a quarter of `tolerance` of the exact ones, a part of the unshadowed radiance. 0, as from
+    /// from them: what is seen of a light stays within a quarter of `tolerance` in the mean, a part of the unshadowed radiance. 0, as from
     /// [`new`](Self::new), for exact masks.
     ///
     /// What is drawn for a receiver depends on it and its light alone, not on which receivers it is grouped with.

@@ -43,6 +43,10 @@ pub struct SilhouetteMesh {
     left_out: Vec<[u32; 2]>,
 }
 
+/// Simplified forms are not for receivers nearer than so many radii of their patch: of these some would need one form and some
+/// the other, and lists would have both.
+const NEAR: f32 = 1.5;
+
 /// A part of a mesh that has a simplified form: a ball around it, and by how much the form differs from it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Patch {
@@ -56,16 +60,16 @@ impl Patch {
     /// apart.
     #[inline(always)]
     pub(crate) fn is_coarse(&self, from: Vec3, scale: f32) -> bool {
-        from.distance(self.center) > self.radius + self.detail * scale
+        from.distance(self.center) > NEAR * self.radius + self.detail * scale
     }
 
     /// The same for all receivers in a ball, if they agree.
     pub(crate) fn is_coarse_from(&self, center: Vec3, radius: f32, scale: [f32; 2]) -> Option<bool> {
         let distance = center.distance(self.center);
         let rounding = 1e-5 * (distance + center.abs().element_sum());
-        if distance - radius - rounding > self.radius + self.detail * scale[1] {
+        if distance - radius - rounding > NEAR * self.radius + self.detail * scale[1] {
             Some(true)
-        } else if distance + radius + rounding < self.radius + self.detail * scale[0] {
+        } else if distance + radius + rounding < NEAR * self.radius + self.detail * scale[0] {
             Some(false)
         } else {
             None
@@ -207,10 +211,12 @@ impl SilhouetteMesh {
             left_out,
             ..
         } = self;
-        fit_planes(planes, triangles, positions);
+        fit_planes(planes, triangles, positions, |_| true);
         if !own.is_empty() {
+            let mut moves = vec![false; positions.len()];
+            own.iter().for_each(|i| moves[*i as usize] = true);
             settle(own, left_out, triangles, planes, positions);
-            fit_planes(planes, triangles, positions);
+            fit_planes(planes, triangles, positions, |corners| corners.iter().any(|i| moves[*i as usize]));
         }
         let corners = |t: u32| triangles[t as usize].map(|i| positions[i as usize].truncate());
         edges.par_iter_mut().with_min_len(1024).for_each(|edge| {
@@ -236,7 +242,7 @@ impl SilhouetteMesh {
                 let of = |(patch, _): (u16, bool)| {
                     let Patch { center, radius, detail } = patches[usize::from(patch)];
                     let sign = if is_coarse { -1.0 } else { 1.0 };
-                    Reach { reach: center.distance(middle) + sign * radius, detail: sign * detail }
+                    Reach { reach: center.distance(middle) + sign * NEAR * radius, detail: sign * detail }
                 };
                 tag.patches().filter(|(_, c)| *c == is_coarse).map(of).reduce(|a, b| a.and(b, 0.0))
             };
@@ -371,8 +377,14 @@ impl SilhouetteMesh {
 /// Corners of simplified forms take over so much of what those left out are off: then outlines neither shrink nor grow.
 const SETTLE: f32 = 0.65;
 
-fn fit_planes(planes: &mut [[f32; 4]], triangles: &[[u32; 3]], positions: &[Vec4]) {
-    planes.par_iter_mut().with_min_len(1024).zip(triangles).for_each(|(plane, corners)| {
+fn fit_planes(
+    planes: &mut [[f32; 4]],
+    triangles: &[[u32; 3]],
+    positions: &[Vec4],
+    wanted: impl Fn(&[u32; 3]) -> bool + Sync,
+) {
+    let all = planes.par_iter_mut().with_min_len(1024).zip(triangles);
+    all.filter(|(_, corners)| wanted(corners)).for_each(|(plane, corners)| {
         let corners = corners.map(|i| positions[i as usize].truncate());
         let n = normal(corners).normalize_or_zero();
         let d = -n.dot(corners[0].as_dvec3());
