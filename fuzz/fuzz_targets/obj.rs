@@ -1,2 +1,3 @@
+//! The target `obj`.
 #![no_main]
 libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::run("obj", data));

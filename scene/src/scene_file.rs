@@ -25,7 +25,7 @@ pub(crate) const DEFAULT_FOV: f32 = 35.0;
 pub(crate) const DEFAULT_SIZE: (u32, u32) = (960, 540);
 
 /// Reads the text of a scene file; `path` is what messages name and what relative paths start from. A scene that is far from the
-/// origin is read relative to a point near what its camera looks at first.
+/// origin, most of its objects and lights too, is read relative to a point near what its camera looks at first.
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let (scene, animation) = parse_from(path, text, DVec3::ZERO, context)?;
     let mut camera = scene.camera;
@@ -33,7 +33,12 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
         camera = keys.at(0.0);
     }
     let origin = crate::origin::near(camera.target, camera.eye.distance(camera.target));
-    if origin == DVec3::ZERO {
+    // A camera may be far from all that it sees, and its target be next to it.
+    let centers =
+        scene.objects.iter().map(|o| o.shape.bounds().center()).chain(scene.lights.iter().map(|l| l.ball.center));
+    let nearer = |p: &Vec3| p.as_dvec3().distance_squared(origin) < p.as_dvec3().length_squared();
+    let (all, count) = (centers.clone().count(), centers.filter(nearer).count());
+    if origin == DVec3::ZERO || 2 * count <= all {
         return Ok((scene, animation));
     }
     *context = Context::default();

@@ -230,3 +230,15 @@ fn far_meshes_alone_are_what_they_are_near() {
         assert!(error < 4e-5, "{name}: {error:e}");
     }
 }
+
+/// A target next to a camera that is far from the scene moves nothing.
+#[test]
+fn far_cameras_leave_the_scene_where_it_is() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("camera.toml");
+    let scene = "[camera]\neye = [0.0, 0.0, 1000.0]\ntarget = [0.0, 0.0, 999.0]\n\
+                 [[objects]]\nsphere = { center = [0.1, 0.2, 0.3], radius = 1.0 }\n";
+    fs::write(&file, scene).unwrap();
+    let (scene, animation, _) = scene::load_animated(&file).unwrap();
+    assert_eq!((animation.origin(), scene.camera.eye.z), (DVec3::ZERO, 1000.0));
+}
