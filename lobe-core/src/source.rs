@@ -200,7 +200,7 @@ impl VisibilitySum {
 /// A visibility strategy: decides which part of a light a receiver sees, and says it in lobes.
 ///
 /// For each receiver and light the caller first asks for the [`coverage`](Self::coverage) and, only where that is
-/// [`Coverage::Partial`], for the lobes of each reflectance lobe. A lit or dark point costs no lobe. [`Visit`] asks in
+/// [`Coverage::Partial`], for the lobes of each reflectance lobe. A lit or dark point costs no lobe. [`Visit`](crate::Visit) asks in
 /// that order, and nothing else can: only it gives the [`PartlySeen`] that lobes are asked with.
 ///
 /// Static dispatch: use the strategy's type. Dynamic: `Box<dyn DynVisibility>` implements this trait too.

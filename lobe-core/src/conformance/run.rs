@@ -32,7 +32,7 @@ impl Run {
         }
     }
 
-    /// The same for a value and the field of [`Limits`] that it must not exceed.
+    /// The same for a value and the field of [`Limits`](super::Limits) that it must not exceed.
     pub fn within(
         &mut self,
         value: f64,
