@@ -64,6 +64,7 @@ fn cases() -> Vec<Case> {
 struct Question {
     at: Receiver,
     light: Sphere,
+    id: LightId,
     tolerance: f32,
     across: Vec3,
     window: [f32; 4],
@@ -82,7 +83,7 @@ fn questions(random: &mut Random, receivers: &[Receiver], light: Sphere, depth: 
         let half = [0; 2].map(|_| if zoomed { random.between(0.1, 0.7) as f32 } else { 1.0 });
         let [x, y] = half.map(|half| random.between(-0.6, 0.6) as f32 * (1.0 - half));
         let window = [x, y, half[0], half[1]];
-        Question { at: *at, light, tolerance, across: random.axis().as_vec3(), window }
+        Question { at: *at, light, id: LightId(0), tolerance, across: random.axis().as_vec3(), window }
     };
     receivers.iter().map(question).collect()
 }
@@ -99,10 +100,10 @@ const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
     }";
 
 fn numbers(question: &Question, packed: &PackedMaps) -> [f32; INPUTS] {
-    let Question { at, light, tolerance, across, window } = question;
+    let Question { at, light, id, tolerance, across, window } = question;
     let mut out = [0.0; INPUTS];
     let object = [at.object as f32];
-    let rest = [light.radius, *tolerance, packed.map_of(LightId(0)) as f32];
+    let rest = [light.radius, *tolerance, packed.map_of(*id) as f32];
     let parts: [&[f32]; 8] = [
         &at.position.to_array(),
         &object,
@@ -154,7 +155,7 @@ fn rust_coverage(blockers: &ShadowMapBlockers, questions: &[Question]) -> Vec<Co
     let coverage = |q: &Question| {
         let cone = Cone::of_sphere(q.at.position, q.light);
         blockers.select(
-            &VisibilityQuery { at: &q.at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(q.tolerance) },
+            &VisibilityQuery { at: &q.at, light: q.id, cone: &cone, accuracy: Accuracy::new(q.tolerance) },
             &mut scratch,
         )
     };
@@ -231,7 +232,7 @@ fn rust_masks(blockers: &ShadowMapBlockers, questions: &[Question], depth: u32) 
     let (mut scratch, mut mask) = (blockers.scratch(), Mask::default());
     let seen = |q: &Question| {
         let cone = Cone::of_sphere(q.at.position, q.light);
-        let query = VisibilityQuery { at: &q.at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(q.tolerance) };
+        let query = VisibilityQuery { at: &q.at, light: q.id, cone: &cone, accuracy: Accuracy::new(q.tolerance) };
         blockers.select(&query, &mut scratch);
         let mut square = UnitSquare::facing(&cone, q.across);
         square.center = square.disc * Vec2::new(q.window[0], q.window[1]);
@@ -348,13 +349,13 @@ fn masks_of_windows(gpu: &Gpu) {
 fn several_lights(gpu: &Gpu) {
     let mesh = Mesh::bumpy(Vec3::new(0.0, 0.9, 0.0), 0.8).floor(0.0, 2.5);
     let lights = [[1.5, 5.0, 0.8], [-2.0, 3.0, 0.5], [0.5, 4.0, -3.0], [0.0, 6.0, 0.0]].map(|at| light(at, 4.0));
-    let maps = [0, 1, 3].map(|k| mesh.map(lights[k], 128 << (k % 2), 3));
-    let blockers = ShadowMapBlockers::new(maps.to_vec());
+    let maps = [0, 1, 3].map(|k| (LightId(k as u32), mesh.map(lights[k], 128 << (k % 2), 3)));
+    let blockers = ShadowMapBlockers::of_lights(maps);
     let mut all = Vec::new();
-    for light in lights {
+    for (id, light) in (0..).map(LightId).zip(lights) {
         let mut random = Random::new(40);
         let receivers = mesh.receivers(&mut random, light, 300);
-        all.extend(questions(&mut random, &receivers, light, 5, false));
+        all.extend(questions(&mut random, &receivers, light, 5, false).into_iter().map(|q| Question { id, ..q }));
     }
     let unshadowed = &all[600..900];
     assert!(gpu_coverage(gpu, &blockers.pack(), unshadowed).iter().all(|c| *c == Coverage::Lit));

@@ -225,7 +225,8 @@ impl Words {
         let [x, y, z] = setup.light.center.to_array().map(f32::to_bits);
         let count = setup.receivers.len() as u32;
         let light = [x, y, z, setup.light.radius.to_bits()];
-        let frame = [light, [0; 4], [0, count, 0, packed.len() as u32], [blocks as u32, 0, 0, 0]].concat();
+        let frame =
+            [light, [0; 4], [0, count, 0, packed.len() as u32], [blocks as u32, 0, 0, 0], [0; 4], [0; 4]].concat();
         let points: Vec<_> = setup.receivers.iter().map(|at| GpuReceiver::new(at, 0)).collect();
         let points = bytemuck::cast_slice(&points).to_vec();
         let spheres: Vec<u32> = bytemuck::cast_slice(&packed).to_vec();
