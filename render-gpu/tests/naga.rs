@@ -1,5 +1,7 @@
 //! The WGSL without a GPU: pieces validate, layouts and constants are Rust's.
 
+use lighting::SphereLight;
+use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -71,6 +73,7 @@ fn kernels_of_the_paper_validate() {
             frame.as_slice(),
             &core,
             &[
+                SphereLight::WGSL,
                 include_str!("../src/kernels/points.wgsl"),
                 include_str!("../src/kernels/tiles.wgsl"),
                 include_str!("../src/kernels/paper_classify.wgsl"),
@@ -85,7 +88,8 @@ fn kernels_of_the_paper_validate() {
     for depth in 1..=visibility_mask::MAX_DEPTH {
         let header = visibility_mask::wgsl::paper_header(depth);
         let points = include_str!("../src/kernels/points.wgsl");
-        let kernel = [points, include_str!("../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
+        let kernel =
+            [SphereLight::WGSL, points, include_str!("../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
         let module = module(&[frame.as_slice(), &core, &masks, &kernel].concat());
         let entry = &module.entry_points[0];
         assert_eq!(entry.workgroup_size, [if depth < 5 { 32 } else { 64 }, 1, 1]);
