@@ -1,5 +1,7 @@
 //! The WGSL of masks and penumbrae without a GPU: every variant validates.
 
+use lighting::SphereLight;
+use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use visibility_mask::{Fineness, wgsl};
@@ -46,6 +48,7 @@ fn penumbrae_validate() {
         include_str!("../src/kernels/frame.wgsl"),
         include_str!("../src/kernels/queue.wgsl"),
         include_str!("../src/kernels/points.wgsl"),
+        SphereLight::WGSL,
         include_str!("../src/kernels/penumbra.wgsl"),
     ];
     let common = [wgsl::MASK, wgsl::SQUARE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];

@@ -1,5 +1,7 @@
 //! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are Rust's.
 
+use lighting::SphereLight;
+use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use visibility_mask::{Fineness, wgsl as masks};
@@ -58,7 +60,7 @@ fn classification_validates() {
     let models = brdf::Models::of(&[brdf::Material::lambert(glam::Vec3::ONE)]);
     let reflectance = brdf::wgsl::compose(models);
     let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
-    let mut pieces = vec![CLASSIFY, QUEUE, FRAME, HOOK, stub, &reflectance, GEOMETRY, LOBE, SPECIAL];
+    let mut pieces = vec![CLASSIFY, QUEUE, FRAME, SphereLight::WGSL, HOOK, stub, &reflectance, GEOMETRY, LOBE, SPECIAL];
     pieces.extend(parts);
     let classify = module(&pieces);
     assert_eq!(classify.entry_points[0].workgroup_size, [64, 1, 1]);
