@@ -157,7 +157,7 @@ impl SphereSet {
     ///
     /// ```
     /// use glam::{Mat4, Vec3};
-    /// # use visibility_spheres::{BuildOptions, SphereSet};
+    /// # use sphere_sets::{BuildOptions, SphereSet};
     /// # let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
     /// # let set = SphereSet::build(&corners, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], &BuildOptions::new(4))?;
     /// let placed = set.placed(&(Mat4::from_translation(Vec3::Y) * Mat4::from_scale(Vec3::splat(2.0))));
