@@ -35,17 +35,17 @@ impl ImageFileError {
     }
 }
 
-/// Temporary files that exist now.
-static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// Temporary files that exist now; `None` once the program ends.
+static UNFINISHED: Mutex<Option<Vec<PathBuf>>> = Mutex::new(Some(Vec::new()));
 
-fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+fn unfinished() -> MutexGuard<'static, Option<Vec<PathBuf>>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary files of all [`Output`]s that are not finished yet: for handlers of Ctrl-C. Outputs that are
-/// finished later fail.
+/// Removes the temporary files of all [`Output`]s that are not finished yet, for good: for handlers of Ctrl-C, before they end
+/// the program. From then on, in all threads, no [`Output`] can be created or finished.
 pub fn remove_unfinished() {
-    for path in unfinished().drain(..) {
+    for path in unfinished().take().into_iter().flatten() {
         let _ = fs::remove_file(path);
     }
 }
@@ -125,19 +125,17 @@ impl Output {
         }
         sweep(&path);
         let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-        // Registered first: an interruption between the two calls must not leave the file behind.
-        unfinished().push(temporary.clone());
-        match File::create(&temporary) {
-            Ok(file) => {
-                // Tells others that somebody is at work on it; where there are no locks, nobody takes it away.
-                let _ = file.try_lock();
-                Ok(Self { path, temporary, file: Some(file), stamp: None })
-            }
-            Err(source) => {
-                unfinished().retain(|t| *t != temporary);
-                Err(ImageFileError::io(&path, source))
-            }
-        }
+        // Held over both: a handler of Ctrl-C, which is a thread of its own, sees the file on the list or prevents it.
+        let mut list = unfinished();
+        let created = match &mut *list {
+            Some(list) => File::create(&temporary).inspect(|_| list.push(temporary.clone())),
+            None => Err(io::ErrorKind::Interrupted.into()),
+        };
+        drop(list);
+        let file = created.map_err(|source| ImageFileError::io(&path, source))?;
+        // Tells others that somebody is at work on it; where there are no locks, nobody takes it away.
+        let _ = file.try_lock();
+        Ok(Self { path, temporary, file: Some(file), stamp: None })
     }
 
     /// The name that the file will have.
@@ -188,7 +186,7 @@ impl Output {
         // Held over the renaming: a handler of Ctrl-C sees either the temporary file or the finished one.
         let mut list = unfinished();
         fs::rename(&self.temporary, &self.path).map_err(|e| ImageFileError::io(&self.path, e))?;
-        list.retain(|t| *t != self.temporary);
+        list.iter_mut().for_each(|list| list.retain(|t| *t != self.temporary));
         drop(list);
         sync_folder(&self.path);
         Ok(())
@@ -197,8 +195,9 @@ impl Output {
 
 impl Drop for Output {
     fn drop(&mut self) {
-        let mut list = unfinished();
-        if let Some(index) = list.iter().position(|t| *t == self.temporary) {
+        if let Some(list) = &mut *unfinished()
+            && let Some(index) = list.iter().position(|t| *t == self.temporary)
+        {
             list.swap_remove(index);
             let _ = fs::remove_file(&self.temporary);
         }

@@ -33,9 +33,8 @@ pub(crate) fn catch_interrupts() -> Result<(), Failure> {
             return;
         }
         ENDING.store(true, Ordering::SeqCst);
-        // Told first: between removing and ending, work goes on that could begin another file.
-        note("lobes: interrupted; nothing half-written");
         remove_unfinished();
+        note("lobes: interrupted; nothing half-written");
         std::process::exit(130);
     })
     .map_err(|e| Failure::new(format_args!("cannot catch Ctrl-C: {e}")))

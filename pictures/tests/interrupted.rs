@@ -1,0 +1,39 @@
+//! Ctrl-C at any moment: alone in its program, since what it tests is for good.
+
+use pictures::{Output, remove_unfinished};
+use std::fs;
+use std::sync::Barrier;
+
+/// Threads that write one file after another, and a handler that comes between: what is left has its name and is whole.
+#[test]
+fn nothing_is_left_by_work_that_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let start = Barrier::new(5);
+    let refused: Vec<String> = std::thread::scope(|scope| {
+        let writers: Vec<_> = (0..4)
+            .map(|thread| {
+                let (folder, start) = (folder.path(), &start);
+                scope.spawn(move || {
+                    start.wait();
+                    (0..10_000).find_map(|k| {
+                        let path = folder.join(format!("{thread}.{k}.exr"));
+                        let written = Output::create(path).and_then(|output| {
+                            output.finish(|file| Ok(std::io::Write::write_all(file, b"whole").expect("written")))
+                        });
+                        written.err().map(|error| error.to_string())
+                    })
+                })
+            })
+            .collect();
+        start.wait();
+        while fs::read_dir(folder.path()).expect("readable").count() < 20 {}
+        remove_unfinished();
+        writers.into_iter().filter_map(|w| w.join().expect("no panic")).collect()
+    });
+    assert_eq!(refused.len(), 4, "{refused:?}");
+    for entry in fs::read_dir(folder.path()).expect("readable").flatten() {
+        let name = entry.file_name().into_string().expect("a name");
+        assert!(name.ends_with(".exr") && fs::read(entry.path()).expect("readable") == b"whole", "{name}");
+    }
+    assert!(Output::create(folder.path().join("late.exr")).is_err());
+}
