@@ -29,7 +29,7 @@ const SCENES: [(&str, bool); 10] = [
 
 const STRATEGIES: [&str; 6] = ["scene", "spheres", "silhouettes", "shadow-map", "rays", "none"];
 
-/// What a picture is drawn with beside scene, strategy and device: a name and arguments.
+/// Further arguments of a picture, beside scene, strategy and device, and their name.
 const SETTINGS: [(&str, &[&str]); 5] = [
     ("moments", &[]),
     ("moments at 0.1 %", &["--tolerance", "0.001"]),
@@ -107,7 +107,7 @@ fn run() -> Result<ExitCode, String> {
             "--save" => save = Some(PathBuf::from(value()?)),
             "--against" => against = Some(PathBuf::from(value()?)),
             "--device" => device = Some(value()?),
-            // What cargo adds.
+            // Cargo adds it.
             "--bench" => {}
             _ => return Err(format!("{word}: only --save FILE, --against FILE and --device cpu|gpu are known")),
         }

@@ -1,4 +1,4 @@
-//! What every reflectance model has to keep, as a suite that anyone can run on their own (feature `oracle`).
+//! The properties that every reflectance model has to keep, as a suite that anyone can run on their own (feature `oracle`).
 
 use crate::Brdf;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -27,7 +27,7 @@ impl Default for BrdfLimits {
     }
 }
 
-/// What [`check`] measured; the fields are those of [`BrdfLimits`].
+/// The measurements of [`check`]; the fields are those of [`BrdfLimits`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeasuredBrdf {
     /// The largest reflected share of what comes from one direction.
@@ -63,7 +63,7 @@ const DRAWN: u32 = 20_000;
 /// assert_eq!(report.broken[0].property, "light and eye change places");
 /// ```
 pub fn check<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Report> {
-    let (mut run, mut random, mut measured) = (Run::default(), Random::new(5), MeasuredBrdf::default());
+    let (mut run, mut random) = (Run::<MeasuredBrdf>::default(), Random::new(5));
     let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
     let (t, b) = normal.any_orthonormal_pair();
     let around = 0.6 * t + 0.8 * b;
@@ -73,8 +73,8 @@ pub fn check<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Re
     for angle in [0.0_f32, 0.3, 0.8, 1.2, 1.5] {
         let at = receiver(toward(angle).normalize());
         receivers.push(at);
-        lobes(model, &at, limits, &mut random, &mut run, &mut measured);
-        energy(model, &at, limits, &mut random, &mut run, &mut measured);
+        lobes(model, &at, limits, &mut random, &mut run);
+        energy(model, &at, limits, &mut random, &mut run);
         // f_r of the pair, both ways.
         for _ in 0..200 {
             let v = above(&mut random, normal);
@@ -86,7 +86,7 @@ pub fn check<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Re
             let swapped = model.eval(&receiver(v), at.view).as_dvec3() / f64::from(back);
             let size = there.max(swapped).max_element().max(1e-6);
             let error = (there - swapped).abs().max_element() / size;
-            measured.reciprocity = measured.reciprocity.max(error);
+            run.measured.reciprocity = run.measured.reciprocity.max(error);
             run.within(error, ("reciprocity", limits.reciprocity), "light and eye change places", || {
                 format!("{there} and {swapped} for {v} and {}", at.view)
             });
@@ -95,7 +95,7 @@ pub fn check<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Re
     // From below the horizon nothing must break.
     receivers.push(receiver(toward(1.65).normalize()));
     tiles(model, &receivers, &mut run);
-    run.end().map(|()| measured)
+    run.end()
 }
 
 /// A direction above the horizon.
@@ -105,14 +105,7 @@ fn above(random: &mut Random, normal: Vec3) -> Vec3 {
 }
 
 /// The sum of lobes against `eval`, the horizon, and signs.
-fn lobes<B: Brdf>(
-    model: &B,
-    at: &Receiver,
-    limits: &BrdfLimits,
-    random: &mut Random,
-    run: &mut Run,
-    measured: &mut MeasuredBrdf,
-) {
+fn lobes<B: Brdf>(model: &B, at: &Receiver, limits: &BrdfLimits, random: &mut Random, run: &mut Run<MeasuredBrdf>) {
     let mut buffer = LobeBuffer::with_capacity(model.max_lobes());
     let written = model.brdf_lobes(at, &mut buffer.writer());
     run.ensure(written.is_ok(), "lobes fit max_lobes", || format!("{at:?}"));
@@ -133,7 +126,7 @@ fn lobes<B: Brdf>(
         });
         let sum = buffer.lobes().eval(at.normal, *v);
         let error = f64::from((sum - *f).abs().max_element() / peak);
-        measured.lobes = measured.lobes.max(error);
+        run.measured.lobes = run.measured.lobes.max(error);
         run.within(error, ("lobes", limits.lobes), "lobes are the model", || {
             format!("{sum} for {f} at {v}, seen from {}", at.view)
         });
@@ -143,14 +136,7 @@ fn lobes<B: Brdf>(
 }
 
 /// Reflected energy, by quadrature and by drawn directions.
-fn energy<B: Brdf>(
-    model: &B,
-    at: &Receiver,
-    limits: &BrdfLimits,
-    random: &mut Random,
-    run: &mut Run,
-    measured: &mut MeasuredBrdf,
-) {
+fn energy<B: Brdf>(model: &B, at: &Receiver, limits: &BrdfLimits, random: &mut Random, run: &mut Run<MeasuredBrdf>) {
     let (t, b) = at.normal.any_orthonormal_pair();
     let [rows, columns] = GRID;
     let mut sum = DVec3::ZERO;
@@ -165,7 +151,7 @@ fn energy<B: Brdf>(
         }
     }
     let all = sum * (FRAC_PI_2 / f64::from(rows) * TAU / f64::from(columns));
-    measured.energy = measured.energy.max(all.max_element());
+    run.measured.energy = run.measured.energy.max(all.max_element());
     run.within(all.max_element() - 1.0, ("energy", limits.energy), "no more goes out than comes in", || {
         format!("{all} toward {}", at.view)
     });
@@ -182,14 +168,14 @@ fn energy<B: Brdf>(
     }
     let drawn = drawn / f64::from(DRAWN);
     let error = (drawn - all).abs().max_element() / all.max_element().max(1e-3 / PI);
-    measured.sampling = measured.sampling.max(error);
+    run.measured.sampling = run.measured.sampling.max(error);
     run.within(error, ("sampling", limits.sampling), "drawn directions carry the energy", || {
         format!("{drawn} for {all} toward {}", at.view)
     });
 }
 
 /// The same bits in tiles.
-fn tiles<B: Brdf>(model: &B, receivers: &[Receiver], run: &mut Run) {
+fn tiles<B: Brdf>(model: &B, receivers: &[Receiver], run: &mut Run<MeasuredBrdf>) {
     let (mut tile, mut out) = (Tile::default(), TileLobes::default());
     tile.set(receivers);
     let of = vec![0; receivers.len()];

@@ -1,6 +1,3 @@
-/// Tolerance below which the deepest masks are taken.
-const FINEST: f32 = 0.002;
-
 /// What error a frame may have, and how finely masks look for that: the only place of either.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
@@ -11,6 +8,9 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
+    /// Tolerance below which masks are deepest and finest.
+    pub const FINEST: f32 = 0.002;
+
     /// A tolerance, and the depth that it requires: the mask's own error stays below it.
     ///
     /// Mean error over penumbrae, random blockers, light wholly above the horizon: 0.13 % of the unshadowed radiance at
@@ -24,7 +24,7 @@ impl Accuracy {
     pub fn new(tolerance: f32) -> Self {
         let depth = if tolerance >= 0.008 {
             4
-        } else if tolerance >= FINEST {
+        } else if tolerance >= Self::FINEST {
             5
         } else {
             6

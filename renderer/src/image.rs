@@ -19,7 +19,7 @@ pub struct Image {
     pub stats: ImageStats,
 }
 
-/// What a picture is made of, pixel by pixel.
+/// The parts of a picture, pixel by pixel.
 #[derive(Clone, Debug, Default)]
 pub struct Layers {
     /// Radiance without blockers.

@@ -1,7 +1,7 @@
+use lobe_core::Accuracy;
+
 /// Tolerance from which on rows of 64 samples do for broad lobes, and one mask for narrow ones.
 const COARSE: f32 = 0.005;
-/// Tolerance below which masks are deepest and no lobe has one mask alone.
-const FINEST: f32 = 0.002;
 
 /// How many samples stand for what a lobe sees of a light, besides the depth of the masks.
 ///
@@ -23,7 +23,7 @@ impl Fineness {
     /// For lobes that are broad beside the light: all see the same panes.
     #[must_use]
     pub fn broad(tolerance: f32) -> Self {
-        let panes = if tolerance >= FINEST { [1, 1] } else { [2, 2] };
+        let panes = if tolerance >= Accuracy::FINEST { [1, 1] } else { [2, 2] };
         Self { coarse: tolerance >= COARSE, panes }
     }
 
@@ -32,7 +32,7 @@ impl Fineness {
     pub fn narrow(tolerance: f32) -> Self {
         let panes = if tolerance >= COARSE {
             [1, 1]
-        } else if tolerance >= FINEST {
+        } else if tolerance >= Accuracy::FINEST {
             [2, 2]
         } else {
             [3, 2]

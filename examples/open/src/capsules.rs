@@ -29,7 +29,7 @@ impl Capsule {
     }
 }
 
-/// What a shape hides of the line of directions `(x, y, 1)`: from, to; empty where it hides nothing.
+/// The part of the line of directions `(x, y, 1)` that a shape hides: from, to; empty where it hides nothing.
 type Span = (f32, f32);
 
 /// Where `a·x² + 2b·x + c ≤ 0`, in this order; NaN where nowhere.

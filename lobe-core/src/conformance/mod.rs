@@ -210,7 +210,7 @@ impl Default for Limits {
     }
 }
 
-/// What [`check`] measured; the fields are those of [`Limits`].
+/// The measurements of [`check`]; the fields are those of [`Limits`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
     /// See [`Limits::beside`].

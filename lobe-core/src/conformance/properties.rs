@@ -25,12 +25,11 @@ pub fn check(subject: &impl Subject, limits: &Limits) -> Result<Measured, Report
     many_balls(subject, limits, &mut random, &mut run);
     motion(subject, limits, &mut random, &mut run);
     motion_of_several(subject, limits, &mut random, &mut run);
-    let Run { measured, broken } = run;
-    if broken.is_empty() { Ok(measured) } else { Err(Report { broken }) }
+    run.end()
 }
 
 /// No balls, and balls that no ray to the light meets.
-fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
+fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for _ in 0..limits.cases {
         let mut case = Case::random(random);
         for how in [Use::Fresh, Use::Entered, Use::Boxed] {
@@ -71,7 +70,7 @@ fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random, 
     }
 }
 
-fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
+fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for _ in 0..limits.cases {
         let mut case = Case::random(random);
         let theta = case.cone().1;
@@ -104,7 +103,7 @@ fn closed_sizes(theta: f64) -> [f64; 6] {
     [0.3 * theta, theta, 3.0 * theta, 0.5, 1.2, 1.5]
 }
 
-fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
+fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     let (mut sum, mut count) = (0.0, 0);
     for theta in [0.005, 0.035] {
         for size in closed_sizes(theta) {
@@ -129,7 +128,7 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
 }
 
 /// Two to five balls, any light, any lobe, also through the horizon; every [`CROWDED`]th time a crowd of small ones as well.
-fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
+fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     let mut sum = 0.0;
     for k in 0..limits.cases {
         let mut case = if k % CROWDED == 1 { Case::lit_by(random, WIDE) } else { Case::random(random) };
@@ -153,7 +152,7 @@ fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
 }
 
 /// A ball that hides next to nothing of the light, or next to all of it.
-fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
+fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for k in 0..4 * limits.cases {
         let mut case = Case::random(random);
         let theta = case.cone().1;
@@ -173,7 +172,7 @@ fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
 }
 
 /// Range, scratch, dispatch, overflow, monotony, order, rotation: one to five balls at random, now and then before a crowd.
-fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
+fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for k in 0..limits.cases {
         let mut case = Case::random(random);
         let mut last = 1.0;
@@ -234,7 +233,7 @@ enum Moves {
 }
 
 /// One ball passes the light in small steps, or the light or the receiver moves instead.
-fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
+fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     let theta = 0.035;
     for k in 0..limits.cases / 3 {
         let size = closed_sizes(theta)[k / 4 % 6];
@@ -253,7 +252,7 @@ fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mu
 }
 
 /// The same with two or three balls, any light and lobe: they take turns at being the largest.
-fn motion_of_several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run) {
+fn motion_of_several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for k in 0..limits.cases / 3 {
         let mut start = Case::random(random);
         for _ in 0..2 + k % 2 {
@@ -277,7 +276,7 @@ fn sweep(
     reach: f64,
     limit: (&'static str, f64),
     exact: impl Fn(&Case) -> f64,
-    out: &mut Run,
+    out: &mut Run<Measured>,
 ) -> f64 {
     let theta = start.cone().1;
     let distance = start.balls[0].center.distance(start.position);

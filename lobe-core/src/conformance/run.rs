@@ -1,13 +1,14 @@
-use super::{Broken, Exceeded, Measured, Report};
+use super::{Broken, Exceeded, Report};
 
-/// What a suite has measured so far, and what is broken: for suites of one's own.
+/// A suite under way: its measurements so far, and what is broken. For suites of one's own.
 #[derive(Debug, Default)]
-pub struct Run {
-    pub(crate) measured: Measured,
-    pub(crate) broken: Vec<Broken>,
+pub struct Run<M = ()> {
+    /// The measurements.
+    pub measured: M,
+    broken: Vec<Broken>,
 }
 
-impl Run {
+impl<M> Run<M> {
     /// Notes a fault: of each property the worst case stays.
     pub fn note(&mut self, property: &'static str, exceeded: Option<Exceeded>, case: impl FnOnce() -> String) {
         let worse = |old: &Broken| match (old.exceeded, exceeded) {
@@ -45,14 +46,12 @@ impl Run {
             self.note(property, Some(Exceeded { field, value, limit }), case);
         }
     }
-}
 
-impl Run {
-    /// Nothing, or every property that does not hold.
+    /// The measurements, or every property that does not hold.
     ///
     /// # Errors
     /// [`Report`].
-    pub fn end(self) -> Result<(), Report> {
-        if self.broken.is_empty() { Ok(()) } else { Err(Report { broken: self.broken }) }
+    pub fn end(self) -> Result<M, Report> {
+        if self.broken.is_empty() { Ok(self.measured) } else { Err(Report { broken: self.broken }) }
     }
 }
