@@ -2,6 +2,7 @@
 
 use pictures::{Output, remove_unfinished};
 use std::fs;
+use std::io::Write;
 use std::sync::Barrier;
 
 /// Threads that write one file after another, and a handler that comes between: what is left has its name and is whole.
@@ -18,7 +19,10 @@ fn nothing_is_left_by_work_that_goes_on() {
                     (0..10_000).find_map(|k| {
                         let path = folder.join(format!("{thread}.{k}.exr"));
                         let written = Output::create(path).and_then(|output| {
-                            output.finish(|file| Ok(std::io::Write::write_all(file, b"whole").expect("written")))
+                            output.finish(|file| {
+                                file.write_all(b"whole").expect("written");
+                                Ok(())
+                            })
                         });
                         written.err().map(|error| error.to_string())
                     })

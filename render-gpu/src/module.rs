@@ -5,7 +5,6 @@ use crate::kernel::{
     Binding, Slot,
 };
 use crate::{kernels, wgsl};
-use lobe_core::gpu::GpuMaterialSet;
 use lobe_core::wgsl as lobes;
 use visibility_mask::{Fineness, wgsl as masks};
 use visibility_shadowmap::{Pages, wgsl as maps};
@@ -20,8 +19,7 @@ pub(crate) struct Variant {
     pub(crate) depth: u32,
     /// What broad lobes and narrow ones see.
     pub(crate) fineness: [Fineness; 2],
-    /// The materials, but for their words.
-    pub(crate) materials: GpuMaterialSet,
+    pub(crate) materials: MaterialText,
     /// Name and text of the kind of light.
     pub(crate) light: [&'static str; 2],
     pub(crate) strategies: Strategies,
@@ -29,6 +27,14 @@ pub(crate) struct Variant {
     pub(crate) own: Vec<OwnText>,
     /// By the paper's method, and not by moments.
     pub(crate) paper: bool,
+}
+
+/// The texts of the materials.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct MaterialText {
+    pub(crate) name: String,
+    pub(crate) wgsl: String,
+    pub(crate) is_lambert: bool,
 }
 
 /// Which strategies have blockers.

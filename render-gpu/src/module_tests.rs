@@ -46,10 +46,10 @@ fn check(name: &str, text: &Text) -> naga::Module {
 const LIGHT: [&str; 2] = [SphereLight::NAME, SphereLight::WGSL];
 
 /// Materials of these models.
-fn set(models: Models) -> GpuMaterialSet {
+fn set(models: Models) -> MaterialText {
     let (name, wgsl) = (models.names().collect::<Vec<_>>().join(" + "), brdf::wgsl::compose(models));
     let is_lambert = name == "lambert";
-    GpuMaterialSet { name, wgsl, words: Vec::new(), max_lobes: 0, is_lambert }
+    MaterialText { name, wgsl, is_lambert }
 }
 
 fn variants() -> impl Iterator<Item = Variant> {

@@ -4,7 +4,7 @@ use crate::kernels;
 use crate::kernels::queue::{CUT, QUEUE_HEADER};
 use crate::layout::{GpuFrame, GpuReceiver};
 use crate::memory::Memory;
-use crate::module::{self, Variant};
+use crate::module::{self, MaterialText, Variant};
 use crate::occlusion::{Blockers, Occlusion};
 use crate::paper::Paper;
 use crate::{Gpu, GpuError, GpuPose};
@@ -170,7 +170,7 @@ impl GpuShader {
     }
 
     /// The kernels for a frame, compiled if they are new.
-    fn kernels<L: GpuLight>(&mut self, accuracy: Accuracy, materials: GpuMaterialSet) -> Result<usize, GpuError> {
+    fn kernels<L: GpuLight>(&mut self, accuracy: Accuracy, materials: MaterialText) -> Result<usize, GpuError> {
         let variant = Variant {
             depth: accuracy.depth.clamp(1, MAX_DEPTH),
             fineness: match self.paper {
@@ -203,12 +203,11 @@ impl GpuShader {
         if let Some(paper) = &mut self.paper {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
-        let mut set = M::gpu_set(frame.materials);
-        self.materials.hold(&self.gpu, bytemuck::cast_slice(&core::mem::take(&mut set.words)))?;
-        // Of another set with the same kernels there may be more.
-        self.max_lobes = core::mem::take(&mut set.max_lobes);
-        let kernels = self.kernels::<L>(frame.accuracy, set)?;
-        Ok((kernels, 1 + u64::from(self.max_lobes)))
+        let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert } = M::gpu_set(frame.materials);
+        self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
+        self.max_lobes = max_lobes;
+        let kernels = self.kernels::<L>(frame.accuracy, MaterialText { name, wgsl, is_lambert })?;
+        Ok((kernels, 1 + u64::from(max_lobes)))
     }
 
     /// Shades points that are on the GPU, `count` [`GpuReceiver`]s from the beginning of `points`, and writes each one's

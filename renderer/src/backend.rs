@@ -9,7 +9,6 @@ use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 
 #[cfg(feature = "gpu")]
 use {
-    crate::Plan,
     lobe_core::Method,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion},
     scene::Scene,
@@ -48,6 +47,16 @@ impl Backend {
             }
             #[cfg(not(feature = "gpu"))]
             Device::Gpu => Err(RenderError::NotOnGpu(NOT_BUILT)),
+        }
+    }
+
+    /// Which of them it is.
+    #[must_use]
+    pub const fn device(&self) -> Device {
+        match self {
+            Self::Cpu => Device::Cpu,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_) => Device::Gpu,
         }
     }
 
@@ -93,17 +102,16 @@ pub struct GpuBackend {
 
 #[cfg(feature = "gpu")]
 impl GpuBackend {
-    /// The shader with these blockers; `traced` is the scene, where some of its objects are by rays, and the plan that says
-    /// which: the same one with each call.
+    /// The shader with these blockers; `traced` is the scene, where some of its objects are by rays, and for each whether it is:
+    /// the same scene with each call.
     pub(crate) fn occluded(
         &mut self,
         method: Method<'_>,
         spheres: Option<&SphereBlockers>,
         maps: Option<&ShadowMapBlockers>,
-        traced: Option<(&Scene, &Plan)>,
+        traced: Option<(&Scene, Vec<bool>)>,
     ) -> Result<&mut GpuShader, GpuError> {
-        if let Some((scene, plan)) = traced {
-            let objects: Vec<bool> = (0..scene.objects.len() as u32).map(|o| plan.traces_on_gpu(scene, o)).collect();
+        if let Some((scene, objects)) = traced {
             match &mut self.world {
                 // What maps show changes as lights move.
                 Some((world, kept)) if *kept == objects => world.update(scene)?,

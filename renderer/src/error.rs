@@ -1,4 +1,5 @@
 use render_cpu::BlockersError;
+use sphere_sets::BuildError;
 use std::collections::TryReserveError;
 use visibility_shadowmap::MapError;
 
@@ -8,7 +9,7 @@ use visibility_shadowmap::MapError;
 pub enum RenderError {
     /// The spheres of an object could not be fitted, read or carried along.
     #[error(transparent)]
-    Blockers(#[from] BlockersError),
+    Blockers(BlockersError),
     /// A shadow map could not be drawn.
     #[error(transparent)]
     Map(#[from] MapError),
@@ -28,4 +29,13 @@ pub enum RenderError {
     /// The listener has stopped the work.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl From<BlockersError> for RenderError {
+    fn from(error: BlockersError) -> Self {
+        match error {
+            BlockersError::Build { source: BuildError::Cancelled, .. } => Self::Cancelled,
+            error => Self::Blockers(error),
+        }
+    }
 }

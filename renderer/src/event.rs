@@ -1,4 +1,4 @@
-use crate::RenderError;
+use crate::{Coarser, RenderError};
 use core::ops::ControlFlow;
 use lobe_core::Accuracy;
 use std::path::Path;
@@ -44,16 +44,7 @@ pub enum Event<'a> {
         done: f32,
     },
     /// The device has no room for maps as fine as the lights want.
-    CoarserMaps {
-        /// Texels a side that were wanted, of the finest map.
-        wanted: u32,
-        /// Bytes that those take.
-        needed: u64,
-        /// Bytes that there are.
-        room: u64,
-        /// Texels a side that are taken.
-        drawn: u32,
-    },
+    CoarserMaps(Coarser),
     /// How the map of a light suits the receivers.
     Map {
         /// Number of the light.

@@ -1,4 +1,4 @@
-use crate::{Backend, Plan, RenderError, Shader};
+use crate::{Backend, Method, Plan, RenderError, Shader};
 use lobe_core::paper::Tables;
 use lobe_core::{Accuracy, LightId, Method as Products, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits, World};
@@ -22,19 +22,20 @@ pub enum Form<'t> {
 #[derive(Debug)]
 #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "a GPU gathers what its rays meet from them"))]
 pub struct FrameBlockers<'a> {
-    plan: &'a Plan,
     world: &'a World<'a>,
     spheres: Option<&'a SphereBlockers>,
     maps: Option<ShadowMapBlockers>,
     silhouettes: Option<SilhouetteBlockers<'a, SurfaceHits<'a>>>,
     rays: Option<RayBlockers<'a>>,
+    /// For each object whether it is by rays where there are no silhouettes.
+    traced: Vec<bool>,
 }
 
 impl<'a> FrameBlockers<'a> {
     /// Gathers what the plan asks for, for pictures of an accuracy, and leaves out what turned out empty.
     #[must_use]
     pub fn new(
-        plan: &'a Plan,
+        plan: &Plan,
         world: &'a World<'a>,
         spheres: Option<&'a SphereBlockers>,
         maps: Vec<ShadowMap>,
@@ -44,21 +45,21 @@ impl<'a> FrameBlockers<'a> {
         let mut maps: Vec<(LightId, ShadowMap)> = (0..).map(LightId).zip(maps).collect();
         maps.retain(|(_, map)| map.faces() > 0);
         let scene = world.scene();
-        let traced: Vec<bool> = (0..scene.objects.len() as u32).map(|o| plan.traces(scene, o)).collect();
+        let casters = plan.casters(scene);
+        let mut traced = plan.traced(scene, &casters);
         let rays = traced.contains(&true).then(|| match traced.iter().all(|traced| *traced) {
             true => RayBlockers::new(world),
             false => RayBlockers::new(world).only(|o| traced[o as usize]),
         });
-        let maps = (!maps.is_empty()).then(|| {
-            let casters = (0..scene.objects.len()).map(|o| plan.in_maps(scene, o));
-            ShadowMapBlockers::of_lights(maps).with_casters(casters.collect())
-        });
+        let maps = (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters));
         let meshes = silhouettes.meshes();
         let silhouettes = (!meshes.is_empty()).then(|| {
-            let hits = SurfaceHits::new(world, |o| plan.by_silhouettes(world.scene(), o));
+            let hits = SurfaceHits::new(world, |o| plan.by_silhouettes(scene, o));
             SilhouetteBlockers::new(meshes, hits).with_tolerance(accuracy.tolerance)
         });
-        Self { plan, world, spheres, maps, silhouettes, rays }
+        // What is exact by silhouettes is exact by rays, which a GPU has.
+        (0..).zip(&mut traced).for_each(|(o, traced)| *traced |= plan.by_silhouettes(scene, o));
+        Self { world, spheres, maps, silhouettes, rays, traced }
     }
 
     /// Does the work with the shader that these blockers make. What is not there is not in the shader; mixtures of any kinds
@@ -69,9 +70,7 @@ impl<'a> FrameBlockers<'a> {
     pub fn shade<W: Work>(self, backend: &mut Backend, form: Form<'_>, work: W) -> Result<W::Output, RenderError> {
         #[cfg(feature = "gpu")]
         if let Backend::Gpu(gpu) = backend {
-            // What is exact by silhouettes is exact by rays, which a GPU has.
-            let traces = self.rays.is_some() || self.silhouettes.is_some();
-            let traced = traces.then(|| (self.world.scene(), self.plan));
+            let traced = self.traced.contains(&true).then(|| (self.world.scene(), self.traced));
             let method = match form {
                 Form::Fractions => Products::Moments,
                 Form::Lobes => return Err(RenderError::NotOnGpu(crate::backend::LOBES)),
@@ -94,6 +93,16 @@ impl<'a> FrameBlockers<'a> {
 }
 
 impl<'t> Form<'t> {
+    /// That of a method; [`Fractions`](Self::Fractions) where the paper's has no tables yet.
+    #[must_use]
+    pub const fn of(method: Method, tables: Option<&'t Tables>) -> Self {
+        match (method, tables) {
+            (Method::Paper, Some(tables)) => Self::Paper(tables),
+            (Method::Lobes, _) => Self::Lobes,
+            _ => Self::Fractions,
+        }
+    }
+
     /// How products of lobes are taken.
     const fn products(self) -> Products<'t> {
         match self {

@@ -44,17 +44,25 @@ impl Plan {
         self.objects[object]
     }
 
-    /// Whether an object is by rays: maps that do not show it leave it to them.
+    /// For each object whether its triangles are in the shadow maps: the map of every light shows them.
+    ///
+    /// # Cost
+    /// Every triangle of an object by maps is looked at once for each light.
     #[must_use]
-    pub fn traces(&self, scene: &Scene, object: u32) -> bool {
-        let o = object as usize;
-        self.of(o) == Strategy::Rays || self.is_mapped(scene, o) && !self.in_maps(scene, o)
+    pub fn casters(&self, scene: &Scene) -> Vec<bool> {
+        let in_maps = |(o, object): (usize, &Object)| {
+            let Shape::Mesh(mesh) = &object.shape else { return false };
+            let shows = |light: &SphereLight| ShadowMap::shows(&mesh.positions, &mesh.triangles, light.ball);
+            self.objects[o] == Strategy::ShadowMap && scene.lights.iter().all(shows)
+        };
+        scene.objects.iter().enumerate().map(in_maps).collect()
     }
 
-    /// Whether an object is by rays on a GPU: meshes by silhouettes are, too.
+    /// For each object whether it is by rays: those meant for maps that do not show them are, too.
     #[must_use]
-    pub fn traces_on_gpu(&self, scene: &Scene, object: u32) -> bool {
-        self.traces(scene, object) || self.by_silhouettes(scene, object)
+    pub fn traced(&self, scene: &Scene, casters: &[bool]) -> Vec<bool> {
+        let is_traced = |o| self.objects[o] == Strategy::Rays || self.is_mapped(scene, o) && !casters[o];
+        (0..self.objects.len()).map(is_traced).collect()
     }
 
     /// The spheres that an object blocks with: those of its proxy, or the balls that it is. Maps and silhouettes have triangles
@@ -88,14 +96,6 @@ impl Plan {
         self.objects[object] == Strategy::ShadowMap && matches!(scene.objects[object].shape, Shape::Mesh(_))
     }
 
-    /// Whether an object's triangles are in the shadow maps: the map of every light shows them.
-    #[must_use]
-    pub fn in_maps(&self, scene: &Scene, object: usize) -> bool {
-        let Shape::Mesh(mesh) = &scene.objects[object].shape else { return false };
-        let shows = |light: &SphereLight| ShadowMap::shows(&mesh.positions, &mesh.triangles, light.ball);
-        self.objects[object] == Strategy::ShadowMap && scene.lights.iter().all(shows)
-    }
-
     /// Whether there are any triangles meant for shadow maps.
     #[must_use]
     pub fn wants_maps(&self, scene: &Scene) -> bool {
@@ -122,8 +122,8 @@ impl Plan {
         room: u64,
     ) -> Result<(Vec<ShadowMap>, Option<Coarser>), RenderError> {
         let (mut positions, mut triangles) = (Vec::<Vec3>::new(), Vec::<[u32; 3]>::new());
-        for (_, object) in scene.objects.iter().enumerate().filter(|(o, _)| self.in_maps(scene, *o)) {
-            if let Shape::Mesh(mesh) = &object.shape {
+        for (object, is_caster) in scene.objects.iter().zip(self.casters(scene)) {
+            if let (Shape::Mesh(mesh), true) = (&object.shape, is_caster) {
                 let first = positions.len() as u32;
                 positions.extend_from_slice(&mesh.positions);
                 triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));

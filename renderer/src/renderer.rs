@@ -60,16 +60,24 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`] where there is no such device, or it lacks what the settings ask for.
     pub fn new(scene: Scene, animation: Animation, settings: Settings) -> Result<Self, RenderError> {
-        if settings.device == crate::Device::Gpu {
-            if settings.layers {
-                return Err(RenderError::NotOnGpu(crate::backend::LAYERS));
-            }
-            if settings.method == Method::Lobes {
-                return Err(RenderError::NotOnGpu(crate::backend::LOBES));
-            }
-        }
-        let plan = Plan::new(settings.strategy, &scene);
+        // Refused before a device is opened, which takes a while.
+        settings.check_device(settings.device)?;
         let backend = Backend::open(settings.device)?;
+        Self::with_backend(scene, animation, settings, backend)
+    }
+
+    /// The same with a device that is open already; [`Settings::device`] has no say.
+    ///
+    /// # Errors
+    /// [`RenderError::NotOnGpu`] where the device lacks what the settings ask for.
+    pub fn with_backend(
+        scene: Scene,
+        animation: Animation,
+        settings: Settings,
+        backend: Backend,
+    ) -> Result<Self, RenderError> {
+        settings.check_device(backend.device())?;
+        let plan = Plan::new(settings.strategy, &scene);
         Ok(Self {
             scene,
             animation,
@@ -229,11 +237,7 @@ impl Renderer {
             plan: &self.plan,
             spheres: &self.spheres,
             silhouettes: self.silhouettes.as_ref().unwrap_or(&none),
-            form: match (self.settings.method, tables) {
-                (Method::Paper, Some(tables)) => Form::Paper(tables),
-                (Method::Lobes, _) => Form::Lobes,
-                _ => Form::Fractions,
-            },
+            form: Form::of(self.settings.method, tables),
         };
         let made =
             job.picture(&world, &mut self.backend, &mut self.chosen, &mut self.is_advised, clocks, listener, sink);
@@ -263,7 +267,7 @@ impl Renderer {
     }
 }
 
-/// What a picture is made with.
+/// The parts of a picture, made and kept.
 struct Job<'a> {
     settings: &'a Settings,
     window: &'a Window,
@@ -295,8 +299,8 @@ impl Job<'_> {
             let coarser;
             (maps, coarser) = seconds(&mut clocks.maps, || plan.maps(scene, receivers, resolution, room))?;
             if !core::mem::replace(is_advised, true) {
-                if let Some(crate::Coarser { wanted, needed, room, drawn }) = coarser {
-                    tell(listener, Event::CoarserMaps { wanted, needed, room, drawn })?;
+                if let Some(coarser) = coarser {
+                    tell(listener, Event::CoarserMaps(coarser))?;
                 }
                 for (light, map) in maps.iter().enumerate() {
                     tell(listener, Event::Map { light, advice: map.advice(&receivers) })?;

@@ -1,3 +1,4 @@
+use crate::RenderError;
 use lobe_core::Accuracy;
 use scene::Strategy;
 use std::path::PathBuf;
@@ -53,6 +54,20 @@ pub struct Settings {
     pub repeat: u32,
     /// Folder of sphere sets of earlier runs; `None`: nothing is read or kept.
     pub cache: Option<PathBuf>,
+}
+
+impl Settings {
+    /// Whether a device has all that is asked for.
+    ///
+    /// # Errors
+    /// [`RenderError::NotOnGpu`]: layers and [`Method::Lobes`] are the CPU's.
+    pub fn check_device(&self, device: Device) -> Result<(), RenderError> {
+        match device {
+            Device::Gpu if self.layers => Err(RenderError::NotOnGpu(crate::backend::LAYERS)),
+            Device::Gpu if self.method == Method::Lobes => Err(RenderError::NotOnGpu(crate::backend::LOBES)),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Default for Settings {

@@ -5,7 +5,7 @@ use glam::Mat4;
 use pictures::{ImageFileError, Output, checksum};
 use render_cpu::{BlockersError, SceneSpheres, SphereSource};
 use scene::{Animation, Mesh, Object, Proxy, Scene, Shape};
-use sphere_sets::{BuildError, BuildOptions, SetQuality, SphereSet};
+use sphere_sets::{BuildOptions, SetQuality, SphereSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -34,11 +34,7 @@ pub fn scene_spheres(
         _ => 0,
     };
     let mut progress = |object: &str, done| listener(Event::Fitting { object, spheres: count(object), done });
-    let set = SceneSpheres::new(scene, Some(animation), source, &mut progress);
-    let set = match set {
-        Err(BlockersError::Build { source: BuildError::Cancelled, .. }) => return Err(RenderError::Cancelled),
-        other => other?,
-    };
+    let set = SceneSpheres::new(scene, Some(animation), source, &mut progress)?;
     for (object, error) in set.silhouette_errors().filter(|(_, e)| *e > SetQuality::UNSUITABLE) {
         tell(listener, Event::PoorFit { object: &scene.objects[object].name, error })?;
     }
@@ -119,10 +115,7 @@ fn build(object: &str, mesh: &Mesh, spheres: usize, listener: &mut Listener<'_>)
     let set = SphereSet::build_with_progress(&mesh.positions, &mesh.triangles, &options, &mut |done| {
         listener(Event::Fitting { object, spheres, done })
     });
-    let set = match set {
-        Err(BuildError::Cancelled) => return Err(RenderError::Cancelled),
-        other => other.map_err(|source| BlockersError::Build { object: object.to_owned(), source })?,
-    };
+    let set = set.map_err(|source| BlockersError::Build { object: object.to_owned(), source })?;
     tell(listener, Event::Fitted { object, spheres, seconds: start.elapsed().as_secs_f64() })?;
     Ok(set)
 }

@@ -283,7 +283,8 @@ impl core::fmt::Display for Broken {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "{} ({} times): ", self.property, self.times)?;
         if let Some(Exceeded { field, value, limit }) = self.exceeded {
-            write!(f, "{value:.3e} is above Limits::{field}, {limit:.3e}: ")?;
+            let place = if field.is_empty() { "the limit".to_owned() } else { format!("Limits::{field}") };
+            write!(f, "{value:.3e} is above {place}, {limit:.3e}: ")?;
         }
         // A crowd has 64 balls.
         match self.case.char_indices().nth(800) {

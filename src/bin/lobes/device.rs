@@ -16,27 +16,23 @@ pub(crate) fn renderer(
     settings: Settings,
 ) -> Result<Renderer, Failure> {
     let quiet = args.view.quiet;
-    let device = match args.device {
-        args::Device::Cpu => Device::Cpu,
-        args::Device::Gpu => Device::Gpu,
+    let backend = match args.device {
+        args::Device::Cpu => Backend::Cpu,
+        args::Device::Gpu => {
+            settings.check_device(Device::Gpu).and_then(|()| Backend::open(Device::Gpu)).map_err(explain)?
+        }
         args::Device::Auto => {
-            let gpu = match lack(args) {
-                Some(lack) => Err(lack.to_owned()),
-                None => hardware(Backend::open(Device::Gpu)),
-            };
+            let gpu = hardware(settings.check_device(Device::Gpu).and_then(|()| Backend::open(Device::Gpu)));
             if !quiet {
                 match &gpu {
-                    Ok(name) => note(format_args!("lobes: note: --device auto: {name}")),
+                    Ok(gpu) => note(format_args!("lobes: note: --device auto: {}", gpu.name())),
                     Err(reason) => note(format_args!("lobes: note: --device auto: cpu, since {reason}")),
                 }
             }
-            if gpu.is_ok() { Device::Gpu } else { Device::Cpu }
+            gpu.unwrap_or(Backend::Cpu)
         }
     };
-    if let (args::Device::Gpu, Some(lack)) = (args.device, lack(args)) {
-        return Err(Failure::new(format_args!("--device gpu: {lack}")));
-    }
-    let renderer = Renderer::new(scene, animation, Settings { device, ..settings }).map_err(explain)?;
+    let renderer = Renderer::with_backend(scene, animation, settings, backend).map_err(explain)?;
     watch_all(renderer.backend(), quiet);
     Ok(renderer)
 }
@@ -55,7 +51,7 @@ fn explain(error: RenderError) -> Failure {
             "--device gpu: no GPU adapter; install a Vulkan driver (a software one: packages libvulkan1 and \
              mesa-vulkan-drivers), or take --device cpu",
         ),
-        RenderError::Gpu(error) => Failure::new(format_args!("--device gpu: {error}")),
+        RenderError::Gpu(_) | RenderError::NotOnGpu(_) => Failure::new(format_args!("--device gpu: {error}")),
         error => Failure::new(error),
     }
 }
@@ -110,24 +106,14 @@ fn news(slow: &mut Vec<String>, compiling: &[CompiledKernel], compiled: &[Compil
     lines
 }
 
-/// The name of a GPU that is worth choosing: software ones are slower than the CPU's own path.
-fn hardware(backend: Result<Backend, RenderError>) -> Result<String, String> {
+/// A GPU that is worth choosing: software ones are slower than the CPU's own path.
+fn hardware(backend: Result<Backend, RenderError>) -> Result<Backend, String> {
     match backend {
-        Ok(backend) => match backend.gpu() {
-            Some(gpu) if !gpu.is_software() => Ok(gpu.name()),
-            _ => Err(format!("{} is no hardware", backend.name())),
-        },
+        Ok(backend) if backend.gpu().is_some_and(|gpu| !gpu.is_software()) => Ok(backend),
+        Ok(backend) => Err(format!("{} is no hardware", backend.name())),
         Err(RenderError::Gpu(GpuError::NoAdapter { .. })) => Err("there is no GPU adapter".to_owned()),
         Err(error) => Err(error.to_string()),
     }
-}
-
-/// What is asked for and a GPU does not have.
-fn lack(args: &RenderArgs) -> Option<&'static str> {
-    if args.layers {
-        return Some("--layers are made by the CPU only");
-    }
-    (args.method == args::Method::Lobes).then_some("--method lobes is summed by the CPU only")
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 use super::setting::{Setting, Technique};
 use super::truth::Truth;
-use crate::args::{Method, TradeArgs, TradeDevice, TradeGeometry, Visibility};
+use crate::args::{TradeArgs, TradeDevice, TradeGeometry, Visibility};
 use crate::console::STOP;
 use crate::failure::Failure;
 use crate::teller::Teller;
@@ -9,7 +9,7 @@ use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::render_cpu::{GBuffer, RayShader, SceneSilhouettes, World};
 use cosine_lobes::renderer::{
-    Backend, Coarser, Event, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, seconds,
+    Backend, Event, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, seconds,
 };
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::{ReceiverBounds, ShadowMap};
@@ -155,11 +155,7 @@ impl<'a> Stage<'a> {
                     _ => SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o)),
                 };
                 let (_, silhouettes) = &*self.silhouettes.insert((visibility, silhouettes));
-                let form = match (method, &self.tables) {
-                    (Method::Paper, Some(tables)) => Form::Paper(tables),
-                    (Method::Lobes, _) => Form::Lobes,
-                    _ => Form::Fractions,
-                };
+                let form = Form::of(method.into(), self.tables.as_ref());
                 let backend = match setting.device {
                     TradeDevice::Cpu => &mut Backend::Cpu,
                     TradeDevice::Gpu => &mut self.gpu,
@@ -184,8 +180,8 @@ impl<'a> Stage<'a> {
                 }
                 None => (Vec::new(), None),
             };
-            if let Some(Coarser { wanted, needed, room, drawn }) = coarser {
-                let _ = Teller::new(self.args.view.quiet).hear(Event::CoarserMaps { wanted, needed, room, drawn });
+            if let Some(coarser) = coarser {
+                let _ = Teller::new(self.args.view.quiet).hear(Event::CoarserMaps(coarser));
             }
             self.maps = Some((visibility, maps, time));
         }
