@@ -125,8 +125,8 @@ fn what_a_gpu_lacks_is_refused() {
         let args = [&["render", scene, "-o", "a.exr", "--device", "gpu"], options].concat();
         refuse(folder, &args, &format!("--device gpu: {what}"));
     };
-    gpu("scene.toml", &["--layers"], "--layers");
-    gpu("table.toml", &["--layers", "--visibility", "spheres"], "--layers");
+    gpu("scene.toml", &["--layers"], "layers are made by the CPU only");
+    gpu("table.toml", &["--layers", "--visibility", "spheres"], "layers are made by the CPU only");
     assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
     refuse(folder, &["render", "--device", "tpu"], "cpu, gpu, auto");
     let help = succeed(folder, &["render", "--help"]);
