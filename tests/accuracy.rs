@@ -1,7 +1,7 @@
 //! What the README promises, on small pictures: the lobes against Monte Carlo of the same blockers, against closed forms,
 //! and the paper's method beside them.
 
-use cosine_lobes::brdf::{Lambert, Material, ModifiedPhong};
+use cosine_lobes::brdf::{Lambert, Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{Accuracy, Cone, Method, Sphere, Unshadowed, VisibilityLobes, oracle};
@@ -133,6 +133,31 @@ fn a_small_bright_light_is_a_small_light() {
     };
     let error = Comparison::of(&view(&tiny), &view(&small)).expect("equal sizes");
     assert!(error.mean_relative < 1e-4 && error.max < 1e-3, "{error:?}");
+}
+
+/// A floor of gold that mirrors a light, and balls before it: the highlight, its tails and the shadows in both.
+#[test]
+fn metals_are_as_accurate_as_promised() {
+    let light = SphereLight::new(Sphere { center: Vec3::new(0.4, 2.0, -4.5), radius: 0.5 }, Vec3::splat(4.0));
+    for roughness in [0.2, 0.5] {
+        let gold = MetallicRoughness::new(Vec3::new(1.0, 0.77, 0.34), 1.0, roughness).expect("a metal");
+        let mut scene = floor(gold.into(), light);
+        let ball = |x: f32, y: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, y, z), radius };
+        let balls = vec![ball(0.0, 0.9, -1.0, 0.4), ball(0.6, 0.5, -2.0, 0.3), ball(-0.7, 0.4, 0.3, 0.4)];
+        scene.objects.push(Object::spheres("balls", balls, 0));
+        let set = posed(&scene);
+        let world = World::new(&scene);
+        let g = GBuffer::new(&world, scene.width, scene.height, 1);
+        let (truth, unshadowed) = reference(&world, &g, &set, 2048);
+        let (test, _) = shade(&scene, &g, &CpuShader::new(MaskVisibility::new(spheres(&set))), 0.003, 0.0);
+        let whole = Comparison::of(&test, &truth).expect("equal sizes");
+        let parts = ShadowErrors::of(&test, &truth, &unshadowed).expect("equal sizes");
+        println!("roughness {roughness}: {parts:?}, whole {:.5}", whole.mae / whole.reference_mean);
+        assert!(parts.penumbra.pixels > 200, "the scene has penumbrae");
+        // Most of it is the noise of the reference.
+        assert!(parts.penumbra.mean < 0.005 && parts.lit.mean < 0.003, "roughness {roughness}");
+        assert!(whole.mae < 0.01 * whole.reference_mean, "roughness {roughness}");
+    }
 }
 
 #[test]

@@ -107,7 +107,7 @@ fn above(random: &mut Random, normal: Vec3) -> Vec3 {
 /// The sum of lobes against `eval`, the horizon, and signs.
 fn lobes<B: Brdf>(model: &B, at: &Receiver, limits: &BrdfLimits, random: &mut Random, run: &mut Run<MeasuredBrdf>) {
     let mut buffer = LobeBuffer::with_capacity(model.max_lobes());
-    let written = model.brdf_lobes(at, &mut buffer.writer());
+    let written = model.brdf_lobes(at, &mut buffer.writer_of(true));
     run.ensure(written.is_ok(), "lobes fit max_lobes", || format!("{at:?}"));
     let mirror = (2.0 * at.normal.dot(at.view) * at.normal - at.view).normalize();
     let mut directions: Vec<Vec3> = (0..400).map(|_| above(random, at.normal)).collect();
@@ -174,9 +174,14 @@ fn energy<B: Brdf>(model: &B, at: &Receiver, limits: &BrdfLimits, random: &mut R
     });
 }
 
-/// The same bits in tiles.
+/// The same bits in tiles, with lobes of microfacets and without.
 fn tiles<B: Brdf>(model: &B, receivers: &[Receiver], run: &mut Run<MeasuredBrdf>) {
+    [false, true].into_iter().for_each(|microfacets| tiles_with(model, receivers, microfacets, run));
+}
+
+fn tiles_with<B: Brdf>(model: &B, receivers: &[Receiver], microfacets: bool, run: &mut Run<MeasuredBrdf>) {
     let (mut tile, mut out) = (Tile::default(), TileLobes::default());
+    out.take_microfacets(microfacets);
     tile.set(receivers);
     let of = vec![0; receivers.len()];
     let mut buffer = LobeBuffer::with_capacity(model.max_lobes());
@@ -186,7 +191,7 @@ fn tiles<B: Brdf>(model: &B, receivers: &[Receiver], run: &mut Run<MeasuredBrdf>
         return;
     }
     for (i, at) in receivers.iter().enumerate() {
-        if model.brdf_lobes(at, &mut buffer.writer()).is_err() {
+        if model.brdf_lobes(at, &mut buffer.writer_of(microfacets)).is_err() {
             continue;
         }
         let single: Vec<_> = buffer.lobes().iter().filter(|lobe| lobe.flux != Vec3::ZERO).collect();

@@ -72,6 +72,33 @@ fn highlight(f: impl Fn(DVec3) -> f64, scale: f64, mirror: f64) -> [f64; 3] {
     [peak, reach(true, 1.0) + reach(true, -1.0), 2.0 * reach(false, 1.0)]
 }
 
+/// `eval` and the lobes of microfacets are the printed formula.
+#[test]
+fn metals_are_ggx() {
+    for roughness in [0.05, 0.2, 0.5, 0.8, 1.0_f32] {
+        let metal = MetallicRoughness::new(Vec3::splat(0.7), 1.0, roughness).unwrap();
+        for degrees in [0.0, 30.0, 60.0, 85.0] {
+            let at = receiver(degrees);
+            let view = at.view.as_dvec3().normalize();
+            let scale = f64::from(roughness * roughness);
+            let mut lobes = LobeBuffer::with_capacity(3);
+            metal.brdf_lobes(&at, &mut lobes.writer_of(true)).unwrap();
+            for k in 0..200 {
+                let (aside, turn) = (scale * 0.02 * f64::from(k), f64::from(k));
+                let mirror = DVec3::new(-view.x, -view.y, view.z);
+                let l = (mirror + DVec3::new(turn.cos(), turn.sin(), 0.5 * turn.sin()) * aside).normalize();
+                let want = printed(0.7, 1.0, f64::from(roughness), view, l.as_vec3().as_dvec3());
+                let l = l.as_vec3();
+                let (got, sum) = (f64::from(metal.eval(&at, l).x), f64::from(lobes.lobes().eval(at.normal, l).x));
+                // A rounding of a direction, beside the width of the highlight.
+                let allowed = want * (1e-5 + 3e-6 / scale) + 1e-12;
+                assert!((got - want).abs() < allowed, "{roughness} {degrees}: {got} {want} for {l}");
+                assert!((sum - got).abs() <= 1e-5 * got, "{roughness} {degrees}: {sum} {got}");
+            }
+        }
+    }
+}
+
 #[test]
 fn metals_reflect_as_much_as_ggx_with_its_highlight() {
     // By angle: what is allowed in L2, peak, width at half of it along and across the plane of incidence; relative. Round
@@ -90,7 +117,7 @@ fn metals_reflect_as_much_as_ggx_with_its_highlight() {
         for (degrees, limits) in allowed {
             let at = receiver(degrees);
             let view = at.view.as_dvec3().normalize();
-            let lobes: Vec<_> = metal.lobes(&at).collect();
+            let lobes: Vec<_> = metal.lobes(&at, false).collect();
             let sum = |l: DVec3| lobes.iter().map(|f| f64::from(f.eval(l.as_vec3()).x)).sum::<f64>();
             let true_value = |l: DVec3| printed(1.0, 1.0, f64::from(roughness), view, l);
             let both = integrate(view, |l| {
@@ -149,7 +176,7 @@ fn coated_materials_never_reflect_more_than_they_get() {
             for degrees in [0.0, 45.0, 80.0, 89.0] {
                 let at = receiver(degrees);
                 let view = at.view.as_dvec3().normalize();
-                let lobes: Vec<_> = material.lobes(&at).collect();
+                let lobes: Vec<_> = material.lobes(&at, false).collect();
                 if roughness == 0.0 {
                     // Too narrow for the quadrature; all of it is above the horizon, but at 89°.
                     let all: f32 = lobes.iter().map(|f| f.flux.x).sum();

@@ -7,7 +7,7 @@
 //! | [`Phong`], as the paper prints it (Eq. 23) | `kd·(n·v) + ks·max(r·v, 0)^e` | ≤ 2 |
 //! | [`ModifiedPhong`], normalised | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e)·(n·v)` | ≤ 2 |
 //! | [`Lafortune`] (Eqs. 27–29) | `(ρ/π + Σ k·max(v·Mω_o, 0)^e)·(n·v)` | ≤ 1 + number of lobes |
-//! | [`MetallicRoughness`] (GGX), approximately | diffuse + `F·D·W` | ≤ 9 |
+//! | [`MetallicRoughness`] (GGX) | diffuse + `F·D·W` | 3 with microfacets, else ≤ 9 |
 //!
 //! [`Material`] is one of these; a model of your own implements [`Brdf`]. Lobes that reflect nothing are not written.
 //!
@@ -58,6 +58,7 @@ mod suite;
 mod symmetric;
 mod term;
 mod tile;
+mod visible_normals;
 pub mod wgsl;
 
 pub use crate::error::MaterialError;

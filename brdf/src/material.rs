@@ -67,6 +67,14 @@ impl Material {
         }
     }
 
+    /// The most lobes that it has, with or without those of microfacets.
+    pub(crate) fn places(&self, takes_microfacets: bool) -> usize {
+        match self {
+            Self::MetallicRoughness(_) if takes_microfacets => MetallicRoughness::MICROFACET_LOBES,
+            material => material.max_lobes(),
+        }
+    }
+
     /// What the lobe at a place is made of; none beyond the last, and of models whose lobes have no such constants.
     pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {
         match self {

@@ -1,7 +1,9 @@
 use crate::error::check_fraction;
 use crate::ggx::{DIELECTRIC, FAMILY_COUNT, Row, SPREAD};
-use crate::sampling::{density, draw};
+use crate::sampling::{cosine_power_direction, luminance};
+use crate::visible_normals::VisibleNormals;
 use crate::{Brdf, BrdfSample, MaterialError};
+use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis};
 use std::sync::Arc;
@@ -19,17 +21,24 @@ const MIN_ALPHA: f64 = 1e-3;
 /// `f̃ ≈ (1−metallic)·base/π·(1−F_d)·(n·v) + F·D(h)·W(v)`, `D = α²/π((n·h)²(α²−1)+1)²`,
 /// `F = F0 + (1−F0)(1−ω_o·h)⁵`, `W = G₂/(4 n·ω_o)` with Smith's height-correlated `G₂`.
 ///
-/// `D` is split into three or (α < 0.3) four parts, each of which becomes a lobe with the same flux, mean direction and width across the
-/// plane of incidence, the two narrow ones up to three lobes where the highlight is longer than wide (from about 30°).
-/// The sum *is* the model: `eval` is the lobes' value, as for every other material here.
+/// `eval` and `sample` are this formula, but for the base: `1 − F_d` is its mean over the light's directions, so that coat and base
+/// together give back no more than they get.
+///
+/// # Lobes
+/// - Of [microfacets](Lobe::microfacets), where whoever reads them takes those, as the default method does: `F·D·W` itself, with its long tails
+///   and its length at grazing views; two lobes, and one for a diffuse base.
+/// - Of directions elsewhere (the paper's method, visibility as lobes): `D` is split into three or (α < 0.3) four parts, each of which
+///   becomes a lobe with the same flux, mean direction and width across the plane of incidence, the two narrow ones up to three lobes
+///   where the highlight is longer than wide (from about 30°): one to eight lobes, and one for a diffuse base.
 ///
 /// # Accuracy
-/// The reflected fraction is GGX's within 0.5 %, and never above 1. For roughness 0.1 … 1 the highlight's peak is within
-/// 9 % of GGX's up to 60° from the normal, and its L2 residual 2–15 %. Beyond, three round lobes are no streak: at 75° the
-/// peak is 11–35 % low and the highlight up to 1.8 times too wide across, at 80° 15–55 % and 2.6 times.
+/// Microfacets: docs/materials.md has the table (radiance of lights of 0.5 to 25°: 0.3 % in the mean). Lobes of directions: the reflected
+/// fraction is GGX's within 0.5 %, and never above 1. For roughness 0.1 … 1 the highlight's peak is within 9 % of GGX's up to 60° from the
+/// normal, and its L2 residual 2–15 %. Beyond, three round lobes are no streak: at 75° the peak is 11–35 % low and the highlight up to
+/// 1.8 times too wide across, at 80° 15–55 % and 2.6 times.
 ///
 /// # Cost
-/// A table of 48 rows when it is made (some milliseconds); one to eight lobes, and one for a diffuse base.
+/// A table of 48 rows when it is made (some milliseconds), for the base and the lobes of directions.
 ///
 /// ```
 /// use brdf::{Brdf, MetallicRoughness};
@@ -79,14 +88,48 @@ impl MetallicRoughness {
     }
 
     fn row(&self, cos: f32, sin: f32) -> Row {
-        // √(1 − cos) without cancellation.
-        let root = sin / (1.0 + cos).sqrt();
-        let at = root.clamp(0.0, 1.0) * (ROWS - 1) as f32;
+        let at = row_place(cos, sin);
         let first = (at as usize).min(ROWS - 2);
         self.rows[first].lerp(&self.rows[first + 1], at - first as f32)
     }
 
-    pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+    /// A diffuse lobe and two of microfacets.
+    pub(crate) const MICROFACET_LOBES: usize = 3;
+
+    /// Of microfacets where whoever reads them knows those, else of directions.
+    pub(crate) fn lobes(&self, at: &Receiver, takes_microfacets: bool) -> impl Iterator<Item = Lobe> + Clone + use<> {
+        let microfacets = takes_microfacets.then(|| self.microfacet_lobes(at));
+        let directions = (!takes_microfacets).then(|| self.direction_lobes(at));
+        microfacets.into_iter().flatten().chain(directions.into_iter().flatten())
+    }
+
+    /// Diffuse, microfacets, and what grows toward grazing of them; the first may be missing.
+    fn microfacet_lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+        let diffuse = self.base * (1.0 - self.metallic) * self.diffuse(at);
+        let diffuse = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, diffuse));
+        diffuse.into_iter().chain(self.microfacets(at))
+    }
+
+    /// The coat or metal.
+    fn microfacets(&self, at: &Receiver) -> [Lobe; 2] {
+        Lobe::microfacets(at.view, self.alpha(), [normal_reflectance(self.base, self.metallic), Vec3::ONE])
+    }
+
+    pub(crate) fn alpha(&self) -> f32 {
+        (self.roughness * self.roughness).max(MIN_ALPHA as f32)
+    }
+
+    /// What the coat leaves to a white diffuse base.
+    fn diffuse(&self, at: &Receiver) -> f32 {
+        let cos = at.normal.dot(at.view).clamp(0.0, 1.0);
+        let sin = (at.normal * at.normal.dot(at.view) - at.view).length().min(1.0);
+        let at = row_place(cos, sin);
+        let (first, t) = ((at as usize).min(ROWS - 2), at - (at as usize).min(ROWS - 2) as f32);
+        let [a, b] = [self.rows[first].diffuse, self.rows[first + 1].diffuse];
+        a + (b - a) * t
+    }
+
+    fn direction_lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
         let n = at.normal;
         let cos = n.dot(at.view).clamp(0.0, 1.0);
         // Views below the horizon, which smooth normals have, are taken as at it.
@@ -126,6 +169,11 @@ impl MetallicRoughness {
     }
 }
 
+/// Where between the rows a view is, without the cancellation of `√(1 − cos)`.
+fn row_place(cos: f32, sin: f32) -> f32 {
+    (sin / (1.0 + cos).sqrt()).clamp(0.0, 1.0) * (ROWS - 1) as f32
+}
+
 /// `F0`.
 pub(crate) fn normal_reflectance(base: Vec3, metallic: f32) -> Vec3 {
     Vec3::splat(DIELECTRIC as f32).lerp(base, metallic)
@@ -137,7 +185,7 @@ impl BrdfLobes for MetallicRoughness {
     }
 
     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+        self.lobes(at, out.takes_microfacets()).try_for_each(|lobe| out.push(lobe))
     }
 }
 
@@ -146,14 +194,43 @@ impl Brdf for MetallicRoughness {
         if at.normal.dot(v) <= 0.0 {
             return Vec3::ZERO;
         }
-        self.lobes(at).map(|lobe| lobe.eval(v)).sum()
+        self.microfacet_lobes(at).map(|lobe| lobe.eval_at(at.normal, v)).sum()
     }
 
+    /// Of the base in proportion to the cosine, of the coat by the normals that the eye sees (E. Heitz, *Sampling the GGX
+    /// Distribution of Visible Normals*, 2018).
     fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
-        draw(self.lobes(at), at.normal, u)
+        let chance = self.chance_of_base(at);
+        let direction = if u[0] < chance {
+            cosine_power_direction(at.normal, 1.0, u[1], u[2])
+        } else {
+            self.visible(at).draw([u[1], u[2]])
+        };
+        let pdf = self.pdf(at, direction);
+        (pdf > 0.0).then_some(BrdfSample { direction, pdf })
     }
 
     fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
-        density(self.lobes(at), at.normal, v)
+        let cos = at.normal.dot(v);
+        if cos <= 0.0 {
+            return 0.0;
+        }
+        let chance = self.chance_of_base(at);
+        chance * cos * FRAC_1_PI + (1.0 - chance) * self.visible(at).density(v)
+    }
+}
+
+impl MetallicRoughness {
+    /// How often the diffuse base is chosen: as much of it as there is, but never all or nothing of two.
+    fn chance_of_base(&self, at: &Receiver) -> f32 {
+        let base = luminance(self.base) * (1.0 - self.metallic) * self.diffuse(at);
+        let cos = at.normal.dot(at.view).clamp(0.0, 1.0);
+        let f0 = luminance(normal_reflectance(self.base, self.metallic));
+        let coat = f0 + (1.0 - f0) * (1.0 - cos).powi(5);
+        if base > 0.0 { (base / (base + coat)).clamp(0.1, 0.9) } else { 0.0 }
+    }
+
+    fn visible(&self, at: &Receiver) -> VisibleNormals {
+        VisibleNormals::new(at.normal, at.view, self.alpha())
     }
 }

@@ -9,7 +9,7 @@ use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
 ///
 /// ```
 /// use brdf::{Material, Models};
-/// let models = Models::of(&[Material::lambert(glam::Vec3::ONE)]);
+/// let models = Models::of(&[Material::lambert(glam::Vec3::ONE)], false);
 /// assert_eq!(models.names().collect::<Vec<_>>(), ["lambert"]);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -17,15 +17,16 @@ pub struct Models(u8);
 
 impl Models {
     /// All of them.
-    pub const ALL: Self = Self(0x1f);
+    pub const ALL: Self = Self(0x3f);
 
-    /// Names by number, as [`Material::model_name`] spells them.
-    const NAMES: [&'static str; 5] = ["lambert", "phong", "modified-phong", "lafortune", "metallic-roughness"];
+    /// Names by number, as [`Material::model_name`] spells them; the last by microfacets instead of lobes of directions.
+    const NAMES: [&'static str; 6] =
+        ["lambert", "phong", "modified-phong", "lafortune", "metallic-roughness", "metallic-microfacets"];
 
-    /// The models of these materials.
+    /// The models of these materials, with lobes of microfacets or without.
     #[must_use]
-    pub fn of(materials: &[Material]) -> Self {
-        Self(materials.iter().fold(0, |all, material| all | 1 << number(material)))
+    pub fn of(materials: &[Material], takes_microfacets: bool) -> Self {
+        Self(materials.iter().fold(0, |all, material| all | 1 << number(material, takes_microfacets)))
     }
 
     /// The models whose bits are set, in the order of the table in the crate's documentation.
@@ -46,20 +47,20 @@ impl Models {
 }
 
 /// Number of a material's model.
-const fn number(material: &Material) -> u32 {
+const fn number(material: &Material, takes_microfacets: bool) -> u32 {
     match material {
         Material::Lambert(_) => 0,
         Material::Phong(_) => 1,
         Material::ModifiedPhong(_) => 2,
         Material::Lafortune(_) => 3,
-        Material::MetallicRoughness(_) => 4,
+        Material::MetallicRoughness(_) => 4 + takes_microfacets as u32,
     }
 }
 
 /// Materials as the words that the WGSL of [`wgsl`](crate::wgsl) reads from its `materials`.
 ///
 /// Two words a material (number of its model + 256 × number of its lobes; where its numbers begin), then the numbers: 3
-/// words for Lambert, 8 for Phong, 4 and 25 a lobe for Lafortune, 1025 for metallic–roughness. Lobes that reflect nothing
+/// words for Lambert, 8 for Phong, 4 and 25 a lobe for Lafortune, 1025 for metallic–roughness, 57 by microfacets. Lobes that reflect nothing
 /// from anywhere are not among them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedMaterials {
@@ -72,15 +73,15 @@ pub struct PackedMaterials {
 }
 
 impl PackedMaterials {
-    /// Packs materials whose parameters are [valid](Material::validate).
+    /// Packs materials whose parameters are [valid](Material::validate), with lobes of microfacets where `takes_microfacets`.
     ///
     /// ```
     /// use brdf::{Material, PackedMaterials};
-    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)]);
+    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)], false);
     /// assert_eq!((packed.words.len(), packed.max_lobes), (5, 1));
     /// ```
     #[must_use]
-    pub fn new(materials: &[Material]) -> Self {
+    pub fn new(materials: &[Material], takes_microfacets: bool) -> Self {
         // Nothing at all reads as a material without lobes.
         let mut words = vec![0; 2 * materials.len().max(1)];
         let mut max_lobes = 0;
@@ -94,18 +95,19 @@ impl PackedMaterials {
                     phong([m.kd, m.ks * ((e + 2.0) / (e + 1.0))], e, &mut words)
                 }
                 Material::Lafortune(m) => lafortune(m, &mut words),
+                Material::MetallicRoughness(m) if takes_microfacets => metallic_microfacets(m, &mut words),
                 Material::MetallicRoughness(m) => metallic_roughness(m, &mut words),
             };
-            words[2 * i] = number(material) | lobes << 8;
+            words[2 * i] = number(material, takes_microfacets) | lobes << 8;
             max_lobes = max_lobes.max(lobes);
         }
-        Self { words, models: Models::of(materials), max_lobes }
+        Self { words, models: Models::of(materials, takes_microfacets), max_lobes }
     }
 }
 
 impl GpuMaterials for Material {
-    fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
-        let PackedMaterials { words, models, max_lobes } = PackedMaterials::new(materials);
+    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> GpuMaterialSet {
+        let PackedMaterials { words, models, max_lobes } = PackedMaterials::new(materials, takes_microfacets);
         let names: Vec<&str> = models.names().collect();
         GpuMaterialSet {
             name: if names.is_empty() { "no materials".to_owned() } else { names.join(" + ") },
@@ -113,6 +115,7 @@ impl GpuMaterials for Material {
             words,
             max_lobes,
             is_lambert: names.iter().all(|name| *name == "lambert"),
+            has_microfacets: takes_microfacets && materials.iter().any(|m| matches!(m, Self::MetallicRoughness(_))),
         }
     }
 }
@@ -142,6 +145,17 @@ fn lafortune(model: &Lafortune, words: &mut Vec<u32>) -> u32 {
         lobes += 1;
     }
     lobes
+}
+
+fn metallic_microfacets(model: &MetallicRoughness, words: &mut Vec<u32>) -> u32 {
+    let diffuse = model.base * (1.0 - model.metallic);
+    let has_base = u32::from(diffuse != Vec3::ZERO);
+    push(words, diffuse.to_array());
+    push(words, normal_reflectance(model.base, model.metallic).to_array());
+    push(words, [model.alpha()]);
+    words.extend([has_base, model.rows.len() as u32]);
+    push(words, model.rows.iter().map(|row| row.diffuse));
+    has_base + 2
 }
 
 fn metallic_roughness(model: &MetallicRoughness, words: &mut Vec<u32>) -> u32 {
@@ -196,12 +210,13 @@ mod tests {
             (MetallicRoughness::new(white, 1.0, 1.0).unwrap().into(), 1),
         ];
         let materials: Vec<Material> = cases.iter().map(|(material, _)| material.clone()).collect();
-        let packed = PackedMaterials::new(&materials);
+        let packed = PackedMaterials::new(&materials, false);
         for (i, (material, lobes)) in cases.iter().enumerate() {
             assert_eq!(packed.words[2 * i] >> 8, *lobes, "{} {i}", material.model_name());
         }
-        assert_eq!((packed.models, packed.max_lobes), (Models::ALL, 9));
-        let none = PackedMaterials::new(&[]);
+        assert_eq!((packed.models, packed.max_lobes), (Models::from_bits(0x1f), 9));
+        assert_eq!(PackedMaterials::new(&materials, true).max_lobes, 3);
+        let none = PackedMaterials::new(&[], false);
         assert_eq!((none.words.len(), none.models, none.max_lobes), (2, Models::default(), 0));
     }
 }

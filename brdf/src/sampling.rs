@@ -5,9 +5,14 @@ use core::f32::consts::TAU;
 use glam::Vec3;
 use lobe_core::{Lobe, orthonormal_basis, power};
 
-/// How often a lobe is chosen: the luminance of its flux (Rec. 709 weights).
+/// Luminance, by Rec. 709.
+pub(crate) fn luminance(color: Vec3) -> f32 {
+    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// How often a lobe is chosen: the luminance of its flux.
 fn weight(lobe: &Lobe) -> f32 {
-    lobe.flux.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+    luminance(lobe.flux)
 }
 
 /// Chooses a lobe in proportion to its weight, then a direction in proportion to `max(a·v, 0)^e`. A receiver's cosine
@@ -23,7 +28,8 @@ pub(crate) fn draw(lobes: impl Iterator<Item = Lobe> + Clone, normal: Vec3, u: [
             break;
         }
     }
-    let direction = cosine_power_direction(&chosen?, u[1], u[2]);
+    let lobe = chosen?;
+    let direction = cosine_power_direction(lobe.axis, lobe.exponent, u[1], u[2]);
     let pdf = density(lobes, normal, direction);
     (pdf > 0.0).then_some(BrdfSample { direction, pdf })
 }
@@ -44,10 +50,10 @@ pub(crate) fn density(lobes: impl Iterator<Item = Lobe>, normal: Vec3, v: Vec3) 
 
 /// Inverts the cumulative distribution of `(e+1)/2π·cos^e`: `cos θ = (1−u)^(1/(e+1))`, through `1 − cos θ` because that
 /// is all there is to a narrow lobe.
-fn cosine_power_direction(lobe: &Lobe, u: f32, azimuth: f32) -> Vec3 {
-    let one_minus_cos = -((-u).ln_1p() / (lobe.exponent + 1.0)).exp_m1();
+pub(crate) fn cosine_power_direction(axis: Vec3, exponent: f32, u: f32, azimuth: f32) -> Vec3 {
+    let one_minus_cos = -((-u).ln_1p() / (exponent + 1.0)).exp_m1();
     let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
-    let (t, b) = orthonormal_basis(lobe.axis);
+    let (t, b) = orthonormal_basis(axis);
     let (s, c) = (TAU * azimuth).sin_cos();
-    (lobe.axis * (1.0 - one_minus_cos) + (t * c + b * s) * sin).normalize()
+    (axis * (1.0 - one_minus_cos) + (t * c + b * s) * sin).normalize()
 }

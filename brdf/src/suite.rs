@@ -175,7 +175,7 @@ fn lambert_lobe_is_recognisable() {
         let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
         material.brdf_lobes(&at, &mut buffer.writer()).unwrap();
         let first = buffer.lobes().get(0);
-        assert_eq!((first.axis, first.exponent, first.cosine), (at.normal, 1.0, 0.0));
+        assert_eq!((first.axis, first.exponent, first.factor), (at.normal, 1.0, 0.0));
     }
 }
 
@@ -420,12 +420,13 @@ fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
         for run in [1000, 16, 5, 1] {
             let count = materials.len();
             let of: Vec<u32> = (0..receivers.len()).map(|i| ((i / run * 7 + run) % count) as u32).collect();
-            for level in [Level::new(), Level::baseline()] {
+            for (level, microfacets) in [(Level::new(), false), (Level::baseline(), false), (Level::new(), true)] {
+                lobes.take_microfacets(microfacets);
                 crate::tile::lobes_at(level, &materials, &of, &tile, &mut lobes);
                 for (i, at) in receivers.iter().enumerate() {
                     let material = &materials[of[i] as usize];
                     let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
-                    material.brdf_lobes(at, &mut buffer.writer()).unwrap();
+                    material.brdf_lobes(at, &mut buffer.writer_of(microfacets)).unwrap();
                     let got: Vec<_> = lobes.of(i).map(|(_, lobe)| lobe).collect();
                     assert_eq!(got, buffer.lobes().iter().collect::<Vec<_>>(), "{level:?} {material:?} {at:?}");
                 }

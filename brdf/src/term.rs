@@ -57,6 +57,6 @@ pub(crate) struct Mirror {
 impl Shape<5> for Mirror {
     #[inline(always)]
     fn lobe(&self, normal: Vec3, view: Vec3) -> Lobe {
-        Lobe { axis: mirrored_view(normal, view), exponent: self.exponent, flux: self.flux, cosine: self.cosine }
+        Lobe { axis: mirrored_view(normal, view), exponent: self.exponent, flux: self.flux, factor: self.cosine }
     }
 }

@@ -5,7 +5,7 @@ use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
-use lobe_core::{BrdfLobes, Lobe, OWN_NONE, Receiver, Tile, TileLobes};
+use lobe_core::{Lobe, OWN_NONE, Receiver, Tile, TileLobes};
 
 /// [`BrdfLobes::tile_lobes`] of the built-in models: sixteen receivers at a time, as many in one instruction as the processor
 /// offers; least where neighbours have the same material.
@@ -24,7 +24,7 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
     for number in of {
         // Neighbours mostly have the same.
         if last != Some(number) {
-            places = places.max(materials[*number as usize].max_lobes());
+            places = places.max(materials[*number as usize].places(out.takes_microfacets()));
             last = Some(number);
         }
     }
@@ -48,7 +48,7 @@ fn tables(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out
             let normal = Vec3::new(x, y, z);
             let at =
                 Receiver { position: Vec3::ZERO, normal, face: normal, view: Vec3::from_array(view), object: OWN_NONE };
-            for (place, lobe) in material.lobes(&at).enumerate() {
+            for (place, lobe) in material.lobes(&at, out.takes_microfacets()).enumerate() {
                 set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
             }
         }

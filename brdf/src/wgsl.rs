@@ -22,13 +22,17 @@ pub const LAFORTUNE: &str = include_str!("lafortune.wgsl");
 /// [`MetallicRoughness`](crate::MetallicRoughness). Needs [`MATERIAL`].
 pub const METALLIC_ROUGHNESS: &str = include_str!("metallic_roughness.wgsl");
 
+/// The same by microfacets. Needs [`MATERIAL`].
+pub const METALLIC_MICROFACETS: &str = include_str!("metallic_microfacets.wgsl");
+
 /// By number: name of the function, pieces.
-const MODELS: [(&str, &[&str]); 5] = [
+const MODELS: [(&str, &[&str]); 6] = [
     ("lambert_lobe", &[LAMBERT]),
     ("phong_lobe", &[MIRRORED_VIEW, PHONG]),
     ("modified_phong_lobe", &[MIRRORED_VIEW, MODIFIED_PHONG]),
     ("lafortune_lobe", &[LAFORTUNE]),
     ("metallic_roughness_lobe", &[METALLIC_ROUGHNESS]),
+    ("metallic_microfacets_lobe", &[METALLIC_MICROFACETS]),
 ];
 
 /// The code of these models and no other, with `brdf_lobe_count(material: u32) -> u32` and
@@ -39,7 +43,7 @@ const MODELS: [(&str, &[&str]); 5] = [
 ///
 /// ```
 /// use brdf::{Material, Models, wgsl};
-/// let text = wgsl::compose(Models::of(&[Material::lambert(glam::Vec3::ONE)]));
+/// let text = wgsl::compose(Models::of(&[Material::lambert(glam::Vec3::ONE)], false));
 /// assert!(text.contains("lambert_lobe") && !text.contains("switch"));
 /// ```
 #[must_use]

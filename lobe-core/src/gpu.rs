@@ -23,6 +23,8 @@ pub struct GpuMaterialSet {
     pub max_lobes: u32,
     /// Whether all lobes are Lambert's: exponent 1 about the normal. Kernels are smaller then.
     pub is_lambert: bool,
+    /// Whether there may be lobes of [microfacets](crate::Lobe::microfacets).
+    pub has_microfacets: bool,
 }
 
 /// Materials that a GPU can shade.
@@ -45,20 +47,20 @@ pub struct GpuMaterialSet {
 /// }
 ///
 /// impl GpuMaterials for Retro {
-///     fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
+///     fn gpu_set(materials: &[Self], _: bool) -> GpuMaterialSet {
 ///         let wgsl = "fn brdf_lobe_count(material: u32) -> u32 { return 1u; }
 ///             fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe {
 ///                 let color = vec3u(materials[3u * material], materials[3u * material + 1u], materials[3u * material + 2u]);
 ///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), 0.0);
 ///             }";
 ///         let words = materials.iter().flat_map(|m| m.0.to_array()).map(f32::to_bits).collect();
-///         GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, is_lambert: false }
+///         GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, is_lambert: false, has_microfacets: false }
 ///     }
 /// }
 /// ```
 pub trait GpuMaterials: BrdfLobes + Sized {
-    /// All of a frame's materials, numbered as in the list.
-    fn gpu_set(materials: &[Self]) -> GpuMaterialSet;
+    /// All of a frame's materials, numbered as in the list; lobes of microfacets among them only if `takes_microfacets`.
+    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> GpuMaterialSet;
 }
 
 /// A kind of light that a GPU can shade with.

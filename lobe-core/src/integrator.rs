@@ -155,9 +155,9 @@ impl Integrator<'_> {
         let mut seen = None;
         for f in call.brdf.iter() {
             // c_a of Eq. 12; a receiver's cosine is one more lobe.
-            let f = if f.cosine > 0.0 {
+            let f = if f.factor > 0.0 {
                 let cosine = Lobe::new(call.at.normal, 1.0, Vec3::ONE);
-                tables.product(&Lobe { cosine: 0.0, ..f }, &cosine)
+                tables.product(&Lobe { factor: 0.0, ..f }, &cosine)
             } else {
                 f
             };

@@ -32,6 +32,7 @@ mod integrator;
 pub mod lanes;
 mod lobe;
 mod lobes;
+mod microfacets;
 mod moments;
 #[cfg(any(test, feature = "oracle"))]
 pub mod oracle;
@@ -53,6 +54,7 @@ pub use crate::geometry::{Cone, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, 
 pub use crate::integrator::{Call, Integrator, LightTerm, Lit, Method, Probe, Stage, visible_fraction};
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
+pub use crate::microfacets::Microfacets;
 pub use crate::moments::{cone_lobe, exponent_of_spread, mixture_lobe, product_lobe};
 pub use crate::product::{is_lambert, lobe_product, product_integral, product_of_angle, products_of_angle};
 pub use crate::source::{

@@ -1,3 +1,4 @@
+use crate::Microfacets;
 use crate::special::{exp, ln_1p};
 use glam::Vec3;
 
@@ -6,9 +7,10 @@ use glam::Vec3;
 /// Stored by its *flux* `∫ c(v) dv = 2π s/(e+1)` (steradians times the unit of `s`) and not by its scale `s`, so that
 /// `e = ∞` with finite flux, a point light, is a value like any other.
 ///
-/// With `cosine = 1` the function is `s·max(a·v, 0)^e·max(n·v, 0)` with the normal `n` of the [`Receiver`] at which the
-/// lobe is used: the form that the modified Phong and Lafortune models need. `flux` is that of the lobe without the
-/// cosine.
+/// With the factor [`COSINE`](Self::COSINE) the function is `s·max(a·v, 0)^e·max(n·v, 0)` with the normal `n` of the
+/// [`Receiver`] at which the lobe is used: the form that the modified Phong and Lafortune models need. `flux` is that of the lobe
+/// without the cosine. With [`MICROFACETS`](Self::MICROFACETS) or [`EDGE`](Self::EDGE) it is a cosine lobe not of directions but of half
+/// vectors, see [`microfacets`](Self::microfacets).
 ///
 /// 32 bytes, plain old data, the same struct on the GPU.
 ///
@@ -29,11 +31,18 @@ pub struct Lobe {
     pub exponent: f32,
     /// Integral over the sphere, per colour channel: `2π s/(e+1)`.
     pub flux: Vec3,
-    /// Power of the receiver's cosine `max(n·v, 0)` that multiplies the lobe: 0 or 1.
-    pub cosine: f32,
+    /// What multiplies the power: 0 for nothing, or [`COSINE`](Self::COSINE), [`MICROFACETS`](Self::MICROFACETS), [`EDGE`](Self::EDGE).
+    pub factor: f32,
 }
 
 impl Lobe {
+    /// The receiver's cosine `max(n·v, 0)`.
+    pub const COSINE: f32 = 1.0;
+    /// The part of microfacets' reflectance that is the same at all angles: no lobe of directions, see [`microfacets`](Self::microfacets).
+    pub const MICROFACETS: f32 = 2.0;
+    /// The part that grows toward grazing.
+    pub const EDGE: f32 = 3.0;
+
     /// The lobe `scale·max(axis·v, 0)^exponent` (Eq. 4), for a finite exponent.
     #[must_use]
     pub fn new(axis: Vec3, exponent: f32, scale: Vec3) -> Self {
@@ -43,13 +52,45 @@ impl Lobe {
     /// The lobe of the given exponent (∞ allowed) that integrates to `flux`.
     #[must_use]
     pub const fn with_flux(axis: Vec3, exponent: f32, flux: Vec3) -> Self {
-        Self { axis, exponent, flux, cosine: 0.0 }
+        Self { axis, exponent, flux, factor: 0.0 }
     }
 
     /// The same lobe times the receiver's cosine `max(n·v, 0)`.
     #[must_use]
     pub const fn times_cosine(self) -> Self {
-        Self { cosine: 1.0, ..self }
+        Self { factor: Self::COSINE, ..self }
+    }
+
+    /// Reflection by microfacets of the GGX distribution: the reflectance `F·D(h)·W(v)` of [`Microfacets`](crate::Microfacets) with Schlick's
+    /// `F = f0·(1 − s) + f90·s`, as two lobes of which the second follows the first.
+    ///
+    /// `D(h)·(n·h)` is a cosine lobe of exponent 1 about the normal, its half vectors stretched by `α`: the one shape that takes
+    /// a highlight's long tails and its length at grazing views. Fields: `axis` is `ω_o`, the direction to the eye, `exponent`
+    /// is `2/α² − 2`, that of a lobe about the half vector with the same peak, `flux` is `f0` or `f90`.
+    #[must_use]
+    pub fn microfacets(view: Vec3, alpha: f32, [f0, f90]: [Vec3; 2]) -> [Self; 2] {
+        let exponent = 2.0 / (alpha * alpha) - 2.0;
+        let lobe = |flux, factor| Self { axis: view, exponent, flux, factor };
+        [lobe(f0, Self::MICROFACETS), lobe(f90, Self::EDGE)]
+    }
+
+    /// Whether it is one of those of [`microfacets`](Self::microfacets).
+    #[inline(always)]
+    #[must_use]
+    pub const fn is_microfacets(&self) -> bool {
+        self.factor >= Self::MICROFACETS
+    }
+
+    /// Value in the unit direction `v` at a receiver of this normal, factor included.
+    #[must_use]
+    pub fn eval_at(&self, normal: Vec3, v: Vec3) -> Vec3 {
+        if self.is_microfacets() {
+            self.flux * Microfacets::new(normal, self).value(v)
+        } else if self.factor > 0.0 {
+            self.eval(v) * normal.dot(v).max(0.0)
+        } else {
+            self.eval(v)
+        }
     }
 
     /// Scale `s = flux·(e+1)/2π`: the lobe's value along its axis. Infinite for an infinite exponent.
@@ -58,7 +99,7 @@ impl Lobe {
         self.flux * ((self.exponent + 1.0) * core::f32::consts::FRAC_1_PI * 0.5)
     }
 
-    /// Value `s·max(a·v, 0)^e` in the unit direction `v`, without the receiver's cosine.
+    /// Value `s·max(a·v, 0)^e` in the unit direction `v`, without the factor: see [`eval_at`](Self::eval_at).
     ///
     /// Zero where the power underflows, also for `e = ∞`; on the axis that is infinite.
     ///

@@ -5,8 +5,12 @@ struct Lobe {
     axis: vec3f,
     exponent: f32,
     flux: vec3f,
-    cosine: f32,
+    factor: f32,
 }
+
+// Factors of lobes of microfacets.
+const LOBE_MICROFACETS = 2.0f;
+const LOBE_EDGE = 3.0f;
 
 // `max(a·v, 0)^exponent` from the chord of the two directions.
 fn power(a: vec3f, v: vec3f, exponent: f32) -> f32 {
@@ -20,5 +24,5 @@ fn power(a: vec3f, v: vec3f, exponent: f32) -> f32 {
 
 // Exponent 1 about the normal itself.
 fn is_lambert(at: Receiver, lobe: Lobe) -> bool {
-    return lobe.exponent == 1.0 && lobe.cosine == 0.0 && all(lobe.axis == at.normal);
+    return lobe.exponent == 1.0 && lobe.factor == 0.0 && all(lobe.axis == at.normal);
 }

@@ -42,10 +42,10 @@ impl<'a> Lobes<'a> {
     #[must_use]
     pub fn get(&self, index: usize) -> Lobe {
         let c = |k: usize| self.columns[k][index];
-        Lobe { axis: Vec3::new(c(0), c(1), c(2)), exponent: c(3), flux: Vec3::new(c(4), c(5), c(6)), cosine: c(7) }
+        Lobe { axis: Vec3::new(c(0), c(1), c(2)), exponent: c(3), flux: Vec3::new(c(4), c(5), c(6)), factor: c(7) }
     }
 
-    /// Axis x, y, z, exponent, flux of three channels, cosine.
+    /// Axis x, y, z, exponent, flux of three channels, factor.
     pub(crate) const fn columns(&self) -> [&'a [f32]; COLUMNS] {
         self.columns
     }
@@ -68,8 +68,7 @@ impl<'a> Lobes<'a> {
     /// Value of the sum in the unit direction `v`, receiver's cosine with respect to `normal` included.
     #[must_use]
     pub fn eval(&self, normal: Vec3, v: Vec3) -> Vec3 {
-        let cos = normal.dot(v).max(0.0);
-        self.iter().map(|l| l.eval(v) * if l.cosine > 0.0 { cos } else { 1.0 }).sum()
+        self.iter().map(|l| l.eval_at(normal, v)).sum()
     }
 }
 
@@ -78,6 +77,7 @@ impl<'a> Lobes<'a> {
 pub struct LobesMut<'a> {
     columns: &'a mut [Vec<f32>; COLUMNS],
     capacity: usize,
+    takes_microfacets: bool,
 }
 
 impl LobesMut<'_> {
@@ -91,6 +91,13 @@ impl LobesMut<'_> {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Whether whoever reads the sum knows lobes of [microfacets](Lobe::microfacets). If not, all are to be lobes of directions: products with
+    /// lobes of visibility have closed forms for no others.
+    #[must_use]
+    pub const fn takes_microfacets(&self) -> bool {
+        self.takes_microfacets
     }
 
     /// Appends a lobe.
@@ -138,10 +145,15 @@ impl LobeBuffer {
         self.capacity
     }
 
-    /// Empties the sum and returns the view to write it anew.
+    /// Empties the sum and returns the view to write it anew: lobes of directions.
     pub fn writer(&mut self) -> LobesMut<'_> {
+        self.writer_of(false)
+    }
+
+    /// The same; with `takes_microfacets` there may be lobes of [microfacets](Lobe::microfacets) among them.
+    pub fn writer_of(&mut self, takes_microfacets: bool) -> LobesMut<'_> {
         self.columns.iter_mut().for_each(Vec::clear);
-        LobesMut { capacity: self.capacity, columns: &mut self.columns }
+        LobesMut { capacity: self.capacity, columns: &mut self.columns, takes_microfacets }
     }
 
     /// What has been written.

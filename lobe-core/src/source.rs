@@ -36,7 +36,8 @@ pub trait BrdfLobes {
     fn max_lobes(&self) -> usize;
 
     /// Appends the lobes of `f̃` as seen from `at.view`. All of them are to be understood as zero below the horizon of
-    /// `at.normal`. A Lambert lobe has exponent 1 and *exactly* `at.normal` as its axis: integrators know it by that.
+    /// `at.normal`. A Lambert lobe has exponent 1 and *exactly* `at.normal` as its axis: integrators know it by that. Lobes of
+    /// [microfacets](Lobe::microfacets) only where [`takes_microfacets`](LobesMut::takes_microfacets) says so.
     ///
     /// # Errors
     /// [`LobesFull`] when `out` has no room.

@@ -89,7 +89,7 @@ fn cap_case(random: &mut Random, exponents: (f64, f64), cosine: bool, through: b
     let theta = 2.0 * (0.5 * f64::from(one_minus_cos)).sqrt().asin();
     let at = receiver(normal);
     let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
-    let lobe = Lobe { cosine: if cosine { 1.0 } else { 0.0 }, ..Lobe::new(axis, e as f32, Vec3::ONE) };
+    let lobe = Lobe { factor: if cosine { 1.0 } else { 0.0 }, ..Lobe::new(axis, e as f32, Vec3::ONE) };
     let got = f64::from(cap_integral(&at, &lobe, &cone)) * TAU / (e + 1.0);
     let truth =
         CapLobe { axis: axis.as_dvec3().normalize(), exponent: e, cosine, normal: at.normal.as_dvec3().normalize() };
@@ -168,7 +168,7 @@ fn survey(exponents: (f64, f64), lights: (f64, f64), cosine: bool, through: bool
             let axis = random.axis_at(light.as_dvec3(), delta).as_vec3().normalize();
             let at = receiver(normal.as_dvec3());
             let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
-            let lobe = Lobe { cosine: if cosine { 1.0 } else { 0.0 }, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+            let lobe = Lobe { factor: if cosine { 1.0 } else { 0.0 }, ..Lobe::with_flux(axis, e, Vec3::ONE) };
             let truth = CapLobe {
                 axis: axis.as_dvec3().normalize(),
                 exponent: f64::from(e),
@@ -410,7 +410,7 @@ fn integrals_are_finite_for_everything() {
         let (e1, e2) = (pick(), pick());
         let (a, b) = (awkward(&mut random, normal), awkward(&mut random, normal));
         let b = if case % 3 == 0 { awkward(&mut random, a) } else { b };
-        let f = Lobe { cosine: (random.bits() % 2) as f32, ..Lobe::with_flux(a, e1, Vec3::ONE) };
+        let f = Lobe { factor: (random.bits() % 2) as f32, ..Lobe::with_flux(a, e1, Vec3::ONE) };
         let c = Lobe::with_flux(b, e2, Vec3::ONE);
         let one_minus_cos = [0.0, f32::MIN_POSITIVE, 1e-14, 1e-7, 1e-3, 0.5, 1.0 - 6e-8, 1.0, 2.0][case % 9];
         let cone = Cone { axis: b, one_minus_cos, distance: [0.0, 1.0, f32::INFINITY][case % 3] };
@@ -418,7 +418,7 @@ fn integrals_are_finite_for_everything() {
         assert!((0.0..1.02).contains(&cap), "cap {cap} {f:?} {cone:?} {normal}");
         let product = lobe_product(&at, &f, &c).x;
         assert!(product >= 0.0 && product.is_finite(), "product {product} {f:?} {c:?}");
-        let lobe = product_lobe(&Lobe { cosine: 0.0, ..f }, &c);
+        let lobe = product_lobe(&Lobe { factor: 0.0, ..f }, &c);
         assert!(!lobe.axis.is_nan() && (lobe.axis.length() - 1.0).abs() < 1e-4, "{lobe:?} {f:?} {c:?}");
         assert!(lobe.exponent >= 0.0 && !lobe.flux.is_nan(), "{lobe:?} {f:?} {c:?}");
         let p = product_integral(e1.min(1e18), e2.min(1e18), a, b);
@@ -476,7 +476,7 @@ fn fractions_stay_between_zero_and_one() {
         let pick = |random: &mut Random| EXTREME[(random.bits() % 12) as usize];
         let e = pick(&mut random);
         let axis = awkward(&mut random, normal);
-        let f = Lobe { cosine: (case % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+        let f = Lobe { factor: (case % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
         let mut lit = sum.lobes.writer();
         let mut whole = sum.whole.writer();
         for k in 0..case % 4 {
@@ -515,14 +515,14 @@ fn touching_the_horizon_is_seamless() {
             one_minus_cos: (2.0 * (0.5 * theta).sin().powi(2)) as f32,
             distance: 1.0,
         };
-        let lobe = Lobe { cosine: (random.bits() % 2) as f32, ..Lobe::new(axis, e, Vec3::ONE) };
+        let lobe = Lobe { factor: (random.bits() % 2) as f32, ..Lobe::new(axis, e, Vec3::ONE) };
         let lobe = Lobe { flux: Vec3::ONE, ..lobe };
         let value = |step: f64| f64::from(cap_integral(&receiver(normal(step).as_dvec3()), &lobe, &cone));
-        let on_axis = f64::from(cap_integral(&receiver(light), &Lobe { axis: cone.axis, cosine: 0.0, ..lobe }, &cone));
+        let on_axis = f64::from(cap_integral(&receiver(light), &Lobe { axis: cone.axis, factor: 0.0, ..lobe }, &cone));
         let jump = (value(2e-5) - value(-2e-5)).abs() / on_axis;
         if jump > worst {
             (worst, at_worst) =
-                (jump, format!("e {e} θ {}° off {}° cosine {}", theta.to_degrees(), off.to_degrees(), lobe.cosine));
+                (jump, format!("e {e} θ {}° off {}° cosine {}", theta.to_degrees(), off.to_degrees(), lobe.factor));
         }
     }
     println!("at the horizon: {worst:.2e} of the on-axis value, {at_worst}");
@@ -561,7 +561,7 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
         let off = random.uniform() * (theta + 4.0 / f64::from(e + 0.1).sqrt());
         let axis = random.axis_at(light, off.min(PI)).as_vec3().normalize();
         let flux = if k % 11 == 0 { Vec3::ZERO } else { Vec3::ONE };
-        rows[1].push(Lobe { cosine: (k % 2) as f32, ..Lobe::with_flux(axis, e, flux) });
+        rows[1].push(Lobe { factor: (k % 2) as f32, ..Lobe::with_flux(axis, e, flux) });
     }
     let (mut tile, mut lobes, mut out) = (Tile::default(), TileLobes::default(), Vec::new());
     tile.set(&at);
@@ -723,12 +723,12 @@ fn the_tail_of_a_lobe_is_right_too() {
         let light = random.axis_at(DVec3::Z, 0.5).as_vec3().normalize();
         let delta = random.between(0.0, theta + 5.0 / f64::from(e).sqrt());
         let axis = random.axis_at(light.as_dvec3(), delta).as_vec3().normalize();
-        let lobe = Lobe { cosine: (random.bits() % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+        let lobe = Lobe { factor: (random.bits() % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
         let n = f64::from(e) + 1.0;
         let truth = CapLobe {
             axis: axis.as_dvec3().normalize(),
             exponent: f64::from(e),
-            cosine: lobe.cosine > 0.0,
+            cosine: lobe.factor > 0.0,
             normal: DVec3::Z,
         };
         let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta) * n / TAU;

@@ -197,9 +197,21 @@ pub struct TileLobes {
     columns: Vec<Kept<8>>,
     /// One receiver's.
     buffer: LobeBuffer,
+    takes_microfacets: bool,
 }
 
 impl TileLobes {
+    /// Whether lobes of [microfacets](Lobe::microfacets) may be among them from now on; not at first.
+    pub fn take_microfacets(&mut self, takes_microfacets: bool) {
+        self.takes_microfacets = takes_microfacets;
+    }
+
+    /// See [`LobesMut::takes_microfacets`](crate::LobesMut::takes_microfacets).
+    #[must_use]
+    pub const fn takes_microfacets(&self) -> bool {
+        self.takes_microfacets
+    }
+
     /// So many places for the lobes of each receiver of a tile. Every block of every place is then to be
     /// [written](Self::block_mut).
     pub fn reset(&mut self, tile: &Tile, places: usize) {
@@ -230,7 +242,7 @@ impl TileLobes {
         }
         for (i, (material, at)) in of.iter().zip(at).enumerate() {
             let material = &materials[*material as usize];
-            material.brdf_lobes(at, &mut self.buffer.writer())?;
+            material.brdf_lobes(at, &mut self.buffer.writer_of(self.takes_microfacets))?;
             let lobes = self.buffer.lobes();
             if lobes.len() > material.max_lobes() {
                 return Err(LobesFull);

@@ -15,7 +15,11 @@ pub const LOBE: &str = include_str!("lobe.wgsl");
 /// `cap_integral(at, lobe, cone)` where every lobe is Lambert's. Needs [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].
 pub const CAP_LAMBERT: &str = concat!(include_str!("cap/lambert.wgsl"), include_str!("cap/lambert_only.wgsl"));
 
-/// `cap_integral(at, lobe, cone)` for all lobes, instead of [`CAP_LAMBERT`]. Needs [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].
+/// Lobes of microfacets in a direction: `microfacets_of`, `microfacets_both`. Needs [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].
+pub const MICROFACETS: &str = include_str!("microfacets.wgsl");
+
+/// `cap_integral(at, lobe, cone)` for all lobes, instead of [`CAP_LAMBERT`]. Needs [`SPECIAL`], [`GEOMETRY`], [`LOBE`], and
+/// [`CAP_MICROFACETS`] or [`CAP_NO_MICROFACETS`].
 pub const CAP: &str = concat!(
     include_str!("cap/lambert.wgsl"),
     include_str!("cap/pair.wgsl"),
@@ -23,6 +27,12 @@ pub const CAP: &str = concat!(
     include_str!("cap/chord.wgsl"),
     include_str!("cap/cap.wgsl"),
 );
+
+/// The integral of lobes of microfacets. Needs [`CAP`] and [`MICROFACETS`].
+pub const CAP_MICROFACETS: &str = include_str!("cap/microfacets.wgsl");
+
+/// In place of [`CAP_MICROFACETS`] where there are none.
+pub const CAP_NO_MICROFACETS: &str = include_str!("cap/microfacets_none.wgsl");
 
 /// The paper's tables, storage buffer of binding 9, and the lobes that come from them: `paper_product`, `paper_light_lobe`,
 /// `paper_occluder`, `paper_reflected`. The buffer is that of [`Tables::pack`](crate::paper::Tables::pack). Needs

@@ -1,8 +1,8 @@
 use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
-    BrdfLobes, Coverage, Integrator, LightId, LightLobes, LobesFull, Method, Probe, Receiver, Shaft, Stage, Tile,
-    TileCall, TileLight, TileLit, TileLobes, VisibilityLobes, VisibilitySum, Visit, cap_integrals,
+    Accuracy, BrdfLobes, Coverage, Integrator, LightId, LightLobes, LobesFull, Method, Probe, Receiver, Shaft, Stage,
+    Tile, TileCall, TileLight, TileLit, TileLobes, VisibilityLobes, VisibilitySum, Visit, cap_integrals,
 };
 use rayon::prelude::*;
 use scene::{Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds};
@@ -89,6 +89,11 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             all.integrals.extend(layer.integrals);
         }
         Ok((stats, all))
+    }
+
+    /// Products with lobes of visibility, and those of the paper, are of lobes of directions only.
+    fn takes_microfacets(&self, accuracy: Accuracy) -> bool {
+        matches!(self.method, Method::Moments) && self.visibility.max_lobes(accuracy) == 0
     }
 
     fn run<M: BrdfLobes + Sync, L: LightLobes + Sync>(
@@ -179,6 +184,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         let ball = tile.ball();
         // A facet under a smooth normal may hide the light that nothing else does.
         let is_bent = receivers.iter().any(|at| at.face != at.normal);
+        lobes.take_microfacets(self.takes_microfacets(frame.accuracy));
         M::tile_lobes(frame.materials, materials, receivers, tile, lobes)?;
         work.lap(0);
         for (l, light) in frame.lights.iter().enumerate() {

@@ -35,6 +35,7 @@ pub(crate) struct MaterialText {
     pub(crate) name: String,
     pub(crate) wgsl: String,
     pub(crate) is_lambert: bool,
+    pub(crate) has_microfacets: bool,
 }
 
 /// Which strategies have blockers.
@@ -222,6 +223,11 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         &hook,
         kernel,
     ];
+    match (variant.materials.is_lambert || variant.paper, variant.materials.has_microfacets) {
+        (true, _) => {}
+        (false, true) => pieces.extend([lobes::MICROFACETS, lobes::CAP_MICROFACETS]),
+        (false, false) => pieces.push(lobes::CAP_NO_MICROFACETS),
+    }
     if strategies.spheres {
         pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
     }
@@ -248,7 +254,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let header = match (variant.paper, variant.materials.is_lambert) {
         (true, _) => masks::paper_header(variant.depth),
         (false, true) => masks::header(variant.depth, broad),
-        (false, false) => masks::header_of_lobes(variant.depth, broad, narrow),
+        (false, false) => masks::header_of_lobes(variant.depth, broad, narrow, variant.materials.has_microfacets),
     };
     let strategies = variant.strategies;
     let edges = strategies.calls().map(|name| match name {
@@ -293,6 +299,9 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     } else {
         let shares = if variant.materials.is_lambert { masks::LAMBERT } else { masks::LOBES };
         pieces.extend([masks::SHARE, masks::VISIBILITY, shares, kernels::PENUMBRA]);
+        if variant.materials.has_microfacets {
+            pieces.extend([lobes::MICROFACETS, masks::MICROFACETS]);
+        }
     }
     if strategies.spheres {
         pieces.extend([

@@ -49,11 +49,11 @@ const LIGHT: [&str; 2] = [SphereLight::NAME, SphereLight::WGSL];
 fn set(models: Models) -> MaterialText {
     let (name, wgsl) = (models.names().collect::<Vec<_>>().join(" + "), brdf::wgsl::compose(models));
     let is_lambert = name == "lambert";
-    MaterialText { name, wgsl, is_lambert }
+    MaterialText { has_microfacets: name.contains("microfacets"), name, wgsl, is_lambert }
 }
 
 fn variants() -> impl Iterator<Item = Variant> {
-    let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b11, 0b1_1111].map(Models::from_bits);
+    let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b10_0000, 0b11, 0b11_1111].map(Models::from_bits);
     let strategies = [(true, false), (false, true), (true, true), (false, false)];
     models.into_iter().flat_map(move |models| {
         strategies.into_iter().flat_map(move |(spheres, maps)| {

@@ -203,10 +203,12 @@ impl GpuShader {
         if let Some(paper) = &mut self.paper {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
-        let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert } = M::gpu_set(frame.materials);
+        // The paper's products are of lobes of directions.
+        let set = M::gpu_set(frame.materials, self.paper.is_none());
+        let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert, has_microfacets } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;
-        let kernels = self.kernels::<L>(frame.accuracy, MaterialText { name, wgsl, is_lambert })?;
+        let kernels = self.kernels::<L>(frame.accuracy, MaterialText { name, wgsl, is_lambert, has_microfacets })?;
         Ok((kernels, 1 + u64::from(max_lobes)))
     }
 

@@ -45,15 +45,16 @@ fn a_lobe_has_rusts_layout() {
         ("axis", offset_of!(lobe_core::Lobe, axis)),
         ("exponent", offset_of!(lobe_core::Lobe, exponent)),
         ("flux", offset_of!(lobe_core::Lobe, flux)),
-        ("cosine", offset_of!(lobe_core::Lobe, cosine)),
+        ("factor", offset_of!(lobe_core::Lobe, factor)),
     ];
     assert_eq!(members, want.map(|(name, offset)| (name.to_owned(), offset as u32)));
 }
 
 #[test]
 fn integrals_validate() {
-    for cap in [wgsl::CAP_LAMBERT, wgsl::CAP] {
-        module(&[wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, cap]);
+    let microfacets = [wgsl::CAP, wgsl::MICROFACETS, wgsl::CAP_MICROFACETS];
+    for cap in [[wgsl::CAP_LAMBERT].as_slice(), &[wgsl::CAP, wgsl::CAP_NO_MICROFACETS], &microfacets] {
+        module(&[&[wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE], cap].concat());
     }
 }
 

@@ -4,11 +4,17 @@ use brdf::{Models, wgsl};
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
-const FUNCTIONS: [&str; 5] =
-    ["lambert_lobe", "phong_lobe", "modified_phong_lobe", "lafortune_lobe", "metallic_roughness_lobe"];
+const FUNCTIONS: [&str; 6] = [
+    "lambert_lobe",
+    "phong_lobe",
+    "modified_phong_lobe",
+    "lafortune_lobe",
+    "metallic_roughness_lobe",
+    "metallic_microfacets_lobe",
+];
 
 fn choices() -> impl Iterator<Item = (u8, String)> {
-    (0..32).map(|bits| (bits, wgsl::compose(Models::from_bits(bits))))
+    (0..64).map(|bits| (bits, wgsl::compose(Models::from_bits(bits))))
 }
 
 #[test]

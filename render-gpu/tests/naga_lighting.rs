@@ -55,7 +55,7 @@ fn penumbrae_validate() {
     let core = [GEOMETRY, LOBE, SPECIAL, HOOKS];
     for (depth, tolerance) in variants() {
         let (broad, narrow) = (Fineness::broad(tolerance), Fineness::narrow(tolerance));
-        let headers = [wgsl::header(depth, broad), wgsl::header_of_lobes(depth, broad, narrow)];
+        let headers = [wgsl::header(depth, broad), wgsl::header_of_lobes(depth, broad, narrow, false)];
         for (form, header) in [wgsl::LAMBERT, wgsl::LOBES].into_iter().zip(&headers) {
             let module = validate(&[[header.as_str()].as_slice(), &kernel, &common, &core, &[form]].concat());
             let entry = &module.entry_points[0];

@@ -40,6 +40,11 @@ impl Fineness {
         Self { coarse: false, panes }
     }
 
+    /// Columns of a pane, of some samples each, that have a weight of their own.
+    pub(crate) const fn columns(self) -> u32 {
+        if self.coarse { 16 } else { 32 }
+    }
+
     /// Number of panes.
     #[must_use]
     pub fn count(self) -> usize {

@@ -1,4 +1,4 @@
-use crate::share::{Counts, Sums, sums};
+use crate::share::{Counts, Sums, microfacet_sums, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{Coverage, Lobe, Receiver};
@@ -66,6 +66,26 @@ impl Panes {
         let total = self.masks().iter().map(of_mask).fold(Sums::default(), |a, b| a + b);
         total.ratio(self.masks())
     }
+}
+
+/// What two masks, of a part of the light and of all of it, leave of microfacets' light: in `near`, if there is one, it counts what that shows.
+pub(crate) fn microfacet_shares(
+    whole: &Panes,
+    near: Option<&Panes>,
+    at: &Receiver,
+    lobe: &Lobe,
+    counts: [&mut Counts; 2],
+) -> [f32; 2] {
+    let [whole_counts, near_counts] = counts;
+    let mut total = [Sums::default(); 2];
+    let mut add = |sums: [Sums; 2]| total = [total[0] + sums[0], total[1] + sums[1]];
+    for mask in whole.masks() {
+        add(microfacet_sums(mask, at, lobe, near.map(Panes::window), whole_counts));
+    }
+    for mask in near.map(Panes::masks).unwrap_or_default() {
+        add(microfacet_sums(mask, at, lobe, None, near_counts));
+    }
+    total.map(|sums| sums.ratio(whole.masks()))
 }
 
 #[cfg(test)]

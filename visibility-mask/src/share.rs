@@ -3,11 +3,11 @@
 use crate::lanes::{NUMBERS, sum};
 use crate::row::{self, EIGHT, Row, WIDTH};
 use crate::{Mask, UnitSquare};
-use core::ops::Add;
+use core::ops::{Add, Mul};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::special::{exp, ln_1p};
-use lobe_core::{Lobe, Receiver, is_lambert};
+use lobe_core::{Lobe, Microfacets, Receiver, is_lambert};
 
 const ROWS: usize = 1 << crate::MAX_DEPTH;
 /// Blocks of eight columns: what a weight is taken for. A column of a fine mask has eight samples, of a coarse one four.
@@ -60,6 +60,51 @@ fn of_counts<S: Simd, const B: usize>(
     }
 }
 
+/// The sums of [`sums`] for both lobes of microfacets ([`Lobe::microfacets`]), in steradians of samples. Samples in `skip`, a part of the
+/// mask along its cells, do not count.
+pub(crate) fn microfacet_sums(
+    mask: &Mask,
+    at: &Receiver,
+    lobe: &Lobe,
+    skip: Option<&UnitSquare>,
+    counts: &mut Counts,
+) -> [Sums; 2] {
+    microfacet_sums_at(Level::new(), mask, at, lobe, skip, counts)
+}
+
+fn microfacet_sums_at(
+    level: Level,
+    mask: &Mask,
+    at: &Receiver,
+    lobe: &Lobe,
+    skip: Option<&UnitSquare>,
+    counts: &mut Counts,
+) -> [Sums; 2] {
+    let square = mask.square();
+    let local = Lobe { axis: square.local(lobe.axis), ..*lobe };
+    let microfacets = Microfacets::new(square.local(at.normal), &local);
+    let none = [Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)];
+    let [low, high] = skip.map_or(none, |skip| [skip.center - skip.half, skip.center + skip.half]);
+    let weight = |x: f32, y: f32| {
+        let inverse = 1.0 / (x * x + y * y + 1.0);
+        let root = inverse.sqrt();
+        let [base, edge] = microfacets.both(Vec3::new(x * root, y * root, root));
+        let angle = inverse * root;
+        let angle = if x > low.x && x < high.x && y > low.y && y < high.y { 0.0 } else { angle };
+        [base * angle, edge * angle]
+    };
+    dispatch!(level, simd => {
+        if mask.width() == WIDTH {
+            counts.fill::<FINE>(mask);
+            by_sample::<_, FINE, 2>(simd, mask, counts, weight)
+        } else {
+            counts.fill::<COARSE>(mask);
+            by_sample::<_, COARSE, 2>(simd, mask, counts, weight)
+        }
+    })
+    .map(|sums| sums * (mask.cell().element_product() * mask.side() as f32 / mask.width() as f32))
+}
+
 /// What is lit of a lobe's light, and all of it, in some unit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
@@ -72,6 +117,14 @@ impl Add for Sums {
 
     fn add(self, other: Self) -> Self {
         Self { lit: self.lit + other.lit, all: self.all + other.all }
+    }
+}
+
+impl Mul<f32> for Sums {
+    type Output = Self;
+
+    fn mul(self, factor: f32) -> Self {
+        Self { lit: self.lit * factor, all: self.all * factor }
     }
 }
 
@@ -174,10 +227,11 @@ fn lambert<S: Simd, const B: usize>(simd: S, mask: &Mask, window: &UnitSquare, c
     let corner = window.center.abs() + window.half;
     let far = corner.length_squared();
     if far * far > 8.0 * CORNER {
-        return by_sample::<S, B>(simd, mask, counts, |x, y| {
+        let [sums] = by_sample::<S, B, 1>(simd, mask, counts, |x, y| {
             let inverse = 1.0 / (x * x + y * y + 1.0);
-            (normal.x * x + (normal.y * y + normal.z)) * inverse * inverse
+            [(normal.x * x + (normal.y * y + normal.z)) * inverse * inverse]
         });
+        return sums;
     }
     let weight = |x: f32| {
         let inverse = 1.0 / (x * x + 1.0);
@@ -212,7 +266,7 @@ fn glossy<S: Simd, const B: usize>(
     lobe: &Lobe,
 ) -> Sums {
     let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
-    let cosine = lobe.cosine > 0.0;
+    let cosine = lobe.factor > 0.0;
     let narrowest = (2.0 / mask.cell().max_element().powi(2)).max(MIRROR);
     let e = if lobe.exponent < narrowest { lobe.exponent } else { narrowest };
     let m = e + 3.0;
@@ -227,14 +281,15 @@ fn glossy<S: Simd, const B: usize>(
     let reach = square.half.max_element().min(2.0 / m.sqrt());
     let third = e * (slope * reach).powi(3) / 3.0 + m * (c.length() + 0.25 * reach) * reach.powi(3);
     if !(d > 0.0 && slope * square.half.max_element() < 0.5 && third < LEFT_OUT) {
-        return by_sample::<S, B>(simd, mask, counts, |x, y| {
+        let [sums] = by_sample::<S, B, 1>(simd, mask, counts, |x, y| {
             let inverse = 1.0 / (x * x + y * y + 1.0);
             let along = axis.x * x + (axis.y * y + axis.z);
             let value = exp(0.5 * e * ln_1p(along * along * inverse - 1.0));
             let value = if along > 0.0 { value } else { 0.0 };
             let angle = value * inverse * inverse.sqrt();
-            if cosine { angle * (normal.x * x + (normal.y * y + normal.z)) * inverse.sqrt() } else { angle }
+            [if cosine { angle * (normal.x * x + (normal.y * y + normal.z)) * inverse.sqrt() } else { angle }]
         });
+        return sums;
     }
     // ln w about c: gradient g, second derivatives h; the cosine's own 1/|p| beside.
     let m = if cosine { m + 1.0 } else { m };
@@ -341,11 +396,17 @@ fn by_row<S: Simd, const B: usize, R: Rows>(
     Sums { lit: sum(lit), all: sum(all) }
 }
 
-/// `weight(x, y)` for each column of each row.
+/// `weight(x, y)`, one or several, for each column of each row.
 #[inline(always)]
-fn by_sample<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, weight: impl Fn(f32, f32) -> f32) -> Sums {
+fn by_sample<S: Simd, const B: usize, const N: usize>(
+    simd: S,
+    mask: &Mask,
+    counts: &Counts,
+    weight: impl Fn(f32, f32) -> [f32; N],
+) -> [Sums; N] {
     let x = middles::<B>(mask);
-    let (mut lit, mut all) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.0));
+    let none = f32x8::splat(simd, 0.0);
+    let (mut lit, mut all) = ([none; N], [none; N]);
     let (open, _) = counts.lit.as_chunks::<EIGHT>();
     let (emitting, _) = counts.emitting.as_chunks::<EIGHT>();
     let rows = open.chunks_exact(B).zip(emitting.chunks_exact(B));
@@ -355,19 +416,24 @@ fn by_sample<S: Simd, const B: usize>(simd: S, mask: &Mask, counts: &Counts, wei
             continue;
         }
         let y = mask.row_y(j);
-        let mut weights = [[0.0; EIGHT]; B];
-        for (weight_of, x) in weights.as_flattened_mut().iter_mut().zip(x.as_flattened()) {
-            // A column that emits in part is seen in its middle, which may be below the horizon.
-            let w = weight(*x, y);
-            *weight_of = if w > 0.0 { w } else { 0.0 };
+        let mut weights = [[[0.0; EIGHT]; N]; B];
+        for (weights, x) in weights.iter_mut().zip(&x) {
+            for (k, x) in x.iter().enumerate() {
+                for (column, w) in weights.iter_mut().zip(weight(*x, y)) {
+                    // A column that emits in part is seen in its middle, which may be below the horizon.
+                    column[k] = if w > 0.0 { w } else { 0.0 };
+                }
+            }
         }
         for block in 0..B {
-            let weight = f32x8::simd_from(simd, weights[block]);
-            lit += f32x8::simd_from(simd, open[block]) * weight;
-            all += f32x8::simd_from(simd, emitting[block]) * weight;
+            for k in 0..N {
+                let weight = f32x8::simd_from(simd, weights[block][k]);
+                lit[k] += f32x8::simd_from(simd, open[block]) * weight;
+                all[k] += f32x8::simd_from(simd, emitting[block]) * weight;
+            }
         }
     }
-    Sums { lit: sum(lit), all: sum(all) }
+    core::array::from_fn(|k| Sums { lit: sum(lit[k]), all: sum(all[k]) })
 }
 
 #[cfg(test)]
@@ -396,7 +462,7 @@ mod tests {
                 let p: DVec3 = right * x + up * y + toward;
                 let v = p.normalize();
                 let along = lobe.axis.as_dvec3().dot(v).max(0.0);
-                let cosine = if lobe.cosine > 0.0 { at.normal.as_dvec3().dot(v) } else { 1.0 };
+                let cosine = if lobe.factor > 0.0 { at.normal.as_dvec3().dot(v) } else { 1.0 };
                 let w = along.powf(f64::from(lobe.exponent)) * cosine.max(0.0) / p.length().powi(3);
                 all += w;
                 let k = k as usize;

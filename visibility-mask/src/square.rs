@@ -1,5 +1,5 @@
 use glam::{UVec2, Vec2, Vec3};
-use lobe_core::{Cone, Lobe, orthonormal_basis};
+use lobe_core::{Cone, Lobe, Microfacets, orthonormal_basis};
 
 /// Half-angles above this (85°) are treated as if the light were seen up to it: the square faces one hemisphere.
 pub(crate) const WIDEST_TAN: f32 = 11.43;
@@ -9,6 +9,10 @@ pub(crate) const NARROWEST: f32 = 1e8;
 
 /// Lobes farther beside the light than so many of their reaches have the window of one that is so far.
 pub(crate) const FARTHEST: f32 = 8.0;
+
+/// Microfacets' highlights have a mask of their own up to so many of their widths `2α`, over the root of the tolerance: a share of
+/// `1/(1 + widths²)` of them is beyond, and seen through the mask of the whole light.
+pub(crate) const HIGHLIGHT: f32 = 0.2;
 
 /// Half a window is at least so many radii of the light: samples of less drown in the rounding of plane coordinates.
 pub(crate) const THINNEST: f32 = 1e-4;
@@ -138,6 +142,33 @@ impl UnitSquare {
         let broad = (5.0 * reach / self.disc - 4.0).clamp(0.0, 1.0);
         let radius = (uphill.length_squared() + reach * reach).sqrt() + broad * (2.0 * self.disc);
         self.within(peak.point + uphill - radius, peak.point + uphill + radius)
+    }
+
+    /// The part of the window that shows the highlight of microfacets, along `cells` of so many across and upward: as far as a tolerance
+    /// requires. None where that is most of the window.
+    pub(crate) fn highlight(
+        &self,
+        microfacets: &Microfacets,
+        normal: Vec3,
+        cells: UVec2,
+        tolerance: f32,
+    ) -> Option<Self> {
+        let (mirror, alpha) = microfacets.highlight();
+        let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal);
+        let along = self.axis.dot(mirror);
+        let aside = Vec2::new(self.right.dot(mirror), self.up.dot(mirror));
+        let beside = if along > 1e-3 { (aside / along - peak.point).length() } else { f32::INFINITY };
+        // Directions turn twice as far as half vectors. Beside the light it is broader.
+        let widths = (HIGHLIGHT / tolerance.max(1e-6).sqrt()).clamp(1.5, 20.0);
+        let reach = widths * (2.0 * alpha * (1.0 + peak.point.length_squared())).max(0.5 * beside);
+        let cell = 2.0 * self.half / cells.as_vec2();
+        let origin = self.center - self.half;
+        let most = cells.as_vec2();
+        let low = ((peak.point - reach - origin) / cell).floor().clamp(Vec2::ZERO, most - 1.0);
+        let high = ((peak.point + reach - origin) / cell).ceil().clamp(low + 1.0, most);
+        let size = high - low;
+        let is_small = 2.0 * size.element_product() < most.element_product();
+        is_small.then(|| Self { center: origin + 0.5 * (low + high) * cell, half: 0.5 * size * cell, ..*self })
     }
 
     /// The part of the window between two corners; not less than [`THINNEST`].

@@ -1,10 +1,11 @@
 use crate::cut::{Cut, CutScratch};
-use crate::panes::Panes;
+use crate::panes::{Panes, microfacet_shares};
 use crate::share::Counts;
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 use lobe_core::{
-    Accuracy, Coverage, Lobe, LobesFull, PartlySeen, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert,
+    Accuracy, Coverage, Lobe, LobesFull, Microfacets, PartlySeen, Shaft, VisibilityLobes, VisibilityQuery,
+    VisibilitySum, is_lambert,
 };
 
 /// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one: else some
@@ -143,6 +144,34 @@ impl<B: Blockers> MaskVisibility<B> {
         Some(UnitSquare::facing(query.cone, across).above(query.at.normal).zoomed(brdf, query.at.normal, sigmas))
     }
 
+    /// What is seen of microfacets' light: their highlight through a mask of its own where it is narrow beside the light, all around it
+    /// through that of the whole light. Both lobes at once.
+    fn microfacets(&self, query: &PartlySeen<'_>, lobe: &Lobe, scratch: &mut MaskScratch<B::Scratch>) -> f32 {
+        if let (Lobe::EDGE, Some((exponent, share))) = (lobe.factor, scratch.edge.take())
+            && exponent == lobe.exponent
+        {
+            return share;
+        }
+        let [broad, narrow] = [self.broad(query), self.narrow(query)];
+        let microfacets = Microfacets::new(query.at.normal, lobe);
+        let whole = *scratch.full.window();
+        let cells = UVec2::from(broad.panes) * UVec2::new(broad.columns(), 1 << depth(query.accuracy));
+        let near = whole.highlight(&microfacets, query.at.normal, cells, query.accuracy.tolerance);
+        let finer = near.is_none() && broad != narrow && whole.disc > 2.0 * microfacets.highlight().1;
+        if let Some(square) = near.or(finer.then_some(whole)) {
+            if !(finer && scratch.is_whole) {
+                self.draw(&square, narrow, query, &mut scratch.blockers, &mut scratch.own);
+            }
+            scratch.is_whole = finer;
+        }
+        let whole = if finer { &scratch.own } else { &scratch.full };
+        let near = near.map(|_| &scratch.own);
+        let [counts, own_counts] = &mut scratch.counts;
+        let [base, edge] = microfacet_shares(whole, near, query.at, lobe, [counts, own_counts]);
+        scratch.edge = (lobe.factor == Lobe::MICROFACETS).then_some((lobe.exponent, edge));
+        if lobe.factor == Lobe::EDGE { edge } else { base }
+    }
+
     /// How finely broad lobes see: a cut is made of one mask.
     fn broad(&self, query: &VisibilityQuery<'_>) -> Fineness {
         if self.lobes { Fineness::FINE } else { Fineness::broad(query.accuracy.tolerance) }
@@ -180,6 +209,8 @@ pub struct MaskScratch<S> {
     is_whole: bool,
     counts: [Counts; 2],
     cut: CutScratch,
+    /// What is seen of the microfacets' edge that follows, and its exponent.
+    edge: Option<(f32, f32)>,
 }
 
 impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
@@ -193,6 +224,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             is_whole: false,
             counts: Default::default(),
             cut: CutScratch::default(),
+            edge: None,
         }
     }
 
@@ -220,6 +252,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         }
         let square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers)).above(query.at.normal);
         scratch.is_whole = false;
+        scratch.edge = None;
         self.draw(&square, self.broad(query), query, &mut scratch.blockers, &mut scratch.full);
         scratch.full.coverage()
     }
@@ -232,6 +265,12 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
+        if brdf.is_microfacets() && !self.lobes {
+            out.lobes.writer();
+            out.whole.writer();
+            out.base = self.microfacets(query, brdf, scratch);
+            return Ok(());
+        }
         let [counts, own_counts] = &mut scratch.counts;
         let whole = scratch.full.window();
         let (panes, counts) = match self.window(query, brdf, whole, &scratch.blockers) {

@@ -3,6 +3,9 @@
 
 // The share of the light that a lobe sees. Only where all threads come by.
 fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
+    if (HAS_MICROFACETS && decide(lane, lobe.factor >= LOBE_MICROFACETS)) {
+        return microfacet_share(lane, tile, at, light, tolerance, whole, lobe);
+    }
     let sigmas = zoom_sigmas(tolerance);
     let peak = square_peak(whole, lobe, at.normal);
     let square = square_around(whole, peak, sigmas);

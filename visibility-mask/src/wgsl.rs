@@ -44,6 +44,9 @@ pub const LOBES: &str = concat!(
     include_str!("share_both.wgsl")
 );
 
+/// What lobes of microfacets see, where [`header_of_lobes`] says that there are some; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
+pub const MICROFACETS: &str = include_str!("share_microfacets.wgsl");
+
 /// The paper's shadow nodes and their lobes; needs [`paper_header`], [`SQUARE`], [`MASK`], [`TOTAL`] and `wgsl::PAPER` of
 /// `lobe-core`, behind whose table the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) follow.
 pub const PAPER: &str = include_str!("paper.wgsl");
@@ -73,18 +76,25 @@ pub fn header(depth: u32, fineness: Fineness) -> String {
     header_of(depth, width, fineness, row)
 }
 
-/// The same for broad lobes and narrow ones, whose masks are fine, with `NARROW_PANES` and `IS_NARROW_FINER`.
+/// The same for broad lobes and narrow ones, whose masks are fine, with `NARROW_PANES`, `IS_NARROW_FINER` and `HAS_MICROFACETS`: if so,
+/// [`MICROFACETS`] belongs to it.
 ///
 /// # Panics
 /// As [`header`].
 #[must_use]
-pub fn header_of_lobes(depth: u32, broad: Fineness, narrow: Fineness) -> String {
+pub fn header_of_lobes(depth: u32, broad: Fineness, narrow: Fineness, has_microfacets: bool) -> String {
     let both = concat!(include_str!("row.wgsl"), include_str!("row_both.wgsl"));
     let header = if broad.coarse { header_of(depth, WIDTH, broad, both) } else { header(depth, broad) };
     let [across, upward] = narrow.panes;
     let is_finer = narrow != broad;
-    format!("const NARROW_PANES = vec2u({across}u, {upward}u);\nconst IS_NARROW_FINER = {is_finer};\n{header}")
+    let microfacets = if has_microfacets { "const HAS_MICROFACETS = true;\n" } else { NO_MICROFACETS };
+    format!(
+        "const NARROW_PANES = vec2u({across}u, {upward}u);\nconst IS_NARROW_FINER = {is_finer};\n{microfacets}{header}"
+    )
 }
+
+/// In place of [`MICROFACETS`]; a part of [`header_of_lobes`] without.
+pub const NO_MICROFACETS: &str = "const HAS_MICROFACETS = false;\nfn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 { return 0.0; }\n";
 
 fn header_of(depth: u32, width: usize, fineness: Fineness, row: &str) -> String {
     assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
@@ -123,6 +133,7 @@ mod tests {
         states(LOBES, "LEFT_OUT", crate::share::LEFT_OUT);
         states(LOBES, "MIRROR_SHARE", crate::share::MIRROR);
         states(LOBES, "STEEP", crate::visibility::STEEP);
+        states(MICROFACETS, "HIGHLIGHT", crate::square::HIGHLIGHT);
         assert!(EDGES.contains(&format!("EDGES_NOTHING = vec2f({:e}, 0.0)", crate::edges::NOTHING)));
     }
 

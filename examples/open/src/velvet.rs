@@ -57,7 +57,7 @@ impl Brdf for Velvet {
 
 /// Seven words a material.
 impl GpuMaterials for Velvet {
-    fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
+    fn gpu_set(materials: &[Self], _: bool) -> GpuMaterialSet {
         let numbers = |m: &Self| {
             let flux = m.scale() * (TAU / (m.exponent + 1.0));
             m.kd.to_array().into_iter().chain(flux.to_array()).chain([m.exponent])
@@ -66,6 +66,13 @@ impl GpuMaterials for Velvet {
         // No buffer is empty.
         words.push(0);
         let wgsl = include_str!("velvet.wgsl").to_owned();
-        GpuMaterialSet { name: "velvet".to_owned(), wgsl, words, max_lobes: 2, is_lambert: false }
+        GpuMaterialSet {
+            name: "velvet".to_owned(),
+            wgsl,
+            words,
+            max_lobes: 2,
+            is_lambert: false,
+            has_microfacets: false,
+        }
     }
 }

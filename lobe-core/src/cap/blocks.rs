@@ -1,4 +1,5 @@
 use super::chord::{self, Chord};
+use super::microfacets::{self, Ellipse};
 use super::pair::Pair;
 use super::{Seen, finish, form, lambert, slab};
 use crate::Lobe;
@@ -19,6 +20,8 @@ pub(super) struct Blocks {
     many: Block<15>,
     piece: Block<15>,
     edge: Block<15>,
+    microfacets: Block<12>,
+    microfacets_cut: Block<12>,
 }
 
 impl Blocks {
@@ -31,6 +34,8 @@ impl Blocks {
             many: Block::new(),
             piece: Block::new(),
             edge: Block::new(),
+            microfacets: Block::new(),
+            microfacets_cut: Block::new(),
         }
     }
 
@@ -69,6 +74,14 @@ impl Blocks {
             if self.crossed.push(&[light.cos_beta, light.sin_sq], k) {
                 self.crossed(level, out);
             }
+        } else if form == form::MICROFACETS {
+            if self.microfacets.push(&bytemuck::cast(light.pair(lobe)), k) {
+                flush_microfacets::<false>(level, &mut self.microfacets, out);
+            }
+        } else if form == form::MICROFACETS_CUT {
+            if self.microfacets_cut.push(&bytemuck::cast(light.pair(lobe)), k) {
+                flush_microfacets::<true>(level, &mut self.microfacets_cut, out);
+            }
         } else {
             self.pieces(level, form, &light.pair(lobe), k, out);
         }
@@ -98,6 +111,8 @@ impl Blocks {
         flush::<{ chord::MANY }, false>(level, &mut self.many, out);
         flush::<{ chord::PIECE }, true>(level, &mut self.piece, out);
         flush::<{ chord::EDGE }, true>(level, &mut self.edge, out);
+        flush_microfacets::<false>(level, &mut self.microfacets, out);
+        flush_microfacets::<true>(level, &mut self.microfacets_cut, out);
     }
 
     fn crossed(&mut self, level: Level, out: &mut [f32]) {
@@ -232,4 +247,35 @@ fn flush<const N: usize, const CUT: bool>(level: Level, block: &mut Block<15>, o
         let values = sum::<N, CUT>(level, &block.columns);
         block.flush(&values, out);
     }
+}
+
+struct ToEllipse<const IS_CUT: bool>;
+impl<const IS_CUT: bool> Lane<12, 0, 12> for ToEllipse<IS_CUT> {
+    #[inline(always)]
+    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 12] {
+        bytemuck::cast(Ellipse::new::<IS_CUT>(&bytemuck::cast(pair)))
+    }
+}
+
+/// The chord sums of a block of microfacets, which is empty then.
+#[inline(never)]
+fn flush_microfacets<const IS_CUT: bool>(level: Level, block: &mut Block<12>, out: &mut [f32]) {
+    if block.len == 0 {
+        return;
+    }
+    let mut ellipses = [[0.0; WIDTH]; 12];
+    map(level, &ToEllipse::<IS_CUT>, &block.columns, &[], &mut ellipses);
+    let sums = dispatch!(level, _simd => {
+        let mut sums = [0.0; WIDTH];
+        for (cos, weight) in microfacets::nodes::<IS_CUT>() {
+            for (j, sum) in sums.iter_mut().enumerate() {
+                let ellipse: Ellipse = bytemuck::cast(row(&ellipses, j));
+                *sum += ellipse.node::<IS_CUT>(cos, weight);
+            }
+        }
+        sums
+    });
+    let ellipse = |j: usize| bytemuck::cast::<_, Ellipse>(row(&ellipses, j));
+    let values = core::array::from_fn(|j| finish(ellipse(j).weight(), sums[j]));
+    block.flush(&values, out);
 }

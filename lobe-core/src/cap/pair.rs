@@ -7,7 +7,7 @@ use glam::Vec3;
 pub(super) struct Pair {
     pub(super) axis: Vec3,
     pub(super) exponent: f32,
-    /// 1 where the receiver's cosine multiplies the lobe, else 0.
+    /// The lobe's factor: 1 where the receiver's cosine multiplies it, else 0; 2 and 3 for microfacets.
     pub(super) cosine: f32,
     pub(super) normal: Vec3,
     /// Axis of the cone.

@@ -96,7 +96,7 @@ fn paper_product(c1: Lobe, c2: Lobe) -> Lobe {
     let found = paper_lookup(e1, e2, alpha);
     let scale = (c1.flux * ((e1 + 1.0) * FRAC_1_PI * 0.5)) * (c2.flux * ((e2 + 1.0) * FRAC_1_PI * 0.5)) * found.x;
     let axis = paper_product_direction(c1.axis, e1, c2.axis, e2);
-    return Lobe(axis, found.y, scale * (TAU / (found.y + 1.0)), max(c1.cosine, c2.cosine));
+    return Lobe(axis, found.y, scale * (TAU / (found.y + 1.0)), max(c1.factor, c2.factor));
 }
 
 // The axis of Eq. 19.
@@ -164,7 +164,7 @@ fn paper_occluder(cone: Cone) -> Lobe {
 // The product f̃·L of `Integrator::by_paper`: its flux is the unshadowed radiance.
 fn paper_reflected(at: Receiver, lobe: Lobe, light: Lobe) -> Lobe {
     var f = lobe;
-    if lobe.cosine > 0.0 {
+    if lobe.factor > 0.0 {
         // A receiver's cosine is one more lobe (Eq. 12).
         f = paper_product(Lobe(lobe.axis, lobe.exponent, lobe.flux, 0.0), Lobe(at.normal, 1.0, vec3f(PI), 0.0));
     }

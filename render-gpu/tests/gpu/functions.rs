@@ -12,6 +12,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("special_functions", gpu, special_functions),
         trial("cones_and_bases", gpu, cones_and_bases),
         trial("cap_integrals", gpu, cap_integrals),
+        trial("microfacet_integrals", gpu, microfacet_integrals),
         trial("lambert_integrals", gpu, lambert_integrals),
     ]
 }
@@ -203,7 +204,7 @@ fn case(random: &mut Random, kind: &Kind) -> (Receiver, Lobe, Cone) {
     let lambert = kind.name.starts_with("Lambert");
     let axis = if lambert { normal } else { axis }.as_vec3();
     let cosine = if lambert || random.bits().is_multiple_of(2) { 0.0 } else { 1.0 };
-    let lobe = Lobe { cosine, ..Lobe::with_flux(axis, e as f32, glam::Vec3::ONE) };
+    let lobe = Lobe { factor: cosine, ..Lobe::with_flux(axis, e as f32, glam::Vec3::ONE) };
     let cone = Cone { axis: light.as_vec3(), one_minus_cos: one_minus_cos as f32, distance: 1.0 };
     (receiver(normal.as_vec3()), lobe, cone)
 }
@@ -218,7 +219,7 @@ fn differences(gpu: &Gpu, pieces: &[&str], cases: &[(Receiver, Lobe, Cone)]) -> 
     let rows: Vec<f32> = (cases.iter())
         .flat_map(|(at, lobe, cone)| {
             let [n, a, l] = [at.normal, lobe.axis, cone.axis];
-            let [e, cosine, y] = [lobe.exponent, lobe.cosine, cone.one_minus_cos];
+            let [e, cosine, y] = [lobe.exponent, lobe.factor, cone.one_minus_cos];
             [n.x, n.y, n.z, a.x, a.y, a.z, e, cosine, l.x, l.y, l.z, y]
         })
         .collect();
@@ -239,12 +240,46 @@ fn cap_integrals(gpu: &Gpu) {
     let mut random = Random::new(3);
     for kind in &KINDS {
         let cases: Vec<_> = (0..COUNT / 4).map(|_| case(&mut random, kind)).collect();
-        let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP];
+        let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP, wgsl::MICROFACETS, wgsl::CAP_MICROFACETS];
         let differences = differences(gpu, &pieces, &cases);
         let (mean, worst) = spread(&differences);
         println!("{}: mean {mean:.1e}, worst {worst:.1e}", kind.name);
         assert!(mean <= 2e-6 && worst <= 2e-4, "{}", kind.name);
     }
+}
+
+/// Microfacets of all roughnesses, lights of all sizes where they mirror the view, beside that, anywhere, and through the horizon.
+fn microfacet_integrals(gpu: &Gpu) {
+    let mut random = Random::new(6);
+    let pieces = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::CAP, wgsl::MICROFACETS, wgsl::CAP_MICROFACETS];
+    let mut rows: Vec<f32> = Vec::new();
+    let mut wants = Vec::new();
+    for case in 0..COUNT / 4 {
+        let normal = random.axis();
+        let tilt = random.between(0.0, 1.5);
+        let view = random.axis_at(normal, tilt);
+        let alpha = random.log_uniform(1e-3, 1.0);
+        let half_angle = random.log_uniform(1e-3, 1.3);
+        let mirror = 2.0 * normal.dot(view) * normal - view;
+        let light = match case % 4 {
+            0 => mirror,
+            1 => random.axis(),
+            _ => random.axis_at(mirror, (half_angle + 4.0 * alpha).min(3.0) * (case % 7) as f64 / 6.0),
+        };
+        let at = Receiver { view: view.as_vec3(), ..receiver(normal.as_vec3()) };
+        let one_minus_cos = (2.0 * (0.5 * half_angle).sin().powi(2)) as f32;
+        let cone = Cone { axis: light.as_vec3(), one_minus_cos, distance: 1.0 };
+        for lobe in Lobe::microfacets(at.view, alpha as f32, [glam::Vec3::ONE; 2]) {
+            wants.push(cap_integral(&at, &lobe, &cone));
+            let [n, a, l] = [at.normal, lobe.axis, cone.axis];
+            rows.extend([n.x, n.y, n.z, a.x, a.y, a.z, lobe.exponent, lobe.factor, l.x, l.y, l.z, one_minus_cos]);
+        }
+    }
+    let got = call(gpu, &pieces, BODY, &rows, 12, 1);
+    let differences: Vec<f64> = got.iter().zip(&wants).map(|(got, want)| f64::from((got - want).abs())).collect();
+    let (mean, worst) = spread(&differences);
+    println!("microfacets: mean {mean:.1e}, worst {worst:.1e}");
+    assert!(mean <= 2e-6 && worst <= 2e-3);
 }
 
 fn lambert_integrals(gpu: &Gpu) {

@@ -84,7 +84,7 @@ impl Case {
     fn row(&self) -> [f32; 13] {
         let (a, n, f) = (self.light.axis, self.at.normal, self.lobe);
         let [e, d] = [self.light.one_minus_cos, self.light.distance];
-        [a.x, a.y, a.z, e, d, n.x, n.y, n.z, f.axis.x, f.axis.y, f.axis.z, f.exponent, f.cosine]
+        [a.x, a.y, a.z, e, d, n.x, n.y, n.z, f.axis.x, f.axis.y, f.axis.z, f.exponent, f.factor]
     }
 }
 
@@ -253,7 +253,7 @@ fn masks(gpu: &Gpu, coarse: bool) {
             wants.push((case, mask));
         }
         let fineness = Fineness { coarse, ..Fineness::FINE };
-        let header = wgsl::header(depth, fineness) + HOOKS;
+        let header = wgsl::header(depth, fineness) + HOOKS + wgsl::NO_MICROFACETS;
         let body = format!("{CASE}{BODY}");
         let side = 1 << depth;
         let got = call_groups(gpu, &pieces(&header), &body, &rows, [30, words * side + 1]);
@@ -347,7 +347,7 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
         .iter()
         .flat_map(|(case, edge)| case.row().into_iter().chain(edge.to_array()).chain([tolerance]))
         .collect();
-    let header = wgsl::header_of_lobes(depth, Fineness::broad(tolerance), Fineness::narrow(tolerance)) + HOOKS;
+    let header = wgsl::header_of_lobes(depth, Fineness::broad(tolerance), Fineness::narrow(tolerance), false) + HOOKS;
     let got = call_groups(gpu, &pieces(&header), &body, &rows, [17, 3]);
     let (mut spread, mut classes) = (Spread::default(), [0; 3]);
     for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {

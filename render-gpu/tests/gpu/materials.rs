@@ -142,8 +142,8 @@ fn receivers() -> Vec<Receiver> {
 }
 
 /// All lobes that the GPU makes of materials, as many as each has, for each of the receivers.
-fn lobes(gpu: &Gpu, materials: &[Material], receivers: &[Receiver]) -> Vec<Vec<Lobe>> {
-    let packed = PackedMaterials::new(materials);
+fn lobes(gpu: &Gpu, materials: &[Material], receivers: &[Receiver], microfacets: bool) -> Vec<Vec<Lobe>> {
+    let packed = PackedMaterials::new(materials, microfacets);
     let pairs = (0..materials.len()).flat_map(|m| receivers.iter().map(move |at| (m, at)));
     let mut rows: Vec<f32> = Vec::new();
     for (material, at) in pairs {
@@ -160,7 +160,7 @@ fn lobes(gpu: &Gpu, materials: &[Material], receivers: &[Receiver]) -> Vec<Vec<L
         var lobe = Lobe();
         if u32(x(7)) < brdf_lobe_count(at.material) { lobe = brdf_lobe(at.material, at, u32(x(7))); }
         y(0, lobe.axis.x); y(1, lobe.axis.y); y(2, lobe.axis.z); y(3, lobe.exponent);
-        y(4, lobe.flux.x); y(5, lobe.flux.y); y(6, lobe.flux.z); y(7, lobe.cosine);";
+        y(4, lobe.flux.x); y(5, lobe.flux.y); y(6, lobe.flux.z); y(7, lobe.factor);";
     let pieces = [text.as_str(), binding, SPECIAL, GEOMETRY, LOBE];
     let got = call_with(gpu, &pieces, body, &rows, [8, 8], &[(2, &packed.words)]);
     assert!(got.iter().all(|value| value.is_finite()));
@@ -173,15 +173,22 @@ fn visible(lobe: &Lobe) -> bool {
     lobe.flux.max_element() > 1e-30
 }
 
-/// The GPU's lobes are those of Rust, in the same order.
+/// The GPU's lobes are those of Rust, in the same order, of directions and of microfacets.
 fn agree(gpu: &Gpu, materials: &[Material]) {
+    agree_with(gpu, materials, false);
+    if materials.iter().any(|m| matches!(m, Material::MetallicRoughness(_))) {
+        agree_with(gpu, materials, true);
+    }
+}
+
+fn agree_with(gpu: &Gpu, materials: &[Material], microfacets: bool) {
     let receivers = receivers();
-    let all = lobes(gpu, materials, &receivers);
+    let all = lobes(gpu, materials, &receivers, microfacets);
     let mut worst = [0.0_f32; 3];
     for (i, got) in all.iter().enumerate() {
         let (material, at) = (&materials[i / receivers.len()], &receivers[i % receivers.len()]);
         let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
-        material.brdf_lobes(at, &mut buffer.writer()).expect("room for all lobes");
+        material.brdf_lobes(at, &mut buffer.writer_of(microfacets)).expect("room for all lobes");
         let want: Vec<Lobe> = buffer.lobes().iter().filter(visible).collect();
         let got: Vec<&Lobe> = got.iter().filter(|lobe| visible(lobe)).collect();
         let name = material.model_name();
@@ -197,7 +204,7 @@ fn agree(gpu: &Gpu, materials: &[Material]) {
                 worst[k] = worst[k].max(errors[k] / allowed[k] * TOLERANCE);
                 assert!(errors[k] <= allowed[k], "{name} {i}: {got:?}\n{want:?}\n{errors:?} of {allowed:?}");
             }
-            assert_eq!(got.cosine, want.cosine);
+            assert_eq!(got.factor, want.factor);
             if want.exponent == 1.0 && want.axis == at.normal {
                 assert_eq!((got.exponent, got.axis), (want.exponent, want.axis), "a Lambert lobe is exact");
             }
@@ -212,7 +219,7 @@ const TOLERANCE: f32 = 2e-6;
 /// Errors of axis, exponent and flux: the tolerance, times what the lobe makes of a rounding of its arguments.
 fn allowed(material: &Material, at: &Receiver, want: &Lobe) -> [f32; 3] {
     match material {
-        Material::Lafortune(m) if want.cosine == 1.0 => {
+        Material::Lafortune(m) if want.factor == 1.0 => {
             let (t, b) = orthonormal_basis(at.normal);
             let view = Vec3::new(t.dot(at.view), b.dot(at.view), at.normal.dot(at.view)).as_dvec3();
             // Which one it is, is known by its exponent; the most sensitive else.
@@ -244,7 +251,7 @@ fn no_axis(gpu: &Gpu) {
     for c in [Vec3::Z, Vec3::ZERO, Vec3::splat(1e-32)] {
         for exponent in [0.0, 1e-6, 0.5, 1.0, 200.0, 1e5, 1e7] {
             let lobe = LafortuneLobe::diagonal(c, exponent, Vec3::ONE);
-            let got = lobes(gpu, &[Lafortune { diffuse: Vec3::ZERO, lobes: vec![lobe] }.into()], &at);
+            let got = lobes(gpu, &[Lafortune { diffuse: Vec3::ZERO, lobes: vec![lobe] }.into()], &at, false);
             assert!(got.iter().flatten().all(|lobe| lobe.flux == Vec3::ZERO));
         }
     }

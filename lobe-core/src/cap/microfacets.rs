@@ -1,0 +1,395 @@
+//! The integral of a lobe of microfacets over a light's cone: in the plane of half vectors a cosine lobe over an ellipse.
+
+use super::pair::Pair;
+use crate::Lobe;
+use crate::microfacets::{alpha_sq, masking, schlick, seen_from};
+use crate::special::atan2;
+use core::f32::consts::FRAC_1_PI;
+use glam::Vec3;
+
+/// An end of a chord that reaches down to the plane of the surface.
+const FAR: f32 = 1e4;
+
+/// `cos τ` and `weight·sin τ` of the Gauss–Legendre rule for τ in (0, π), which takes square-root edges and none alike: one half,
+/// the other mirrors it.
+const TEN: [(f32, f32); 5] = [
+    (0.999_160_1, 0.004_291_303),
+    (0.977_620_9, 0.049_387_01),
+    (0.875_859_5, 0.166_070_36),
+    (0.629_396_15, 0.328_678_17),
+    (0.231_725_67, 0.451_573_16),
+];
+const SIXTEEN: [(f32, f32); 8] = [
+    (0.999_861_4, 0.000_710_062),
+    (0.996_212_55, 0.008_502_77),
+    (0.977_808_1, 0.031_315_292),
+    (0.927_094_9, 0.073_378_6),
+    (0.825_200_9, 0.132_728_68),
+    (0.658_971_9, 0.199_858_78),
+    (0.428_057_06, 0.259_225_6),
+    (0.148_691_87, 0.294_280_2),
+];
+
+/// The nodes of a whole light, or of one that the horizon crosses.
+#[inline(always)]
+pub(super) fn nodes<const IS_CUT: bool>() -> impl Iterator<Item = (f32, f32)> {
+    let half: &[(f32, f32)] = if IS_CUT { &SIXTEEN } else { &TEN };
+    half.iter().map(|(cos, weight)| (-cos, *weight)).chain(half.iter().rev().copied())
+}
+
+/// What all chords have in common. Twelve numbers, so that many of them lie in columns.
+///
+/// The slopes of half vectors over α, `σ = h_xy/(α h_z)`, turn `D(h)·(n·h) dω_h` into `d²σ/π(1+|σ|²)²`, a cosine lobe seen
+/// through a plane, and the light's cone into an ellipse. Frame: x and y along and across the chords, z the normal.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(super) struct Ellipse {
+    view: Vec3,
+    light: Vec3,
+    one_minus_cos: f32,
+    alpha_sq: f32,
+    /// Middle and half of the chords' places, `y/√(1+y²)`.
+    middle: f32,
+    half: f32,
+    shadowing: f32,
+    /// 1 for the part of the reflectance that grows toward grazing.
+    edge: f32,
+}
+
+impl Ellipse {
+    #[inline(always)]
+    pub(super) fn new<const IS_CUT: bool>(pair: &Pair) -> Self {
+        let n = pair.normal;
+        let (vz, sin, forward) = seen_from(n, pair.axis);
+        let aside = n.cross(forward);
+        let (cx, cy, cz) = (forward.dot(pair.light), aside.dot(pair.light), n.dot(pair.light));
+        let alpha_sq = alpha_sq(pair.exponent);
+        let omc = pair.one_minus_cos;
+        let sin_sq = omc * (2.0 - omc);
+
+        // Chords run along the principal axis of the ellipse's second moment about the origin.
+        let height = vz + cz;
+        let near = if height > 1e-3 { height } else { 1e-3 };
+        let (sx, sy) = ((sin + cx) / near, cy / near);
+        let (qx, qy) = (cx - sx * cz, cy - sy * cz);
+        let size = 0.25 * sin_sq / (near * near);
+        let xx = sx * sx + size * (1.0 + sx * sx - qx * qx);
+        let yy = sy * sy + size * (1.0 + sy * sy - qy * qy);
+        let xy = sx * sy + size * (sx * sy - qx * qy);
+        let (difference, twice) = (xx - yy, 2.0 * xy);
+        let root = (difference * difference + twice * twice).sqrt();
+        let double = if root > 1e-30 { difference / root } else { 1.0 };
+        let root_of = |x: f32| if x > 0.0 { x.sqrt() } else { 0.0 };
+        let (ex, ey) = (root_of(0.5 * (1.0 + double)), root_of(0.5 * (1.0 - double)));
+        let ey = if twice < 0.0 { -ey } else { ey };
+        let (v1, v2) = (sin * ex, -sin * ey);
+        let (c1, c2) = (cx * ex + cy * ey, cy * ex - cx * ey);
+
+        // From where to where: a·z² − 2b·z − d ≤ 0 about the half vector of the light's middle.
+        let across = v2 + c2;
+        let y0 = across / near;
+        let tilt = v2 - y0 * vz;
+        let a = height * height - 2.0 * omc * vz * cz - sin_sq;
+        let b = omc * tilt * (vz - cz) + sin_sq * y0;
+        let d = omc * ((2.0 - omc) * (1.0 + y0 * y0) - 2.0 * tilt * tilt);
+        let root = root_of(b * b + a * d);
+        let (low, high) = (y0 + (b - root) / a, y0 + (b + root) / a);
+        let (low, high) = if IS_CUT {
+            let (low, high) = if height > 0.05 {
+                (low, high)
+            } else {
+                // About the normal: near the horizon the half vector of the middle may be below it.
+                let b = omc * (v2 * cz + c2 * vz) - across * height;
+                let d = across * across - 2.0 * omc * v2 * c2 - sin_sq;
+                let root = root_of(b * b - a * d);
+                let q = -b - if b < 0.0 { -root } else { root };
+                (q / a, d / if q.abs() > 1e-30 { q } else { 1e-30 })
+            };
+            // Of what is above the horizon. Where a line of half vectors touches the light: is that one direction above?
+            let touches = |y: f32| {
+                let over = 1.0 / (1.0 + y * y);
+                let (mu, nu) = (v2 - y * vz, c2 - y * cz);
+                let of_view = root_of(1.0 - mu * mu * over);
+                let of_light = root_of(1.0 - nu * nu * over);
+                let scale = of_view / if of_light > 1e-6 { of_light } else { 1e-6 };
+                // l = −(ω_o·m) m + the rest of the light's direction; its height, and whether it is on the rim.
+                let up = y * over * (mu + nu * scale) + cz * scale;
+                let inside = of_view * of_light - mu * nu * over;
+                up > 0.0 && (inside - (1.0 - omc)).abs() < 1e-3 && y.abs() < FAR
+            };
+            // Where the rim meets the horizon, and the horizon's own ends where the light has them.
+            let cos = 1.0 - omc;
+            let flat = cx * cx + cy * cy;
+            let along = cos / if flat > 1e-12 { flat } else { 1e-12 };
+            let beside = root_of(1.0 - cos * along) / root_of(if flat > 1e-12 { flat } else { 1e-12 });
+            let (one, other) = ((v2 + c2 * along + c1 * beside) / vz, (v2 + c2 * along - c1 * beside) / vz);
+            let (least, most) = if one < other { (one, other) } else { (other, one) };
+            let least = if c2 < -cos { (v2 - 1.0) / vz } else { least };
+            let most = if c2 > cos { (v2 + 1.0) / vz } else { most };
+            let lower = |a: f32, b: f32| if a < b { a } else { b };
+            let upper = |a: f32, b: f32| if a > b { a } else { b };
+            let (low_counts, high_counts) = (touches(low), touches(high));
+            let least = lower(least, if low_counts { low } else { least });
+            let least = lower(least, if high_counts { high } else { least });
+            let most = upper(most, if low_counts { low } else { most });
+            (least, upper(most, if high_counts { high } else { most }))
+        } else {
+            (low, high)
+        };
+        let place = |y: f32| y / (alpha_sq + y * y).sqrt();
+        let (low, high) = (place(low), place(high));
+        let half = 0.5 * (high - low);
+        Self {
+            view: Vec3::new(v1, v2, vz),
+            light: Vec3::new(c1, c2, cz),
+            one_minus_cos: omc,
+            alpha_sq,
+            middle: 0.5 * (low + high),
+            half: if half > 0.0 { half } else { 0.0 },
+            shadowing: (vz * vz * (1.0 - alpha_sq) + alpha_sq).sqrt(),
+            edge: if pair.cosine == Lobe::EDGE { 1.0 } else { 0.0 },
+        }
+    }
+
+    /// What the sum of all chords is multiplied by.
+    #[inline(always)]
+    pub(super) fn weight(&self) -> f32 {
+        self.half * FRAC_1_PI
+    }
+
+    /// One chord, times its weight.
+    #[inline(always)]
+    pub(super) fn node<const IS_CUT: bool>(&self, cos: f32, weight: f32) -> f32 {
+        let ([v1, v2, vz], [c1, c2, cz]) = (self.view.to_array(), self.light.to_array());
+        let alpha = self.alpha_sq.sqrt();
+        let t = self.middle + self.half * cos;
+        let rest = (1.0 - t) * (1.0 + t);
+        let y = t / if rest > 1e-12 { rest } else { 1e-12 }.sqrt();
+        let slope = alpha * y;
+        let root = (1.0 + slope * slope).sqrt();
+
+        // The plane of half vectors across m = (0, 1, −slope)/root cuts directions by l·m = −ω_o·m: an arc 2φ of the light.
+        let over = 1.0 / root;
+        let (mu, nu) = ((v2 - slope * vz) * over, (c2 - slope * cz) * over);
+        let beside = ((v2 + c2) - slope * (vz + cz)) * over;
+        let clear = |x: f32| if x > 1e-12 { x } else { 1e-12 };
+        let (of_view, of_light) = (clear(1.0 - mu * mu), clear(1.0 - nu * nu));
+        let product = (of_view * of_light).sqrt();
+        // 1 − cos φ without cancellation.
+        let arc = (self.one_minus_cos - beside * beside / clear(product + 1.0 + mu * nu)) / product;
+        let hits = arc > 0.0;
+        let all = arc >= 1.9999;
+        let arc = if all { 1.9999 } else { arc };
+        let tan = (if hits { arc } else { 0.0 } / (2.0 - arc)).sqrt();
+        // Half vectors: φ/2 about the middle between eye and light, of which only the tangent counts.
+        let (v_up, c_up) = ((slope * v2 + vz) * over, (slope * c2 + cz) * over);
+        let (of_view, of_light) = (1.0 / of_view.sqrt(), 1.0 / of_light.sqrt());
+        let (vx, vu, cx, cu) = (v1 * of_view, v_up * of_view, c1 * of_light, c_up * of_light);
+        let (x, z) = (vx + cx, vu + cu);
+        // Where both are about opposite, what is across their difference.
+        let is_opposite = IS_CUT && x * x + z * z < 1.0;
+        let (x, z) = (if is_opposite { cu - vu } else { x }, if is_opposite { vx - cx } else { z });
+        let length = 1.0 / clear(x * x + z * z).sqrt();
+        let (x, z) = (x * length, z * length);
+
+        let b = (1.0 + y * y).sqrt();
+        let scale = root / (alpha * b);
+        let (below, above) = (z + x * tan, z - x * tan);
+        let (start, end) = (x - tan * z, x + tan * z);
+        let finite = |steep: f32, end: f32| {
+            let sign = if (end < 0.0) == (steep < 0.0) { 1.0 } else { -1.0 };
+            if steep.abs() > 1e-5 { end / steep } else { sign * FAR }
+        };
+        let (p, q) = (scale * finite(below, start), scale * finite(above, end));
+        let (p, q) = if all { (-FAR * scale, FAR * scale) } else { (p, q) };
+        let is_one = p < q;
+        let length = scale * 2.0 * tan / (below * above);
+        let length = if all || below * above < 1e-9 { q - p } else { length };
+        let part = |p: f32, q: f32, length: f32| self.part([alpha, b, slope], [p, q], if hits { length } else { 0.0 });
+        if !IS_CUT {
+            return weight * part(p, q, if is_one { length } else { 0.0 });
+        }
+        let (center, aside) = (v1 / vz, slope - v2 / vz);
+        let rest = 1.0 / (vz * vz) - aside * aside;
+        let reach = if rest > 0.0 { rest.sqrt() } else { 0.0 };
+        let unit = 1.0 / (alpha * b);
+        let (least, most) = ((center - reach) * unit, (center + reach) * unit);
+        // One range from p to q, or all but what is between q and p.
+        let cut = least > p || most < q || !is_one;
+        let high = if is_one && q < most { q } else { most };
+        let low = if p > least { p } else { least };
+        let first = part(low, high, if cut { high - low } else { length });
+        let high = if q < most { q } else { most };
+        let second = part(least, high, if is_one { 0.0 } else { high - least });
+        weight * (first + second)
+    }
+
+    /// A range of a chord: closed for the cosine lobe, and the rest of the reflectance at two points with the range's mean and variance.
+    #[inline(always)]
+    fn part(&self, [alpha, b, slope]: [f32; 3], [p, q]: [f32; 2], length: f32) -> f32 {
+        let [v1, v2, vz] = self.view.to_array();
+        let counts = length > 0.0;
+        let length = if counts { length } else { 0.0 };
+        // ∫ dX/(1+X²)² = ½ [X/(1+X²) + arctan X] from p to q, without the difference.
+        let m = 1.0 + p * q;
+        let over = 1.0 / (m * m + length * length);
+        let is_short = length < 0.3 * m;
+        let ratio = if is_short { length / m } else { 0.0 };
+        let sq = ratio * ratio;
+        let series = ratio * sq * (2.0 / 3.0 - sq * (0.8 - sq * (6.0 / 7.0 - sq * (8.0 / 9.0))));
+        let angle = atan2(length, m);
+        let short_angle = ratio * (1.0 - sq * (1.0 / 3.0 - sq * (0.2 - sq / 7.0)));
+        let angle = if is_short { short_angle } else { angle };
+        let value = 0.5 * if is_short { 2.0 * length * over + series } else { length * (2.0 - m) * over + angle };
+        let counts = counts && value > 0.0;
+        let inverse = 1.0 / if value > 1e-30 { value } else { 1e-30 };
+        let mean = 0.5 * length * (p + q) * over * inverse;
+        let variance = (angle - value) * inverse - mean * mean;
+        let apart = if variance > 0.0 { variance.sqrt() } else { 0.0 };
+        let (first, last) = (mean - apart, mean + apart);
+        let (first, last) = (if first > p { first } else { p }, if last < q { last } else { q });
+
+        let rest = |x: f32| {
+            let slope_x = alpha * b * x;
+            let u = v1 * slope_x + v2 * slope + vz;
+            let u = if u > 0.0 { u } else { 0.0 };
+            let square = 1.0 + slope_x * slope_x + slope * slope;
+            let vh = u / square.sqrt();
+            let fifth = schlick(vh);
+            let fresnel = if self.edge > 0.0 { fifth } else { 1.0 - fifth };
+            // dω_l = 4 (ω_o·h) dω_h; the cosine lobe has taken n·h.
+            u * masking(2.0 * u / square - vz, vz, self.alpha_sq, self.shadowing) * fresnel
+        };
+        let value = value * 2.0 * (rest(first) + rest(last));
+        if counts { value } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::oracle::{CapMicrofacets, Random};
+    use crate::{Cone, Lobe, OWN_NONE, Receiver, cap_integral};
+    use core::f64::consts::{FRAC_PI_2, PI, TAU};
+    use glam::{DVec3, Vec3};
+
+    /// Mean and largest error over lights of a half-angle, above the horizon or across it, relative to the light in the mirror or, where
+    /// that is more, to 50 times the value.
+    fn errors(roughness: f64, half_angle: f64, crosses: bool) -> [f64; 2] {
+        let mut random = Random::new(7);
+        let alpha = roughness * roughness;
+        let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0);
+        while count < 25 {
+            let tilt = random.between(0.02, 80f64.to_radians());
+            let (light, turn) = if crosses {
+                (
+                    FRAC_PI_2 + half_angle * random.between(-0.95, 0.95),
+                    PI + random.between(-0.5, 0.5) * (1.0 + 2.0 * alpha),
+                )
+            } else {
+                let (aside, at) = (random.uniform() * (half_angle + 3.0 * alpha), random.uniform() * TAU);
+                (tilt + aside * at.cos(), PI + aside * at.sin() / tilt.sin().max(0.3))
+            };
+            let polar =
+                |angle: f64, turn: f64| DVec3::new(angle.sin() * turn.cos(), angle.sin() * turn.sin(), angle.cos());
+            let (view, axis) = (polar(tilt, 0.0), polar(light, turn));
+            if (axis.z < half_angle.sin()) != crosses {
+                continue;
+            }
+            let microfacets = CapMicrofacets { view, alpha };
+            // Rays that pass beside a small light see it under a small angle.
+            let sectors = if half_angle < 0.05 { 5000 } else { 1500 };
+            let want = microfacets.over_cap(axis, half_angle, sectors);
+            let mirror = microfacets.over_cap(polar(tilt, PI), half_angle, 1500);
+            let at = Receiver {
+                position: Vec3::ZERO,
+                normal: Vec3::Z,
+                face: Vec3::Z,
+                view: view.as_vec3(),
+                object: OWN_NONE,
+            };
+            let cone = Cone { axis: axis.as_vec3(), one_minus_cos: (1.0 - half_angle.cos()) as f32, distance: 1.0 };
+            let lobes = Lobe::microfacets(at.view, alpha as f32, [Vec3::ONE; 2]);
+            let got = lobes.map(|lobe| f64::from(cap_integral(&at, &lobe, &cone)));
+            let size = if crosses { want[0].max(0.02 * mirror[0]) } else { mirror[0] };
+            let error = ((got[0] - want[0]).abs() + (got[1] - want[1]).abs()) / size;
+            assert!(error.is_finite(), "{view} {axis}");
+            sum += error;
+            worst = worst.max(error);
+            count += 1;
+        }
+        [sum / 25.0, worst]
+    }
+
+    #[test]
+    fn integrals_are_those_of_quadrature() {
+        for roughness in [0.1, 0.2, 0.3, 0.5, 0.7, 1.0] {
+            for (degrees, limits) in [(1.0, [3e-3, 0.02]), (5.0, [1e-3, 0.015]), (25.0, [1e-3, 0.01])] {
+                let got = errors(roughness, f64::to_radians(degrees), false);
+                println!("roughness {roughness}, {degrees}°: mean {:.1e}, worst {:.1e}", got[0], got[1]);
+                assert!(got[0] < limits[0] && got[1] < limits[1], "{roughness} {degrees}: {got:?}");
+            }
+            for (degrees, limits) in [(5.0, [3e-3, 0.05]), (25.0, [0.04, 0.6])] {
+                let got = errors(roughness, f64::to_radians(degrees), true);
+                println!(
+                    "roughness {roughness}, {degrees}° through the horizon: mean {:.1e}, worst {:.1e}",
+                    got[0], got[1]
+                );
+                assert!(got[0] < limits[0] && got[1] < limits[1], "{roughness} {degrees}: {got:?}");
+            }
+        }
+    }
+
+    /// Views and lights near the horizon, the light where a mirror sees it.
+    #[test]
+    fn grazing_lights_are_those_of_quadrature() {
+        let mut random = Random::new(11);
+        let (mut sum, mut worst) = (0.0, 0.0_f64);
+        for _ in 0..200 {
+            let tilt = random.between(1.2, 1.5);
+            let (half_angle, alpha) = (random.log_uniform(0.05, 0.6), random.log_uniform(0.02, 0.8));
+            let view = DVec3::new(tilt.sin(), 0.0, tilt.cos());
+            let axis = DVec3::new(-tilt.sin(), 0.0, tilt.cos());
+            let facets = CapMicrofacets { view, alpha };
+            let want = facets.over_cap(axis, half_angle, 3000);
+            let at = Receiver {
+                position: Vec3::ZERO,
+                normal: Vec3::Z,
+                face: Vec3::Z,
+                view: view.as_vec3(),
+                object: OWN_NONE,
+            };
+            let cone = Cone { axis: axis.as_vec3(), one_minus_cos: (1.0 - half_angle.cos()) as f32, distance: 1.0 };
+            let lobes = Lobe::microfacets(at.view, alpha as f32, [Vec3::ONE; 2]);
+            let got = lobes.map(|lobe| f64::from(cap_integral(&at, &lobe, &cone)));
+            let error = ((got[0] - want[0]).abs() + (got[1] - want[1]).abs()) / (want[0] + want[1]);
+            sum += error;
+            worst = worst.max(error);
+        }
+        println!("grazing: mean {:.1e}, worst {worst:.1e}", sum / 200.0);
+        assert!(sum / 200.0 < 0.01 && worst < 0.35);
+    }
+
+    /// Finite and not negative, whatever the input.
+    #[test]
+    fn integrals_are_total() {
+        let mut random = Random::new(9);
+        let vector = |random: &mut Random| random.axis().as_vec3().normalize();
+        for _ in 0..100_000 {
+            let normal = vector(&mut random);
+            let view = if random.uniform() < 0.1 { normal } else { vector(&mut random) };
+            let light =
+                if random.uniform() < 0.1 { 2.0 * normal.dot(view) * normal - view } else { vector(&mut random) };
+            let light = if random.uniform() < 0.05 { -view } else { light };
+            let alpha = random.log_uniform(1e-4, 1.0) as f32;
+            let one_minus_cos = random.log_uniform(1e-12, 1.0) as f32;
+            let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
+            for lobe in Lobe::microfacets(view, alpha, [Vec3::ONE; 2]) {
+                let value = cap_integral(&at, &lobe, &Cone { axis: light, one_minus_cos, distance: 1.0 });
+                assert!(
+                    value.is_finite() && (0.0..1.2).contains(&value),
+                    "{value}: {at:?} {lobe:?} {light} {one_minus_cos}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+// The ellipse of cap/microfacets.rs. Needs microfacets.wgsl.
+
+struct Ellipse {
+    view: vec3f,
+    one_minus_cos: f32,
+    light: vec3f,
+    alpha_sq: f32,
+    middle: f32,
+    half: f32,
+    shadowing: f32,
+    is_edge: bool,
+    is_cut: bool,
+}
+
+// An end of a chord that reaches down to the plane of the surface.
+const ELLIPSE_FAR = 1e4;
+
+// `cos τ` and `weight·sin τ`: one half, the other mirrors it.
+const NODES_WHOLE = array<vec2f, 5>(
+    vec2f(0.9991601, 0.004291303),
+    vec2f(0.9776209, 0.04938701),
+    vec2f(0.8758595, 0.16607036),
+    vec2f(0.62939615, 0.32867817),
+    vec2f(0.23172567, 0.45157316)
+);
+const NODES_CUT = array<vec2f, 8>(
+    vec2f(0.9998614, 0.000710062),
+    vec2f(0.99621255, 0.00850277),
+    vec2f(0.9778081, 0.031315292),
+    vec2f(0.9270949, 0.0733786),
+    vec2f(0.8252009, 0.13272868),
+    vec2f(0.6589719, 0.19985878),
+    vec2f(0.42805706, 0.2592256),
+    vec2f(0.14869187, 0.2942802)
+);
+
+fn microfacets_integral(at: Receiver, lobe: Lobe, light: Seen) -> f32 {
+    let ellipse = ellipse_of(at, lobe, light);
+    var sum = 0.0;
+    let count = select(5u, 8u, ellipse.is_cut);
+    for (var k = 0u; k < 2u * count; k++) {
+        let place = min(k, 2u * count - 1u - k);
+        var node = vec2f();
+        if (ellipse.is_cut) {
+            node = NODES_CUT[place];
+        } else {
+            node = NODES_WHOLE[place];
+        }
+        sum += ellipse_node(ellipse, select(node.x, -node.x, k < count), node.y);
+    }
+    return positive(sum * ellipse.half * FRAC_1_PI);
+}
+
+fn root_of(x: f32) -> f32 { return sqrt(positive(x)); }
+
+fn above_zero(x: f32) -> f32 { return max(x, 1e-12); }
+
+fn ellipse_of(at: Receiver, lobe: Lobe, light: Seen) -> Ellipse {
+    let n = at.normal;
+    let seen = seen_from(n, lobe.axis);
+    let ahead = tangent_toward(n, lobe.axis);
+    let vz = seen.x;
+    let sine = seen.y;
+    let c = vec3f(dot(ahead, light.axis), dot(cross(n, ahead), light.axis), dot(n, light.axis));
+    let alpha_sq = microfacets_alpha_sq(lobe.exponent);
+    let omc = light.one_minus_cos;
+    let sin_sq = omc * (2.0 - omc);
+
+    // Chords run along the principal axis of the ellipse's second moment about the origin.
+    let height = vz + c.z;
+    let near = max(height, 1e-3);
+    let s = vec2f(sine + c.x, c.y) / near;
+    let q = c.xy - s * c.z;
+    let size = 0.25 * sin_sq / (near * near);
+    let moments = s * s + size * (1.0 + s * s - q * q);
+    let twice = 2.0 * (s.x * s.y + size * (s.x * s.y - q.x * q.y));
+    let difference = moments.x - moments.y;
+    let axes = sqrt(difference * difference + twice * twice);
+    let double = select(1.0, difference / axes, axes > 1e-30);
+    let ex = root_of(0.5 * (1.0 + double));
+    let up = root_of(0.5 * (1.0 - double));
+    let ey = select(up, -up, twice < 0.0);
+    let v1 = sine * ex;
+    let v2 = -sine * ey;
+    let c1 = c.x * ex + c.y * ey;
+    let c2 = c.y * ex - c.x * ey;
+
+    // From where to where: a·z² − 2b·z − d ≤ 0 about the half vector of the light's middle.
+    let across = v2 + c2;
+    let y0 = across / near;
+    let tilt = v2 - y0 * vz;
+    let a = height * height - 2.0 * omc * vz * c.z - sin_sq;
+    let b = omc * tilt * (vz - c.z) + sin_sq * y0;
+    let d = omc * ((2.0 - omc) * (1.0 + y0 * y0) - 2.0 * tilt * tilt);
+    let root = root_of(b * b + a * d);
+    var low = y0 + (b - root) / a;
+    var high = y0 + (b + root) / a;
+    if (!light.above) {
+        if (height <= 0.05) {
+            // About the normal: near the horizon the half vector of the middle may be below it.
+            let b = omc * (v2 * c.z + c2 * vz) - across * height;
+            let d = across * across - 2.0 * omc * v2 * c2 - sin_sq;
+            let root = root_of(b * b - a * d);
+            let q = -b - select(root, -root, b < 0.0);
+            low = q / a;
+            high = d / select(1e-30, q, abs(q) > 1e-30);
+        }
+        // Of what is above the horizon: where the rim meets it, its own ends where the light has them, and where a line of half
+        // vectors touches the light above it.
+        let cosine = 1.0 - omc;
+        let flat = max(dot(c.xy, c.xy), 1e-12);
+        let along = cosine / flat;
+        let beside = root_of(1.0 - cosine * along) / sqrt(flat);
+        let one = (v2 + c2 * along + c1 * beside) / vz;
+        let other = (v2 + c2 * along - c1 * beside) / vz;
+        var least = select(min(one, other), (v2 - 1.0) / vz, c2 < -cosine);
+        var most = select(max(one, other), (v2 + 1.0) / vz, c2 > cosine);
+        let axes = vec4f(vz, v2, c.z, c2);
+        if (ellipse_touches(axes, omc, low)) {
+            least = min(least, low);
+            most = max(most, low);
+        }
+        if (ellipse_touches(axes, omc, high)) {
+            least = min(least, high);
+            most = max(most, high);
+        }
+        low = least;
+        high = most;
+    }
+    let first = low / sqrt(alpha_sq + low * low);
+    let last = high / sqrt(alpha_sq + high * high);
+    return Ellipse(
+        vec3f(v1, v2, vz),
+        omc,
+        vec3f(c1, c2, c.z),
+        alpha_sq,
+        0.5 * (first + last),
+        positive(0.5 * (last - first)),
+        sqrt(vz * vz * (1.0 - alpha_sq) + alpha_sq),
+        lobe.factor == LOBE_EDGE,
+        !light.above
+    );
+}
+
+// Whether the line of half vectors at `y` touches the light in one direction above the horizon. `axes`: the eye's and the light's
+// heights and parts across the chords.
+fn ellipse_touches(axes: vec4f, omc: f32, y: f32) -> bool {
+    let over = 1.0 / (1.0 + y * y);
+    let mu = axes.y - y * axes.x;
+    let nu = axes.w - y * axes.z;
+    let of_view = root_of(1.0 - mu * mu * over);
+    let of_light = root_of(1.0 - nu * nu * over);
+    let scale = of_view / max(of_light, 1e-6);
+    let up = y * over * (mu + nu * scale) + axes.z * scale;
+    let inside = of_view * of_light - mu * nu * over;
+    return up > 0.0 && abs(inside - (1.0 - omc)) < 1e-3 && abs(y) < ELLIPSE_FAR;
+}
+
+// What is left of the reflectance at a half vector of these slopes.
+fn ellipse_rest(ellipse: Ellipse, slopes: vec2f) -> f32 {
+    let u = positive(dot(ellipse.view.xy, slopes) + ellipse.view.z);
+    let square = 1.0 + dot(slopes, slopes);
+    let fifth = schlick(u / sqrt(square));
+    let fresnel = select(1.0 - fifth, fifth, ellipse.is_edge);
+    // dω_l = 4 (ω_o·h) dω_h; the cosine lobe has taken n·h.
+    let light = 2.0 * u / square - ellipse.view.z;
+    return u * masking(light, ellipse.view.z, ellipse.alpha_sq, ellipse.shadowing) * fresnel;
+}
+
+// One chord, times its weight.
+fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> f32 {
+    let v = ellipse.view;
+    let c = ellipse.light;
+    let alpha = sqrt(ellipse.alpha_sq);
+    let t = ellipse.middle + ellipse.half * cosine;
+    let y = t / sqrt(above_zero((1.0 - t) * (1.0 + t)));
+    let slope = alpha * y;
+    let root = sqrt(1.0 + slope * slope);
+
+    // The plane of half vectors across m = (0, 1, −slope)/root cuts directions by l·m = −ω_o·m: an arc 2φ of the light.
+    let over = 1.0 / root;
+    let mu = (v.y - slope * v.z) * over;
+    let nu = (c.y - slope * c.z) * over;
+    let beside = ((v.y + c.y) - slope * (v.z + c.z)) * over;
+    let of_view = above_zero(1.0 - mu * mu);
+    let of_light = above_zero(1.0 - nu * nu);
+    let product = sqrt(of_view * of_light);
+    // 1 − cos φ without cancellation.
+    let arc = (ellipse.one_minus_cos - beside * beside / above_zero(product + 1.0 + mu * nu)) / product;
+    if (!(arc > 0.0)) {
+        return 0.0;
+    }
+    let all = arc >= 1.9999;
+    let part = min(arc, 1.9999);
+    let tangent = sqrt(part / (2.0 - part));
+    // Half vectors: φ/2 about the middle between eye and light, of which only the tangent counts.
+    let to_view = vec2f(v.x, (slope * v.y + v.z) * over) * (1.0 / sqrt(of_view));
+    let to_light = vec2f(c.x, (slope * c.y + c.z) * over) * (1.0 / sqrt(of_light));
+    var middle = to_view + to_light;
+    if (ellipse.is_cut && dot(middle, middle) < 1.0) {
+        // Both are about opposite: what is across their difference.
+        middle = vec2f(to_light.y - to_view.y, to_view.x - to_light.x);
+    }
+    middle *= 1.0 / sqrt(above_zero(dot(middle, middle)));
+
+    let b = sqrt(1.0 + y * y);
+    let scale = root / (alpha * b);
+    let below = middle.y + middle.x * tangent;
+    let above = middle.y - middle.x * tangent;
+    var p = scale * ellipse_end(middle.x - tangent * middle.y, below);
+    var q = scale * ellipse_end(middle.x + tangent * middle.y, above);
+    if (all) {
+        p = -ELLIPSE_FAR * scale;
+        q = ELLIPSE_FAR * scale;
+    }
+    let is_one = p < q;
+    var length = scale * 2.0 * tangent / (below * above);
+    if (all || below * above < 1e-9) {
+        length = q - p;
+    }
+    let at = vec3f(alpha, b, slope);
+    if (!ellipse.is_cut) {
+        return weight * ellipse_part(ellipse, at, p, q, select(0.0, length, is_one));
+    }
+    let aside = slope - v.y / v.z;
+    let reach = root_of(1.0 / (v.z * v.z) - aside * aside);
+    let unit = 1.0 / (alpha * b);
+    let least = (v.x / v.z - reach) * unit;
+    let most = (v.x / v.z + reach) * unit;
+    // One range from p to q, or all but what is between q and p.
+    let cut = least > p || most < q || !is_one;
+    let high = select(most, min(q, most), is_one);
+    let low = max(p, least);
+    var sum = ellipse_part(ellipse, at, low, high, select(length, high - low, cut));
+    if (!is_one) {
+        let high = min(q, most);
+        sum += ellipse_part(ellipse, at, least, high, high - least);
+    }
+    return weight * sum;
+}
+
+fn ellipse_end(end: f32, steep: f32) -> f32 {
+    if (abs(steep) > 1e-5) {
+        return end / steep;
+    }
+    return select(-ELLIPSE_FAR, ELLIPSE_FAR, (end < 0.0) == (steep < 0.0));
+}
+
+// A range of a chord; `at` is α, √(1 + y²) and the slope across.
+fn ellipse_part(ellipse: Ellipse, at: vec3f, p: f32, q: f32, length: f32) -> f32 {
+    if (!(length > 0.0)) {
+        return 0.0;
+    }
+    // ∫ dX/(1+X²)² from p to q, without the difference.
+    let m = 1.0 + p * q;
+    let inverse_sq = 1.0 / (m * m + length * length);
+    var value = 0.0;
+    var angle = 0.0;
+    if (length < 0.3 * m) {
+        let ratio = length / m;
+        let sq = ratio * ratio;
+        let series = ratio * sq * (2.0 / 3.0 - sq * (0.8 - sq * (6.0 / 7.0 - sq * (8.0 / 9.0))));
+        value = 0.5 * (2.0 * length * inverse_sq + series);
+        angle = ratio * (1.0 - sq * (1.0 / 3.0 - sq * (0.2 - sq / 7.0)));
+    } else {
+        angle = atan2_f32(length, m);
+        value = 0.5 * (length * (2.0 - m) * inverse_sq + angle);
+    }
+    if (!(value > 0.0)) {
+        return 0.0;
+    }
+    let inverse = 1.0 / max(value, 1e-30);
+    let mean = 0.5 * length * (p + q) * inverse_sq * inverse;
+    let apart = root_of((angle - value) * inverse - mean * mean);
+    let first = vec2f(at.x * at.y * max(mean - apart, p), at.z);
+    let last = vec2f(at.x * at.y * min(mean + apart, q), at.z);
+    return value * 2.0 * (ellipse_rest(ellipse, first) + ellipse_rest(ellipse, last));
+}

@@ -1,0 +1,104 @@
+use super::gauss::Gauss;
+use core::f64::consts::{PI, TAU};
+use glam::{DVec2, DVec3};
+
+/// Microfacets of the GGX distribution, seen from above the horizon of the normal `z`.
+#[derive(Clone, Copy, Debug)]
+pub struct CapMicrofacets {
+    /// Direction to the eye.
+    pub view: DVec3,
+    /// Roughness `α`.
+    pub alpha: f64,
+}
+
+impl CapMicrofacets {
+    /// `D·W·(1 − s)` and `D·W·s`, see [`Microfacets`](crate::Microfacets).
+    #[must_use]
+    pub fn value(&self, v: DVec3) -> [f64; 2] {
+        if v.z <= 0.0 {
+            return [0.0; 2];
+        }
+        let (h, a2, o) = ((self.view + v).normalize(), self.alpha * self.alpha, self.view);
+        let d = a2 / (PI * (a2 * h.z * h.z + h.truncate().length_squared()).powi(2));
+        let masking = |a: f64, b: f64| a * (b * b * (1.0 - a2) + a2).sqrt();
+        let w = 0.5 * v.z / (masking(v.z, o.z) + masking(o.z, v.z));
+        let s = (1.0 - o.dot(h)).max(0.0).powi(5);
+        [d * w * (1.0 - s), d * w * s]
+    }
+
+    /// The integrals of both over what of a cone of directions is above the horizon.
+    ///
+    /// In polar coordinates of the half vector's slopes about the normal, along each of `sectors` rays from one end of the light to the
+    /// other: the cone `l·c > C` is `2(ω_o·h)(c·h) − (ω_o·c + C)|h|² > 0`.
+    #[must_use]
+    pub fn over_cap(&self, axis: DVec3, half_angle: f64, sectors: u32) -> [f64; 2] {
+        let (v, c, rule) = (self.view, axis, Gauss::new(16));
+        let k = v.dot(c) + half_angle.cos();
+        let mut sum = [0.0; 2];
+        for i in 0..sectors {
+            let ray = DVec2::from_angle(TAU * (f64::from(i) + 0.5) / f64::from(sectors));
+            let (vr, cr) = (v.truncate().dot(ray), c.truncate().dot(ray));
+            // a r² + 2 b r + d > 0.
+            let (a, b, d) = (2.0 * vr * cr - k, vr * c.z + v.z * cr, 2.0 * v.z * c.z - k);
+            let root = (b * b - a * d).max(0.0).sqrt();
+            let ends = [(-b - root) / a, (-b + root) / a];
+            let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+            // What is above the horizon: r² − 2 r v_r/v_z − 1 < 0.
+            let horizon = vr / v.z + (vr * vr / (v.z * v.z) + 1.0).sqrt();
+            let inside = match (a < 0.0, b * b > a * d) {
+                (true, true) => [(low, high), (0.0, 0.0)],
+                (true, false) => continue,
+                (false, true) => [(0.0, low), (high, horizon)],
+                (false, false) => [(0.0, horizon), (0.0, 0.0)],
+            };
+            for (from, to) in inside.map(|(a, b)| (a.max(0.0), b.min(horizon))) {
+                // r = α tan ψ. No range where `to` is less.
+                let angles = [from, to.max(from)].map(|r| (r / self.alpha).atan());
+                let at = |angle: f64, part: usize| {
+                    let r = self.alpha * angle.tan();
+                    let h = (ray * r).extend(1.0).normalize();
+                    let vh = v.dot(h);
+                    let l = 2.0 * vh * h - v;
+                    if vh <= 0.0 || l.dot(c) < half_angle.cos() - 1e-9 {
+                        return 0.0;
+                    }
+                    // dω_h = h_z³ d²s, dω_l = 4 (ω_o·h) dω_h.
+                    r * self.alpha / angle.cos().powi(2) * h.z.powi(3) * 4.0 * vh * self.value(l)[part]
+                };
+                for (part, sum) in sum.iter_mut().enumerate() {
+                    *sum += rule.composite(angles[0], angles[1], 4, |angle| at(angle, part)) * TAU / f64::from(sectors);
+                }
+            }
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Random;
+    use super::*;
+
+    /// Against directions drawn from the cone.
+    #[test]
+    fn integrals_are_those_of_random_directions() {
+        let mut random = Random::new(3);
+        for (tilt, light, half_angle, alpha) in
+            [(0.3, 0.35, 0.1, 0.09), (1.2, 1.1, 0.4, 0.3), (0.9, 1.4, 0.3, 0.2), (1.478, 1.478, 0.382, 0.35)]
+        {
+            let microfacets = CapMicrofacets { view: DVec3::new(f64::sin(tilt), 0.0, f64::cos(tilt)), alpha };
+            let axis = DVec3::new(-f64::sin(light), 0.01, f64::cos(light)).normalize();
+            let got = microfacets.over_cap(axis, half_angle, 4000);
+            let (count, mut sum) = (400_000, [0.0; 2]);
+            for _ in 0..count {
+                let angle = (1.0 - random.uniform() * (1.0 - half_angle.cos())).acos();
+                let f = microfacets.value(random.axis_at(axis, angle));
+                sum = [0, 1].map(|i| sum[i] + f[i]);
+            }
+            let cone = TAU * (1.0 - half_angle.cos()) / f64::from(count);
+            for (got, want) in got.iter().zip(sum.map(|s| s * cone)) {
+                assert!((got / want - 1.0).abs() < 0.01, "{got} {want}");
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+// What is seen of microfacets' light, as `MaskVisibility::microfacets`. Needs visibility.wgsl and microfacets.wgsl of lobe-core.
+
+// Microfacets' highlights have a mask of their own up to so many of their widths 2α, over the root of the tolerance.
+const HIGHLIGHT = 0.2;
+
+// The exponent of microfacets whose share is known, and that of their edge.
+var<private> known_edge: vec2f = vec2f(-1.0, 0.0);
+
+// Only where all threads come by.
+fn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
+    let is_edge = lobe.factor == LOBE_EDGE;
+    if (decide(lane, is_edge && known_edge.x == lobe.exponent)) {
+        known_edge.x = -1.0;
+        return known_edge.y;
+    }
+    let microfacets = microfacets_of(at.normal, lobe);
+    let alpha = sqrt(microfacets.alpha_sq);
+    var square = microfacets_highlight(whole, microfacets, at.normal, clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0));
+    let is_part = any(square.half < whole.half);
+    let is_finer = IS_NARROW_FINER && !is_part && whole.disc > 2.0 * alpha;
+    // What the highlight's masks show is not counted in those of the whole light.
+    var sum = vec4f(0.0);
+    if (decide(lane, is_part || is_finer)) {
+        row_refine(true);
+        for (var k = 0u; k < NARROW_PANES.x * NARROW_PANES.y; k++) {
+            let mask = mask_reset(square_pane(square, k, NARROW_PANES), lane, at.normal);
+            blockers_splat(lane, tile, at, light, mask);
+            sum += microfacet_sums(lane, mask, microfacets, vec2f(1e30), vec2f(-1e30));
+        }
+        row_refine(false);
+    }
+    if (decide(lane, !is_finer)) {
+        let low = select(vec2f(1e30), square.center - square.half, is_part);
+        let high = select(vec2f(-1e30), square.center + square.half, is_part);
+        for (var k = 0u; k < BROAD_COUNT; k++) {
+            emitting = broad_emitting[k];
+            lit = broad_lit[k];
+            sum += microfacet_sums(lane, mask_of(square_pane(whole, k, BROAD_PANES)), microfacets, low, high);
+        }
+    }
+    var shares = sum.xy / sum.zw;
+    var counts = vec2u(0u);
+    for (var k = 0u; k < BROAD_COUNT; k++) {
+        let emits = broad_emitting[k].y - min(broad_emitting[k].x, broad_emitting[k].y);
+        counts += vec2u(row_count(broad_lit[k]), emits);
+    }
+    // Where the weights say nothing every sample counts alike.
+    let areas = total(lane, vec4f(vec2f(counts), 0.0, 0.0));
+    let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
+    let is_known = (sum.zw > vec2f(0.0)) & (sum.zw < vec2f(3e38)) & (abs(shares) < vec2f(3e38));
+    shares = clamp(select(vec2f(alike), shares, is_known), vec2f(0.0), vec2f(1.0));
+    known_edge = vec2f(select(lobe.exponent, -1.0, is_edge), shares.y);
+    return select(shares.x, shares.y, is_edge);
+}
+
+// The part of the window that shows the highlight, along its cells; all of it where that is most.
+fn microfacets_highlight(whole: UnitSquare, microfacets: Microfacets, normal: vec3f, widths: f32) -> UnitSquare {
+    let mirror = 2.0 * dot(microfacets.normal, microfacets.view) * microfacets.normal - microfacets.view;
+    let peak = square_peak(whole, Lobe(mirror, 1.0, vec3f(1.0), 0.0), normal).point;
+    let along = dot(whole.axis, mirror);
+    let aside = vec2f(dot(whole.right, mirror), dot(whole.up, mirror));
+    var beside = 1e30;
+    if (along > 1e-3) {
+        let away = aside / along - peak;
+        beside = sqrt(dot(away, away));
+    }
+    let reach = widths * max(2.0 * sqrt(microfacets.alpha_sq) * (1.0 + dot(peak, peak)), 0.5 * beside);
+    let most = vec2f(BROAD_PANES * vec2u(4u * row_groups, SIDE));
+    let cell = 2.0 * whole.half / most;
+    let origin = whole.center - whole.half;
+    let low = clamp(floor((peak - reach - origin) / cell), vec2f(0.0), most - 1.0);
+    let high = clamp(ceil((peak + reach - origin) / cell), low + 1.0, most);
+    let size = high - low;
+    if (2.0 * size.x * size.y < most.x * most.y) {
+        let center = origin + 0.5 * (low + high) * cell;
+        return UnitSquare(whole.right, whole.up, whole.axis, center, 0.5 * size * cell, whole.disc);
+    }
+    return whole;
+}
+
+// Of all rows, in steradians of samples: both lobes over the lit samples, and over those that emit. Samples between `low` and
+// `high` do not count. Only where all threads come by.
+fn microfacet_sums(lane: u32, mask: Mask, world: Microfacets, low: vec2f, high: vec2f) -> vec4f {
+    let square = mask.square;
+    let microfacets =
+        Microfacets(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
+    var sum = vec4f(0.0);
+    if (emitting.x < emitting.y) {
+        let y = mask_row_y(mask, lane);
+        let counts = row_counts(lit);
+        let samples = f32(row_width / (4u * row_groups));
+        let ends = vec2f(emitting) / samples;
+        for (var group = 0u; group < row_groups; group++) {
+            let x = middles(mask, group);
+            let column = vec4f(row_columns(group));
+            let open = counts_of(counts, group);
+            let emits = (saturate(ends.y - column) - saturate(ends.x - column)) * samples;
+            for (var k = 0u; k < 4u; k++) {
+                let point = vec2f(x[k], y);
+                let inverse = 1.0 / (dot(point, point) + 1.0);
+                let root = sqrt(inverse);
+                let both = microfacets_both(microfacets, vec3f(point, 1.0) * root) * (inverse * root);
+                let is_left_out = all(point > low) && all(point < high);
+                let w = select(select(vec2f(0.0), both, both > vec2f(0.0)), vec2f(0.0), is_left_out);
+                sum += vec4f(open[k] * w, emits[k] * w);
+            }
+        }
+        let cell = mask_cell(mask);
+        sum *= cell.x * cell.y * f32(SIDE) / f32(row_width);
+    }
+    return total(lane, sum);
+}
