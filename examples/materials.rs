@@ -8,7 +8,7 @@ use cosine_lobes::lobe_core::{
     Accuracy, BrdfLobes, Call, Cone, Coverage, Integrator, LightId, LightTerm, LobeBuffer, OWN_NONE, Receiver,
     VisibilityLobes, VisibilityQuery, VisibilitySum, Visit, orthonormal_basis,
 };
-use cosine_lobes::visibility_mask::{Blockers, Mask, MaskVisibility};
+use cosine_lobes::visibility_mask::{Blockers, Edges, Mask, MaskVisibility};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -34,6 +34,9 @@ impl Blockers for Edge {
     fn scratch(&self) {}
     fn select(&self, _: &VisibilityQuery<'_>, (): &mut ()) -> Coverage {
         Coverage::Partial
+    }
+    fn edges(&self, query: &VisibilityQuery<'_>, (): &(), edges: &mut Edges) {
+        edges.add_plane(self.hidden, query.cone);
     }
     fn splat(&self, _: &VisibilityQuery<'_>, (): &mut (), mask: &mut Mask) {
         let plane = mask.square().local(self.hidden);

@@ -134,10 +134,15 @@ pub(crate) fn brdf(data: &[u8]) {
         }
         let at = receiver(&mut bytes);
         let mut lobes = LobeBuffer::with_capacity(model.max_lobes());
-        model.brdf_lobes(&at, &mut lobes.writer()).expect("as many lobes as it says");
-        for lobe in lobes.lobes().iter() {
-            let sound = lobe.axis.is_finite() && lobe.exponent >= 0.0 && lobe.scale().min_element() >= 0.0;
-            assert!(sound && !lobe.scale().is_nan(), "{model:?} {at:?}: {lobe:?}");
+        let cone = Cone { axis: bytes.direction(), one_minus_cos: bytes.edge(), distance: 1.0 };
+        for microfacets in [false, true] {
+            model.brdf_lobes(&at, &mut lobes.writer_of(microfacets)).expect("as many lobes as it says");
+            for lobe in lobes.lobes().iter() {
+                let sound = lobe.axis.is_finite() && lobe.exponent >= 0.0 && lobe.scale().min_element() >= 0.0;
+                assert!(sound && !lobe.scale().is_nan(), "{model:?} {at:?}: {lobe:?}");
+                let integral = if lobe.is_microfacets() { cap_integral(&at, &lobe, &cone) } else { 0.0 };
+                assert!((0.0..1.5).contains(&integral), "{model:?} {at:?} {cone:?}: {integral}");
+            }
         }
         let v = bytes.direction();
         let value = model.eval(&at, v);

@@ -53,7 +53,7 @@ fn check<M: BrdfLobes + Sync>(materials: &[M], scene: &Scene, points: &GBuffer) 
     let mut lobes = LobeBuffer::with_capacity(16);
     let mut partial = 0;
     for (i, at) in points.points.receivers.iter().enumerate() {
-        materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer()).expect("room");
+        materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer_of(true)).expect("room");
         let mut all = Vec3::ZERO;
         for (number, light) in scene.lights.iter().enumerate() {
             let term = LightTerm { cone: light.cone(at), radiance: light.radiance(at) };
