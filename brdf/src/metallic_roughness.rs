@@ -32,7 +32,7 @@ const MIN_ALPHA: f64 = 1e-3;
 ///   where the highlight is longer than wide (from about 30°): one to eight lobes, and one for a diffuse base.
 ///
 /// # Accuracy
-/// Microfacets: docs/materials.md has the table (radiance of lights of 0.5 to 25°: 0.3 % in the mean). Lobes of directions: the reflected
+/// Microfacets: docs/materials.md has the table (radiance of lights of 0.5 to 25°: 0.2 % in the mean). Lobes of directions: the reflected
 /// fraction is GGX's within 0.5 %, and never above 1. For roughness 0.1 … 1 the highlight's peak is within 9 % of GGX's up to 60° from the
 /// normal, and its L2 residual 2–15 %. Beyond, three round lobes are no streak: at 75° the peak is 11–35 % low and the highlight up to
 /// 1.8 times too wide across, at 80° 15–55 % and 2.6 times.
