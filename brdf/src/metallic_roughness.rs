@@ -88,9 +88,8 @@ impl MetallicRoughness {
     }
 
     fn row(&self, cos: f32, sin: f32) -> Row {
-        let at = row_place(cos, sin);
-        let first = (at as usize).min(ROWS - 2);
-        self.rows[first].lerp(&self.rows[first + 1], at - first as f32)
+        let (first, t) = row_place(cos, sin);
+        self.rows[first].lerp(&self.rows[first + 1], t)
     }
 
     /// A diffuse lobe and two of microfacets.
@@ -119,12 +118,11 @@ impl MetallicRoughness {
         (self.roughness * self.roughness).max(MIN_ALPHA as f32)
     }
 
-    /// What the coat leaves to a white diffuse base.
+    /// The share that the coat leaves to a white diffuse base.
     fn diffuse(&self, at: &Receiver) -> f32 {
         let cos = at.normal.dot(at.view).clamp(0.0, 1.0);
         let sin = (at.normal * at.normal.dot(at.view) - at.view).length().min(1.0);
-        let at = row_place(cos, sin);
-        let (first, t) = ((at as usize).min(ROWS - 2), at - (at as usize).min(ROWS - 2) as f32);
+        let (first, t) = row_place(cos, sin);
         let [a, b] = [self.rows[first].diffuse, self.rows[first + 1].diffuse];
         a + (b - a) * t
     }
@@ -169,9 +167,11 @@ impl MetallicRoughness {
     }
 }
 
-/// Where between the rows a view is, without the cancellation of `√(1 − cos)`.
-fn row_place(cos: f32, sin: f32) -> f32 {
-    (sin / (1.0 + cos).sqrt()).clamp(0.0, 1.0) * (ROWS - 1) as f32
+/// The row before a view and how far the view is on to the next, without the cancellation of `√(1 − cos)`.
+fn row_place(cos: f32, sin: f32) -> (usize, f32) {
+    let at = (sin / (1.0 + cos).sqrt()).clamp(0.0, 1.0) * (ROWS - 1) as f32;
+    let first = (at as usize).min(ROWS - 2);
+    (first, at - first as f32)
 }
 
 /// `F0`.

@@ -1,6 +1,6 @@
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::orthonormal_basis;
+use lobe_core::{Microfacets, orthonormal_basis};
 
 /// Microfacets of the GGX distribution as the eye sees them, to be drawn from (E. Heitz, *Sampling the GGX Distribution of Visible
 /// Normals*, 2018).
@@ -16,14 +16,13 @@ pub(crate) struct VisibleNormals {
 impl VisibleNormals {
     pub(crate) fn new(normal: Vec3, view: Vec3, alpha: f32) -> Self {
         let (t, b) = orthonormal_basis(normal);
-        let local = Vec3::new(t.dot(view), b.dot(view), normal.dot(view).max(5e-3)).normalize();
+        let local = Vec3::new(t.dot(view), b.dot(view), normal.dot(view).max(Microfacets::GRAZING)).normalize();
         Self { frame: [t, b, normal], view: local, alpha }
     }
 
     /// The mirrored eye about a microfacet; it may be below the horizon.
     pub(crate) fn draw(&self, [u, azimuth]: [f32; 2]) -> Vec3 {
         let stretched = Vec3::new(self.alpha * self.view.x, self.alpha * self.view.y, self.view.z).normalize();
-        let (t, b) = orthonormal_basis(stretched);
         // A point of the disc, of which the half that is turned away is foreshortened.
         let radius = u.sqrt();
         let (sin, cos) = (TAU * azimuth).sin_cos();
@@ -31,7 +30,7 @@ impl VisibleNormals {
         let share = 0.5 * (1.0 + stretched.z);
         let y = (1.0 - share) * (1.0 - x * x).max(0.0).sqrt() + share * y;
         // Its second axis points up, toward the normal.
-        let (x_axis, y_axis) = up(stretched, t, b);
+        let (x_axis, y_axis) = up(stretched);
         let microfacet = x_axis * x + y_axis * y + stretched * (1.0 - x * x - y * y).max(0.0).sqrt();
         let microfacet =
             Vec3::new(self.alpha * microfacet.x, self.alpha * microfacet.y, microfacet.z.max(1e-7)).normalize();
@@ -53,13 +52,11 @@ impl VisibleNormals {
 }
 
 /// Axes across a direction, the second in its plane with the normal.
-fn up(direction: Vec3, t: Vec3, b: Vec3) -> (Vec3, Vec3) {
+fn up(direction: Vec3) -> (Vec3, Vec3) {
     let across = Vec3::new(-direction.y, direction.x, 0.0);
-    match across.length_squared() > 1e-12 {
-        true => {
-            let across = across.normalize();
-            (across, direction.cross(across))
-        }
-        false => (t, b),
+    if across.length_squared() <= 1e-12 {
+        return orthonormal_basis(direction);
     }
+    let across = across.normalize();
+    (across, direction.cross(across))
 }

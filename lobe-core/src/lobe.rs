@@ -31,7 +31,7 @@ pub struct Lobe {
     pub exponent: f32,
     /// Integral over the sphere, per colour channel: `2π s/(e+1)`.
     pub flux: Vec3,
-    /// What multiplies the power: 0 for nothing, or [`COSINE`](Self::COSINE), [`MICROFACETS`](Self::MICROFACETS), [`EDGE`](Self::EDGE).
+    /// The factor of the power: 0 for none, or [`COSINE`](Self::COSINE), [`MICROFACETS`](Self::MICROFACETS), [`EDGE`](Self::EDGE).
     pub factor: f32,
 }
 

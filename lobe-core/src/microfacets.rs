@@ -2,9 +2,6 @@ use crate::{Lobe, orthonormal_basis};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
-/// Views lower than this (cosine to the normal) are taken as at it.
-pub(crate) const GRAZING: f32 = 5e-3;
-
 /// A lobe of microfacets at a receiver ([`Lobe::microfacets`]), ready to be evaluated in many directions.
 ///
 /// `f̃(v) = flux·D(h)·W(v)·(1 − s)`, or `·s`, with `h` half-way between `v` and the eye's direction `ω_o`,
@@ -24,6 +21,9 @@ pub struct Microfacets {
 }
 
 impl Microfacets {
+    /// Views lower than this (cosine to the normal) are taken as at it.
+    pub const GRAZING: f32 = 5e-3;
+
     /// Of a lobe for which [`Lobe::is_microfacets`] holds.
     #[must_use]
     pub fn new(normal: Vec3, lobe: &Lobe) -> Self {
@@ -89,7 +89,7 @@ pub(crate) fn alpha_sq(exponent: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn seen_from(normal: Vec3, view: Vec3) -> (f32, f32, Vec3) {
     let cos = normal.dot(view);
-    let cos = if cos > GRAZING { cos } else { GRAZING };
+    let cos = if cos > Microfacets::GRAZING { cos } else { Microfacets::GRAZING };
     let cos = if cos < 1.0 { cos } else { 1.0 };
     let aside = view - normal * normal.dot(view);
     let length = aside.length();
@@ -97,6 +97,10 @@ pub(crate) fn seen_from(normal: Vec3, view: Vec3) -> (f32, f32, Vec3) {
     let forward = if length > 1e-6 { forward } else { orthonormal_basis(normal).0 };
     // Without the cancellation of 1 − cos² toward the normal.
     let sin = if length < 1.0 { length } else { 1.0 };
-    let sin = if normal.dot(view) > GRAZING { sin } else { (1.0 - GRAZING * GRAZING).sqrt() };
+    let sin = if normal.dot(view) > Microfacets::GRAZING {
+        sin
+    } else {
+        (1.0 - Microfacets::GRAZING * Microfacets::GRAZING).sqrt()
+    };
     (cos, sin, forward)
 }

@@ -39,13 +39,8 @@ fn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
         }
     }
     var shares = sum.xy / sum.zw;
-    var counts = vec2u(0u);
-    for (var k = 0u; k < BROAD_COUNT; k++) {
-        let emits = broad_emitting[k].y - min(broad_emitting[k].x, broad_emitting[k].y);
-        counts += vec2u(row_count(broad_lit[k]), emits);
-    }
     // Where the weights say nothing every sample counts alike.
-    let areas = total(lane, vec4f(vec2f(counts), 0.0, 0.0));
+    let areas = visibility_areas(lane);
     let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
     let is_known = (sum.zw > vec2f(0.0)) & (sum.zw < vec2f(3e38)) & (abs(shares) < vec2f(3e38));
     shares = clamp(select(vec2f(alike), shares, is_known), vec2f(0.0), vec2f(1.0));

@@ -20,14 +20,19 @@ fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone) -> UnitSqu
     return window;
 }
 
-// How much of what emits the masks leave.
-fn visibility_coverage(lane: u32) -> u32 {
+// Samples that are lit and samples that emit, of all masks.
+fn visibility_areas(lane: u32) -> vec2f {
     var counts = vec2u(0u);
     for (var k = 0u; k < BROAD_COUNT; k++) {
         let emits = broad_emitting[k].y - min(broad_emitting[k].x, broad_emitting[k].y);
         counts += vec2u(row_count(broad_lit[k]), emits);
     }
-    let areas = total(lane, vec4f(vec2f(counts), 0.0, 0.0));
+    return total(lane, vec4f(vec2f(counts), 0.0, 0.0)).xy;
+}
+
+// How much of what emits the masks leave.
+fn visibility_coverage(lane: u32) -> u32 {
+    let areas = visibility_areas(lane);
     if (areas.x == areas.y) {
         return LIT;
     }

@@ -37,7 +37,7 @@ pub(super) fn nodes<const IS_CUT: bool>() -> impl Iterator<Item = (f32, f32)> {
     half.iter().map(|(cos, weight)| (-cos, *weight)).chain(half.iter().rev().copied())
 }
 
-/// What all chords have in common. Twelve numbers, so that many of them lie in columns.
+/// The numbers that all chords share. Twelve numbers, so that many of them lie in columns.
 ///
 /// The slopes of half vectors over α, `σ = h_xy/(α h_z)`, turn `D(h)·(n·h) dω_h` into `d²σ/π(1+|σ|²)²`, a cosine lobe seen
 /// through a plane, and the light's cone into an ellipse. Frame: x and y along and across the chords, z the normal.
@@ -151,7 +151,7 @@ impl Ellipse {
         }
     }
 
-    /// What the sum of all chords is multiplied by.
+    /// The factor of the sum of all chords.
     #[inline(always)]
     pub(super) fn weight(&self) -> f32 {
         self.half * FRAC_1_PI
@@ -272,6 +272,15 @@ mod tests {
     use core::f64::consts::{FRAC_PI_2, PI, TAU};
     use glam::{DVec3, Vec3};
 
+    /// Both lobes' integrals over a light.
+    fn integrals(of: &CapMicrofacets, axis: DVec3, half_angle: f64) -> [f64; 2] {
+        let view = of.view.as_vec3();
+        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+        let cone = Cone { axis: axis.as_vec3(), one_minus_cos: (1.0 - half_angle.cos()) as f32, distance: 1.0 };
+        let lobes = Lobe::microfacets(view, of.alpha as f32, [Vec3::ONE; 2]);
+        lobes.map(|lobe| f64::from(cap_integral(&at, &lobe, &cone)))
+    }
+
     /// Mean and largest error over lights of a half-angle, above the horizon or across it, relative to the light in the mirror or, where
     /// that is more, to 50 times the value.
     fn errors(roughness: f64, half_angle: f64, crosses: bool) -> [f64; 2] {
@@ -300,16 +309,7 @@ mod tests {
             let sectors = if half_angle < 0.05 { 5000 } else { 1500 };
             let want = microfacets.over_cap(axis, half_angle, sectors);
             let mirror = microfacets.over_cap(polar(tilt, PI), half_angle, 1500);
-            let at = Receiver {
-                position: Vec3::ZERO,
-                normal: Vec3::Z,
-                face: Vec3::Z,
-                view: view.as_vec3(),
-                object: OWN_NONE,
-            };
-            let cone = Cone { axis: axis.as_vec3(), one_minus_cos: (1.0 - half_angle.cos()) as f32, distance: 1.0 };
-            let lobes = Lobe::microfacets(at.view, alpha as f32, [Vec3::ONE; 2]);
-            let got = lobes.map(|lobe| f64::from(cap_integral(&at, &lobe, &cone)));
+            let got = integrals(&microfacets, axis, half_angle);
             let size = if crosses { want[0].max(0.02 * mirror[0]) } else { mirror[0] };
             let error = ((got[0] - want[0]).abs() + (got[1] - want[1]).abs()) / size;
             assert!(error.is_finite(), "{view} {axis}");
@@ -349,18 +349,9 @@ mod tests {
             let (half_angle, alpha) = (random.log_uniform(0.05, 0.6), random.log_uniform(0.02, 0.8));
             let view = DVec3::new(tilt.sin(), 0.0, tilt.cos());
             let axis = DVec3::new(-tilt.sin(), 0.0, tilt.cos());
-            let facets = CapMicrofacets { view, alpha };
-            let want = facets.over_cap(axis, half_angle, 3000);
-            let at = Receiver {
-                position: Vec3::ZERO,
-                normal: Vec3::Z,
-                face: Vec3::Z,
-                view: view.as_vec3(),
-                object: OWN_NONE,
-            };
-            let cone = Cone { axis: axis.as_vec3(), one_minus_cos: (1.0 - half_angle.cos()) as f32, distance: 1.0 };
-            let lobes = Lobe::microfacets(at.view, alpha as f32, [Vec3::ONE; 2]);
-            let got = lobes.map(|lobe| f64::from(cap_integral(&at, &lobe, &cone)));
+            let microfacets = CapMicrofacets { view, alpha };
+            let want = microfacets.over_cap(axis, half_angle, 3000);
+            let got = integrals(&microfacets, axis, half_angle);
             let error = ((got[0] - want[0]).abs() + (got[1] - want[1]).abs()) / (want[0] + want[1]);
             sum += error;
             worst = worst.max(error);

@@ -156,7 +156,7 @@ fn ellipse_touches(axes: vec4f, omc: f32, y: f32) -> bool {
     return up > 0.0 && abs(inside - (1.0 - omc)) < 1e-3 && abs(y) < ELLIPSE_FAR;
 }
 
-// What is left of the reflectance at a half vector of these slopes.
+// The rest of the reflectance at a half vector of these slopes.
 fn ellipse_rest(ellipse: Ellipse, slopes: vec2f) -> f32 {
     let u = positive(dot(ellipse.view.xy, slopes) + ellipse.view.z);
     let square = 1.0 + dot(slopes, slopes);

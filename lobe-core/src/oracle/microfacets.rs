@@ -43,7 +43,7 @@ impl CapMicrofacets {
             let root = (b * b - a * d).max(0.0).sqrt();
             let ends = [(-b - root) / a, (-b + root) / a];
             let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-            // What is above the horizon: r² − 2 r v_r/v_z − 1 < 0.
+            // The horizon ends it: r² − 2 r v_r/v_z − 1 < 0.
             let horizon = vr / v.z + (vr * vr / (v.z * v.z) + 1.0).sqrt();
             let inside = match (a < 0.0, b * b > a * d) {
                 (true, true) => [(low, high), (0.0, 0.0)],
