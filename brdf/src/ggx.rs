@@ -50,8 +50,6 @@ pub(crate) struct Family {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Row {
     pub(crate) families: [Family; FAMILY_COUNT],
-    /// What Fresnel's reflection leaves to the diffuse part of a dielectric of `F0 = 0.04`.
-    pub(crate) diffuse: f32,
 }
 
 impl Row {
@@ -67,18 +65,16 @@ impl Row {
                 exponent: mix(a.exponent, b.exponent),
             }
         });
-        Self { families, diffuse: mix(self.diffuse, other.diffuse) }
+        Self { families }
     }
 
     /// The row for `α` and the view at `sin`, `cos` to the normal; the lobes' shapes are those for the reflectance `f0`.
-    /// A white `base` under a coat would give back more than it gets at grazing views: there the coat comes first.
     ///
     /// Each family keeps its flux, its mean direction and its width across the plane of incidence. Along that plane a
     /// highlight is longer by `1/cos θ`: there the lobe is spread over three until the length of the mean vector is
     /// right too, or until they would be beads.
-    pub(crate) fn new(alpha: f64, [sin, cos]: [f64; 2], f0: f64, base: f64) -> Self {
+    pub(crate) fn new(alpha: f64, [sin, cos]: [f64; 2], f0: f64) -> Self {
         let mut sums = [Sums::default(); FAMILY_COUNT];
-        let mut diffuse_loss = 0.0;
         let a2 = alpha * alpha;
         let shares: [f64; FAMILY_COUNT] = core::array::from_fn(|k| {
             let part = match k {
@@ -88,17 +84,7 @@ impl Row {
             };
             FAMILIES[k].1 * part
         });
-        for i in 0..RINGS {
-            // Denser toward the ends: t = u²(3 − 2u).
-            let u = (i as f64 + 0.5) / RINGS as f64;
-            let t = u * u * (3.0 - 2.0 * u);
-            let tan = alpha * t / (1.0 - t);
-            let c2 = 1.0 / (1.0 + tan * tan);
-            let (c, s) = (c2.sqrt(), tan * c2.sqrt());
-            // dω = sin θ dθ dφ, dθ = cos²θ dtan.
-            let area = s * c2 * alpha / ((1.0 - t) * (1.0 - t)) * 6.0 * u * (1.0 - u) / RINGS as f64
-                * (2.0 * PI / SECTORS as f64);
-            let d = a2 / (PI * (c2 * (a2 - 1.0) + 1.0).powi(2));
+        let split = |c2: f64| {
             let ln = 0.5 * c2.ln() / a2;
             let mut parts: [f64; FAMILY_COUNT] = core::array::from_fn(|k| shares[k] * (FAMILIES[k].0 * ln).exp());
             let all: f64 = parts.iter().sum();
@@ -108,45 +94,71 @@ impl Row {
                 let last = if alpha < NO_HAZE { FAMILY_COUNT - 1 } else { BROAD };
                 parts = core::array::from_fn(|k| if k == last { 1.0 } else { 0.0 });
             }
-            for j in 0..SECTORS {
-                let (sp, cp) = (PI * (j as f64 + 0.5) / SECTORS as f64).sin_cos();
-                // x away from the viewer, y across, z the normal.
-                let (hx, hy, hz) = (s * cp, s * sp, c);
-                let vh = hz * cos - hx * sin;
-                let (lx, ly, lz) = (2.0 * vh * hx + sin, 2.0 * vh * hy, 2.0 * vh * hz - cos);
-                if vh <= 0.0 || lz <= 0.0 {
-                    continue;
-                }
-                // ω_h to ω_l is 4 v·h; f̃ = D·W.
-                let smith = lz * (cos * cos * (1.0 - a2) + a2).sqrt() + cos * (lz * lz * (1.0 - a2) + a2).sqrt();
-                let value = d * 0.5 * lz / smith * 4.0 * vh * area;
-                let schlick = (1.0 - vh).powi(5);
-                for (sum, part) in sums.iter_mut().zip(&parts) {
-                    sum.add(value * part, schlick, f0, [lx, ly, lz]);
-                }
+            parts
+        };
+        half_vectors(alpha, [sin, cos], [RINGS, SECTORS], split, |parts, value, schlick, l| {
+            for (sum, part) in sums.iter_mut().zip(parts) {
+                sum.add(value * part, schlick, f0, l);
             }
-        }
-        // The diffuse part loses what is reflected toward each direction: cosine-weighted over l.
-        for i in 0..16 {
-            let r2 = (i as f64 + 0.5) / 16.0;
-            let (ls, lz) = (r2.sqrt(), (1.0 - r2).sqrt());
-            for j in 0..16 {
-                let lx = ls * (PI * (j as f64 + 0.5) / 16.0).cos();
-                // |v + l|² = 4 (v·h)².
-                let vh = (0.5 * (1.0 + lz * cos - lx * sin)).max(0.0).sqrt();
-                diffuse_loss += (1.0 - vh).powi(5) / 256.0;
-            }
-        }
+        });
         let angle = sin.atan2(cos);
-        let families = core::array::from_fn(|k| sums[k].family(angle, k < SPREAD_FAMILIES));
-        let specular: f64 = sums.iter().map(|s| DIELECTRIC * s.flux[0] + s.flux[1]).sum();
-        let diffuse = ((1.0 - DIELECTRIC) * (1.0 - diffuse_loss)).min((1.0 - specular) / base.max(1e-9));
-        Self { families, diffuse: diffuse as f32 }
+        Self { families: core::array::from_fn(|k| sums[k].family(angle, k < SPREAD_FAMILIES)) }
     }
 }
 
-/// `F0` of glTF's dielectrics.
-pub(crate) const DIELECTRIC: f64 = 0.04;
+/// Visits half vectors by rings: for each that reflects the view above the horizon what a ring gave, `D·W·dv`, `(1 − v·h)⁵` and the
+/// direction that is reflected to (x away from the viewer, z the normal).
+fn half_vectors<T>(
+    alpha: f64,
+    [sin, cos]: [f64; 2],
+    [rings, sectors]: [usize; 2],
+    ring: impl Fn(f64) -> T,
+    mut visit: impl FnMut(&T, f64, f64, [f64; 3]),
+) {
+    let a2 = alpha * alpha;
+    for i in 0..rings {
+        // Denser toward the ends: t = u²(3 − 2u).
+        let u = (i as f64 + 0.5) / rings as f64;
+        let t = u * u * (3.0 - 2.0 * u);
+        let tan = alpha * t / (1.0 - t);
+        let c2 = 1.0 / (1.0 + tan * tan);
+        let (c, s) = (c2.sqrt(), tan * c2.sqrt());
+        // dω = sin θ dθ dφ, dθ = cos²θ dtan.
+        let area =
+            s * c2 * alpha / ((1.0 - t) * (1.0 - t)) * 6.0 * u * (1.0 - u) / rings as f64 * (2.0 * PI / sectors as f64);
+        let d = a2 / (PI * (c2 * (a2 - 1.0) + 1.0).powi(2));
+        let of_ring = ring(c2);
+        for j in 0..sectors {
+            let (sp, cp) = (PI * (j as f64 + 0.5) / sectors as f64).sin_cos();
+            // x away from the viewer, y across, z the normal.
+            let (hx, hy, hz) = (s * cp, s * sp, c);
+            let vh = hz * cos - hx * sin;
+            let (lx, ly, lz) = (2.0 * vh * hx + sin, 2.0 * vh * hy, 2.0 * vh * hz - cos);
+            if vh <= 0.0 || lz <= 0.0 {
+                continue;
+            }
+            // ω_h to ω_l is 4 v·h; f̃ = D·W.
+            let smith = lz * (cos * cos * (1.0 - a2) + a2).sqrt() + cos * (lz * lz * (1.0 - a2) + a2).sqrt();
+            visit(&of_ring, d * 0.5 * lz / smith * 4.0 * vh * area, (1.0 - vh).powi(5), [lx, ly, lz]);
+        }
+    }
+}
+
+/// What is reflected of a view, with `F = 1 − s` and with `F = s`, `s = (1 − v·h)⁵`.
+pub(crate) fn reflected(alpha: f64, view: [f64; 2]) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    half_vectors(
+        alpha,
+        view,
+        [24, 24],
+        |_| (),
+        |(), value, schlick, _| {
+            sums[0] += value * (1.0 - schlick);
+            sums[1] += value * schlick;
+        },
+    );
+    sums
+}
 
 /// Moments of one family.
 #[derive(Clone, Copy, Default)]

@@ -180,7 +180,7 @@ fn coated_materials_never_reflect_more_than_they_get() {
                 if roughness == 0.0 {
                     // Too narrow for the quadrature; all of it is above the horizon, but at 89°.
                     let all: f32 = lobes.iter().map(|f| f.flux.x).sum();
-                    assert!(all < 1.0005 || degrees > 88.0, "{base} {metallic} {degrees}: {all}");
+                    assert!(all < 1.002 || degrees > 88.0, "{base} {metallic} {degrees}: {all}");
                     continue;
                 }
                 let sums = integrate(view, |l| {

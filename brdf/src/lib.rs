@@ -35,11 +35,13 @@
 //! [`PackedMaterials`] are materials as words, [`wgsl`] is the code that makes the same lobes of them.
 //!
 //! # Scope
-//! Out of scope here: textures, transmission, emission, interreflection.
+//! Out of scope here: where textures come from ([`Factors`] are what they do), transmission, emission, interreflection.
 
+mod coat;
 #[cfg(feature = "oracle")]
 pub mod conformance;
 mod error;
+mod factors;
 mod ggx;
 #[cfg(test)]
 mod ggx_tests;
@@ -52,6 +54,7 @@ mod model;
 mod modified_phong;
 mod packed;
 mod phong;
+mod rows;
 mod sampling;
 #[cfg(test)]
 mod suite;
@@ -62,6 +65,7 @@ mod visible_normals;
 pub mod wgsl;
 
 pub use crate::error::MaterialError;
+pub use crate::factors::Factors;
 pub use crate::lafortune::{Lafortune, LafortuneLobe};
 pub use crate::lambert::Lambert;
 pub use crate::material::Material;

@@ -1,25 +1,21 @@
+use crate::coat::{Coat, MIN_ALPHA};
 use crate::error::check_fraction;
-use crate::ggx::{DIELECTRIC, FAMILY_COUNT, Row, SPREAD};
+use crate::ggx::{FAMILY_COUNT, Row, SPREAD};
+use crate::rows::{ROWS, RowTable};
 use crate::sampling::{cosine_power_direction, luminance};
 use crate::visible_normals::VisibleNormals;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis};
-use std::sync::Arc;
 
-/// Rows of the table, even in `√(1 − n·ω_o)`, which is all but even in the angle.
-const ROWS: usize = 48;
-
-/// Smallest `α = roughness²`: a lobe of exponent 1e6.
-const MIN_ALPHA: f64 = 1e-3;
-
-/// glTF's metallic–roughness material as lobes: a diffuse base under a dielectric coat of `F0 = 0.04`, mixed with a
+/// glTF's metallic–roughness material as lobes: a diffuse base under a dielectric coat, mixed with a
 /// metal (glTF 2.0, appendix B; B. Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007).
 ///
-/// With `α = roughness²`, `F0 = 0.04 + metallic·(base − 0.04)` and `h` half-way between `v` and `ω_o`:
+/// With `α = roughness²`, `F0 = c + metallic·(base − c)`, `F90 = w + metallic·(1 − w)` and `h` half-way between `v` and `ω_o`:
 /// `f̃ ≈ (1−metallic)·base/π·(1−F_d)·(n·v) + F·D(h)·W(v)`, `D = α²/π((n·h)²(α²−1)+1)²`,
-/// `F = F0 + (1−F0)(1−ω_o·h)⁵`, `W = G₂/(4 n·ω_o)` with Smith's height-correlated `G₂`.
+/// `F = F0 + (F90−F0)(1−ω_o·h)⁵`, `W = G₂/(4 n·ω_o)` with Smith's height-correlated `G₂`. The coat has `c = 0.04` and `w = 1`, a
+/// refractive index of 1.5, unless [`with_coat`](Self::with_coat) says otherwise.
 ///
 /// `eval` and `sample` are this formula, but for the base: `1 − F_d` is its mean over the light's directions, so that coat and base
 /// together give back no more than they get.
@@ -38,7 +34,7 @@ const MIN_ALPHA: f64 = 1e-3;
 /// 1.8 times too wide across, at 80° 15–55 % and 2.6 times.
 ///
 /// # Cost
-/// A table of 48 rows when it is made (some milliseconds), for the base and the lobes of directions.
+/// Some milliseconds when its lobes of directions are first asked for.
 ///
 /// ```
 /// use brdf::{Brdf, MetallicRoughness};
@@ -56,14 +52,17 @@ const MIN_ALPHA: f64 = 1e-3;
 pub struct MetallicRoughness {
     pub(crate) base: Vec3,
     pub(crate) metallic: f32,
-    roughness: f32,
-    pub(crate) rows: Arc<[Row; ROWS]>,
+    pub(crate) roughness: f32,
+    /// Of the coat, at normal and grazing incidence.
+    coat: [Vec3; 2],
+    rows: RowTable,
 }
 
 impl PartialEq for MetallicRoughness {
     fn eq(&self, other: &Self) -> bool {
         // The rows follow from these.
-        (self.base, self.metallic, self.roughness) == (other.base, other.metallic, other.roughness)
+        (self.base, self.metallic, self.roughness, self.coat)
+            == (other.base, other.metallic, other.roughness, other.coat)
     }
 }
 
@@ -76,20 +75,59 @@ impl MetallicRoughness {
         base.to_array().iter().try_for_each(|&b| check_fraction("base", b))?;
         check_fraction("metallic", metallic)?;
         check_fraction("roughness", roughness)?;
-        let alpha = f64::from(roughness * roughness).max(MIN_ALPHA);
-        let f0 = f64::from(normal_reflectance(base, metallic).element_sum() / 3.0);
-        let most = f64::from(base.max_element());
-        let rows = core::array::from_fn(|i| {
-            let root = i as f64 / (ROWS - 1) as f64;
-            let cos = 1.0 - root * root;
-            Row::new(alpha, [(1.0 - cos * cos).sqrt(), cos], f0, most)
-        });
-        Ok(Self { base, metallic, roughness, rows: Arc::new(rows) })
+        let coat = [Vec3::splat(DIELECTRIC), Vec3::ONE];
+        Ok(Self { base, metallic, roughness, coat, rows: RowTable::own() })
+    }
+
+    /// Another coat than that of refractive index 1.5: its reflectance at normal incidence and at grazing views, both in [0, 1]; the
+    /// second no less than the first. An index `η` has `f0 = ((η − 1)/(η + 1))²` and `f90 = 1`.
+    ///
+    /// # Errors
+    /// [`MaterialError::Fraction`] for what lies outside.
+    pub fn with_coat(self, f0: Vec3, f90: f32) -> Result<Self, MaterialError> {
+        f0.to_array().iter().try_for_each(|&f| check_fraction("f0", f))?;
+        check_fraction("f90", f90)?;
+        if f90 < f0.max_element() {
+            return Err(MaterialError::Fraction { name: "f90 less than f0", value: f90 });
+        }
+        Ok(Self { coat: [f0, Vec3::splat(f90)], ..self })
+    }
+
+    /// One of many, a point's own: its parameters times factors in [0, 1].
+    pub(crate) fn scaled(&self, base: Vec3, metallic: f32, roughness: f32) -> Self {
+        Self {
+            base: self.base * base,
+            metallic: self.metallic * metallic,
+            roughness: self.roughness * roughness,
+            coat: self.coat,
+            rows: RowTable::Shared,
+        }
+    }
+
+    /// Base colour, metalness and roughness.
+    #[must_use]
+    pub const fn parameters(&self) -> (Vec3, f32, f32) {
+        (self.base, self.metallic, self.roughness)
+    }
+
+    pub(crate) fn rows(&self) -> &[Row; ROWS] {
+        self.rows.get(self.roughness, self.reflectances()[0].element_sum() / 3.0)
+    }
+
+    /// Of coat and metal, at normal and at grazing incidence.
+    pub(crate) fn reflectances(&self) -> [Vec3; 2] {
+        [self.coat[0].lerp(self.base, self.metallic), self.coat[1].lerp(Vec3::ONE, self.metallic)]
+    }
+
+    /// What the coat is to the base.
+    pub(crate) fn coat(&self) -> Coat {
+        Coat { f0: self.coat[0].max_element(), f90: self.coat[1].x, base: self.base.max_element() }
     }
 
     fn row(&self, cos: f32, sin: f32) -> Row {
         let (first, t) = row_place(cos, sin);
-        self.rows[first].lerp(&self.rows[first + 1], t)
+        let rows = self.rows();
+        rows[first].lerp(&rows[first + 1], t)
     }
 
     /// A diffuse lobe and two of microfacets.
@@ -111,20 +149,18 @@ impl MetallicRoughness {
 
     /// The coat or metal.
     fn microfacets(&self, at: &Receiver) -> [Lobe; 2] {
-        Lobe::microfacets(at.view, self.alpha(), [normal_reflectance(self.base, self.metallic), Vec3::ONE])
+        Lobe::microfacets(at.view, self.alpha(), self.reflectances())
     }
 
     pub(crate) fn alpha(&self) -> f32 {
-        (self.roughness * self.roughness).max(MIN_ALPHA as f32)
+        (self.roughness * self.roughness).max(MIN_ALPHA)
     }
 
     /// The share that the coat leaves to a white diffuse base.
     fn diffuse(&self, at: &Receiver) -> f32 {
         let cos = at.normal.dot(at.view).clamp(0.0, 1.0);
         let sin = (at.normal * at.normal.dot(at.view) - at.view).length().min(1.0);
-        let (first, t) = row_place(cos, sin);
-        let [a, b] = [self.rows[first].diffuse, self.rows[first + 1].diffuse];
-        a + (b - a) * t
+        self.coat().leaves(self.roughness, cos, sin)
     }
 
     fn direction_lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
@@ -140,11 +176,11 @@ impl MetallicRoughness {
         let (mirror, beside) = (mirror.normalize_or(n), beside.normalize_or(forward));
 
         let mut lobes = [None; 1 + 3 * FAMILY_COUNT];
-        let diffuse = self.base * ((1.0 - self.metallic) * row.diffuse);
+        let diffuse = self.base * ((1.0 - self.metallic) * self.coat().leaves(self.roughness, cos, sin));
         lobes[0] = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(n, 1.0, diffuse));
-        let f0 = normal_reflectance(self.base, self.metallic);
+        let [f0, f90] = self.reflectances();
         for (k, family) in row.families.iter().enumerate() {
-            let flux = f0 * family.flux[0] + family.flux[1];
+            let flux = f0 * family.flux[0] + f90 * family.flux[1];
             if flux == Vec3::ZERO {
                 continue;
             }
@@ -174,10 +210,8 @@ fn row_place(cos: f32, sin: f32) -> (usize, f32) {
     (first, at - first as f32)
 }
 
-/// `F0`.
-pub(crate) fn normal_reflectance(base: Vec3, metallic: f32) -> Vec3 {
-    Vec3::splat(DIELECTRIC as f32).lerp(base, metallic)
-}
+/// `F0` of glTF's coat.
+const DIELECTRIC: f32 = 0.04;
 
 impl BrdfLobes for MetallicRoughness {
     fn max_lobes(&self) -> usize {
@@ -225,8 +259,8 @@ impl MetallicRoughness {
     fn chance_of_base(&self, at: &Receiver) -> f32 {
         let base = luminance(self.base) * (1.0 - self.metallic) * self.diffuse(at);
         let cos = at.normal.dot(at.view).clamp(0.0, 1.0);
-        let f0 = luminance(normal_reflectance(self.base, self.metallic));
-        let coat = f0 + (1.0 - f0) * (1.0 - cos).powi(5);
+        let [f0, f90] = self.reflectances().map(luminance);
+        let coat = f0 + (f90 - f0) * (1.0 - cos).powi(5);
         if base > 0.0 { (base / (base + coat)).clamp(0.1, 0.9) } else { 0.0 }
     }
 

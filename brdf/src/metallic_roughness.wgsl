@@ -1,15 +1,13 @@
-// Reflectances of base and normal incidence, rows, words of a row, then a word for each lobe and the rows.
-//
-// A lobe's word is 0 for the diffuse one, else 1 + 3 family + place. A row is the diffuse part and five numbers of each
-// family, as in ggx.rs: two fluxes, tilt, spread, exponent.
+// Lobes of directions: where the rows begin, then a word for each lobe, 0 for the diffuse one, else 1 + 3 family + place. A row has five
+// numbers for each family, as in ggx.rs: two fluxes, tilt, spread, exponent.
 fn metallic_roughness_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
+    let slot = materials[offset + 14u + k];
+    if slot == 0u {
+        return metallic_base_lobe(offset, at);
+    }
     let n = at.normal;
-    let base = material_vec3(offset);
     let f0 = material_vec3(offset + 3u);
-    let rows = materials[offset + 6u];
-    let words = materials[offset + 7u];
-    let slot = materials[offset + 8u + k];
-
+    let f90 = material_f32(offset + 6u);
     let cosine = clamp(dot(n, at.view), 0.0, 1.0);
     // Views below the horizon, which smooth normals have, are taken as at it.
     let along = n * dot(n, at.view) - at.view;
@@ -21,20 +19,16 @@ fn metallic_roughness_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
     let sine = min(length, 1.0);
 
     // √(1 − cos) without cancellation.
-    let place = clamp(sine / sqrt(1.0 + cosine), 0.0, 1.0) * f32(rows - 1u);
-    let first = min(u32(place), rows - 2u);
+    let place = clamp(sine / sqrt(1.0 + cosine), 0.0, 1.0) * f32(METAL_ROWS - 1u);
+    let first = min(u32(place), METAL_ROWS - 2u);
     let t = place - f32(first);
-    let row = offset + 17u + first * words;
-    if slot == 0u {
-        return diffuse_lobe(at, base * row_value(row, words, t));
-    }
     let family = (slot - 1u) / 3u;
     let side = f32((slot - 1u) % 3u) - 1.0;
-    let number = row + 1u + 5u * family;
-    let flux = f0 * row_value(number, words, t) + row_value(number + 1u, words, t);
-    let tilt = row_value(number + 2u, words, t);
-    let spread = row_value(number + 3u, words, t);
-    let exponent = row_value(number + 4u, words, t);
+    let number = materials[offset + 13u] + first * METAL_ROW_WORDS + 5u * family;
+    let flux = f0 * row_value(number, t) + f90 * row_value(number + 1u, t);
+    let tilt = row_value(number + 2u, t);
+    let spread = row_value(number + 3u, t);
+    let exponent = row_value(number + 4u, t);
     // So near each other that they are one.
     let single = spread * spread * (exponent + 2.0) < 1e-3;
     let share = select(0.5 - 0.25 * abs(side), select(0.0, 1.0, side == 0.0), single);
@@ -47,9 +41,9 @@ fn metallic_roughness_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
 }
 
 // Between a row and the next.
-fn row_value(word: u32, words: u32, t: f32) -> f32 {
+fn row_value(word: u32, t: f32) -> f32 {
     let low = material_f32(word);
-    return low + (material_f32(word + words) - low) * t;
+    return low + (material_f32(word + METAL_ROW_WORDS) - low) * t;
 }
 
 fn unit_or(v: vec3f, other: vec3f) -> vec3f {

@@ -1,5 +1,6 @@
-use crate::ggx::FAMILY_COUNT;
-use crate::metallic_roughness::normal_reflectance;
+use crate::coat;
+use crate::ggx::{FAMILY_COUNT, Row};
+use crate::rows::ROWS;
 use crate::{Lafortune, Material, MetallicRoughness};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
@@ -60,8 +61,8 @@ const fn number(material: &Material, takes_microfacets: bool) -> u32 {
 /// Materials as the words that the WGSL of [`wgsl`](crate::wgsl) reads from its `materials`.
 ///
 /// Two words a material (number of its model + 256 × number of its lobes; where its numbers begin), then the numbers: 3
-/// words for Lambert, 8 for Phong, 4 and 25 a lobe for Lafortune, 1025 for metallic–roughness, 57 by microfacets. Lobes that reflect nothing
-/// from anywhere are not among them.
+/// words for Lambert, 8 for Phong, 4 and 25 a lobe for Lafortune, 14 for metallic–roughness by microfacets and 22 by lobes of directions, and
+/// tables that these share. Lobes that reflect nothing from anywhere are not among them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedMaterials {
     /// What the shader reads. Not empty.
@@ -85,8 +86,9 @@ impl PackedMaterials {
         // Nothing at all reads as a material without lobes.
         let mut words = vec![0; 2 * materials.len().max(1)];
         let mut max_lobes = 0;
+        let mut tables = Tables::default();
         for (i, material) in materials.iter().enumerate() {
-            words[2 * i + 1] = words.len() as u32;
+            let mut first = words.len() as u32;
             let lobes = match material {
                 Material::Lambert(m) => lambert(m.albedo, &mut words),
                 Material::Phong(m) => phong([PI * m.kd, m.ks * (TAU / (m.exponent + 1.0))], m.exponent, &mut words),
@@ -95,9 +97,13 @@ impl PackedMaterials {
                     phong([m.kd, m.ks * ((e + 2.0) / (e + 1.0))], e, &mut words)
                 }
                 Material::Lafortune(m) => lafortune(m, &mut words),
-                Material::MetallicRoughness(m) if takes_microfacets => metallic_microfacets(m, &mut words),
-                Material::MetallicRoughness(m) => metallic_roughness(m, &mut words),
+                Material::MetallicRoughness(m) => {
+                    let lobes;
+                    (lobes, first) = tables.metal(m, takes_microfacets, &mut words);
+                    lobes
+                }
             };
+            words[2 * i + 1] = first;
             words[2 * i] = number(material, takes_microfacets) | lobes << 8;
             max_lobes = max_lobes.max(lobes);
         }
@@ -147,26 +153,63 @@ fn lafortune(model: &Lafortune, words: &mut Vec<u32>) -> u32 {
     lobes
 }
 
-fn metallic_microfacets(model: &MetallicRoughness, words: &mut Vec<u32>) -> u32 {
-    let diffuse = model.base * (1.0 - model.metallic);
-    let has_base = u32::from(diffuse != Vec3::ZERO);
-    push(words, diffuse.to_array());
-    push(words, normal_reflectance(model.base, model.metallic).to_array());
-    push(words, [model.alpha()]);
-    words.extend([has_base, model.rows.len() as u32]);
-    push(words, model.rows.iter().map(|row| row.diffuse));
-    has_base + 2
+/// Where the tables of metals begin, once they are there.
+#[derive(Default)]
+struct Tables {
+    coat: Option<u32>,
+    /// By the rows' address: few, with so many users that they share it.
+    rows: Vec<(*const Row, u32)>,
 }
 
-fn metallic_roughness(model: &MetallicRoughness, words: &mut Vec<u32>) -> u32 {
-    let diffuse = model.base * (1.0 - model.metallic);
-    push(words, diffuse.to_array());
-    push(words, normal_reflectance(model.base, model.metallic).to_array());
-    words.extend([model.rows.len() as u32, 1 + 5 * FAMILY_COUNT as u32]);
+impl Tables {
+    /// Packs a metallic–roughness material and, before it, what tables it is the first to need; its number of lobes, and where it begins.
+    fn metal(&mut self, model: &MetallicRoughness, takes_microfacets: bool, words: &mut Vec<u32>) -> (u32, u32) {
+        let coat = *self.coat.get_or_insert_with(|| {
+            let (at, table) = (words.len() as u32, &*coat::TABLE);
+            push(words, table.schlick);
+            push(words, table.reflected.as_flattened().as_flattened().iter().copied());
+            at
+        });
+        let rows = if takes_microfacets { 0 } else { self.rows(model.rows(), words) };
+        let first = words.len() as u32;
+        let diffuse = model.base * (1.0 - model.metallic);
+        let [f0, f90] = model.reflectances();
+        let below = model.coat();
+        push(words, diffuse.to_array());
+        push(words, f0.to_array());
+        push(words, [f90.x, model.roughness, below.f0, below.f90, below.base, model.alpha()]);
+        words.push(coat);
+        let has_base = u32::from(diffuse != Vec3::ZERO);
+        if takes_microfacets {
+            words.push(has_base);
+            return (has_base + 2, first);
+        }
+        words.push(rows);
+        let (slots, lobes) = slots(model.rows(), has_base);
+        words.extend(slots);
+        (lobes, first)
+    }
+
+    fn rows(&mut self, rows: &[Row; ROWS], words: &mut Vec<u32>) -> u32 {
+        let key = rows.as_ptr();
+        if let Some(known) = self.rows.iter().find(|(known, _)| *known == key) {
+            return known.1;
+        }
+        let at = words.len() as u32;
+        for f in rows.iter().flat_map(|row| &row.families) {
+            push(words, [f.flux[0], f.flux[1], f.tilt, f.spread, f.exponent]);
+        }
+        self.rows.push((key, at));
+        at
+    }
+}
+
+/// For each lobe of directions its word, and how many there are.
+fn slots(rows: &[Row; ROWS], has_base: u32) -> ([u32; 9], u32) {
     let mut slots = [0; 9];
-    let mut lobes = usize::from(diffuse != Vec3::ZERO);
+    let mut lobes = has_base as usize;
     for k in 0..FAMILY_COUNT {
-        let families = || model.rows.iter().map(|row| &row.families[k]);
+        let families = || rows.iter().map(|row| &row.families[k]);
         // Without F0 all that is left of a family is its grazing part.
         let places = match families().any(|family| family.flux != [0.0; 2]) {
             false => 0..0,
@@ -178,14 +221,7 @@ fn metallic_roughness(model: &MetallicRoughness, words: &mut Vec<u32>) -> u32 {
             lobes += 1;
         }
     }
-    words.extend(slots);
-    for row in model.rows.iter() {
-        push(words, [row.diffuse]);
-        for f in &row.families {
-            push(words, [f.flux[0], f.flux[1], f.tilt, f.spread, f.exponent]);
-        }
-    }
-    lobes as u32
+    (slots, lobes as u32)
 }
 
 #[cfg(test)]

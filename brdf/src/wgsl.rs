@@ -4,7 +4,7 @@
 //! [`LOBE`](lobe_core::wgsl::LOBE) and [`SPECIAL`](lobe_core::wgsl::SPECIAL), and of the kernel that it declares
 //! `materials`, an `array<u32>`.
 
-use crate::Models;
+use crate::{Models, coat, ggx, rows};
 use core::fmt::Write;
 
 /// Packed materials, and the lobe of diffuse parts.
@@ -19,10 +19,12 @@ pub const PHONG: &str = include_str!("phong.wgsl");
 pub const MODIFIED_PHONG: &str = include_str!("modified_phong.wgsl");
 /// [`Lafortune`](crate::Lafortune). Needs [`MATERIAL`].
 pub const LAFORTUNE: &str = include_str!("lafortune.wgsl");
-/// [`MetallicRoughness`](crate::MetallicRoughness). Needs [`MATERIAL`].
+/// The base of both forms of [`MetallicRoughness`](crate::MetallicRoughness). Needs [`MATERIAL`].
+pub const COAT: &str = include_str!("coat.wgsl");
+/// [`MetallicRoughness`](crate::MetallicRoughness). Needs [`MATERIAL`] and [`COAT`].
 pub const METALLIC_ROUGHNESS: &str = include_str!("metallic_roughness.wgsl");
 
-/// The same by microfacets. Needs [`MATERIAL`].
+/// The same by microfacets. Needs [`MATERIAL`] and [`COAT`].
 pub const METALLIC_MICROFACETS: &str = include_str!("metallic_microfacets.wgsl");
 
 /// By number: name of the function, pieces.
@@ -31,8 +33,8 @@ const MODELS: [(&str, &[&str]); 6] = [
     ("phong_lobe", &[MIRRORED_VIEW, PHONG]),
     ("modified_phong_lobe", &[MIRRORED_VIEW, MODIFIED_PHONG]),
     ("lafortune_lobe", &[LAFORTUNE]),
-    ("metallic_roughness_lobe", &[METALLIC_ROUGHNESS]),
-    ("metallic_microfacets_lobe", &[METALLIC_MICROFACETS]),
+    ("metallic_roughness_lobe", &[COAT, METALLIC_ROUGHNESS]),
+    ("metallic_microfacets_lobe", &[COAT, METALLIC_MICROFACETS]),
 ];
 
 /// The code of these models and no other, with `brdf_lobe_count(material: u32) -> u32` and
@@ -56,6 +58,11 @@ pub fn compose(models: Models) -> String {
         }
     }
     let mut text = pieces.join("\n");
+    if pieces.contains(&COAT) {
+        let (roughnesses, views, rows, words) = (coat::ROUGHNESSES, coat::VIEWS, rows::ROWS, 5 * ggx::FAMILY_COUNT);
+        let _ = write!(text, "\nconst COAT_ROUGHNESSES = {roughnesses}u;\nconst COAT_VIEWS = {views}u;\n");
+        let _ = write!(text, "const METAL_ROWS = {rows}u;\nconst METAL_ROW_WORDS = {words}u;\n");
+    }
     let call = |model: u32| format!("return {}(material_offset(material), at, k);", MODELS[model as usize].0);
     let body = match models.as_slice() {
         [] => "return diffuse_lobe(at, vec3f(0.0));".to_owned(),
