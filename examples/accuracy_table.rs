@@ -47,6 +47,7 @@ fn scene(exponent: f32, half_angle: f32) -> Scene {
     let mut casters = Object::spheres("balls", balls, 0);
     casters.visible = false;
     Scene {
+        surfaces: Vec::new(),
         camera: Camera { eye, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 2.0 * (0.5 * view / 12.0).atan() },
         width: WIDTH,
         height: HEIGHT,

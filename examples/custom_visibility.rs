@@ -58,6 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     boxes.iter().for_each(|(center, size)| table.append(&Mesh::cuboid(*center, *size)));
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 8.0, Vec3::NEG_Z * 8.0);
     let scene = Scene {
+        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(1.0, 1.9, 3.6), target: Vec3::Y * 0.3, up: Vec3::Y, vertical_fov: 0.6 },
         width: 640,
         height: 400,

@@ -52,7 +52,7 @@ fn main() {
 fn measure(file: &str, counts: &[usize]) {
     let mut scene = scene::load(file).unwrap_or_else(|e| panic!("{e}"));
     // All that is not the floor which loading adds.
-    let mut mesh = Mesh { positions: Vec::new(), normals: Vec::new(), triangles: Vec::new() };
+    let mut mesh = Mesh::default();
     for object in scene.objects.iter().filter(|o| o.name != "floor") {
         if let Shape::Mesh(part) = &object.shape {
             mesh.append(&Mesh { normals: Vec::new(), ..part.clone() });

@@ -135,6 +135,7 @@ pub(crate) fn floor_scene(
 ) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 400.0, Vec3::NEG_Z * 400.0);
     Scene {
+        surfaces: Vec::new(),
         camera: Camera { eye, target, up: Vec3::Y, vertical_fov: fov.to_radians() },
         width: 256,
         height: 256,

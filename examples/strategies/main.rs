@@ -348,6 +348,7 @@ fn built() -> Vec<(&'static str, Scene)> {
     let floor = |object: Object, light: Sphere| {
         let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 20.0, Vec3::NEG_Z * 20.0);
         Scene {
+            surfaces: Vec::new(),
             camera: Camera { eye: Vec3::new(0.8, 2.4, 3.6), target: Vec3::Y * 0.2, up: Vec3::Y, vertical_fov: 0.6 },
             width: SIZE.0,
             height: SIZE.1,

@@ -66,6 +66,7 @@ pub(crate) fn visibility(data: &[u8]) {
         .collect();
     let object = Object::mesh("soup", mesh.clone(), 0, Proxy::Count(4));
     let scene = Scene {
+        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
         width: 1,
         height: 1,

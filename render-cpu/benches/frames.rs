@@ -119,6 +119,7 @@ fn strategies(c: &mut Criterion) {
     let camera = Camera { eye: Vec3::new(0.0, 4.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 };
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 9.0, Vec3::NEG_Z * 9.0);
     let scene = Scene {
+        surfaces: Vec::new(),
         camera,
         width: 64,
         height: 64,

@@ -46,6 +46,7 @@ fn fence() -> Scene {
     let toward = Vec3::new(-0.5, 0.9, 0.55).normalize();
     let radius = 4.0 * 6.0_f32.to_radians().sin();
     Scene {
+        surfaces: Vec::new(),
         camera: Camera {
             eye: Vec3::new(1.0, 1.4, 2.6),
             target: Vec3::new(0.1, 0.2, -0.2),

@@ -21,10 +21,11 @@ fn main() {
     for n in [16, 64, 208, 512] {
         let quads = (0..n).flat_map(|i| (0..n).map(move |j| i * (n + 1) + j));
         let triangles = quads.flat_map(|k| [[k, k + 1, k + n + 2], [k, k + n + 2, k + n + 1]]).collect();
-        let mesh = Mesh { positions: sheet(n, 0.0), normals: Vec::new(), triangles };
+        let mesh = Mesh { positions: sheet(n, 0.0), triangles, ..Mesh::default() };
         let camera = Camera { eye: Vec3::splat(20.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.5 };
         let ball = Sphere { center: Vec3::Y * 20.0, radius: 1.0 };
         let mut scene = Scene {
+            surfaces: Vec::new(),
             camera,
             width: 64,
             height: 64,

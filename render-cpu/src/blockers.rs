@@ -99,7 +99,7 @@ mod tests {
         // A closed mesh: a tetrahedron.
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-        scene.objects[0].shape = Shape::Mesh(Mesh { positions, normals: Vec::new(), triangles });
+        scene.objects[0].shape = Shape::Mesh(Mesh { positions, triangles, ..Mesh::default() });
         scene.objects[0].proxy = Proxy::Count(4);
         let built = make(&scene).unwrap();
         assert_eq!(built.objects, [0, 0, 0, 0, 1]);

@@ -5,7 +5,9 @@ mod view;
 use self::view::View;
 use crate::World;
 use crate::world::SIDE;
+use brdf::Material;
 use core::ops::{Add, Mul, Range};
+use glam::Vec3;
 use scene::ShadingPoints;
 
 /// Side of the pixel tiles in whose order points are listed.
@@ -29,6 +31,11 @@ pub struct GBuffer {
     pub pixels: Vec<u32>,
     /// For each point the distance from the plane of the eye, along the view direction.
     pub depths: Vec<f32>,
+    /// What the points' material numbers refer to: the scene's materials, then those of points whose surfaces have textures or vertex
+    /// colours, one each.
+    pub materials: Vec<Material>,
+    /// For each point the radiance that its surface emits toward the eye; empty where no surface does.
+    pub emission: Vec<Vec3>,
 }
 
 impl GBuffer {
@@ -80,6 +87,15 @@ impl GBuffer {
         let mut all = Self { width: own_width, height: own_height, samples, ..Self::default() };
         view.describe(&found, &ends, &mut all);
         all
+    }
+
+    /// Adds what the points' surfaces emit to their radiance.
+    ///
+    /// # Panics
+    /// When there is not one value a point.
+    pub fn add_emission(&self, radiance: &mut [Vec3]) {
+        assert_eq!(radiance.len(), self.len(), "one value a point");
+        radiance.iter_mut().zip(&self.emission).for_each(|(sum, own)| *sum += *own);
     }
 
     /// Number of points.

@@ -225,7 +225,7 @@ impl Sampler {
                 } else {
                     self.occluders.none();
                 }
-                let material = &scene.materials[points.materials[first + i] as usize];
+                let material = &job.gbuffer.materials[points.materials[first + i] as usize];
                 let sharpest = self.sharpest(material, at);
                 let below = -at.normal.as_dvec3().normalize_or_zero();
                 let pair = Pair {

@@ -18,6 +18,7 @@ pub(crate) fn floor_and_ball() -> Scene {
         positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
         normals: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
     };
     let ball = Sphere { center: Vec3::Y, radius: 0.5 };
     let object = |name: &str, shape, proxy| Object {
@@ -29,6 +30,7 @@ pub(crate) fn floor_and_ball() -> Scene {
         strategy: None,
     };
     Scene {
+        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(0.0, 3.0, 8.0), target: Vec3::Y, up: Vec3::Y, vertical_fov: 0.6 },
         width: 50,
         height: 30,

@@ -1,6 +1,7 @@
 mod bundle;
 mod camera_rays;
 mod eight;
+mod looks;
 mod query;
 #[cfg(test)]
 mod refit_tests;
@@ -9,6 +10,7 @@ mod tree;
 
 pub(crate) use self::bundle::{BALL, Bundle, NOTHING, SIDE};
 pub(crate) use self::camera_rays::Rays;
+pub(crate) use self::looks::varied;
 pub(crate) use self::query::{Primitive, Region};
 pub(crate) use self::surface::Meetings;
 pub(crate) use self::tree::Tree;

@@ -12,6 +12,7 @@ use visibility_spheres::SphereBlockers;
 
 fn scene(balls: &[Sphere]) -> Scene {
     Scene {
+        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
         width: 1,
         height: 1,

@@ -52,6 +52,7 @@ fn scene(mut mesh: Mesh, half: f32, turn: Quat) -> Scene {
     }
     let light = Sphere { center: turn * Vec3::new(-3.2, 4.4, 2.2), radius: 0.6 };
     Scene {
+        surfaces: Vec::new(),
         camera: Camera {
             eye: turn * Vec3::new(1.4, 1.5, 3.2),
             target: turn * Vec3::new(0.1, 0.45, 0.0),

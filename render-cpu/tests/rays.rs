@@ -12,6 +12,7 @@ use visibility_mask::{Blockers, Mask, MaskVisibility};
 fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
     let object = |(i, mesh)| Object::mesh(format!("mesh {i}"), mesh, 0, Proxy::None);
     Scene {
+        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(1.0, 2.0, 4.0), target: Vec3::Y * 0.5, up: Vec3::Y, vertical_fov: 0.6 },
         width: 64,
         height: 48,

@@ -110,6 +110,7 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].ball, &options).expect("a map");
     let maps = ShadowMapBlockers::new(vec![map]);
     let scene = Scene {
+        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(0.0, 4.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
         width: 64,
         height: 64,

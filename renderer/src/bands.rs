@@ -1,3 +1,4 @@
+use brdf::Material;
 use core::ops::Range;
 use pictures::Window;
 use render_cpu::{GBuffer, TILE, World};
@@ -77,22 +78,26 @@ impl<'w> Bands<'w> {
         all
     }
 
-    /// The points of strips spread over the picture, and how many times their rows the picture has.
-    pub(crate) fn strips(&self) -> (ShadingPoints, f64) {
+    /// The points of strips spread over the picture, their materials, and how many times their rows the picture has.
+    pub(crate) fn strips(&self) -> (ShadingPoints, Vec<Material>, f64) {
         let scene = self.world.scene();
         let (width, height) = (scene.width, scene.height);
         let all = height.div_ceil(TILE);
         let rays = u64::from(width) * u64::from(TILE) * u64::from(self.samples);
         let count = (TRIAL_RAYS / rays).clamp(1, u64::from(all)) as u32;
-        let (mut points, mut taken) = (ShadingPoints::default(), 0);
+        let (mut points, mut materials, mut taken) = (ShadingPoints::default(), scene.materials.clone(), 0);
+        let first = materials.len() as u32;
         for i in 0..count {
             let top = (u64::from(2 * i + 1) * u64::from(all) / (2 * u64::from(count))) as u32 * TILE;
             let rows = top..(top + TILE).min(height);
             taken += rows.len();
             let g = GBuffer::rows(self.world, width, height, self.samples, rows);
             points.receivers.extend(g.points.receivers);
-            points.materials.extend(g.points.materials);
+            // Behind those of the strips before.
+            let before = materials.len() as u32 - first;
+            points.materials.extend(g.points.materials.iter().map(|m| if *m < first { *m } else { *m + before }));
+            materials.extend(g.materials.into_iter().skip(first as usize));
         }
-        (points, f64::from(height) / taken.max(1) as f64)
+        (points, materials, f64::from(height) / taken.max(1) as f64)
     }
 }

@@ -41,11 +41,11 @@ impl Budget<'_> {
         listener: &mut Listener<'_>,
     ) -> Result<Accuracy, RenderError> {
         let mut find = 0.0;
-        let (points, scale) = seconds(&mut find, || bands.strips());
+        let (points, materials, scale) = seconds(&mut find, || bands.strips());
         let fixed = self.fixed + find * scale;
         let mut chosen: Option<(Accuracy, f64)> = None;
         for accuracy in LADDER {
-            let frame = Frame { accuracy, ..*frame };
+            let frame = Frame { materials: &materials, accuracy, ..*frame };
             let blockers =
                 FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy);
             let shading = blockers.shade(backend, self.form, Twice { points: &points, frame: &frame })?;

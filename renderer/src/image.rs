@@ -111,13 +111,15 @@ impl Work for Shading<'_, '_, '_, '_> {
         for rows in bands.ranges(window.rows.start as u32..window.rows.end as u32) {
             tell(listener, Event::Rows { done: rows.start - window.rows.start as u32, of })?;
             let g = bands.points(&window, rows.clone());
+            let frame = &Frame { materials: &g.materials, ..*frame };
             let mut radiance = vec![Vec3::ZERO; g.len()];
             let mut all = layers.then(Layers::default);
             for (repetition, total) in done.shading.iter_mut().enumerate() {
                 *total += match &mut all {
                     None => shader.shade(&g.points, frame, &mut radiance).map_err(fail)?,
                     Some(all) => {
-                        let (stats, points) = shader.shade_layers(&g.points, frame, &mut radiance)?;
+                        let (stats, mut points) = shader.shade_layers(&g.points, frame, &mut radiance)?;
+                        g.add_emission(&mut points.unshadowed);
                         if repetition == 0 {
                             let count = frame.lights.len();
                             all.unshadowed = g.resolve(&points.unshadowed, background);
@@ -134,6 +136,7 @@ impl Work for Shading<'_, '_, '_, '_> {
                     }
                 };
             }
+            g.add_emission(&mut radiance);
             if let Some(all) = &mut all {
                 let normals: Vec<Vec3> = g.points.receivers.iter().map(|r| r.normal).collect();
                 all.normals = g.resolve(&normals, Vec3::ZERO);

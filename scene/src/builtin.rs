@@ -42,6 +42,7 @@ pub fn builtin() -> Scene {
     ];
     let light = |center: Vec3, radius: f32, radiance: Vec3| SphereLight::new(Sphere { center, radius }, radiance);
     Scene {
+        surfaces: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.3, 2.7, 8.8),
             target: Vec3::new(0.1, 0.95, 0.0),

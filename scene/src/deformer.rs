@@ -44,7 +44,7 @@ impl Deformer {
     pub(crate) fn smooth_normals(&mut self, mesh: &Mesh) {
         self.drop_normals();
         let triangles = mesh.triangles.clone();
-        let mut bind = Mesh { positions: self.positions.clone(), normals: Vec::new(), triangles };
+        let mut bind = Mesh { positions: self.positions.clone(), triangles, ..Mesh::default() };
         if self.is_rigid() && self.targets.is_empty() {
             bind.smooth_normals();
             self.normals = bind.normals;

@@ -1,5 +1,6 @@
 //! The data behind glTF accessors, every length checked before anything is read or reserved.
 
+use glam::Vec3;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Root, buffer};
@@ -34,7 +35,8 @@ impl<'a> Buffers<'a> {
         Ok(Self { root, data })
     }
 
-    fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), String> {
+    /// The bytes of a view, and their stride.
+    pub(crate) fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), String> {
         let i = index.value();
         let view = self.root.buffer_views.get(i).ok_or_else(|| format!("there is no buffer view {i}"))?;
         let b = view.buffer.value();
@@ -61,6 +63,15 @@ impl<'a> Buffers<'a> {
             if scale == 1.0 { x as f32 } else { (x / scale).max(-1.0) as f32 }
         };
         self.read(index, accessor, component, kind, to_float)
+    }
+
+    /// Colours of an accessor, within [0, 1]; what alpha they have is left out.
+    pub(crate) fn colors(&self, index: Index<Accessor>) -> Result<Vec<Vec3>, String> {
+        let has_alpha = self.root.accessors.get(index.value()).is_some_and(|a| a.type_ == Checked::Valid(Type::Vec4));
+        let values = self.floats(index, if has_alpha { Type::Vec4 } else { Type::Vec3 })?;
+        let unit = |x: f32| if x > 0.0 { x.min(1.0) } else { 0.0 };
+        let color = |row: &[f32]| Vec3::new(unit(row[0]), unit(row[1]), unit(row[2]));
+        Ok(values.chunks_exact(if has_alpha { 4 } else { 3 }).map(color).collect())
     }
 
     /// The whole numbers of an accessor.
@@ -178,7 +189,7 @@ fn number(bytes: &[u8], component: ComponentType) -> f64 {
 }
 
 /// A data URI, or a file beside the document: nothing else is ever opened.
-fn read_uri(path: &Path, uri: &str) -> Result<Vec<u8>, String> {
+pub(crate) fn read_uri(path: &Path, uri: &str) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data.split_once(";base64,").ok_or("data URI is not base64")?.1;
         return base64(encoded).ok_or_else(|| "data URI is not valid base64".to_owned());
@@ -194,7 +205,7 @@ fn read_uri(path: &Path, uri: &str) -> Result<Vec<u8>, String> {
     crate::load::read(&path.with_file_name("").join(relative)).map_err(|e| e.to_string())
 }
 
-fn percent_decoded(text: &str) -> Option<String> {
+pub(crate) fn percent_decoded(text: &str) -> Option<String> {
     let mut out = Vec::new();
     let mut bytes = text.bytes();
     while let Some(b) = bytes.next() {

@@ -7,24 +7,25 @@ use crate::gltf_buffers::Buffers;
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
 use crate::gltf_nodes::{read_camera, shown_nodes, skeleton};
-use crate::load::{Context, Part};
+use crate::gltf_texture::Images;
+use crate::load::{Context, Look, Part};
 use crate::mesh::MAX_COORDINATE;
 use crate::skeleton::{Carrier, Skeleton};
 use crate::{Camera, Mesh, SceneError};
-use brdf::Material;
 use glam::Mat4;
 use gltf::json::Root;
 use gltf::json::validation::Checked;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Extensions that may be required: their data is either read or only changes how a surface looks.
-const KNOWN_EXTENSIONS: [&str; 6] = [
+/// Extensions that are read, or of which it is told what is not.
+const KNOWN_EXTENSIONS: [&str; 7] = [
     "KHR_mesh_quantization",
     "KHR_texture_transform",
     "KHR_materials_unlit",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_specular",
     "KHR_lights_punctual",
 ];
 
@@ -149,6 +150,7 @@ fn document(
         moving: skeleton.moving(),
         skeleton,
         materials: HashMap::new(),
+        images: Images::new(path, root),
         notes: Notes::default(),
     };
     let index = context.skeletons.len();
@@ -179,11 +181,13 @@ fn document(
     if uneven > 0 {
         context.warn(path, format!("joint weights of {uneven} vertices do not add up to 1: they are made to"));
     }
-    if !root.textures.is_empty() {
-        context.warn(path, "textures are not read: materials have their base factors");
+    reader.images.notes.iter().for_each(|note| context.warn(path, note));
+    let unread = |name: &&String| !KNOWN_EXTENSIONS.contains(&name.as_str()) && is_seen(name);
+    for name in root.extensions_used.iter().filter(unread) {
+        context.warn(path, format!("the extension {name} is not read: surfaces are as without it"));
     }
-    if root.materials.iter().any(|m| m.emissive_factor.0 != [0.0; 3]) {
-        context.warn(path, "emissive materials are not lights yet");
+    if reader.materials.values().any(|look| look.surface.emits()) {
+        context.warn(path, "surfaces that emit are seen, but light nothing yet");
     }
     if root.extensions_used.iter().any(|e| e == "KHR_lights_punctual") {
         context.warn(path, "punctual lights are not read: a default light is used");
@@ -192,6 +196,11 @@ fn document(
         context.skeletons.push(reader.skeleton);
     }
     Ok((parts, camera, moving_camera))
+}
+
+/// Whether an extension changes what is seen of a surface.
+fn is_seen(name: &str) -> bool {
+    name.contains("_materials_") || name.contains("_texture_")
 }
 
 /// The nodes with the clip that was asked for, else with the first one that moves anything. A fault in it is one of the
@@ -263,7 +272,8 @@ struct Reader<'a> {
     /// For each node whether the clip moves it.
     moving: Vec<bool>,
     /// Those that were asked for.
-    materials: HashMap<usize, Material>,
+    materials: HashMap<usize, Look>,
+    images: Images<'a>,
     notes: Notes,
 }
 
@@ -293,7 +303,7 @@ impl Reader<'_> {
                     let index = index.value();
                     let known = match self.materials.get(&index) {
                         Some(known) => known.clone(),
-                        None => read_material(self.root, index).map_err(fault)?,
+                        None => read_material(self.root, index, &self.buffers, &mut self.images).map_err(fault)?,
                     };
                     self.materials.insert(index, known.clone());
                     Some((index, known))

@@ -1,37 +1,103 @@
 //! Materials of a glTF document.
 
+use crate::gltf_buffers::Buffers;
+use crate::gltf_texture::{Images, Reference};
+use crate::load::Look;
+use crate::{Channel, Encoding, Surface, TextureMap};
 use brdf::{Material, MetallicRoughness};
 use glam::Vec3;
 use gltf::json::Root;
+use gltf::json::material::{AlphaMode, Material as Document};
 use gltf::json::validation::Checked;
 
-/// The base factors; what is out of range is taken as the nearest that is not.
-pub(crate) fn read_material(root: &Root, index: usize) -> Result<Material, String> {
+/// Reads a material; numbers out of range are taken as the nearest that are not.
+pub(crate) fn read_material(
+    root: &Root,
+    index: usize,
+    buffers: &Buffers<'_>,
+    images: &mut Images<'_>,
+) -> Result<Look, String> {
     let material = root.materials.get(index).ok_or_else(|| format!("there is no material {index}"))?;
-    let fault = |e: String| format!("material {index}: {e}");
-    if matches!(material.alpha_mode, Checked::Invalid) {
-        return Err(fault("unknown alphaMode".to_owned()));
-    }
-    let pbr = &material.pbr_metallic_roughness;
-    // Textures are not read, but a document that names one that it does not have is broken.
-    let textures = [
-        pbr.base_color_texture.as_ref().map(|t| t.index),
-        pbr.metallic_roughness_texture.as_ref().map(|t| t.index),
-        material.normal_texture.as_ref().map(|t| t.index),
-        material.occlusion_texture.as_ref().map(|t| t.index),
-        material.emissive_texture.as_ref().map(|t| t.index),
-    ];
-    for index in textures.into_iter().flatten().map(|index| index.value()) {
-        let texture = root.textures.get(index).ok_or_else(|| fault(format!("there is no texture {index}")))?;
-        let image = texture.source.value();
-        // The document reader takes this number for a source that is not named.
-        if image != u32::MAX as usize && image >= root.images.len() {
-            return Err(fault(format!("texture {index}: there is no image {image}")));
+    look(material, buffers, images).map_err(|e| format!("material {index}: {e}"))
+}
+
+/// Within [0, 1]; 0 for NaN.
+fn unit(x: f32) -> f32 {
+    if x > 0.0 { x.min(1.0) } else { 0.0 }
+}
+
+fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Look, String> {
+    match material.alpha_mode {
+        Checked::Invalid => return Err("unknown alphaMode".to_owned()),
+        Checked::Valid(AlphaMode::Opaque) => {}
+        Checked::Valid(AlphaMode::Mask | AlphaMode::Blend) => {
+            let note = "alpha is not read: surfaces that are cut out or transparent are opaque";
+            if !images.notes.iter().any(|known| known == note) {
+                images.notes.push(note.to_owned());
+            }
         }
     }
+    let mut map = |reference: Option<Reference<'_>>, encoding| -> Result<Option<TextureMap>, String> {
+        reference.map_or(Ok(None), |reference| images.map(buffers, &reference, encoding))
+    };
+    let pbr = &material.pbr_metallic_roughness;
+    let extensions = material.extensions.as_ref();
+    let color = map(pbr.base_color_texture.as_ref().map(Into::into), Encoding::Srgb)?;
     let [r, g, b, _] = pbr.base_color_factor.0;
-    let unit = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
     let base = Vec3::new(unit(r), unit(g), unit(b));
+    // Means nothing to direct light, but a document that names one that it does not have is broken.
+    if let Some(occlusion) = &material.occlusion_texture
+        && occlusion.index.value() >= images.textures()
+    {
+        return Err(format!("there is no texture {}", occlusion.index.value()));
+    }
+    if extensions.is_some_and(|e| e.unlit.is_some()) {
+        let surface = Surface { emission: base, emission_map: color, ..Surface::default() };
+        return Ok(Look { material: Material::lambert(Vec3::ZERO), surface });
+    }
+    let mut map = |reference: Option<Reference<'_>>, encoding| -> Result<Option<TextureMap>, String> {
+        reference.map_or(Ok(None), |reference| images.map(buffers, &reference, encoding))
+    };
+    let numbers = map(pbr.metallic_roughness_texture.as_ref().map(Into::into), Encoding::Linear)?;
+    let channel = |index| numbers.clone().map(|map| Channel { map, index });
+    let normal = material.normal_texture.as_ref();
+    let normal_map = map(normal.map(|n| Reference::new(n.index, n.tex_coord)), Encoding::Linear)?;
+    let scale = normal.map_or(1.0, |n| n.scale);
+    if !scale.is_finite() {
+        return Err(format!("normal texture has scale {scale}"));
+    }
+    let emission_map = map(material.emissive_texture.as_ref().map(Into::into), Encoding::Srgb)?;
+    let strength = extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
+    let positive = |x: f32| if x > 0.0 { x.min(MAX_EMISSION) } else { 0.0 };
+    let emission = material.emissive_factor.0.map(unit).map(|e| positive(e * positive(strength)));
+
     let (metallic, roughness) = (unit(pbr.metallic_factor.0), unit(pbr.roughness_factor.0));
-    Ok(MetallicRoughness::new(base, metallic, roughness).map_err(|e| fault(e.to_string()))?.into())
+    let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| e.to_string())?;
+    let (ior, specular) = (extensions.and_then(|e| e.ior.as_ref()), extensions.and_then(|e| e.specular.as_ref()));
+    if ior.is_some() || specular.is_some() {
+        let n = ior.map_or(1.5, |ior| ior.ior.0);
+        // An index below 1 is none, but 0 stands for a reflectance of 1.
+        let n = if n == 0.0 { f32::INFINITY } else { n.max(1.0) };
+        let normal = if n.is_finite() { ((n - 1.0) / (n + 1.0)).powi(2) } else { 1.0 };
+        let weight = specular.map_or(1.0, |s| unit(s.specular_factor.0));
+        let tint = specular.map_or([1.0; 3], |s| s.specular_color_factor.0);
+        let f0 = Vec3::from_array(tint.map(|c| unit(normal * c.max(0.0)))) * weight;
+        metal = metal.with_coat(f0, weight).map_err(|e| e.to_string())?;
+    }
+    if specular.is_some_and(|s| s.specular_texture.is_some() || s.specular_color_texture.is_some()) {
+        images.notes.push("textures of KHR_materials_specular are not read: their factors are taken alone".to_owned());
+    }
+    let surface = Surface {
+        color,
+        metallic: channel(2),
+        roughness: channel(1),
+        normal: normal_map.map(|map| (map, scale)),
+        emission: Vec3::from_array(emission),
+        emission_map,
+        ..Surface::default()
+    };
+    Ok(Look { material: metal.into(), surface })
 }
+
+/// The largest emission that is taken.
+const MAX_EMISSION: f32 = 1e12;

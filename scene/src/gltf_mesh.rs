@@ -3,7 +3,7 @@
 use crate::Mesh;
 use crate::gltf_buffers::Buffers;
 use crate::mesh::MAX_COORDINATE;
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
@@ -83,7 +83,24 @@ pub(crate) fn read_primitive(buffers: &Buffers<'_>, primitive: &Primitive) -> Re
         Mode::TriangleFan => indices.get(1..).unwrap_or(&[]).windows(2).map(|w| [indices[0], w[0], w[1]]).collect(),
         _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
     };
-    let mut mesh = Mesh { positions, normals, triangles };
+    let mut uv_sets = Vec::new();
+    for set in 0.. {
+        let Some(index) = attribute(Semantic::TexCoords(set)) else { break };
+        let pairs = buffers.floats(index, Type::Vec2)?;
+        let pairs: Vec<Vec2> = pairs.chunks_exact(2).map(Vec2::from_slice).collect();
+        if pairs.len() != vertices {
+            return Err(format!("{} texture coordinates for {vertices} positions", pairs.len()));
+        }
+        uv_sets.push(pairs);
+    }
+    let colors = match attribute(Semantic::Colors(0)) {
+        Some(index) => buffers.colors(index)?,
+        None => Vec::new(),
+    };
+    if !colors.is_empty() && colors.len() != vertices {
+        return Err(format!("{} colours for {vertices} positions", colors.len()));
+    }
+    let mut mesh = Mesh { positions, normals, triangles, uv_sets, colors };
     if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
         return Err(format!("position {bad} is not finite"));
     }

@@ -36,7 +36,7 @@ fn node_transforms_multiply_from_the_root() {
         assert!((*p - Vec3::from_array(want)).length() < 1e-5, "{p}");
     }
     let want: Material = MetallicRoughness::new(Vec3::new(0.8, 0.4, 0.2), 0.0, 1.0).unwrap().into();
-    assert_eq!(parts[0].material, Some((0, want)));
+    assert_eq!(parts[0].material, Some((0, want.into())));
 }
 
 #[test]

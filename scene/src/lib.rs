@@ -62,6 +62,8 @@ mod gltf_mesh;
 mod gltf_nodes;
 #[cfg(test)]
 mod gltf_tests;
+mod gltf_texture;
+mod image_file;
 mod keys;
 mod load;
 mod mesh;
@@ -77,11 +79,16 @@ mod scene;
 mod scene_file;
 #[cfg(test)]
 mod scene_file_tests;
+mod scene_material;
 mod scene_object;
 mod shade;
 mod shapes;
 mod skeleton;
 mod strategy;
+mod surface;
+mod texture;
+#[cfg(test)]
+mod texture_tests;
 mod toml_reader;
 mod track;
 
@@ -98,3 +105,5 @@ pub use crate::scene::{Object, Proxy, Scene, Shape};
 pub use crate::scene_file::SCHEMA_EXAMPLE;
 pub use crate::shade::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
 pub use crate::strategy::Strategy;
+pub use crate::surface::{Channel, Surface, TextureMap, TexturePlace};
+pub use crate::texture::{Encoding, Texture, Wrap};

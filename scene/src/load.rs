@@ -6,7 +6,8 @@ use crate::placement::Placement;
 use crate::scene_file::{DEFAULT_FOV, DEFAULT_SIZE, DEFAULT_SPHERES};
 use crate::skeleton::{Carrier, Skeleton};
 use crate::{
-    Animation, Bounds, Camera, Mesh, Object, Pose, Proxy, Scene, SceneError, Shape, gltf_file, obj, ply, scene_file,
+    Animation, Bounds, Camera, Mesh, Object, Pose, Proxy, Scene, SceneError, Shape, Surface, gltf_file, obj, ply,
+    scene_file,
 };
 use brdf::{Lambert, Material, ModifiedPhong};
 use glam::{DVec3, Mat4, Vec3};
@@ -69,11 +70,33 @@ pub(crate) fn counted(count: usize, noun: &str, why: &str) -> String {
     }
 }
 
-/// A mesh of a file, with the material that the file gives it: a number that is the same for the same material, and it.
+/// A material and what its surfaces show beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Look {
+    pub(crate) material: Material,
+    pub(crate) surface: Surface,
+}
+
+impl<M: Into<Material>> From<M> for Look {
+    fn from(material: M) -> Self {
+        Self { material: material.into(), surface: Surface::default() }
+    }
+}
+
+impl Look {
+    /// Materials and surfaces of a scene; no surfaces where all are plain.
+    pub(crate) fn parted(looks: Vec<Self>) -> (Vec<Material>, Vec<Surface>) {
+        let is_plain = looks.iter().all(|look| look.surface.is_plain());
+        let (materials, surfaces) = looks.into_iter().map(|look| (look.material, look.surface)).unzip();
+        (materials, if is_plain { Vec::new() } else { surfaces })
+    }
+}
+
+/// A mesh of a file, with the look that the file gives it: a number that is the same for the same look, and it.
 pub(crate) struct Part {
     pub(crate) name: String,
     pub(crate) mesh: Mesh,
-    pub(crate) material: Option<(usize, Material)>,
+    pub(crate) material: Option<(usize, Look)>,
     /// What its file moves it with.
     pub(crate) rig: Option<(Deformer, Carrier)>,
 }
@@ -88,7 +111,7 @@ pub(crate) enum Normals {
 }
 
 impl Part {
-    pub(crate) fn fixed(name: String, mesh: Mesh, material: Option<(usize, Material)>) -> Self {
+    pub(crate) fn fixed(name: String, mesh: Mesh, material: Option<(usize, Look)>) -> Self {
         Self { name, mesh, material, rig: None }
     }
 
@@ -226,7 +249,8 @@ fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<St
     Ok((scene, animation, context.warnings))
 }
 
-fn extension(path: &Path) -> String {
+/// The ending of a file's name, in small letters.
+pub(crate) fn extension(path: &Path) -> String {
     path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_ascii_lowercase())
 }
 
@@ -376,7 +400,7 @@ fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
 /// What a mesh file shows, without the floor and the light that [`bare`] adds. The objects are not posed yet.
 struct Bare {
     objects: Vec<Object>,
-    materials: Vec<Material>,
+    looks: Vec<Look>,
     animation: Animation,
     camera: Option<Camera>,
 }
@@ -388,32 +412,32 @@ fn bare_objects(file: File, context: &mut Context) -> Bare {
     let mut animation = Animation { origin: context.origin, camera: moving_camera, ..context.animation() };
     let here = Placement::Fixed(Mat4::IDENTITY);
     animation.movers = parts.iter_mut().map(|part| part.place(Normals::File, &here)).collect();
-    let mut materials: Vec<Material> =
-        vec![ModifiedPhong { kd: Vec3::splat(0.32), ks: Vec3::splat(0.18), exponent: 50.0 }.into(), default_material()];
+    let floor = ModifiedPhong { kd: Vec3::splat(0.32), ks: Vec3::splat(0.18), exponent: 50.0 };
+    let mut looks: Vec<Look> = vec![floor.into(), default_material().into()];
     let mut keys: Vec<(usize, usize)> = Vec::new();
     let counts = share_out(DEFAULT_SPHERES, &parts);
     let mut objects = Vec::new();
     for (part, count) in parts.into_iter().zip(counts) {
         let material = match part.material {
             None => 1,
-            Some((key, material)) => match keys.iter().find(|(k, _)| *k == key) {
+            Some((key, look)) => match keys.iter().find(|(k, _)| *k == key) {
                 Some(&(_, index)) => index,
                 None => {
-                    materials.push(material);
-                    keys.push((key, materials.len() - 1));
-                    materials.len() - 1
+                    looks.push(look);
+                    keys.push((key, looks.len() - 1));
+                    looks.len() - 1
                 }
             },
         };
         objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
     }
-    Bare { objects, materials, animation, camera }
+    Bare { objects, looks, animation, camera }
 }
 
 /// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
 fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let file = near_parts(path, clip, context, MESH_OR_SCENE)?;
-    let Bare { mut objects, materials, mut animation, camera } = bare_objects(file, context);
+    let Bare { mut objects, looks, mut animation, camera } = bare_objects(file, context);
     let bounds = swept_bounds(&animation, &mut objects);
     let radius = bounds.radius();
     let (width, height) = DEFAULT_SIZE;
@@ -429,7 +453,8 @@ fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene
     let center = bounds.center() + distance * Vec3::new(-0.5, 0.9, 0.55).normalize();
     let lights = vec![SphereLight::new(Sphere { center, radius: distance * sin }, Vec3::splat(1.0 / (sin * sin)))];
     let camera = camera.unwrap_or_else(|| default_camera(bounds, width, height));
-    let scene = Scene { camera, width, height, background: Vec3::ZERO, materials, objects, lights };
+    let (materials, surfaces) = Look::parted(looks);
+    let scene = Scene { camera, width, height, background: Vec3::ZERO, materials, surfaces, objects, lights };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))
 }

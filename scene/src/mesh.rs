@@ -1,5 +1,5 @@
 use crate::{Bounds, SceneError};
-use glam::{DVec3, Mat3, Mat4, Vec3};
+use glam::{DVec3, Mat3, Mat4, Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
 
 /// Triangles in world space.
@@ -11,6 +11,10 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Three vertex numbers a triangle.
     pub triangles: Vec<[u32; 3]>,
+    /// Sets of texture coordinates, v downward, one pair a vertex each.
+    pub uv_sets: Vec<Vec<Vec2>>,
+    /// One linear colour in [0, 1] a vertex, a factor of the material's, or empty.
+    pub colors: Vec<Vec3>,
 }
 
 /// Coordinates beyond this are refused: single precision tells points 64 apart there, and squares of differences are far
@@ -35,7 +39,7 @@ impl Mesh {
     }
 
     /// Checks that there is a triangle, that all positions are finite and within ±1e9, that normals are unit vectors,
-    /// one a vertex or none at all, and that the triangles refer to vertices that exist.
+    /// one a vertex or none at all, as texture coordinates and colours are, and that the triangles refer to vertices that exist.
     ///
     /// # Errors
     /// [`SceneError::Invalid`] that names the first fault.
@@ -57,6 +61,17 @@ impl Mesh {
             return Err(SceneError::invalid(format!("normal {i} is {}: expected a unit vector", self.normals[i])));
         }
         let vertices = self.positions.len();
+        if let Some(set) = self.uv_sets.iter().position(|set| set.len() != vertices) {
+            let n = self.uv_sets[set].len();
+            return Err(SceneError::invalid(format!("set {set} has {n} texture coordinates for {vertices} vertices")));
+        }
+        if !self.colors.is_empty() && self.colors.len() != vertices {
+            let n = self.colors.len();
+            return Err(SceneError::invalid(format!("mesh has {n} colours for {vertices} vertices")));
+        }
+        if let Some(i) = self.colors.iter().position(|c| !(c.min_element() >= 0.0 && c.max_element() <= 1.0)) {
+            return Err(SceneError::invalid(format!("colour {i} is {}: expected [0, 1]", self.colors[i])));
+        }
         for (i, t) in self.triangles.iter().enumerate() {
             if let Some(v) = t.iter().find(|&&v| v as usize >= vertices) {
                 return Err(SceneError::invalid(format!("triangle {i} uses vertex {v} of {vertices}")));
@@ -200,13 +215,23 @@ impl Mesh {
         }
     }
 
-    /// Appends another mesh. Normals are kept only when both have them.
+    /// Appends another mesh. Normals, texture coordinates and colours are kept only when both have them.
     pub fn append(&mut self, other: &Self) {
-        let offset = self.positions.len() as u32;
-        if self.normals.len() == self.positions.len() && other.normals.len() == other.positions.len() {
-            self.normals.extend(&other.normals);
+        let (offset, count) = (self.positions.len() as u32, other.positions.len());
+        let join = |own: &mut Vec<Vec3>, others: &[Vec3]| {
+            if own.len() == offset as usize && others.len() == count {
+                own.extend(others);
+            } else {
+                own.clear();
+            }
+        };
+        join(&mut self.normals, &other.normals);
+        join(&mut self.colors, &other.colors);
+        if self.positions.is_empty() {
+            self.uv_sets.clone_from(&other.uv_sets);
         } else {
-            self.normals.clear();
+            self.uv_sets.truncate(other.uv_sets.len());
+            self.uv_sets.iter_mut().zip(&other.uv_sets).for_each(|(own, others)| own.extend(others));
         }
         self.positions.extend(&other.positions);
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + offset)));

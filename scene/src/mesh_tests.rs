@@ -33,6 +33,7 @@ fn seams_are_smoothed_over_and_cancelling_normals_stay_finite() {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, -Vec3::ZERO, Vec3::Y, Vec3::Z],
         normals: Vec::new(),
         triangles: vec![[0, 1, 2], [3, 4, 5]],
+        ..Mesh::default()
     };
     mesh.smooth_normals();
     assert_eq!(mesh.normals[0], mesh.normals[3]);
@@ -89,7 +90,7 @@ fn a_singular_transform_gives_finite_normals() {
 
 #[test]
 fn validation_names_the_fault() {
-    let good = Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], normals: vec![], triangles: vec![[0, 1, 2]] };
+    let good = Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], triangles: vec![[0, 1, 2]], ..Mesh::default() };
     good.validate().unwrap();
     let fault = |change: &dyn Fn(&mut Mesh)| {
         let mut mesh = good.clone();

@@ -1,5 +1,5 @@
 use crate::mesh::MAX_COORDINATE;
-use crate::{Bounds, Camera, Mesh, SceneError, Strategy};
+use crate::{Bounds, Camera, Mesh, SceneError, Strategy, Surface};
 use brdf::Material;
 use glam::{Mat4, Vec3};
 use lighting::SphereLight;
@@ -63,6 +63,9 @@ pub struct Scene {
     pub background: Vec3,
     /// Materials; objects refer to them by index.
     pub materials: Vec<Material>,
+    /// What surfaces show beside the reflectance of the material of the same number: textures and emission. Materials beyond the end show
+    /// nothing more.
+    pub surfaces: Vec<Surface>,
     /// Objects; a receiver's `object` number is an index into this.
     pub objects: Vec<Object>,
     /// Lights; none gives a black picture.
@@ -105,6 +108,12 @@ impl Scene {
         self.objects.iter().fold(Bounds::EMPTY, |b, o| b.union(o.shape.bounds()))
     }
 
+    /// What surfaces of a material show beside its reflectance; none where that is nothing.
+    #[must_use]
+    pub fn surface(&self, material: usize) -> Option<&Surface> {
+        self.surfaces.get(material).filter(|surface| !surface.is_plain())
+    }
+
     /// How many triangles all meshes have.
     #[must_use]
     pub fn triangles(&self) -> usize {
@@ -145,6 +154,12 @@ impl Scene {
         }
         for (i, material) in self.materials.iter().enumerate() {
             material.validate().map_err(|e| fault(format!("material {i}"), &e))?;
+        }
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            let emission = surface.emission;
+            if !(emission.is_finite() && emission.min_element() >= 0.0) {
+                return Err(SceneError::invalid(format!("material {i} emits {emission}: expected finite values ≥ 0")));
+            }
         }
         if self.objects.is_empty() {
             return Err(SceneError::invalid("scene has no objects"));

@@ -2,14 +2,14 @@
 
 use crate::animation::{CameraMover, LightMover};
 use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
-use crate::load::{self, Context};
+use crate::load::{self, Context, Look};
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
 use crate::scene::check_balls;
+use crate::scene_material::{ImageFiles, read_material};
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
 use crate::{Animation, Camera, Scene, SceneError};
-use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::{DVec3, Vec3};
 use lighting::SphereLight;
 use lobe_core::Sphere;
@@ -64,12 +64,13 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     let background = root.get("background").map_or(Ok(Vec3::ZERO), |v| v.color())?;
 
     let mut materials = Materials::default();
+    let mut images = ImageFiles::default();
     if let Some(value) = root.get("materials") {
         for entry in value.table()?.entries() {
-            let material = material(entry.table()?)?;
-            material.validate().map_err(|e| entry.error(e))?;
+            let look = read_material(entry.table()?, path, &mut images)?;
+            look.material.validate().map_err(|e| entry.error(e))?;
             materials.names.insert(entry.name().to_owned(), materials.all.len());
-            materials.all.push(material);
+            materials.all.push(look);
         }
     }
 
@@ -125,7 +126,8 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         camera: camera_keys.map(|keys| CameraMover::Keys(Box::new(keys))),
         ..context.animation()
     };
-    let scene = Scene { camera, width, height, background, materials: materials.all, objects, lights };
+    let (materials, surfaces) = Look::parted(materials.all);
+    let scene = Scene { camera, width, height, background, materials, surfaces, objects, lights };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))
 }
@@ -133,14 +135,14 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
 /// The materials so far, by number and by name.
 #[derive(Default)]
 pub(crate) struct Materials {
-    all: Vec<Material>,
+    all: Vec<Look>,
     pub(crate) names: HashMap<String, usize>,
     default: Option<usize>,
 }
 
 impl Materials {
-    pub(crate) fn push(&mut self, material: Material) -> usize {
-        self.all.push(material);
+    pub(crate) fn push(&mut self, look: Look) -> usize {
+        self.all.push(look);
         self.all.len() - 1
     }
 
@@ -148,7 +150,7 @@ impl Materials {
         if let Some(index) = self.default {
             return index;
         }
-        let index = self.push(load::default_material());
+        let index = self.push(load::default_material().into());
         *self.default.insert(index)
     }
 }
@@ -179,54 +181,6 @@ fn read_camera(value: Value<'_>, origin: DVec3) -> Result<(Camera, Option<Camera
     };
     camera.validate().map_err(|e| place.error(e))?;
     Ok((camera, keys.map(|keys| keys.camera(camera, origin)).transpose()?))
-}
-
-fn material(mut t: Table<'_>) -> Result<Material, SceneError> {
-    let model = t.require("model")?;
-    let color = |v: Option<Value<'_>>| v.map_or(Ok(Vec3::ZERO), |v| v.color());
-    let material: Material = match model.string()? {
-        "lambert" => Lambert { albedo: t.require("albedo")?.color()? }.into(),
-        "phong" => {
-            let (kd, ks) = (color(t.get("kd"))?, color(t.get("ks"))?);
-            Phong { kd, ks, exponent: t.require("exponent")?.number()? }.into()
-        }
-        "modified-phong" => {
-            let (kd, ks) = (color(t.get("kd"))?, color(t.get("ks"))?);
-            ModifiedPhong { kd, ks, exponent: t.require("exponent")?.number()? }.into()
-        }
-        "lafortune" => {
-            let diffuse = color(t.get("diffuse"))?;
-            let elements = t.get("lobes").map_or(Ok(Vec::new()), |v| v.elements("an array of lobes"))?;
-            let lobes: Result<Vec<_>, _> = elements.into_iter().map(lafortune_lobe).collect();
-            Lafortune { diffuse, lobes: lobes? }.into()
-        }
-        "metallic-roughness" => {
-            let base = t.require("base")?.color()?;
-            let number = |v: Option<Value<'_>>| v.map_or(Ok(1.0), |v| v.number());
-            let (metallic, roughness) = (number(t.get("metallic"))?, number(t.get("roughness"))?);
-            MetallicRoughness::new(base, metallic, roughness).map_err(|e| model.error(e))?.into()
-        }
-        other => {
-            return Err(model.error(format!(
-                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\", \"lafortune\" or \
-                 \"metallic-roughness\""
-            )));
-        }
-    };
-    t.finish()?;
-    Ok(material)
-}
-
-fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {
-    let mut t = value.table()?;
-    let (exponent, scale) = (t.require("exponent")?.number()?, t.require("scale")?.color()?);
-    let lobe = match t.one_of(&["c", "matrix"])? {
-        ("c", c) => LafortuneLobe::diagonal(c.vec3()?, exponent, scale),
-        (_, m) => LafortuneLobe::new(m.mat3()?, exponent, scale),
-    };
-    t.finish()?;
-    lobe.validate().map_err(|e| value.error(e))?;
-    Ok(lobe)
 }
 
 /// Appends a light; what moves it, if anything does.

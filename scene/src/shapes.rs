@@ -2,20 +2,22 @@
 
 use crate::Mesh;
 use core::f32::consts::TAU;
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 impl Mesh {
-    /// The parallelogram `center ± u ± v`; its normal is `u × v`.
+    /// The parallelogram `center ± u ± v`; its normal is `u × v`. Textures lie on it once, upright where `v` points up.
     #[must_use]
     pub fn quad(center: Vec3, u: Vec3, v: Vec3) -> Self {
         Self {
             positions: vec![center - u - v, center + u - v, center + u + v, center - u + v],
             normals: Vec::new(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
+            uv_sets: vec![vec![Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO]],
+            ..Self::default()
         }
     }
 
-    /// An axis-aligned box with the given edge lengths, wound outward.
+    /// An axis-aligned box with the given edge lengths, wound outward. Textures lie on each face once.
     #[must_use]
     pub fn cuboid(center: Vec3, size: Vec3) -> Self {
         let mut mesh = Self::default();

@@ -1,7 +1,7 @@
 //! TOML with places: every value knows its line, and every message names it.
 
 use crate::SceneError;
-use glam::{DVec3, Mat3, Mat4, Vec3, Vec4};
+use glam::{DVec3, Mat3, Mat4, Vec2, Vec3, Vec4};
 use lobe_core::Sphere;
 use std::path::Path;
 use toml::Spanned;
@@ -124,6 +124,18 @@ impl<'s> Value<'s> {
             *slot = element.number()?;
         }
         Ok(out)
+    }
+
+    pub(crate) fn vec2(&self) -> Result<Vec2, SceneError> {
+        self.numbers("[x, y]").map(Vec2::from_array)
+    }
+
+    /// `[x, y]`, or one number for both.
+    pub(crate) fn vec2_or_number(&self) -> Result<Vec2, SceneError> {
+        match self.value.get_ref() {
+            DeValue::Integer(_) | DeValue::Float(_) => self.number().map(Vec2::splat),
+            _ => Ok(Vec2::from_array(self.numbers("[x, y] or one number")?)),
+        }
     }
 
     pub(crate) fn vec3(&self) -> Result<Vec3, SceneError> {

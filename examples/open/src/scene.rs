@@ -49,6 +49,7 @@ impl Own {
         };
         Self {
             scene: Scene {
+                surfaces: Vec::new(),
                 camera: Camera { eye: Vec3::new(1.6, 1.8, 3.4), target: Vec3::Y * 0.6, up: Vec3::Y, vertical_fov: 0.7 },
                 width,
                 height,

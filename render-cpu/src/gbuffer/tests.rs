@@ -103,7 +103,7 @@ fn shared_edges_have_no_cracks() {
     let positions = (0..=n).flat_map(|y| (0..=n).map(move |x| Vec3::new(at(x), at(y), 0.0))).collect();
     let quads = (0..n).flat_map(|y| (0..n).map(move |x| y * (n + 1) + x));
     let triangles = quads.flat_map(|i| [[i, i + 1, i + n + 2], [i, i + n + 2, i + n + 1]]).collect();
-    let mesh = Mesh { positions, normals: Vec::new(), triangles };
+    let mesh = Mesh { positions, triangles, ..Mesh::default() };
     let grid = Object {
         name: "grid".into(),
         shape: Shape::Mesh(mesh),
@@ -135,7 +135,7 @@ fn globe(n: u32, smooth: bool) -> Mesh {
         let [a, b, c, d] = q.map(|(i, j)| number(i, j));
         [[a, b, c], [a, c, d]]
     });
-    let mut mesh = Mesh { positions, normals: Vec::new(), triangles: triangles.collect() };
+    let mut mesh = Mesh { positions, triangles: triangles.collect(), ..Mesh::default() };
     mesh.remove_degenerate();
     if smooth {
         mesh.smooth_normals();

@@ -2,11 +2,13 @@
 
 use super::{GBuffer, TILE};
 use crate::World;
-use crate::world::{Bundle, Meetings, NOTHING, Rays, SIDE};
+use crate::world::{Bundle, Meetings, NOTHING, Rays, SIDE, varied};
+use brdf::Material;
 use core::ops::Range;
 use glam::{Vec2, Vec3};
 use lobe_core::Receiver;
 use rayon::prelude::*;
+use scene::Surface;
 
 /// Tiles that a thread takes at once.
 const TASK: usize = 8;
@@ -22,6 +24,8 @@ pub(super) struct View<'w> {
     /// Pixels of the whole image that are asked for.
     columns: Range<u32>,
     rows: Range<u32>,
+    /// For each object whether its points have looks of their own, if any has.
+    varied: Option<Vec<bool>>,
 }
 
 /// Points of some tiles, where they belong.
@@ -30,6 +34,18 @@ struct Part<'a> {
     materials: &'a mut [u32],
     pixels: &'a mut [u32],
     depths: &'a mut [f32],
+    /// Empty where nothing emits.
+    emission: &'a mut [Vec3],
+}
+
+/// Rays of a tile that have met something, eight at a time.
+#[derive(Default)]
+struct Met {
+    meetings: Meetings,
+    pixels: [u32; SIDE],
+    /// Where in the image they pass.
+    places: [Vec2; SIDE],
+    count: usize,
 }
 
 impl<'w> View<'w> {
@@ -48,6 +64,7 @@ impl<'w> View<'w> {
             down: rows.start / TILE..rows.end.div_ceil(TILE).max(rows.start / TILE),
             columns,
             rows,
+            varied: varied(world.scene()),
         }
     }
 
@@ -103,11 +120,17 @@ impl<'w> View<'w> {
         out.points.materials.resize(count, 0);
         out.pixels.resize(count, 0);
         out.depths.resize(count, 0.0);
+        let scene = self.world.scene();
+        out.materials.clone_from(&scene.materials);
+        if scene.surfaces.iter().any(Surface::emits) {
+            out.emission.resize(count, Vec3::ZERO);
+        }
         let mut rest = Part {
             receivers: &mut out.points.receivers,
             materials: &mut out.points.materials,
             pixels: &mut out.pixels,
             depths: &mut out.depths,
+            emission: &mut out.emission,
         };
         let mut parts = Vec::with_capacity(ends.len().div_ceil(TASK));
         let mut done = 0;
@@ -117,16 +140,29 @@ impl<'w> View<'w> {
             (rest, done) = (after, end);
             parts.push(part);
         }
-        found.par_chunks(self.tile_rays() * TASK).zip(parts).enumerate().for_each(|(task, (found, part))| {
-            self.describe_tiles(task * TASK, found, part);
-        });
+        let tasks = found.par_chunks(self.tile_rays() * TASK).zip(parts).enumerate();
+        let own: Vec<_> = tasks.map(|(task, (found, part))| self.describe_tiles(task * TASK, found, part)).collect();
+        if self.varied.is_none() {
+            return;
+        }
+        // Each part has numbered its own from the same one on.
+        let (first, mut done) = (scene.materials.len() as u32, 0);
+        for (ends, own) in ends.chunks(TASK).zip(own) {
+            let (end, before) = (ends[ends.len() - 1], out.materials.len() as u32 - first);
+            for number in &mut out.points.materials[done..end] {
+                *number += if *number >= first { before } else { 0 };
+            }
+            done = end;
+            out.materials.extend(own);
+        }
     }
 
-    fn describe_tiles(&self, first: usize, found: &[u32], mut out: Part<'_>) {
+    /// Writes the points of some tiles; gives the materials that they have of their own.
+    fn describe_tiles(&self, first: usize, found: &[u32], mut out: Part<'_>) -> Vec<Material> {
+        let (mut met, mut own) = (Met::default(), Vec::new());
         for (tile, found) in found.chunks_exact(self.tile_rays()).enumerate() {
             let ([left, top], [columns, rows]) = self.tile(first + tile);
             let width = self.columns.end - self.columns.start;
-            let (mut meetings, mut pixels, mut count) = (Meetings::default(), [0; SIDE], 0);
             for row in rows {
                 for column in columns.clone() {
                     let (x, y) = (left + column as u32, top + row as u32);
@@ -135,38 +171,63 @@ impl<'w> View<'w> {
                         if number == NOTHING {
                             continue;
                         }
-                        let d = self.rays.direction(x as f32 + offset.x, y as f32 + offset.y);
-                        meetings.found[count] = number;
+                        let (place, l) = (Vec2::new(x as f32 + offset.x, y as f32 + offset.y), met.count);
+                        let d = self.rays.direction(place.x, place.y);
+                        met.meetings.found[l] = number;
                         for k in 0..3 {
-                            meetings.directions[k][count] = d[k];
+                            met.meetings.directions[k][l] = d[k];
                         }
-                        pixels[count] = (y - self.rows.start) * width + (x - self.columns.start);
-                        count += 1;
-                        if count == SIDE {
-                            out = self.write(&meetings, &pixels, out);
-                            count = 0;
+                        met.places[l] = place;
+                        met.pixels[l] = (y - self.rows.start) * width + (x - self.columns.start);
+                        met.count += 1;
+                        if met.count == SIDE {
+                            out = self.write(&mut met, &mut own, out);
                         }
                     }
                 }
             }
-            if count > 0 {
-                meetings.found[count..].fill(NOTHING);
-                out = self.write(&meetings, &pixels[..count], out);
+            if met.count > 0 {
+                met.meetings.found[met.count..].fill(NOTHING);
+                out = self.write(&mut met, &mut own, out);
             }
         }
+        own
     }
 
-    /// Writes the next few points; gives what is left to be written.
-    fn write<'o>(&self, meetings: &Meetings, pixels: &[u32], out: Part<'o>) -> Part<'o> {
-        let (now, rest) = out.split(pixels.len());
-        self.world.surfaces(self.rays.level, self.rays.eye, meetings, now.receivers);
-        now.pixels.copy_from_slice(pixels);
+    /// Writes the next few points and forgets them; gives what is left to be written.
+    fn write<'o>(&self, met: &mut Met, own: &mut Vec<Material>, out: Part<'o>) -> Part<'o> {
+        let count = core::mem::take(&mut met.count);
+        let (now, rest) = out.split(count);
+        self.world.surfaces(self.rays.level, self.rays.eye, &met.meetings, now.receivers);
+        now.pixels.copy_from_slice(&met.pixels[..count]);
         let objects = &self.world.scene().objects;
-        for ((at, material), depth) in now.receivers.iter().zip(now.materials).zip(now.depths) {
+        for ((at, material), depth) in now.receivers.iter().zip(&mut *now.materials).zip(now.depths) {
             *material = objects[at.object as usize].material as u32;
             *depth = (at.position - self.rays.eye).dot(self.rays.forward);
         }
+        if let Some(varied) = &self.varied {
+            for l in 0..count {
+                let at = &mut now.receivers[l];
+                if !varied[at.object as usize] {
+                    continue;
+                }
+                let look = self.world.look(self.rays.eye, met.meetings.found[l], self.beside(met.places[l]), at);
+                if let Some(material) = look.material {
+                    now.materials[l] = (self.world.scene().materials.len() + own.len()) as u32;
+                    own.push(material);
+                }
+                if let Some(emission) = now.emission.get_mut(l) {
+                    *emission = look.emission;
+                }
+            }
+        }
         rest
+    }
+
+    /// The rays through the ends of the sides of what a ray stands for: its share of the pixel.
+    fn beside(&self, place: Vec2) -> [Vec3; 2] {
+        let side = 1.0 / (self.offsets.len() as f32).sqrt();
+        [self.rays.direction(place.x + side, place.y), self.rays.direction(place.x, place.y + side)]
     }
 }
 
@@ -176,9 +237,16 @@ impl<'a> Part<'a> {
         let (materials, materials_after) = self.materials.split_at_mut(count);
         let (pixels, pixels_after) = self.pixels.split_at_mut(count);
         let (depths, depths_after) = self.depths.split_at_mut(count);
+        let (emission, emission_after) = self.emission.split_at_mut(count.min(self.emission.len()));
         (
-            Self { receivers, materials, pixels, depths },
-            Self { receivers: receivers_after, materials: materials_after, pixels: pixels_after, depths: depths_after },
+            Self { receivers, materials, pixels, depths, emission },
+            Self {
+                receivers: receivers_after,
+                materials: materials_after,
+                pixels: pixels_after,
+                depths: depths_after,
+                emission: emission_after,
+            },
         )
     }
 }

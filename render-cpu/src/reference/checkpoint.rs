@@ -70,6 +70,9 @@ impl ReferenceJob<'_> {
             floats.iter().for_each(|x| word(x.to_bits()));
         }
         format!("{:?}", scene.materials).bytes().for_each(|b| word(u32::from(b)));
+        if !scene.surfaces.is_empty() {
+            format!("{:?}", scene.surfaces).bytes().for_each(|b| word(u32::from(b)));
+        }
         if let Geometry::Mixed(objects) = self.geometry {
             objects.iter().for_each(|solid| word(u32::from(*solid)));
         }

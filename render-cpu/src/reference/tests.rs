@@ -31,6 +31,7 @@ fn points(receivers: Vec<Receiver>) -> GBuffer {
 
 fn run(scene: &Scene, gbuffer: &GBuffer, geometry: Geometry, samples: u32) -> Estimate {
     let (world, blockers) = (World::new(scene), blockers(scene));
+    let gbuffer = &GBuffer { materials: scene.materials.clone(), ..gbuffer.clone() };
     let job = ReferenceJob { world: &world, gbuffer, blockers: &blockers, geometry, seed: 5 };
     let mut reference = Reference::new(job);
     reference.advance(samples, &AtomicBool::new(false), &|_| {});

@@ -26,7 +26,7 @@ fn soup(rng: &mut Rng) -> Scene {
         positions.extend((0..3).map(|_| place + rng.vec3() * 0.2));
     }
     let triangles = (0..700).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let mesh = Mesh { positions, normals: Vec::new(), triangles };
+    let mesh = Mesh { positions, triangles, ..Mesh::default() };
     scene.objects.push(Object::mesh("soup", mesh, 0, Proxy::Count(1)));
     let balls = (0..60).map(|_| Sphere { center: rng.vec3() * 3.0, radius: 0.1 * rng.next() + 0.01 }).collect();
     scene.objects.push(Object::spheres("balls", balls, 0));

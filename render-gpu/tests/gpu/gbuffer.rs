@@ -42,7 +42,7 @@ pub(crate) fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
         let [a, b, c, d] = q.map(|(i, k)| number(i, k));
         [[a, b, c], [a, c, d]]
     });
-    let mut mesh = Mesh { positions, normals: Vec::new(), triangles: triangles.collect() };
+    let mut mesh = Mesh { positions, triangles: triangles.collect(), ..Mesh::default() };
     mesh.remove_degenerate();
     if smooth {
         mesh.smooth_normals();
@@ -315,7 +315,7 @@ fn no_cracks(gpu: &Gpu) {
     let positions = (0..=n).flat_map(|y| (0..=n).map(move |x| Vec3::new(at(x), at(y), 0.0))).collect();
     let quads = (0..n).flat_map(|y| (0..n).map(move |x| y * (n + 1) + x));
     let triangles = quads.flat_map(|i| [[i, i + 1, i + n + 2], [i, i + n + 2, i + n + 1]]).collect();
-    let grid = Mesh { positions, normals: Vec::new(), triangles };
+    let grid = Mesh { positions, triangles, ..Mesh::default() };
     scene.objects = vec![Object::mesh("grid", grid, 0, Proxy::None)];
     scene.camera = Camera { eye: Vec3::Z * 4.0, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.4 };
     ours.update(&scene).expect("geometry");

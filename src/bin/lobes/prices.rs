@@ -127,14 +127,14 @@ fn run(
     })?;
     seconds(&mut update, || kept.update(&set));
     let world = World::new(scene);
-    let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
+    let GBuffer { points, materials, .. } = GBuffer::new(&world, scene.width, scene.height, 1);
     let receivers = ReceiverBounds::of(points.receivers.iter().map(|r| r.position)).filter(|_| plan.wants_maps(scene));
     let maps = match receivers {
         Some(receivers) => seconds(&mut update, || plan.maps(scene, receivers, None, u64::MAX))?.0,
         None => Vec::new(),
     };
     let frame = Frame {
-        materials: &scene.materials,
+        materials: &materials,
         lights: &scene.lights,
         accuracy: Accuracy::new(tolerance),
         threshold: 0.0,

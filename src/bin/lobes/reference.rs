@@ -69,7 +69,9 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         )));
     }
 
-    let estimate = reference.estimate();
+    let mut estimate = reference.estimate();
+    gbuffer.add_emission(&mut estimate.radiance);
+    gbuffer.add_emission(&mut estimate.unshadowed);
     let resolve = |values: &[Vec3], background| gbuffer.resolve(values, background);
     let picture = resolve(&estimate.radiance, scene.background);
     let picture = Picture::new(scene.width as usize, scene.height as usize, picture);

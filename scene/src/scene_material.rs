@@ -1,0 +1,195 @@
+//! The materials of a scene file.
+
+use crate::load::Look;
+use crate::toml_reader::{Table, Value};
+use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file, load};
+use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
+use glam::{Affine2, Mat2, Vec2, Vec3};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Images that the file's materials name, each decoded once for each encoding.
+#[derive(Default)]
+pub(crate) struct ImageFiles(HashMap<(PathBuf, bool), Texture>);
+
+impl ImageFiles {
+    fn texture(&mut self, value: Value<'_>, path: &Path, encoding: Encoding) -> Result<Texture, SceneError> {
+        let name = value.string()?;
+        let file = path.with_file_name("").join(name);
+        let key = (file, encoding == Encoding::Srgb);
+        if let Some(known) = self.0.get(&key) {
+            return Ok(known.clone());
+        }
+        let bytes = load::read(&key.0).map_err(|e| value.error(e))?;
+        let texture =
+            image_file::decode(name, &load::extension(&key.0), &bytes, encoding).map_err(|e| value.error(e))?;
+        self.0.insert(key, texture.clone());
+        Ok(texture)
+    }
+}
+
+/// Reads one of `[materials]`; `path` is the scene file, which images are looked for beside.
+pub(crate) fn read_material(mut t: Table<'_>, path: &Path, images: &mut ImageFiles) -> Result<Look, SceneError> {
+    let mut surface = Surface::default();
+    let mut maps = Maps { path, images };
+    surface.color = maps.read(t.get("color_map"), Encoding::Srgb)?;
+    surface.normal = t.get("normal_map").map(|v| maps.normal(v)).transpose()?;
+    surface.emission_map = maps.read(t.get("emission_map"), Encoding::Srgb)?;
+    let emission = t.get("emission").map(|v| v.color()).transpose()?;
+    // A map alone is what is emitted.
+    let alone = if surface.emission_map.is_some() { Vec3::ONE } else { Vec3::ZERO };
+    surface.emission = emission.unwrap_or(alone);
+
+    // A map alone is the colour.
+    let is_mapped = surface.color.is_some();
+    let base_color = |t: &mut Table<'_>, key: &'static str, is_required: bool| match t.get(key) {
+        Some(v) => v.color(),
+        None if is_mapped => Ok(Vec3::ONE),
+        None if is_required => t.require(key)?.color(),
+        None => Ok(Vec3::ZERO),
+    };
+    let model = t.require("model")?;
+    let material: Material = match model.string()? {
+        "lambert" => Lambert { albedo: base_color(&mut t, "albedo", true)? }.into(),
+        name @ ("phong" | "modified-phong") => {
+            let kd = base_color(&mut t, "kd", false)?;
+            let ks = maps.specular(&mut t, &mut surface, "ks")?;
+            let exponent = t.require("exponent")?.number()?;
+            match name {
+                "phong" => Phong { kd, ks, exponent }.into(),
+                _ => ModifiedPhong { kd, ks, exponent }.into(),
+            }
+        }
+        "lafortune" => {
+            let diffuse = base_color(&mut t, "diffuse", false)?;
+            let elements = t.get("lobes").map_or(Ok(Vec::new()), |v| v.elements("an array of lobes"))?;
+            let lobes: Result<Vec<_>, _> = elements.into_iter().map(lafortune_lobe).collect();
+            maps.exponents(&mut t, &mut surface)?;
+            Lafortune { diffuse, lobes: lobes? }.into()
+        }
+        "metallic-roughness" => {
+            let base = base_color(&mut t, "base", true)?;
+            let number = |v: Option<Value<'_>>| v.map_or(Ok(1.0), |v| v.number());
+            let (metallic, roughness) = (number(t.get("metallic"))?, number(t.get("roughness"))?);
+            surface.metallic = t.get("metallic_map").map(|v| maps.channel(v)).transpose()?;
+            surface.roughness = t.get("roughness_map").map(|v| maps.channel(v)).transpose()?;
+            let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| model.error(e))?;
+            if let Some(ior) = t.get("ior") {
+                let n = ior.number()?;
+                if !(n >= 1.0) {
+                    return Err(ior.error(format!("{n} must be at least 1")));
+                }
+                let f0 = ((n - 1.0) / (n + 1.0)).powi(2);
+                metal = metal.with_coat(Vec3::splat(f0), 1.0).map_err(|e| ior.error(e))?;
+            }
+            metal.into()
+        }
+        other => {
+            return Err(model.error(format!(
+                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\", \"lafortune\" or \
+                 \"metallic-roughness\""
+            )));
+        }
+    };
+    t.finish()?;
+    Ok(Look { material, surface })
+}
+
+fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {
+    let mut t = value.table()?;
+    let (exponent, scale) = (t.require("exponent")?.number()?, t.require("scale")?.color()?);
+    let lobe = match t.one_of(&["c", "matrix"])? {
+        ("c", c) => LafortuneLobe::diagonal(c.vec3()?, exponent, scale),
+        (_, m) => LafortuneLobe::new(m.mat3()?, exponent, scale),
+    };
+    t.finish()?;
+    lobe.validate().map_err(|e| value.error(e))?;
+    Ok(lobe)
+}
+
+/// Reads references to images.
+struct Maps<'a> {
+    path: &'a Path,
+    images: &'a mut ImageFiles,
+}
+
+impl Maps<'_> {
+    fn read(&mut self, value: Option<Value<'_>>, encoding: Encoding) -> Result<Option<TextureMap>, SceneError> {
+        value.map(|value| self.map(value, encoding, |_| Ok(()))).transpose()
+    }
+
+    /// A highlight's colour and exponent, which has one.
+    fn specular(&mut self, t: &mut Table<'_>, surface: &mut Surface, key: &'static str) -> Result<Vec3, SceneError> {
+        let scale = t.get(key).map(|v| v.color()).transpose()?;
+        self.exponents(t, surface)?;
+        Ok(scale.unwrap_or(if surface.specular.is_some() { Vec3::ONE } else { Vec3::ZERO }))
+    }
+
+    /// The maps of highlights.
+    fn exponents(&mut self, t: &mut Table<'_>, surface: &mut Surface) -> Result<(), SceneError> {
+        surface.specular = self.read(t.get("specular_map"), Encoding::Srgb)?;
+        surface.exponent = t.get("exponent_map").map(|v| self.channel(v)).transpose()?;
+        Ok(())
+    }
+
+    fn channel(&mut self, value: Value<'_>) -> Result<Channel, SceneError> {
+        let mut index = 0;
+        let map = self.map(value, Encoding::Linear, |t| {
+            if let Some(v) = t.get("channel") {
+                index = match v.string()? {
+                    "red" => 0,
+                    "green" => 1,
+                    "blue" => 2,
+                    "alpha" => 3,
+                    _ => return Err(v.error("expected \"red\", \"green\", \"blue\" or \"alpha\"")),
+                };
+            }
+            Ok(())
+        })?;
+        Ok(Channel { map, index })
+    }
+
+    fn normal(&mut self, value: Value<'_>) -> Result<(TextureMap, f32), SceneError> {
+        let mut strength = 1.0;
+        let map = self.map(value, Encoding::Linear, |t| {
+            strength = t.get("strength").map_or(Ok(1.0), |v| v.number())?;
+            Ok(())
+        })?;
+        Ok((map, strength))
+    }
+
+    /// A file's name, or a table with it and how it lies; `more` asks for keys that not all have.
+    fn map(
+        &mut self,
+        value: Value<'_>,
+        encoding: Encoding,
+        more: impl FnOnce(&mut Table<'_>) -> Result<(), SceneError>,
+    ) -> Result<TextureMap, SceneError> {
+        if value.is_string() {
+            return Ok(TextureMap::new(self.images.texture(value, self.path, encoding)?));
+        }
+        let mut t = value.table().map_err(|_| value.error("expected a file's name, or { file = … }"))?;
+        let file = t.require("file")?;
+        let scale = t.get("scale").map_or(Ok(Vec2::ONE), |v| v.vec2_or_number())?;
+        let offset = t.get("offset").map_or(Ok(Vec2::ZERO), |v| v.vec2())?;
+        let degrees = t.get("rotate").map_or(Ok(0.0), |v| v.number())?;
+        let wrap = match t.get("wrap").map(|v| v.string().map(|name| (v, name))).transpose()? {
+            None | Some((_, "repeat")) => Wrap::Repeat,
+            Some((_, "mirror")) => Wrap::Mirror,
+            Some((_, "clamp")) => Wrap::Clamp,
+            Some((v, _)) => return Err(v.error("expected \"repeat\", \"mirror\" or \"clamp\"")),
+        };
+        let is_pixelated = match t.get("filter").map(|v| v.string().map(|name| (v, name))).transpose()? {
+            None | Some((_, "linear")) => false,
+            Some((_, "nearest")) => true,
+            Some((v, _)) => return Err(v.error("expected \"linear\" or \"nearest\"")),
+        };
+        let uv_set = t.get("uv").map_or(Ok(0), |v| v.whole(0, 255))? as usize;
+        more(&mut t)?;
+        t.finish()?;
+        let texture = self.images.texture(file, self.path, encoding)?;
+        let matrix2 = Mat2::from_diagonal(scale) * Mat2::from_angle(degrees.to_radians());
+        let transform = Affine2 { matrix2, translation: offset };
+        Ok(TextureMap { texture, uv_set, transform, wrap: [wrap; 2], is_pixelated })
+    }
+}

@@ -1,0 +1,150 @@
+use crate::{Texture, Wrap};
+use brdf::Factors;
+use glam::{Affine2, Vec2, Vec3};
+
+/// A texture and how it lies on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureMap {
+    /// The image.
+    pub texture: Texture,
+    /// Which of the mesh's sets of coordinates; a set that it does not have is 0 everywhere.
+    pub uv_set: usize,
+    /// From the mesh's coordinates to the image's.
+    pub transform: Affine2,
+    /// What lies outside the image, along u and v.
+    pub wrap: [Wrap; 2],
+    /// Whether texels are seen as such from near, instead of what is between them.
+    pub is_pixelated: bool,
+}
+
+/// One of the four numbers of a texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Where it comes from.
+    pub map: TextureMap,
+    /// 0 red, 1 green, 2 blue, 3 alpha.
+    pub index: usize,
+}
+
+/// What surfaces of a material show beside its reflectance: textures, whose values are [`Factors`] of the material's own, and light of
+/// their own.
+///
+/// Normal maps are in tangent space, x along u, y against v, z the normal: `n = 2t − 1`, x and y times a scale. Emission is seen, but
+/// lights nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Of [`Factors::color`].
+    pub color: Option<TextureMap>,
+    /// Of [`Factors::specular`].
+    pub specular: Option<TextureMap>,
+    /// Of [`Factors::exponent`].
+    pub exponent: Option<Channel>,
+    /// Of [`Factors::metallic`].
+    pub metallic: Option<Channel>,
+    /// Of [`Factors::roughness`].
+    pub roughness: Option<Channel>,
+    /// The normal map, and the scale of its x and y.
+    pub normal: Option<(TextureMap, f32)>,
+    /// Radiance of its own.
+    pub emission: Vec3,
+    /// Its factor.
+    pub emission_map: Option<TextureMap>,
+}
+
+/// A place on a surface, as textures see it: coordinates in a set, and what they change by along the sides of the pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TexturePlace {
+    /// u and v.
+    pub uv: Vec2,
+    /// Sides of the pixel's footprint in them.
+    pub footprint: [Vec2; 2],
+}
+
+impl TextureMap {
+    /// A texture that is repeated, by the first set of coordinates.
+    #[must_use]
+    pub const fn new(texture: Texture) -> Self {
+        Self { texture, uv_set: 0, transform: Affine2::IDENTITY, wrap: [Wrap::Repeat; 2], is_pixelated: false }
+    }
+
+    /// The mean over a footprint: [`Texture::sample`].
+    #[must_use]
+    pub fn sample(&self, place: &dyn Fn(usize) -> TexturePlace) -> [f32; 4] {
+        let TexturePlace { uv, footprint } = place(self.uv_set);
+        let sides = footprint.map(|side| self.transform.transform_vector2(side));
+        self.texture.sample(self.transform.transform_point2(uv), sides, self.wrap, self.is_pixelated)
+    }
+}
+
+impl Channel {
+    fn sample(&self, place: &dyn Fn(usize) -> TexturePlace) -> f32 {
+        self.map.sample(place)[self.index.min(3)]
+    }
+}
+
+fn rgb([r, g, b, _]: [f32; 4]) -> Vec3 {
+    Vec3::new(r, g, b)
+}
+
+impl Surface {
+    /// Whether it adds nothing to its material.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether the material differs from place to place.
+    #[must_use]
+    pub fn varies(&self) -> bool {
+        let channels = [&self.exponent, &self.metallic, &self.roughness];
+        self.color.is_some() || self.specular.is_some() || channels.iter().any(|channel| channel.is_some())
+    }
+
+    /// Whether it has light of its own.
+    #[must_use]
+    pub fn emits(&self) -> bool {
+        self.emission != Vec3::ZERO
+    }
+
+    /// Whether any texture is looked up.
+    #[must_use]
+    pub fn has_textures(&self) -> bool {
+        self.varies() || self.normal.is_some() || self.emits() && self.emission_map.is_some()
+    }
+
+    /// The factors of the material at a place; `place` gives the coordinates of a set.
+    #[must_use]
+    pub fn factors(&self, place: &dyn Fn(usize) -> TexturePlace) -> Factors {
+        let color = |map: &Option<TextureMap>| map.as_ref().map_or(Vec3::ONE, |map| rgb(map.sample(place)));
+        let number = |channel: &Option<Channel>| channel.as_ref().map_or(1.0, |channel| channel.sample(place));
+        let (metallic, roughness) = match (&self.metallic, &self.roughness) {
+            // One image, as glTF has them.
+            (Some(m), Some(r)) if m.map.texture.is_same(&r.map.texture) && m.map == r.map => {
+                let values = m.map.sample(place);
+                (values[m.index.min(3)], values[r.index.min(3)])
+            }
+            (m, r) => (number(m), number(r)),
+        };
+        Factors {
+            color: color(&self.color),
+            specular: color(&self.specular),
+            exponent: number(&self.exponent),
+            metallic,
+            roughness,
+        }
+    }
+
+    /// Radiance of its own at a place.
+    #[must_use]
+    pub fn emission(&self, place: &dyn Fn(usize) -> TexturePlace) -> Vec3 {
+        self.emission * self.emission_map.as_ref().map_or(Vec3::ONE, |map| rgb(map.sample(place)))
+    }
+
+    /// The normal in tangent space at a place, of any length; none without a map.
+    #[must_use]
+    pub fn normal(&self, place: &dyn Fn(usize) -> TexturePlace) -> Option<Vec3> {
+        let (map, scale) = self.normal.as_ref()?;
+        let n = 2.0 * rgb(map.sample(place)) - Vec3::ONE;
+        Some(Vec3::new(n.x * scale, n.y * scale, n.z))
+    }
+}

@@ -1,0 +1,115 @@
+use crate::{Encoding, Texture, Wrap};
+use glam::Vec2;
+
+const NEAR: [Vec2; 2] = [Vec2::ZERO; 2];
+
+/// Texels of pseudo-random bytes.
+fn noise(size: [u32; 2], encoding: Encoding) -> Texture {
+    let mut state = 1u32;
+    let mut byte = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 24) as u8
+    };
+    let texels = (0..size[0] * size[1]).map(|_| core::array::from_fn(|_| byte())).collect();
+    Texture::new("noise", size, texels, encoding)
+}
+
+#[test]
+fn texels_are_at_their_centres() {
+    let texture = noise([5, 3], Encoding::Linear);
+    let all = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+    for wrap in all {
+        for pixelated in [false, true] {
+            for (x, y) in [(0, 0), (4, 0), (2, 1), (4, 2)] {
+                let uv = Vec2::new((x as f32 + 0.5) / 5.0, (y as f32 + 0.5) / 3.0);
+                let got = texture.sample(uv, NEAR, [wrap; 2], pixelated);
+                let want = noise_texel(5, x, y);
+                for k in 0..4 {
+                    assert!((got[k] - want[k]).abs() < 1e-5, "{wrap:?} {x} {y}: {got:?} {want:?}");
+                }
+            }
+        }
+    }
+}
+
+/// What [`noise`] has there.
+fn noise_texel(width: u32, x: u32, y: u32) -> [f32; 4] {
+    let mut state = 1u32;
+    let mut value = 0.0;
+    let mut out = [0.0; 4];
+    for i in 0..4 * (y * width + x + 1) {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        value = (state >> 24) as f32 / 255.0;
+        out[i as usize % 4] = value;
+    }
+    assert!(value >= 0.0);
+    out
+}
+
+#[test]
+fn wrapped_coordinates_repeat_mirror_or_stay() {
+    let texture = noise([7, 4], Encoding::Linear);
+    let at = |u: f32, v: f32, wrap| texture.sample(Vec2::new(u, v), NEAR, [wrap; 2], false);
+    let near = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-4);
+    for (u, v) in [(0.1, 0.2), (0.93, 0.01), (0.5, 0.99)] {
+        assert!(near(at(u, v, Wrap::Repeat), at(u + 3.0, v - 2.0, Wrap::Repeat)));
+        assert!(near(at(u, v, Wrap::Mirror), at(-u, 2.0 - v, Wrap::Mirror)));
+        assert!(near(at(1.0, v, Wrap::Clamp), at(1.0 + u, v, Wrap::Clamp)));
+    }
+    // Across a seam without a step.
+    for wrap in [Wrap::Repeat, Wrap::Mirror] {
+        assert!(near(at(0.999_99, 0.3, wrap), at(1.000_01, 0.3, wrap)), "{wrap:?}");
+    }
+}
+
+#[test]
+fn the_pyramid_keeps_the_mean() {
+    for size in [[16, 16], [7, 13], [1, 9], [31, 2]] {
+        for encoding in [Encoding::Linear, Encoding::Srgb] {
+            let texture = noise(size, encoding);
+            let mut mean = [0.0; 4];
+            for y in 0..size[1] {
+                for x in 0..size[0] {
+                    let uv = Vec2::new((x as f32 + 0.5) / size[0] as f32, (y as f32 + 0.5) / size[1] as f32);
+                    let value = texture.sample(uv, NEAR, [Wrap::Repeat; 2], true);
+                    for k in 0..4 {
+                        mean[k] += value[k] / (size[0] * size[1]) as f32;
+                    }
+                }
+            }
+            let far = texture.sample(Vec2::splat(0.3), [Vec2::X * 40.0, Vec2::Y * 40.0], [Wrap::Repeat; 2], false);
+            for k in 0..4 {
+                // Each level rounds to a byte.
+                assert!((far[k] - mean[k]).abs() < 0.012, "{size:?} {encoding:?}: {far:?} {mean:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn footprints_blur_by_as_much_as_they_are_long() {
+    // Stripes across u, two texels a period: a footprint of many periods along u sees grey, one along v sees them.
+    let texels = (0..64 * 64).map(|i| if i % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] }).collect();
+    let stripes = Texture::new("stripes", [64, 64], texels, Encoding::Linear);
+    let uv = Vec2::new(10.5 / 64.0, 0.4);
+    let at = |a: Vec2, b: Vec2| stripes.sample(uv, [a, b], [Wrap::Repeat; 2], false)[0];
+    assert!((at(Vec2::X * 0.25, Vec2::Y / 64.0) - 0.5).abs() < 0.05);
+    assert!(at(Vec2::X / 128.0, Vec2::Y * 0.1) > 0.9, "{}", at(Vec2::X / 128.0, Vec2::Y * 0.1));
+}
+
+#[test]
+fn any_coordinates_give_a_value() {
+    let texture = noise([3, 5], Encoding::Srgb);
+    let extremes = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, 1e-30, 0.0, -0.0, 1.0, 16_777_217.0];
+    for u in extremes {
+        for v in extremes {
+            for d in extremes {
+                for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+                    let side = Vec2::new(d, u);
+                    let value = texture.sample(Vec2::new(u, v), [side, Vec2::splat(d)], [wrap; 2], d > 0.0);
+                    assert!(value.iter().all(|x| (0.0..=1.0001).contains(x)), "{u} {v} {d}: {value:?}");
+                }
+            }
+        }
+    }
+}
