@@ -71,6 +71,7 @@ mod mesh;
 mod mesh_tests;
 #[cfg(test)]
 mod motion_tests;
+mod mtl;
 mod obj;
 mod origin;
 mod placement;

@@ -340,7 +340,7 @@ fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &
         "obj" if is(b"ply\n") || is(b"ply\r") => {
             return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
         }
-        "obj" => (vec![obj::parse(path, &obj_text(path, bytes)?, context)?], None, None),
+        "obj" => (obj::parse(path, &obj_text(path, bytes)?, context)?, None, None),
         "ply" => (vec![ply::parse(path, &bytes, context.origin)?], None, None),
         "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
         _ => gltf_file::parse(path, &bytes, clip, context)?,

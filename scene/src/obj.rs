@@ -1,18 +1,33 @@
-//! Wavefront OBJ: positions, normals, polygons. Materials, texture coordinates, lines and curves are ignored.
+//! Wavefront OBJ: positions, normals, texture coordinates, colours, polygons by material. Lines and curves are ignored.
 
-use crate::load::{Context, Part, counted};
-use crate::{Mesh, SceneError};
-use glam::{DVec2, DVec3, Vec3};
+use crate::load::{Context, Look, Part, counted};
+use crate::texture::srgb_decoded;
+use crate::{Mesh, SceneError, mtl};
+use brdf::Lambert;
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A corner of a face: position, and normal where given.
-type Corner = (u32, Option<u32>);
+/// A corner of a face: position, and normal and texture coordinates where given.
+type Corner = (u32, Option<u32>, Option<u32>);
 
-pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Part, SceneError> {
-    let mut positions: Vec<Vec3> = Vec::new();
-    let mut normals: Vec<Vec3> = Vec::new();
-    let mut corners: Vec<[Corner; 3]> = Vec::new();
+/// What corners refer to.
+#[derive(Default)]
+struct Lists {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    /// Of positions; shorter than those where some have none.
+    colors: Vec<Vec3>,
+}
+
+/// The meshes of a file: one for each material in use, or a single one where there are no materials.
+pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Vec<Part>, SceneError> {
+    let mut lists = Lists::default();
+    // Triangles by material, in the order of first use.
+    let mut names: Vec<String> = vec![String::new()];
+    let mut groups: Vec<Vec<[Corner; 3]>> = vec![Vec::new()];
+    let mut group = 0;
     let (mut short, mut infinite) = (0, 0);
     let mut libraries: Vec<String> = Vec::new();
 
@@ -37,56 +52,100 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Pa
         let content = joined.split('#').next().unwrap_or("");
         let mut words = content.split_whitespace();
         match words.next() {
-            Some("v") => positions.push(position(words, context.origin).map_err(fault)?),
-            Some("vn") => normals.push(Vec3::from_array(numbers(&mut words).map_err(fault)?)),
+            Some("v") => {
+                let (position, color) = vertex(words, context.origin).map_err(fault)?;
+                lists.colors.extend(color.filter(|_| lists.colors.len() == lists.positions.len()));
+                lists.positions.push(position);
+            }
+            Some("vn") => lists.normals.push(Vec3::from_array(numbers(&mut words).map_err(fault)?)),
+            Some("vt") => lists.uvs.push(texture_coordinates(words).map_err(fault)?),
             Some("f") => {
-                let face: Result<Vec<Corner>, _> = words.map(|w| corner(w, positions.len(), normals.len())).collect();
+                let face: Result<Vec<Corner>, _> = words.map(|w| corner(w, &lists)).collect();
                 let face = face.map_err(fault)?;
                 if face.len() < 3 {
                     short += 1;
-                } else if !face.iter().all(|c| positions[c.0 as usize].is_finite()) {
+                } else if !face.iter().all(|c| lists.positions[c.0 as usize].is_finite()) {
                     infinite += 1;
                 } else {
-                    triangulate(&face, &positions, &mut corners);
+                    triangulate(&face, &lists.positions, &mut groups[group]);
+                }
+            }
+            Some("usemtl") => {
+                let name = words.collect::<Vec<_>>().join(" ");
+                group = names.iter().position(|known| *known == name).unwrap_or(names.len());
+                if group == names.len() {
+                    names.push(name);
+                    groups.push(Vec::new());
                 }
             }
             Some("mtllib") => libraries.extend(words.map(str::to_owned)),
             _ => {}
         }
     }
+    let mut looks: HashMap<String, Look> = HashMap::new();
     for library in libraries {
-        let there = path.with_file_name(&library).is_file();
-        let what = if there { "is not read" } else { "does not exist" };
-        context.warn(path, format!("material library {library} {what}: faces have the default material"));
+        let file = path.with_file_name(&library);
+        if file.is_file() {
+            looks.extend(mtl::parse(&file, context)?);
+        } else {
+            context.warn(path, format!("material library {library} does not exist: faces have the default material"));
+        }
     }
     let mut left_out = vec![
         counted(short, "face", "fewer than three corners"),
         counted(infinite, "face", "corners that are NaN, infinite or beyond single precision (3.4e38)"),
     ];
     left_out.retain(|what| !what.is_empty());
-    context.left_out(path, corners.is_empty(), &left_out.join(", "))?;
+    context.left_out(path, groups.iter().all(Vec::is_empty), &left_out.join(", "))?;
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Part::fixed(name, assemble(&positions, &normals, &corners), None))
+    let has_colors = lists.colors.len() == lists.positions.len();
+    // Names that no library has mean nothing: their faces stay together.
+    let mut unnamed: Vec<[Corner; 3]> = Vec::new();
+    let mut parts: Vec<Part> = Vec::new();
+    for (number, (material, corners)) in names.into_iter().zip(groups).enumerate() {
+        match looks.get(&material) {
+            Some(look) if !corners.is_empty() => {
+                let mesh = assemble(&lists, &corners, look.surface.has_textures(), has_colors);
+                parts.push(Part::fixed(material, mesh, Some((number + 1, look.clone()))));
+            }
+            _ => unnamed.extend(corners),
+        }
+    }
+    if !unnamed.is_empty() {
+        let look = has_colors.then(|| (0, Lambert { albedo: Vec3::ONE }.into()));
+        let mesh = assemble(&lists, &unnamed, true, has_colors);
+        parts.insert(0, Part::fixed(name.clone(), mesh, look));
+    }
+    if let [part] = &mut parts[..] {
+        part.name = name;
+    }
+    Ok(parts)
 }
 
-/// One vertex for each pair of position and normal in use.
-fn assemble(positions: &[Vec3], normals: &[Vec3], corners: &[[Corner; 3]]) -> Mesh {
+/// One vertex for each combination of position, normal and texture coordinates in use; these last where all corners have them and
+/// they are wanted.
+fn assemble(lists: &Lists, corners: &[[Corner; 3]], wants_uvs: bool, has_colors: bool) -> Mesh {
     let with_normals = corners.iter().flatten().all(|c| c.1.is_some());
+    let with_uvs = wants_uvs && corners.iter().flatten().all(|c| c.2.is_some());
     let mut mesh = Mesh::default();
+    let mut uvs = Vec::new();
     let mut index: HashMap<Corner, u32> = HashMap::new();
     for triangle in corners {
-        let vertex = |&(p, n): &Corner| {
-            let key = (p, n.filter(|_| with_normals));
+        let vertex = |&(p, n, t): &Corner| {
+            let key = (p, n.filter(|_| with_normals), t.filter(|_| with_uvs));
             *index.entry(key).or_insert_with(|| {
-                mesh.positions.push(positions[p as usize]);
-                if let (true, Some(n)) = (with_normals, n) {
-                    mesh.normals.push(normals[n as usize]);
-                }
+                mesh.positions.push(lists.positions[p as usize]);
+                mesh.normals.extend(key.1.map(|n| lists.normals[n as usize]));
+                uvs.extend(key.2.map(|t| lists.uvs[t as usize]));
+                mesh.colors.extend(has_colors.then(|| lists.colors[p as usize]));
                 mesh.positions.len() as u32 - 1
             })
         };
         let triangle: Vec<u32> = triangle.iter().map(vertex).collect();
         mesh.triangles.push([triangle[0], triangle[1], triangle[2]]);
+    }
+    if with_uvs {
+        mesh.uv_sets.push(uvs);
     }
     if with_normals {
         mesh.repair_normals();
@@ -106,9 +165,25 @@ fn numbers<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<[f32; 3], St
     Ok(out)
 }
 
-/// `x y z`, `x y z w` (homogeneous) or `x y z r g b` (a colour, ignored).
-///
-/// Relative to an origin.
+/// `u`, `u v` or `u v w`; v counts from the lower edge of the image.
+fn texture_coordinates<'w>(mut words: impl Iterator<Item = &'w str>) -> Result<Vec2, String> {
+    let u = number(words.next().ok_or("expected a number")?)?;
+    let v = words.next().map_or(Ok(0.0), number)?;
+    Ok(Vec2::new(u, 1.0 - v))
+}
+
+/// `x y z`, `x y z w` (homogeneous) or `x y z r g b`: a position, relative to an origin, and an sRGB colour.
+fn vertex<'w>(words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<(Vec3, Option<Vec3>), String> {
+    let color = match words.clone().skip(3).collect::<Vec<_>>()[..] {
+        [r, g, b] => {
+            let channel = |word| number(word).map(|x| srgb_decoded(if x > 0.0 { x.min(1.0) } else { 0.0 }));
+            Some(Vec3::new(channel(r)?, channel(g)?, channel(b)?))
+        }
+        _ => None,
+    };
+    Ok((position(words, origin)?, color))
+}
+
 fn position<'w>(mut words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<Vec3, String> {
     let fine = words.clone();
     let p = Vec3::from_array(numbers(&mut words)?);
@@ -126,7 +201,7 @@ fn position<'w>(mut words: impl Iterator<Item = &'w str> + Clone, origin: DVec3)
 }
 
 /// `p`, `p/t`, `p//n` or `p/t/n`: counted from 1, or from the last one back when negative.
-fn corner(word: &str, positions: usize, normals: usize) -> Result<Corner, String> {
+fn corner(word: &str, lists: &Lists) -> Result<Corner, String> {
     let resolve = |field: &str, count: usize, what: &str| -> Result<u32, String> {
         let i: i64 = field.parse().map_err(|_| format!("cannot read face corner '{word}'"))?;
         let index = if i > 0 { i - 1 } else { i + count as i64 };
@@ -136,16 +211,20 @@ fn corner(word: &str, positions: usize, normals: usize) -> Result<Corner, String
         u32::try_from(index).map_err(|_| format!("too many {what}s"))
     };
     let mut fields = word.split('/');
-    let p = resolve(fields.next().unwrap_or(""), positions, "vertex")?;
-    fields.next();
+    let p = resolve(fields.next().unwrap_or(""), lists.positions.len(), "vertex")?;
+    let t = match fields.next() {
+        None | Some("") => None,
+        // Files that name coordinates that they do not have are drawn without.
+        Some(field) => resolve(field, lists.uvs.len(), "texture coordinate").ok(),
+    };
     let n = match fields.next() {
         None | Some("") => None,
-        Some(field) => Some(resolve(field, normals, "normal")?),
+        Some(field) => Some(resolve(field, lists.normals.len(), "normal")?),
     };
     if fields.next().is_some_and(|f| !f.is_empty()) {
         return Err(format!("cannot read face corner '{word}'"));
     }
-    Ok((p, n))
+    Ok((p, n, t))
 }
 
 /// Cuts a polygon into triangles: ears first in the plane of its normal, so that concave ones keep their area.

@@ -1,8 +1,10 @@
-//! Stanford PLY: ascii and binary, positions, normals, polygons. Other elements and properties are skipped.
+//! Stanford PLY: ascii and binary, positions, normals, colours, texture coordinates, polygons. Other elements and properties are skipped.
 
 use crate::load::Part;
+use crate::texture::srgb_decoded;
 use crate::{Mesh, SceneError};
-use glam::{DVec3, Vec3};
+use brdf::Lambert;
+use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -154,8 +156,14 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], origin: DVec3) -> Result<Part, Sc
     } else {
         mesh.normals.clear();
     }
+    if mesh.colors.len() != mesh.positions.len() {
+        mesh.colors.clear();
+    }
+    let count = mesh.positions.len();
+    mesh.uv_sets.retain(|set| set.len() == count);
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    Ok(Part::fixed(name, mesh, None))
+    let look = (!mesh.colors.is_empty()).then(|| (0, Lambert { albedo: Vec3::ONE }.into()));
+    Ok(Part::fixed(name, mesh, look))
 }
 
 fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Vec<Element>), String> {
@@ -224,6 +232,7 @@ fn header(rest: &mut &[u8], line: &mut usize, size: usize) -> Result<(Format, Ve
 fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, mesh: &mut Mesh) -> Result<(), String> {
     body.start_element()?;
     let (mut position, mut normal, mut normal_parts) = (Vec3::ZERO, Vec3::ZERO, 0);
+    let (mut color, mut uv): ([Option<f32>; 3], [Option<f32>; 2]) = ([None; 3], [None; 2]);
     for property in &element.properties {
         let Some(length) = property.length else {
             let fine = body.value(property.kind)?;
@@ -235,6 +244,12 @@ fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, mesh: &mu
                 "nx" => (normal.x, normal_parts) = (value, normal_parts + 1),
                 "ny" => (normal.y, normal_parts) = (value, normal_parts + 1),
                 "nz" => (normal.z, normal_parts) = (value, normal_parts + 1),
+                "red" | "r" => color[0] = Some(channel(fine, property.kind)),
+                "green" | "g" => color[1] = Some(channel(fine, property.kind)),
+                "blue" | "b" => color[2] = Some(channel(fine, property.kind)),
+                "s" | "u" | "texture_u" => uv[0] = Some(value),
+                // Counted from the lower edge of the image.
+                "t" | "v" | "texture_v" => uv[1] = Some(1.0 - value),
                 _ => {}
             }
             continue;
@@ -264,6 +279,26 @@ fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, mesh: &mu
         if normal_parts == 3 {
             mesh.normals.push(normal);
         }
+        if let [Some(r), Some(g), Some(b)] = color {
+            mesh.colors.push(Vec3::new(r, g, b));
+        }
+        if let [Some(u), Some(v)] = uv {
+            mesh.uv_sets.resize(1, Vec::new());
+            mesh.uv_sets[0].push(Vec2::new(u, v));
+        }
     }
     Ok(())
+}
+
+/// The linear value of a colour's channel: whole numbers are shares of the largest.
+fn channel(value: f64, kind: Kind) -> f32 {
+    let most = match kind {
+        Kind::I8 => 127.0,
+        Kind::U8 => 255.0,
+        Kind::I16 => 32767.0,
+        Kind::U16 => 65535.0,
+        _ => 1.0,
+    };
+    let share = value / most;
+    srgb_decoded(if share > 0.0 { share.min(1.0) as f32 } else { 0.0 })
 }

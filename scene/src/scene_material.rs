@@ -76,7 +76,7 @@ pub(crate) fn read_material(mut t: Table<'_>, path: &Path, images: &mut ImageFil
             let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| model.error(e))?;
             if let Some(ior) = t.get("ior") {
                 let n = ior.number()?;
-                if !(n >= 1.0) {
+                if n.is_nan() || n < 1.0 {
                     return Err(ior.error(format!("{n} must be at least 1")));
                 }
                 let f0 = ((n - 1.0) / (n + 1.0)).powi(2);

@@ -1,0 +1,205 @@
+//! Wavefront MTL: the materials of OBJ files.
+
+use crate::load::{self, Context, Look};
+use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file};
+use brdf::{Lambert, Material, MetallicRoughness, Phong};
+use core::f32::consts::FRAC_1_PI;
+use glam::{Affine2, Mat2, Vec2, Vec3};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// The materials of a library by name; what is not read of it is told.
+///
+/// `Kd`, `Ks`, `Ns` are those of Phong's model as the format prints it, so that a light of irradiance π gives `Kd`; with `Pr` or `Pm` the
+/// material is metallic–roughness of base `Kd`. `Ke` is emission. Maps: `map_Kd`, `map_Ks`, `map_Ke`, `map_Pr`, `map_Pm`, `norm`.
+pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
+    let text = String::from_utf8_lossy(&load::read(path)?).into_owned();
+    let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new() };
+    let (mut all, mut entry): (HashMap<String, Look>, Option<Entry>) = (HashMap::new(), None);
+    let unified = text.replace("\r\n", "\n").replace('\r', "\n");
+    for (number, line) in unified.split('\n').enumerate() {
+        let content = line.split('#').next().unwrap_or("").trim();
+        let (word, rest) = content.split_once(char::is_whitespace).unwrap_or((content, ""));
+        let (word, rest) = (word, rest.trim());
+        if word == "newmtl" {
+            all.extend(entry.take().map(Entry::finish));
+            entry = Some(Entry { name: rest.to_owned(), ..Entry::default() });
+        } else if let Some(entry) = entry.as_mut().filter(|_| !word.is_empty()) {
+            reader.line(entry, word, rest).map_err(|e| SceneError::at_line(path, number + 1, e))?;
+        }
+    }
+    all.extend(entry.map(Entry::finish));
+    let unread = core::mem::take(&mut reader.unread);
+    if !unread.is_empty() {
+        context.warn(path, format!("not read: {}", unread.join(", ")));
+    }
+    Ok(all)
+}
+
+/// What a library says of a material so far.
+#[derive(Default)]
+struct Entry {
+    name: String,
+    kd: Option<Vec3>,
+    ks: Option<Vec3>,
+    ns: f32,
+    /// Which of the two the format's number of a model leaves out.
+    is_matte: bool,
+    roughness: Option<f32>,
+    metallic: Option<f32>,
+    surface: Surface,
+}
+
+impl Entry {
+    fn finish(self) -> (String, Look) {
+        let Self { name, kd, ks, ns, is_matte, roughness, metallic, mut surface } = self;
+        let white = |map: &Option<TextureMap>| if map.is_some() { Vec3::ONE } else { Vec3::ZERO };
+        let kd = kd.unwrap_or(if surface.color.is_some() { Vec3::ONE } else { Vec3::splat(0.5) });
+        let ks = ks.unwrap_or(white(&surface.specular));
+        if surface.emission == Vec3::ZERO {
+            surface.emission = white(&surface.emission_map);
+        }
+        let is_metal =
+            roughness.is_some() || metallic.is_some() || surface.roughness.is_some() || surface.metallic.is_some();
+        let unit = |x: f32| x.clamp(0.0, 1.0);
+        let lambert: Material = Lambert { albedo: kd }.into();
+        let material = if is_metal {
+            // A map alone is the number.
+            let metallic = metallic.unwrap_or(f32::from(u8::from(surface.metallic.is_some())));
+            let base = kd.clamp(Vec3::ZERO, Vec3::ONE);
+            MetallicRoughness::new(base, unit(metallic), unit(roughness.unwrap_or(1.0))).map_or(lambert, Into::into)
+        } else if ks == Vec3::ZERO || is_matte {
+            lambert
+        } else {
+            Phong { kd: kd * FRAC_1_PI, ks: ks * FRAC_1_PI, exponent: ns }.into()
+        };
+        (name, Look { material, surface })
+    }
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+    context: &'a mut Context,
+    textures: HashMap<(String, bool), Option<Texture>>,
+    /// Words that mean something and are not read.
+    unread: Vec<String>,
+}
+
+const MAX_EXPONENT: f32 = 1e7;
+
+impl Reader<'_> {
+    fn line(&mut self, entry: &mut Entry, word: &str, rest: &str) -> Result<(), String> {
+        let surface = &mut entry.surface;
+        match word {
+            "Kd" => entry.kd = self.color(word, rest)?,
+            "Ks" => entry.ks = self.color(word, rest)?,
+            "Ke" => surface.emission = self.color(word, rest)?.unwrap_or(Vec3::ZERO),
+            "Ns" => entry.ns = number(word, rest)?.clamp(0.0, MAX_EXPONENT),
+            "Pr" => entry.roughness = Some(number(word, rest)?),
+            "Pm" => entry.metallic = Some(number(word, rest)?),
+            "illum" => entry.is_matte = matches!(rest, "0" | "1"),
+            "map_Kd" => surface.color = self.map(rest, Encoding::Srgb)?.map(|(map, _)| map),
+            "map_Ks" => surface.specular = self.map(rest, Encoding::Srgb)?.map(|(map, _)| map),
+            "map_Ke" => surface.emission_map = self.map(rest, Encoding::Srgb)?.map(|(map, _)| map),
+            "map_Pr" => surface.roughness = self.map(rest, Encoding::Linear)?.map(|(map, _)| Channel { map, index: 0 }),
+            "map_Pm" => surface.metallic = self.map(rest, Encoding::Linear)?.map(|(map, _)| Channel { map, index: 0 }),
+            "norm" => surface.normal = self.map(rest, Encoding::Linear)?,
+            // Opaque is what everything is.
+            "d" if number(word, rest)? >= 1.0 => {}
+            "Tr" if number(word, rest)? <= 0.0 => {}
+            "Ka" | "map_Ka" | "Ni" | "Tf" | "sharpness" => {}
+            _ if self.unread.iter().any(|known| known == word) => {}
+            _ => self.unread.push(word.to_owned()),
+        }
+        Ok(())
+    }
+
+    /// A colour; none for a spectrum or one in another space.
+    fn color(&mut self, word: &str, rest: &str) -> Result<Option<Vec3>, String> {
+        let words: Vec<&str> = rest.split_whitespace().collect();
+        if matches!(words.first(), Some(&("spectral" | "xyz"))) {
+            self.unread.push(format!("{word} {}", words[0]));
+            return Ok(None);
+        }
+        let values: Vec<f32> = words.iter().map(|w| number(word, w)).collect::<Result<_, _>>()?;
+        let color = match values[..] {
+            [grey] => Vec3::splat(grey),
+            [r, g, b] => Vec3::new(r, g, b),
+            _ => return Err(format!("{word}: expected one number or three")),
+        };
+        let coefficient = |x: f32| if x > 0.0 { x.min(1e12) } else { 0.0 };
+        Ok(Some(Vec3::from_array(color.to_array().map(coefficient))))
+    }
+
+    /// An image with its options, and the factor of bumps; none where it is not there, which is told.
+    fn map(&mut self, rest: &str, encoding: Encoding) -> Result<Option<(TextureMap, f32)>, String> {
+        let (mut scale, mut offset, mut wrap, mut bump) = (Vec2::ONE, Vec2::ZERO, Wrap::Repeat, 1.0);
+        let mut words = rest.split_whitespace().peekable();
+        // What is left when the options are read is the name, which may have spaces.
+        let mut name = rest;
+        while let Some(option) = words.peek().filter(|w| w.starts_with('-')).copied() {
+            words.next();
+            let mut taken = vec![option];
+            let most = match option {
+                "-s" | "-o" | "-t" => 3,
+                "-mm" => 2,
+                _ => 1,
+            };
+            while taken.len() <= most
+                && let Some(word) = words.peek().copied()
+                && (taken.len() == 1 || word.parse::<f32>().is_ok())
+            {
+                taken.push(word);
+                words.next();
+            }
+            let value = |k: usize, default: f32| taken.get(k).and_then(|w| w.parse().ok()).unwrap_or(default);
+            match option {
+                "-s" => scale = Vec2::new(value(1, 1.0), value(2, 1.0)),
+                "-o" => offset = Vec2::new(value(1, 0.0), value(2, 0.0)),
+                "-bm" => bump = value(1, 1.0),
+                "-clamp" if taken.get(1) == Some(&"on") => wrap = Wrap::Clamp,
+                _ => {}
+            }
+            for word in taken {
+                name = name.trim_start().strip_prefix(word).unwrap_or(name);
+            }
+        }
+        let name = name.trim().replace('\\', "/");
+        let Some(texture) = self.texture(&name, encoding)? else { return Ok(None) };
+        if !(scale.is_finite() && offset.is_finite() && bump.is_finite()) {
+            return Err(format!("the options of image \"{name}\" are not finite"));
+        }
+        // v counts from the lower edge there: v' = 1 − v.
+        let translation = Vec2::new(offset.x, 1.0 - scale.y - offset.y);
+        let transform = Affine2 { matrix2: Mat2::from_diagonal(scale), translation };
+        Ok(Some((TextureMap { transform, wrap: [wrap; 2], ..TextureMap::new(texture) }, bump)))
+    }
+
+    fn texture(&mut self, name: &str, encoding: Encoding) -> Result<Option<Texture>, String> {
+        let key = (name.to_owned(), encoding == Encoding::Srgb);
+        if let Some(known) = self.textures.get(&key) {
+            return Ok(known.clone());
+        }
+        if name.is_empty() {
+            return Err("expected the name of an image".to_owned());
+        }
+        let file = self.path.with_file_name("").join(name);
+        let texture = if file.exists() {
+            let bytes = load::read(&file).map_err(|e| e.to_string())?;
+            Some(image_file::decode(name, &load::extension(&file), &bytes, encoding)?)
+        } else {
+            self.context.warn(self.path, format!("image {name} is not there: its factor is taken alone"));
+            None
+        };
+        self.textures.insert(key, texture.clone());
+        Ok(texture)
+    }
+}
+
+fn number(name: &str, word: &str) -> Result<f32, String> {
+    let first = word.split_whitespace().next().unwrap_or("");
+    match first.parse::<f32>() {
+        Ok(x) if !x.is_nan() => Ok(x),
+        _ => Err(format!("{name}: cannot read number '{first}'")),
+    }
+}
