@@ -67,8 +67,9 @@ impl Material {
         }
     }
 
-    /// The most lobes that it has, with or without those of microfacets.
-    pub(crate) fn places(&self, takes_microfacets: bool) -> usize {
+    /// The most lobes that it has, with those of microfacets, as the default method takes them, or without.
+    #[must_use]
+    pub fn lobe_count(&self, takes_microfacets: bool) -> usize {
         match self {
             Self::MetallicRoughness(_) if takes_microfacets => MetallicRoughness::MICROFACET_LOBES,
             material => material.max_lobes(),

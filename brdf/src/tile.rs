@@ -24,7 +24,7 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
     for number in of {
         // Neighbours mostly have the same.
         if last != Some(number) {
-            places = places.max(materials[*number as usize].places(out.takes_microfacets()));
+            places = places.max(materials[*number as usize].lobe_count(out.takes_microfacets()));
             last = Some(number);
         }
     }

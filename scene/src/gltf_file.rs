@@ -186,9 +186,6 @@ fn document(
     for name in root.extensions_used.iter().filter(unread) {
         context.warn(path, format!("the extension {name} is not read: surfaces are as without it"));
     }
-    if reader.materials.values().any(|look| look.surface.emits()) {
-        context.warn(path, "surfaces that emit are seen, but light nothing yet");
-    }
     if root.extensions_used.iter().any(|e| e == "KHR_lights_punctual") {
         context.warn(path, "punctual lights are not read: a default light is used");
     }

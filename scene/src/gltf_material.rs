@@ -52,7 +52,7 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         return Err(format!("there is no texture {}", occlusion.index.value()));
     }
     if extensions.is_some_and(|e| e.unlit.is_some()) {
-        let surface = Surface { emission: base, emission_map: color, ..Surface::default() };
+        let surface = Surface { emission: base, emission_map: color, is_unlit: true, ..Surface::default() };
         return Ok(Look { material: Material::lambert(Vec3::ZERO), surface });
     }
     let mut map = |reference: Option<Reference<'_>>, encoding| -> Result<Option<TextureMap>, String> {

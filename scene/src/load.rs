@@ -242,6 +242,16 @@ fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<St
     } else {
         bare(path, clip, &mut context)?
     };
+    let is_lamp = |surface: &Surface| surface.emits() && !surface.is_unlit;
+    if scene.objects.iter().any(|o| scene.surface(o.material).is_some_and(is_lamp)) {
+        context.warn(path, "surfaces that emit are seen, but light nothing yet");
+    }
+    let wants_uvs = |o: &&Object| scene.surface(o.material).is_some_and(Surface::has_textures);
+    let has_none = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if mesh.uv_sets.is_empty());
+    for object in scene.objects.iter().filter(wants_uvs).filter(has_none) {
+        let name = &object.name;
+        context.warn(path, format!("object \"{name}\" has no texture coordinates: it shows a corner of its textures"));
+    }
     if !animation.is_still() {
         animation.seek(0.0, &mut scene);
         scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;

@@ -5,7 +5,9 @@ use glam::{DVec3, Mat4, Quat, Vec3};
 use std::path::Path;
 
 fn read_obj(text: &str) -> Result<Mesh, String> {
-    obj::parse(Path::new("m.obj"), text, &mut Context::default()).map(|mut parts| parts.remove(0).mesh).map_err(|e| e.to_string())
+    obj::parse(Path::new("m.obj"), text, &mut Context::default())
+        .map(|mut parts| parts.remove(0).mesh)
+        .map_err(|e| e.to_string())
 }
 
 fn read_ply(bytes: &[u8]) -> Result<Mesh, String> {

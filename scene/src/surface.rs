@@ -49,6 +49,8 @@ pub struct Surface {
     pub emission: Vec3,
     /// Its factor.
     pub emission_map: Option<TextureMap>,
+    /// Whether the emission is a picture and no light: colours of vertices are factors of it.
+    pub is_unlit: bool,
 }
 
 /// A place on a surface, as textures see it: coordinates in a set, and what they change by along the sides of the pixel.
@@ -110,6 +112,16 @@ impl Surface {
     #[must_use]
     pub fn has_textures(&self) -> bool {
         self.varies() || self.normal.is_some() || self.emits() && self.emission_map.is_some()
+    }
+
+    /// Its textures, each with the name of the field that it stands in.
+    pub fn textures(&self) -> impl Iterator<Item = (&'static str, &Texture)> {
+        let maps = [("color", &self.color), ("specular", &self.specular), ("emission", &self.emission_map)];
+        let channels = [("exponent", &self.exponent), ("metallic", &self.metallic), ("roughness", &self.roughness)];
+        let maps = maps.into_iter().filter_map(|(name, map)| Some((name, &map.as_ref()?.texture)));
+        let channels = channels.into_iter().filter_map(|(name, c)| Some((name, &c.as_ref()?.map.texture)));
+        let normal = self.normal.iter().map(|(map, _)| ("normal", &map.texture));
+        maps.chain(channels).chain(normal)
     }
 
     /// The factors of the material at a place; `place` gives the coordinates of a set.

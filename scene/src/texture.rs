@@ -85,6 +85,12 @@ impl Texture {
         self.levels[0].size
     }
 
+    /// Bytes of all levels.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.levels.iter().map(|level| size_of::<Texel>() * level.texels.len()).sum()
+    }
+
     /// How its numbers are meant.
     #[must_use]
     pub const fn encoding(&self) -> Encoding {

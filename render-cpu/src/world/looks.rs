@@ -50,7 +50,10 @@ impl World<'_> {
             factors.color *= color.unwrap_or(Vec3::ONE);
             self.scene.materials[object.material].scaled(&factors)
         });
-        let emission = if surface.emits() { surface.emission(&place) } else { Vec3::ZERO };
+        let mut emission = if surface.emits() { surface.emission(&place) } else { Vec3::ZERO };
+        if surface.is_unlit {
+            emission *= color.unwrap_or(Vec3::ONE);
+        }
         if let (Some(local), Some((map, _))) = (surface.normal(&place), &surface.normal) {
             let [u, v] = patch.changes(map.uv_set);
             let (m, [x, y]) = (map.transform.matrix2, [u, v]);

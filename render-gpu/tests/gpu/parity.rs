@@ -3,13 +3,16 @@
 use crate::call::trial;
 use crate::gbuffer::{globe, large_floor};
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
-use glam::Vec3;
+use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
 use lighting::SphereLight;
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
-use scene::{Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
+use scene::{
+    Channel, Counts, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, Surface, Texture,
+    TextureMap,
+};
 use std::ops::ControlFlow;
 use visibility_mask::{MaskVisibility, Mixture, facet_coverage};
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
@@ -23,6 +26,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
         trial("parity_without_blockers", gpu, without_blockers),
         trial("parity_of_materials", gpu, of_materials),
+        trial("parity_of_textures", gpu, of_textures),
         trial("parity_of_depths_and_tolerances", gpu, of_depths_and_tolerances),
         trial("parity_of_many_lights", gpu, of_many_lights),
         trial("parity_of_shadow_maps", gpu, of_shadow_maps),
@@ -41,8 +45,10 @@ pub(crate) struct View {
 }
 
 impl View {
-    pub(crate) fn new(scene: Scene, width: u32, height: u32) -> Self {
-        let points = GBuffer::new(&World::new(&scene), width, height, 1).points;
+    pub(crate) fn new(mut scene: Scene, width: u32, height: u32) -> Self {
+        let GBuffer { points, materials, .. } = GBuffer::new(&World::new(&scene), width, height, 1);
+        // Those of points with textures, too.
+        scene.materials = materials;
         let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact balls");
         let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
         let spheres = spheres.with_self_shadows(&set.self_shadows);
@@ -155,6 +161,38 @@ pub(crate) fn assert_same(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec
 
 fn builtin() -> View {
     View::new(scene::builtin(), 96, 54)
+}
+
+/// A material a point, of every model.
+fn of_textures(gpu: &Gpu) {
+    let texel = |i: u32| [(40 + 7 * i % 215) as u8, (90 + i % 160) as u8, (i * 50 % 256) as u8, 255];
+    let texture = Texture::new("texels", [32, 32], (0..32 * 32).map(texel).collect(), Encoding::Linear);
+    let map = TextureMap { transform: Affine2::from_scale(Vec2::splat(5.0)), ..TextureMap::new(texture) };
+    let channel = |index| Some(Channel { map: map.clone(), index });
+    let surface = Surface {
+        color: Some(map.clone()),
+        specular: Some(map.clone()),
+        exponent: channel(1),
+        metallic: channel(2),
+        roughness: channel(1),
+        normal: Some((map.clone(), 0.3)),
+        ..Surface::default()
+    };
+    let (kd, ks) = (Vec3::splat(0.7), Vec3::splat(0.3));
+    let lobe = LafortuneLobe::diagonal(Vec3::new(-1.0, -1.0, 1.0), 20.0, ks);
+    let materials: [Material; 4] = [
+        Lambert { albedo: kd }.into(),
+        ModifiedPhong { kd, ks, exponent: 60.0 }.into(),
+        Lafortune { diffuse: kd, lobes: vec![lobe] }.into(),
+        MetallicRoughness::new(Vec3::ONE, 1.0, 1.0).expect("in range").into(),
+    ];
+    for material in materials {
+        let mut scene = scene::builtin();
+        let name = format!("textures on {}", material.model_name());
+        scene.materials[0] = material;
+        scene.surfaces = vec![surface.clone()];
+        View::new(scene, 96, 54).compare_spheres(gpu, &name, 0.003, 5);
+    }
 }
 
 fn without_blockers(gpu: &Gpu) {

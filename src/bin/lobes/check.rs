@@ -5,10 +5,11 @@ use crate::failure::Failure;
 use crate::input;
 use crate::moment::last_frame;
 use crate::prices::Prices;
-use cosine_lobes::lobe_core::{BrdfLobes, Receiver};
+use cosine_lobes::brdf::Material;
+use cosine_lobes::lobe_core::Receiver;
 use cosine_lobes::render_cpu::{BlockersError, SphereSource, read_set};
 use cosine_lobes::renderer::{BAND_RAYS, Plan, known_set};
-use cosine_lobes::scene::{Animation, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy};
+use cosine_lobes::scene::{Animation, Object, Proxy, SCHEMA_EXAMPLE, Scene, Shape, Strategy, Surface, Texture};
 use cosine_lobes::sphere_sets::SetQuality;
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -106,11 +107,27 @@ fn spheres(object: &Object) -> Result<(usize, Option<SetQuality>), BlockersError
 fn memory(scene: &Scene) -> u64 {
     let pixels = u64::from(scene.width) * u64::from(scene.height);
     let triangles = (scene.triangles() * TRIANGLE_BYTES) as u64;
-    pixels.min(BAND_RAYS) * POINT_BYTES as u64 + pixels * PIXEL_BYTES as u64 + triangles
+    let mut textures: Vec<&Texture> = Vec::new();
+    for (_, texture) in scene.surfaces.iter().flat_map(Surface::textures) {
+        if !textures.iter().any(|known| known.is_same(texture)) {
+            textures.push(texture);
+        }
+    }
+    let textures: usize = textures.into_iter().map(Texture::bytes).sum();
+    pixels.min(BAND_RAYS) * POINT_BYTES as u64 + pixels * PIXEL_BYTES as u64 + triangles + textures as u64
 }
 
 fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requirement]) -> Value {
-    let materials = scene.materials.iter().map(|m| json!({"model": m.model_name(), "lobes": m.max_lobes()}));
+    let materials = scene.materials.iter().enumerate().map(|(i, m)| {
+        let textures = scene.surface(i).into_iter().flat_map(Surface::textures);
+        let texture = |(name, texture): (_, &Texture)| json!({"field": name, "size": texture.size()});
+        json!({
+            "model": m.model_name(),
+            "lobes": m.lobe_count(true),
+            "lobes_of_directions": m.lobe_count(false),
+            "textures": textures.map(texture).collect::<Vec<_>>(),
+        })
+    });
     let objects_json = scene.objects.iter().zip(objects).map(|(o, needs)| {
         let (kind, primitives) = match &o.shape {
             Shape::Mesh(m) => ("triangles", m.triangles.len()),
@@ -160,7 +177,7 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
         say(format_args!("clip       {clip}"));
     }
     for (i, m) in scene.materials.iter().enumerate() {
-        say(format_args!("material   {i}: {}, lobes at most: {}", m.model_name(), m.max_lobes()));
+        say(format_args!("material   {i}: {}", describe_material(m, scene.surface(i))));
     }
     // Objects of which the same is to be told share their lines, at the first one's place.
     let mut told: Vec<(String, Vec<&str>)> = Vec::new();
@@ -187,6 +204,20 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
         bytes => format!(", and up to {} MB for shadow maps", megabytes(bytes)),
     };
     say(format_args!("memory     about {} MB for a frame{maps}", megabytes(memory(scene))));
+}
+
+/// A material's model, lobes and textures.
+fn describe_material(material: &Material, surface: Option<&Surface>) -> String {
+    let (most, of_directions) = (material.lobe_count(true), material.lobe_count(false));
+    let mut text = format!("{}, lobes at most: {most}", material.model_name());
+    if of_directions != most {
+        text += &format!(" ({of_directions} by the methods `paper` and `lobes`)");
+    }
+    for (name, texture) in surface.into_iter().flat_map(Surface::textures) {
+        let [width, height] = texture.size();
+        text += &format!("\n           {name}: texture {width} x {height}");
+    }
+    text
 }
 
 /// What there is to tell of an object but its name: one line, and the advice in one or two.

@@ -1,0 +1,257 @@
+//! Surfaces with textures, vertex colours and emission: what the visible points make of them.
+
+use brdf::{Material, MetallicRoughness, ModifiedPhong};
+use core::sync::atomic::AtomicBool;
+use glam::{Affine2, Mat2, Vec2, Vec3};
+use lighting::SphereLight;
+use lobe_core::{Accuracy, Sphere};
+use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
+use scene::{
+    BlockerSet, Camera, Channel, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Surface, Texture,
+    TextureMap,
+};
+use visibility_mask::MaskVisibility;
+
+/// A square floor of half edge 4, seen at an angle.
+fn floor(material: Material, surface: Surface) -> Scene {
+    let mesh = Mesh::quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::NEG_Z * 4.0);
+    Scene {
+        camera: Camera { eye: Vec3::new(0.5, 2.0, 6.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.7 },
+        width: 96,
+        height: 64,
+        background: Vec3::ZERO,
+        materials: vec![material],
+        surfaces: vec![surface],
+        objects: vec![Object::mesh("floor", mesh, 0, Proxy::None)],
+        lights: vec![SphereLight::new(Sphere { center: Vec3::new(1.0, 4.0, -1.0), radius: 0.5 }, Vec3::splat(20.0))],
+    }
+}
+
+fn ball(center: Vec3, radius: f32) -> Object {
+    Object::spheres("ball", vec![Sphere { center, radius }], 0)
+}
+
+fn flat(texel: [u8; 4], encoding: Encoding) -> TextureMap {
+    TextureMap::new(Texture::new("flat", [1, 1], vec![texel], encoding))
+}
+
+/// Squares of two greys.
+fn checker(squares: u32) -> Texture {
+    let texel = |i: u32| if (i / 64 / (64 / squares) + i % 64 / (64 / squares)) % 2 == 0 { 230 } else { 20 };
+    let texels = (0..64 * 64).map(|i| [texel(i), texel(i), texel(i), 255]).collect();
+    Texture::new("checker", [64, 64], texels, Encoding::Linear)
+}
+
+fn shade(scene: &Scene, g: &GBuffer) -> Vec<Vec3> {
+    let world = World::new(scene);
+    let frame =
+        Frame { materials: &g.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let mut out = vec![Vec3::ZERO; g.len()];
+    let mut shader = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world)));
+    shader.shade(&g.points, &frame, &mut out).expect("lobes have room");
+    g.add_emission(&mut out);
+    out
+}
+
+fn picture(scene: &Scene) -> Vec<Vec3> {
+    shade(scene, &GBuffer::new(&World::new(scene), scene.width, scene.height, 1))
+}
+
+#[test]
+fn a_texture_of_one_texel_is_the_plain_material() {
+    let half = |x: u8| f32::from(x) / 255.0;
+    let color = Vec3::new(half(200), half(100), half(50));
+    let surface = Surface {
+        color: Some(flat([200, 100, 50, 255], Encoding::Linear)),
+        metallic: Some(Channel { map: flat([0, 77, 128, 255], Encoding::Linear), index: 2 }),
+        roughness: Some(Channel { map: flat([0, 77, 128, 255], Encoding::Linear), index: 1 }),
+        ..Surface::default()
+    };
+    let metal = |base, metallic, roughness| MetallicRoughness::new(base, metallic, roughness).expect("in range");
+    let gloss = |kd, exponent| ModifiedPhong { kd, ks: Vec3::splat(0.3), exponent };
+    let cases: [(Material, Material); 3] = [
+        (Material::lambert(Vec3::ONE), Material::lambert(color)),
+        (gloss(Vec3::ONE, 30.0).into(), gloss(color, 30.0).into()),
+        (metal(Vec3::ONE, 1.0, 1.0).into(), metal(color, half(128), half(77)).into()),
+    ];
+    for (textured, plain) in cases {
+        let mut scene = floor(textured, surface.clone());
+        scene.objects.push(ball(Vec3::new(0.3, 0.6, 0.4), 0.6));
+        let got = picture(&scene);
+        scene.materials = vec![plain];
+        scene.surfaces.clear();
+        let want = picture(&scene);
+        assert_eq!(got.len(), want.len());
+        for (a, b) in got.iter().zip(&want) {
+            assert!((*a - *b).abs().max_element() <= 1e-5 * b.max_element().max(0.1), "{a} {b}");
+        }
+    }
+}
+
+/// Against many rays a pixel of the texture as it is, filtered by one ray: the mean of the footprint.
+#[test]
+fn one_ray_sees_the_mean_of_its_pixel() {
+    let map = TextureMap { transform: Affine2::from_scale(Vec2::splat(3.0)), ..TextureMap::new(checker(8)) };
+    let scene = floor(Material::lambert(Vec3::ONE), Surface { color: Some(map), ..Surface::default() });
+    let world = World::new(&scene);
+    let picture = |samples| {
+        let g = GBuffer::new(&world, scene.width, scene.height, samples);
+        let albedo = |i: &u32| match &g.materials[*i as usize] {
+            Material::Lambert(m) => m.albedo,
+            _ => Vec3::NAN,
+        };
+        let values: Vec<Vec3> = g.points.materials.iter().map(albedo).collect();
+        g.resolve(&values, Vec3::ZERO)
+    };
+    let (one, many) = (picture(1), picture(256));
+    let inside: Vec<usize> = (0..one.len()).filter(|i| many[*i].x > 0.06).collect();
+    let (mut sum, mut square) = (0.0, 0.0);
+    for i in &inside {
+        let d = f64::from(one[*i].x - many[*i].x);
+        (sum, square) = (sum + d, square + d * d);
+    }
+    let n = inside.len() as f64;
+    let (mean, rms) = (sum / n, (square / n).sqrt());
+    println!("mean difference {mean:.4}, root mean square {rms:.4} of a contrast of 0.82");
+    assert!(mean.abs() < 0.01 && rms < 0.1, "{mean} {rms}");
+}
+
+#[test]
+fn windows_and_bands_have_the_same_points() {
+    let surface = Surface { color: Some(TextureMap::new(checker(16))), ..Surface::default() };
+    let mut scene = floor(Material::lambert(Vec3::ONE), surface);
+    scene.materials.push(Material::lambert(Vec3::splat(0.3)));
+    scene.objects.push(Object { material: 1, ..ball(Vec3::new(0.3, 0.6, 0.4), 0.6) });
+    let world = World::new(&scene);
+    let whole = GBuffer::new(&world, 96, 64, 2);
+    let all = shade(&scene, &whole);
+    for (columns, rows) in [(0..96, 0..24), (0..96, 24..64), (13..71, 9..50)] {
+        let part = GBuffer::window(&world, 96, 64, 2, columns.clone(), rows.clone());
+        let values = part.resolve(&shade(&scene, &part), Vec3::ZERO);
+        let want = whole.resolve(&all, Vec3::ZERO);
+        for (y, row) in rows.clone().enumerate() {
+            for (x, column) in columns.clone().enumerate() {
+                let (a, b) = (values[y * columns.len() + x], want[(row * 96 + column) as usize]);
+                assert_eq!(a, b, "{column} {row}");
+            }
+        }
+    }
+}
+
+#[test]
+fn normal_maps_turn_normals_in_the_frame_of_their_coordinates() {
+    // 128 is 1/255 more than nothing.
+    let level = [128, 128, 255, 255];
+    // 45° along u.
+    let along_u = [218, 128, 218, 255];
+    let look = |texel, transform: Mat2, scale: f32, turned: bool| {
+        let map = TextureMap { transform: Affine2::from_mat2(transform), ..flat(texel, Encoding::Linear) };
+        let surface = Surface { normal: Some((map, scale)), ..Surface::default() };
+        let mut scene = floor(Material::lambert(Vec3::ONE), surface);
+        if turned {
+            // The mesh wound the other way: the same surface, seen from its back.
+            let Shape::Mesh(mesh) = &mut scene.objects[0].shape else { unreachable!() };
+            mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        let g = GBuffer::new(&World::new(&scene), 96, 64, 1);
+        g.points.receivers[g.len() / 2]
+    };
+    let (one, near) = (Mat2::IDENTITY, |a: Vec3, b: Vec3| (a - b).length() < 0.012);
+    let flat = look(level, one, 1.0, false);
+    assert!(near(flat.normal, Vec3::Y), "{}", flat.normal);
+    // The floor's u grows along x, its v along z.
+    let leaning = Vec3::new(1.0, 1.0, 0.0).normalize();
+    assert!(near(look(along_u, one, 1.0, false).normal, leaning), "{}", look(along_u, one, 1.0, false).normal);
+    assert!(near(look(along_u, one, 1.0, true).normal, leaning));
+    assert!(near(look(along_u, one, 0.0, false).normal, Vec3::Y));
+    // Mirrored coordinates lean the other way, turned ones across.
+    let mirrored = Mat2::from_diagonal(Vec2::new(-1.0, 1.0));
+    assert!(near(look(along_u, mirrored, 1.0, false).normal, Vec3::new(-1.0, 1.0, 0.0).normalize()));
+    let quarter = look(along_u, Mat2::from_angle(-core::f32::consts::FRAC_PI_2), 1.0, false).normal;
+    assert!(quarter.x.abs() < 0.012 && (quarter.z.abs() - leaning.x).abs() < 0.012, "{quarter}");
+    // Green leans against growing v, up in the image; less of it toward the viewer.
+    assert!(near(look([128, 38, 218, 255], one, 1.0, false).normal, Vec3::new(0.0, 1.0, 1.0).normalize()));
+    for texel in [[0, 0, 0, 0], [127, 127, 127, 0], [255, 255, 0, 0], [0, 0, 255, 255]] {
+        for (transform, scale) in [(Mat2::ZERO, 1.0), (one, 1e30), (one, f32::MAX), (Mat2::from_diagonal(Vec2::X), 1.0)]
+        {
+            let at = look(texel, transform, scale, false);
+            assert!(
+                (at.normal.length() - 1.0).abs() < 1e-3 && at.normal.dot(at.view) > 0.0,
+                "{texel:?}: {}",
+                at.normal
+            );
+        }
+    }
+}
+
+#[test]
+fn colours_of_vertices_are_factors() {
+    let mut scene = floor(Material::lambert(Vec3::splat(0.5)), Surface::default());
+    scene.surfaces.clear();
+    let Shape::Mesh(mesh) = &mut scene.objects[0].shape else { unreachable!() };
+    // Red grows along x from 0 to 1.
+    mesh.colors = mesh.positions.iter().map(|p| Vec3::new((p.x + 4.0) / 8.0, 1.0, 0.25)).collect();
+    let g = GBuffer::new(&World::new(&scene), 96, 64, 1);
+    for (at, number) in g.points.receivers.iter().zip(&g.points.materials) {
+        let want = Material::lambert(0.5 * Vec3::new((at.position.x + 4.0) / 8.0, 1.0, 0.25));
+        let (Material::Lambert(a), Material::Lambert(b)) = (&g.materials[*number as usize], &want) else { panic!() };
+        assert!((a.albedo - b.albedo).length() < 1e-5, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn emission_is_added_to_what_is_reflected() {
+    let glow = Surface {
+        emission: Vec3::new(2.0, 4.0, 8.0),
+        emission_map: Some(flat([255, 127, 0, 255], Encoding::Linear)),
+        ..Surface::default()
+    };
+    let (with, without) = (
+        picture(&floor(Material::lambert(Vec3::splat(0.4)), glow.clone())),
+        picture(&floor(Material::lambert(Vec3::splat(0.4)), Surface::default())),
+    );
+    let own = Vec3::new(2.0, 4.0 * 127.0 / 255.0, 0.0);
+    for (a, b) in with.iter().zip(&without) {
+        assert!((*a - *b - own).abs().max_element() < 1e-5, "{a} {b}");
+    }
+    let plain = GBuffer::new(&World::new(&floor(Material::lambert(Vec3::ONE), Surface::default())), 96, 64, 1);
+    assert!(plain.emission.is_empty());
+}
+
+/// Lobes against Monte Carlo, with everything at once.
+#[test]
+fn textured_surfaces_are_as_accurate_as_plain_ones() {
+    let bumps: Vec<[u8; 4]> =
+        (0..64u32 * 64).map(|i| [(96 + i % 64) as u8, (128 + (i / 64) % 32) as u8, 230, 255]).collect();
+    let bumps = TextureMap::new(Texture::new("bumps", [64, 64], bumps, Encoding::Linear));
+    let ramp: Vec<[u8; 4]> = (0..256u32).map(|i| [0, (80 + i / 2) as u8, (i % 2 * 255) as u8, 255]).collect();
+    let ramp = TextureMap::new(Texture::new("ramp", [16, 16], ramp, Encoding::Linear));
+    let surface = Surface {
+        color: Some(TextureMap::new(checker(8))),
+        metallic: Some(Channel { map: ramp.clone(), index: 2 }),
+        roughness: Some(Channel { map: ramp, index: 1 }),
+        normal: Some((bumps, 0.5)),
+        ..Surface::default()
+    };
+    let mut scene = floor(MetallicRoughness::new(Vec3::ONE, 1.0, 1.0).expect("in range").into(), surface);
+    scene.objects.push(ball(Vec3::new(0.3, 0.9, 0.4), 0.5));
+    let world = World::new(&scene);
+    let g = GBuffer::new(&world, 96, 64, 1);
+    let got = shade(&scene, &g);
+    let blockers = BlockerSet::default();
+    let job = ReferenceJob { world: &world, gbuffer: &g, blockers: &blockers, geometry: Geometry::Mesh, seed: 3 };
+    let mut reference = Reference::new(job);
+    reference.advance(4096, &AtomicBool::new(false), &|_| {});
+    let truth = reference.estimate();
+    let (mut sum, mut count) = (0.0, 0);
+    for (i, radiance) in got.iter().enumerate() {
+        let (all, shadowed) = (truth.unshadowed[i].element_sum(), truth.radiance[i].element_sum());
+        if all > 0.0 && shadowed > 0.01 * all && shadowed < 0.99 * all {
+            sum += f64::from((radiance.element_sum() - shadowed).abs() / all);
+            count += 1;
+        }
+    }
+    let mean = sum / f64::from(count);
+    println!("{count} points in penumbra, mean error {:.3} %", 100.0 * mean);
+    assert!(count > 100 && mean < 0.005, "{mean}");
+}
