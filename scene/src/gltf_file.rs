@@ -169,7 +169,7 @@ fn document(
                 None => context.warn(path, "orthographic cameras are not supported"),
             }
         }
-        reader.parts_of(n, index, &mut parts)?;
+        reader.parts_of(n, index, &mut parts, context)?;
     }
     let Notes { skipped, reduced, uneven } = reader.notes;
     if skipped > 0 {
@@ -276,7 +276,13 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// Appends the meshes of a node, as they are at the first moment.
-    fn parts_of(&mut self, n: usize, skeleton: usize, parts: &mut Vec<Part>) -> Result<(), String> {
+    fn parts_of(
+        &mut self,
+        n: usize,
+        skeleton: usize,
+        parts: &mut Vec<Part>,
+        context: &mut Context,
+    ) -> Result<(), String> {
         let node = &self.root.nodes[n];
         let Some(index) = node.mesh else { return Ok(()) };
         let m = index.value();
@@ -308,7 +314,10 @@ impl Reader<'_> {
             };
             let name = if mesh.primitives.len() == 1 { name.clone() } else { format!("{name} {p}") };
             let joints = skin.as_deref().filter(|_| influences.is_some());
-            let (mesh, rig) = self.pose(n, skeleton, shapes, joints, influences).map_err(fault)?;
+            let (mut mesh, rig) = self.pose(n, skeleton, shapes, joints, influences).map_err(fault)?;
+            if let Some(cut_out) = material.as_ref().and_then(|(_, look): &(usize, Look)| look.cut_out.as_ref()) {
+                context.cut_out(self.images.path(), &name, cut_out, &mut mesh, rig.is_some());
+            }
             parts.push(Part { name, mesh, material, rig });
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! Materials of a glTF document.
 
+use crate::cut_out::CutOut;
 use crate::gltf_buffers::Buffers;
 use crate::gltf_texture::{Images, Reference};
 use crate::load::Look;
@@ -27,23 +28,23 @@ fn unit(x: f32) -> f32 {
 }
 
 fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Look, String> {
-    match material.alpha_mode {
+    let limit = match material.alpha_mode {
         Checked::Invalid => return Err("unknown alphaMode".to_owned()),
-        Checked::Valid(AlphaMode::Opaque) => {}
-        Checked::Valid(AlphaMode::Mask | AlphaMode::Blend) => {
-            let note = "alpha is not read: surfaces that are cut out or transparent are opaque";
-            if !images.notes.iter().any(|known| known == note) {
-                images.notes.push(note.to_owned());
-            }
+        Checked::Valid(AlphaMode::Opaque) => None,
+        Checked::Valid(AlphaMode::Mask) => Some(unit(material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0))),
+        Checked::Valid(AlphaMode::Blend) => {
+            images.note("surfaces that are blended are cut out where their alpha is below a half".to_owned());
+            Some(0.5)
         }
-    }
+    };
     let mut map = |reference: Option<Reference<'_>>, encoding| -> Result<Option<TextureMap>, String> {
         reference.map_or(Ok(None), |reference| images.map(buffers, &reference, encoding))
     };
     let pbr = &material.pbr_metallic_roughness;
     let extensions = material.extensions.as_ref();
     let color = map(pbr.base_color_texture.as_ref().map(Into::into), Encoding::Srgb)?;
-    let [r, g, b, _] = pbr.base_color_factor.0;
+    let [r, g, b, factor] = pbr.base_color_factor.0;
+    let cut_out = limit.map(|limit| CutOut { map: color.clone(), factor: unit(factor), limit });
     let base = Vec3::new(unit(r), unit(g), unit(b));
     // Means nothing to direct light, but a document that names one that it does not have is broken.
     if let Some(occlusion) = &material.occlusion_texture
@@ -53,7 +54,7 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
     }
     if extensions.is_some_and(|e| e.unlit.is_some()) {
         let surface = Surface { emission: base, emission_map: color, is_unlit: true, ..Surface::default() };
-        return Ok(Look { material: Material::lambert(Vec3::ZERO), surface });
+        return Ok(Look { material: Material::lambert(Vec3::ZERO), surface, cut_out });
     }
     let mut map = |reference: Option<Reference<'_>>, encoding| -> Result<Option<TextureMap>, String> {
         reference.map_or(Ok(None), |reference| images.map(buffers, &reference, encoding))
@@ -85,7 +86,7 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         metal = metal.with_coat(f0, weight).map_err(|e| e.to_string())?;
     }
     if specular.is_some_and(|s| s.specular_texture.is_some() || s.specular_color_texture.is_some()) {
-        images.notes.push("textures of KHR_materials_specular are not read: their factors are taken alone".to_owned());
+        images.note("textures of KHR_materials_specular are not read: their factors are taken alone".to_owned());
     }
     let surface = Surface {
         color,
@@ -96,7 +97,7 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         emission_map,
         ..Surface::default()
     };
-    Ok(Look { material: metal.into(), surface })
+    Ok(Look { material: metal.into(), surface, cut_out })
 }
 
 /// The largest emission that is taken.

@@ -95,12 +95,18 @@ impl<'a> Images<'a> {
         Ok(Some(map))
     }
 
+    /// The document's file.
+    pub(crate) const fn path(&self) -> &'a Path {
+        self.path
+    }
+
     /// How many textures the document has.
     pub(crate) fn textures(&self) -> usize {
         self.root.textures.len()
     }
 
-    fn note(&mut self, note: String) {
+    /// Something to tell once.
+    pub(crate) fn note(&mut self, note: String) {
         if !self.notes.contains(&note) {
             self.notes.push(note);
         }

@@ -51,6 +51,7 @@ mod bounds;
 mod builtin;
 mod camera;
 mod coherence;
+mod cut_out;
 mod deformer;
 mod doubles;
 mod error;

@@ -1,6 +1,7 @@
 //! Files of all kinds to scenes.
 
 use crate::animation::{Body, CameraMover, Mover};
+use crate::cut_out::CutOut;
 use crate::deformer::{BoundBall, Deformer};
 use crate::placement::Placement;
 use crate::scene_file::{DEFAULT_FOV, DEFAULT_SIZE, DEFAULT_SPHERES};
@@ -49,6 +50,15 @@ impl Context {
         self.warnings.push(SceneError::file(path, message.to_string()).to_string());
     }
 
+    /// Cuts what is not there out of a mesh.
+    pub(crate) fn cut_out(&mut self, path: &Path, name: &str, cut_out: &CutOut, mesh: &mut Mesh, moves: bool) {
+        if moves {
+            self.warn(path, format!("\"{name}\" moves: it is opaque where its alpha would cut it out"));
+        } else if !cut_out.cut(mesh) {
+            self.warn(path, format!("\"{name}\" repeats its image too often to be cut out: it is opaque"));
+        }
+    }
+
     /// Warns of what a file has that is left out, if anything; an error where there is nothing else in it.
     pub(crate) fn left_out(&mut self, path: &Path, is_all: bool, what: &str) -> Result<(), SceneError> {
         match (is_all, what.is_empty()) {
@@ -75,11 +85,13 @@ pub(crate) fn counted(count: usize, noun: &str, why: &str) -> String {
 pub(crate) struct Look {
     pub(crate) material: Material,
     pub(crate) surface: Surface,
+    /// What of its surfaces is there; all without.
+    pub(crate) cut_out: Option<CutOut>,
 }
 
 impl<M: Into<Material>> From<M> for Look {
     fn from(material: M) -> Self {
-        Self { material: material.into(), surface: Surface::default() }
+        Self { material: material.into(), surface: Surface::default(), cut_out: None }
     }
 }
 

@@ -73,7 +73,7 @@ impl Entry {
         } else {
             Phong { kd: kd * FRAC_1_PI, ks: ks * FRAC_1_PI, exponent: ns }.into()
         };
-        (name, Look { material, surface })
+        (name, Look { material, surface, cut_out: None })
     }
 }
 

@@ -1,6 +1,7 @@
 //! The scene file.
 
 use crate::animation::{CameraMover, LightMover};
+use crate::cut_out::CutOut;
 use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
 use crate::load::{self, Context, Look};
 use crate::mesh::MAX_COORDINATE;
@@ -144,6 +145,11 @@ impl Materials {
     pub(crate) fn push(&mut self, look: Look) -> usize {
         self.all.push(look);
         self.all.len() - 1
+    }
+
+    /// What of the surfaces of a material is there; all without.
+    pub(crate) fn cut_out(&self, material: usize) -> Option<&CutOut> {
+        self.all[material].cut_out.as_ref()
     }
 
     pub(crate) fn fallback(&mut self) -> usize {

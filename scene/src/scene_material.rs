@@ -1,5 +1,6 @@
 //! The materials of a scene file.
 
+use crate::cut_out::CutOut;
 use crate::load::Look;
 use crate::toml_reader::{Table, Value};
 use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file, load};
@@ -91,8 +92,19 @@ pub(crate) fn read_material(mut t: Table<'_>, path: &Path, images: &mut ImageFil
             )));
         }
     };
+    let cut_out = t.get("alpha_cutoff").map(|v| cut_out(v, surface.color.as_ref())).transpose()?;
     t.finish()?;
-    Ok(Look { material, surface })
+    Ok(Look { material, surface, cut_out })
+}
+
+/// Where the colour's image is opaque.
+fn cut_out(value: Value<'_>, color: Option<&TextureMap>) -> Result<CutOut, SceneError> {
+    let limit = value.number()?;
+    if !(0.0..=1.0).contains(&limit) {
+        return Err(value.error(format!("{limit} must lie in [0, 1]")));
+    }
+    let map = color.ok_or_else(|| value.error("expected a color_map, whose alpha it cuts at"))?;
+    Ok(CutOut { map: Some(map.clone()), factor: 1.0, limit })
 }
 
 fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {

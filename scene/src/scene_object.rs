@@ -132,6 +132,12 @@ pub(crate) fn read_object(
             let mover = part.place(Normals::Face, &placement);
             part.mesh.validate().map_err(|e| value.error(e))?;
             let material = material.unwrap_or_else(|| materials.fallback());
+            if let Some(cut_out) = materials.cut_out(material) {
+                context.cut_out(path, &part.name, cut_out, &mut part.mesh, mover.is_some());
+            }
+            if part.mesh.triangles.is_empty() {
+                return Err(value.error("alpha_cutoff leaves nothing of it"));
+            }
             let proxy = proxy.unwrap_or(Proxy::None);
             let mover = mover.map(|m| Mover { proxy: bind(&proxy, &matrix), ..m });
             let shape = Shape::Mesh(part.mesh);
@@ -143,6 +149,9 @@ pub(crate) fn read_object(
             let mut movers = Vec::new();
             for mut part in parts {
                 let mover = part.place(normals, &placement);
+                if let Some(cut_out) = material.and_then(|material| materials.cut_out(material)) {
+                    context.cut_out(path, &part.name, cut_out, &mut part.mesh, mover.is_some());
+                }
                 if !part.mesh.triangles.is_empty() {
                     part.mesh.validate().map_err(|e| value.error(e))?;
                     placed.push(part);

@@ -36,7 +36,7 @@ pub struct Texture {
 }
 
 /// Red, green, blue, alpha.
-type Texel = [u8; 4];
+pub(crate) type Texel = [u8; 4];
 
 struct Level {
     size: [usize; 2],
@@ -83,6 +83,11 @@ impl Texture {
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
         self.levels[0].size
+    }
+
+    /// The texels, row after row from the top.
+    pub(crate) fn texels(&self) -> &[Texel] {
+        &self.levels[0].texels
     }
 
     /// Bytes of all levels.
