@@ -5,11 +5,11 @@ use brdf::{Lambert, Material, ModifiedPhong};
 use core::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lighting::SphereLight;
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, RayShader, World};
-use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
+use scene::{BlockerSet, Camera, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Texture, Wrap};
 use std::fmt::Display;
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
@@ -154,12 +154,37 @@ fn strategies(c: &mut Criterion) {
     }
 }
 
+/// One lookup each, at places and footprints that change: a texel from near, the pyramid, a footprint eight times as long as wide.
+fn textures(c: &mut Criterion) {
+    let side = 4096;
+    let texels = || (0..side * side).map(|i: u32| i.wrapping_mul(2_654_435_761).to_le_bytes()).collect::<Vec<_>>();
+    let texture = Texture::new("noise", [side, side], texels(), Encoding::Srgb);
+    let mut group = c.benchmark_group("texture lookup");
+    group.throughput(Throughput::Elements(4096));
+    let step = 1.0 / side as f32;
+    // Neighbours of a picture: half a texel, or two and a half, apart.
+    for (name, apart, long) in [("near", 0.5, 0.5), ("far", 2.5, 2.5), ("at a low view", 2.5, 20.0)] {
+        let footprint = [Vec2::X * apart * step, Vec2::Y * long * step];
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let at = |i: u32| Vec2::new((i % 64) as f32 * apart, (i / 64) as f32 * long) * step + 0.3;
+                (0..4096).map(|i| texture.sample(at(i), footprint, [Wrap::Repeat; 2], false)[0]).sum::<f32>()
+            });
+        });
+    }
+    group.finish();
+    let mut group = c.benchmark_group("texture of 4096 x 4096");
+    group.bench_function("pyramid", |b| {
+        b.iter_with_setup(texels, |texels| Texture::new("noise", [side, side], texels, Encoding::Srgb));
+    });
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(200))
         .measurement_time(Duration::from_millis(800));
-    targets = curves, strategies
+    targets = curves, strategies, textures
 }
 criterion_main!(benches);

@@ -37,7 +37,7 @@ fn flat(texel: [u8; 4], encoding: Encoding) -> TextureMap {
 
 /// Squares of two greys.
 fn checker(squares: u32) -> Texture {
-    let texel = |i: u32| if (i / 64 / (64 / squares) + i % 64 / (64 / squares)) % 2 == 0 { 230 } else { 20 };
+    let texel = |i: u32| if (i / 64 / (64 / squares) + i % 64 / (64 / squares)).is_multiple_of(2) { 230 } else { 20 };
     let texels = (0..64 * 64).map(|i| [texel(i), texel(i), texel(i), 255]).collect();
     Texture::new("checker", [64, 64], texels, Encoding::Linear)
 }

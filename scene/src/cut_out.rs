@@ -1,7 +1,6 @@
 //! Surfaces cut along the outline of their alpha: what is transparent is no geometry, so that camera, shadows of every kind and the
 //! reference see the same outline.
 
-use crate::texture::Texel;
 use crate::{Mesh, Texture, TextureMap, Wrap};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
@@ -117,7 +116,11 @@ impl Work<'_> {
             }
         }
         for k in 2..kept.len() {
-            self.out.push([kept[0], kept[k - 1], kept[k]]);
+            let piece = [kept[0], kept[k - 1], kept[k]];
+            // A line that passes by a corner leaves specks without an area.
+            if self.mesh.face_cross(piece).length_squared() > f64::MIN_POSITIVE {
+                self.out.push(piece);
+            }
         }
     }
 
@@ -169,8 +172,8 @@ struct AlphaBounds {
 
 impl AlphaBounds {
     fn new(texture: &Texture) -> Self {
-        let ([width, height], texels): ([usize; 2], &[Texel]) = (texture.size(), texture.texels());
-        let mut levels = vec![([width, height], texels.iter().map(|t| [t[3]; 2]).collect::<Vec<_>>())];
+        let [width, height] = texture.size();
+        let mut levels = vec![([width, height], texture.texels().map(|t| [t[3]; 2]).collect::<Vec<_>>())];
         while let Some(([w, h], last)) = levels.last().filter(|(size, _)| size[0].max(size[1]) > 1) {
             let size = [w.div_ceil(2), h.div_ceil(2)];
             let of = |x: usize, y: usize| {

@@ -1,7 +1,7 @@
 //! Scenes: meshes, materials, lights, camera and their loading.
 //!
 //! - [`Scene`] and what it is made of: [`Camera`], [`Object`] ([`Shape`], [`Proxy`], [`Strategy`]), [`Mesh`], materials of `brdf`,
-//!   lights of `lighting`. [`Scene::validate`] checks all that renderers rely on. [`Animation`]: what of it moves.
+//!   what surfaces show beside them ([`Surface`]), lights of `lighting`. [`Scene::validate`] checks all that renderers rely on. [`Animation`]: what of it moves.
 //! - [`load`]: scene files in TOML (every key, commented: [`SCHEMA_EXAMPLE`]), and `.obj`, `.ply`, `.gltf`, `.glb` meshes,
 //!   to which a floor, a light and a camera are added. [`builtin`]: the scene that needs no file.
 //! - What renderers take and give, the same for CPU and GPU: [`Shade`], [`ShadingPoints`], [`Frame`], [`BlockerSet`].
@@ -27,9 +27,16 @@
 //! ([`Animation::origin`]), so that it looks the same anywhere. glTF files have single precision.
 //!
 //! glTF: triangles (strips and fans too) of the default scene, with skins and morph targets; sparse and quantised
-//! accessors; the first perspective camera; base colour, metalness and roughness factors.
-//! Not read: textures, punctual lights, emission, Draco and meshopt compression ([`load_with_warnings`] says which of these
-//! a file has).
+//! accessors; the first perspective camera; metallic–roughness materials with their textures (base colour, metalness, roughness, normal,
+//! emission; samplers, transforms, all sets of coordinates), vertex colours, cut-outs by alpha, KHR_materials_ior, specular,
+//! emissive_strength and unlit. Not read: punctual lights, other extensions of materials, Draco and meshopt compression
+//! ([`load_with_warnings`] says which of these a file has).
+//!
+//! OBJ: one object for each material in use; of MTL `Kd`, `Ks`, `Ns`, `Ke`, `Pr`, `Pm`, `illum` and their maps, `norm`. PLY: colours and
+//! texture coordinates of vertices.
+//!
+//! Images: PNG, JPEG, BMP, TGA up to 16384 texels a side ([`Texture`]). One that is not there is told, and its factor taken
+//! alone; one that is broken is refused.
 //!
 //! # Motion
 //! [`load_animated`] gives an [`Animation`] with the scene: key frames of objects, lights and the camera of a scene file, and
@@ -44,7 +51,7 @@
 //! refused.
 //!
 //! # Scope
-//! Out of scope here: images, sphere-set construction, threads.
+//! Out of scope here: pictures as output, sphere-set construction, threads.
 
 mod animation;
 mod bounds;

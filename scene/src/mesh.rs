@@ -81,7 +81,7 @@ impl Mesh {
     }
 
     /// Twice the area times the face normal, in f64: exact enough for needles and far away meshes.
-    fn face_cross(&self, [a, b, c]: [u32; 3]) -> DVec3 {
+    pub(crate) fn face_cross(&self, [a, b, c]: [u32; 3]) -> DVec3 {
         let p = |i: u32| self.positions[i as usize].as_dvec3();
         (p(b) - p(a)).cross(p(c) - p(a))
     }

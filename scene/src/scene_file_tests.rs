@@ -29,6 +29,9 @@ fn the_example_is_a_valid_scene_with_every_key() {
     std::fs::write(folder.path().join("scene.toml"), SCHEMA_EXAMPLE).unwrap();
     std::fs::write(folder.path().join("example.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     std::fs::write(folder.path().join("example.spheres.json"), "{}").unwrap();
+    image::RgbaImage::from_pixel(2, 2, image::Rgba([200, 100, 50, 255]))
+        .save(folder.path().join("example.png"))
+        .unwrap();
     let (scene, warnings) = load_with_warnings(folder.path().join("scene.toml")).unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
     assert_eq!((scene.width, scene.height), (640, 360));

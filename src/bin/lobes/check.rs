@@ -65,11 +65,13 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
 fn schema() -> String {
     let quoted = |line: &str| -> Option<String> {
         let key = line.split('#').next()?;
-        let names = ["mesh = \"", "file = \""];
+        let names = ["mesh = \"", "file = \"", "_map = \""];
         let start = names.iter().find_map(|n| Some(key.find(n)? + n.len()))?;
         Some(key[start..].split('"').next()?.to_owned())
     };
-    let files: Vec<String> = SCHEMA_EXAMPLE.lines().filter_map(quoted).collect();
+    let mut files: Vec<String> = SCHEMA_EXAMPLE.lines().filter_map(quoted).collect();
+    files.sort();
+    files.dedup();
     format!(
         "# Not a scene yet: it names files that are yours to put there ({}).\n{}",
         files.join(", "),
