@@ -27,6 +27,11 @@ pub enum MaterialError {
     Matrix,
     /// A Lafortune matrix is not symmetric, hence the model not reciprocal.
     Asymmetric,
+    /// A table of measurements is not what its format says.
+    Table {
+        /// What is wrong.
+        what: String,
+    },
     /// A Lafortune lobe's peak `k·‖M‖^e` is above 1e12.
     Peak {
         /// Natural logarithm of the peak.
@@ -44,6 +49,7 @@ impl core::fmt::Display for MaterialError {
             Self::Fraction { name, value } => write!(f, "{name} is {value}: it must lie in [0, 1]"),
             Self::Matrix => f.write_str("matrix entries must be finite and within ±1e12"),
             Self::Asymmetric => f.write_str("matrix is not symmetric: the reflectance would not be reciprocal"),
+            Self::Table { what } => write!(f, "table {what}"),
             Self::Peak { ln_peak } => write!(
                 f,
                 "lobe peaks at 1e{:.0}, scale times the matrix's norm to the exponent: at most 1e12 is allowed",

@@ -49,6 +49,15 @@ impl Default for Factors {
 }
 
 impl Material {
+    /// The material as it is at a point of this normal with this tangent: [`Lafortune::turned`]; none if the tangent has no say.
+    #[must_use]
+    pub fn turned(&self, normal: Vec3, tangent: Vec3) -> Option<Self> {
+        match self {
+            Self::Lafortune(m) if m.is_anisotropic() => Some(m.turned(normal, tangent).into()),
+            _ => None,
+        }
+    }
+
     /// The material with its parameters times factors, which are taken within [0, 1]: [valid](Self::validate) if this one is.
     ///
     /// Of metallic–roughness, the lobes of directions are those of the nearest of 256 roughnesses and four reflectances; its

@@ -14,7 +14,8 @@ use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, power};
 ///
 /// # Frame
 /// `M` acts in the frame `(t, b, n)` in which `n` is the receiver's normal and `t`, `b` come from
-/// [`lobe_core::orthonormal_basis`]. Isotropic lobes (`C_x = C_y`) don't see the choice of `t`.
+/// [`lobe_core::orthonormal_basis`]. Isotropic lobes (`C_x = C_y`) don't see the choice of `t`; others are [`turned`](Self::turned) to a
+/// tangent of the surface's own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lafortune {
     /// Albedo ρ of the diffuse part; black for none.
@@ -113,6 +114,31 @@ impl LafortuneLobe {
 }
 
 impl Lafortune {
+    /// Whether a lobe sees the choice of the tangent.
+    #[must_use]
+    pub fn is_anisotropic(&self) -> bool {
+        self.lobes.iter().any(|lobe| lobe.isotropic.is_none())
+    }
+
+    /// The model of a point of this normal at which `M` is meant in the frame of another tangent, of any length, which is made perpendicular
+    /// to the normal: `RMRᵀ` with the turn R from one to the other. The same where there is no such tangent.
+    #[must_use]
+    pub fn turned(&self, normal: Vec3, tangent: Vec3) -> Self {
+        let (t, b) = lobe_core::orthonormal_basis(normal);
+        let Some(tangent) = (tangent - normal * normal.dot(tangent)).try_normalize() else { return self.clone() };
+        let (c, s) = (tangent.dot(t), tangent.dot(b));
+        let turn = Mat3::from_cols(Vec3::new(c, s, 0.0), Vec3::new(-s, c, 0.0), Vec3::Z);
+        let turned = |lobe: &LafortuneLobe| match lobe.isotropic {
+            Some(_) => *lobe,
+            None => {
+                let m = turn * lobe.matrix() * turn.transpose();
+                // Symmetric to the bit, as rounding leaves it not.
+                LafortuneLobe::new((m + m.transpose()) * 0.5, lobe.exponent(), lobe.scale)
+            }
+        };
+        Self { diffuse: self.diffuse, lobes: self.lobes.iter().map(turned).collect() }
+    }
+
     /// Checks all parameters; see [`LafortuneLobe::validate`].
     ///
     /// # Errors

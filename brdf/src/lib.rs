@@ -42,6 +42,7 @@ mod coat;
 pub mod conformance;
 mod error;
 mod factors;
+mod fit;
 mod ggx;
 #[cfg(test)]
 mod ggx_tests;
@@ -49,6 +50,7 @@ mod lafortune;
 mod lafortune_term;
 mod lambert;
 mod material;
+mod merl;
 mod metallic_roughness;
 mod model;
 mod modified_phong;
@@ -66,9 +68,11 @@ pub mod wgsl;
 
 pub use crate::error::MaterialError;
 pub use crate::factors::Factors;
+pub use crate::fit::{Fitted, MAX_FITTED, fit};
 pub use crate::lafortune::{Lafortune, LafortuneLobe};
 pub use crate::lambert::Lambert;
 pub use crate::material::Material;
+pub use crate::merl::Merl;
 pub use crate::metallic_roughness::MetallicRoughness;
 pub use crate::model::{Brdf, BrdfSample};
 pub use crate::modified_phong::ModifiedPhong;

@@ -310,7 +310,10 @@ fn drawn_directions_follow_the_density() {
     // with a probability below 1e-5; the seed is fixed. Expected counts are integrated with 20 × 20 points a cell.
     let (rows, columns, sub, n) = (8, 16, 20, 100_000);
     let phong = ModifiedPhong { kd: Vec3::splat(0.3), ks: Vec3::splat(0.5), exponent: 20.0 };
-    for material in [Material::lambert(Vec3::ONE), phong.into(), lafortune().into()] {
+    let metal = |metallic, roughness| MetallicRoughness::new(Vec3::new(0.9, 0.6, 0.3), metallic, roughness).unwrap();
+    let metals = [metal(1.0, 0.7), metal(0.0, 0.5), metal(0.4, 1.0)].map(Material::from);
+    let others = [Material::lambert(Vec3::ONE), phong.into(), lafortune().into()];
+    for material in others.into_iter().chain(metals) {
         for at in [receivers()[0], receivers()[2], receivers()[4]] {
             let (t, b) = orthonormal_basis(at.normal);
             let at_cell = |c: f64, phi: f64| {
@@ -351,6 +354,33 @@ fn drawn_directions_follow_the_density() {
             assert!(chi < cells + 5.0 * (2.0 * cells).sqrt(), "{material:?}: χ² {chi} over {cells} cells");
         }
     }
+}
+
+/// A lobe's matrix in the frame of a tangent is the lobe turned with it.
+#[test]
+fn lobes_turn_with_a_tangent() {
+    let matrix = Mat3::from_cols_array(&[-1.0, 0.15, 0.1, 0.15, -0.5, 0.0, 0.1, 0.0, 0.9]);
+    let round = LafortuneLobe::diagonal(Vec3::new(-0.9, -0.9, 1.0), 7.0, Vec3::splat(0.2));
+    let lobes = vec![LafortuneLobe::new(matrix, 14.0, Vec3::new(0.3, 0.5, 0.2)), round];
+    let model = Lafortune { diffuse: Vec3::splat(0.2), lobes };
+    let mut random = Random(8);
+    for _ in 0..200 {
+        let normal = random.direction();
+        let (t, _) = orthonormal_basis(normal);
+        let turn = glam::Quat::from_axis_angle(normal, (random.next() * 2.0 * PI) as f32);
+        let tangent = turn * t * 3.0 + normal * 0.7;
+        let turned = model.turned(normal, tangent);
+        turned.validate().unwrap();
+        let (view, v) = (random.direction(), random.direction());
+        let [view, v] = [view, v].map(|d| if d.dot(normal) < 0.0 { -d } else { d });
+        let got = turned.eval(&receiver(normal, turn * view), turn * v);
+        let want = model.eval(&receiver(normal, view), v);
+        assert!((got - want).abs().max_element() < 2e-5 * want.max_element().max(0.1), "{got} {want}");
+    }
+    // Without a tangent, and where none has a say.
+    assert_eq!(model.turned(Vec3::Z, Vec3::Z), model);
+    assert!(Material::from(Lafortune { lobes: vec![round], ..model.clone() }).turned(Vec3::Z, Vec3::X).is_none());
+    assert!(Material::from(model).turned(Vec3::Z, Vec3::X).is_some());
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Surfaces with textures, vertex colours and emission: what the visible points make of them.
 
-use brdf::{Material, MetallicRoughness, ModifiedPhong};
+use brdf::{Brdf, Lafortune, LafortuneLobe, Material, MetallicRoughness, ModifiedPhong};
 use core::sync::atomic::AtomicBool;
-use glam::{Affine2, Mat2, Vec2, Vec3};
+use glam::{Affine2, Mat2, Mat3, Vec2, Vec3};
 use lighting::SphereLight;
 use lobe_core::{Accuracy, Sphere};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
@@ -180,6 +180,33 @@ fn normal_maps_turn_normals_in_the_frame_of_their_coordinates() {
                 "{texel:?}: {}",
                 at.normal
             );
+        }
+    }
+}
+
+/// A highlight longer along u than across: turned with the coordinates, whatever the normal's own frame.
+#[test]
+fn anisotropic_lobes_follow_the_texture() {
+    let matrix = Mat3::from_diagonal(Vec3::new(-1.0, -0.6, 0.9));
+    let brushed = Lafortune { diffuse: Vec3::ZERO, lobes: vec![LafortuneLobe::new(matrix, 20.0, Vec3::ONE)] };
+    let look = |degrees: f32| {
+        let mut scene = floor(brushed.clone().into(), Surface { follows_u: true, ..Surface::default() });
+        let Shape::Mesh(mesh) = &mut scene.objects[0].shape else { unreachable!() };
+        let turn = Mat2::from_angle(degrees.to_radians());
+        mesh.uv_sets[0].iter_mut().for_each(|uv| *uv = turn * *uv);
+        let g = GBuffer::new(&World::new(&scene), 96, 64, 1);
+        let i = g.len() / 2;
+        (g.points.receivers[i], g.materials[g.points.materials[i] as usize].clone())
+    };
+    for degrees in [0.0_f32, 30.0, 90.0, 200.0] {
+        let (at, material) = look(degrees);
+        // The floor's u grows along x, its v along z: turned coordinates grow along this.
+        let (s, c) = degrees.to_radians().sin_cos();
+        let want = Material::from(brushed.turned(at.normal, Vec3::new(c, 0.0, -s)));
+        for v in [Vec3::new(0.1, 0.9, -0.4), Vec3::new(0.5, 0.6, -0.3), Vec3::new(-0.4, 0.7, -0.5)] {
+            let v = v.normalize();
+            let (a, b) = (material.eval(&at, v), want.eval(&at, v));
+            assert!((a - b).abs().max_element() < 1e-4 * b.max_element().max(0.01), "{degrees}: {a} {b}");
         }
     }
 }

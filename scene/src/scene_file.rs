@@ -68,7 +68,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     let mut images = ImageFiles::default();
     if let Some(value) = root.get("materials") {
         for entry in value.table()?.entries() {
-            let look = read_material(entry.table()?, path, &mut images)?;
+            let look = read_material(entry.table()?, path, &mut images, context)?;
             look.material.validate().map_err(|e| entry.error(e))?;
             materials.names.insert(entry.name().to_owned(), materials.all.len());
             materials.all.push(look);

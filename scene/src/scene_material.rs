@@ -1,10 +1,12 @@
 //! The materials of a scene file.
 
 use crate::cut_out::CutOut;
-use crate::load::Look;
+use crate::load::{Context, Look};
 use crate::toml_reader::{Table, Value};
 use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file, load};
-use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
+use brdf::{
+    Lafortune, LafortuneLobe, Lambert, MAX_FITTED, Material, Merl, MetallicRoughness, ModifiedPhong, Phong, fit,
+};
 use glam::{Affine2, Mat2, Vec2, Vec3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -30,7 +32,12 @@ impl ImageFiles {
 }
 
 /// Reads one of `[materials]`; `path` is the scene file, which images are looked for beside.
-pub(crate) fn read_material(mut t: Table<'_>, path: &Path, images: &mut ImageFiles) -> Result<Look, SceneError> {
+pub(crate) fn read_material(
+    mut t: Table<'_>,
+    path: &Path,
+    images: &mut ImageFiles,
+    context: &mut Context,
+) -> Result<Look, SceneError> {
     let mut surface = Surface::default();
     let mut maps = Maps { path, images };
     surface.color = maps.read(t.get("color_map"), Encoding::Srgb)?;
@@ -66,7 +73,19 @@ pub(crate) fn read_material(mut t: Table<'_>, path: &Path, images: &mut ImageFil
             let elements = t.get("lobes").map_or(Ok(Vec::new()), |v| v.elements("an array of lobes"))?;
             let lobes: Result<Vec<_>, _> = elements.into_iter().map(lafortune_lobe).collect();
             maps.exponents(&mut t, &mut surface)?;
+            if let Some(v) = t.get("frame") {
+                surface.follows_u = match v.string()? {
+                    "normal" => false,
+                    "texture" => true,
+                    _ => return Err(v.error("expected \"normal\" or \"texture\"")),
+                };
+            }
             Lafortune { diffuse, lobes: lobes? }.into()
+        }
+        "merl" => {
+            let file = t.require("file")?;
+            let lobes = t.get("lobes").map_or(Ok(2), |v| v.whole(1, MAX_FITTED as u32))?;
+            measured(file, lobes as usize, path, context)?.into()
         }
         "metallic-roughness" => {
             let base = base_color(&mut t, "base", true)?;
@@ -87,14 +106,27 @@ pub(crate) fn read_material(mut t: Table<'_>, path: &Path, images: &mut ImageFil
         }
         other => {
             return Err(model.error(format!(
-                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\", \"lafortune\" or \
-                 \"metallic-roughness\""
+                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\", \"lafortune\", \
+                 \"merl\" or \"metallic-roughness\""
             )));
         }
     };
     let cut_out = t.get("alpha_cutoff").map(|v| cut_out(v, surface.color.as_ref())).transpose()?;
     t.finish()?;
     Ok(Look { material, surface, cut_out })
+}
+
+/// Lobes for a table of measurements beside the scene file; how far they are from it is told.
+fn measured(file: Value<'_>, lobes: usize, path: &Path, context: &mut Context) -> Result<Lafortune, SceneError> {
+    let bytes = load::read(&path.with_file_name("").join(file.string()?)).map_err(|e| file.error(e))?;
+    let table = Merl::read(&bytes).map_err(|e| file.error(e))?;
+    let fitted = fit(|i, o| table.eval(i, o), lobes).map_err(|e| file.error(e))?;
+    let (name, percent) = (file.string()?, 100.0 * fitted.residual);
+    context.warn(
+        path,
+        format!("{name}: a fit by {lobes} lobes is {percent:.0} % off (root mean square, weighted by cosines)"),
+    );
+    Ok(fitted.model)
 }
 
 /// Where the colour's image is opaque.

@@ -49,6 +49,8 @@ pub struct Surface {
     pub emission: Vec3,
     /// Its factor.
     pub emission_map: Option<TextureMap>,
+    /// Whether the material's tangent is the direction of growing u, of the first set of coordinates: anisotropic lobes follow the texture.
+    pub follows_u: bool,
     /// Whether the emission is a picture and no light: colours of vertices are factors of it.
     pub is_unlit: bool,
 }
@@ -99,7 +101,10 @@ impl Surface {
     #[must_use]
     pub fn varies(&self) -> bool {
         let channels = [&self.exponent, &self.metallic, &self.roughness];
-        self.color.is_some() || self.specular.is_some() || channels.iter().any(|channel| channel.is_some())
+        self.follows_u
+            || self.color.is_some()
+            || self.specular.is_some()
+            || channels.iter().any(|channel| channel.is_some())
     }
 
     /// Whether it has light of its own.

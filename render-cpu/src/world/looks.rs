@@ -45,11 +45,6 @@ impl World<'_> {
         let patch = self.patch(eye, found, beside, at);
         let place = |set: usize| patch.place(set);
         let color = patch.color();
-        let material = (color.is_some() || surface.varies()).then(|| {
-            let mut factors = surface.factors(&place);
-            factors.color *= color.unwrap_or(Vec3::ONE);
-            self.scene.materials[object.material].scaled(&factors)
-        });
         let mut emission = if surface.emits() { surface.emission(&place) } else { Vec3::ZERO };
         if surface.is_unlit {
             emission *= color.unwrap_or(Vec3::ONE);
@@ -60,6 +55,13 @@ impl World<'_> {
             let gradients = [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y];
             at.normal = turned(at, gradients, local);
         }
+        let material = (color.is_some() || surface.varies()).then(|| {
+            let mut factors = surface.factors(&place);
+            factors.color *= color.unwrap_or(Vec3::ONE);
+            let material = self.scene.materials[object.material].scaled(&factors);
+            let along = surface.follows_u.then(|| along_u(at, patch.changes(0)));
+            along.and_then(|along| material.turned(at.normal, along)).unwrap_or(material)
+        });
         Look { material, emission }
     }
 
@@ -152,12 +154,17 @@ fn on_ball(ball: Sphere, position: Vec3) -> ([f32; 2], [Vec3; 2]) {
     ([u, v], [east / (2.0 * PI * across), -north / (PI * ball.radius)])
 }
 
+/// The direction in the surface in which u grows and v does not; of any length.
+fn along_u(at: &Receiver, [u, v]: [Vec3; 2]) -> Vec3 {
+    v.cross(at.face) * u.cross(v).dot(at.face).signum()
+}
+
 /// The normal of a point turned to one in the frame of texture coordinates, on the eye's side.
 fn turned(at: &Receiver, [u, v]: [Vec3; 2], local: Vec3) -> Vec3 {
     let n = at.normal;
     // Along growing u and against growing v, in the surface.
     let turn = u.cross(v).dot(at.face);
-    let (to_u, to_v) = (v.cross(at.face) * turn.signum(), u.cross(at.face) * turn.signum());
+    let (to_u, to_v) = (along_u(at, [u, v]), u.cross(at.face) * turn.signum());
     let tangent = to_u - n * n.dot(to_u);
     let (Some(tangent), true) = (tangent.try_normalize(), turn.is_normal()) else { return n };
     let across = n.cross(tangent);
