@@ -1,10 +1,10 @@
 //! What the program reads.
 
 use cosine_lobes::render_cpu::{GBuffer, Geometry, Reference, ReferenceJob, World};
-use cosine_lobes::scene::{self, BlockerSet, SCHEMA_EXAMPLE, Scene};
+use cosine_lobes::scene::{self, BlockerSet, SCHEMA_EXAMPLE, Scene, Surface, Wrap};
 use cosine_lobes::sphere_sets::{BoundSet, BuildOptions, SphereSet};
 use cosine_lobes::{Comparison, ExrLayer, ExrPart, Output, merge_exr, read_exr, read_exr_layer, read_stamp, write_exr};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::cell::RefCell;
 use std::fs;
 use std::path::Path;
@@ -67,6 +67,73 @@ pub(crate) fn scene_seeds() -> Vec<Vec<u8>> {
     // Meshes are missing here.
     let without = |text: &str| text.replace("mesh = ", "sphere = { center = [0, 1, 0], radius = 0.5 } # ");
     vec![SCHEMA_EXAMPLE.into(), without(SCHEMA_EXAMPLE).into()]
+}
+
+/// An image on a quad and, cut out along its alpha, on another: refused in one line, or values in [0, 1] wherever it is looked at.
+pub(crate) fn image(data: &[u8]) {
+    // By this ending what no other format claims is TGA, which has no mark of its own.
+    with_file("p.tga", data, |file| {
+        let quad = "[[objects]]\nquad = { center = [0, 0, 0], u = [1, 0, 0], v = [0, 1, 0] }\nmaterial = ";
+        let map = "color_map = { file = \"p.tga\", scale = 1.5 }";
+        let text = format!(
+            "[materials.a]\nmodel = \"lambert\"\n{map}\nnormal_map = \"p.tga\"\n\
+             [materials.b]\nmodel = \"lambert\"\n{map}\nalpha_cutoff = 0.5\n{quad}\"a\"\n{quad}\"b\"\n"
+        );
+        let path = file.with_file_name("p.toml");
+        fs::write(&path, text).expect("room for the scene");
+        match scene::load(&path) {
+            Ok(scene) => {
+                for (_, texture) in scene.surfaces.iter().flat_map(Surface::textures) {
+                    for (i, wrap) in (0..).zip([Wrap::Repeat, Wrap::Mirror, Wrap::Clamp]) {
+                        let at = Vec2::new(-0.3, 1.7) * i as f32;
+                        for side in [0.0, 0.01, 0.3, 50.0] {
+                            let value = texture.sample(at, [Vec2::X * side, Vec2::splat(side)], [wrap; 2], i == 1);
+                            assert!(value.iter().all(|x| (0.0..=1.0001).contains(x)), "{value:?}");
+                        }
+                    }
+                }
+            }
+            Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+        }
+    });
+}
+
+pub(crate) fn image_seeds() -> Vec<Vec<u8>> {
+    use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
+    let texel = |x: u32, y: u32| Rgba([(40 * x) as u8, (70 * y) as u8, 90, (x * y * 30) as u8]);
+    let colors = DynamicImage::from(RgbaImage::from_fn(5, 4, texel));
+    let kinds = [
+        (colors.clone(), ImageFormat::Png),
+        (colors.to_luma16().into(), ImageFormat::Png),
+        (colors.to_rgb8().into(), ImageFormat::Jpeg),
+        (colors.to_rgb8().into(), ImageFormat::Bmp),
+        (colors, ImageFormat::Tga),
+    ];
+    let bytes = |(image, format): (DynamicImage, ImageFormat)| {
+        let mut out = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut out, format).expect("an image");
+        out.into_inner()
+    };
+    kinds.map(bytes).into()
+}
+
+/// A material library of a mesh.
+pub(crate) fn mtl(data: &[u8]) {
+    with_file("m.mtl", data, |file| {
+        let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 3/1 2/1 1/1\n";
+        let path = file.with_file_name("m.obj");
+        fs::write(&path, obj).expect("room for the mesh");
+        match scene::load(&path) {
+            Ok(scene) => scene.validate().expect("valid before"),
+            Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+        }
+    });
+}
+
+pub(crate) fn mtl_seeds() -> Vec<Vec<u8>> {
+    let text = "newmtl a\nKd 0.5 0.4 0.3\nKs 0.2 0.2 0.2\nNs 50\nillum 2\nmap_Kd -s 2 2 1 -o 0.5 0 -clamp on no such.png\n\
+        newmtl b\nKd 1\nPr 0.4\nPm 1\nKe 1 2 3\nnorm -bm 0.5 none.png\nd 0.5\nKd spectral file.rfl\n";
+    vec![text.into()]
 }
 
 pub(crate) fn sphere_set(data: &[u8]) {

@@ -26,12 +26,14 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 14] = [
+pub const TARGETS: [Target; 16] = [
     Target { name: "obj", kind: Kind::Text, run: files::obj, made: Vec::new },
     Target { name: "ply", kind: Kind::Mixed, run: files::ply, made: Vec::new },
     Target { name: "gltf", kind: Kind::Text, run: files::gltf, made: Vec::new },
     Target { name: "glb", kind: Kind::Mixed, run: files::glb, made: Vec::new },
     Target { name: "scene_file", kind: Kind::Text, run: files::scene_file, made: files::scene_seeds },
+    Target { name: "image", kind: Kind::Mixed, run: files::image, made: files::image_seeds },
+    Target { name: "mtl", kind: Kind::Text, run: files::mtl, made: files::mtl_seeds },
     Target { name: "sphere_set", kind: Kind::Text, run: files::sphere_set, made: files::sphere_set_seeds },
     Target { name: "exr", kind: Kind::Mixed, run: files::exr, made: files::exr_seeds },
     Target { name: "checkpoint", kind: Kind::Mixed, run: files::checkpoint, made: files::checkpoint_seeds },

@@ -1,0 +1,3 @@
+//! The target `image`.
+#![no_main]
+libfuzzer_sys::fuzz_target!(|data: &[u8]| fuzz::run("image", data));
