@@ -48,6 +48,8 @@ pub struct World<'s> {
     scene: &'s Scene,
     triangles: Tree<Corners>,
     balls: Tree<Ball>,
+    /// Of vertices, by object, for normal maps; empty without.
+    tangents: Vec<Vec<Vec3>>,
 }
 
 /// The two hierarchies of a [`World`], kept to be refitted to the next frame: [`World::refit`].
@@ -55,6 +57,7 @@ pub struct World<'s> {
 pub struct Hierarchy {
     triangles: Tree<Corners>,
     balls: Tree<Ball>,
+    tangents: Vec<Vec<Vec3>>,
 }
 
 #[derive(Clone, Copy)]
@@ -232,13 +235,14 @@ impl<'s> World<'s> {
     /// The same scene again, in which nothing has moved since its hierarchy was made. Costs nothing.
     #[must_use]
     pub fn kept(scene: &'s Scene, hierarchy: Hierarchy) -> Self {
-        Self { scene, triangles: hierarchy.triangles, balls: hierarchy.balls }
+        let Hierarchy { triangles, balls, tangents } = hierarchy;
+        Self { scene, triangles, balls, tangents }
     }
 
     /// What [`refit`](Self::refit) takes.
     #[must_use]
     pub fn into_hierarchy(self) -> Hierarchy {
-        Hierarchy { triangles: self.triangles, balls: self.balls }
+        Hierarchy { triangles: self.triangles, balls: self.balls, tangents: self.tangents }
     }
 
     fn make(scene: &'s Scene, old: Option<Hierarchy>) -> Self {
@@ -265,7 +269,7 @@ impl<'s> World<'s> {
                 build_cwbvh(&boxes.collect::<Vec<_>>(), params, &mut Duration::ZERO.clone())
             })
         });
-        Self { scene, triangles, balls }
+        Self { scene, triangles, balls, tangents: looks::tangents(scene) }
     }
 
     /// The scene that was prepared.

@@ -3,7 +3,7 @@
 use super::{BALL, World};
 use brdf::Material;
 use core::f32::consts::{FRAC_1_PI, PI};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Mat2, Vec2, Vec3};
 use lobe_core::{Receiver, Sphere};
 use scene::{Mesh, Scene, Shape, Surface, TexturePlace};
 
@@ -13,6 +13,43 @@ pub(crate) fn varied(scene: &Scene) -> Option<Vec<bool>> {
     let differs = |o: &scene::Object| scene.surface(o.material).is_some() || has_colors(&o.shape);
     let varied: Vec<bool> = scene.objects.iter().map(differs).collect();
     varied.contains(&true).then_some(varied)
+}
+
+/// For each object the tangents of its vertices along the growing u of its normal map, of length 1 and less where triangles do not agree;
+/// none for objects without such a map or without smooth normals, and nothing at all where no object has any.
+pub(super) fn tangents(scene: &Scene) -> Vec<Vec<Vec3>> {
+    let of = |o: &scene::Object| {
+        let (map, _) = scene.surface(o.material)?.normal.as_ref()?;
+        let Shape::Mesh(mesh) = &o.shape else { return None };
+        let uvs = mesh.uv_sets.get(map.uv_set)?;
+        (!mesh.normals.is_empty()).then(|| vertex_tangents(mesh, uvs, map.transform.matrix2))
+    };
+    let all: Vec<Vec<Vec3>> = scene.objects.iter().map(|o| of(o).unwrap_or_default()).collect();
+    if all.iter().all(Vec::is_empty) { Vec::new() } else { all }
+}
+
+/// Means of the adjoining triangles' tangents, weighted by their angles.
+fn vertex_tangents(mesh: &Mesh, uvs: &[Vec2], transform: Mat2) -> Vec<Vec3> {
+    let mut sums = vec![(Vec3::ZERO, 0.0); mesh.positions.len()];
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+        let [p, q, r] = triangle.map(|i| transform * uvs[i as usize]);
+        let (e1, e2, d1, d2) = (b - a, c - a, q - p, r - p);
+        // dP/du, but for a positive factor.
+        let turn = f64::from(d1.perp_dot(d2));
+        let tangent = ((e1 * f64::from(d2.y) - e2 * f64::from(d1.y)) * turn.signum()).try_normalize();
+        let (Some(tangent), true) = (tangent, turn.is_normal()) else { continue };
+        for k in 0..3 {
+            let at = |i: usize| mesh.positions[triangle[(k + i) % 3] as usize].as_dvec3();
+            let angle = (at(1) - at(0)).angle_between(at(2) - at(0)) as f32;
+            if angle.is_finite() {
+                let (sum, all) = &mut sums[triangle[k] as usize];
+                *sum += angle * tangent.as_vec3();
+                *all += angle;
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, all)| sum / all.max(f32::MIN_POSITIVE)).collect()
 }
 
 /// What a point has of its own.
@@ -53,7 +90,8 @@ impl World<'_> {
             let [u, v] = patch.changes(map.uv_set);
             let (m, [x, y]) = (map.transform.matrix2, [u, v]);
             let gradients = [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y];
-            at.normal = turned(at, gradients, local);
+            let tangents = self.tangents.get(at.object as usize).map_or(&[][..], Vec::as_slice);
+            at.normal = turned(at, gradients, patch.mix(tangents), local);
         }
         let material = (color.is_some() || surface.varies()).then(|| {
             let mut factors = surface.factors(&place);
@@ -127,10 +165,14 @@ impl Patch<'_> {
     }
 
     fn color(&self) -> Option<Vec3> {
-        let colors = &self.mesh?.colors;
+        self.mix(&self.mesh?.colors)
+    }
+
+    /// What vertices have, at the point; none where they have nothing.
+    fn mix(&self, of_vertices: &[Vec3]) -> Option<Vec3> {
         let [s, t] = self.weights;
-        let color = |i: usize| colors[self.vertices[i] as usize];
-        (!colors.is_empty()).then(|| color(0) * (1.0 - s - t) + color(1) * s + color(2) * t)
+        let value = |i: usize| of_vertices[self.vertices[i] as usize];
+        (!of_vertices.is_empty()).then(|| value(0) * (1.0 - s - t) + value(1) * s + value(2) * t)
     }
 }
 
@@ -159,12 +201,15 @@ fn along_u(at: &Receiver, [u, v]: [Vec3; 2]) -> Vec3 {
     v.cross(at.face) * u.cross(v).dot(at.face).signum()
 }
 
-/// The normal of a point turned to one in the frame of texture coordinates, on the eye's side.
-fn turned(at: &Receiver, [u, v]: [Vec3; 2], local: Vec3) -> Vec3 {
+/// The normal of a point turned to one in the frame of texture coordinates, on the eye's side; by the tangent of its vertices where that is
+/// near the triangle's own, which coordinates that are mirrored at a vertex leave it not.
+fn turned(at: &Receiver, [u, v]: [Vec3; 2], of_vertices: Option<Vec3>, local: Vec3) -> Vec3 {
     let n = at.normal;
     // Along growing u and against growing v, in the surface.
     let turn = u.cross(v).dot(at.face);
     let (to_u, to_v) = (along_u(at, [u, v]), u.cross(at.face) * turn.signum());
+    let own = to_u.normalize_or_zero();
+    let to_u = of_vertices.filter(|t| t.dot(own) > 0.5 * t.length().max(0.5)).unwrap_or(own);
     let tangent = to_u - n * n.dot(to_u);
     let (Some(tangent), true) = (tangent.try_normalize(), turn.is_normal()) else { return n };
     let across = n.cross(tangent);
