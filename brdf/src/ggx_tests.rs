@@ -199,6 +199,37 @@ fn coated_materials_never_reflect_more_than_they_get() {
     }
 }
 
+/// Other coats reflect by their own index, in both forms of lobes, and the base below gets what is left.
+#[test]
+fn coats_of_other_indices() {
+    let plastic = MetallicRoughness::new(Vec3::splat(0.5), 0.0, 0.4).unwrap();
+    let at = receiver(30.0);
+    // Rows that are there must not stay.
+    assert!(plastic.lobes(&at, false).count() > 1);
+    let flux = |m: &MetallicRoughness, takes: bool| -> (f32, f32) {
+        let lobes: Vec<_> = m.lobes(&at, takes).collect();
+        (lobes[0].flux.x, lobes[1..].iter().map(|lobe| lobe.flux.x).sum())
+    };
+    let mut last = flux(&plastic, false);
+    for (f0, f90) in [(0.1, 1.0), (0.25, 1.0), (0.6, 1.0)] {
+        let coated = plastic.clone().with_coat(Vec3::splat(f0), f90).unwrap();
+        let now = flux(&coated, false);
+        assert!(now.0 < last.0 && now.1 > last.1, "{f0}: {now:?} after {last:?}");
+        last = now;
+    }
+    // No coat at all: a diffuse surface.
+    let bare = plastic.clone().with_coat(Vec3::ZERO, 0.0).unwrap();
+    for takes in [false, true] {
+        assert_eq!(flux(&bare, takes), (0.5, 0.0));
+    }
+    let l = DVec3::new(0.3, 0.2, 0.9).normalize().as_vec3();
+    let diffuse = Material::lambert(Vec3::splat(0.5));
+    assert!((bare.eval(&at, l) - diffuse.eval(&at, l)).length() < 1e-6);
+    for (f0, f90) in [(0.5, 0.4), (-0.1, 1.0), (0.1, 1.1), (f32::NAN, 1.0)] {
+        assert!(plastic.clone().with_coat(Vec3::splat(f0), f90).is_err(), "{f0} {f90}");
+    }
+}
+
 #[test]
 fn turning_the_view_changes_the_highlight_continuously() {
     for roughness in [0.15_f32, 0.4, 0.7, 1.0] {

@@ -90,7 +90,8 @@ impl MetallicRoughness {
         if f90 < f0.max_element() {
             return Err(MaterialError::Fraction { name: "f90 less than f0", value: f90 });
         }
-        Ok(Self { coat: [f0, Vec3::splat(f90)], ..self })
+        // Lobes of directions that are there are another coat's.
+        Ok(Self { coat: [f0, Vec3::splat(f90)], rows: RowTable::own(), ..self })
     }
 
     /// One of many, a point's own: its parameters times factors in [0, 1].
@@ -102,12 +103,6 @@ impl MetallicRoughness {
             coat: self.coat,
             rows: RowTable::Shared,
         }
-    }
-
-    /// Base colour, metalness and roughness.
-    #[must_use]
-    pub const fn parameters(&self) -> (Vec3, f32, f32) {
-        (self.base, self.metallic, self.roughness)
     }
 
     pub(crate) fn rows(&self) -> &[Row; ROWS] {
