@@ -1,5 +1,6 @@
 //! The data behind glTF accessors, every length checked before anything is read or reserved.
 
+use crate::texture::unit;
 use glam::Vec3;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
@@ -69,7 +70,6 @@ impl<'a> Buffers<'a> {
     pub(crate) fn colors(&self, index: Index<Accessor>) -> Result<Vec<Vec3>, String> {
         let has_alpha = self.root.accessors.get(index.value()).is_some_and(|a| a.type_ == Checked::Valid(Type::Vec4));
         let values = self.floats(index, if has_alpha { Type::Vec4 } else { Type::Vec3 })?;
-        let unit = |x: f32| if x > 0.0 { x.min(1.0) } else { 0.0 };
         let color = |row: &[f32]| Vec3::new(unit(row[0]), unit(row[1]), unit(row[2]));
         Ok(values.chunks_exact(if has_alpha { 4 } else { 3 }).map(color).collect())
     }

@@ -4,7 +4,8 @@ use crate::cut_out::CutOut;
 use crate::gltf_buffers::Buffers;
 use crate::gltf_texture::{Images, Reference};
 use crate::load::Look;
-use crate::{Channel, Encoding, Surface, TextureMap};
+use crate::texture::unit;
+use crate::{Channel, Encoding, Surface};
 use brdf::{Material, MetallicRoughness};
 use glam::Vec3;
 use gltf::json::Root;
@@ -22,11 +23,6 @@ pub(crate) fn read_material(
     look(material, buffers, images).map_err(|e| format!("material {index}: {e}"))
 }
 
-/// Within [0, 1]; 0 for NaN.
-fn unit(x: f32) -> f32 {
-    if x > 0.0 { x.min(1.0) } else { 0.0 }
-}
-
 fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> Result<Look, String> {
     let limit = match material.alpha_mode {
         Checked::Invalid => return Err("unknown alphaMode".to_owned()),
@@ -37,37 +33,34 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
             Some(0.5)
         }
     };
-    let mut map = |reference: Option<Reference<'_>>, encoding| -> Result<Option<TextureMap>, String> {
-        reference.map_or(Ok(None), |reference| images.map(buffers, &reference, encoding))
-    };
     let pbr = &material.pbr_metallic_roughness;
+    // Those that mean nothing here, too.
+    let textures = [
+        pbr.base_color_texture.as_ref().map(|t| t.index),
+        pbr.metallic_roughness_texture.as_ref().map(|t| t.index),
+        material.normal_texture.as_ref().map(|t| t.index),
+        material.occlusion_texture.as_ref().map(|t| t.index),
+        material.emissive_texture.as_ref().map(|t| t.index),
+    ];
+    textures.into_iter().flatten().try_for_each(|index| images.source(index.value()).map(|_| ()))?;
     let extensions = material.extensions.as_ref();
-    let color = map(pbr.base_color_texture.as_ref().map(Into::into), Encoding::Srgb)?;
+    let color = images.map(buffers, pbr.base_color_texture.as_ref().map(Into::into), Encoding::Srgb)?;
     let [r, g, b, factor] = pbr.base_color_factor.0;
     let cut_out = limit.map(|limit| CutOut { map: color.clone(), factor: unit(factor), limit });
     let base = Vec3::new(unit(r), unit(g), unit(b));
-    // Means nothing to direct light, but a document that names one that it does not have is broken.
-    if let Some(occlusion) = &material.occlusion_texture
-        && occlusion.index.value() >= images.textures()
-    {
-        return Err(format!("there is no texture {}", occlusion.index.value()));
-    }
     if extensions.is_some_and(|e| e.unlit.is_some()) {
         let surface = Surface { emission: base, emission_map: color, is_unlit: true, ..Surface::default() };
         return Ok(Look { material: Material::lambert(Vec3::ZERO), surface, cut_out });
     }
-    let mut map = |reference: Option<Reference<'_>>, encoding| -> Result<Option<TextureMap>, String> {
-        reference.map_or(Ok(None), |reference| images.map(buffers, &reference, encoding))
-    };
-    let numbers = map(pbr.metallic_roughness_texture.as_ref().map(Into::into), Encoding::Linear)?;
+    let numbers = images.map(buffers, pbr.metallic_roughness_texture.as_ref().map(Into::into), Encoding::Linear)?;
     let channel = |index| numbers.clone().map(|map| Channel { map, index });
     let normal = material.normal_texture.as_ref();
-    let normal_map = map(normal.map(|n| Reference::new(n.index, n.tex_coord)), Encoding::Linear)?;
+    let normal_map = images.map(buffers, normal.map(|n| Reference::new(n.index, n.tex_coord)), Encoding::Linear)?;
     let scale = normal.map_or(1.0, |n| n.scale);
     if !scale.is_finite() {
         return Err(format!("normal texture has scale {scale}"));
     }
-    let emission_map = map(material.emissive_texture.as_ref().map(Into::into), Encoding::Srgb)?;
+    let emission_map = images.map(buffers, material.emissive_texture.as_ref().map(Into::into), Encoding::Srgb)?;
     let strength = extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
     let positive = |x: f32| if x > 0.0 { x.min(MAX_EMISSION) } else { 0.0 };
     let emission = material.emissive_factor.0.map(unit).map(|e| positive(e * positive(strength)));

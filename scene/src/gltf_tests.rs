@@ -164,3 +164,19 @@ fn lengths_in_the_header_of_a_binary_file() {
     padded.extend([0; 16]);
     assert_eq!(read(&padded), Ok(1));
 }
+
+/// Also by what has no effect: occlusion, and the textures of unlit materials.
+#[test]
+fn textures_that_do_not_exist_are_refused_wherever_they_are_named() {
+    let document = |material: &str, more: &str| {
+        let own = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}}"#;
+        triangle(r#"[{"mesh": 0}]"#, more).replace(own, material)
+    };
+    let unlit = r#"{"extensions": {"KHR_materials_unlit": {}}, "normalTexture": {"index": 0}}"#;
+    for material in [r#"{"occlusionTexture": {"index": 0}}"#, r#"{"normalTexture": {"index": 0}}"#, unlit] {
+        let message = parse(&document(material, "")).err().expect(material);
+        assert!(message.contains("material 0: there is no texture 0"), "{message}");
+        let message = parse(&document(material, r#", "textures": [{"source": 3}]"#)).err().expect(material);
+        assert!(message.contains("material 0: texture 0: there is no image 3"), "{message}");
+    }
+}

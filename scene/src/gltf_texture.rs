@@ -44,24 +44,31 @@ impl<'a> Images<'a> {
         Self { path, root, known: HashMap::new(), notes: Vec::new() }
     }
 
-    /// A texture and how it lies; none where its image is not there, which is told, or in no format that is read.
+    /// A texture, and the number of its image if it names one; a document that names what it does not have is broken.
+    pub(crate) fn source(&self, index: usize) -> Result<(&'a texture::Texture, Option<usize>), String> {
+        let texture = self.root.textures.get(index).ok_or_else(|| format!("there is no texture {index}"))?;
+        match texture.source.value() {
+            // The document reader takes this number for a source that is not named.
+            image if image == u32::MAX as usize => Ok((texture, None)),
+            image if image >= self.root.images.len() => Err(format!("texture {index}: there is no image {image}")),
+            image => Ok((texture, Some(image))),
+        }
+    }
+
+    /// A texture, if there is a reference to one, and how it lies; none where its image is not there, which is told, or in no format that
+    /// is read.
     pub(crate) fn map(
         &mut self,
         buffers: &Buffers<'_>,
-        reference: &Reference<'_>,
+        reference: Option<Reference<'_>>,
         encoding: Encoding,
     ) -> Result<Option<TextureMap>, String> {
+        let Some(reference) = reference else { return Ok(None) };
         let index = reference.index;
-        let texture = self.root.textures.get(index).ok_or_else(|| format!("there is no texture {index}"))?;
-        let image = texture.source.value();
-        // The document reader takes this number for a source that is not named.
-        if image == u32::MAX as usize {
+        let (texture, Some(image)) = self.source(index)? else {
             self.note(format!("texture {index} has no image that is read: its factor is taken alone"));
             return Ok(None);
-        }
-        if image >= self.root.images.len() {
-            return Err(format!("texture {index}: there is no image {image}"));
-        }
+        };
         let key = (image, encoding == Encoding::Srgb);
         let texture_of = match self.known.get(&key) {
             Some(known) => known.clone(),
@@ -98,11 +105,6 @@ impl<'a> Images<'a> {
     /// The document's file.
     pub(crate) const fn path(&self) -> &'a Path {
         self.path
-    }
-
-    /// How many textures the document has.
-    pub(crate) fn textures(&self) -> usize {
-        self.root.textures.len()
     }
 
     /// Something to tell once.

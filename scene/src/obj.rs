@@ -1,7 +1,7 @@
 //! Wavefront OBJ: positions, normals, texture coordinates, colours, polygons by material. Lines and curves are ignored.
 
 use crate::load::{Context, Look, Part, counted};
-use crate::texture::srgb_decoded;
+use crate::texture::{srgb_decoded, unit};
 use crate::{Mesh, SceneError, mtl};
 use brdf::Lambert;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -176,7 +176,7 @@ fn texture_coordinates<'w>(mut words: impl Iterator<Item = &'w str>) -> Result<V
 fn vertex<'w>(words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<(Vec3, Option<Vec3>), String> {
     let color = match words.clone().skip(3).collect::<Vec<_>>()[..] {
         [r, g, b] => {
-            let channel = |word| number(word).map(|x| srgb_decoded(if x > 0.0 { x.min(1.0) } else { 0.0 }));
+            let channel = |word| number(word).map(|x| srgb_decoded(unit(x)));
             Some(Vec3::new(channel(r)?, channel(g)?, channel(b)?))
         }
         _ => None,

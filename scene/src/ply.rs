@@ -1,7 +1,7 @@
 //! Stanford PLY: ascii and binary, positions, normals, colours, texture coordinates, polygons. Other elements and properties are skipped.
 
 use crate::load::Part;
-use crate::texture::srgb_decoded;
+use crate::texture::{srgb_decoded, unit};
 use crate::{Mesh, SceneError};
 use brdf::Lambert;
 use glam::{DVec3, Vec2, Vec3};
@@ -299,6 +299,5 @@ fn channel(value: f64, kind: Kind) -> f32 {
         Kind::U16 => 65535.0,
         _ => 1.0,
     };
-    let share = value / most;
-    srgb_decoded(if share > 0.0 { share.min(1.0) as f32 } else { 0.0 })
+    srgb_decoded(unit((value / most) as f32))
 }

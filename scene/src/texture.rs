@@ -356,6 +356,11 @@ static DECODED: LazyLock<Decoded> = LazyLock::new(|| {
     }
 });
 
+/// Within [0, 1]; 0 for NaN.
+pub(crate) fn unit(x: f32) -> f32 {
+    if x > 0.0 { x.min(1.0) } else { 0.0 }
+}
+
 /// Linear value of an sRGB one in [0, 1].
 pub(crate) fn srgb_decoded(x: f32) -> f32 {
     let x = f64::from(x);
