@@ -1,4 +1,4 @@
-// What metals begin with: colours of the base and of reflection at normal incidence, reflection at grazing views; roughness; of the coat both
+// The first words of a metal: colours of the base and of reflection at normal incidence, reflection at grazing views; roughness; of the coat both
 // reflectances; the base's brightest channel; alpha; where the coat's table begins, whose sizes are COAT_ROUGHNESSES and COAT_VIEWS.
 
 // `Coat::leaves`.

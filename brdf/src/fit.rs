@@ -33,7 +33,7 @@ const ANGLES: usize = 48;
 /// arithmetic is IEEE 754.
 ///
 /// # Accuracy
-/// What is a sum of such lobes is found again to within 1 %. A metal of GGX (roughness 0.4) is left with residuals of 0.31, 0.25 and 0.24 by
+/// A sum of such lobes is found again to within 1 %. A metal of GGX (roughness 0.4) is left with residuals of 0.31, 0.25 and 0.24 by
 /// one, two and three lobes, which do not grow toward grazing views as it does: [`MetallicRoughness`](crate::MetallicRoughness) is its model.
 ///
 /// # Cost

@@ -144,7 +144,7 @@ fn half_vectors<T>(
     }
 }
 
-/// What is reflected of a view, with `F = 1 − s` and with `F = s`, `s = (1 − v·h)⁵`.
+/// The share of light that a view reflects, with `F = 1 − s` and with `F = s`, `s = (1 − v·h)⁵`.
 pub(crate) fn reflected(alpha: f64, view: [f64; 2]) -> [f64; 2] {
     let mut sums = [0.0; 2];
     half_vectors(
