@@ -54,7 +54,7 @@ fn scene(exponent: f32, half_angle: f32) -> Scene {
         background: Vec3::ZERO,
         materials: vec![floor],
         objects: vec![Object::mesh("floor", floor_mesh, 0, Proxy::None), casters],
-        lights: vec![SphereLight::new(Sphere { center: up * distance, radius: distance * sin }, Vec3::ONE)],
+        lights: vec![SphereLight::new(Sphere { center: up * distance, radius: distance * sin }, Vec3::ONE).into()],
     }
 }
 

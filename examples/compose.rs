@@ -6,8 +6,8 @@
 use cosine_lobes::brdf::Lambert;
 use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{
-    Accuracy, BrdfLobes, Call, Integrator, LightId, LightLobes, LightTerm, LobeBuffer, Receiver, Sphere,
-    VisibilityLobes, VisibilitySum, Visit,
+    Accuracy, BrdfLobes, Call, Integrator, LightId, LightLobes, LobeBuffer, Receiver, Sphere, VisibilityLobes,
+    VisibilitySum, Visit,
 };
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (x, z) = ((i % width) as f32 / 100.0 - 3.2, (i / width) as f32 / 100.0 - 1.8);
         let at = Receiver { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
         material.brdf_lobes(&at, &mut lobes.writer())?;
-        let term = LightTerm { cone: light.cone(&at), radiance: light.radiance(&at) };
+        let term = light.term(&at);
         let call = Call { at: &at, brdf: lobes.lobes(), light: &term };
         let mut visit = Visit::alone(&visibility, LightId(0), accuracy, &mut scratch);
         let lit = integrator.radiance(&call, &mut visit, &mut sum, &mut ())?;

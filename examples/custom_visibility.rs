@@ -65,7 +65,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         background: Vec3::ZERO,
         materials: vec![Material::lambert(Vec3::new(0.7, 0.68, 0.64)), Material::lambert(Vec3::new(0.5, 0.27, 0.13))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("table", table, 1, Proxy::None)],
-        lights: vec![SphereLight::new(Sphere { center: Vec3::new(-2.0, 4.0, 1.5), radius: 0.5 }, Vec3::splat(120.0))],
+        lights: vec![
+            SphereLight::new(Sphere { center: Vec3::new(-2.0, 4.0, 1.5), radius: 0.5 }, Vec3::splat(120.0)).into(),
+        ],
     };
     let points = GBuffer::new(&World::new(&scene), 640, 400, 4);
     let frame =

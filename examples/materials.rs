@@ -120,7 +120,7 @@ fn by_lobes(material: &Material, case: &Case, accuracy: Accuracy) -> Radiance {
     if material.brdf_lobes(&case.at, &mut lobes.writer_of(true)).is_err() {
         return [DVec3::NAN; 2];
     }
-    let light = LightTerm { cone: case.cone, radiance: Vec3::ONE };
+    let light = LightTerm::of_cone(case.cone, Vec3::ONE);
     let call = Call { at: &case.at, brdf: lobes.lobes(), light: &light };
     let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
     match Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()) {
@@ -186,7 +186,7 @@ fn cost(material: &Material) -> [f64; 2] {
     };
     let count = SIDE * SIDE;
     let points = ShadingPoints { receivers: (0..count).map(at).collect(), materials: vec![0; count as usize] };
-    let light = SphereLight::new(Sphere { center: Vec3::new(0.5, 3.0, -3.0), radius: 0.4 }, Vec3::ONE);
+    let light = SphereLight::new(Sphere { center: Vec3::new(0.5, 3.0, -3.0), radius: 0.4 }, Vec3::ONE).into();
     let frame = Frame {
         materials: std::slice::from_ref(material),
         lights: &[light],

@@ -77,7 +77,9 @@ async fn run() -> Result<(), Box<dyn Error>> {
         let texels = read(&device, &queue, &texture)?;
         println!("picture {picture}: {:.0} ms, read back", 1e3 * start.elapsed().as_secs_f64());
         save(&format!("{prefix}-{picture}.png"), &texels, scene.background)?;
-        scene.lights[0].ball.center += Vec3::new(-3.0, 0.5, 0.0);
+        if let Some(light) = scene.lights[0].as_sphere_mut() {
+            light.ball.center += Vec3::new(-3.0, 0.5, 0.0);
+        }
     }
     Ok(())
 }

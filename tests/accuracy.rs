@@ -2,7 +2,7 @@
 //! and the paper's method beside them.
 
 use cosine_lobes::brdf::{Lambert, Material, MetallicRoughness, ModifiedPhong};
-use cosine_lobes::lighting::SphereLight;
+use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{Accuracy, Cone, Method, Sphere, Unshadowed, VisibilityLobes, oracle};
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, Geometry, Reference, ReferenceJob, World, blockers};
@@ -76,12 +76,12 @@ fn default_settings_are_as_accurate_as_promised() {
 }
 
 /// A floor below one light, nothing else.
-fn floor(material: Material, light: SphereLight) -> Scene {
+fn floor(material: Material, light: impl Into<Light>) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 20.0, Vec3::NEG_Z * 20.0);
     Scene {
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None)],
         materials: vec![material],
-        lights: vec![light],
+        lights: vec![light.into()],
         ..small(96, 54)
     }
 }
@@ -196,7 +196,7 @@ fn cost_and_radiance_are_additive_in_the_lights() {
     let g = GBuffer::new(&world, scene.width, scene.height, 1);
     let set = posed(&scene);
     let shader = CpuShader::new(MaskVisibility::new(spheres(&set)));
-    let with = |lights: &[SphereLight]| {
+    let with = |lights: &[Light]| {
         let scene = Scene { lights: lights.to_vec(), ..scene.clone() };
         shade(&scene, &g, &shader, 0.005, 0.0)
     };

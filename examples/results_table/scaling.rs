@@ -3,7 +3,7 @@
 use crate::measure::{Timing, frames};
 use crate::scenes::{cube, diffuse, floor_scene, light};
 use crate::sets::{add_balls, blob};
-use cosine_lobes::lighting::SphereLight;
+use cosine_lobes::lighting::Light;
 use cosine_lobes::render_cpu::{GBuffer, World};
 use cosine_lobes::scene::{BlockerSet, Scene};
 use glam::Vec3;
@@ -59,7 +59,7 @@ fn blob_scene(balls: &[cosine_lobes::lobe_core::Sphere]) -> (Scene, BlockerSet) 
 }
 
 /// So many small lights on a golden spiral over the upper half of a sphere.
-fn lights(count: usize) -> Vec<SphereLight> {
+fn lights(count: usize) -> Vec<Light> {
     let at = |i: usize| {
         let y = 0.35 + 0.6 * (i as f32 + 0.5) / count as f32;
         let (s, c) = (i as f32 * 2.399_963).sin_cos();

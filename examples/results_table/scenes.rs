@@ -2,7 +2,7 @@
 
 use crate::sets::{add, add_balls, set, spot};
 use cosine_lobes::brdf::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong};
-use cosine_lobes::lighting::SphereLight;
+use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::Sphere;
 use cosine_lobes::render_cpu::{GBuffer, World};
 use cosine_lobes::scene::{BlockerSet, Camera, Mesh, Object, Proxy, Scene};
@@ -121,18 +121,12 @@ fn lafortune() -> Vec<Material> {
     (0..16).map(one).collect()
 }
 
-pub(crate) fn light(center: Vec3, radius: f32) -> SphereLight {
-    SphereLight::new(Sphere { center, radius }, Vec3::splat(30.0 / (radius * radius)))
+pub(crate) fn light(center: Vec3, radius: f32) -> Light {
+    SphereLight::new(Sphere { center, radius }, Vec3::splat(30.0 / (radius * radius))).into()
 }
 
 /// What the camera sees of a floor that fills the picture.
-pub(crate) fn floor_scene(
-    eye: Vec3,
-    target: Vec3,
-    fov: f32,
-    materials: Vec<Material>,
-    lights: Vec<SphereLight>,
-) -> Scene {
+pub(crate) fn floor_scene(eye: Vec3, target: Vec3, fov: f32, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 400.0, Vec3::NEG_Z * 400.0);
     Scene {
         surfaces: Vec::new(),
@@ -197,7 +191,7 @@ pub(crate) fn close_up(radius: f32, count: usize) -> (Scene, BlockerSet) {
 }
 
 /// A cube of 64 spheres over a floor.
-pub(crate) fn cube(lights: Vec<SphereLight>) -> (Scene, BlockerSet) {
+pub(crate) fn cube(lights: Vec<Light>) -> (Scene, BlockerSet) {
     let at = |i: u32| (i as f32 - 1.5) * 0.25;
     let balls: Vec<Sphere> = (0..64)
         .map(|i| Sphere { center: Vec3::new(at(i % 4), at(i / 4 % 4) + 0.9, at(i / 16)), radius: 0.17 })

@@ -14,8 +14,8 @@ mod sheet;
 
 use crate::sheet::{Cell, Sheet};
 use cosine_lobes::brdf::Material;
-use cosine_lobes::lighting::SphereLight;
-use cosine_lobes::lobe_core::{Accuracy, DynVisibility, Sphere, Unshadowed};
+use cosine_lobes::lighting::{Light, SphereLight};
+use cosine_lobes::lobe_core::{Accuracy, DynVisibility, LightLobes, Sphere, Unshadowed};
 use cosine_lobes::render_cpu::{
     CpuShader, Estimate, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
 };
@@ -251,7 +251,10 @@ impl Part {
 
     fn of(scene: &Scene, points: &GBuffer, k: usize) -> Self {
         let at = &points.points.receivers[k];
-        let whole = |l: &SphereLight| points.points.receivers[k].face.dot(l.ball.center - at.position) > l.ball.radius;
+        let whole = |l: &Light| {
+            let ball = l.bounds();
+            points.points.receivers[k].face.dot(ball.center - at.position) > ball.radius
+        };
         match scene.objects.get(at.object as usize) {
             Some(object) if !casts(object) => Self::Floor,
             _ if scene.lights.iter().all(whole) => Self::Object,
@@ -279,7 +282,7 @@ fn maps(scene: &Scene, points: &GBuffer) -> Result<Vec<ShadowMap>, Box<dyn Error
     }
     let receivers = ReceiverBounds::of(points.points.receivers.iter().map(|r| r.position));
     let options = MapOptions { resolution: TEXELS, receivers, ..MapOptions::default() };
-    let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options);
+    let map = |l: &Light| ShadowMap::fitted(&all.positions, &all.triangles, l.bounds(), &options);
     Ok(scene.lights.iter().map(map).collect::<Result<_, _>>()?)
 }
 
@@ -355,7 +358,7 @@ fn built() -> Vec<(&'static str, Scene)> {
             background: Vec3::ZERO,
             materials: vec![Material::lambert(Vec3::splat(0.6)), Material::lambert(Vec3::new(0.7, 0.5, 0.3))],
             objects: vec![Object::mesh("floor", floor, 0, Proxy::None), object],
-            lights: vec![SphereLight::new(light, Vec3::ONE)],
+            lights: vec![SphereLight::new(light, Vec3::ONE).into()],
         }
     };
     vec![

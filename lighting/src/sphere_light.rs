@@ -1,5 +1,4 @@
-use glam::Vec3;
-use lobe_core::gpu::GpuLight;
+use glam::{Mat4, Vec3};
 use lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight, cone_lobe};
 
 /// A ball that emits the same radiance in all directions from all of its surface.
@@ -26,6 +25,18 @@ impl SphereLight {
         let pi = core::f32::consts::PI;
         Self { ball, radiance: flux / (4.0 * pi * pi * ball.radius * ball.radius) }
     }
+
+    /// A small light of the intensity `I` (W·sr⁻¹ per channel, from afar): `L = I/(πr²)`. The radius must be positive.
+    #[must_use]
+    pub fn with_intensity(ball: Sphere, intensity: Vec3) -> Self {
+        Self { ball, radiance: intensity / (core::f32::consts::PI * ball.radius * ball.radius) }
+    }
+
+    /// The same light somewhere else. Turns and shifts only.
+    #[must_use]
+    pub fn moved(&self, placement: Mat4) -> Self {
+        Self { ball: Sphere { center: placement.transform_point3(self.ball.center), ..self.ball }, ..*self }
+    }
 }
 
 impl LightLobes for SphereLight {
@@ -50,14 +61,5 @@ impl LightLobes for SphereLight {
 
     fn tile_light(&self, _: &[Receiver], tile: &Tile, out: &mut TileLight) {
         out.ball(tile, self.ball, self.radiance);
-    }
-}
-
-impl GpuLight for SphereLight {
-    const NAME: &'static str = "sphere lights";
-    const WGSL: &'static str = include_str!("sphere_light.wgsl");
-
-    fn gpu_radiance(&self) -> [f32; 3] {
-        self.radiance.to_array()
     }
 }

@@ -72,6 +72,18 @@ pub trait GpuLight: LightLobes {
     /// [`cone`](LightLobes::cone) and [`radiance`](LightLobes::radiance).
     const WGSL: &'static str;
 
+    /// Name and text for the lights of a frame. [`NAME`](Self::NAME) and [`WGSL`](Self::WGSL), unless some of several kinds need less.
+    ///
+    /// # Errors
+    /// Which of them a GPU cannot shade with.
+    fn gpu_text(lights: &[Self]) -> Result<[&'static str; 2], &'static str>
+    where
+        Self: Sized,
+    {
+        let _ = lights;
+        Ok([Self::NAME, Self::WGSL])
+    }
+
     /// What `frame.radiance` holds.
     fn gpu_radiance(&self) -> [f32; 3];
 

@@ -1,7 +1,7 @@
 use crate::product::normalized_total;
-use crate::{Cone, Lobes};
 use crate::{
-    Coverage, Lobe, LobesFull, Look, PartlySeen, Receiver, VisibilityLobes, VisibilitySum, Visit, cap_integral, paper,
+    Cone, Coverage, Lobe, Lobes, LobesFull, Look, Outline, PartlySeen, Receiver, VisibilityLobes, VisibilitySum, Visit,
+    cap_integral, outline_integral, paper,
 };
 use glam::Vec3;
 
@@ -55,6 +55,25 @@ pub struct LightTerm {
     pub cone: Cone,
     /// Its radiance, W·m⁻²·sr⁻¹ per channel.
     pub radiance: Vec3,
+    /// What of the cone is bright, where that is not all of it.
+    pub outline: Option<Outline>,
+}
+
+impl LightTerm {
+    /// A light that is bright in all of its cone.
+    #[must_use]
+    pub const fn of_cone(cone: Cone, radiance: Vec3) -> Self {
+        Self { cone, radiance, outline: None }
+    }
+
+    /// The integral of a lobe of flux 1 over it: [`cap_integral`], or [`outline_integral`].
+    #[must_use]
+    pub fn integral(&self, at: &Receiver, lobe: &Lobe) -> f32 {
+        match &self.outline {
+            None => cap_integral(at, lobe, &self.cone),
+            Some(outline) => outline_integral(at, lobe, outline),
+        }
+    }
 }
 
 /// What one light adds to the radiance toward the eye.
@@ -120,8 +139,9 @@ impl Integrator<'_> {
     ) -> Result<Lit, LobesFull> {
         let mut lit = Lit::default();
         let mut seen = None;
+        let above = call.light.outline.and_then(|outline| outline.above(call.at.normal));
         for f in call.brdf.iter() {
-            let integral = cap_integral(call.at, &f, &call.light.cone);
+            let integral = call.light.integral(call.at, &f);
             let unshadowed = f.flux * call.light.radiance * integral;
             probe.count(0, 1);
             probe.end(Stage::Lighting);
@@ -132,11 +152,12 @@ impl Integrator<'_> {
                 }
                 continue;
             }
-            let fraction = match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, probe)) {
-                Look::Lit => 1.0,
-                Look::Dark => 0.0,
-                Look::Partial(seen) => partly_seen(visit, seen, &f, integral, sum, probe)?,
-            };
+            let fraction =
+                match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, above.as_ref(), probe)) {
+                    Look::Lit => 1.0,
+                    Look::Dark => 0.0,
+                    Look::Partial(seen) => partly_seen(visit, seen, &f, integral, sum, probe)?,
+                };
             lit.radiance += unshadowed * fraction;
         }
         Ok(lit)
@@ -170,7 +191,7 @@ impl Integrator<'_> {
                 probe.prune();
                 continue;
             }
-            match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, probe)) {
+            match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, None, probe)) {
                 Look::Lit => {
                     lit.radiance += unshadowed;
                     continue;
@@ -202,9 +223,10 @@ pub(crate) fn look<'q, V: VisibilityLobes + ?Sized>(
     visit: &mut Visit<'_, V>,
     at: &'q Receiver,
     cone: &'q Cone,
+    outline: Option<&'q Outline>,
     probe: &mut impl Probe,
 ) -> Look<'q> {
-    let seen = visit.look(at, cone);
+    let seen = visit.look_through(at, cone, outline);
     probe.coverage(seen.coverage());
     probe.end(Stage::Mask);
     seen

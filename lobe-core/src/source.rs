@@ -1,8 +1,8 @@
 //! The three sources of lobes (reflectance, light, visibility) and what they exchange.
 
 use crate::{
-    Accuracy, Cone, LightId, Lobe, LobeBuffer, LobesFull, LobesMut, PartlySeen, Receiver, Shaft, Sphere, Tile,
-    TileLight, TileLobes,
+    Accuracy, Cone, LightId, LightTerm, Lobe, LobeBuffer, LobesFull, LobesMut, Outline, PartlySeen, Receiver, Shaft,
+    Sphere, Tile, TileLight, TileLobes,
 };
 use core::any::Any;
 use glam::Vec3;
@@ -74,7 +74,7 @@ impl<B: BrdfLobes + ?Sized> BrdfLobes for Box<B> {
     }
 }
 
-/// An area light, seen as a uniformly bright cone of directions.
+/// An area light, seen as a uniformly bright cone of directions, or as a uniformly bright convex polygon in such a cone.
 ///
 /// ```
 /// use glam::Vec3;
@@ -111,11 +111,29 @@ pub trait LightLobes {
     /// under which it is seen.
     fn bounds(&self) -> Sphere;
 
+    /// A ball around what receivers in a ball see of the light. [`bounds`](Self::bounds) by default; less for a light at infinity.
+    fn bounds_from(&self, receivers: &Sphere) -> Sphere {
+        let _ = receivers;
+        self.bounds()
+    }
+
     /// The cone in which the light is seen from `at`.
     fn cone(&self, at: &Receiver) -> Cone;
 
     /// Radiance inside the cone, W·m⁻²·sr⁻¹ per channel.
     fn radiance(&self, at: &Receiver) -> Vec3;
+
+    /// What of the cone is bright, where that is not all of it: of a flat light, around which the cone is. None by default. A light that
+    /// faces away has an empty cone.
+    fn outline(&self, at: &Receiver) -> Option<Outline> {
+        let _ = at;
+        None
+    }
+
+    /// All three. Provided; the same, bit for bit.
+    fn term(&self, at: &Receiver) -> LightTerm {
+        LightTerm { cone: self.cone(at), radiance: self.radiance(at), outline: self.outline(at) }
+    }
 
     /// Appends lobes of the incident radiance (Eq. 7): here the moment lobe of the cone, whose flux and mean vector
     /// are exact.
@@ -124,13 +142,13 @@ pub trait LightLobes {
     /// [`LobesFull`] when `out` has no room.
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull>;
 
-    /// The light as all receivers of a tile see it. Provided: one [`cone`](Self::cone) and one [`radiance`](Self::radiance) after
-    /// the other. A kind of light that has something faster overrides it; cones and radiance are to be the same, bit for bit.
+    /// The light as all receivers of a tile see it. Provided: one [`term`](Self::term) after the other. A kind of light that has
+    /// something faster overrides it; the terms are to be the same, bit for bit.
     ///
     /// # Panics
     /// When `at` is not as long as the tile.
     fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
-        out.one_by_one(tile, at.iter().map(|at| (self.cone(at), self.radiance(at))));
+        out.one_by_one(tile, at.iter().map(|at| self.term(at)));
     }
 }
 
@@ -138,11 +156,20 @@ impl<L: LightLobes + ?Sized> LightLobes for Box<L> {
     fn bounds(&self) -> Sphere {
         (**self).bounds()
     }
+    fn bounds_from(&self, receivers: &Sphere) -> Sphere {
+        (**self).bounds_from(receivers)
+    }
     fn cone(&self, at: &Receiver) -> Cone {
         (**self).cone(at)
     }
     fn radiance(&self, at: &Receiver) -> Vec3 {
         (**self).radiance(at)
+    }
+    fn outline(&self, at: &Receiver) -> Option<Outline> {
+        (**self).outline(at)
+    }
+    fn term(&self, at: &Receiver) -> LightTerm {
+        (**self).term(at)
     }
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
         (**self).light_lobes(at, out)
@@ -172,6 +199,9 @@ pub struct VisibilityQuery<'a> {
     pub light: LightId,
     /// The light as seen from there, or the part of it that is asked about.
     pub cone: &'a Cone,
+    /// What of the cone is bright and above the receiver's horizon, where the light is flat. The cone may then be all of the hemisphere
+    /// before the light's plane.
+    pub outline: Option<&'a Outline>,
     /// What error is requested.
     pub accuracy: Accuracy,
 }
@@ -239,7 +269,7 @@ impl VisibilitySum {
 ///
 /// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
 /// let ball = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
-/// let light = LightTerm { cone: Cone::of_sphere(at.position, ball), radiance: Vec3::splat(3.0) };
+/// let light = LightTerm::of_cone(Cone::of_sphere(at.position, ball), Vec3::splat(3.0));
 /// let mut brdf = LobeBuffer::with_capacity(1);
 /// brdf.writer().push(Lobe::new(at.normal, 1.0, Vec3::ONE)).unwrap();
 ///

@@ -572,7 +572,7 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
         }
     }
     let mut light = TileLight::default();
-    light.one_by_one(&tile, cones.iter().map(|cone| (*cone, Vec3::ONE)));
+    light.one_by_one(&tile, cones.iter().map(|cone| LightTerm::of_cone(*cone, Vec3::ONE)));
     for level in levels() {
         crate::cap::integrals_at(level, &light, &lobes, &mut out);
         for (i, (at, cone)) in at.iter().zip(&cones).enumerate() {

@@ -1,7 +1,7 @@
 //! Receivers that are shaded together, and what they exchange, in columns.
 
 use crate::lanes::{Columns, Kept, Lane, Level, WIDTH, map, row, set_row};
-use crate::{BrdfLobes, Cone, Lobe, LobeBuffer, LobesFull, Receiver, Sphere};
+use crate::{BrdfLobes, Cone, LightTerm, Lobe, LobeBuffer, LobesFull, Outline, Receiver, Sphere};
 use glam::Vec3;
 
 /// Position, normal and view of receivers, sixteen to a block.
@@ -97,6 +97,8 @@ pub struct TileLight {
     /// The same for all receivers, where `each` is empty.
     same: Vec3,
     each: Vec<Kept<3>>,
+    /// Of flat lights, one a receiver; of others none.
+    outlines: Vec<Option<Outline>>,
 }
 
 /// The radiance of a light toward the receivers of a tile.
@@ -112,6 +114,7 @@ impl TileLight {
         let level = Level::new();
         self.same = radiance;
         self.each.clear();
+        self.outlines.clear();
         self.cones.resize(tile.blocks(), Kept::default());
         for (at, cones) in tile.blocks.iter().zip(&mut self.cones) {
             map(level, &ToCone(ball), &at.0, &[], &mut cones.0);
@@ -126,15 +129,19 @@ impl TileLight {
         }
     }
 
-    /// A cone and a radiance for each receiver.
+    /// What each receiver sees.
     ///
     /// # Panics
     /// When there are not as many as receivers of the tile.
-    pub fn one_by_one(&mut self, tile: &Tile, seen: impl IntoIterator<Item = (Cone, Vec3)>) {
+    pub fn one_by_one(&mut self, tile: &Tile, seen: impl IntoIterator<Item = LightTerm>) {
+        self.outlines.clear();
+        let mut is_flat = false;
         self.cones.resize(tile.blocks(), Kept::default());
         self.each.resize(tile.blocks(), Kept::default());
         let mut count = 0;
-        for (i, (cone, radiance)) in seen.into_iter().enumerate() {
+        for (i, LightTerm { cone, radiance, outline }) in seen.into_iter().enumerate() {
+            is_flat |= outline.is_some();
+            self.outlines.push(outline);
             let last = if i + 1 == tile.len() { WIDTH } else { i % WIDTH + 1 };
             // The rows that are too many repeat the last one, as the tile's do.
             for j in i % WIDTH..last {
@@ -144,6 +151,18 @@ impl TileLight {
             count = i + 1;
         }
         assert_eq!(count, tile.len(), "one cone a receiver");
+        if !is_flat {
+            self.outlines.clear();
+        }
+        for (i, outline) in self.outlines.iter_mut().enumerate() {
+            let [.., x, y, z, _, _, _] = row(&tile.blocks[i / WIDTH].0, i % WIDTH);
+            let Some(light) = outline else { continue };
+            *outline = light.above(Vec3::new(x, y, z));
+            if outline.is_none() {
+                // The cone alone would be a light.
+                self.cones[i / WIDTH].0[3][i % WIDTH] = 0.0;
+            }
+        }
         self.see(Level::new(), tile);
     }
 
@@ -157,6 +176,25 @@ impl TileLight {
             TileRadiance::Same(radiance) => radiance,
             TileRadiance::Each(each) => Vec3::from_array(row(&each[i / WIDTH].0, i % WIDTH)),
         }
+    }
+
+    /// All that receiver `i` sees of the light.
+    ///
+    /// # Panics
+    /// When the tile has no such receiver.
+    #[must_use]
+    pub fn term(&self, i: usize) -> LightTerm {
+        LightTerm { cone: self.cone(i), radiance: self.radiance(i), outline: self.outline(i).copied() }
+    }
+
+    /// What of its cone receiver `i` sees bright above its horizon, where that is not all.
+    pub(crate) fn outline(&self, i: usize) -> Option<&Outline> {
+        self.outlines.get(i)?.as_ref()
+    }
+
+    /// What of their cones receivers see bright above their horizons, of a flat light: none where it faces away. Empty of others.
+    pub(crate) fn outlines(&self) -> &[Option<Outline>] {
+        &self.outlines
     }
 
     pub(crate) fn radiances(&self) -> TileRadiance<'_> {

@@ -2,8 +2,8 @@ use crate::integrator::{look, partly_seen};
 use crate::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
 use crate::tile::TileRadiance;
 use crate::{
-    Call, Coverage, Integrator, LightTerm, Lit, Lobe, LobeBuffer, LobesFull, Look, Method, Probe, Receiver, TileLight,
-    TileLobes, VisibilityLobes, VisibilitySum, Visit,
+    Call, Coverage, Integrator, Lit, Lobe, LobeBuffer, LobesFull, Look, Method, Probe, Receiver, TileLight, TileLobes,
+    VisibilityLobes, VisibilitySum, Visit,
 };
 use glam::Vec3;
 
@@ -139,7 +139,7 @@ impl Integrator<'_> {
             probe.coverage(Coverage::Lit);
             return Ok(());
         }
-        match look(visit, &call.at[i], &call.light.cone(i), probe) {
+        match look(visit, &call.at[i], &call.light.cone(i), call.light.outline(i), probe) {
             Look::Lit => {}
             Look::Dark => out.set(i, Vec3::ZERO, [0, 0]),
             Look::Partial(seen) => {
@@ -175,7 +175,7 @@ impl Integrator<'_> {
         for (i, at) in call.at.iter().enumerate() {
             let mut writer = brdf.writer();
             call.lobes.of(i).try_for_each(|(_, lobe)| writer.push(lobe))?;
-            let light = LightTerm { cone: call.light.cone(i), radiance: call.light.radiance(i) };
+            let light = call.light.term(i);
             let one = Call { at, brdf: brdf.lobes(), light: &light };
             let mut counted = Counted { probe: &mut *probe, counts: [0, 0] };
             let lit = self.radiance(&one, visit, sum, &mut counted)?;

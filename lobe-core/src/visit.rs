@@ -1,5 +1,5 @@
 use crate::{
-    Accuracy, Cone, Coverage, LightId, Lobe, LobesFull, Receiver, Shaft, VisibilityLobes, VisibilityQuery,
+    Accuracy, Cone, Coverage, LightId, Lobe, LobesFull, Outline, Receiver, Shaft, VisibilityLobes, VisibilityQuery,
     VisibilitySum, visible_fraction,
 };
 
@@ -94,7 +94,12 @@ impl<'v, V: VisibilityLobes + ?Sized> Visit<'v, V> {
 
     /// How much of the light a receiver sees, whose cone from there is `cone`.
     pub fn look<'q>(&mut self, at: &'q Receiver, cone: &'q Cone) -> Look<'q> {
-        let query = VisibilityQuery { at, light: self.light, cone, accuracy: self.accuracy };
+        self.look_through(at, cone, None)
+    }
+
+    /// The same of a light of which only what is inside of an outline is bright.
+    pub fn look_through<'q>(&mut self, at: &'q Receiver, cone: &'q Cone, outline: Option<&'q Outline>) -> Look<'q> {
+        let query = VisibilityQuery { at, light: self.light, cone, outline, accuracy: self.accuracy };
         self.looks = self.looks.wrapping_add(1);
         match self.visibility.coverage(&query, self.scratch) {
             Coverage::Lit => Look::Lit,

@@ -6,7 +6,7 @@ use core::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
-use lighting::SphereLight;
+use lighting::{Light, SphereLight};
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, RayShader, World};
 use scene::{BlockerSet, Camera, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Texture, Wrap};
@@ -58,11 +58,11 @@ fn blob(count: usize) -> Vec<Sphere> {
 }
 
 impl Case {
-    fn lights(&self) -> Vec<SphereLight> {
+    fn lights(&self) -> Vec<Light> {
         let one = |i: usize| {
             let (s, c) = (i as f32 * 2.4).sin_cos();
             let center = Vec3::new(1.2 * c, 4.6, 1.2 * s);
-            SphereLight::new(Sphere { center, radius: self.radius }, Vec3::splat(20.0))
+            SphereLight::new(Sphere { center, radius: self.radius }, Vec3::splat(20.0)).into()
         };
         (0..self.lights).map(one).collect()
     }

@@ -58,7 +58,7 @@ fn fence() -> Scene {
         background: Vec3::ZERO,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("fence", mesh, 0, Proxy::Count(64))],
-        lights: vec![SphereLight::new(Sphere { center: 4.0 * toward, radius }, Vec3::splat(90.0))],
+        lights: vec![SphereLight::new(Sphere { center: 4.0 * toward, radius }, Vec3::splat(90.0)).into()],
     }
 }
 

@@ -32,7 +32,7 @@ fn main() {
             background: Vec3::ZERO,
             materials: vec![brdf::Material::lambert(Vec3::ONE)],
             objects: vec![Object::mesh("sheet", mesh, 0, Proxy::Count(1))],
-            lights: vec![SphereLight { ball, radiance: Vec3::ONE }],
+            lights: vec![SphereLight { ball, radiance: Vec3::ONE }.into()],
         };
         let mut hierarchy = World::new(&scene).into_hierarchy();
         let (mut builds, mut refits) = (Vec::new(), Vec::new());

@@ -6,7 +6,7 @@
 
 use brdf::Material;
 use glam::Vec3;
-use lighting::SphereLight;
+use lighting::{Light, SphereLight};
 use lobe_core::{
     Accuracy, Coverage, LightId, LightLobes, Lobe, Look, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery,
     VisibilitySum, Visit,
@@ -82,7 +82,7 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     scene.lights.truncate(1);
     // Balls, as of a lamp, are not for this table.
     scene.objects.retain(|o| matches!(o.shape, Shape::Mesh(_)));
-    let Some(light) = scene.lights.first_mut() else { return };
+    let Some(light) = scene.lights.first_mut().and_then(Light::as_sphere_mut) else { return };
     light.ball.radius = degrees.to_radians().sin() * light.ball.center.distance(scene.camera.target);
     let light = *light;
     let world = World::new(&scene);
@@ -166,6 +166,7 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
                     at,
                     light: LightId(0),
                     cone: &light.cone(at),
+                    outline: None,
                     accuracy: Accuracy::new(TOLERANCE),
                 };
                 core::hint::black_box(visibility.coverage(&query, &mut scratch));
@@ -256,6 +257,6 @@ fn over_floor(mesh: Mesh, light: Vec3) -> Scene {
         background: Vec3::ZERO,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("mesh", mesh, 0, Proxy::Count(64))],
-        lights: vec![SphereLight::new(Sphere { center: light, radius: 0.3 }, Vec3::ONE)],
+        lights: vec![SphereLight::new(Sphere { center: light, radius: 0.3 }, Vec3::ONE).into()],
     }
 }

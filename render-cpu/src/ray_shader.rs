@@ -10,17 +10,18 @@ use self::discs::Discs;
 use self::reflectance::{Reflectance, Sum};
 use self::spheres::{Eight, Seen, SphereTargets};
 use crate::World;
-use crate::reference::mix;
+use crate::reference::area::Area;
+use crate::reference::{Sequence, mix};
 use crate::wide::{LANES, Wide};
 use crate::world::{Primitive, Region};
+use brdf::{Brdf, Material};
 use core::convert::Infallible;
 use core::f32::consts::TAU;
 use core::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
-use lighting::SphereLight;
-use lobe_core::{Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, Shaft, Tile, orthonormal_basis};
+use lobe_core::{Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, Shaft, Sphere, Tile, orthonormal_basis};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
@@ -141,7 +142,10 @@ impl<'a> RayShader<'a> {
         let mut rays = 0;
         for (number, light) in frame.lights.iter().enumerate() {
             if self.culled {
-                self.enter(&Shaft { receivers: ball, light: light.ball, id: LightId(number as u32) }, scratch);
+                self.enter(
+                    &Shaft { receivers: ball, light: light.bounds_from(&ball), id: LightId(number as u32) },
+                    scratch,
+                );
             }
             for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
                 let cone = light.cone(at);
@@ -157,9 +161,15 @@ impl<'a> RayShader<'a> {
                 if matches!(coverage, Coverage::Dark) {
                     continue;
                 }
-                let reflectance = Reflectance::new(&frame.materials[*material as usize], at);
                 let clear = matches!(coverage, Coverage::Lit);
-                let pair = Pair { at, light, cone, number: number as u64, clear };
+                let material = &frame.materials[*material as usize];
+                let Some((ball, area)) = Area::of(light, at.position) else { continue };
+                let pair = Pair { at, ball, radiance: light.radiance(at), cone, number: number as u64, clear };
+                if let Some(area) = area {
+                    out[i] += self.sample_area(&pair, &area, material, &mut rays);
+                    continue;
+                }
+                let reflectance = Reflectance::new(material, at);
                 out[i] += dispatch!(self.level, simd => self.sample(simd, &pair, &reflectance, scratch, &mut rays));
             }
         }
@@ -201,6 +211,36 @@ impl<'a> RayShader<'a> {
         if meets { Coverage::Partial } else { Coverage::Lit }
     }
 
+    /// One point and one light that is no ball: points of its surface.
+    fn sample_area(&self, pair: &Pair<'_>, area: &Area, material: &Material, rays: &mut u64) -> Vec3 {
+        let Pair { at, number, clear, .. } = pair;
+        let [x, y, z] = at.position.to_array().map(|x| u64::from(x.to_bits()));
+        let sequence = Sequence::new(mix(mix(x | y << 32, z), *number));
+        let samples = if *clear { self.samples.min(CLEAR_SAMPLES) } else { self.samples };
+        let mut sum = Vec3::ZERO;
+        for seen in (0..samples).filter_map(|i| area.sample(sequence.get(i, 0), sequence.get(i, 1))) {
+            let v = seen.direction.as_vec3();
+            let value = material.eval(at, v) / seen.pdf as f32;
+            if value == Vec3::ZERO {
+                continue;
+            }
+            let is_hidden = || match &self.targets {
+                Targets::Spheres(spheres) => {
+                    spheres.facet(at).dot(v) <= 0.0 || spheres.hide(at, v, seen.distance as f32)
+                }
+                Targets::Surfaces(world) => {
+                    let facet = if at.object == OWN_NONE { at.normal } else { at.face };
+                    facet.dot(v) <= 0.0 || hidden(world, world.leave(at.position, at.face), v, seen.distance as f32)
+                }
+            };
+            *rays += u64::from(!clear);
+            if *clear || !is_hidden() {
+                sum += value;
+            }
+        }
+        pair.radiance * sum / samples as f32
+    }
+
     /// One point and one light.
     #[inline(always)]
     fn sample<S: Simd>(
@@ -211,16 +251,16 @@ impl<'a> RayShader<'a> {
         scratch: &Scratch,
         rays: &mut u64,
     ) -> Vec3 {
-        let Pair { at, light, cone, number, clear } = pair;
+        let Pair { at, ball, cone, number, clear, .. } = pair;
         let [x, y, z] = at.position.to_array().map(|x| u64::from(x.to_bits()));
         let key = mix(mix(x | y << 32, z), *number);
         let (sin, cos) = ((key >> 40) as f32 * (TAU / 16_777_216.0)).sin_cos();
         let (b0, b1) = orthonormal_basis(cone.axis);
         let (b0, b1, axis) = (b0 * cos + b1 * sin, b1 * cos - b0 * sin, cone.axis);
         let omc = cone.one_minus_cos;
-        let to_center = light.ball.center - at.position;
-        let radius_sq = light.ball.radius * light.ball.radius;
-        let inside = cone.distance <= light.ball.radius;
+        let to_center = ball.center - at.position;
+        let radius_sq = ball.radius * ball.radius;
+        let inside = cone.distance <= ball.radius;
         // Rays that leave a facet do not meet it, although they go below it.
         let (origin, facet) = match &self.targets {
             Targets::Surfaces(world) if at.object == OWN_NONE => (world.leave(at.position, at.face), at.normal),
@@ -265,7 +305,7 @@ impl<'a> RayShader<'a> {
                 reflectance.add(v, seen, &mut sum);
             }
         }
-        light.radiance * reflectance.total(&sum) * (TAU * omc / samples as f32)
+        pair.radiance * reflectance.total(&sum) * (TAU * omc / samples as f32)
     }
 }
 
@@ -284,7 +324,9 @@ fn hidden(world: &World<'_>, origin: Vec3, direction: Vec3, distance: f32) -> bo
 /// One point and one light.
 struct Pair<'a> {
     at: &'a Receiver,
-    light: &'a SphereLight,
+    /// The light, or around it.
+    ball: Sphere,
+    radiance: Vec3,
     cone: Cone,
     number: u64,
     /// Nothing can hide the light.

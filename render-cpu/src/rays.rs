@@ -147,7 +147,8 @@ impl Blockers for RayBlockers<'_> {
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut RayScratch, mask: &mut Mask) {
         let RayScratch { origin, facet, is_met, contour, .. } = scratch;
-        let hidden = |v: Vec3| self.hides(*origin, v, to_surface(query.cone, v));
+        let distance = |v: Vec3| query.outline.map_or_else(|| to_surface(query.cone, v), |light| light.distance(v));
+        let hidden = |v: Vec3| self.hides(*origin, v, distance(v));
         let asked = match *facet {
             None => contour.block(mask, hidden),
             // A ray below the plane would meet the facet or pass its edge.

@@ -1,11 +1,13 @@
 //! The Monte-Carlo reference: no lobe and no mask, only rays.
 
+pub(crate) mod area;
 mod checkpoint;
 mod cone;
 mod meridian;
 mod occluders;
 mod sobol;
 
+use self::area::{Area, Seen};
 pub use self::checkpoint::CheckpointError;
 use self::cone::LightCone;
 pub(crate) use self::cone::concentric;
@@ -17,10 +19,9 @@ use brdf::{Brdf, Material};
 use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Vec3};
-use lighting::SphereLight;
-use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver};
+use lobe_core::{BrdfLobes, LightLobes, LobeBuffer, OWN_NONE, Receiver, Sphere};
 use rayon::prelude::*;
-use scene::BlockerSet;
+use scene::{BlockerSet, Bounds};
 
 /// Independent randomisations, whose spread tells the error.
 pub const REPLICATES: u32 = 8;
@@ -192,7 +193,11 @@ struct Pair<'a> {
     geometry: Geometry<'a>,
     at: &'a Receiver,
     material: &'a Material,
-    light: &'a SphereLight,
+    /// Of the light.
+    radiance: Vec3,
+    /// Its shape, where that is no ball.
+    area: Option<Area>,
+    /// The ball's directions, or those of a ball around the shape.
     cone: LightCone,
     occluders: &'a Occluders,
     /// The directions below the receiver's horizon, where it cuts the light.
@@ -213,10 +218,13 @@ impl Sampler {
         let mut sums = vec![[[DVec3::ZERO; 2]; REPLICATES as usize]; tallies.len()];
         for (number, light) in scene.lights.iter().enumerate() {
             if job.geometry.has_spheres() {
-                tile_candidates(receivers, light.ball, job.blockers, &mut self.candidates);
+                let bounds = receivers.iter().fold(Bounds::EMPTY, |b, at| b.with_point(at.position));
+                let around = Sphere { center: bounds.center(), radius: bounds.radius() };
+                tile_candidates(receivers, light.bounds_from(&around), job.blockers, &mut self.candidates);
             }
             for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
-                let cone = LightCone::new(at.position, light.ball);
+                let Some((ball, area)) = Area::of(light, at.position) else { continue };
+                let cone = LightCone::new(at.position, ball);
                 if cone.one_minus_cos() <= 0.0 {
                     continue;
                 }
@@ -235,7 +243,8 @@ impl Sampler {
                     geometry: job.geometry,
                     at,
                     material,
-                    light,
+                    radiance: light.radiance(at),
+                    area,
                     cone,
                     occluders: &self.occluders,
                     origin: job.world.leave(at.position, at.face),
@@ -278,6 +287,10 @@ impl Pair<'_> {
         let caps = self.occluders.caps();
         for i in range {
             let (x, y) = (on_light.get(i, 0), on_light.get(i, 1));
+            if let Some(area) = &self.area {
+                self.area_sample(area, [x, y], core::array::from_fn(|d| on_brdf.get(i, d)), sums);
+                continue;
+            }
             if caps.is_empty() && self.horizon.is_none() {
                 let v = self.cone.sample(x, y);
                 let value = self.light_sample(v);
@@ -296,6 +309,34 @@ impl Pair<'_> {
                 let reflectance = self.material.eval(self.at, sample.direction);
                 self.add(v, self.weighted(reflectance, f64::from(sample.pdf), self.cone.pdf()), sums);
             }
+        }
+    }
+
+    /// Adds a point of a surface of light, and a direction of a reflectance that is narrow beside it.
+    fn area_sample(&self, area: &Area, [x, y]: [f64; 2], on_brdf: [f64; 3], sums: &mut [DVec3; 2]) {
+        if let Some(Seen { direction, distance, pdf }) = area.sample(x, y) {
+            let reflectance = self.material.eval(self.at, direction.as_vec3());
+            if reflectance != Vec3::ZERO {
+                let other = if self.glossy { f64::from(self.material.pdf(self.at, direction.as_vec3())) } else { 0.0 };
+                self.add_before(direction, distance, self.weighted(reflectance, pdf, other), sums);
+            }
+        }
+        if !self.glossy {
+            return;
+        }
+        let u = on_brdf.map(|x| (x as f32).min(1.0 - f32::EPSILON / 2.0));
+        let Some(sample) = self.material.sample(self.at, u) else { return };
+        if let Some(Seen { direction, distance, pdf }) = area.hit(sample.direction.as_dvec3().normalize()) {
+            let reflectance = self.material.eval(self.at, sample.direction);
+            self.add_before(direction, distance, self.weighted(reflectance, f64::from(sample.pdf), pdf), sums);
+        }
+    }
+
+    fn add_before(&self, v: DVec3, distance: f64, value: DVec3, sums: &mut [DVec3; 2]) {
+        sums[1] += value;
+        let by_spheres = || self.geometry.has_spheres() && self.occluders.block(v, distance);
+        if value != DVec3::ZERO && !by_spheres() && !self.blocked_by_surfaces(v, distance) {
+            sums[0] += value;
         }
     }
 
@@ -336,7 +377,7 @@ impl Pair<'_> {
     #[inline]
     fn weighted(&self, reflectance: Vec3, p: f64, q: f64) -> DVec3 {
         let ratio = q / p;
-        let value = (reflectance * self.light.radiance).as_dvec3() / (p * (1.0 + ratio * ratio));
+        let value = (reflectance * self.radiance).as_dvec3() / (p * (1.0 + ratio * ratio));
         if value.is_finite() { value } else { DVec3::ZERO }
     }
 
@@ -350,18 +391,19 @@ impl Pair<'_> {
 
     #[inline]
     fn blocked(&self, v: DVec3) -> bool {
-        (self.geometry.has_spheres() && self.occluders.block(v, self.cone.surface(v))) || self.blocked_by_surfaces(v)
+        (self.geometry.has_spheres() && self.occluders.block(v, self.cone.surface(v)))
+            || self.blocked_by_surfaces(v, self.cone.surface(v))
     }
 
     #[inline]
     fn blocked_beside_caps(&self, v: DVec3) -> bool {
         let by_spheres = self.geometry.has_spheres() && self.occluders.block_beside_caps(v, self.cone.surface(v));
-        by_spheres || self.blocked_by_surfaces(v)
+        by_spheres || self.blocked_by_surfaces(v, self.cone.surface(v))
     }
 
     /// Whether the true geometry hides a direction, where it counts.
     #[inline]
-    fn blocked_by_surfaces(&self, v: DVec3) -> bool {
+    fn blocked_by_surfaces(&self, v: DVec3, distance: f64) -> bool {
         if !matches!(self.geometry, Geometry::Mesh | Geometry::Mixed(_)) {
             return false;
         }
@@ -373,7 +415,6 @@ impl Pair<'_> {
         if self.at.face.as_dvec3().dot(v) <= 0.0 && own != OWN_NONE && counts(own) {
             return true;
         }
-        let distance = self.cone.surface(v);
         distance > 0.0 && self.world.occluded_by(self.origin, v.as_vec3(), distance as f32, counts)
     }
 }

@@ -132,7 +132,7 @@ impl SceneSpheres {
                     Shape::Spheres(_) => balls.is_first(object, ball),
                     Shape::Mesh(_) => own_balls.is_first(object, ball),
                 };
-                if !first || scene.lights.iter().any(|l| is_lamp(ball, l.ball)) {
+                if !first || scene.lights.iter().any(|l| l.is_shown_by(ball)) {
                     continue;
                 }
                 out.spheres.push(*ball);
@@ -211,12 +211,6 @@ pub fn read_set(path: &Path, placement: &Mat4, object: &Object) -> Result<Sphere
         placed.mesh_bounds = [bounds.min, bounds.max];
     }
     Ok(placed)
-}
-
-/// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
-pub(crate) fn is_lamp(ball: &Sphere, light: Sphere) -> bool {
-    let slack = 1e-3 * light.radius;
-    (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
 }
 
 fn ball_self_distance(balls: &[Sphere]) -> f32 {

@@ -194,7 +194,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             }
             work.lap(1);
             let (id, accuracy) = (LightId(l as u32), frame.accuracy);
-            let shaft = Shaft { receivers: ball, light: light.bounds(), id };
+            let shaft = Shaft { receivers: ball, light: light.bounds_from(&ball), id };
             // Of receivers that all face away from the light none is asked about.
             let any = !matches!(self.method, Method::Moments) || integrals.iter().any(|integral| *integral > 0.0);
             let mut visit = match any {

@@ -40,6 +40,8 @@ pub(crate) fn floor_and_ball() -> Scene {
             object("floor", Shape::Mesh(mesh), Proxy::None),
             object("ball", Shape::Spheres(vec![ball]), Proxy::Spheres(vec![ball])),
         ],
-        lights: vec![SphereLight::new(Sphere { center: Vec3::new(1.0, 5.0, 0.5), radius: 0.7 }, Vec3::splat(3.0))],
+        lights: vec![
+            SphereLight::new(Sphere { center: Vec3::new(1.0, 5.0, 0.5), radius: 0.7 }, Vec3::splat(3.0)).into(),
+        ],
     }
 }

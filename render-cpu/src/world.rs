@@ -14,7 +14,6 @@ pub(crate) use self::looks::varied;
 pub(crate) use self::query::{Primitive, Region};
 pub(crate) use self::surface::Meetings;
 pub(crate) use self::tree::Tree;
-use crate::scene_spheres::is_lamp;
 use core::time::Duration;
 use glam::{DVec3, Vec3, Vec3A};
 use lobe_core::Sphere;
@@ -409,7 +408,7 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
                     object: number as u32,
                     index: index as u32,
                     visible,
-                    blocks: !scene.lights.iter().any(|l| is_lamp(sphere, l.ball)),
+                    blocks: !scene.lights.iter().any(|l| l.is_shown_by(sphere)),
                 }));
             }
         }
@@ -445,7 +444,7 @@ mod tests {
     #[test]
     fn a_lamp_does_not_hide_its_light() {
         let mut scene = floor_and_ball();
-        let light = scene.lights[0].ball;
+        let light = scene.lights[0].ball().expect("a ball");
         let from = light.center - Vec3::Y * (light.radius + 0.1);
         let hidden = |scene: &Scene| World::new(scene).occluded(from, Vec3::Y, 1.0);
         assert!(!hidden(&scene));

@@ -64,7 +64,7 @@ fn scene(mut mesh: Mesh, half: f32, turn: Quat) -> Scene {
         background: Vec3::ZERO,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("mesh", mesh, 0, Proxy::Count(64))],
-        lights: vec![SphereLight::new(light, Vec3::ONE)],
+        lights: vec![SphereLight::new(light, Vec3::ONE).into()],
     }
 }
 
@@ -90,7 +90,7 @@ impl Known {
             [x, y, z, i, j, k].map(f32::to_bits)
         };
         let new: Vec<_> = receivers.iter().filter(|at| !self.0.contains_key(&key(at))).collect();
-        self.0.par_extend(new.par_iter().map(|at| (key(at), truth.light(at, scene.lights[0].ball))));
+        self.0.par_extend(new.par_iter().map(|at| (key(at), truth.light(at, scene.lights[0].ball().expect("a ball")))));
         receivers.iter().map(|at| self.0[&key(at)]).collect()
     }
 }

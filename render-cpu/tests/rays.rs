@@ -19,7 +19,7 @@ fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
         background: Vec3::ZERO,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: meshes.into_iter().enumerate().map(object).collect(),
-        lights: vec![SphereLight::new(light, Vec3::ONE)],
+        lights: vec![SphereLight::new(light, Vec3::ONE).into()],
     }
 }
 
@@ -57,8 +57,10 @@ fn coverage(rays: &RayBlockers<'_>, at: &Receiver, light: Sphere, entered: bool)
         visibility.enter(&Shaft { receivers, light, id: LightId(0) }, &mut scratch);
     }
     let cone = Cone::of_sphere(at.position, light);
-    visibility
-        .coverage(&VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) }, &mut scratch)
+    visibility.coverage(
+        &VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) },
+        &mut scratch,
+    )
 }
 
 /// A convex mesh does not shadow itself where the light is above the face, whatever the scale and place.
@@ -123,7 +125,7 @@ fn lit_points_cost_nothing() {
         let cone = Cone::of_sphere(at.position, ball);
         let before = visibility.blockers().rays();
         let coverage = visibility.coverage(
-            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) },
+            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) },
             &mut scratch,
         );
         (coverage, visibility.blockers().rays() - before)
@@ -160,7 +162,7 @@ fn a_large_floor_is_lit() {
         let receivers = Sphere { center: position, radius: 0.05 };
         rays.enter(&Shaft { receivers, light, id: LightId(0) }, &mut scratch);
         let coverage = rays.select(
-            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) },
+            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) },
             &mut scratch,
         );
         assert_eq!(coverage, Coverage::Lit, "{position}");

@@ -23,7 +23,9 @@ fn floor(material: Material, surface: Surface) -> Scene {
         materials: vec![material],
         surfaces: vec![surface],
         objects: vec![Object::mesh("floor", mesh, 0, Proxy::None)],
-        lights: vec![SphereLight::new(Sphere { center: Vec3::new(1.0, 4.0, -1.0), radius: 0.5 }, Vec3::splat(20.0))],
+        lights: vec![
+            SphereLight::new(Sphere { center: Vec3::new(1.0, 4.0, -1.0), radius: 0.5 }, Vec3::splat(20.0)).into(),
+        ],
     }
 }
 

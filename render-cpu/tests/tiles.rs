@@ -4,8 +4,7 @@
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use lobe_core::{
-    Accuracy, BrdfLobes, Call, Integrator, LightId, LightLobes, LightTerm, LobeBuffer, VisibilityLobes, VisibilitySum,
-    Visit,
+    Accuracy, BrdfLobes, Call, Integrator, LightId, LightLobes, LobeBuffer, VisibilityLobes, VisibilitySum, Visit,
 };
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use scene::{Frame, Scene, Shade};
@@ -56,7 +55,7 @@ fn check<M: BrdfLobes + Sync>(materials: &[M], scene: &Scene, points: &GBuffer) 
         materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer_of(true)).expect("room");
         let mut all = Vec3::ZERO;
         for (number, light) in scene.lights.iter().enumerate() {
-            let term = LightTerm { cone: light.cone(at), radiance: light.radiance(at) };
+            let term = light.term(at);
             let mut visit = Visit::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
             let call = Call { at, brdf: lobes.lobes(), light: &term };
             let lit = Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).expect("room");

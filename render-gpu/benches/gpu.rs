@@ -7,7 +7,7 @@ use core::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
 use glam::Vec3;
-use lighting::SphereLight;
+use lighting::{Light, SphereLight};
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
 use render_gpu::{Gpu, GpuOptions, GpuShader, GpuWorld, Occlusion};
 use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadeStats, ShadingPoints};
@@ -44,10 +44,10 @@ fn blob(count: usize) -> Vec<Sphere> {
     (0..count).map(one).collect()
 }
 
-fn lights(count: usize) -> Vec<SphereLight> {
+fn lights(count: usize) -> Vec<Light> {
     let one = |i: usize| {
         let (s, c) = (i as f32 * 2.4).sin_cos();
-        SphereLight::new(Sphere { center: Vec3::new(1.2 * c, 4.6, 1.2 * s), radius: 0.5 }, Vec3::splat(20.0))
+        SphereLight::new(Sphere { center: Vec3::new(1.2 * c, 4.6, 1.2 * s), radius: 0.5 }, Vec3::splat(20.0)).into()
     };
     (0..count).map(one).collect()
 }
@@ -63,7 +63,7 @@ fn run(
     name: BenchmarkId,
     shader: &mut GpuShader,
     points: &ShadingPoints,
-    lights: &[SphereLight],
+    lights: &[Light],
 ) {
     let materials = [Material::lambert(Vec3::splat(0.7))];
     let frame = Frame { materials: &materials, lights, accuracy: Accuracy::new(0.005), threshold: 0.0 };
@@ -107,7 +107,8 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let lights = lights(1);
     let cube = Mesh::cuboid(Vec3::Y * 0.8, Vec3::splat(0.9));
     let options = MapOptions { resolution: 1024, ..MapOptions::default() };
-    let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].ball, &options).expect("a map");
+    let map =
+        ShadowMap::build(&cube.positions, &cube.triangles, lights[0].ball().expect("a ball"), &options).expect("a map");
     let maps = ShadowMapBlockers::new(vec![map]);
     let scene = Scene {
         surfaces: Vec::new(),

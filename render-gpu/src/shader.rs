@@ -170,7 +170,12 @@ impl GpuShader {
     }
 
     /// The kernels for a frame, compiled if they are new.
-    fn kernels<L: GpuLight>(&mut self, accuracy: Accuracy, materials: MaterialText) -> Result<usize, GpuError> {
+    fn kernels(
+        &mut self,
+        accuracy: Accuracy,
+        materials: MaterialText,
+        light: [&'static str; 2],
+    ) -> Result<usize, GpuError> {
         let variant = Variant {
             depth: accuracy.depth.clamp(1, MAX_DEPTH),
             fineness: match self.paper {
@@ -178,7 +183,7 @@ impl GpuShader {
                 Some(_) => [Fineness::FINE; 2],
             },
             materials,
-            light: [L::NAME, L::WGSL],
+            light,
             strategies: self.blockers.strategies(),
             own: self.blockers.own().to_vec(),
             paper: self.paper.is_some(),
@@ -200,6 +205,7 @@ impl GpuShader {
 
     /// What does not depend on the slice: kernels, materials; returns the kernels' number and the words of a queue item.
     fn prepare<M: GpuMaterials, L: GpuLight>(&mut self, frame: &Frame<'_, M, L>) -> Result<(usize, u64), GpuError> {
+        let light = L::gpu_text(frame.lights).map_err(|what| GpuError::Unsupported(what.to_owned()))?;
         if let Some(paper) = &mut self.paper {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
@@ -208,7 +214,7 @@ impl GpuShader {
         let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert, has_microfacets } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;
-        let kernels = self.kernels::<L>(frame.accuracy, MaterialText { name, wgsl, is_lambert, has_microfacets })?;
+        let kernels = self.kernels(frame.accuracy, MaterialText { name, wgsl, is_lambert, has_microfacets }, light)?;
         Ok((kernels, 1 + u64::from(max_lobes)))
     }
 

@@ -26,6 +26,9 @@ pub enum RenderError {
     /// What is asked for does not exist on the GPU.
     #[error("{0}")]
     NotOnGpu(&'static str),
+    /// The paper's light lobes are those of balls.
+    #[error("method \"paper\" is for sphere lights: light {0} is of kind \"{1}\"; use \"moments\"")]
+    PaperLight(usize, &'static str),
     /// The listener has stopped the work.
     #[error("cancelled")]
     Cancelled,

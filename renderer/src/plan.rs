@@ -1,6 +1,7 @@
 use crate::RenderError;
 use glam::Vec3;
-use lighting::SphereLight;
+use lighting::Light;
+use lobe_core::LightLobes;
 use rayon::prelude::*;
 use render_cpu::SphereSource;
 use scene::{Object, Proxy, Scene, Shape, Strategy};
@@ -52,7 +53,10 @@ impl Plan {
     pub fn casters(&self, scene: &Scene) -> Vec<bool> {
         let in_maps = |(o, object): (usize, &Object)| {
             let Shape::Mesh(mesh) = &object.shape else { return false };
-            let shows = |light: &SphereLight| ShadowMap::shows(&mesh.positions, &mesh.triangles, light.ball);
+            // A map is seen from a ball's middle.
+            let shows = |light: &Light| {
+                light.ball().is_some_and(|ball| ShadowMap::shows(&mesh.positions, &mesh.triangles, ball))
+            };
             self.objects[o] == Strategy::ShadowMap && scene.lights.iter().all(shows)
         };
         scene.objects.iter().enumerate().map(in_maps).collect()
@@ -137,7 +141,9 @@ impl Plan {
                 }
                 None => ShadowMap::fitted(&positions, &triangles, light, &MapOptions { resolution: finest, ..options }),
             };
-            Ok(scene.lights.par_iter().map(|l| map(l.ball)).collect::<Result<_, _>>()?)
+            // No object is in a map where a light has none.
+            let ball = |light: &Light| light.ball().unwrap_or_else(|| light.bounds());
+            Ok(scene.lights.par_iter().map(|light| map(ball(light))).collect::<Result<_, _>>()?)
         };
         let mut maps = draw(FITTED)?;
         // Which objects cast comes before them.

@@ -77,6 +77,11 @@ impl Renderer {
         backend: Backend,
     ) -> Result<Self, RenderError> {
         settings.check_device(backend.device())?;
+        if let (Method::Paper, Some((i, light))) =
+            (settings.method, scene.lights.iter().enumerate().find(|(_, light)| light.ball().is_none()))
+        {
+            return Err(RenderError::PaperLight(i, light.kind()));
+        }
         let plan = Plan::new(settings.strategy, &scene);
         Ok(Self {
             scene,

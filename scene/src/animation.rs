@@ -5,6 +5,7 @@ use crate::placement::Placement;
 use crate::skeleton::{Carrier, Skeleton};
 use crate::{Camera, Object, Proxy, Scene, Shape};
 use glam::{DVec3, Mat4, Vec3};
+use lighting::Light;
 use lobe_core::Sphere;
 
 /// What of a loaded scene moves, and how: key frames of a scene file, clips of glTF files.
@@ -85,7 +86,7 @@ pub(crate) enum Body {
 pub(crate) struct LightMover {
     pub(crate) first: usize,
     /// In own coordinates.
-    pub(crate) balls: Vec<Sphere>,
+    pub(crate) lights: Vec<Light>,
     pub(crate) placement: Placement,
 }
 
@@ -197,8 +198,8 @@ impl Animation {
         self.move_objects(time, &worlds, &mut scene.objects);
         for mover in &self.lights {
             let matrix = mover.placement.at(time);
-            for (light, ball) in scene.lights.iter_mut().skip(mover.first).zip(&mover.balls) {
-                light.ball.center = scaled(*ball, &matrix).center;
+            for (light, own) in scene.lights.iter_mut().skip(mover.first).zip(&mover.lights) {
+                *light = own.moved(matrix);
             }
         }
         let camera = match &self.camera {

@@ -40,7 +40,8 @@ pub fn builtin() -> Scene {
         Object::spheres("chalk balls", chalk, 4),
         Object::spheres("pearls", pearls(), 3),
     ];
-    let light = |center: Vec3, radius: f32, radiance: Vec3| SphereLight::new(Sphere { center, radius }, radiance);
+    let light =
+        |center: Vec3, radius: f32, radiance: Vec3| SphereLight::new(Sphere { center, radius }, radiance).into();
     Scene {
         surfaces: Vec::new(),
         camera: Camera {

@@ -88,6 +88,7 @@ mod scene;
 mod scene_file;
 #[cfg(test)]
 mod scene_file_tests;
+mod scene_light;
 mod scene_material;
 mod scene_object;
 mod shade;

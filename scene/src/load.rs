@@ -473,7 +473,8 @@ fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene
     let distance = 5.0 * radius;
     let sin = 6.0_f32.to_radians().sin();
     let center = bounds.center() + distance * Vec3::new(-0.5, 0.9, 0.55).normalize();
-    let lights = vec![SphereLight::new(Sphere { center, radius: distance * sin }, Vec3::splat(1.0 / (sin * sin)))];
+    let ball = Sphere { center, radius: distance * sin };
+    let lights = vec![SphereLight::new(ball, Vec3::splat(1.0 / (sin * sin))).into()];
     let camera = camera.unwrap_or_else(|| default_camera(bounds, width, height));
     let (materials, surfaces) = Look::parted(looks);
     let scene = Scene { camera, width, height, background: Vec3::ZERO, materials, surfaces, objects, lights };

@@ -2,7 +2,7 @@ use crate::mesh::MAX_COORDINATE;
 use crate::{Bounds, Camera, Mesh, SceneError, Strategy, Surface};
 use brdf::Material;
 use glam::{Mat4, Vec3};
-use lighting::SphereLight;
+use lighting::Light;
 use lobe_core::Sphere;
 use std::path::PathBuf;
 
@@ -69,7 +69,7 @@ pub struct Scene {
     /// Objects; a receiver's `object` number is an index into this.
     pub objects: Vec<Object>,
     /// Lights; none gives a black picture.
-    pub lights: Vec<SphereLight>,
+    pub lights: Vec<Light>,
 }
 
 /// The largest image edge accepted, in pixels.
@@ -187,9 +187,11 @@ impl Scene {
             }
         }
         for (i, light) in self.lights.iter().enumerate() {
-            check_balls(&[light.ball]).map_err(|e| fault(format!("light {i}"), &e))?;
-            if !(light.radiance.is_finite() && light.radiance.min_element() >= 0.0) {
-                let r = light.radiance;
+            if let Some(ball) = light.ball() {
+                check_balls(&[ball]).map_err(|e| fault(format!("light {i}"), &e))?;
+            }
+            let r = light.full_radiance();
+            if !(r.is_finite() && r.min_element() >= 0.0) {
                 return Err(SceneError::invalid(format!("light {i} has radiance {r}: expected finite values ≥ 0")));
             }
         }

@@ -1,19 +1,18 @@
 //! The scene file.
 
-use crate::animation::{CameraMover, LightMover};
+use crate::animation::CameraMover;
 use crate::cut_out::CutOut;
 use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
 use crate::load::{self, Context, Look};
 use crate::mesh::MAX_COORDINATE;
-use crate::origin::Origins;
-use crate::scene::check_balls;
+use crate::scene_light::read_light;
 use crate::scene_material::{ImageFiles, read_material};
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
 use crate::{Animation, Camera, Scene, SceneError};
 use glam::{DVec3, Vec3};
-use lighting::SphereLight;
-use lobe_core::Sphere;
+use lighting::Light;
+use lobe_core::LightLobes;
 use std::collections::HashMap;
 use std::path::Path;
 use toml::de::DeTable;
@@ -36,7 +35,7 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(S
     let origin = crate::origin::near(camera.target, camera.eye.distance(camera.target));
     // A camera may be far from all that it sees, and its target be next to it.
     let centers =
-        scene.objects.iter().map(|o| o.shape.bounds().center()).chain(scene.lights.iter().map(|l| l.ball.center));
+        scene.objects.iter().map(|o| o.shape.bounds().center()).chain(scene.lights.iter().filter_map(place_of));
     let nearer = |p: &Vec3| p.as_dvec3().distance_squared(origin) < p.as_dvec3().length_squared();
     let (all, count) = (centers.clone().count(), centers.filter(nearer).count());
     if origin == DVec3::ZERO || 2 * count <= all {
@@ -102,10 +101,11 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
             }
         }
     }
+    let bounds = objects.iter().fold(crate::Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
     let (mut lights, mut light_movers) = (Vec::new(), Vec::new());
     if let Some(value) = root.get("lights") {
         for entry in value.elements("[[lights]]")? {
-            light_movers.extend(light(entry.table()?, origin, &mut lights)?);
+            light_movers.extend(read_light(entry.table()?, origin, &bounds, &mut lights)?);
         }
     }
     let camera = root.get("camera");
@@ -113,7 +113,6 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     if objects.is_empty() {
         return Err(source.error(text.len(), "scene has no objects: expected [[objects]]"));
     }
-    let bounds = objects.iter().fold(crate::Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
     let (camera, camera_keys) = match camera {
         Some(value) => read_camera(value, origin)?,
         None => (load::default_camera(bounds, width, height), None),
@@ -131,6 +130,11 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     let scene = Scene { camera, width, height, background, materials, surfaces, objects, lights };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))
+}
+
+/// Where a light is; a sun is nowhere.
+fn place_of(light: &Light) -> Option<Vec3> {
+    (!matches!(light, Light::Sun(_))).then(|| light.bounds().center)
 }
 
 /// The materials so far, by number and by name.
@@ -187,43 +191,4 @@ fn read_camera(value: Value<'_>, origin: DVec3) -> Result<(Camera, Option<Camera
     };
     camera.validate().map_err(|e| place.error(e))?;
     Ok((camera, keys.map(|keys| keys.camera(camera, origin)).transpose()?))
-}
-
-/// Appends a light; what moves it, if anything does.
-fn light(mut t: Table<'_>, origin: DVec3, lights: &mut Vec<SphereLight>) -> Result<Option<LightMover>, SceneError> {
-    let kind = t.require("kind")?;
-    let (place, origins, balls) = match kind.string()? {
-        "sphere" => {
-            let (center, radius) = (t.require("center")?, t.require("radius")?);
-            let origins = Origins::of(origin, center.place()?);
-            (center, origins, vec![Sphere { center: center.relative(origins.own)?, radius: radius.positive()? }])
-        }
-        "spheres" => {
-            let list = t.require("spheres")?;
-            let origins = Origins::of(origin, list.first_place()?);
-            (list, origins, list.spheres(origins.own)?)
-        }
-        other => {
-            return Err(kind.error(format!("unknown kind of light \"{other}\": expected \"sphere\" or \"spheres\"")));
-        }
-    };
-    check_balls(&balls).map_err(|e| place.error(e))?;
-    let (unit, value) = t.one_of(&["radiance", "flux"])?;
-    let mut radiance = value.color()?;
-    let keys = Keys::read(&mut t)?;
-    t.finish()?;
-    if unit == "flux" {
-        // L = Φ/(4π²·Σr²), in f64 since squares of small radii leave f32.
-        let squares: f64 = balls.iter().map(|b| f64::from(b.radius).powi(2)).sum();
-        radiance = (radiance.as_dvec3() / (4.0 * std::f64::consts::PI.powi(2) * squares)).as_vec3();
-    }
-    if !radiance.is_finite() {
-        return Err(value.error("the light's radiance is too large for single precision"));
-    }
-    let first = lights.len();
-    // Where they stand: their own coordinates are the world's.
-    let shift = origins.shift();
-    let here = |ball: &Sphere| Sphere { center: crate::origin::relative(ball.center.as_dvec3(), shift), ..*ball };
-    lights.extend(balls.iter().map(|ball| SphereLight::new(here(ball), radiance)));
-    keys.map(|keys| Ok(LightMover { first, balls, placement: keys.rigid_placement(origins)? })).transpose()
 }

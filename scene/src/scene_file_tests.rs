@@ -38,7 +38,8 @@ fn the_example_is_a_valid_scene_with_every_key() {
     assert_eq!(scene.objects.len(), 6);
     assert_eq!(scene.lights.len(), 5);
     // Φ = 4π²·L·Σr² of the three balls.
-    let flux: f32 = scene.lights[2..].iter().map(|l| l.radiance.x * l.ball.radius.powi(2)).sum::<f32>();
+    let flux = |l: &lighting::Light| l.full_radiance().x * l.ball().expect("a ball").radius.powi(2);
+    let flux: f32 = scene.lights[2..].iter().map(flux).sum::<f32>();
     assert!((flux * 4.0 * std::f32::consts::PI.powi(2) - 30.0).abs() < 1e-3);
     let crate_box = &scene.objects[4];
     assert_eq!(scene.objects[0].strategy, Some(Strategy::Silhouettes));

@@ -2,7 +2,7 @@
 
 use brdf::Material;
 use glam::Vec3;
-use lighting::SphereLight;
+use lighting::Light;
 use lobe_core::{Accuracy, Receiver, SelfShadow, Sphere};
 
 /// The visible points of one frame, in any order; neighbours in the list should be neighbours in space.
@@ -56,7 +56,7 @@ impl BlockerSet {
 
 /// What is constant over one frame: the built-in materials and lights, or anyone's own.
 #[derive(Debug)]
-pub struct Frame<'a, M = Material, L = SphereLight> {
+pub struct Frame<'a, M = Material, L = Light> {
     /// Materials that the points refer to.
     pub materials: &'a [M],
     /// Lights; a [`LightId`](lobe_core::LightId) is a place in this list.
@@ -144,7 +144,7 @@ impl core::ops::AddAssign for Counts {
 }
 
 /// A renderer of lobe sums, for one set of materials and one kind of lights: enums or boxes for several.
-pub trait Shade<M = Material, L = SphereLight> {
+pub trait Shade<M = Material, L = Light> {
     /// What can go wrong.
     type Error;
 

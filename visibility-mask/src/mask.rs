@@ -3,6 +3,7 @@ use crate::row::{self, COARSE, EIGHT, EightRows, ROWS, Row, SUBLINES, WIDTH};
 use crate::{LitBounds, Raster, UnitSquare};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
+use lobe_core::Outline;
 use std::sync::LazyLock;
 
 /// The deepest quad-tree: 64 × 64 cells.
@@ -28,6 +29,10 @@ pub struct Mask {
     /// Plane coordinate of the window's left side; samples a unit of plane coordinates.
     left: f32,
     scale: f32,
+    /// Half-planes `a x + b y + c > 0` of the square's plane outside of which nothing emits.
+    sides: Vec<Vec3>,
+    /// Middle and radius of a disc of light.
+    circle: (Vec2, f32),
     /// Samples of each row that emit: from, to.
     emitting: [[u32; SIDE]; 2],
     /// Samples that emit and are not blocked: of a fine mask the rows, of a coarse one their two halves, each a word.
@@ -64,6 +69,8 @@ impl Default for Mask {
             whole_disc: false,
             left: -1.0,
             scale: 1.0,
+            sides: Vec::new(),
+            circle: (Vec2::ZERO, 1.0),
             emitting: [[0; SIDE]; 2],
             lit: [row::NONE; ROWS],
             halves: [[0; ROWS]; 2],
@@ -78,11 +85,29 @@ impl Mask {
     /// # Panics
     /// When `depth` is not in 1…[`MAX_DEPTH`].
     pub fn reset(&mut self, square: &UnitSquare, depth: u32, normal: Vec3) {
+        self.reset_to(square, depth, normal, None);
+    }
+
+    /// [`reset`](Self::reset) for a window [around an outline](UnitSquare::around_outline): what emits is what of that is above the
+    /// horizon.
+    ///
+    /// # Panics
+    /// When `depth` is not in 1…[`MAX_DEPTH`].
+    pub fn reset_to(&mut self, square: &UnitSquare, depth: u32, normal: Vec3, outline: Option<&Outline>) {
         assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
         self.depth = depth;
         self.square = *square;
         self.fit();
+        self.sides.clear();
+        self.circle = (Vec2::ZERO, square.disc);
         let n = square.local(normal);
+        if let Some(outline) = outline {
+            self.sides.extend(sides(outline, square));
+            self.circle = outline.circle([square.right, square.up]).unwrap_or(self.circle);
+            self.whole_disc = false;
+            self.emit(n);
+            return;
+        }
         let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * n.truncate().length_squared();
         self.whole_disc = above && square.half == Vec2::splat(square.disc) && square.center == Vec2::ZERO;
         if self.whole_disc {
@@ -127,21 +152,24 @@ impl Mask {
     #[inline(always)]
     fn emit_rows<S: Simd>(&mut self, simd: S, n: Vec3) {
         let (raster, side) = (self.raster(), self.side() as f32);
-        let (center, cell, disc) = (self.square.center.y, self.cell().y, self.square.disc);
+        let (center, cell, (middle, disc)) = (self.square.center.y, self.cell().y, self.circle);
         let zero = f32x8::splat(simd, 0.0);
         for base in (0..self.side()).step_by(EIGHT) {
             let line = f32x8::simd_from(simd, NUMBERS) + (base as f32 + 0.5);
             let y = (line - 0.5 * side) * cell + center;
-            let half = (f32x8::splat(simd, disc * disc) - y * y).max(zero).sqrt();
+            let off = y - middle.y;
+            let half = (f32x8::splat(simd, disc * disc) - off * off).max(zero).sqrt();
             // Above the horizon: n.x x + n.y y + n.z > 0.
-            let rest = y * n.y + n.z;
-            let (mut from, mut to) = (-half, half);
-            if n.x > 0.0 {
-                from = from.max(-rest / n.x);
-            } else if n.x < 0.0 {
-                to = to.min(-rest / n.x);
-            } else {
-                to = rest.simd_le(zero).select(from, to);
+            let (mut from, mut to) = (middle.x - half, middle.x + half);
+            for n in core::iter::once(&n).chain(&self.sides) {
+                let rest = y * n.y + n.z;
+                if n.x > 0.0 {
+                    from = from.max(-rest / n.x);
+                } else if n.x < 0.0 {
+                    to = to.min(-rest / n.x);
+                } else {
+                    to = rest.simd_le(zero).select(from, to);
+                }
             }
             let emits = from.simd_lt(to) & line.simd_lt(f32x8::splat(simd, side));
             let shift = f32x8::simd_from(simd, *Raster::shifts(base));
@@ -517,6 +545,16 @@ impl Mask {
     pub fn is_dark(&self) -> bool {
         (0..self.side()).all(|j| self.is_row_dark(j))
     }
+}
+
+/// The inner sides of an outline in its own plane.
+fn sides(outline: &Outline, square: &UnitSquare) -> impl Iterator<Item = Vec3> {
+    let corners = outline.on_plane([square.right, square.up]);
+    let next = corners.clone().cycle().skip(1);
+    corners.zip(next).map(|(p, q)| {
+        let edge = q - p;
+        Vec3::new(-edge.y, edge.x, edge.y * p.x - edge.x * p.y)
+    })
 }
 
 /// The plane coordinates x below a plane through the receiver, at a height y: from, to.

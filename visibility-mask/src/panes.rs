@@ -1,7 +1,7 @@
 use crate::share::{Counts, Sums, microfacet_sums, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
-use lobe_core::{Coverage, Lobe, Receiver};
+use lobe_core::{Coverage, Lobe, Outline, Receiver};
 
 /// The masks of a window: one, or several side by side where the tolerance wants more samples than one has.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +22,7 @@ impl Panes {
         fineness: Fineness,
         depth: u32,
         normal: Vec3,
+        outline: Option<&Outline>,
         mut draw: impl FnMut(&mut Mask),
     ) {
         self.window = *window;
@@ -32,7 +33,7 @@ impl Panes {
         let across = UVec2::from(fineness.panes);
         for (k, mask) in (0..).zip(&mut self.masks[..self.used]) {
             mask.set_coarse(fineness.coarse);
-            mask.reset(&window.pane(k, across), depth, normal);
+            mask.reset_to(&window.pane(k, across), depth, normal, outline);
             if across == UVec2::ONE || !mask.is_dark() {
                 draw(mask);
             }
@@ -121,7 +122,7 @@ mod tests {
             let share = |panes| {
                 let mut drawn = Panes::default();
                 let fineness = Fineness { panes, ..Fineness::FINE };
-                drawn.draw(&window, fineness, 6, normal, |mask| {
+                drawn.draw(&window, fineness, 6, normal, None, |mask| {
                     for j in 0..mask.side() {
                         let y = mask.row_y(j) - window.center.y;
                         mask.block_span(j, f32::NEG_INFINITY, edge + slope * y);
@@ -149,7 +150,7 @@ mod tests {
         let fineness = Fineness { panes: [2, 2], ..Fineness::FINE };
         for dark in 0..=4 {
             let (mut panes, mut drawn) = (Panes::default(), 0);
-            panes.draw(&window, fineness, 5, Vec3::Z, |mask| {
+            panes.draw(&window, fineness, 5, Vec3::Z, None, |mask| {
                 if drawn < dark {
                     mask.block_all();
                 }

@@ -1,5 +1,5 @@
 use glam::{UVec2, Vec2, Vec3};
-use lobe_core::{Cone, Lobe, Microfacets, orthonormal_basis};
+use lobe_core::{Cone, Lobe, Microfacets, Outline, nearest_of, orthonormal_basis};
 
 /// Half-angles above this (85°) are treated as if the light were seen up to it: the square faces one hemisphere.
 pub(crate) const WIDEST_TAN: f32 = 11.43;
@@ -21,8 +21,8 @@ pub(crate) const THINNEST: f32 = 1e-4;
 ///
 /// Coordinates are those of the plane at distance 1 along `axis`: the direction of a point `(x, y)` is
 /// `(x·right + y·up + axis)/√(1+x²+y²)`. The paper scales the same square to side 1 and moves it to
-/// `dist = 1/(2 tan θ)`. The light is the disc of radius `tan θ` about the origin; the window is a rectangle around all of
-/// it, around what is above the horizon, or, for a narrow reflectance lobe, around the part that the lobe sees.
+/// `dist = 1/(2 tan θ)`. The light is the disc of radius `tan θ` about the origin, or a polygon, whose own plane it then is; the window is
+/// a rectangle around all of it, around what is above the horizon, or, for a narrow reflectance lobe, around the part that the lobe sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitSquare {
     /// World direction of +x.
@@ -35,7 +35,7 @@ pub struct UnitSquare {
     pub center: Vec2,
     /// Half its sides.
     pub half: Vec2,
-    /// Radius `tan θ` of the light's disc.
+    /// Radius `tan θ` of the light's disc; of a polygon that of a disc about the origin around it.
     pub disc: f32,
 }
 
@@ -45,12 +45,14 @@ pub(crate) struct Peak {
     point: Vec2,
     width: f32,
     uphill: Vec2,
+    /// Half the size of what emits.
+    size: f32,
 }
 
 impl Peak {
     /// How far the logarithm of the lobe falls at most over one radius of the light: `gr + r²/2σ²`.
-    pub(crate) fn fall(&self, square: &UnitSquare) -> f32 {
-        square.disc * (self.uphill.length() + 0.5 * square.disc) / (self.width * self.width)
+    pub(crate) fn fall(&self) -> f32 {
+        self.size * (self.uphill.length() + 0.5 * self.size) / (self.width * self.width)
     }
 }
 
@@ -81,6 +83,23 @@ impl UnitSquare {
         Self { right, up: cone.axis.cross(right), axis: cone.axis, center: Vec2::ZERO, half: Vec2::splat(disc), disc }
     }
 
+    /// The window around a polygon of light, in its own plane, turned so that `across` (world space, any length) lies between right and
+    /// axis.
+    #[must_use]
+    pub fn around_outline(outline: &Outline, across: Vec3) -> Self {
+        let frame = outline.frame(across);
+        let corners = outline.on_plane(frame);
+        let (mut low, mut high) =
+            corners.clone().fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+        if let Some((center, radius)) = outline.circle(frame) {
+            (low, high) = (low.max(center - radius), high.min(center + radius));
+        }
+        let disc = 1.000_1 * corners.map(|p| p.length_squared()).fold(0.0, f32::max).sqrt();
+        let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let half = half.max(Vec2::splat(THINNEST * half.max_element()));
+        Self { right: frame[0], up: frame[1], axis: outline.axis(), center, half, disc }
+    }
+
     /// The window around what of the light is above the horizon of `normal`: of a sliver of the light no sample is lost. All
     /// of the window where the horizon leaves all or nothing.
     #[must_use]
@@ -101,24 +120,29 @@ impl UnitSquare {
     }
 
     /// Where on what emits a reflectance lobe has its largest value, and how it falls from there.
-    pub(crate) fn peak(&self, lobe: &Lobe, normal: Vec3) -> Peak {
+    pub(crate) fn peak(&self, lobe: &Lobe, normal: Vec3, bright: Option<&Outline>) -> Peak {
         let along = self.axis.dot(lobe.axis);
         let aside = Vec2::new(self.right.dot(lobe.axis), self.up.dot(lobe.axis));
         // The lobe's axis on the plane, or the point of the emitting disc next to it.
         let mut point = if along > 1e-3 { aside / along } else { aside.normalize_or_zero() * 1e3 };
         let n = self.local(normal);
-        for _ in 0..3 {
-            let below = n.x * point.x + n.y * point.y + n.z;
-            if below < 0.0 {
-                point -= n.truncate() * (below / n.truncate().length_squared().max(1e-12));
+        if let Some(bright) = bright {
+            point = nearest_of(bright.on_plane([self.right, self.up]), point);
+        } else {
+            for _ in 0..3 {
+                let below = n.x * point.x + n.y * point.y + n.z;
+                if below < 0.0 {
+                    point -= n.truncate() * (below / n.truncate().length_squared().max(1e-12));
+                }
+                point = point.clamp_length_max(self.disc);
             }
-            point = point.clamp_length_max(self.disc);
         }
         // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
         let stretch = 1.0 + point.length_squared();
         let width = lobe.exponent.clamp(1e-6, NARROWEST).sqrt().recip() * stretch;
         let uphill = aside / (aside.dot(point) + along).max(1e-3) - point / stretch;
-        Peak { point, width, uphill: uphill * (stretch * stretch) }
+        let size = if bright.is_some() { self.half.max_element() } else { self.disc };
+        Peak { point, width, uphill: uphill * (stretch * stretch), size }
     }
 
     /// The part of the window that a reflectance lobe needs: where its logarithm is within `sigmas²/2` of its largest value
@@ -131,7 +155,7 @@ impl UnitSquare {
     /// (sigmas·σ above its radius).
     #[must_use]
     pub fn zoomed(&self, lobe: &Lobe, normal: Vec3, sigmas: f32) -> Self {
-        self.around(&self.peak(lobe, normal), sigmas)
+        self.around(&self.peak(lobe, normal, None), sigmas)
     }
 
     /// That of a lobe with this peak.
@@ -139,8 +163,8 @@ impl UnitSquare {
         let reach = sigmas * peak.width;
         let uphill = peak.uphill.clamp_length_max(FARTHEST * reach);
         // A window as large as the light is not worth a mask: from four fifths on it grows to all of it.
-        let broad = (5.0 * reach / self.disc - 4.0).clamp(0.0, 1.0);
-        let radius = (uphill.length_squared() + reach * reach).sqrt() + broad * (2.0 * self.disc);
+        let broad = (5.0 * reach / peak.size - 4.0).clamp(0.0, 1.0);
+        let radius = (uphill.length_squared() + reach * reach).sqrt() + broad * (2.0 * peak.size);
         self.within(peak.point + uphill - radius, peak.point + uphill + radius)
     }
 
@@ -152,9 +176,10 @@ impl UnitSquare {
         normal: Vec3,
         cells: UVec2,
         tolerance: f32,
+        bright: Option<&Outline>,
     ) -> Option<Self> {
         let (mirror, alpha) = microfacets.highlight();
-        let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal);
+        let peak = self.peak(&Lobe::new(mirror, 1.0, Vec3::ONE), normal, bright);
         let along = self.axis.dot(mirror);
         let aside = Vec2::new(self.right.dot(mirror), self.up.dot(mirror));
         let beside = if along > 1e-3 { (aside / along - peak.point).length() } else { f32::INFINITY };

@@ -4,13 +4,19 @@ use crate::share::Counts;
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{
-    Accuracy, Coverage, Lobe, LobesFull, Microfacets, PartlySeen, Shaft, VisibilityLobes, VisibilityQuery,
-    VisibilitySum, is_lambert,
+    Accuracy, Cone, Coverage, Lobe, LobesFull, Microfacets, Outline, PartlySeen, Shaft, VisibilityLobes,
+    VisibilityQuery, VisibilitySum, is_lambert,
 };
 
 /// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one: else some
 /// few samples would carry its share, and show as they come and go.
 pub(crate) const STEEP: f32 = 1.0;
+
+/// A flat light whose circle is filled to one part in so many has a mask like any other.
+const FILLED: f32 = 3.0;
+
+/// A mask of a wider light than this (1 − cos θ) is turned as one of that width.
+const WIDE: f32 = 0.6;
 
 /// Something that blocks light, rasterised: what a visibility strategy has to provide.
 ///
@@ -116,10 +122,20 @@ impl<B: Blockers> MaskVisibility<B> {
 
     /// Across the edges of the blockers and, where it cuts the light, the horizon.
     fn across(&self, query: &VisibilityQuery<'_>, scratch: &B::Scratch) -> Vec3 {
+        let middle = query.outline.map(|outline| toward_middle(outline, query.cone));
+        let query = VisibilityQuery { cone: middle.as_ref().unwrap_or(query.cone), ..*query };
         let mut edges = Edges::new(query.cone);
-        self.blockers.edges(query, scratch, &mut edges);
+        self.blockers.edges(&query, scratch, &mut edges);
         edges.add_plane(query.at.normal, query.cone);
         edges.across()
+    }
+
+    /// The window around all that emits.
+    fn whole(query: &VisibilityQuery<'_>, across: Vec3) -> UnitSquare {
+        match query.outline {
+            None => UnitSquare::facing(query.cone, across).above(query.at.normal),
+            Some(outline) => UnitSquare::around_outline(outline, across),
+        }
     }
 
     /// The window of a lobe that needs a mask of its own: one that sees only a part of the light, turned by the edges that
@@ -134,14 +150,19 @@ impl<B: Blockers> MaskVisibility<B> {
         if is_lambert(query.at, brdf) {
             return None;
         }
-        let (peak, sigmas) = (whole.peak(brdf, query.at.normal), zoom_sigmas(query.accuracy.tolerance));
-        let square = whole.around(&peak, sigmas);
+        let peak = |whole: &UnitSquare| whole.peak(brdf, query.at.normal, query.outline);
+        let (at_whole, sigmas) = (peak(whole), zoom_sigmas(query.accuracy.tolerance));
+        let square = whole.around(&at_whole, sigmas);
         if square == *whole {
-            return (self.broad(query) != self.narrow(query) && peak.fall(whole) > STEEP).then_some(square);
+            return (self.broad(query) != self.narrow(query) && at_whole.fall() > STEEP).then_some(square);
         }
         let cone = square.cone(query.cone.distance);
-        let across = self.across(&VisibilityQuery { cone: &cone, ..*query }, scratch);
-        Some(UnitSquare::facing(query.cone, across).above(query.at.normal).zoomed(brdf, query.at.normal, sigmas))
+        let across = match query.outline {
+            None => self.across(&VisibilityQuery { cone: &cone, ..*query }, scratch),
+            Some(_) => whole.right,
+        };
+        let whole = Self::whole(query, across);
+        Some(whole.around(&peak(&whole), sigmas))
     }
 
     /// What is seen of microfacets' light: their highlight through a mask of its own where it is narrow beside the light, all around it
@@ -156,8 +177,9 @@ impl<B: Blockers> MaskVisibility<B> {
         let microfacets = Microfacets::new(query.at.normal, lobe);
         let whole = *scratch.full.window();
         let cells = UVec2::from(broad.panes) * UVec2::new(broad.columns(), 1 << depth(query.accuracy));
-        let near = whole.highlight(&microfacets, query.at.normal, cells, query.accuracy.tolerance);
-        let finer = near.is_none() && broad != narrow && whole.disc > 2.0 * microfacets.highlight().1;
+        let near = whole.highlight(&microfacets, query.at.normal, cells, query.accuracy.tolerance, query.outline);
+        let size = if query.outline.is_some() { whole.half.max_element() } else { whole.disc };
+        let finer = near.is_none() && broad != narrow && size > 2.0 * microfacets.highlight().1;
         if let Some(square) = near.or(finer.then_some(whole)) {
             if !(finer && scratch.is_whole) {
                 self.draw(&square, narrow, query, &mut scratch.blockers, &mut scratch.own);
@@ -174,11 +196,11 @@ impl<B: Blockers> MaskVisibility<B> {
 
     /// How finely broad lobes see: a cut is made of one mask.
     fn broad(&self, query: &VisibilityQuery<'_>) -> Fineness {
-        if self.lobes { Fineness::FINE } else { Fineness::broad(query.accuracy.tolerance) }
+        if self.lobes { Fineness::FINE } else { Fineness::broad(tolerance(query)) }
     }
 
     fn narrow(&self, query: &VisibilityQuery<'_>) -> Fineness {
-        if self.lobes { Fineness::FINE } else { Fineness::narrow(query.accuracy.tolerance) }
+        if self.lobes { Fineness::FINE } else { Fineness::narrow(tolerance(query)) }
     }
 
     fn draw(
@@ -190,7 +212,8 @@ impl<B: Blockers> MaskVisibility<B> {
         panes: &mut Panes,
     ) {
         let depth = depth(query.accuracy);
-        panes.draw(square, fineness, depth, query.at.normal, |mask| self.blockers.splat(query, blockers, mask));
+        let draw = |mask: &mut Mask| self.blockers.splat(query, blockers, mask);
+        panes.draw(square, fineness, depth, query.at.normal, query.outline, draw);
     }
 
     /// The blockers.
@@ -238,7 +261,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
     }
 
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
-        if query.cone.one_minus_cos > 1.0 {
+        if query.outline.is_none() && query.cone.one_minus_cos > 1.0 {
             // Inside the light there is no disc to cover.
             return Coverage::Lit;
         }
@@ -250,7 +273,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             // What touches the direction of a point light hides it.
             return Coverage::Dark;
         }
-        let square = UnitSquare::facing(query.cone, self.across(query, &scratch.blockers)).above(query.at.normal);
+        let square = Self::whole(query, self.across(query, &scratch.blockers));
         scratch.is_whole = false;
         scratch.edge = None;
         self.draw(&square, self.broad(query), query, &mut scratch.blockers, &mut scratch.full);
@@ -294,6 +317,21 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         scratch.cut.build(mask);
         Cut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.accuracy.tolerance).write(out)
     }
+}
+
+/// Of a polygon's cone what the turn of its mask follows: toward its middle, and less than a hemisphere.
+fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
+    let middle = outline.corners().iter().sum::<Vec3>().normalize_or(cone.axis);
+    if cone.one_minus_cos < WIDE {
+        return *cone;
+    }
+    Cone { axis: middle, one_minus_cos: WIDE, distance: f32::INFINITY }
+}
+
+/// The tolerance for a light that fills its window: a long one has few of the window's samples.
+fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
+    let fill = query.outline.map_or(1.0, |outline| (FILLED * outline.roundness()).min(1.0));
+    query.accuracy.tolerance * fill
 }
 
 /// The depth of the masks.

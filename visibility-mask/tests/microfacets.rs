@@ -78,7 +78,7 @@ impl Case {
         let mut writer = lobes.writer_of(true);
         let both = Lobe::microfacets(view, self.alpha as f32, [Vec3::splat(0.8), Vec3::ONE]);
         both.into_iter().try_for_each(|lobe| writer.push(lobe)).expect("room");
-        let light = LightTerm { cone, radiance: Vec3::ONE };
+        let light = LightTerm::of_cone(cone, Vec3::ONE);
         let call = Call { at: &at, brdf: lobes.lobes(), light: &light };
         let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
         let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));

@@ -110,7 +110,7 @@ fn shade<V: VisibilityLobes>(
 ) -> Lit {
     let mut brdf = LobeBuffer::with_capacity(1);
     brdf.writer().push(f).expect("room for all lobes");
-    let light = LightTerm { cone: *cone, radiance: Vec3::ONE };
+    let light = LightTerm::of_cone(*cone, Vec3::ONE);
     let accuracy = Accuracy { tolerance: 0.003, depth };
     let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::with_capacity(visibility.max_lobes(accuracy)));
     let mut visit = Visit::alone(visibility, LightId(0), accuracy, &mut scratch);
@@ -426,7 +426,7 @@ fn threshold_drops_visibility_products() {
     let accuracy = Accuracy { tolerance: 0.003, depth: 5 };
     let mut brdf = LobeBuffer::with_capacity(1);
     brdf.writer().push(Lobe::new(Vec3::Z, 1.0, Vec3::ONE)).unwrap();
-    let light = LightTerm { cone, radiance: Vec3::ONE };
+    let light = LightTerm::of_cone(cone, Vec3::ONE);
     let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes(accuracy)));
     let mut before = (0, 0.0);
     for threshold in [0.0, 1e-5, 3e-5, 1e-4, 1e-3] {

@@ -1,6 +1,6 @@
 use crate::SilhouetteMesh;
 use crate::count::{Counter, Fewest};
-use crate::cut::{Ball, Chord, Front};
+use crate::cut::{Ball, Behind, Chord, Front};
 use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes};
 use crate::mesh::side;
@@ -8,12 +8,18 @@ use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use lobe_core::{Cone, Coverage, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Coverage, Outline, Shaft, Sphere, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 /// The size of details that a tolerance leaves out: this part of it, in radii of the light. Root mean square: measured so that
 /// masks differ by less than a quarter of the tolerance in the mean.
 const DETAIL: f32 = 4.0;
+
+/// Windows reach so far beyond a flat light, in radii of its bounds.
+const AROUND: f32 = 1.6;
+
+/// What ends at a flat light's plane ends before a plane so much farther, whatever the rounding.
+const PAST: f32 = 1.000_02;
 
 /// What answers the one question that outlines leave open: whether a ray meets any triangle.
 ///
@@ -127,6 +133,30 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         scratch.is_met = self.hits.enter(shaft, &mut scratch.hits);
     }
 
+    /// Finds the outlines in which a flat light's plane cuts triangles near it; whether there are any.
+    fn cut_by_plane(&self, light: &Outline, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
+        if scratch.near_of != scratch.light {
+            scratch.near_of = scratch.light;
+            scratch.near.clear();
+            let around = Sphere { radius: scratch.light.radius * AROUND, ..scratch.light };
+            let near = &mut scratch.near;
+            self.hits.triangles_meeting(around, &mut |corners| near.push(corners));
+        }
+        let SilhouetteScratch { near, arcs, silhouettes, outside, origin, .. } = scratch;
+        arcs.clear();
+        if !near.is_empty() {
+            let plane = Behind::new(light);
+            arcs.extend(near.iter().filter_map(|corners| {
+                let cut = corners.map(|p| p - *origin);
+                plane.cut(cut, || side(*corners, *origin))
+            }));
+            if !arcs.is_empty() {
+                plane.before(silhouettes, outside);
+            }
+        }
+        !arcs.is_empty()
+    }
+
     /// Lists the silhouettes of one receiver.
     #[inline(always)]
     fn look<S: Simd>(&self, simd: S, query: &VisibilityQuery<'_>, scratch: &mut SilhouetteScratch<H::Scratch>) {
@@ -151,6 +181,9 @@ pub struct SilhouetteScratch<H> {
     is_cut: bool,
     light: Sphere,
     cutting: Vec<[Vec3; 3]>,
+    /// The triangles near a flat light, which its plane may cut before it, and which light that is.
+    near: Vec<[Vec3; 3]>,
+    near_of: Sphere,
     /// Where the current receiver's rays start, and what it sees.
     origin: Vec3,
     cone: Cone,
@@ -182,6 +215,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             // None that a caller could mean.
             light: Sphere { center: Vec3::NAN, radius: 0.0 },
             cutting: Vec::new(),
+            near: Vec::new(),
+            near_of: Sphere { center: Vec3::NAN, radius: 0.0 },
             origin: Vec3::ZERO,
             cone: Cone { axis: Vec3::Z, one_minus_cos: 0.0, distance: 0.0 },
             facet: None,
@@ -227,19 +262,30 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         scratch.silhouettes.clear();
         scratch.is_coarse = false;
         scratch.is_outside_known = false;
+        scratch.arcs.clear();
         if scratch.lists.is_empty() && !scratch.is_met {
             return facet;
         }
         if cone.one_minus_cos > 0.0 && !scratch.lists.is_empty() {
             dispatch!(Level::new(), simd => self.look(simd, query, scratch));
         }
-        let is_whole = scratch.silhouettes.is_empty() && !scratch.is_cut && scratch.facet.is_none();
+        let is_cut = match query.outline {
+            None => scratch.is_cut,
+            Some(outline) => self.cut_by_plane(outline, scratch),
+        };
+        let is_whole = scratch.silhouettes.is_empty() && !is_cut && scratch.facet.is_none();
         if cone.one_minus_cos > 0.0 && !is_whole {
             return Coverage::Partial;
         }
         // All samples have the same number of surfaces before them.
-        let distance = cone.distance * cone.cos() * cone.cos();
-        if self.hits.is_hit(scratch.origin, cone.axis, distance, &mut scratch.hits) {
+        let (toward, distance) = match query.outline {
+            None => (cone.axis, cone.distance * cone.cos() * cone.cos()),
+            Some(outline) => {
+                let middle = outline.middle().normalize();
+                (middle, outline.distance(middle))
+            }
+        };
+        if self.hits.is_hit(scratch.origin, toward, distance, &mut scratch.hits) {
             Coverage::Dark
         } else {
             Coverage::Lit
@@ -250,14 +296,16 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if let Some(face) = scratch.facet {
             edges.add_plane(face, query.cone);
         }
-        dispatch!(Level::new(), simd => add_edges(simd, query.cone, &scratch.cone, &scratch.silhouettes, edges));
+        // A flat light's cone may be a hemisphere.
+        let light = if query.outline.is_some() { query.cone } else { &scratch.cone };
+        dispatch!(Level::new(), simd => add_edges(simd, query.cone, light, &scratch.silhouettes, edges));
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
         if mask.is_dark() {
             return;
         }
-        let view = View::new(*mask.square(), mask.raster(), mask.side(), query.cone);
+        let mut view = View::new(*mask.square(), mask.raster(), mask.side(), query);
         let SilhouetteScratch {
             origin,
             facet,
@@ -281,7 +329,8 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         }
         crossings.clear();
         // Where the light holds parts of triangles, what blocks ends at its front side; else at its plane.
-        let ball = is_cut.then(|| Ball::new(*light, *origin));
+        let is_flat = query.outline.is_some();
+        let ball = (*is_cut && !is_flat).then(|| Ball::new(*light, *origin));
         if let Some(ball) = &ball {
             if !*is_outside_known {
                 // The same for all windows of the receiver.
@@ -295,7 +344,13 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             }
             crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
         }
-        let drawn = if ball.is_some() { &*outside } else { &*silhouettes };
+        // Where a flat light's plane cuts triangles it has cut the silhouettes, too.
+        let is_cut_by_plane = is_flat && !arcs.is_empty();
+        if is_cut_by_plane {
+            crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
+            view.far *= PAST;
+        }
+        let drawn = if ball.is_some() || is_cut_by_plane { &*outside } else { &*silhouettes };
         dispatch!(Level::new(), simd => {
             project(simd, drawn, &view, crossings);
             counter.count(simd, &view, crossings, mask);

@@ -4,7 +4,7 @@ use crate::edge_list::Columns;
 use crate::select::{NUMBERS, STEP, Silhouettes};
 use core::f64::consts::TAU;
 use glam::{DVec3, Vec3};
-use lobe_core::Sphere;
+use lobe_core::{Outline, Sphere};
 
 /// Arcs are drawn as chords of a circle with so many sides: within 0.1 % of its radius.
 const SIDES: f64 = 64.0;
@@ -137,27 +137,7 @@ impl Ball {
 
     /// The parts of silhouettes that are outside of the ball.
     pub(crate) fn outside(&self, silhouettes: &Silhouettes, out: &mut Silhouettes) {
-        out.clear();
-        for i in 0..silhouettes.len() {
-            let end = |c: usize| Vec3::from_array([c, c + 1, c + 2].map(|c| silhouettes.get(c, i)));
-            let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i));
-            let mut push = |a: Vec3, b: Vec3| {
-                let mut numbers = [step; NUMBERS];
-                numbers[..3].copy_from_slice(&a.to_array());
-                numbers[3..6].copy_from_slice(&b.to_array());
-                Columns::push(out, numbers);
-            };
-            match self.inside(a, b) {
-                Inside::Nowhere => push(a, b),
-                Inside::First(p) => push(p, b),
-                Inside::Second(p) => push(a, p),
-                Inside::Between([p, q]) => {
-                    push(a, p);
-                    push(q, b);
-                }
-                Inside::All => {}
-            }
-        }
+        keep_outside(silhouettes, |a, b| self.inside(a, b), out);
     }
 
     /// Appends the outlines of the hole that the ball cuts into a triangle, as far as they are on the light's front side. The
@@ -220,6 +200,88 @@ impl Ball {
         } else if !all && self.is_within(corners) {
             circle().draw(front, None, side, out);
         }
+    }
+}
+
+/// The parts of silhouettes that are outside of something.
+fn keep_outside(silhouettes: &Silhouettes, inside: impl Fn(Vec3, Vec3) -> Inside, out: &mut Silhouettes) {
+    out.clear();
+    for i in 0..silhouettes.len() {
+        let end = |c: usize| Vec3::from_array([c, c + 1, c + 2].map(|c| silhouettes.get(c, i)));
+        let (a, b, step) = (end(0), end(3), silhouettes.get(STEP, i));
+        let mut push = |a: Vec3, b: Vec3| {
+            let mut numbers = [step; NUMBERS];
+            numbers[..3].copy_from_slice(&a.to_array());
+            numbers[3..6].copy_from_slice(&b.to_array());
+            Columns::push(out, numbers);
+        };
+        match inside(a, b) {
+            Inside::Nowhere => push(a, b),
+            Inside::First(p) => push(p, b),
+            Inside::Second(p) => push(a, p),
+            Inside::Between([p, q]) => {
+                push(a, p);
+                push(q, b);
+            }
+            Inside::All => {}
+        }
+    }
+}
+
+/// The plane of a flat light, seen from a receiver: only what is before it blocks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Behind {
+    axis: DVec3,
+    depth: f64,
+}
+
+impl Behind {
+    pub(crate) fn new(light: &Outline) -> Self {
+        Self { axis: light.axis().as_dvec3(), depth: f64::from(light.depth()) }
+    }
+
+    fn holds(&self, p: Vec3) -> bool {
+        self.axis.dot(p.as_dvec3()) > self.depth
+    }
+
+    /// As [`Ball::inside`].
+    fn inside(&self, a: Vec3, b: Vec3) -> Inside {
+        let cut = |a: Vec3, b: Vec3| {
+            let (p, q) = (a.as_dvec3(), b.as_dvec3());
+            let (from, to) = (self.axis.dot(p) - self.depth, self.axis.dot(q) - self.depth);
+            (p + (q - p) * (from / (from - to)).clamp(0.0, 1.0)).as_vec3()
+        };
+        // The same point whichever way the edge runs.
+        let point = || if b.to_array() < a.to_array() { cut(b, a) } else { cut(a, b) };
+        match (self.holds(a), self.holds(b)) {
+            (true, true) => Inside::All,
+            (true, false) => Inside::First(point()),
+            (false, true) => Inside::Second(point()),
+            (false, false) => Inside::Nowhere,
+        }
+    }
+
+    /// The parts of silhouettes that are before the plane.
+    pub(crate) fn before(&self, silhouettes: &Silhouettes, out: &mut Silhouettes) {
+        keep_outside(silhouettes, |a, b| self.inside(a, b), out);
+    }
+
+    /// The outline in which the plane cuts a triangle, as [`Ball::cut`].
+    pub(crate) fn cut(&self, corners: [Vec3; 3], side: impl Fn() -> f32) -> Option<Chord> {
+        let held = corners.map(|p| self.holds(p));
+        if held[0] == held[1] && held[1] == held[2] {
+            return None;
+        }
+        let (mut from, mut to) = (None, None);
+        for k in 0..3 {
+            match self.inside(corners[k], corners[(k + 1) % 3]) {
+                Inside::First(p) => from = Some(p),
+                Inside::Second(p) => to = Some(p),
+                _ => {}
+            }
+        }
+        let side = side() as i32;
+        (side != 0).then_some((to?, from?, side))
     }
 }
 

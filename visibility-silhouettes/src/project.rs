@@ -4,7 +4,7 @@ use crate::lanes::Lanes3;
 use crate::select::{STEP, Silhouettes};
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
-use lobe_core::Cone;
+use lobe_core::{Outline, VisibilityQuery};
 use visibility_mask::{Raster, UnitSquare};
 
 /// Ends nearer than this part of the light's distance are clipped: they are far outside of the window.
@@ -26,12 +26,15 @@ pub(crate) struct View {
 }
 
 impl View {
-    pub(crate) fn new(square: UnitSquare, raster: Raster, rows: usize, cone: &Cone) -> Self {
-        let (distance, cos) = (cone.distance, cone.cos());
+    pub(crate) fn new(square: UnitSquare, raster: Raster, rows: usize, query: &VisibilityQuery<'_>) -> Self {
+        let (cone, cos) = (query.cone, query.cone.cos());
+        let distance = cone.distance;
+        // The square of a flat light is in its plane.
+        let far = query.outline.map_or(distance * cos * cos, Outline::depth);
         let near = NEAR * if distance.is_finite() { distance } else { 1.0 };
         let left = square.center.x - square.half.x;
         let middle = (0.0_f32.clamp(left, left + 2.0 * square.half.x) - left) * raster.samples;
-        Self { square, raster, rows, near, far: (distance * cos * cos).max(near), middle }
+        Self { square, raster, rows, near, far: far.max(near), middle }
     }
 
     /// The unit direction of a sample, and the distance to the light's plane along it.

@@ -162,7 +162,8 @@ fn side<S: Simd>(
 /// before the light at all, since of others only some are listed.
 #[inline(always)]
 pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
-    let (near, far) = (1e-6 * light.distance, light.distance * light.cos() * light.cos());
+    let near = if light.distance.is_finite() { 1e-6 * light.distance } else { f32::MIN_POSITIVE };
+    let far = light.distance * light.cos() * light.cos();
     let [near, far] = [near, far].map(|depth| f32x8::splat(simd, depth));
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];

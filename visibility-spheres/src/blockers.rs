@@ -4,6 +4,7 @@ use crate::hits::Hits;
 use crate::looks::LightBall;
 use crate::shaft_test::ShaftTest;
 use crate::sphere_tree::SphereTree;
+use crate::splat::Front;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
@@ -280,7 +281,8 @@ impl Blockers for SphereBlockers {
         if let Some(face) = scratch.facet {
             mask.block_below(face);
         }
-        dispatch!(Level::new(), simd => scratch.hits.splat(simd, query.cone, mask));
+        let light = Front::new(query);
+        dispatch!(Level::new(), simd => scratch.hits.splat(simd, &light, mask));
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::block::LANES;
 use crate::ellipse::Ellipses;
 use crate::looks::Looks;
-use crate::splat::BlockedCone;
+use crate::splat::{BlockedCone, Front};
 use crate::wide::splat_wide;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
@@ -98,9 +98,9 @@ impl Hits {
         }
     }
 
-    /// Splats them, until nothing is lit any more. `light` is the cone of the ball that some of them meet.
+    /// Splats them, until nothing is lit any more. `light` is what some of them meet.
     #[inline(always)]
-    pub(crate) fn splat<S: Simd>(&self, simd: S, light: &Cone, mask: &mut Mask) {
+    pub(crate) fn splat<S: Simd>(&self, simd: S, light: &Front, mask: &mut Mask) {
         let square = *mask.square();
         let zero = f32x8::splat(simd, 0.0);
         for first in (0..self.len).step_by(LANES) {

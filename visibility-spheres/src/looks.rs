@@ -22,6 +22,8 @@ pub(crate) struct LightBall {
     narrow: bool,
     /// Whether the cheap question comes before the exact one.
     culls: bool,
+    /// Of a flat light the normal of its plane, and how far that is.
+    plane: Option<(Vec3, f32)>,
 }
 
 /// The directions that eight spheres block, as [`BlockedCone`](crate::splat::BlockedCone)s.
@@ -92,7 +94,8 @@ impl LightBall {
         let (distance, radius) = (cone.distance, cone.distance * sin);
         let power = distance * distance * (cos * cos);
         let narrow = cos > 0.0;
-        Self { at: query.at.position, axis: cone.axis, sin, cos, distance, radius, power, narrow, culls }
+        let plane = query.outline.map(|light| (light.axis(), light.depth()));
+        Self { at: query.at.position, axis: cone.axis, sin, cos, distance, radius, power, narrow, culls, plane }
     }
 
     /// What those of eight candidates that `which` names hide from the receiver of a query. Where in doubt, something.
@@ -167,6 +170,18 @@ impl LightBall {
     /// Which spheres meet the light, which are behind it.
     #[inline(always)]
     fn order<S: Simd>(&self, simd: S, to: [f32x8<S>; 3], radius: f32x8<S>) -> (mask32x8<S>, mask32x8<S>) {
+        if let Some((normal, height)) = self.plane {
+            let beyond = to[0] * normal.x + to[1] * normal.y + to[2] * normal.z - height;
+            // Where all of the rim that is seen is before the plane, so is all that hides.
+            let d_sq = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
+            let tangent_sq = d_sq - radius * radius;
+            let part = tangent_sq / d_sq;
+            let along = beyond + height;
+            let aside = (d_sq - along * along).max(f32x8::splat(simd, 0.0)).sqrt();
+            let rim = along * part + radius * part.max(f32x8::splat(simd, 0.0)).sqrt() * aside / d_sq.sqrt();
+            let is_before = tangent_sq.simd_gt(f32x8::splat(simd, 0.0)) & rim.simd_le(f32x8::splat(simd, height));
+            return (beyond.abs().simd_lt(radius) & !is_before, beyond.simd_ge(radius));
+        }
         if !self.distance.is_finite() {
             let none = radius.simd_lt(f32x8::splat(simd, f32::NEG_INFINITY));
             return (none, none);

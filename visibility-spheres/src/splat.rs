@@ -1,7 +1,7 @@
 //! The cone that a sphere blocks, and what of it is in front of a light that the sphere meets.
 
 use glam::Vec3;
-use lobe_core::Cone;
+use lobe_core::{Cone, VisibilityQuery};
 use visibility_mask::Mask;
 
 /// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
@@ -49,16 +49,15 @@ impl BlockedCone {
 
     /// Blocks where the ball is in front of the light that it meets: runs of cell centres, their ends found between two
     /// centres by bisection.
-    pub(crate) fn splat_in_front(&self, cone: &Cone, mask: &mut Mask) {
+    pub(crate) fn splat_in_front(&self, light: &Front, mask: &mut Mask) {
         let square = *mask.square();
-        let (light, light_radius) = (cone.axis * cone.distance, cone.distance * cone.sin_sq().sqrt());
         for j in 0..mask.side() {
             if mask.is_row_dark(j) {
                 continue;
             }
             let hides = |x: f32| {
                 let v = square.world(Vec3::new(x, mask.row_y(j), 1.0)).normalize();
-                self.contains(v) && order_by_ray(v, self, light, light_radius)
+                self.contains(v) && light.is_behind(v, self)
             };
             let center = |i: usize| mask.cell_center(i, j).x;
             let mut spans = [(0.0, 0.0); 2];
@@ -92,14 +91,46 @@ impl BlockedCone {
     }
 }
 
+/// Where a light begins, seen from the receiver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Front {
+    /// A ball's centre and radius.
+    Ball(Vec3, f32),
+    /// The normal of a plane, and how far that is.
+    Plane(Vec3, f32),
+}
+
+impl Front {
+    pub(crate) fn new(query: &VisibilityQuery<'_>) -> Self {
+        match query.outline {
+            None => Self::of_cone(query.cone),
+            Some(light) => Self::Plane(light.axis(), light.depth()),
+        }
+    }
+
+    pub(crate) fn of_cone(cone: &Cone) -> Self {
+        Self::Ball(cone.axis * cone.distance, cone.distance * cone.sin_sq().sqrt())
+    }
+
+    /// Whether, along the unit direction `v`, a ball is entered before it.
+    fn is_behind(&self, v: Vec3, ball: &BlockedCone) -> bool {
+        match self {
+            Self::Ball(center, radius) => order_by_ray(v, ball, *center, *radius),
+            Self::Plane(normal, height) => entry(v, ball.to, ball.radius) * normal.dot(v) < *height,
+        }
+    }
+}
+
+/// Where a ray enters a ball.
+fn entry(v: Vec3, center: Vec3, radius: f32) -> f32 {
+    let along = center.dot(v);
+    // The distance of ray and centre directly: as a difference of squares it drowns a few hundred radii away.
+    let half_sq = radius * radius - (center - v * along).length_squared();
+    (along - half_sq.max(0.0).sqrt()).max(0.0)
+}
+
 /// Whether, along the unit direction `v`, the ball is entered before the light (both seen from the origin). Inside the
 /// ball counts as entered at 0.
 pub(crate) fn order_by_ray(v: Vec3, ball: &BlockedCone, light: Vec3, light_radius: f32) -> bool {
-    let entry = |center: Vec3, radius: f32| {
-        let along = center.dot(v);
-        // The distance of ray and centre directly: as a difference of squares it drowns a few hundred radii away.
-        let half_sq = radius * radius - (center - v * along).length_squared();
-        (along - half_sq.max(0.0).sqrt()).max(0.0)
-    };
-    entry(ball.to, ball.radius) < entry(light, light_radius)
+    entry(v, ball.to, ball.radius) < entry(v, light, light_radius)
 }

@@ -3,7 +3,7 @@
 use crate::block::{LANES, half_of};
 use crate::hits::Hits;
 use crate::looks::{cones, whole_cones};
-use crate::splat::{BlockedCone, order_by_ray};
+use crate::splat::{BlockedCone, Front, order_by_ray};
 use core::f64::consts::PI;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{DVec3, Vec2, Vec3};
@@ -26,7 +26,7 @@ fn splat(cones: &[BlockedCone], level: Level, mask: &mut Mask) {
     let mut hits = Hits::default();
     cones.iter().for_each(|cone| hits.push(cone));
     let cone = Cone { axis: mask.square().axis, one_minus_cos: 0.1, distance: f32::INFINITY };
-    dispatch!(level, simd => hits.splat(simd, &cone, mask));
+    dispatch!(level, simd => hits.splat(simd, &Front::of_cone(&cone), mask));
 }
 
 /// Entry and exit of a ray from the origin into a ball, both possibly negative.

@@ -4,7 +4,7 @@ use cosine_lobes::brdf::conformance::{BrdfLimits, check as check_brdf};
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lobe_core::conformance::{LightLimits, Limits, Setting, check, check_light};
 use cosine_lobes::lobe_core::{
-    BrdfLobes, Call, Integrator, LightId, LightLobes, LightTerm, LobeBuffer, VisibilityLobes, VisibilitySum, Visit,
+    BrdfLobes, Call, Integrator, LightId, LightLobes, LobeBuffer, VisibilityLobes, VisibilitySum, Visit,
 };
 use cosine_lobes::render_gpu::{Gpu, GpuOptions};
 use cosine_lobes::visibility_mask::MaskVisibility;
@@ -49,7 +49,7 @@ fn tiles_are_single_points() {
         frame.materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer()).unwrap();
         let mut all = Vec3::ZERO;
         for (number, light) in frame.lights.iter().enumerate() {
-            let term = LightTerm { cone: light.cone(at), radiance: light.radiance(at) };
+            let term = light.term(at);
             let mut visit = Visit::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
             let call = Call { at, brdf: lobes.lobes(), light: &term };
             all += Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).unwrap().radiance;

@@ -13,8 +13,8 @@ use self::blocks::Blocks;
 use self::chord::Chord;
 use self::microfacets::Ellipse;
 use self::pair::Pair;
-use crate::lanes::WIDTH;
-use crate::{Cone, Lobe, Receiver, TileLight, TileLobes};
+use crate::lanes::{WIDTH, row};
+use crate::{Cone, Lobe, OWN_NONE, Receiver, TileLight, TileLobes, outline};
 use core::cell::RefCell;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
@@ -109,6 +109,10 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
         static BLOCKS: RefCell<Blocks> = const { RefCell::new(Blocks::new()) };
     }
     out.resize(lobes.blocks() * WIDTH, 0.0);
+    if !light.outlines().is_empty() {
+        of_outlines(light, lobes, out);
+        return;
+    }
     BLOCKS.with_borrow_mut(|blocks| {
         for number in 0..lobes.blocks() {
             let seen = &light.seen[number % lobes.blocks_of_place()].0;
@@ -116,6 +120,22 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
         }
         blocks.finish(level, out);
     });
+}
+
+fn of_outlines(light: &TileLight, lobes: &TileLobes, out: &mut [f32]) {
+    out.fill(0.0);
+    for (i, outline) in light.outlines().iter().enumerate() {
+        let seen: Seen = bytemuck::cast(row(&light.seen[i / WIDTH].0, i % WIDTH));
+        let (position, normal, object) = (Vec3::ZERO, seen.normal, OWN_NONE);
+        let at = Receiver { position, normal, face: normal, view: normal, object };
+        for (number, lobe) in lobes.of(i) {
+            out[number] = match outline {
+                Some(outline) => outline::integral(normal, &lobe, outline),
+                // Another light from here, or none.
+                None => cap_integral(&at, &lobe, &light.cone(i)),
+            };
+        }
+    }
 }
 
 /// A light above a receiver's horizon. Ten numbers, so that many of them lie in columns.

@@ -4,6 +4,7 @@ use crate::{GBuffer, Geometry, Reference, ReferenceJob, blockers};
 use brdf::{ModifiedPhong, Phong};
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
+use lighting::SphereLight;
 use lobe_core::Accuracy;
 use scene::{Object, Scene};
 
@@ -18,7 +19,7 @@ fn busy() -> Scene {
     scene.objects.push(Object::spheres("pair", vec![ball(1.0, 0.5), ball(1.3, 0.4)], 2));
     scene
         .lights
-        .push(SphereLight::new(lobe_core::Sphere { center: Vec3::new(-3.0, 2.0, 1.0), radius: 0.2 }, Vec3::ONE));
+        .push(SphereLight::new(lobe_core::Sphere { center: Vec3::new(-3.0, 2.0, 1.0), radius: 0.2 }, Vec3::ONE).into());
     scene
 }
 

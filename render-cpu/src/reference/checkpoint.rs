@@ -65,9 +65,7 @@ impl ReferenceJob<'_> {
             word(*material);
         }
         for light in &scene.lights {
-            let Vec3 { x, y, z } = light.ball.center;
-            let floats = [x, y, z, light.ball.radius, light.radiance.x, light.radiance.y, light.radiance.z];
-            floats.iter().for_each(|x| word(x.to_bits()));
+            format!("{light:?}").bytes().for_each(|b| word(u32::from(b)));
         }
         format!("{:?}", scene.materials).bytes().for_each(|b| word(u32::from(b)));
         if !scene.surfaces.is_empty() {

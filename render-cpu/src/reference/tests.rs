@@ -3,6 +3,7 @@
 use super::*;
 use crate::test_scenes::{floor_and_ball, material};
 use core::f64::consts::PI;
+use lighting::SphereLight;
 use lobe_core::Sphere;
 use scene::{Mesh, Object, Proxy, Scene, Shape};
 
@@ -43,7 +44,7 @@ fn at(position: Vec3, normal: Vec3, view: Vec3) -> Receiver {
 }
 
 fn empty(light: SphereLight, material: Material) -> Scene {
-    Scene { objects: Vec::new(), lights: vec![light], materials: vec![material], ..floor_and_ball() }
+    Scene { objects: Vec::new(), lights: vec![light.into()], materials: vec![material], ..floor_and_ball() }
 }
 
 /// Lambert irradiance of a ball above the horizon is π·sin²σ·cos β; half below the horizon, at β = 90°, it is
@@ -201,7 +202,7 @@ fn penumbra_of_a_small_light() {
 #[test]
 fn limits_are_exact() {
     let mut scene = floor_and_ball();
-    scene.lights[0].ball = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.2 };
+    scene.lights[0].as_sphere_mut().expect("a ball").ball = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.2 };
     let receivers = [0.0, 3.5].map(|x| Receiver { object: 0, ..at(Vec3::X * x, Vec3::Y, Vec3::Y) });
     let g = points(receivers.to_vec());
     for geometry in [Geometry::Spheres, Geometry::Mesh] {

@@ -3,7 +3,6 @@
 use super::{BALL, BLOCKS, FLAT, GpuPrimitive, VISIBLE};
 use crate::GpuError;
 use glam::Vec3;
-use lobe_core::Sphere;
 use scene::{Doubles, Proxy, Scene, Shape};
 
 /// The primitives of a scene.
@@ -84,7 +83,7 @@ fn add(all: &mut Gathered, doubles: &mut Doubles, number: u32, scene: &Scene, bl
                 if !doubles.is_first(object, ball) {
                     continue;
                 }
-                let hides = if scene.lights.iter().any(|l| is_lamp(ball, l.ball)) { 0 } else { blocks };
+                let hides = if scene.lights.iter().any(|l| l.is_shown_by(ball)) { 0 } else { blocks };
                 all.names.push(index as u32);
                 all.primitives.push(GpuPrimitive {
                     a: ball.center.into(),
@@ -97,12 +96,6 @@ fn add(all: &mut Gathered, doubles: &mut Doubles, number: u32, scene: &Scene, bl
             }
         }
     }
-}
-
-/// Whether a ball's surface is a light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
-fn is_lamp(ball: &Sphere, light: Sphere) -> bool {
-    let slack = 1e-3 * light.radius;
-    (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
 }
 
 /// The smallest box around a primitive.

@@ -6,7 +6,7 @@ use brdf::Material;
 use core::f32::consts::PI;
 use glam::{Mat4, Quat, Vec3};
 use libtest_mimic::Trial;
-use lighting::SphereLight;
+use lighting::{Light, SphereLight};
 use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, World};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, Occlusion};
@@ -78,7 +78,7 @@ pub(crate) fn large_floor(half: f32) -> Scene {
     scene.objects = vec![Object::mesh("floor", floor, 0, Proxy::Count(8))];
     scene.materials = vec![Material::lambert(Vec3::splat(0.5))];
     let ball = Sphere { center: turn.transform_point3(Vec3::new(-3.0, 3.4, 1.5)), radius: 0.5 };
-    scene.lights = vec![SphereLight::new(ball, Vec3::splat(90.0))];
+    scene.lights = vec![SphereLight::new(ball, Vec3::splat(90.0)).into()];
     let [eye, target, up] = [Vec3::new(1.0, 1.4, 2.6), Vec3::Y * 0.1, Vec3::Y].map(|v| turn.transform_point3(v));
     scene.camera = Camera { eye, target, up, vertical_fov: 0.6 };
     scene
@@ -115,7 +115,7 @@ pub(crate) fn placed(mut scene: Scene, scale: f32, shift: Vec3) -> Scene {
             Shape::Spheres(balls) => balls.iter_mut().for_each(|b| *b = moved(b)),
         }
     }
-    scene.lights.iter_mut().for_each(|l| l.ball = moved(&l.ball));
+    scene.lights.iter_mut().filter_map(Light::as_sphere_mut).for_each(|l| l.ball = moved(&l.ball));
     scene.camera.eye = place.transform_point3(scene.camera.eye);
     scene.camera.target = place.transform_point3(scene.camera.target);
     scene

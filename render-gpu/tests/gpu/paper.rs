@@ -199,7 +199,7 @@ fn parity_of_the_paper(gpu: &Gpu) {
     view.scene.materials.fill(ModifiedPhong { kd, ks: Vec3::splat(0.4), exponent: 10.0 }.into());
     let light = |k: u32| {
         let center = Vec3::new(4.0 * (2.4 * k as f32).cos(), 3.0, 2.0 + 3.0 * (2.4 * k as f32).sin());
-        SphereLight::new(Sphere { center, radius: 0.1 + 0.2 * k as f32 }, Vec3::splat(20.0))
+        SphereLight::new(Sphere { center, radius: 0.1 + 0.2 * k as f32 }, Vec3::splat(20.0)).into()
     };
     view.scene.lights = (0..4).map(light).collect();
     compare(gpu, &view, &tables, "modified phong, four lights", 4, 0.0);

@@ -5,7 +5,7 @@ use crate::gbuffer::{globe, large_floor};
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::SphereLight;
+use lighting::{Light, SphereLight};
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
@@ -74,7 +74,9 @@ impl View {
         }
         let receivers = ReceiverBounds::of(self.points.receivers.iter().map(|r| r.position));
         let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
-        let map = |l: &SphereLight| ShadowMap::fitted(&all.positions, &all.triangles, l.ball, &options).expect("a map");
+        let map = |l: &Light| {
+            ShadowMap::fitted(&all.positions, &all.triangles, l.ball().expect("a ball"), &options).expect("a map")
+        };
         let casters = self.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
         ShadowMapBlockers::new(self.scene.lights.iter().map(map).collect()).with_casters(casters)
     }
@@ -108,7 +110,7 @@ fn at_terminators_of_spheres(gpu: &Gpu) {
         let globe = globe(14, Vec3::new(x, 0.3, 0.0), 0.5, true);
         scene.objects.push(Object::mesh(name, globe, 0, Proxy::Count(8)));
     }
-    scene.lights[0].ball.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.2;
     let points = GBuffer::new(&World::new(&scene), 80, 60, 1).points;
     let ball = |x: f32| Sphere { center: Vec3::new(x, 0.3, 0.0), radius: 0.47 };
     let spheres = SphereBlockers::new(&[ball(-0.5), ball(4.0)], &[1, 3], &[0.0, 0.3]);
@@ -238,7 +240,7 @@ fn of_many_lights(gpu: &Gpu) {
         let light = |k: u32| {
             let turn = 2.4 * k as f32;
             let center = Vec3::new(4.0 * turn.cos(), 2.5 + 0.3 * k as f32, 2.0 + 3.0 * turn.sin());
-            SphereLight::new(Sphere { center, radius: 0.1 + 0.05 * k as f32 }, Vec3::splat(20.0))
+            SphereLight::new(Sphere { center, radius: 0.1 + 0.05 * k as f32 }, Vec3::splat(20.0)).into()
         };
         view.scene.lights = (0..count).map(light).collect();
         view.compare_spheres(gpu, &format!("{count} lights"), 0.003, 5);
@@ -270,7 +272,7 @@ fn maps_that_change(gpu: &Gpu) {
     let before = view.maps();
     let mut shader = GpuShader::new(gpu, Occlusion { maps: Some(&before), ..Occlusion::default() }).expect("a shader");
     let first = view.gpu(&mut shader, &view.frame(0.003, 5));
-    view.scene.lights[1].ball.center.x += 0.4;
+    view.scene.lights[1].as_sphere_mut().expect("a ball").ball.center.x += 0.4;
     let casters = view.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
     let maps = vec![before.maps()[0].clone(), view.maps().maps()[1].clone()];
     let after = ShadowMapBlockers::new(maps).with_casters(casters);

@@ -7,7 +7,7 @@ use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
-use lighting::SphereLight;
+use lighting::{Light, SphereLight};
 use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Accuracy, Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
@@ -52,7 +52,7 @@ fn fence() -> Scene {
         camera: Camera { eye, target: Vec3::new(0.1, 0.2, -0.2), up: Vec3::Y, vertical_fov: 0.6 },
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("fence", mesh, 0, Proxy::Count(64))],
-        lights: vec![SphereLight::new(light, Vec3::splat(90.0))],
+        lights: vec![SphereLight::new(light, Vec3::splat(90.0)).into()],
         ..builtin()
     }
 }
@@ -141,7 +141,7 @@ fn masks_of_all_depths(gpu: &Gpu) {
 /// Lights whose penumbrae are narrower than pixels: what a single ray says.
 fn tiny_lights(gpu: &Gpu) {
     let mut scene = builtin();
-    for light in &mut scene.lights {
+    for light in scene.lights.iter_mut().filter_map(Light::as_sphere_mut) {
         light.ball.radius *= 1e-4;
         light.radiance *= 1e8;
     }
@@ -160,7 +160,7 @@ fn from_an_edge(gpu: &Gpu) {
     let light = Sphere { center: Vec3::new(0.25, 6.0, 4.5), radius: 0.7 };
     let scene = Scene {
         objects: vec![Object::mesh("box", mesh, 0, Proxy::Count(8))],
-        lights: vec![SphereLight::new(light, Vec3::splat(90.0))],
+        lights: vec![SphereLight::new(light, Vec3::splat(90.0)).into()],
         ..fence()
     };
     let at = |k: i32| Receiver {
@@ -195,7 +195,7 @@ fn at_all_scales(gpu: &Gpu) {
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::Count(8)));
-    scene.lights[0].ball.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 48, 1).points;

@@ -88,7 +88,7 @@ fn fifty_thousand_spheres(gpu: &Gpu) {
 /// an error there.
 fn loops_that_are_cut_are_an_error(gpu: &Gpu) {
     let mut view = View::new(scene::builtin(), 8, 4);
-    let light = view.scene.lights[0].ball;
+    let light = view.scene.lights[0].ball().expect("a ball");
     let mote = |k: u32| {
         let [x, y, z] =
             [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step: f64| (f64::from(k) * step).fract() as f32 - 0.5);
@@ -117,7 +117,7 @@ fn sixty_four_lights(gpu: &Gpu) {
     let light = |k: u32| {
         let turn = 2.4 * k as f32;
         let center = Vec3::new(5.0 * turn.cos(), 2.0 + 0.08 * k as f32, 2.0 + 4.0 * turn.sin());
-        SphereLight::new(Sphere { center, radius: 0.05 + 0.01 * k as f32 }, Vec3::splat(5.0))
+        SphereLight::new(Sphere { center, radius: 0.05 + 0.01 * k as f32 }, Vec3::splat(5.0)).into()
     };
     view.scene.lights = (0..64).map(light).collect();
     view.compare_spheres(gpu, "64 lights", 0.003, 5);

@@ -198,7 +198,13 @@ impl Setup {
             all.extend(receivers.iter().map(|at| {
                 let cone = Cone::of_sphere(at.position, self.light);
                 blockers.select(
-                    &VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) },
+                    &VisibilityQuery {
+                        at,
+                        light: LightId(0),
+                        cone: &cone,
+                        outline: None,
+                        accuracy: Accuracy::new(0.003),
+                    },
                     &mut scratch,
                 )
             }));
@@ -437,7 +443,8 @@ fn windows(setup: &Setup, random: &mut Random) -> Vec<(usize, UnitSquare)> {
     let mut all = Vec::new();
     for (point, at) in setup.receivers.iter().enumerate() {
         let cone = Cone::of_sphere(at.position, setup.light);
-        let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
+        let query =
+            VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
         if cone.one_minus_cos > 1.0 || blockers.select(&query, &mut scratch) != Coverage::Partial {
             continue;
         }
@@ -481,7 +488,8 @@ fn spheres_on_masks(gpu: &Gpu, place: Place, seed: u64, share: f64) {
         for ((point, square), got) in cases.iter().zip(got.chunks(8 * side + 2)) {
             let at = &setup.receivers[*point];
             let cone = Cone::of_sphere(at.position, setup.light);
-            let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
+            let query =
+                VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
             blockers.select(&query, &mut scratch);
             let mut mask = hooks::mask(square, depth, coarse, at.normal);
             blockers.splat(&query, &mut scratch, &mut mask);
@@ -522,7 +530,8 @@ fn edges(gpu: &Gpu) {
         for ((point, _), got) in cases.iter().zip(got.chunks(8 * 8 + 2)) {
             let at = &setup.receivers[*point];
             let cone = Cone::of_sphere(at.position, setup.light);
-            let query = VisibilityQuery { at, light: LightId(0), cone: &cone, accuracy: Accuracy::new(0.003) };
+            let query =
+                VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
             blockers.select(&query, &mut scratch);
             let across = blockers.across(&query, &scratch);
             // The same sum of one edge: an edge of the length of the sum, half its angle away.

@@ -1,6 +1,7 @@
 //! Which strategy suits an object, and why.
 
 use crate::console::counted;
+use cosine_lobes::lobe_core::LightLobes;
 use cosine_lobes::scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Strategy};
 use cosine_lobes::sphere_sets::SetQuality;
 use glam::{DVec3, Vec3};
@@ -156,7 +157,7 @@ fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh)
         (0..8).map(pick)
     });
     let mut points: Vec<(DVec3, f64)> = corners.map(|p| (p.as_dvec3(), 0.0)).collect();
-    points.extend(scene.lights.iter().map(|l| (l.ball.center.as_dvec3(), f64::from(l.ball.radius))));
+    points.extend(scene.lights.iter().map(|l| l.bounds()).map(|ball| (ball.center.as_dvec3(), f64::from(ball.radius))));
     let own = mesh.bounds();
     let slack = 1e-4 * f64::from((own.max - own.min).length());
     let eye = scene.camera.eye.as_dvec3();

@@ -1,0 +1,236 @@
+use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use glam::{Mat4, Vec3};
+use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight};
+
+/// A flat convex shape that emits the same radiance in all directions on one side, or on both.
+///
+/// Neither seen by the camera nor a blocker. Objects behind its plane do not shade it: a lamp may lie on a ceiling.
+///
+/// ```
+/// use glam::Vec3;
+/// use lighting::FlatLight;
+/// use lobe_core::{LightLobes, OWN_NONE, Receiver};
+/// let panel = FlatLight::rectangle(Vec3::new(0.0, 3.0, 0.0), Vec3::X, Vec3::Z * 0.5, Vec3::splat(10.0)).unwrap();
+/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+/// // X × Z is down.
+/// assert_eq!(panel.outline(&at).unwrap().height(), 3.0);
+/// assert_eq!(panel.area(), 2.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatLight {
+    corners: [Vec3; Outline::MOST],
+    count: usize,
+    /// The lit side.
+    normal: Vec3,
+    /// Of a disc its radius.
+    disc: Option<f32>,
+    bounds: Sphere,
+    area: f32,
+    /// Whether the other side is lit too.
+    pub two_sided: bool,
+    /// Radiance, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec3,
+}
+
+/// What is wrong with a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlatLightError {
+    /// Not so many corners, or a number that is not finite.
+    Corners,
+    /// It has no area.
+    Degenerate,
+    /// Its corners are not in a plane.
+    NotFlat,
+    /// It is not convex.
+    NotConvex,
+}
+
+impl core::fmt::Display for FlatLightError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Corners => write!(f, "expected 3 to {} corners with finite coordinates", Outline::MOST),
+            Self::Degenerate => f.write_str("the light has no area"),
+            Self::NotFlat => f.write_str("the corners are not in one plane"),
+            Self::NotConvex => f.write_str("the light is not convex"),
+        }
+    }
+}
+
+impl core::error::Error for FlatLightError {}
+
+impl FlatLight {
+    /// The rectangle (or parallelogram) `center ± u ± v`, lit on the side of `u × v`.
+    ///
+    /// # Errors
+    /// [`FlatLightError`] where it has no area.
+    pub fn rectangle(center: Vec3, u: Vec3, v: Vec3, radiance: Vec3) -> Result<Self, FlatLightError> {
+        Self::polygon(&[center - u - v, center + u - v, center + u + v, center - u + v], radiance)
+    }
+
+    /// A disc, lit on the side of its normal.
+    ///
+    /// # Errors
+    /// [`FlatLightError`] where it has no area.
+    pub fn disc(center: Vec3, normal: Vec3, radius: f32, radiance: Vec3) -> Result<Self, FlatLightError> {
+        let normal = normal.normalize_or_zero();
+        if !(radius > 0.0 && normal != Vec3::ZERO) {
+            return Err(FlatLightError::Degenerate);
+        }
+        let (u, v) = normal.any_orthonormal_pair();
+        let around = Self::rectangle(center, u * radius, v * radius, radiance)?;
+        let bounds = Sphere { center, radius };
+        Ok(Self { disc: Some(radius), bounds, area: PI * radius * radius, normal, ..around })
+    }
+
+    /// A convex polygon of 3 to 24 corners, lit on the side from which they go counter-clockwise.
+    ///
+    /// # Errors
+    /// [`FlatLightError`].
+    pub fn polygon(points: &[Vec3], radiance: Vec3) -> Result<Self, FlatLightError> {
+        let count = points.len();
+        if !(3..=Outline::MOST).contains(&count) || !points.iter().all(|p| p.is_finite()) {
+            return Err(FlatLightError::Corners);
+        }
+        let center = points.iter().sum::<Vec3>() / count as f32;
+        let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
+        let next = |i: usize| points[(i + 1) % count];
+        let first = points[0];
+        let twice = points[1..].windows(2).map(|p| (p[0] - first).cross(p[1] - first)).sum::<Vec3>();
+        let area = 0.5 * twice.length();
+        if !(area > 1e-6 * radius * radius) {
+            return Err(FlatLightError::Degenerate);
+        }
+        let normal = twice.normalize();
+        if points.iter().any(|p| normal.dot(*p - center).abs() > 1e-3 * radius) {
+            return Err(FlatLightError::NotFlat);
+        }
+        let turns = |i: usize| {
+            let (p, q, r) = (points[i], next(i), next((i + 1) % count));
+            normal.dot((q - p).cross(r - q)) >= -1e-5 * area
+        };
+        // Every corner turns the same way, and all together once.
+        let around = (0..count).map(|i| (points[i] - center).angle_between(next(i) - center)).sum::<f32>();
+        if !(0..count).all(turns) || around > 1.5 * TAU {
+            return Err(FlatLightError::NotConvex);
+        }
+        let mut corners = [first; Outline::MOST];
+        corners[..count].copy_from_slice(points);
+        let bounds = Sphere { center, radius: radius * 1.000_01 };
+        Ok(Self { corners, count, normal, disc: None, bounds, area, two_sided: false, radiance })
+    }
+
+    /// The same, lit on both sides.
+    #[must_use]
+    pub const fn on_both_sides(self) -> Self {
+        Self { two_sided: true, ..self }
+    }
+
+    /// The same with another radiance.
+    #[must_use]
+    pub const fn with_radiance(self, radiance: Vec3) -> Self {
+        Self { radiance, ..self }
+    }
+
+    /// The same with the total power `flux` (W per channel): `L = Φ/(πA)`, half of it where both sides are lit.
+    #[must_use]
+    pub fn with_flux(self, flux: Vec3) -> Self {
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        Self { radiance: flux / (PI * self.area * sides), ..self }
+    }
+
+    /// The corners; of a disc those of a square around it.
+    #[must_use]
+    pub fn corners(&self) -> &[Vec3] {
+        &self.corners[..self.count]
+    }
+
+    /// The unit normal of the lit side.
+    #[must_use]
+    pub const fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
+    /// Its middle and, where it is a disc, the radius.
+    #[must_use]
+    pub const fn as_disc(&self) -> (Vec3, Option<f32>) {
+        (self.bounds.center, self.disc)
+    }
+
+    /// Area of one side.
+    #[must_use]
+    pub const fn area(&self) -> f32 {
+        self.area
+    }
+
+    /// The same light somewhere else. Turns and shifts only.
+    #[must_use]
+    pub fn moved(&self, placement: Mat4) -> Self {
+        let center = placement.transform_point3(self.bounds.center);
+        let normal = placement.transform_vector3(self.normal).normalize_or(self.normal);
+        let corners = self.corners.map(|p| placement.transform_point3(p));
+        Self { corners, normal, bounds: Sphere { center, ..self.bounds }, ..*self }
+    }
+}
+
+impl LightLobes for FlatLight {
+    fn bounds(&self) -> Sphere {
+        self.bounds
+    }
+
+    /// Around the outline; empty behind a light of one side.
+    fn cone(&self, at: &Receiver) -> Cone {
+        cone_of(self.outline(at).as_ref(), self.bounds.center - at.position)
+    }
+
+    fn radiance(&self, _: &Receiver) -> Vec3 {
+        self.radiance
+    }
+
+    fn outline(&self, at: &Receiver) -> Option<Outline> {
+        let height = self.normal.dot(at.position - self.bounds.center);
+        let axis = if height > 0.0 { -self.normal } else { self.normal };
+        if height <= 0.0 && !self.two_sided {
+            return None;
+        }
+        if let Some(radius) = self.disc {
+            return Outline::disc(self.bounds.center - at.position, radius, axis);
+        }
+        let corners = self.corners.map(|p| p - at.position);
+        Outline::new(&corners[..self.count], axis)
+    }
+
+    fn term(&self, at: &Receiver) -> LightTerm {
+        let outline = self.outline(at);
+        let cone = cone_of(outline.as_ref(), self.bounds.center - at.position);
+        LightTerm { cone, radiance: self.radiance, outline }
+    }
+
+    /// The moment lobe of the outline.
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        self.outline(at).map_or(Ok(()), |outline| out.push(outline.lobe(self.radiance)))
+    }
+
+    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
+        out.one_by_one(tile, at.iter().map(|at| self.term(at)));
+    }
+}
+
+/// The cone around an outline; an empty one toward `middle` where there is none.
+pub(crate) fn cone_of(outline: Option<&Outline>, middle: Vec3) -> Cone {
+    let distance = middle.length();
+    // Twice, since one normalisation of a huge vector leaves f32.
+    let axis = if middle.is_finite() { middle.normalize_or(Vec3::Z) } else { Vec3::Z };
+    let distance = if distance > 0.0 { distance } else { f32::MIN_POSITIVE };
+    outline.map_or(Cone { axis, one_minus_cos: 0.0, distance }, Outline::cone)
+}
+
+/// Corners of half an ellipse about `center` from `-across` over `along` to `across`, of its area: six sides.
+pub(crate) fn half_ellipse(center: Vec3, along: Vec3, across: Vec3) -> [Vec3; 7] {
+    const SIDES: f32 = 6.0;
+    let step = PI / SIDES;
+    let reach = step / step.sin();
+    core::array::from_fn(|k| {
+        let (sin, cos) = (k as f32 * step - FRAC_PI_2).sin_cos();
+        center + along * (reach * cos) + across * sin
+    })
+}

@@ -1,0 +1,134 @@
+use crate::{FlatLight, SphereLight, SpotLight, SunLight, TubeLight};
+use glam::{Mat4, Vec3};
+use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight};
+
+/// The built-in kinds of lights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// A ball.
+    Sphere(SphereLight),
+    /// A rectangle, disc or convex polygon.
+    Flat(FlatLight),
+    /// A tube.
+    Tube(TubeLight),
+    /// A light at infinity.
+    Sun(SunLight),
+    /// A ball that shines into a cone.
+    Spot(SpotLight),
+}
+
+macro_rules! each {
+    ($self:expr, $light:ident => $value:expr) => {
+        match $self {
+            Light::Sphere($light) => $value,
+            Light::Flat($light) => $value,
+            Light::Tube($light) => $value,
+            Light::Sun($light) => $value,
+            Light::Spot($light) => $value,
+        }
+    };
+}
+
+impl Light {
+    /// Its radiance, where it shines.
+    #[must_use]
+    pub const fn full_radiance(&self) -> Vec3 {
+        match self {
+            Self::Sphere(light) => light.radiance,
+            Self::Flat(light) => light.radiance,
+            Self::Tube(light) => light.radiance,
+            Self::Sun(light) => light.radiance,
+            Self::Spot(light) => light.light.radiance,
+        }
+    }
+
+    /// The ball that it is, for all receivers alike; none where it is none.
+    #[must_use]
+    pub const fn ball(&self) -> Option<Sphere> {
+        match self {
+            Self::Sphere(light) => Some(light.ball),
+            Self::Spot(light) => Some(light.light.ball),
+            Self::Flat(_) | Self::Tube(_) | Self::Sun(_) => None,
+        }
+    }
+
+    /// Whether a ball's surface is the light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
+    #[must_use]
+    pub fn is_shown_by(&self, ball: &Sphere) -> bool {
+        self.ball().is_some_and(|light| {
+            let slack = 1e-3 * light.radius;
+            (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
+        })
+    }
+
+    /// The ball, to be changed, where it is one that shines to all sides.
+    pub const fn as_sphere_mut(&mut self) -> Option<&mut SphereLight> {
+        match self {
+            Self::Sphere(light) => Some(light),
+            _ => None,
+        }
+    }
+
+    /// The same light somewhere else. Turns and shifts only.
+    #[must_use]
+    pub fn moved(&self, placement: Mat4) -> Self {
+        match self {
+            Self::Sphere(light) => Self::Sphere(light.moved(placement)),
+            Self::Flat(light) => Self::Flat(light.moved(placement)),
+            Self::Tube(light) => Self::Tube(light.moved(placement)),
+            Self::Sun(light) => Self::Sun(light.moved(placement)),
+            Self::Spot(light) => Self::Spot(light.moved(placement)),
+        }
+    }
+
+    /// What it is called in a scene file.
+    #[must_use]
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Sphere(_) => "sphere",
+            Self::Flat(_) => "flat",
+            Self::Tube(_) => "tube",
+            Self::Sun(_) => "sun",
+            Self::Spot(_) => "spot",
+        }
+    }
+}
+
+impl LightLobes for Light {
+    fn bounds(&self) -> Sphere {
+        each!(self, light => light.bounds())
+    }
+    fn bounds_from(&self, receivers: &Sphere) -> Sphere {
+        each!(self, light => light.bounds_from(receivers))
+    }
+    fn cone(&self, at: &Receiver) -> Cone {
+        each!(self, light => light.cone(at))
+    }
+    fn radiance(&self, at: &Receiver) -> Vec3 {
+        each!(self, light => light.radiance(at))
+    }
+    fn outline(&self, at: &Receiver) -> Option<Outline> {
+        each!(self, light => light.outline(at))
+    }
+    fn term(&self, at: &Receiver) -> LightTerm {
+        each!(self, light => light.term(at))
+    }
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        each!(self, light => light.light_lobes(at, out))
+    }
+    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
+        each!(self, light => light.tile_light(at, tile, out));
+    }
+}
+
+macro_rules! from {
+    ($($kind:ident($light:ident)),*) => {
+        $(impl From<$light> for Light {
+            fn from(light: $light) -> Self {
+                Self::$kind(light)
+            }
+        })*
+    };
+}
+
+from!(Sphere(SphereLight), Flat(FlatLight), Tube(TubeLight), Sun(SunLight), Spot(SpotLight));

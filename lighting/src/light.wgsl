@@ -1,0 +1,18 @@
+// Balls, spots and suns, as `Light`. `frame.shape[1].w` says which: 0, 1, 2. Needs frame.wgsl of render-gpu and lobe-core's geometry.
+
+fn light_cone(at: Receiver) -> Cone {
+    if frame.shape[1].w == 2.0 {
+        return Cone(frame.shape[0].xyz, frame.shape[1].x, frame.shape[1].y);
+    }
+    return cone_of_sphere(at.position, frame.light);
+}
+
+fn light_radiance(at: Receiver) -> vec3f {
+    if frame.shape[1].w != 1.0 {
+        return frame.radiance;
+    }
+    let to = at.position - frame.light.xyz;
+    let cos = dot(frame.shape[0].xyz, to) / max(length(to), 1e-30);
+    let share = clamp((cos - frame.shape[1].y) / max(frame.shape[1].x - frame.shape[1].y, 1e-4), 0.0, 1.0);
+    return frame.radiance * (share * share);
+}

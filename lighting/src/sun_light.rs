@@ -1,0 +1,78 @@
+use core::f32::consts::PI;
+use glam::{Mat4, Vec3};
+use lobe_core::{Cone, LightLobes, LightTerm, Lobe, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight, cone_lobe};
+
+/// A light so far away that all receivers see it in the same directions: the sun, a window to a plain sky.
+///
+/// For whoever wants balls it is one at a distance that all blockers are nearer than, another one for each receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunLight {
+    /// Unit direction toward the light.
+    pub toward: Vec3,
+    /// Sine of half the angle under which it is seen, above 0.
+    pub sin: f32,
+    /// Radiance, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec3,
+    /// A ball around all that blocks and all that is lit.
+    pub world: Sphere,
+}
+
+impl SunLight {
+    /// Half-angle of the sun, in degrees.
+    pub const HALF_ANGLE: f32 = 0.265;
+
+    /// A light toward a unit direction with half-angle `degrees` that gives the irradiance `E` (W·m⁻² per channel) to a surface that faces
+    /// it: `L = E/(π sin²θ)`. `world` is a ball around all that blocks and all that is lit.
+    #[must_use]
+    pub fn new(toward: Vec3, degrees: f32, irradiance: Vec3, world: Sphere) -> Self {
+        let sin = degrees.to_radians().sin();
+        Self { toward, sin, radiance: irradiance / (PI * sin * sin), world }
+    }
+
+    fn distance(&self) -> f32 {
+        4.0 * self.world.radius.max(f32::MIN_POSITIVE)
+    }
+
+    /// The ball that a receiver sees.
+    #[must_use]
+    pub fn ball_from(&self, position: Vec3) -> Sphere {
+        Sphere { center: position + self.toward * self.distance(), radius: self.distance() * self.sin }
+    }
+
+    /// The same light turned.
+    #[must_use]
+    pub fn moved(&self, placement: Mat4) -> Self {
+        Self { toward: placement.transform_vector3(self.toward).normalize_or(self.toward), ..*self }
+    }
+}
+
+impl LightLobes for SunLight {
+    /// Around the balls of all receivers in the world.
+    fn bounds(&self) -> Sphere {
+        self.bounds_from(&self.world)
+    }
+
+    fn bounds_from(&self, receivers: &Sphere) -> Sphere {
+        let ball = self.ball_from(receivers.center);
+        Sphere { radius: ball.radius + receivers.radius, ..ball }
+    }
+
+    fn cone(&self, _: &Receiver) -> Cone {
+        let sin_sq = self.sin * self.sin;
+        let one_minus_cos = sin_sq / (1.0 + (1.0 - sin_sq).sqrt());
+        Cone { axis: self.toward, one_minus_cos, distance: self.distance() }
+    }
+
+    fn radiance(&self, _: &Receiver) -> Vec3 {
+        self.radiance
+    }
+
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        let lobe = cone_lobe(&self.cone(at));
+        out.push(Lobe { flux: lobe.flux * self.radiance, ..lobe })
+    }
+
+    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
+        out.one_by_one(tile, at.iter().map(|at| LightTerm::of_cone(self.cone(at), self.radiance)));
+    }
+}

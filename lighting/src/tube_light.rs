@@ -1,0 +1,120 @@
+use crate::flat_light::{cone_of, half_ellipse};
+use core::f32::consts::PI;
+use glam::{Mat4, Vec3};
+use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight};
+
+/// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
+///
+/// Seen from a receiver it is flat: its outline in the plane through its middle line that faces the receiver, two straight lines
+/// and two halves of ellipses, those of the balls at its ends. What is behind that plane does not shade it. A receiver in line with the tube,
+/// within a few of its radii of that line, sees the ball at the nearer end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TubeLight {
+    /// The middles of the balls at its ends; not the same.
+    pub ends: [Vec3; 2],
+    /// Radius.
+    pub radius: f32,
+    /// Radiance, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec3,
+}
+
+/// Receivers nearer to the middle line than so many radii may see one end before the other.
+const BESIDE: f32 = 1.05;
+/// Tangent of the angle beyond which a tube goes on unseen.
+const FAR: f32 = 60.0;
+
+impl TubeLight {
+    /// Area of its surface.
+    #[must_use]
+    pub fn area(&self) -> f32 {
+        2.0 * PI * self.radius * (self.ends[0].distance(self.ends[1]) + 2.0 * self.radius)
+    }
+
+    /// The same with the total power `flux` (W per channel): `L = Φ/(πA)`.
+    #[must_use]
+    pub fn with_flux(self, flux: Vec3) -> Self {
+        Self { radiance: flux / (PI * self.area()), ..self }
+    }
+
+    /// The same light somewhere else. Turns and shifts only.
+    #[must_use]
+    pub fn moved(&self, placement: Mat4) -> Self {
+        Self { ends: self.ends.map(|p| placement.transform_point3(p)), ..*self }
+    }
+
+    /// The ball at the end next to a receiver.
+    fn nearer_end(&self, x: Vec3) -> Sphere {
+        let [a, b] = self.ends;
+        let center = if a.distance_squared(x) < b.distance_squared(x) { a } else { b };
+        Sphere { center, radius: self.radius }
+    }
+}
+
+impl LightLobes for TubeLight {
+    fn bounds(&self) -> Sphere {
+        let [a, b] = self.ends;
+        Sphere { center: 0.5 * (a + b), radius: 0.500_01 * a.distance(b) + self.radius }
+    }
+
+    fn cone(&self, at: &Receiver) -> Cone {
+        self.term(at).cone
+    }
+
+    fn radiance(&self, _: &Receiver) -> Vec3 {
+        self.radiance
+    }
+
+    fn outline(&self, at: &Receiver) -> Option<Outline> {
+        let [a, b] = self.ends.map(|p| p - at.position);
+        let length = a.distance(b);
+        let along = (b - a) / length;
+        // From the receiver to the foot of its perpendicular on the middle line.
+        let foot = a - along * a.dot(along);
+        let height = foot.length();
+        if !(height > BESIDE * self.radius && length > 0.0) {
+            return None;
+        }
+        let axis = foot / height;
+        // Half the width: of the planes along the tube that touch it.
+        let (sin, cos) = (self.radius / height, ((1.0 - self.radius / height) * (1.0 + self.radius / height)).sqrt());
+        let across = axis.cross(along) * (height * sin / cos);
+        // A ball seen at the angle φ from the foot under ±δ reaches from tan(φ − δ) to tan(φ + δ).
+        let ellipse = |end: Vec3| {
+            let place = end.dot(along);
+            let distance = height.hypot(place);
+            let sin = self.radius / distance;
+            let tan = sin / ((1.0 - sin) * (1.0 + sin)).sqrt();
+            let slope = place / height;
+            let limit = |over: f32, under: f32| {
+                if under > 0.0 { (over / under).clamp(-FAR, FAR) } else { FAR * slope.signum() }
+            };
+            let low = limit(slope - tan, 1.0 + slope * tan);
+            let high = limit(slope + tan, 1.0 - slope * tan);
+            [0.5 * (low + high) * height, 0.5 * (high - low).max(0.0) * height]
+        };
+        let ([from, low], [to, high]) = (ellipse(a), ellipse(b));
+        let mut corners = [Vec3::ZERO; 14];
+        let at = |place: f32| foot + along * place;
+        corners[..7].copy_from_slice(&half_ellipse(at(to), along * high, across));
+        corners[7..].copy_from_slice(&half_ellipse(at(from), along * -low, -across));
+        Outline::new(&corners, axis)
+    }
+
+    fn term(&self, at: &Receiver) -> LightTerm {
+        let outline = self.outline(at);
+        let cone = match &outline {
+            Some(_) => cone_of(outline.as_ref(), self.bounds().center - at.position),
+            None => Cone::of_sphere(at.position, self.nearer_end(at.position)),
+        };
+        LightTerm { cone, radiance: self.radiance, outline }
+    }
+
+    /// The moment lobe of the outline.
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        self.outline(at).map_or(Ok(()), |outline| out.push(outline.lobe(self.radiance)))
+    }
+
+    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
+        out.one_by_one(tile, at.iter().map(|at| self.term(at)));
+    }
+}

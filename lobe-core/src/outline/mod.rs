@@ -1,0 +1,283 @@
+//! Flat lights: what a receiver sees of a convex polygon.
+
+mod integral;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use self::integral::integral;
+pub use self::integral::outline_integral;
+
+use crate::{Cone, Lobe, orthonormal_basis};
+use glam::{Vec2, Vec3};
+
+/// The light of a convex polygon, or of a disc, as a receiver sees it: uniformly bright inside, dark outside.
+///
+/// Corners are relative to the receiver and lie in one plane, before which the receiver is. Seen through the plane at distance 1 along
+/// [`axis`](Self::axis) the polygon keeps its shape: a rectangle stays one. Masks are drawn there, and surfaces behind the plane do
+/// not block.
+///
+/// ```
+/// use glam::Vec3;
+/// use lobe_core::Outline;
+/// let corners = [[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]].map(Vec3::from_array);
+/// let light = Outline::new(&corners, Vec3::Z).unwrap();
+/// assert_eq!((light.axis(), light.height()), (Vec3::Z, 2.0));
+/// assert!(light.cone().one_minus_cos < 0.3);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outline {
+    corners: [Vec3; Self::ROOM],
+    count: usize,
+    /// The middle of the box of the corners in their plane.
+    center: Vec3,
+    axis: Vec3,
+    height: f32,
+    /// Radius about the middle, where it is a disc; the corners are then those of a polygon around it.
+    radius: Option<f32>,
+}
+
+/// Cones of outlines that are wider than this are the whole hemisphere before the light's plane.
+const WIDEST: f32 = 0.9;
+
+impl Outline {
+    /// The most corners of a light.
+    pub const MOST: usize = 24;
+    /// The horizon adds one.
+    const ROOM: usize = Self::MOST + 1;
+
+    /// A polygon of 3 to [`MOST`](Self::MOST) corners relative to the receiver, in any order around it; `axis` is the unit normal of its plane
+    /// on the side away from the receiver. None where the receiver is in the plane or behind it.
+    #[must_use]
+    pub fn new(corners: &[Vec3], axis: Vec3) -> Option<Self> {
+        let count = corners.len();
+        if !(3..=Self::MOST).contains(&count) {
+            return None;
+        }
+        let height = corners.iter().map(|p| axis.dot(*p)).sum::<f32>() / count as f32;
+        let size = corners.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+        // Seen at a flatter angle it is a line, and its plane coordinates leave f32.
+        if !(height > 1e-5 * size && size.is_finite()) {
+            return None;
+        }
+        let corners_of = [Vec3::ZERO; Self::ROOM];
+        let mut out = Self { corners: corners_of, count, center: Vec3::ZERO, axis, height, radius: None };
+        out.corners[..count].copy_from_slice(corners);
+        if out.twice_area() < 0.0 {
+            out.corners[..count].reverse();
+        }
+        out.center = corners.iter().sum::<Vec3>() / count as f32;
+        Some(out)
+    }
+
+    /// A disc relative to the receiver; as [`new`](Self::new).
+    #[must_use]
+    pub fn disc(center: Vec3, radius: f32, axis: Vec3) -> Option<Self> {
+        let (u, v) = orthonormal_basis(axis);
+        let reach = radius / (core::f32::consts::PI / Self::MOST as f32).cos();
+        let corner = |k: usize| {
+            let (sin, cos) = (k as f32 * (core::f32::consts::TAU / Self::MOST as f32)).sin_cos();
+            center + (u * cos + v * sin) * reach
+        };
+        let polygon = Self::new(&core::array::from_fn::<_, { Self::MOST }, _>(corner), axis)?;
+        Some(Self { center, radius: Some(radius), ..polygon })
+    }
+
+    /// Middle and radius on the plane at distance 1, in a [frame](Self::frame), of a disc.
+    #[must_use]
+    pub fn circle(&self, [right, up]: [Vec3; 2]) -> Option<(Vec2, f32)> {
+        let radius = self.radius?;
+        Some((Vec2::new(right.dot(self.center), up.dot(self.center)) / self.height, radius / self.height))
+    }
+
+    /// Twice the area, positive where the corners go counter-clockwise seen from the receiver (in a frame whose third direction is the
+    /// axis).
+    fn twice_area(&self) -> f32 {
+        let first = self.corners[0];
+        let fan = |pair: &[Vec3]| self.axis.dot((pair[0] - first).cross(pair[1] - first));
+        self.corners[1..self.count].windows(2).map(fan).sum()
+    }
+
+    /// The corners, counter-clockwise in a frame whose third direction is the [axis](Self::axis).
+    #[must_use]
+    pub fn corners(&self) -> &[Vec3] {
+        &self.corners[..self.count]
+    }
+
+    /// A point inside: the mean of the corners.
+    #[must_use]
+    pub fn middle(&self) -> Vec3 {
+        self.corners().iter().sum::<Vec3>() / self.count as f32
+    }
+
+    /// The unit normal of its plane, away from the receiver.
+    #[must_use]
+    pub const fn axis(&self) -> Vec3 {
+        self.axis
+    }
+
+    /// How far its plane is from the receiver.
+    #[must_use]
+    pub const fn height(&self) -> f32 {
+        self.height
+    }
+
+    /// What of it is above the plane through the receiver with this normal; none where nothing is. Of a disc only the corners are cut.
+    #[must_use]
+    pub fn above(&self, normal: Vec3) -> Option<Self> {
+        let corners = self.corners();
+        let heights = self.corners.map(|p| normal.dot(p));
+        let heights = &heights[..self.count];
+        if heights.iter().all(|h| *h >= 0.0) {
+            return Some(*self);
+        }
+        let mut out = Self { count: 0, ..*self };
+        for (i, (p, h)) in corners.iter().zip(heights).enumerate() {
+            let next = (i + 1) % self.count;
+            let (q, g) = (corners[next], heights[next]);
+            if *h >= 0.0 {
+                out.push(*p);
+            }
+            if (*h >= 0.0) != (g >= 0.0) {
+                out.push(*p + (q - *p) * (h / (h - g)));
+            }
+        }
+        (out.count >= 3).then_some(out)
+    }
+
+    fn push(&mut self, p: Vec3) {
+        // A convex polygon is cut in two places: more are of rounding.
+        if self.count < Self::ROOM {
+            self.corners[self.count] = p;
+            self.count += 1;
+        }
+    }
+
+    /// A frame whose third direction is the [axis](Self::axis), the first as near to `across` as that allows; any where `across` is along
+    /// the axis.
+    #[must_use]
+    pub fn frame(&self, across: Vec3) -> [Vec3; 2] {
+        let aside = across - self.axis * across.dot(self.axis);
+        let (square, all) = (aside.length_squared(), across.length_squared());
+        let right = if square > 1e-10 * all && (1e-30..f32::INFINITY).contains(&square) {
+            let right = aside / square.sqrt();
+            // Of a long vector's small rest the rounding is not at right angles to the axis.
+            (right - self.axis * right.dot(self.axis)).normalize()
+        } else {
+            orthonormal_basis(self.axis).0
+        };
+        [right, self.axis.cross(right)]
+    }
+
+    /// The part that it fills of the circle around it: little for a tube.
+    #[must_use]
+    pub fn roundness(&self) -> f32 {
+        let middle = self.middle();
+        let square = self.corners().iter().map(|p| p.distance_squared(middle)).fold(0.0, f32::max);
+        (0.5 * self.twice_area() / (core::f32::consts::PI * square.max(f32::MIN_POSITIVE))).clamp(0.0, 1.0)
+    }
+
+    /// The corners on the plane at distance 1 along the axis, in a [frame](Self::frame).
+    pub fn on_plane(&self, [right, up]: [Vec3; 2]) -> impl Iterator<Item = Vec2> + Clone {
+        let scale = 1.0 / self.height;
+        self.corners().iter().map(move |p| Vec2::new(right.dot(*p), up.dot(*p)) * scale)
+    }
+
+    /// A cone around all of it and around every rectangle in its plane around any part of it. Along the cone's axis nothing of these is
+    /// farther than `distance·cos²θ`, where surfaces end to block a cone; wider cones are the hemisphere before the plane, with no
+    /// such end.
+    #[must_use]
+    pub fn cone(&self) -> Cone {
+        let radius = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
+        let toward = self.center.normalize();
+        let (u, v) = orthonormal_basis(self.axis);
+        // Around the circle: an octagon.
+        let reach = radius * (1.0825 * core::f32::consts::SQRT_2);
+        let rim = |k: usize| {
+            let (sin, cos) = (k as f32 * core::f32::consts::FRAC_PI_4).sin_cos();
+            self.center + (u * cos + v * sin) * reach
+        };
+        let (mut fall, mut depth) = (0.0_f32, 0.0_f32);
+        for p in (0..8).map(rim) {
+            fall = fall.max(0.5 * (p.normalize() - toward).length_squared());
+            depth = depth.max(p.dot(toward));
+        }
+        if fall > WIDEST {
+            return Cone { axis: self.axis, one_minus_cos: 1.0, distance: f32::INFINITY };
+        }
+        let cos = 1.0 - fall;
+        Cone { axis: toward, one_minus_cos: fall, distance: depth / (cos * cos) }
+    }
+
+    /// Solid angle, and the mean direction times that: `∫ v dv` over the outline, by the triangles of a fan (A. Van Oosterom, J. Strackee,
+    /// *The Solid Angle of a Plane Triangle*, 1983) and by Lambert's formula.
+    #[must_use]
+    pub fn moments(&self) -> (f32, Vec3) {
+        let (corners, first) = (self.corners(), self.corners[0]);
+        let mut solid = 0.0;
+        for pair in corners[1..].windows(2) {
+            let [a, b, c] = [first, pair[0], pair[1]].map(|p| p.as_dvec3());
+            let [x, y, z] = [a, b, c].map(|p| p.length());
+            let below = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
+            solid += 2.0 * a.dot((b - a).cross(c - a)).atan2(below);
+        }
+        let mut mean = glam::DVec3::ZERO;
+        for (i, a) in corners.iter().enumerate() {
+            let (a, b) = (a.as_dvec3(), corners[(i + 1) % self.count].as_dvec3());
+            let cross = a.cross(b - a);
+            let size = cross.length();
+            if size > 0.0 {
+                mean += cross * (0.5 * size.atan2(a.dot(b)) / size);
+            }
+        }
+        // Of the polygon around a disc.
+        let sides = core::f64::consts::PI / Self::MOST as f64;
+        let part = if self.radius.is_some() { sides / sides.tan() } else { 1.0 };
+        ((solid * part) as f32, (mean * part).as_vec3())
+    }
+
+    /// The cosine lobe with the flux and the mean vector of light of this radiance.
+    #[must_use]
+    pub fn lobe(&self, radiance: Vec3) -> Lobe {
+        let (solid, mean) = self.moments();
+        let length = mean.length().min(solid * 0.999_999_9);
+        let exponent = crate::exponent_of_spread(1.0 - length / solid.max(f32::MIN_POSITIVE));
+        Lobe::with_flux(mean.normalize_or(self.axis), exponent, radiance * solid)
+    }
+
+    /// How far from the receiver, along the axis, surfaces block: almost to the light's plane. A surface in that plane, which makes the
+    /// light visible, does not hide it.
+    #[must_use]
+    pub fn depth(&self) -> f32 {
+        0.999_9 * self.height
+    }
+
+    /// How far a ray along a direction inside the outline goes before surfaces do not block it any more.
+    #[must_use]
+    #[inline]
+    pub fn distance(&self, direction: Vec3) -> f32 {
+        let along = self.axis.dot(direction);
+        if along > 0.0 { self.depth() / along } else { f32::INFINITY }
+    }
+}
+
+/// The point of a convex polygon next to `p`.
+#[must_use]
+pub fn nearest_of(corners: impl Iterator<Item = Vec2> + Clone, p: Vec2) -> Vec2 {
+    let (mut best, mut least, mut is_inside) = (p, f32::INFINITY, true);
+    let mut previous = corners.clone().last().unwrap_or(p);
+    for corner in corners {
+        let (edge, to) = (corner - previous, p - previous);
+        if edge.perp_dot(to) < 0.0 {
+            is_inside = false;
+        }
+        let square = edge.length_squared();
+        let t = if square > 0.0 { (edge.dot(to) / square).clamp(0.0, 1.0) } else { 0.0 };
+        let here = previous + edge * t;
+        let distance = here.distance_squared(p);
+        if distance < least {
+            (best, least) = (here, distance);
+        }
+        previous = corner;
+    }
+    if is_inside { p } else { best }
+}
