@@ -1,7 +1,9 @@
 use crate::flat_light::{cone_of, half_ellipse};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight};
+use lobe_core::{
+    Cone, LightLobes, LightTerm, Lobe, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight, cone_lobe,
+};
 
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
@@ -109,9 +111,14 @@ impl LightLobes for TubeLight {
         LightTerm { cone, radiance: self.radiance, outline }
     }
 
-    /// The moment lobe of the outline.
+    /// The moment lobe of the outline, or of the ball.
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.outline(at).map_or(Ok(()), |outline| out.push(outline.lobe(self.radiance)))
+        let LightTerm { cone, outline, .. } = self.term(at);
+        let of_ball = || {
+            let lobe = cone_lobe(&cone);
+            Lobe { flux: lobe.flux * self.radiance, ..lobe }
+        };
+        out.push(outline.map_or_else(of_ball, |outline| outline.lobe(self.radiance)))
     }
 
     fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {

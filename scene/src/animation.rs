@@ -87,7 +87,18 @@ pub(crate) struct LightMover {
     pub(crate) first: usize,
     /// In own coordinates.
     pub(crate) lights: Vec<Light>,
-    pub(crate) placement: Placement,
+    pub(crate) placement: LightPlace,
+}
+
+/// Where a light is.
+#[derive(Clone, Debug)]
+pub(crate) enum LightPlace {
+    Keys(Placement),
+    /// A node of a glTF file.
+    Node {
+        skeleton: usize,
+        node: usize,
+    },
 }
 
 /// What moves the camera.
@@ -126,7 +137,11 @@ impl Animation {
             return 0.0;
         }
         let placements = self.movers.iter().flatten().map(|m| &m.placement);
-        let ends = placements.chain(self.lights.iter().map(|l| &l.placement)).map(Placement::end);
+        let of_lights = self.lights.iter().filter_map(|light| match &light.placement {
+            LightPlace::Keys(placement) => Some(placement),
+            LightPlace::Node { .. } => None,
+        });
+        let ends = placements.chain(of_lights).map(Placement::end);
         let camera = match &self.camera {
             Some(CameraMover::Keys(keys)) => keys.clock.last,
             _ => 0.0,
@@ -197,7 +212,10 @@ impl Animation {
         let worlds = self.worlds(time);
         self.move_objects(time, &worlds, &mut scene.objects);
         for mover in &self.lights {
-            let matrix = mover.placement.at(time);
+            let matrix = match &mover.placement {
+                LightPlace::Keys(placement) => placement.at(time),
+                LightPlace::Node { skeleton, node } => worlds[*skeleton][*node],
+            };
             for (light, own) in scene.lights.iter_mut().skip(mover.first).zip(&mover.lights) {
                 *light = own.moved(matrix);
             }

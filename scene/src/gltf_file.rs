@@ -4,6 +4,7 @@ use crate::animation::CameraMover;
 use crate::deformer::Deformer;
 use crate::gltf_animation::{clip_name, find_clip, play};
 use crate::gltf_buffers::Buffers;
+use crate::gltf_light::{PlacedLight, read_light};
 use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
 use crate::gltf_nodes::{read_camera, shown_nodes, skeleton};
@@ -29,8 +30,14 @@ const KNOWN_EXTENSIONS: [&str; 7] = [
     "KHR_lights_punctual",
 ];
 
-/// The meshes of a file, its camera, and what moves that.
-type Read = (Vec<Part>, Option<Camera>, Option<CameraMover>);
+/// What a file shows.
+#[derive(Default)]
+pub(crate) struct Read {
+    pub(crate) parts: Vec<Part>,
+    pub(crate) camera: Option<Camera>,
+    pub(crate) moving_camera: Option<CameraMover>,
+    pub(crate) lights: Vec<PlacedLight>,
+}
 
 pub(crate) fn parse(path: &Path, bytes: &[u8], clip: Option<&str>, context: &mut Context) -> Result<Read, SceneError> {
     let is_glb = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
@@ -155,7 +162,7 @@ fn document(
     };
     let index = context.skeletons.len();
 
-    let (mut parts, mut camera, mut moving_camera) = (Vec::new(), None, None);
+    let (mut parts, mut camera, mut moving_camera, mut lights) = (Vec::new(), None, None, Vec::new());
     for &n in &shown {
         if let Some(which) = root.nodes[n].camera {
             match read_camera(root, which.value(), &reader.worlds[n])? {
@@ -168,6 +175,10 @@ fn document(
                 Some(_) => {}
                 None => context.warn(path, "orthographic cameras are not supported"),
             }
+        }
+        if let Some(light) = read_light(root, n)? {
+            let mover = reader.moving[n].then_some((index, n));
+            lights.push(PlacedLight { light, world: reader.worlds[n], mover });
         }
         reader.parts_of(n, index, &mut parts, context)?;
     }
@@ -186,13 +197,11 @@ fn document(
     for name in root.extensions_used.iter().filter(unread) {
         context.warn(path, format!("the extension {name} is not read: surfaces are as without it"));
     }
-    if root.extensions_used.iter().any(|e| e == "KHR_lights_punctual") {
-        context.warn(path, "punctual lights are not read: a default light is used");
-    }
-    if moving_camera.is_some() || parts.iter().any(|p: &Part| p.rig.is_some()) {
+    let moves_light = lights.iter().any(|light| light.mover.is_some());
+    if moving_camera.is_some() || moves_light || parts.iter().any(|p: &Part| p.rig.is_some()) {
         context.skeletons.push(reader.skeleton);
     }
-    Ok((parts, camera, moving_camera))
+    Ok(Read { parts, camera, moving_camera, lights })
 }
 
 /// Whether an extension changes what is seen of a surface.

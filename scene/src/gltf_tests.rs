@@ -20,7 +20,7 @@ fn triangle(nodes: &str, more: &str) -> String {
 
 fn parse(text: &str) -> Result<(Vec<Part>, Option<Camera>), String> {
     gltf_file::parse(Path::new("m.gltf"), text.as_bytes(), None, &mut Context::default())
-        .map(|(parts, camera, _)| (parts, camera))
+        .map(|file| (file.parts, file.camera))
         .map_err(|e| e.to_string())
 }
 
@@ -91,7 +91,7 @@ fn no_cut_of_a_document_panics() {
     glb.extend(b"JSON");
     glb.extend(json);
     let read = |bytes: &[u8]| gltf_file::parse(Path::new("m.glb"), bytes, None, &mut Context::default());
-    assert_eq!(read(&glb).unwrap().0.len(), 1);
+    assert_eq!(read(&glb).unwrap().parts.len(), 1);
     for end in 0..glb.len() {
         assert!(read(&glb[..end]).is_err());
     }
@@ -151,7 +151,7 @@ fn lengths_in_the_header_of_a_binary_file() {
     let whole = glb(0).len();
     let read = |bytes: &[u8]| {
         let read = gltf_file::parse(Path::new("m.glb"), bytes, None, &mut Context::default());
-        read.map(|(parts, ..)| parts.len()).map_err(|e| e.to_string())
+        read.map(|file| file.parts.len()).map_err(|e| e.to_string())
     };
     assert_eq!(read(&glb(whole)), Ok(1));
     for length in [0, 12, 20, 20 + json.len(), whole - 1] {
@@ -178,5 +178,49 @@ fn textures_that_do_not_exist_are_refused_wherever_they_are_named() {
         assert!(message.contains("material 0: there is no texture 0"), "{message}");
         let message = parse(&document(material, r#", "textures": [{"source": 3}]"#)).err().expect(material);
         assert!(message.contains("material 0: texture 0: there is no image 3"), "{message}");
+    }
+}
+
+/// A triangle under a spot, a sun and a point, one of them turned.
+#[test]
+fn punctual_lights_are_read() {
+    let lit = |lights: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lit.gltf");
+        let positions = "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+        let text = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "extensionsUsed": ["KHR_lights_punctual"],
+            "extensions": {{"KHR_lights_punctual": {{"lights": [{lights}]}}}},
+            "buffers": [{{"uri": "{positions}", "byteLength": 36}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+            "nodes": [{{"mesh": 0}}, {{"translation": [0, 2, 0], "extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}},
+                {{"rotation": [-0.70710678, 0, 0, 0.70710678], "extensions": {{"KHR_lights_punctual": {{"light": 1}}}}}}]}}"#
+        );
+        std::fs::write(&path, text).unwrap();
+        crate::load(&path).map(|scene| scene.lights).map_err(|e| e.to_string())
+    };
+    let lights = lit(r#"{"type": "point", "intensity": 5, "color": [1, 0.5, 0]},
+        {"type": "spot", "intensity": 3, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.5}}"#)
+    .unwrap();
+    let [lighting::Light::Sphere(point), lighting::Light::Spot(spot)] = lights[..] else { panic!("{lights:?}") };
+    let intensity = point.radiance * std::f32::consts::PI * point.ball.radius.powi(2);
+    assert!((intensity - Vec3::new(5.0, 2.5, 0.0)).length() < 1e-4 && point.ball.center == Vec3::Y * 2.0);
+    assert!((spot.axis - Vec3::NEG_Y).length() < 1e-6, "−z turned by −90° about x: {}", spot.axis);
+    assert!((spot.cos[0] - 0.2_f32.cos()).abs() < 1e-6 && (spot.cos[1] - 0.5_f32.cos()).abs() < 1e-6);
+    let lights = lit(r#"{"type": "point"}, {"type": "directional", "intensity": 2}"#).unwrap();
+    let [_, lighting::Light::Sun(sun)] = lights[..] else { panic!("{lights:?}") };
+    assert!((sun.toward - Vec3::Y).length() < 1e-6);
+    assert!((sun.radiance.x * std::f32::consts::PI * sun.sin.powi(2) - 2.0).abs() < 1e-4);
+    for (wrong, words) in [
+        (r#"{"type": "point", "intensity": -5}, {"type": "point"}"#, "-5"),
+        (r#"{"type": "laser"}, {"type": "point"}"#, "\"spot\""),
+        (r#"{"type": "point", "range": 0}, {"type": "point"}"#, "range"),
+        (r#"{"type": "spot", "spot": {"innerConeAngle": 1.2, "outerConeAngle": 0.3}}, {"type": "point"}"#, "1.2"),
+        (r#"{"type": "point"}"#, "no light 1"),
+    ] {
+        let message = lit(wrong).unwrap_err();
+        assert!(message.contains(words), "{message}");
     }
 }

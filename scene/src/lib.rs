@@ -65,6 +65,7 @@ mod error;
 mod gltf_animation;
 mod gltf_buffers;
 mod gltf_file;
+mod gltf_light;
 mod gltf_material;
 mod gltf_mesh;
 mod gltf_nodes;

@@ -1,8 +1,10 @@
 //! Files of all kinds to scenes.
 
-use crate::animation::{Body, CameraMover, Mover};
+use crate::animation::{Body, LightMover, LightPlace, Mover};
 use crate::cut_out::CutOut;
 use crate::deformer::{BoundBall, Deformer};
+use crate::gltf_file::Read;
+use crate::gltf_light::PlacedLight;
 use crate::placement::Placement;
 use crate::scene_file::{DEFAULT_FOV, DEFAULT_SIZE, DEFAULT_SPHERES};
 use crate::skeleton::{Carrier, Skeleton};
@@ -317,19 +319,17 @@ fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
 }
 
 /// What a mesh file has.
-struct File {
-    parts: Vec<Part>,
-    camera: Option<Camera>,
-    moving_camera: Option<CameraMover>,
-}
-
 /// The meshes of a file, degenerate triangles taken out; of a glTF with the clip of that name or number. Relative to
 /// [`Context::origin`], which is not zero where the file's meshes are far from its origin.
 pub(crate) fn mesh_parts(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<Vec<Part>, SceneError> {
-    near_parts(path, clip, context, ".obj, .ply, .gltf or .glb").map(|file| file.parts)
+    let file = near_parts(path, clip, context, ".obj, .ply, .gltf or .glb")?;
+    if !file.lights.is_empty() {
+        context.warn(path, "its lights are left out: the scene file has its own");
+    }
+    Ok(file.parts)
 }
 
-fn near_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &str) -> Result<File, SceneError> {
+fn near_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &str) -> Result<Read, SceneError> {
     let (lines, skeletons, clips) = (context.warnings.len(), context.skeletons.len(), context.clips.len());
     context.origin = DVec3::ZERO;
     let file = file_parts(path, clip, context, endings)?;
@@ -344,7 +344,7 @@ fn near_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &
     file_parts(path, clip, context, endings)
 }
 
-fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &str) -> Result<File, SceneError> {
+fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &str) -> Result<Read, SceneError> {
     let extension = extension(path);
     if !["obj", "ply", "gltf", "glb"].contains(&extension.as_str()) {
         read(path)?;
@@ -358,17 +358,19 @@ fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &
     if clip.is_some() && ["obj", "ply"].contains(&extension.as_str()) {
         return Err(SceneError::file(path, "only glTF files have clips"));
     }
-    let (mut parts, camera, moving_camera) = match extension.as_str() {
+    let meshes = |parts| Read { parts, ..Read::default() };
+    let mut file = match extension.as_str() {
         "obj" if is(b"ply\n") || is(b"ply\r") => {
             return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
         }
-        "obj" => (obj::parse(path, &obj_text(path, bytes)?, context)?, None, None),
-        "ply" => (vec![ply::parse(path, &bytes, context.origin)?], None, None),
+        "obj" => meshes(obj::parse(path, &obj_text(path, bytes)?, context)?),
+        "ply" => meshes(vec![ply::parse(path, &bytes, context.origin)?]),
         "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
         _ => gltf_file::parse(path, &bytes, clip, context)?,
     };
     let mut dropped = 0;
-    for part in &mut parts {
+    let parts = &mut file.parts;
+    for part in parts.iter_mut() {
         // Indices first: the geometry below relies on them.
         if !part.mesh.triangles.is_empty() {
             part.mesh.validate().map_err(|e| SceneError::file(path, format!("{}: {e}", part.name)))?;
@@ -381,7 +383,7 @@ fn file_parts(path: &Path, clip: Option<&str>, context: &mut Context, endings: &
         what += " (corners equal or in a line, or nearer to each other than about 1e-18)";
     }
     context.left_out(path, parts.is_empty(), &what)?;
-    Ok(File { parts, camera, moving_camera })
+    Ok(file)
 }
 
 /// Shares a number of spheres out among parts in proportion to their areas, at least four each (fewer when fewer were
@@ -425,12 +427,13 @@ struct Bare {
     looks: Vec<Look>,
     animation: Animation,
     camera: Option<Camera>,
+    lights: Vec<PlacedLight>,
 }
 
 const MESH_OR_SCENE: &str = ".toml, .obj, .ply, .gltf or .glb";
 
-fn bare_objects(file: File, context: &mut Context) -> Bare {
-    let File { mut parts, camera, moving_camera } = file;
+fn bare_objects(file: Read, context: &mut Context) -> Bare {
+    let Read { mut parts, camera, moving_camera, lights } = file;
     let mut animation = Animation { origin: context.origin, camera: moving_camera, ..context.animation() };
     let here = Placement::Fixed(Mat4::IDENTITY);
     animation.movers = parts.iter_mut().map(|part| part.place(Normals::File, &here)).collect();
@@ -453,13 +456,13 @@ fn bare_objects(file: File, context: &mut Context) -> Bare {
         };
         objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
     }
-    Bare { objects, looks, animation, camera }
+    Bare { objects, looks, animation, camera, lights }
 }
 
 /// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
 fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let file = near_parts(path, clip, context, MESH_OR_SCENE)?;
-    let Bare { mut objects, looks, mut animation, camera } = bare_objects(file, context);
+    let Bare { mut objects, looks, mut animation, camera, lights: own } = bare_objects(file, context);
     let bounds = swept_bounds(&animation, &mut objects);
     let radius = bounds.radius();
     let (width, height) = DEFAULT_SIZE;
@@ -474,7 +477,19 @@ fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene
     let sin = 6.0_f32.to_radians().sin();
     let center = bounds.center() + distance * Vec3::new(-0.5, 0.9, 0.55).normalize();
     let ball = Sphere { center, radius: distance * sin };
-    let lights = vec![SphereLight::new(ball, Vec3::splat(1.0 / (sin * sin))).into()];
+    let mut lights = vec![SphereLight::new(ball, Vec3::splat(1.0 / (sin * sin))).into()];
+    if !own.is_empty() {
+        lights = own.iter().map(|own| own.light.at_origin(&bounds).moved(own.world)).collect();
+        animation.lights = own
+            .iter()
+            .enumerate()
+            .filter_map(|(first, own)| {
+                let (skeleton, node) = own.mover?;
+                let placement = LightPlace::Node { skeleton, node };
+                Some(LightMover { first, lights: vec![own.light.at_origin(&bounds)], placement })
+            })
+            .collect();
+    }
     let camera = camera.unwrap_or_else(|| default_camera(bounds, width, height));
     let (materials, surfaces) = Look::parted(looks);
     let scene = Scene { camera, width, height, background: Vec3::ZERO, materials, surfaces, objects, lights };

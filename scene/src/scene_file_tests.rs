@@ -2,6 +2,7 @@ use crate::load::Context;
 use crate::{Proxy, SCHEMA_EXAMPLE, Scene, SceneError, Shape, Strategy, load, load_with_warnings, scene_file};
 use brdf::Material;
 use glam::Vec3;
+use lighting::Light;
 use std::path::Path;
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
@@ -38,7 +39,7 @@ fn the_example_is_a_valid_scene_with_every_key() {
     assert_eq!(scene.objects.len(), 6);
     assert_eq!(scene.lights.len(), 5);
     // Φ = 4π²·L·Σr² of the three balls.
-    let flux = |l: &lighting::Light| l.full_radiance().x * l.ball().expect("a ball").radius.powi(2);
+    let flux = |l: &Light| l.full_radiance().x * l.ball().expect("a ball").radius.powi(2);
     let flux: f32 = scene.lights[2..].iter().map(flux).sum::<f32>();
     assert!((flux * 4.0 * std::f32::consts::PI.powi(2) - 30.0).abs() < 1e-3);
     let crate_box = &scene.objects[4];
@@ -280,4 +281,82 @@ fn what_lies_too_far_is_told_at_its_line() {
     refused("[[objects]]\nname = \"far\"\nspheres = [[0, 0, 0, 2e9]]", 3, &["1e9"]);
     refused("[[objects]]\nname = \"far\"\ntranslate = [2e9, 0, 0]\nspheres = [[0, 0, 0, 1]]", 4, &["1e9"]);
     refused(&format!("{ball}proxy = {{ explicit = [[0, 0, 2e9, 1]] }}"), 3, &["1e9"]);
+}
+
+#[test]
+fn lights_of_all_kinds_are_read() {
+    let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    let read = |light: &str| parse(&format!("{ball}[[lights]]\n{light}")).unwrap().lights[0];
+    let Light::Flat(panel) = read("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [0, 0, 2]\nflux = 8")
+    else {
+        panic!()
+    };
+    assert!((panel.area() - 8.0).abs() < 1e-5 && (panel.normal() - Vec3::NEG_Y).length() < 1e-6);
+    // L = Φ/(πA).
+    assert!((panel.radiance.x - std::f32::consts::FRAC_1_PI).abs() < 1e-6 && !panel.two_sided);
+    let disc = "kind = \"disc\"\ncenter = [0, 3, 0]\nnormal = [0, -2, 0]\nradius = 0.5\nradiance = [1, 2, 3]\ntwo_sided = true";
+    let Light::Flat(disc) = read(disc) else { panic!() };
+    assert!(disc.two_sided && disc.as_disc() == (Vec3::Y * 3.0, Some(0.5)) && disc.radiance.z == 3.0);
+    let Light::Flat(corners) = read("kind = \"polygon\"\ncorners = [[0, 3, 0], [1, 3, 0], [0, 3, 1]]\nradiance = 1")
+    else {
+        panic!()
+    };
+    assert_eq!(corners.corners().len(), 3);
+    let Light::Tube(tube) = read("kind = \"tube\"\nfrom = [0, 3, 0]\nto = [1, 3, 0]\nradius = 0.1\nflux = 1") else {
+        panic!()
+    };
+    assert!((tube.radiance.x * std::f32::consts::PI * tube.area() - 1.0).abs() < 1e-5);
+    let Light::Sphere(point) = read("kind = \"point\"\ncenter = [0, 3, 0]\nintensity = 2") else { panic!() };
+    assert!((point.radiance.x * std::f32::consts::PI * point.ball.radius.powi(2) - 2.0).abs() < 1e-5);
+    let spot = "kind = \"spot\"\ncenter = [0, 3, 0]\ndirection = [0, -3, 0]\nangle = 60\ninner = 0\nintensity = 2";
+    let Light::Spot(spot) = read(spot) else { panic!() };
+    assert!((spot.cos[1] - 0.5).abs() < 1e-6 && spot.axis == Vec3::NEG_Y);
+    let Light::Sun(sun) = read("kind = \"sun\"\ndirection = [0, -1, 0]\nirradiance = 3") else { panic!() };
+    assert!(sun.toward == Vec3::Y && (sun.sin.asin().to_degrees() - 0.265).abs() < 1e-5);
+    assert!((sun.radiance.x * std::f32::consts::PI * sun.sin.powi(2) - 3.0).abs() < 1e-4);
+    // They turn and move as objects do.
+    let keys =
+        "keys = [{ time = 0 }, { time = 1, rotate = { axis = [1, 0, 0], degrees = 90 }, translate = [0, 1, 0] }]";
+    let text = format!(
+        "{ball}[[lights]]\nkind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [0, 0, 1]\nradiance = 1\n{keys}"
+    );
+    let (mut scene, animation) = scene_file::parse(Path::new("t.toml"), &text, &mut Context::default()).unwrap();
+    animation.seek(1.0, &mut scene);
+    let Light::Flat(moved) = scene.lights[0] else { panic!() };
+    assert!((moved.as_disc().0 - Vec3::new(0.0, 1.0, 3.0)).length() < 1e-5);
+    assert!((moved.normal() - Vec3::NEG_Z).length() < 1e-5);
+}
+
+#[test]
+fn lights_that_are_none_are_refused() {
+    let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    let light = |text: &str| format!("{ball}[[lights]]\n{text}");
+    refused(&light("kind = \"lamp\"\nradiance = 1"), 4, &["lamp", "\"tube\""]);
+    refused(
+        &light("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [2, 0, 0]\nradiance = 1"),
+        5,
+        &["no area"],
+    );
+    refused(&light("kind = \"disc\"\ncenter = [0, 3, 0]\nnormal = [0, 0, 0]\nradius = 1\nradiance = 1"), 6, &["0"]);
+    refused(&light("kind = \"polygon\"\nradiance = 1\ncorners = [[0, 0, 0], [1, 0, 0]]"), 6, &["3 to 24 corners"]);
+    refused(
+        &light("kind = \"polygon\"\nradiance = 1\ncorners = [[0, 0, 0], [1, 0, 0], [0.2, 0.2, 0], [0, 1, 0]]"),
+        6,
+        &["not convex"],
+    );
+    refused(&light("kind = \"tube\"\nfrom = [0, 3, 0]\nto = [0, 3, 0]\nradius = 0.1\nflux = 1"), 6, &["two ends"]);
+    refused(&light("kind = \"sun\"\nirradiance = 1\ndirection = [0, -1, 0]\nangle = 190"), 7, &["120 degrees"]);
+    refused(
+        &light("kind = \"spot\"\ncenter = [0, 3, 0]\ndirection = [0, -1, 0]\nintensity = 1\nangle = 95"),
+        8,
+        &["90"],
+    );
+    let inner = "kind = \"spot\"\ncenter = [0, 3, 0]\ndirection = [0, -1, 0]\nintensity = 1\nangle = 20\ninner = 30";
+    refused(&light(inner), 9, &["angle"]);
+    refused(&light("kind = \"tube\"\nfrom = [0, 3, 0]\nto = [0, 4, 0]\nradius = 0.1\nradiance = -1"), 8, &["-1"]);
+    refused(
+        &light("kind = \"rectangle\"\ncenter = [0, 3e9, 0]\nu = [1e6, 0, 0]\nv = [0, 0, 1e6]\nradiance = 1"),
+        4,
+        &["1e9"],
+    );
 }

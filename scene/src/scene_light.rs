@@ -1,6 +1,6 @@
 //! The lights of a scene file.
 
-use crate::animation::LightMover;
+use crate::animation::{LightMover, LightPlace};
 use crate::keys::Keys;
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
@@ -139,7 +139,8 @@ pub(crate) fn read_light(
     // Where they stand: their own coordinates are the world's.
     let shift = Mat4::from_translation(crate::origin::relative(DVec3::ZERO, origins.shift()));
     lights.extend(own.iter().map(|light| light.moved(shift)));
-    keys.map(|keys| Ok(LightMover { first, lights: own, placement: keys.rigid_placement(origins)? })).transpose()
+    keys.map(|keys| Ok(LightMover { first, lights: own, placement: LightPlace::Keys(keys.rigid_placement(origins)?) }))
+        .transpose()
 }
 
 /// Balls in one of some units.

@@ -2,7 +2,7 @@
 
 use super::{Report, Run};
 use crate::oracle::Random;
-use crate::{Cone, LightLobes, LobeBuffer, OWN_NONE, Receiver, Tile, TileLight};
+use crate::{Cone, LightLobes, LightTerm, LobeBuffer, OWN_NONE, Receiver, Tile, TileLight};
 use core::f64::consts::TAU;
 use glam::{DVec3, Vec3};
 
@@ -68,7 +68,9 @@ pub fn check_light(light: &impl LightLobes, limits: &LightLimits) -> Result<(), 
 }
 
 fn one(light: &impl LightLobes, at: &Receiver, limits: &LightLimits, run: &mut Run) {
-    let (cone, radiance) = (light.cone(at), light.radiance(at));
+    let LightTerm { cone, radiance, outline } = light.term(at);
+    let seen = (light.cone(at), light.radiance(at), light.outline(at));
+    run.ensure(seen == (cone, radiance, outline), "a term is cone, radiance and outline", || format!("{seen:?}"));
     let case = || format!("{cone:?}, radiance {radiance} at {at:?}");
     let length = (f64::from(cone.axis.length()) - 1.0).abs();
     run.within(length, ("", 1e-5), "the cone's axis has length 1", case);
@@ -76,9 +78,17 @@ fn one(light: &impl LightLobes, at: &Receiver, limits: &LightLimits, run: &mut R
     run.ensure(radiance.is_finite() && radiance.min_element() >= 0.0, "radiance is finite and not negative", case);
     let around = Cone::of_sphere(at.position, light.bounds());
     let angle = |cone: &Cone| f64::from(cone.cos()).clamp(-1.0, 1.0).acos();
-    let between = f64::from(around.axis.angle_between(cone.axis));
-    let beyond = (between + angle(&cone) - angle(&around)).max(0.0);
-    run.within(beyond, ("beyond", limits.beyond), "the cone lies in that of the bounds", case);
+    let from = |cone: &Cone, v: Vec3| f64::from(cone.axis.angle_between(v));
+    let beyond = match &outline {
+        None => (from(&around, cone.axis) + angle(&cone) - angle(&around)).max(0.0),
+        Some(outline) => {
+            let corners = || outline.corners().iter();
+            let off = |cone: &Cone| corners().map(|p| from(cone, *p) - angle(cone)).fold(0.0, f64::max);
+            run.within(off(&cone), ("beyond", limits.beyond), "the outline lies in the cone", case);
+            off(&around)
+        }
+    };
+    run.within(beyond, ("beyond", limits.beyond), "what is seen lies in the bounds", case);
     let mut buffer = LobeBuffer::with_capacity(64);
     if light.light_lobes(at, &mut buffer.writer()).is_err() {
         run.ensure(false, "64 lobes do", case);
@@ -91,7 +101,8 @@ fn one(light: &impl LightLobes, at: &Receiver, limits: &LightLimits, run: &mut R
         case,
     );
     let flux: DVec3 = lobes().map(|l| l.flux.as_dvec3()).sum();
-    let want = radiance.as_dvec3() * (TAU * f64::from(cone.one_minus_cos));
+    let solid_angle = outline.map_or(TAU * f64::from(cone.one_minus_cos), |outline| f64::from(outline.moments().0));
+    let want = radiance.as_dvec3() * solid_angle;
     let error = (flux - want).abs().max_element() / want.max_element().max(1e-30);
     if want.max_element() > 0.0 {
         run.within(error, ("flux", limits.flux), "lobes carry the light's flux", || {
@@ -107,7 +118,12 @@ fn tiles(light: &impl LightLobes, receivers: &[Receiver], run: &mut Run) {
         tile.set(receivers);
         light.tile_light(receivers, &tile, &mut seen);
         for (i, at) in receivers.iter().enumerate() {
-            let same = seen.cone(i) == light.cone(at) && seen.radiance(i) == light.radiance(at);
+            let term = light.term(at);
+            // In a tile nothing below the horizon is left.
+            let above = term.outline.map(|outline| outline.above(at.normal));
+            let cone =
+                Cone { one_minus_cos: if above == Some(None) { 0.0 } else { term.cone.one_minus_cos }, ..term.cone };
+            let same = seen.term(i) == LightTerm { cone, outline: above.flatten(), ..term };
             run.ensure(same, "tiles see what single receivers see", || {
                 format!(
                     "{:?} {} for {:?} {} at {at:?}",

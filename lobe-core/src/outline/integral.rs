@@ -6,8 +6,29 @@ use core::f32::consts::{FRAC_1_PI, TAU};
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 
-/// Columns that are evaluated together.
+/// Samples that are evaluated together, and that wait to be at most.
 const LANES: usize = 16;
+const BATCH: usize = 128;
+
+/// The rules of 8 and 16 for what begins and ends like a root, outermost last as above: `sin ½πx` and `½π w cos ½πx`.
+const TURNED_EIGHT: [[f32; 2]; 4] =
+    [[0.284167924, 0.546216105], [0.734889939, 0.334189396], [0.949425384, 0.109682471], [0.998055214, 0.009912028]];
+const TURNED_SIXTEEN: [[f32; 2]; 8] = [
+    [0.148691866, 0.294280205],
+    [0.428057064, 0.259225609],
+    [0.658971885, 0.199858776],
+    [0.825200872, 0.132728684],
+    [0.927094889, 0.073378601],
+    [0.977808138, 0.031315292],
+    [0.996212554, 0.008502770],
+    [0.999861409, 0.000710062],
+];
+
+/// Lobes below this exponent end at their horizon with a kink.
+const STEEP: f32 = 4.0;
+
+/// Area of a circle over that of the polygon around it.
+const ROUND: f32 = 0.994_281_9;
 
 /// Pieces of this part of all rows are taken together.
 const SMALL: f32 = 0.04;
@@ -68,6 +89,8 @@ pub(crate) fn integral(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
 }
 
 fn lambert(normal: Vec3, light: &Outline) -> f32 {
+    // The polygon around a disc is larger by this.
+    let part = light.circle([normal; 2]).map_or(1.0, |_| ROUND);
     let corners = light.corners();
     let mut sum = 0.0;
     let mut around = 0.0_f32;
@@ -81,22 +104,35 @@ fn lambert(normal: Vec3, light: &Outline) -> f32 {
             sum += angle * normal.dot(cross) / size;
         }
     }
-    if around > 0.6 && light.circle([normal; 2]).is_none() {
-        return sum / TAU;
+    if around > 0.6 {
+        return sum * part / TAU;
     }
     let frame = light.frame(normal);
     let local = |v: Vec3| Vec3::new(frame[0].dot(v), frame[1].dot(v), light.axis().dot(v));
     let lobe = Cosine { normal: local(normal) };
     let peak = nearest_of(light.on_plane(frame), Vec2::ZERO);
-    cubature(light, frame, &Peak { point: peak, width: Vec2::splat((1.0 + peak.length_squared()).sqrt()) }, &lobe)
+    cubature(
+        normal,
+        light,
+        frame,
+        &Peak { point: peak, width: Vec2::splat((1.0 + peak.length_squared()).sqrt()) },
+        &lobe,
+    )
 }
 
 fn power(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
+    // What is behind a lobe's own horizon makes a kink where it begins.
+    let cut = (lobe.exponent < STEEP).then(|| light.above(lobe.axis));
+    let light = match &cut {
+        None => light,
+        Some(Some(light)) => light,
+        Some(None) => return 0.0,
+    };
     let frame = light.frame(lobe.axis);
     let local = |v: Vec3| Vec3::new(frame[0].dot(v), frame[1].dot(v), light.axis().dot(v));
     let axis = local(lobe.axis);
     let e = lobe.exponent.min(1e8);
-    let place = if axis.z > 1e-3 { axis.truncate() / axis.z } else { axis.truncate().normalize_or_zero() * 1e3 };
+    let place = axis.truncate().normalize_or_zero() * largest_at(axis, e);
     let point = nearest_of(light.on_plane(frame), place);
     let stretch = 1.0 + point.length_squared();
     // How it falls from there: by its own width, or with the slope that it has beside its axis.
@@ -105,13 +141,23 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
     if !(along > 0.0) || 0.5 * e * ln_of(along * along / stretch, -sin_sq) < NOTHING.ln() {
         return 0.0;
     }
-    let slope = e * (axis.truncate() / along.max(1e-3) - point / stretch);
+    let slope = axis.truncate() * (e / along.max(1e-3 / (1.0 + e))) - point * ((e + 3.0) / stretch);
+    let slope = if lobe.exponent < STEEP { Vec2::ZERO } else { slope };
     let narrow = |sigma: f32, slope: f32| 1.5 * sigma / (0.5 * slope.abs() * sigma).max(1.0);
-    let sigma = 1.0 / e.max(1e-3).sqrt();
+    let sigma = 1.0 / (e + 3.0).sqrt();
     let width = Vec2::new(narrow(stretch * sigma, slope.x), narrow(stretch.sqrt() * sigma, slope.y));
-    let peak = Peak { point, width }.or_foot(light, frame);
+    let peak = Peak { point, width };
     let f = Power { axis, half_exponent: 0.5 * e, normal: local(normal), has_cosine: lobe.factor > 0.0 };
-    (e + 1.0) / TAU * cubature(light, frame, &peak, &f)
+    (e + 1.0) / TAU * cubature(normal, light, frame, &peak, &f)
+}
+
+/// How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's
+/// `1/r³` is largest: `e ln(a·p) − ½(e+3) ln p²` on `p = (t, 1)`.
+fn largest_at(axis: Vec3, e: f32) -> f32 {
+    let (s, c) = (axis.truncate().length(), axis.z);
+    let b = (e + 3.0) * c;
+    let root = (b * b + 12.0 * e * s * s).sqrt();
+    if c > 0.0 { 2.0 * e * s / (b + root) } else { (root - b) / (6.0 * s).max(1e-6) }
 }
 
 fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
@@ -132,27 +178,18 @@ fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
     let beside = 0.5 * place.distance(point);
     let width =
         Vec2::new((2.0 * alpha * stretch).max(beside), (2.0 * alpha * cos.max(alpha) * stretch.sqrt()).max(beside));
-    let peak = Peak { point, width }.or_foot(light, frame);
-    let lobe = Lobe { axis: local(lobe.axis), ..*lobe };
-    cubature(light, frame, &peak, &Facets(Microfacets::new(local(normal), &lobe)))
+    let facets = Facets(Microfacets::new(local(normal), &Lobe { axis: local(lobe.axis), ..*lobe }));
+    // Next to the receiver the light's own `1/r³` may matter more.
+    let foot = nearest_of(light.on_plane(frame), Vec2::ZERO);
+    let point = if width.min_element() > (1.0 + foot.length_squared()).sqrt() { foot } else { point };
+    let peak = Peak { point, width: width.min(Vec2::splat((1.0 + point.length_squared()).sqrt())) };
+    cubature(normal, light, frame, &peak, &facets)
 }
 
 /// Where an integrand is largest on the light's plane, and how wide about there.
 struct Peak {
     point: Vec2,
     width: Vec2,
-}
-
-impl Peak {
-    /// Next to the receiver the light's own `1/r³` may be the narrower of the two.
-    fn or_foot(self, light: &Outline, frame: [Vec3; 2]) -> Self {
-        let foot = nearest_of(light.on_plane(frame), Vec2::ZERO);
-        let own = (1.0 + foot.length_squared()).sqrt();
-        if self.width.min_element() > own {
-            return Self { point: foot, width: Vec2::splat(own) };
-        }
-        Self { width: self.width.min(Vec2::splat((1.0 + self.point.length_squared()).sqrt())), ..self }
-    }
 }
 
 /// A reflectance in the direction of a point of the plane at distance 1; `inverse` is one over its squared length.
@@ -200,7 +237,61 @@ impl Value for Facets {
     }
 }
 
-fn cubature<V: Value>(light: &Outline, frame: [Vec3; 2], peak: &Peak, value: &V) -> f32 {
+/// Samples of rows, to be evaluated side by side.
+struct Samples {
+    /// Place along the row, height of the row, weight.
+    u: [f32; BATCH],
+    y: [f32; BATCH],
+    weight: [f32; BATCH],
+    count: usize,
+}
+
+impl Samples {
+    /// Takes a row's samples; the sum of those that had no room beside them.
+    #[inline(always)]
+    fn row<V: Value>(&mut self, [low, high]: [f32; 2], y: f32, weight: f32, peak: &Peak, value: &V) -> f32 {
+        let [middle, half] = [0.5 * (low + high), 0.5 * (high - low)];
+        let rule = rule(high - low);
+        let full = self.count + 2 * rule.len() > BATCH;
+        let sum = if full { self.sum(peak, value) } else { 0.0 };
+        for (node, part) in both_halves(rule) {
+            self.u[self.count] = middle + half * node;
+            self.y[self.count] = y;
+            self.weight[self.count] = weight * half * part;
+            self.count += 1;
+        }
+        sum
+    }
+
+    /// The sum of those that wait.
+    #[inline(always)]
+    fn sum<V: Value>(&mut self, peak: &Peak, value: &V) -> f32 {
+        let mut sums = [0.0; LANES];
+        for first in (0..self.count.next_multiple_of(LANES)).step_by(LANES) {
+            for (lane, sum) in sums.iter_mut().enumerate() {
+                let [u, y, weight] = [self.u[first + lane], self.y[first + lane], self.weight[first + lane]];
+                let rest = (1.0 - u) * (1.0 + u);
+                let rest = 1.0 / if rest > 1e-12 { rest } else { 1e-12 };
+                let root = rest.sqrt();
+                let x = peak.point.x + peak.width.x * u * root;
+                let inverse = 1.0 / (1.0 + x * x + y * y);
+                let angle = inverse * inverse.sqrt();
+                *sum += weight * rest * root * angle * value.at(Vec3::new(x, y, 1.0), inverse);
+            }
+        }
+        // Lanes behind the last sample weigh nothing from now on.
+        self.weight = [0.0; BATCH];
+        self.count = 0;
+        sums.into_iter().fold(0.0, |sum, x| sum + x)
+    }
+}
+
+fn cubature<V: Value>(normal: Vec3, light: &Outline, frame: [Vec3; 2], peak: &Peak, value: &V) -> f32 {
+    dispatch!(Level::new(), _simd => of_rows(normal, light, frame, peak, value))
+}
+
+#[inline(always)]
+fn of_rows<V: Value>(normal: Vec3, light: &Outline, frame: [Vec3; 2], peak: &Peak, value: &V) -> f32 {
     // Relative to the peak, in its widths.
     let mut corners = [Vec2::ZERO; Outline::ROOM];
     let count = light.corners().len();
@@ -208,59 +299,64 @@ fn cubature<V: Value>(light: &Outline, frame: [Vec3; 2], peak: &Peak, value: &V)
         *corner = (p - peak.point) / peak.width;
     }
     let corners = &corners[..count];
-    // Half-planes `a x + b y + c ≥ 0`.
-    let mut sides = [[0.0; 3]; Outline::ROOM];
-    for (i, side) in sides.iter_mut().enumerate().take(count) {
-        let (p, q) = (corners[i], corners[(i + 1) % count]);
-        let edge = q - p;
-        *side = [-edge.y, edge.x, edge.y * p.x - edge.x * p.y];
-    }
-    // A circle in widths is an ellipse.
-    let circle = light
-        .circle(frame)
-        .map(|(center, radius)| ((center - peak.point) / peak.width, Vec2::splat(radius) / peak.width));
-    let sides = &sides[..count];
-    // Rows of a piece between two corners are smooth.
     let mut cuts = [0.0; Outline::ROOM];
     for (cut, corner) in cuts.iter_mut().zip(corners) {
         *cut = corner.y;
     }
     let cuts = &mut cuts[..count];
-    cuts.sort_unstable_by(f32::total_cmp);
-    let mut round = [cuts[0], cuts[count - 1]];
-    if let Some((center, half)) = circle {
-        round = [round[0].max(center.y - half.y), round[1].min(center.y + half.y)];
+    // Half-planes `a x + b y + c ≥ 0`.
+    let mut sides = [[0.0; 3]; Outline::ROOM];
+    // A circle in widths is an ellipse, of which the horizon may leave a part.
+    if let Some((center, radius)) = light.circle(frame) {
+        let (center, half) = ((center - peak.point) / peak.width, Vec2::splat(radius) / peak.width);
+        let [low, high] = cuts.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[l, h], y| [l.min(*y), h.max(*y)]);
+        let ends = [low.max(center.y - half.y), high.min(center.y + half.y)];
+        let n = Vec3::new(frame[0].dot(normal), frame[1].dot(normal), light.axis().dot(normal));
+        let above = n.z + n.x * peak.point.x + n.y * peak.point.y;
+        sides[0] = [n.x * peak.width.x, n.y * peak.width.y, above];
+        return over_pieces(&ends, &sides[..1], Some((center, half)), peak, value);
     }
-    let is_round = circle.is_some();
-    let cuts = if is_round { &round[..] } else { few(cuts, place) };
+    for (i, side) in sides.iter_mut().enumerate().take(count) {
+        let (p, q) = (corners[i], corners[(i + 1) % count]);
+        let edge = q - p;
+        *side = [-edge.y, edge.x, edge.y * p.x - edge.x * p.y];
+    }
+    // Rows of a piece between two corners are smooth.
+    cuts.sort_unstable_by(f32::total_cmp);
+    over_pieces(few(cuts), &sides[..count], None, peak, value)
+}
+
+/// Rows between cuts, each as far as half-planes and an ellipse let it.
+#[inline(always)]
+fn over_pieces<V: Value>(
+    cuts: &[f32],
+    sides: &[[f32; 3]],
+    ellipse: Option<(Vec2, Vec2)>,
+    peak: &Peak,
+    value: &V,
+) -> f32 {
+    let mut samples = Samples { u: [0.0; BATCH], y: [0.0; BATCH], weight: [0.0; BATCH], count: 0 };
     let mut sum = 0.0;
     for pair in cuts.windows(2) {
         let (from, to) = (place(pair[0]), place(pair[1]));
         if to - from <= 1e-6 * (pair[1].abs() + 1e-6) {
             continue;
         }
-        let rule: &[(f32, f32)] = match to - from {
-            _ if is_round => &SIXTEEN,
-            length if length < 0.05 => &TWO,
-            length if length < 0.4 => &FOUR,
-            length if length < 1.0 => &EIGHT,
-            _ => &SIXTEEN,
-        };
-        for (node, weight) in both_halves(rule) {
-            // Rows of what is round begin and end like roots.
-            let (node, weight) = if is_round {
-                let angle = core::f32::consts::FRAC_PI_2 * node;
-                let (sin, cos) = angle.sin_cos();
-                (sin, weight * core::f32::consts::FRAC_PI_2 * cos)
-            } else {
-                (node, weight)
-            };
+        // Rows of what is round begin and end like roots: more of them.
+        let is_round = ellipse.is_some();
+        let (rule, turns) = if is_round { turned_rule(to - from) } else { (rule(to - from), None) };
+        for (k, (node, weight)) in both_halves(rule).enumerate() {
+            let (node, weight) = turns.map_or((node, weight), |turns| {
+                let from_middle = if k < rule.len() { rule.len() - 1 - k } else { k - rule.len() };
+                let [sin, weight] = turns[from_middle];
+                (if k < rule.len() { -sin } else { sin }, weight)
+            });
             let u = 0.5 * ((from + to) + (to - from) * node);
             let rest = 1.0 / ((1.0 - u) * (1.0 + u)).max(1e-12);
             let y = u * rest.sqrt();
             let weight = 0.5 * (to - from) * weight * rest * rest.sqrt();
             let (mut low, mut high) = (f32::NEG_INFINITY, f32::INFINITY);
-            if let Some((center, half)) = circle {
+            if let Some((center, half)) = ellipse {
                 let rest = (y - center.y) / half.y;
                 let reach = half.x * ((1.0 - rest) * (1.0 + rest)).max(0.0).sqrt();
                 (low, high) = (center.x - reach, center.x + reach);
@@ -271,16 +367,17 @@ fn cubature<V: Value>(light: &Outline, frame: [Vec3; 2], peak: &Peak, value: &V)
                     low = low.max(-rest / a);
                 } else if *a < 0.0 {
                     high = high.min(-rest / a);
+                } else if ellipse.is_some() && rest <= 0.0 {
+                    high = low;
                 }
             }
             if low < high && high - low < f32::INFINITY {
-                let [low, high] = [place(low), place(high)];
                 let y = peak.point.y + peak.width.y * y;
-                sum += weight * row([low, high], y, peak, value);
+                sum += samples.row([place(low), place(high)], y, weight, peak, value);
             }
         }
     }
-    sum * peak.width.x * peak.width.y
+    (sum + samples.sum(peak, value)) * peak.width.x * peak.width.y
 }
 
 /// A place in widths from the peak, as nodes are even in it.
@@ -290,7 +387,7 @@ fn place(t: f32) -> f32 {
 }
 
 /// Cuts without those that only divide what is small: the ends of tubes have many corners.
-fn few(cuts: &mut [f32], place: impl Fn(f32) -> f32) -> &[f32] {
+fn few(cuts: &mut [f32]) -> &[f32] {
     let small = SMALL * (place(cuts[cuts.len() - 1]) - place(cuts[0]));
     let mut kept = 1;
     for i in 1..cuts.len() {
@@ -304,40 +401,23 @@ fn few(cuts: &mut [f32], place: impl Fn(f32) -> f32) -> &[f32] {
     &cuts[..kept]
 }
 
-/// The integral along a row, over `dx` in widths.
-fn row<V: Value>([low, high]: [f32; 2], y: f32, peak: &Peak, value: &V) -> f32 {
-    let [middle, half] = [0.5 * (low + high), 0.5 * (high - low)];
-    let rule: &[(f32, f32)] = if high - low < 0.5 {
-        &FOUR
-    } else if high - low < 1.2 {
-        &EIGHT
-    } else {
-        &SIXTEEN
-    };
-    let mut nodes = [0.0; LANES];
-    let mut weights = [0.0; LANES];
-    for (k, (node, weight)) in both_halves(rule).enumerate() {
-        (nodes[k], weights[k]) = (node, weight);
+/// The rule for a length in places.
+#[inline(always)]
+fn rule(length: f32) -> &'static [(f32, f32)] {
+    match length {
+        length if length < 0.08 => &TWO,
+        length if length < 0.5 => &FOUR,
+        length if length < 1.1 => &EIGHT,
+        _ => &SIXTEEN,
     }
-    let of = |lane: usize| {
-        let u = middle + half * nodes[lane];
-        let rest = (1.0 - u) * (1.0 + u);
-        let rest = 1.0 / if rest > 1e-12 { rest } else { 1e-12 };
-        let root = rest.sqrt();
-        let x = peak.point.x + peak.width.x * u * root;
-        let inverse = 1.0 / (1.0 + x * x + y * y);
-        let angle = inverse * inverse.sqrt();
-        weights[lane] * rest * root * angle * value.at(Vec3::new(x, y, 1.0), inverse)
-    };
-    dispatch!(Level::new(), _simd => {
-        let mut terms = [0.0; LANES];
-        for (lane, term) in terms.iter_mut().enumerate() {
-            *term = of(lane);
-        }
-        half * terms.into_iter().fold(0.0, |sum, x| sum + x)
-    })
+}
+
+/// The rule for rows of something round, and what its nodes x and weights w become: `sin ½πx` and `½π w cos ½πx`.
+#[inline(always)]
+fn turned_rule(length: f32) -> (&'static [(f32, f32)], Option<&'static [[f32; 2]]>) {
+    if length < 0.5 { (&EIGHT, Some(&TURNED_EIGHT)) } else { (&SIXTEEN, Some(&TURNED_SIXTEEN)) }
 }
 
 fn both_halves(rule: &[(f32, f32)]) -> impl Iterator<Item = (f32, f32)> {
-    rule.iter().map(|(node, weight)| (-node, *weight)).chain(rule.iter().rev().copied())
+    rule.iter().rev().map(|(node, weight)| (-node, *weight)).chain(rule.iter().copied())
 }

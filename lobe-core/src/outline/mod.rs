@@ -22,7 +22,7 @@ use glam::{Vec2, Vec3};
 /// let corners = [[-1.0, -1.0, 2.0], [1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [-1.0, 1.0, 2.0]].map(Vec3::from_array);
 /// let light = Outline::new(&corners, Vec3::Z).unwrap();
 /// assert_eq!((light.axis(), light.height()), (Vec3::Z, 2.0));
-/// assert!(light.cone().one_minus_cos < 0.3);
+/// assert!(light.cone().one_minus_cos < 0.4);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outline {
@@ -39,11 +39,39 @@ pub struct Outline {
 /// Cones of outlines that are wider than this are the whole hemisphere before the light's plane.
 const WIDEST: f32 = 0.9;
 
+/// Cosine and sine of the multiples of 15°.
+const TURNS: [[f32; 2]; Outline::MOST] = [
+    [1.000000000, 0.000000000],
+    [0.965925826, 0.258819045],
+    [0.866025404, 0.500000000],
+    [0.707106781, 0.707106781],
+    [0.500000000, 0.866025404],
+    [0.258819045, 0.965925826],
+    [0.000000000, 1.000000000],
+    [-0.258819045, 0.965925826],
+    [-0.500000000, 0.866025404],
+    [-0.707106781, 0.707106781],
+    [-0.866025404, 0.500000000],
+    [-0.965925826, 0.258819045],
+    [-1.000000000, 0.000000000],
+    [-0.965925826, -0.258819045],
+    [-0.866025404, -0.500000000],
+    [-0.707106781, -0.707106781],
+    [-0.500000000, -0.866025404],
+    [-0.258819045, -0.965925826],
+    [-0.000000000, -1.000000000],
+    [0.258819045, -0.965925826],
+    [0.500000000, -0.866025404],
+    [0.707106781, -0.707106781],
+    [0.866025404, -0.500000000],
+    [0.965925826, -0.258819045],
+];
+
 impl Outline {
     /// The most corners of a light.
     pub const MOST: usize = 24;
-    /// The horizon adds one.
-    const ROOM: usize = Self::MOST + 1;
+    /// Each of two horizons adds one, the receiver's and a lobe's.
+    const ROOM: usize = Self::MOST + 2;
 
     /// A polygon of 3 to [`MOST`](Self::MOST) corners relative to the receiver, in any order around it; `axis` is the unit normal of its plane
     /// on the side away from the receiver. None where the receiver is in the plane or behind it.
@@ -73,12 +101,8 @@ impl Outline {
     #[must_use]
     pub fn disc(center: Vec3, radius: f32, axis: Vec3) -> Option<Self> {
         let (u, v) = orthonormal_basis(axis);
-        let reach = radius / (core::f32::consts::PI / Self::MOST as f32).cos();
-        let corner = |k: usize| {
-            let (sin, cos) = (k as f32 * (core::f32::consts::TAU / Self::MOST as f32)).sin_cos();
-            center + (u * cos + v * sin) * reach
-        };
-        let polygon = Self::new(&core::array::from_fn::<_, { Self::MOST }, _>(corner), axis)?;
+        let reach = radius * 1.008_629;
+        let polygon = Self::new(&TURNS.map(|[cos, sin]| center + (u * cos + v * sin) * reach), axis)?;
         Some(Self { center, radius: Some(radius), ..polygon })
     }
 
@@ -192,12 +216,9 @@ impl Outline {
         let (u, v) = orthonormal_basis(self.axis);
         // Around the circle: an octagon.
         let reach = radius * (1.0825 * core::f32::consts::SQRT_2);
-        let rim = |k: usize| {
-            let (sin, cos) = (k as f32 * core::f32::consts::FRAC_PI_4).sin_cos();
-            self.center + (u * cos + v * sin) * reach
-        };
         let (mut fall, mut depth) = (0.0_f32, 0.0_f32);
-        for p in (0..8).map(rim) {
+        for [cos, sin] in TURNS.iter().step_by(3) {
+            let p = self.center + (u * *cos + v * *sin) * reach;
             fall = fall.max(0.5 * (p.normalize() - toward).length_squared());
             depth = depth.max(p.dot(toward));
         }

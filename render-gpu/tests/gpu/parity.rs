@@ -5,7 +5,7 @@ use crate::gbuffer::{globe, large_floor};
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{Light, SphereLight};
+use lighting::{FlatLight, Light, SphereLight, SpotLight, SunLight};
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
@@ -29,6 +29,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("parity_of_textures", gpu, of_textures),
         trial("parity_of_depths_and_tolerances", gpu, of_depths_and_tolerances),
         trial("parity_of_many_lights", gpu, of_many_lights),
+        trial("parity_of_spots_and_suns", gpu, of_spots_and_suns),
         trial("parity_of_shadow_maps", gpu, of_shadow_maps),
         trial("parity_at_terminators_of_spheres", gpu, at_terminators_of_spheres),
         trial("maps_that_change_and_maps_that_stay", gpu, maps_that_change),
@@ -245,6 +246,29 @@ fn of_many_lights(gpu: &Gpu) {
         view.scene.lights = (0..count).map(light).collect();
         view.compare_spheres(gpu, &format!("{count} lights"), 0.003, 5);
     }
+}
+
+/// Spots and suns, alone and beside balls; what the GPU does not know is refused.
+fn of_spots_and_suns(gpu: &Gpu) {
+    let mut view = builtin();
+    let ball = |radius| Sphere { center: Vec3::new(1.5, 4.0, 2.0), radius };
+    let world = Sphere { center: Vec3::Y, radius: 12.0 };
+    let sphere: Light = SphereLight::new(ball(0.4), Vec3::splat(20.0)).into();
+    let light = SphereLight::with_intensity(ball(0.2), Vec3::splat(60.0));
+    let axis = Vec3::new(-0.4, -1.0, -0.5).normalize();
+    let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8] }.into();
+    let toward = Vec3::new(-0.5, 0.8, 0.4).normalize();
+    let sun = |degrees| SunLight::new(toward, degrees, Vec3::new(2.0, 1.8, 1.5), world).into();
+    for (name, lights) in [("a spot", vec![spot]), ("a sun", vec![sun(3.0)]), ("all", vec![sphere, spot, sun(0.3)])] {
+        view.scene.lights = lights;
+        view.compare_spheres(gpu, name, 0.003, 5);
+    }
+    let panel = FlatLight::rectangle(Vec3::Y * 4.0, Vec3::X, Vec3::Z, Vec3::ONE).expect("a rectangle");
+    view.scene.lights = vec![panel.into()];
+    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
+    let mut out = vec![Vec3::ZERO; view.points.receivers.len()];
+    let refused = shader.shade(&view.points, &view.frame(0.003, 5), &mut out).expect_err("not on the GPU");
+    assert!(refused.to_string().contains("CPU"), "{refused}");
 }
 
 /// The built-in scene's meshes by maps, alone and with the balls by spheres.

@@ -1,0 +1,139 @@
+//! What every kind of light has to keep.
+
+use glam::{Mat4, Quat, Vec3};
+use lighting::{FlatLight, FlatLightError, Light, SphereLight, SpotLight, SunLight, TubeLight};
+use lobe_core::conformance::{LightLimits, check_light};
+use lobe_core::{LightLobes, OWN_NONE, Receiver, Sphere};
+
+const COLOR: Vec3 = Vec3::new(3.0, 2.0, 1.0);
+
+fn at(position: Vec3) -> Receiver {
+    Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+}
+
+fn rectangle() -> FlatLight {
+    FlatLight::rectangle(Vec3::new(0.5, 3.0, -1.0), Vec3::new(1.0, 0.2, 0.0), Vec3::Z * 0.1, COLOR)
+        .expect("a rectangle")
+}
+
+fn tube() -> TubeLight {
+    TubeLight { ends: [Vec3::new(-1.0, 2.0, 0.0), Vec3::new(1.0, 2.5, 0.5)], radius: 0.1, radiance: COLOR }
+}
+
+#[test]
+fn all_kinds_conform() {
+    let limits = LightLimits::default();
+    let ball = Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 };
+    let sphere = SphereLight::new(ball, COLOR);
+    check_light(&sphere, &limits).expect("a sphere");
+    check_light(&SpotLight { light: sphere, axis: Vec3::NEG_Y, cos: [0.9, 0.7] }, &limits).expect("a spot");
+    check_light(&rectangle(), &limits).expect("a rectangle");
+    check_light(&rectangle().on_both_sides(), &limits).expect("a rectangle of two sides");
+    // Its corners are those of a polygon around it.
+    let disc = FlatLight::disc(Vec3::Y, Vec3::new(1.0, -1.0, 0.3), 0.7, COLOR).expect("a disc");
+    check_light(&disc, &LightLimits { beyond: 0.02, ..limits }).expect("a disc");
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::new(1.5, 0.8, 0.0), Vec3::new(0.3, 1.0, 0.0)];
+    let polygon = FlatLight::polygon(&corners, COLOR).expect("a polygon").on_both_sides();
+    check_light(&polygon, &limits).expect("a polygon");
+    check_light(&Light::from(polygon), &limits).expect("any light");
+    // Its outline is that of a capsule in one plane: its ends reach beyond the ball around it by a little.
+    check_light(&tube(), &LightLimits { beyond: 0.2, ..limits }).expect("a tube");
+}
+
+/// What of a light's area is lost or added by its outline shows in the flux that passes a far away ball.
+#[test]
+fn flux_is_that_of_the_surface() {
+    let flux = |light: &Light| {
+        let (count, radius) = (40_000, 50.0_f64);
+        let golden = core::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+        let mean = (0..count).map(|k| {
+            let z = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+            let (sin, cos) = (f64::from(k) * golden).sin_cos();
+            let aside = (1.0 - z * z).sqrt();
+            let outward = glam::DVec3::new(aside * cos, aside * sin, z);
+            let at = Receiver { normal: -outward.as_vec3(), ..at((outward * radius).as_vec3()) };
+            // Irradiance: all of it is near the middle of the sky.
+            light.outline(&at).map_or(0.0, |o| f64::from(o.moments().1.dot(at.normal)))
+                * f64::from(light.radiance(&at).x)
+        });
+        4.0 * core::f64::consts::PI * radius * radius * mean.sum::<f64>() / f64::from(count)
+    };
+    let power = Vec3::splat(7.0);
+    let disc = FlatLight::disc(Vec3::ZERO, Vec3::new(1.0, -1.0, 0.3), 0.7, COLOR).expect("a disc");
+    let lights = [
+        Light::from(rectangle().with_flux(power)),
+        rectangle().on_both_sides().with_flux(power).into(),
+        disc.with_flux(power).into(),
+        tube().with_flux(power).into(),
+    ];
+    for light in lights {
+        let got = flux(&light);
+        assert!((got / 7.0 - 1.0).abs() < 2e-3, "{}: {got}", light.kind());
+    }
+}
+
+#[test]
+fn a_spot_ends_softly_and_a_sun_is_everywhere_the_same() {
+    let light = SphereLight::with_intensity(Sphere { center: Vec3::Y, radius: 0.1 }, COLOR);
+    let spot = SpotLight { light, axis: Vec3::NEG_Y, cos: [0.9, 0.7] };
+    let share = |x: f32| spot.radiance(&at(Vec3::new(x, 0.0, 0.0))).x / light.radiance.x;
+    assert_eq!((share(0.0), share(0.45), share(1.1)), (1.0, 1.0, 0.0));
+    assert!(share(0.6) < share(0.55) && share(0.9) > 0.0 && share(0.9) < 0.1);
+
+    let world = Sphere { center: Vec3::ZERO, radius: 5.0 };
+    let sun = SunLight::new(Vec3::new(0.6, 0.8, 0.0), 2.0, COLOR, world);
+    let [one, other] = [Vec3::ZERO, Vec3::new(4.0, -1.0, 2.0)].map(|p| sun.cone(&at(p)));
+    assert_eq!(one, other);
+    // E = L π sin²θ toward it.
+    let lit = sun.radiance.x * core::f32::consts::PI * one.sin_sq();
+    assert!((lit / COLOR.x - 1.0).abs() < 1e-5);
+    let receivers = Sphere { center: Vec3::X, radius: 0.5 };
+    let bounds = sun.bounds_from(&receivers);
+    for k in 0..20 {
+        let from = receivers.center + Quat::from_rotation_z(k as f32) * Vec3::X * 0.5;
+        let ball = sun.ball_from(from);
+        assert!(ball.center.distance(bounds.center) + ball.radius <= bounds.radius * 1.000_01);
+    }
+}
+
+#[test]
+fn a_tube_seen_along_its_axis_is_its_end() {
+    let tube = TubeLight { ends: [Vec3::ZERO, Vec3::X], radius: 0.1, radiance: COLOR };
+    let term = tube.term(&at(Vec3::new(3.0, 0.05, 0.0)));
+    assert!(term.outline.is_none());
+    let end = Sphere { center: Vec3::X, radius: 0.1 };
+    assert_eq!(term.cone, lobe_core::Cone::of_sphere(Vec3::new(3.0, 0.05, 0.0), end));
+    assert!(tube.outline(&at(Vec3::new(0.5, 2.0, 0.0))).is_some());
+}
+
+#[test]
+fn lights_move_and_turn() {
+    let placement = Mat4::from_rotation_translation(Quat::from_rotation_x(0.7), Vec3::new(1.0, 2.0, 3.0));
+    let turned = |p: Vec3| placement.transform_point3(p);
+    let (light, moved) = (rectangle(), rectangle().moved(placement));
+    for position in [Vec3::ZERO, Vec3::new(2.0, -1.0, 0.5)] {
+        let (one, other) = (light.outline(&at(position)), moved.outline(&at(turned(position))));
+        let [one, other] = [one, other].map(|o| o.expect("before it").moments().0);
+        assert!((one - other).abs() < 1e-5 * one);
+    }
+    assert_eq!(tube().moved(placement).ends, tube().ends.map(turned));
+}
+
+#[test]
+fn shapes_that_are_none_are_refused() {
+    let polygon = |corners: &[[f32; 3]]| {
+        FlatLight::polygon(&corners.iter().map(|c| Vec3::from_array(*c)).collect::<Vec<_>>(), COLOR).map(|_| ())
+    };
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    assert_eq!(polygon(&square), Ok(()));
+    assert_eq!(polygon(&square[..2]), Err(FlatLightError::Corners));
+    assert_eq!(polygon(&[[0.0, f32::NAN, 0.0], square[1], square[2]]), Err(FlatLightError::Corners));
+    assert_eq!(polygon(&[square[0], square[1], [2.0, 0.0, 0.0]]), Err(FlatLightError::Degenerate));
+    assert_eq!(polygon(&[square[0], square[1], square[2], [0.0, 1.0, 0.3]]), Err(FlatLightError::NotFlat));
+    assert_eq!(polygon(&[square[0], square[1], square[2], [0.9, 0.2, 0.0]]), Err(FlatLightError::NotConvex));
+    // A star winds twice.
+    let star: Vec<[f32; 3]> = (0..5).map(|k| (k as f32 * 2.513_274).sin_cos()).map(|(y, x)| [x, y, 0.0]).collect();
+    assert_eq!(polygon(&star), Err(FlatLightError::NotConvex));
+    assert!(FlatLight::rectangle(Vec3::ZERO, Vec3::X, Vec3::X, COLOR).is_err());
+    assert!(FlatLight::disc(Vec3::ZERO, Vec3::ZERO, 1.0, COLOR).is_err());
+}

@@ -1,0 +1,196 @@
+//! Lights of all kinds on small pictures: against Monte Carlo of their true shapes, by silhouettes, spheres and rays, and as they move.
+
+use cosine_lobes::ShadowErrors;
+use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
+use cosine_lobes::lighting::{FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
+use cosine_lobes::lobe_core::{Accuracy, Sphere, VisibilityLobes};
+use cosine_lobes::pictures::Picture;
+use cosine_lobes::render_cpu::{
+    CpuShader, GBuffer, Geometry, RayBlockers, RayShader, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
+};
+use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
+use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
+use cosine_lobes::visibility_spheres::SphereBlockers;
+use glam::{Mat4, Quat, Vec3};
+use std::sync::atomic::AtomicBool;
+
+const SIZE: [u32; 2] = [64, 40];
+const TOLERANCE: f32 = 0.005;
+
+/// A slab, a post and a ball on a floor.
+fn scene(lights: Vec<Light>, material: Material) -> Scene {
+    let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 5.0, Vec3::NEG_Z * 5.0);
+    let ball = Sphere { center: Vec3::new(0.75, 0.3, 0.4), radius: 0.3 };
+    Scene {
+        surfaces: Vec::new(),
+        camera: Camera {
+            eye: Vec3::new(0.3, 2.2, 3.0),
+            target: Vec3::new(0.0, 0.2, 0.0),
+            up: Vec3::Y,
+            vertical_fov: 0.8,
+        },
+        width: SIZE[0],
+        height: SIZE[1],
+        background: Vec3::ZERO,
+        materials: vec![material],
+        objects: vec![
+            Object::mesh("floor", floor, 0, Proxy::None),
+            Object::mesh("slab", Mesh::cuboid(Vec3::new(-0.5, 0.6, 0.0), Vec3::new(0.4, 0.03, 0.3)), 0, Proxy::None),
+            Object::mesh("post", Mesh::cuboid(Vec3::new(0.2, 0.35, -0.3), Vec3::new(0.05, 0.35, 0.05)), 0, Proxy::None),
+            Object::spheres("ball", vec![ball], 0),
+        ],
+        lights,
+    }
+}
+
+fn frame(scene: &Scene, tolerance: f32) -> Frame<'_> {
+    Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(tolerance), threshold: 0.0 }
+}
+
+/// Shades a scene's points: boxes by silhouettes and the ball as a sphere, or all by rays.
+fn shade(scene: &Scene, tolerance: f32, by_rays: bool) -> Vec<Vec3> {
+    fn run(scene: &Scene, tolerance: f32, visibility: impl VisibilityLobes) -> Vec<Vec3> {
+        let points = GBuffer::new(&World::new(scene), scene.width, scene.height, 1).points;
+        let mut out = vec![Vec3::ZERO; points.receivers.len()];
+        CpuShader::new(visibility).shade(&points, &frame(scene, tolerance), &mut out).expect("room");
+        out
+    }
+    let world = World::new(scene);
+    if by_rays {
+        return run(scene, tolerance, MaskVisibility::new(RayBlockers::new(&world)));
+    }
+    let mut silhouettes = SceneSilhouettes::new(scene, |_| true);
+    silhouettes.update(scene);
+    let meshes = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |o| o < 3));
+    let Proxy::Spheres(balls) = &scene.objects[3].proxy else { panic!("a ball") };
+    let spheres = SphereBlockers::new(balls, &[3], &[1e-4; 4]);
+    run(scene, tolerance, MaskVisibility::new(Mixture::new(spheres, meshes)))
+}
+
+/// Radiance and unshadowed radiance.
+fn truth(scene: &Scene, samples: u32) -> [Vec<Vec3>; 2] {
+    let world = World::new(scene);
+    let gbuffer = GBuffer::new(&world, scene.width, scene.height, 1);
+    let blockers = BlockerSet::default();
+    let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry: Geometry::Mesh, seed: 5 };
+    let mut reference = Reference::new(job);
+    reference.advance(samples, &AtomicBool::new(false), &|_| {});
+    let estimate = reference.estimate();
+    [estimate.radiance, estimate.unshadowed]
+}
+
+fn errors(scene: &Scene, test: &[Vec3], [truth, unshadowed]: &[Vec<Vec3>; 2]) -> ShadowErrors {
+    let gbuffer = GBuffer::new(&World::new(scene), scene.width, scene.height, 1);
+    let picture = |values: &[Vec3]| {
+        Picture::new(scene.width as usize, scene.height as usize, gbuffer.resolve(values, Vec3::ZERO))
+    };
+    ShadowErrors::of(&picture(test), &picture(truth), &picture(unshadowed)).expect("equal sizes")
+}
+
+fn kinds() -> Vec<(&'static str, Light)> {
+    let at = Vec3::new(-0.2, 2.4, 0.5);
+    let down = Vec3::new(0.1, -1.0, -0.2).normalize();
+    let (u, v) = down.any_orthonormal_pair();
+    let flat = |light: Result<FlatLight, _>| Light::from(light.expect("a shape"));
+    let world = Sphere { center: Vec3::ZERO, radius: 6.0 };
+    let spot = SphereLight::with_intensity(Sphere { center: at, radius: 0.1 }, Vec3::splat(10.0));
+    vec![
+        ("square", flat(FlatLight::rectangle(at, u * 0.4, v * 0.4, Vec3::splat(9.0)))),
+        ("strip", flat(FlatLight::rectangle(at, u, v * 0.05, Vec3::splat(30.0)))),
+        ("disc", flat(FlatLight::disc(at, down, 0.4, Vec3::splat(12.0)))),
+        ("triangle", flat(FlatLight::polygon(&[at, at + u, at + u * 0.4 + v * 0.8], Vec3::splat(15.0)))),
+        (
+            "tube",
+            TubeLight { ends: [at - Vec3::X * 0.6, at + Vec3::X * 0.6], radius: 0.05, radiance: Vec3::splat(40.0) }
+                .into(),
+        ),
+        ("sun", SunLight::new(-down, 5.0, Vec3::splat(2.0), world).into()),
+        ("spot", SpotLight { light: spot, axis: down, cos: [0.95, 0.85] }.into()),
+    ]
+}
+
+#[test]
+fn lights_are_those_of_their_true_shapes() {
+    let gold = MetallicRoughness::new(Vec3::new(1.0, 0.8, 0.3), 1.0, 0.35).expect("a metal");
+    let phong = ModifiedPhong { kd: Vec3::splat(0.3), ks: Vec3::splat(0.4), exponent: 50.0 };
+    for (name, light) in kinds() {
+        for (of, material) in [("Phong", phong.into()), ("gold", gold.clone().into())] {
+            let scene = scene(vec![light], material);
+            let truth = truth(&scene, 2048);
+            for by_rays in [false, true] {
+                let e = errors(&scene, &shade(&scene, TOLERANCE, by_rays), &truth);
+                println!("{name}, {of}, rays {by_rays}: penumbra {:?}, lit {:?}", e.penumbra, e.lit);
+                // A part of it is the noise of the reference.
+                assert!(e.penumbra.pixels > 5 && e.lit.pixels > 100, "{name}: {e:?}");
+                assert!(e.penumbra.mean < 0.005 && e.penumbra.p99 < 0.03, "{name} on {of}: {e:?}");
+                assert!(e.lit.mean < 0.004 && e.dark.mean < 0.002, "{name} on {of}: {e:?}");
+            }
+        }
+    }
+}
+
+/// The rival: shadow rays to points of the lights.
+#[test]
+fn samples_of_lights_agree() {
+    for (name, light) in kinds() {
+        let scene = scene(vec![light], Material::lambert(Vec3::splat(0.6)));
+        let truth = truth(&scene, 2048);
+        let world = World::new(&scene);
+        let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
+        let mut out = vec![Vec3::ZERO; points.receivers.len()];
+        RayShader::surfaces(&world, 1024).shade(&points, &frame(&scene, TOLERANCE), &mut out).expect("no error");
+        let e = errors(&scene, &out, &truth);
+        assert!(e.penumbra.mean < 0.015 && e.lit.mean < 0.015, "{name}: {e:?}");
+    }
+}
+
+/// Two lights in one place are as bright as both; one of two sides shines to both.
+#[test]
+fn lights_add_up() {
+    let material = || Material::lambert(Vec3::splat(0.6));
+    let all: Vec<Light> = kinds().into_iter().map(|(_, light)| light).collect();
+    let together = shade(&scene(all.clone(), material()), TOLERANCE, false);
+    let mut sum = vec![Vec3::ZERO; together.len()];
+    for light in all {
+        sum.iter_mut().zip(shade(&scene(vec![light], material()), TOLERANCE, false)).for_each(|(a, b)| *a += b);
+    }
+    for (a, b) in together.iter().zip(&sum) {
+        assert!((*a - *b).abs().max_element() <= 1e-5 * b.max_element(), "{a} {b}");
+    }
+    let up = FlatLight::rectangle(Vec3::Y * 2.4, Vec3::Z * 0.3, Vec3::X * 0.3, Vec3::ONE).expect("a rectangle");
+    assert_eq!(up.normal(), Vec3::Y);
+    let one = shade(&scene(vec![up.into()], material()), TOLERANCE, false);
+    assert!(one.iter().all(|v| *v == Vec3::ZERO));
+    let both = shade(&scene(vec![up.on_both_sides().into()], material()), TOLERANCE, false);
+    assert!(both.iter().filter(|v| v.x > 0.0).count() > both.len() / 2);
+}
+
+/// Through the horizon, through the floor and through the objects, in small steps: no pixel flashes or blinks.
+#[test]
+fn nothing_pops_as_lights_move() {
+    let material = || Material::lambert(Vec3::splat(0.6));
+    for (name, light) in kinds().into_iter().filter(|(name, _)| !["sun", "spot"].contains(name)) {
+        let pictures: Vec<Vec<Vec3>> = (0..48)
+            .map(|k| {
+                let k = 0.5 * k as f32;
+                let turn = Mat4::from_rotation_translation(
+                    Quat::from_rotation_z(0.02 * k),
+                    Vec3::new(0.02 * k, -0.13 * k, -0.02 * k),
+                );
+                shade(&scene(vec![light.moved(turn)], material()), TOLERANCE, false)
+            })
+            .collect();
+        let brightest = pictures[0].iter().map(|v| v.x).fold(0.0, f32::max);
+        for w in pictures.windows(3) {
+            for ((a, b), c) in w[0].iter().zip(&w[1]).zip(&w[2]) {
+                assert!(a.is_finite() && b.is_finite() && c.is_finite(), "{name}");
+                // A step that goes back at once; a light that passes a receiver is bright before it is gone.
+                let bright = if a.x.min(c.x) > 0.0 { (b.x - a.x).min(b.x - c.x) } else { 0.0 };
+                let spike = bright.max((a.x - b.x).min(c.x - b.x));
+                let around = a.x.max(c.x).max(0.05 * brightest);
+                assert!(spike < 0.35 * around, "{name}: {} {} {}", a.x, b.x, c.x);
+            }
+        }
+    }
+}
