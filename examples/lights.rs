@@ -226,7 +226,7 @@ fn as_spheres(proxy: &Proxy) -> Option<&Vec<Sphere>> {
 }
 
 fn main() {
-    let samples = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(16_384);
+    let samples = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(4096);
     let (kinds, materials) = (kinds(), materials());
     println!(
         "# Lights\n\nEvery kind of light against Monte Carlo of its true shape ({samples} samples a point): a table, slats, a crate and two balls \

@@ -166,31 +166,30 @@ fn lights_add_up() {
     assert!(both.iter().filter(|v| v.x > 0.0).count() > both.len() / 2);
 }
 
-/// Through the horizon, through the floor and through the objects, in small steps: no pixel flashes or blinks.
+/// Through the horizon, through the floor and through the objects, which the light's plane then cuts: what outlines and spheres
+/// hide is what rays meet, so nothing pops.
 #[test]
-fn nothing_pops_as_lights_move() {
-    let material = || Material::lambert(Vec3::splat(0.6));
+fn lights_may_pass_through_anything() {
     for (name, light) in kinds().into_iter().filter(|(name, _)| !["sun", "spot"].contains(name)) {
-        let pictures: Vec<Vec<Vec3>> = (0..48)
-            .map(|k| {
-                let k = 0.5 * k as f32;
-                let turn = Mat4::from_rotation_translation(
-                    Quat::from_rotation_z(0.02 * k),
-                    Vec3::new(0.02 * k, -0.13 * k, -0.02 * k),
-                );
-                shade(&scene(vec![light.moved(turn)], material()), TOLERANCE, false)
-            })
-            .collect();
-        let brightest = pictures[0].iter().map(|v| v.x).fold(0.0, f32::max);
-        for w in pictures.windows(3) {
-            for ((a, b), c) in w[0].iter().zip(&w[1]).zip(&w[2]) {
-                assert!(a.is_finite() && b.is_finite() && c.is_finite(), "{name}");
-                // A step that goes back at once; a light that passes a receiver is bright before it is gone.
-                let bright = if a.x.min(c.x) > 0.0 { (b.x - a.x).min(b.x - c.x) } else { 0.0 };
-                let spike = bright.max((a.x - b.x).min(c.x - b.x));
-                let around = a.x.max(c.x).max(0.05 * brightest);
-                assert!(spike < 0.35 * around, "{name}: {} {} {}", a.x, b.x, c.x);
+        let (mut seen, mut far_off, mut sum) = (0, 0, 0.0);
+        for k in 0..16 {
+            let k = 1.5 * k as f32;
+            let turn = Quat::from_rotation_z(0.02 * k);
+            let moved = light.moved(Mat4::from_rotation_translation(turn, Vec3::new(0.02 * k, -0.13 * k, -0.02 * k)));
+            let scene = scene(vec![moved], Material::lambert(Vec3::splat(0.6)));
+            let [test, rays] = [false, true].map(|by_rays| shade(&scene, TOLERANCE, by_rays));
+            let brightest = rays.iter().map(|v| v.x).fold(0.0, f32::max);
+            for (a, b) in test.iter().zip(&rays).filter(|(_, b)| b.x > 0.0) {
+                assert!(a.is_finite() && b.is_finite(), "{name}");
+                let off = (a.x - b.x).abs() / b.x.max(0.1 * brightest);
+                (seen, far_off, sum) = (seen + 1, far_off + i32::from(off > 0.05), sum + off);
             }
         }
+        let mean = sum / seen as f32;
+        println!(
+            "{name}: outlines and rays differ by {mean:.5} in the mean, {far_off} of {seen} points by more than 5 %"
+        );
+        // Where the light touches the floor, points see it from within their own rounding.
+        assert!(seen > 10_000 && mean < 0.002 && far_off <= 5, "{name}: {mean} {far_off}");
     }
 }

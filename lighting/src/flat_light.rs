@@ -73,7 +73,7 @@ impl FlatLight {
     /// [`FlatLightError`] where it has no area.
     pub fn disc(center: Vec3, normal: Vec3, radius: f32, radiance: Vec3) -> Result<Self, FlatLightError> {
         let normal = normal.normalize_or_zero();
-        if !(radius > 0.0 && normal != Vec3::ZERO) {
+        if radius.is_nan() || radius <= 0.0 || normal == Vec3::ZERO {
             return Err(FlatLightError::Degenerate);
         }
         let (u, v) = normal.any_orthonormal_pair();
@@ -97,7 +97,7 @@ impl FlatLight {
         let first = points[0];
         let twice = points[1..].windows(2).map(|p| (p[0] - first).cross(p[1] - first)).sum::<Vec3>();
         let area = 0.5 * twice.length();
-        if !(area > 1e-6 * radius * radius) {
+        if area.is_nan() || area <= 1e-6 * radius * radius {
             return Err(FlatLightError::Degenerate);
         }
         let normal = twice.normalize();
@@ -175,6 +175,11 @@ impl FlatLight {
 impl LightLobes for FlatLight {
     fn bounds(&self) -> Sphere {
         self.bounds
+    }
+
+    fn bounds_from(&self, _: &Sphere) -> Sphere {
+        let Sphere { center, radius } = self.bounds();
+        Sphere { center, radius: radius * Outline::BEYOND }
     }
 
     /// Around the outline; empty behind a light of one side.

@@ -4,6 +4,7 @@ use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Recei
 
 /// The built-in kinds of lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a scene has few lights, and they are copied once a frame")]
 pub enum Light {
     /// A ball.
     Sphere(SphereLight),

@@ -58,6 +58,11 @@ impl LightLobes for TubeLight {
         Sphere { center: 0.5 * (a + b), radius: 0.500_01 * a.distance(b) + self.radius }
     }
 
+    fn bounds_from(&self, _: &Sphere) -> Sphere {
+        let Sphere { center, radius } = self.bounds();
+        Sphere { center, radius: radius * Outline::BEYOND }
+    }
+
     fn cone(&self, at: &Receiver) -> Cone {
         self.term(at).cone
     }

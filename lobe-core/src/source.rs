@@ -111,7 +111,8 @@ pub trait LightLobes {
     /// under which it is seen.
     fn bounds(&self) -> Sphere;
 
-    /// A ball around what receivers in a ball see of the light. [`bounds`](Self::bounds) by default; less for a light at infinity.
+    /// A ball around what receivers in a ball may ask about: where their shafts end. [`bounds`](Self::bounds) by default; less for a light
+    /// at infinity, [`Outline::BEYOND`] times as much for a flat one, whose windows are larger than it.
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
         let _ = receivers;
         self.bounds()

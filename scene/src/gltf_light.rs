@@ -51,12 +51,13 @@ fn parse(light: &Punctual) -> Result<NodeLight, String> {
         return Err(format!("found intensity {intensity}: expected a finite number that is not negative"));
     }
     if let Some(range) = light.range
-        && !(range > 0.0)
+        && (range.is_nan() || range <= 0.0)
     {
         return Err(format!("found range {range}: expected a number above 0"));
     }
     let value = color * intensity;
-    if !(value.max_element() <= 1e20) {
+    // Of finite numbers: infinite at worst.
+    if value.max_element() > 1e20 {
         return Err(format!("found color {color} and intensity {intensity}: expected a product of 1e20 at most"));
     }
     match light.type_ {

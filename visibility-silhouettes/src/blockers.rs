@@ -15,11 +15,8 @@ use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 /// masks differ by less than a quarter of the tolerance in the mean.
 const DETAIL: f32 = 4.0;
 
-/// Windows reach so far beyond a flat light, in radii of its bounds.
-const AROUND: f32 = 1.6;
-
-/// What ends at a flat light's plane ends before a plane so much farther, whatever the rounding.
-const PAST: f32 = 1.000_02;
+/// Triangles that may be cut are asked for in a ball so much larger than the shaft's end.
+const AROUND: f32 = 1.001;
 
 /// What answers the one question that outlines leave open: whether a ray meets any triangle.
 ///
@@ -243,10 +240,11 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         let (at, cone) = (query.at, query.cone);
         if !scratch.entered {
             // Nobody said where receivers are.
-            let light = Sphere {
-                center: at.position + cone.axis * cone.distance,
-                radius: cone.distance * cone.sin_sq().sqrt(),
-            };
+            let seen = query.outline.map_or_else(
+                || Sphere { center: cone.axis * cone.distance, radius: cone.distance * cone.sin_sq().sqrt() },
+                Outline::ball,
+            );
+            let light = Sphere { center: at.position + seen.center, ..seen };
             self.list(
                 &Shaft { receivers: Sphere { center: at.position, radius: 0.0 }, light, id: query.light },
                 scratch,
@@ -348,7 +346,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         let is_cut_by_plane = is_flat && !arcs.is_empty();
         if is_cut_by_plane {
             crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
-            view.far *= PAST;
+            view.cut = f32::INFINITY;
         }
         let drawn = if ball.is_some() || is_cut_by_plane { &*outside } else { &*silhouettes };
         dispatch!(Level::new(), simd => {

@@ -21,6 +21,8 @@ pub(crate) struct View {
     near: f32,
     /// Depth of the light along the square's axis: of the circle where the cone touches it.
     pub(crate) far: f32,
+    /// Where silhouettes are cut: there, or nowhere if they have been.
+    pub(crate) cut: f32,
     /// Position in samples of an upright line that meets, in every row, all that the window shows of the disc.
     middle: f32,
 }
@@ -34,7 +36,8 @@ impl View {
         let near = NEAR * if distance.is_finite() { distance } else { 1.0 };
         let left = square.center.x - square.half.x;
         let middle = (0.0_f32.clamp(left, left + 2.0 * square.half.x) - left) * raster.samples;
-        Self { square, raster, rows, near, far: far.max(near), middle }
+        let far = far.max(near);
+        Self { square, raster, rows, near, far, cut: far, middle }
     }
 
     /// The unit direction of a sample, and the distance to the light's plane along it.
@@ -118,7 +121,7 @@ impl Crossing {
 pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, out: &mut Vec<Crossing>) {
     let UnitSquare { right, up, axis, .. } = view.square;
     let Raster { left, bottom, samples, rows, width } = view.raster;
-    let (near, far) = (f32x8::splat(simd, view.near), f32x8::splat(simd, view.far));
+    let (near, far) = (f32x8::splat(simd, view.near), f32x8::splat(simd, view.cut));
     let (zero, last) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, view.rows as f32));
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];

@@ -11,17 +11,17 @@ const LANES: usize = 16;
 const BATCH: usize = 128;
 
 /// The rules of 8 and 16 for what begins and ends like a root, outermost last as above: `sin ½πx` and `½π w cos ½πx`.
-const TURNED_EIGHT: [[f32; 2]; 4] =
-    [[0.284167924, 0.546216105], [0.734889939, 0.334189396], [0.949425384, 0.109682471], [0.998055214, 0.009912028]];
-const TURNED_SIXTEEN: [[f32; 2]; 8] = [
-    [0.148691866, 0.294280205],
-    [0.428057064, 0.259225609],
-    [0.658971885, 0.199858776],
-    [0.825200872, 0.132728684],
-    [0.927094889, 0.073378601],
-    [0.977808138, 0.031315292],
-    [0.996212554, 0.008502770],
-    [0.999861409, 0.000710062],
+const TURNED_EIGHT: [(f32, f32); 4] =
+    [(0.284_167_92, 0.546_216_13), (0.734_889_9, 0.334_189_4), (0.949_425_4, 0.109_682_47), (0.998_055_2, 0.009912028)];
+const TURNED_SIXTEEN: [(f32, f32); 8] = [
+    (0.148_691_86, 0.294_280_2),
+    (0.428_057_07, 0.259_225_6),
+    (0.658_971_9, 0.199_858_77),
+    (0.825_200_86, 0.132_728_68),
+    (0.927_094_9, 0.073_378_6),
+    (0.977_808_1, 0.031315292),
+    (0.996_212_54, 0.008_502_77),
+    (0.999_861_4, 0.000710062),
 ];
 
 /// Lobes below this exponent end at their horizon with a kink.
@@ -46,8 +46,8 @@ const EIGHT: [(f32, f32); 4] = [
     (0.960_289_84, 0.101_228_54),
 ];
 const SIXTEEN: [(f32, f32); 8] = [
-    (0.095_012_51, 0.189_450_61),
-    (0.281_603_55, 0.182_603_41),
+    (0.095_012_51, 0.189_450_6),
+    (0.281_603_55, 0.182_603_4),
     (0.458_016_78, 0.169_156_52),
     (0.617_876_24, 0.149_595_99),
     (0.755_404_4, 0.124_628_97),
@@ -138,7 +138,7 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
     // How it falls from there: by its own width, or with the slope that it has beside its axis.
     let along = axis.truncate().dot(point) + axis.z;
     let sin_sq = axis.cross(point.extend(1.0)).length_squared() / stretch;
-    if !(along > 0.0) || 0.5 * e * ln_of(along * along / stretch, -sin_sq) < NOTHING.ln() {
+    if along.is_nan() || along <= 0.0 || 0.5 * e * ln_of(along * along / stretch, -sin_sq) < NOTHING.ln() {
         return 0.0;
     }
     let slope = axis.truncate() * (e / along.max(1e-3 / (1.0 + e))) - point * ((e + 3.0) / stretch);
@@ -344,13 +344,8 @@ fn over_pieces<V: Value>(
         }
         // Rows of what is round begin and end like roots: more of them.
         let is_round = ellipse.is_some();
-        let (rule, turns) = if is_round { turned_rule(to - from) } else { (rule(to - from), None) };
-        for (k, (node, weight)) in both_halves(rule).enumerate() {
-            let (node, weight) = turns.map_or((node, weight), |turns| {
-                let from_middle = if k < rule.len() { rule.len() - 1 - k } else { k - rule.len() };
-                let [sin, weight] = turns[from_middle];
-                (if k < rule.len() { -sin } else { sin }, weight)
-            });
+        let rule = if is_round { turned_rule(to - from) } else { rule(to - from) };
+        for (node, weight) in both_halves(rule) {
             let u = 0.5 * ((from + to) + (to - from) * node);
             let rest = 1.0 / ((1.0 - u) * (1.0 + u)).max(1e-12);
             let y = u * rest.sqrt();
@@ -412,10 +407,10 @@ fn rule(length: f32) -> &'static [(f32, f32)] {
     }
 }
 
-/// The rule for rows of something round, and what its nodes x and weights w become: `sin ½πx` and `½π w cos ½πx`.
+/// The rule for rows of something round.
 #[inline(always)]
-fn turned_rule(length: f32) -> (&'static [(f32, f32)], Option<&'static [[f32; 2]]>) {
-    if length < 0.5 { (&EIGHT, Some(&TURNED_EIGHT)) } else { (&SIXTEEN, Some(&TURNED_SIXTEEN)) }
+fn turned_rule(length: f32) -> &'static [(f32, f32)] {
+    if length < 0.5 { &TURNED_EIGHT } else { &TURNED_SIXTEEN }
 }
 
 fn both_halves(rule: &[(f32, f32)]) -> impl Iterator<Item = (f32, f32)> {

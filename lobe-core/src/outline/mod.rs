@@ -7,7 +7,7 @@ mod tests;
 pub(crate) use self::integral::integral;
 pub use self::integral::outline_integral;
 
-use crate::{Cone, Lobe, orthonormal_basis};
+use crate::{Cone, Lobe, Sphere, orthonormal_basis};
 use glam::{Vec2, Vec3};
 
 /// The light of a convex polygon, or of a disc, as a receiver sees it: uniformly bright inside, dark outside.
@@ -42,34 +42,37 @@ const WIDEST: f32 = 0.9;
 /// Cosine and sine of the multiples of 15°.
 const TURNS: [[f32; 2]; Outline::MOST] = [
     [1.000000000, 0.000000000],
-    [0.965925826, 0.258819045],
-    [0.866025404, 0.500000000],
-    [0.707106781, 0.707106781],
-    [0.500000000, 0.866025404],
-    [0.258819045, 0.965925826],
+    [0.965_925_8, 0.258_819_04],
+    [0.866_025_4, 0.5],
+    [0.707_106_77, 0.707_106_77],
+    [0.5, 0.866_025_4],
+    [0.258_819_04, 0.965_925_8],
     [0.000000000, 1.000000000],
-    [-0.258819045, 0.965925826],
-    [-0.500000000, 0.866025404],
-    [-0.707106781, 0.707106781],
-    [-0.866025404, 0.500000000],
-    [-0.965925826, 0.258819045],
+    [-0.258_819_04, 0.965_925_8],
+    [-0.5, 0.866_025_4],
+    [-0.707_106_77, 0.707_106_77],
+    [-0.866_025_4, 0.5],
+    [-0.965_925_8, 0.258_819_04],
     [-1.000000000, 0.000000000],
-    [-0.965925826, -0.258819045],
-    [-0.866025404, -0.500000000],
-    [-0.707106781, -0.707106781],
-    [-0.500000000, -0.866025404],
-    [-0.258819045, -0.965925826],
+    [-0.965_925_8, -0.258_819_04],
+    [-0.866_025_4, -0.5],
+    [-0.707_106_77, -0.707_106_77],
+    [-0.5, -0.866_025_4],
+    [-0.258_819_04, -0.965_925_8],
     [-0.000000000, -1.000000000],
-    [0.258819045, -0.965925826],
-    [0.500000000, -0.866025404],
-    [0.707106781, -0.707106781],
-    [0.866025404, -0.500000000],
-    [0.965925826, -0.258819045],
+    [0.258_819_04, -0.965_925_8],
+    [0.5, -0.866_025_4],
+    [0.707_106_77, -0.707_106_77],
+    [0.866_025_4, -0.5],
+    [0.965_925_8, -0.258_819_04],
 ];
 
 impl Outline {
     /// The most corners of a light.
     pub const MOST: usize = 24;
+    /// Windows on a light reach so far beyond it, in radii of a ball around it: √2 for a rectangle about a circle, and an octagon about
+    /// that.
+    pub const BEYOND: f32 = 1.531;
     /// Each of two horizons adds one, the receiver's and a lobe's.
     const ROOM: usize = Self::MOST + 2;
 
@@ -206,16 +209,21 @@ impl Outline {
         self.corners().iter().map(move |p| Vec2::new(right.dot(*p), up.dot(*p)) * scale)
     }
 
+    /// A ball around all of it and around every rectangle in its plane around any part of it, relative to the receiver.
+    #[must_use]
+    pub fn ball(&self) -> Sphere {
+        let radius = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
+        Sphere { center: self.center, radius: radius * Self::BEYOND }
+    }
+
     /// A cone around all of it and around every rectangle in its plane around any part of it. Along the cone's axis nothing of these is
     /// farther than `distance·cos²θ`, where surfaces end to block a cone; wider cones are the hemisphere before the plane, with no
     /// such end.
     #[must_use]
     pub fn cone(&self) -> Cone {
-        let radius = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
+        let Sphere { radius: reach, .. } = self.ball();
         let toward = self.center.normalize();
         let (u, v) = orthonormal_basis(self.axis);
-        // Around the circle: an octagon.
-        let reach = radius * (1.0825 * core::f32::consts::SQRT_2);
         let (mut fall, mut depth) = (0.0_f32, 0.0_f32);
         for [cos, sin] in TURNS.iter().step_by(3) {
             let p = self.center + (u * *cos + v * *sin) * reach;
