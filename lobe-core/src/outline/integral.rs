@@ -65,11 +65,12 @@ const SIXTEEN: [(f32, f32); 8] = [
 ///   `t` in its widths from there, nodes are even in `t/√(1+t²)`.
 ///
 /// # Accuracy
-/// Against quadrature in f64 over rectangles, tilted, near and far, above the horizon and through it, relative to what the same
-/// light gives along the lobe's axis: see the tests.
+/// Against quadrature in f64 over rectangles of aspect 1 to 20, tilted, 0.02 to 2 times as large as far, above the horizon and through
+/// it. Lambert: ≤ 0.03 %. Powers from 0.3 to 20 000, relative to what the same light gives along the lobe's axis: ≤ 0.08 % in the mean, 2 %
+/// at worst. Microfacets of roughness 0.1 to 1: ≤ 0.25 % in the mean, 1.5 % at worst.
 ///
 /// # Cost
-/// 100 to 300 evaluations of the lobe, sixteen at a time.
+/// 4 to 300 evaluations of the lobe, sixteen at a time: few where light and lobe vary little over each other.
 #[must_use]
 pub fn outline_integral(at: &Receiver, lobe: &Lobe, light: &Outline) -> f32 {
     light.above(at.normal).map_or(0.0, |above| integral(at.normal, lobe, &above))

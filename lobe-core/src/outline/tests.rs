@@ -32,7 +32,7 @@ impl Case {
         Outline::new(&self.corners.map(DVec3::as_vec3), self.axis.as_vec3()).expect("before its plane")
     }
 
-    /// By the midpoint rule over the rectangle, finer and finer toward the lobe's middle by dividing what is not flat.
+    /// By Gauss's rule of three by three points, dividing what its quarters say otherwise of.
     fn integral(&self, f: &dyn Fn(DVec3) -> f64, finest: f64) -> f64 {
         let [a, b, _, d] = self.corners;
         self.divided(f, [a, b - a, d - a], finest, 0)
