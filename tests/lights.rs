@@ -135,13 +135,13 @@ fn lights_are_those_of_their_true_shapes() {
 fn samples_of_lights_agree() {
     for (name, light) in kinds() {
         let scene = scene(vec![light], Material::lambert(Vec3::splat(0.6)));
-        let truth = truth(&scene, 2048);
+        let truth = truth(&scene, 512);
         let world = World::new(&scene);
         let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
         let mut out = vec![Vec3::ZERO; points.receivers.len()];
-        RayShader::surfaces(&world, 1024).shade(&points, &frame(&scene, TOLERANCE), &mut out).expect("no error");
+        RayShader::surfaces(&world, 256).shade(&points, &frame(&scene, TOLERANCE), &mut out).expect("no error");
         let e = errors(&scene, &out, &truth);
-        assert!(e.penumbra.mean < 0.015 && e.lit.mean < 0.015, "{name}: {e:?}");
+        assert!(e.penumbra.mean < 0.03 && e.lit.mean < 0.03, "{name}: {e:?}");
     }
 }
 
@@ -172,8 +172,8 @@ fn lights_add_up() {
 fn lights_may_pass_through_anything() {
     for (name, light) in kinds().into_iter().filter(|(name, _)| !["sun", "spot"].contains(name)) {
         let (mut seen, mut far_off, mut sum) = (0, 0, 0.0);
-        for k in 0..16 {
-            let k = 1.5 * k as f32;
+        for k in 0..9 {
+            let k = 2.7 * k as f32;
             let turn = Quat::from_rotation_z(0.02 * k);
             let moved = light.moved(Mat4::from_rotation_translation(turn, Vec3::new(0.02 * k, -0.13 * k, -0.02 * k)));
             let scene = scene(vec![moved], Material::lambert(Vec3::splat(0.6)));
@@ -190,6 +190,6 @@ fn lights_may_pass_through_anything() {
             "{name}: outlines and rays differ by {mean:.5} in the mean, {far_off} of {seen} points by more than 5 %"
         );
         // Where the light touches the floor, points see it from within their own rounding.
-        assert!(seen > 10_000 && mean < 0.002 && far_off <= 5, "{name}: {mean} {far_off}");
+        assert!(seen > 6_000 && mean < 0.002 && far_off <= 5, "{name}: {mean} {far_off}");
     }
 }
