@@ -202,7 +202,7 @@ impl Case {
         100.0 * sum(&self.truth.std_error) / sum(&self.truth.unshadowed)
     }
 
-    /// What a point sees of the light: 1 all of it, 0 nothing.
+    /// A point sees this part of the light: 1 all of it, 0 nothing.
     fn visible(&self, k: usize) -> f32 {
         let [lit, all] = [&self.truth.radiance, &self.truth.unshadowed].map(|v| v[k].y);
         if all > 0.0 { lit / all } else { -1.0 }

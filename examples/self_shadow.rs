@@ -134,7 +134,7 @@ fn group(world: &World<'_>, mesh: &Mesh, number: usize) -> Group {
 /// Lit share of the light's disc.
 fn share(blockers: &SphereBlockers, at: &Receiver, light: Sphere) -> f32 {
     let cone = Cone::of_sphere(at.position, light);
-    let query = VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+    let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
     let mut scratch = blockers.scratch();
     match blockers.select(&query, &mut scratch) {
         Coverage::Lit => 1.0,

@@ -1,6 +1,6 @@
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight};
+use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
 
 /// A flat convex shape that emits the same radiance in all directions on one side, or on both.
 ///
@@ -32,7 +32,7 @@ pub struct FlatLight {
     pub radiance: Vec3,
 }
 
-/// What is wrong with a shape.
+/// The fault of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlatLightError {
     /// Not so many corners, or a number that is not finite.
@@ -178,8 +178,7 @@ impl LightLobes for FlatLight {
     }
 
     fn bounds_from(&self, _: &Sphere) -> Sphere {
-        let Sphere { center, radius } = self.bounds();
-        Sphere { center, radius: radius * Outline::BEYOND }
+        Outline::ball_around(self.bounds)
     }
 
     /// Around the outline; empty behind a light of one side.
@@ -210,13 +209,9 @@ impl LightLobes for FlatLight {
         LightTerm { cone, radiance: self.radiance, outline }
     }
 
-    /// The moment lobe of the outline.
+    /// The moment lobe of the outline; none behind a light of one side.
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
         self.outline(at).map_or(Ok(()), |outline| out.push(outline.lobe(self.radiance)))
-    }
-
-    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
-        out.one_by_one(tile, at.iter().map(|at| self.term(at)));
     }
 }
 

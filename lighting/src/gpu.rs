@@ -1,10 +1,9 @@
 //! Lights as GPUs see them.
 
 use crate::{Light, SphereLight};
-use lobe_core::LightLobes;
 use lobe_core::gpu::GpuLight;
 
-/// What of `frame.shape[1].w` says which kind a light is.
+/// `frame.shape[1].w` says which kind a light is: 0 for a ball.
 const SPOT: f32 = 1.0;
 const SUN: f32 = 2.0;
 
@@ -39,14 +38,7 @@ impl GpuLight for Light {
         match self {
             Self::Spot(light) => [light.axis.extend(0.0).to_array(), [light.cos[0], light.cos[1], 0.0, SPOT]],
             Self::Sun(light) => {
-                let at = lobe_core::Receiver {
-                    position: light.world.center,
-                    normal: light.toward,
-                    face: light.toward,
-                    view: light.toward,
-                    object: lobe_core::OWN_NONE,
-                };
-                let cone = light.cone(&at);
+                let cone = light.seen();
                 [light.toward.extend(0.0).to_array(), [cone.one_minus_cos, cone.distance, 0.0, SUN]]
             }
             Self::Sphere(_) | Self::Flat(_) | Self::Tube(_) => [[0.0; 4]; 2],

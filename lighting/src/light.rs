@@ -73,16 +73,10 @@ impl Light {
     /// The same light somewhere else. Turns and shifts only.
     #[must_use]
     pub fn moved(&self, placement: Mat4) -> Self {
-        match self {
-            Self::Sphere(light) => Self::Sphere(light.moved(placement)),
-            Self::Flat(light) => Self::Flat(light.moved(placement)),
-            Self::Tube(light) => Self::Tube(light.moved(placement)),
-            Self::Sun(light) => Self::Sun(light.moved(placement)),
-            Self::Spot(light) => Self::Spot(light.moved(placement)),
-        }
+        each!(self, light => light.moved(placement).into())
     }
 
-    /// What it is called in a scene file.
+    /// Its kind, in a word, for messages.
     #[must_use]
     pub const fn kind(&self) -> &'static str {
         match self {

@@ -1,5 +1,5 @@
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight, cone_lobe};
+use lobe_core::{Cone, LightLobes, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight};
 
 /// A ball that emits the same radiance in all directions from all of its surface.
 ///
@@ -55,8 +55,7 @@ impl LightLobes for SphereLight {
     /// The moment lobe of the cone: exponent `2C/(1−C)`, flux `2π(1−C)·L` with `C = cos θ` (design: total and mean
     /// vector exact, hence Lambert irradiance exact above the horizon).
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        let lobe = cone_lobe(&self.cone(at));
-        out.push(Lobe { flux: lobe.flux * self.radiance, ..lobe })
+        out.push(self.term(at).lobe())
     }
 
     fn tile_light(&self, _: &[Receiver], tile: &Tile, out: &mut TileLight) {

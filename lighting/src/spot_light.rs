@@ -1,6 +1,6 @@
 use crate::SphereLight;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LightTerm, Lobe, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight, cone_lobe};
+use lobe_core::{Cone, LightLobes, LobesFull, LobesMut, Receiver, Sphere};
 
 /// A ball of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
 /// between the spot's axis and the direction from the light's middle to the receiver (as KHR_lights_punctual has it).
@@ -15,7 +15,7 @@ pub struct SpotLight {
 }
 
 impl SpotLight {
-    /// What of the radiance reaches a point.
+    /// The part of the radiance that reaches a point.
     #[must_use]
     pub fn share(&self, position: Vec3) -> f32 {
         let cos = self.axis.dot((position - self.light.ball.center).normalize_or_zero());
@@ -46,11 +46,6 @@ impl LightLobes for SpotLight {
     }
 
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        let lobe = cone_lobe(&self.cone(at));
-        out.push(Lobe { flux: lobe.flux * self.radiance(at), ..lobe })
-    }
-
-    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
-        out.one_by_one(tile, at.iter().map(|at| LightTerm::of_cone(self.cone(at), self.radiance(at))));
+        out.push(self.term(at).lobe())
     }
 }

@@ -1,6 +1,6 @@
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LightTerm, Lobe, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight, cone_lobe};
+use lobe_core::{Cone, LightLobes, LobesFull, LobesMut, Receiver, Sphere};
 
 /// A light so far away that all receivers see it in the same directions: the sun, a window to a plain sky.
 ///
@@ -33,6 +33,14 @@ impl SunLight {
         4.0 * self.world.radius.max(f32::MIN_POSITIVE)
     }
 
+    /// The cone in which all receivers see it.
+    #[must_use]
+    pub fn seen(&self) -> Cone {
+        let sin_sq = self.sin * self.sin;
+        let one_minus_cos = sin_sq / (1.0 + (1.0 - sin_sq).sqrt());
+        Cone { axis: self.toward, one_minus_cos, distance: self.distance() }
+    }
+
     /// The ball that a receiver sees.
     #[must_use]
     pub fn ball_from(&self, position: Vec3) -> Sphere {
@@ -58,9 +66,7 @@ impl LightLobes for SunLight {
     }
 
     fn cone(&self, _: &Receiver) -> Cone {
-        let sin_sq = self.sin * self.sin;
-        let one_minus_cos = sin_sq / (1.0 + (1.0 - sin_sq).sqrt());
-        Cone { axis: self.toward, one_minus_cos, distance: self.distance() }
+        self.seen()
     }
 
     fn radiance(&self, _: &Receiver) -> Vec3 {
@@ -68,11 +74,6 @@ impl LightLobes for SunLight {
     }
 
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        let lobe = cone_lobe(&self.cone(at));
-        out.push(Lobe { flux: lobe.flux * self.radiance, ..lobe })
-    }
-
-    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
-        out.one_by_one(tile, at.iter().map(|at| LightTerm::of_cone(self.cone(at), self.radiance)));
+        out.push(self.term(at).lobe())
     }
 }

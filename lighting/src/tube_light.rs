@@ -1,9 +1,7 @@
 use crate::flat_light::{cone_of, half_ellipse};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{
-    Cone, LightLobes, LightTerm, Lobe, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight, cone_lobe,
-};
+use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
 
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
@@ -59,8 +57,7 @@ impl LightLobes for TubeLight {
     }
 
     fn bounds_from(&self, _: &Sphere) -> Sphere {
-        let Sphere { center, radius } = self.bounds();
-        Sphere { center, radius: radius * Outline::BEYOND }
+        Outline::ball_around(self.bounds())
     }
 
     fn cone(&self, at: &Receiver) -> Cone {
@@ -118,15 +115,6 @@ impl LightLobes for TubeLight {
 
     /// The moment lobe of the outline, or of the ball.
     fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        let LightTerm { cone, outline, .. } = self.term(at);
-        let of_ball = || {
-            let lobe = cone_lobe(&cone);
-            Lobe { flux: lobe.flux * self.radiance, ..lobe }
-        };
-        out.push(outline.map_or_else(of_ball, |outline| outline.lobe(self.radiance)))
-    }
-
-    fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
-        out.one_by_one(tile, at.iter().map(|at| self.term(at)));
+        out.push(self.term(at).lobe())
     }
 }

@@ -1,4 +1,4 @@
-//! What every kind of light has to keep.
+//! Every kind of light keeps the promises of `LightLobes`.
 
 use glam::{Mat4, Quat, Vec3};
 use lighting::{FlatLight, FlatLightError, Light, SphereLight, SpotLight, SunLight, TubeLight};

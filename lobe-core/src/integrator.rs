@@ -1,7 +1,7 @@
 use crate::product::normalized_total;
 use crate::{
     Cone, Coverage, Lobe, Lobes, LobesFull, Look, Outline, PartlySeen, Receiver, VisibilityLobes, VisibilitySum, Visit,
-    cap_integral, outline_integral, paper,
+    cone_lobe, outline, paper,
 };
 use glam::Vec3;
 
@@ -66,13 +66,26 @@ impl LightTerm {
         Self { cone, radiance, outline: None }
     }
 
-    /// The integral of a lobe of flux 1 over it: [`cap_integral`], or [`outline_integral`].
+    /// The cosine lobe with its flux and mean vector: of the outline, or of the whole cone.
     #[must_use]
-    pub fn integral(&self, at: &Receiver, lobe: &Lobe) -> f32 {
-        match &self.outline {
-            None => cap_integral(at, lobe, &self.cone),
-            Some(outline) => outline_integral(at, lobe, outline),
-        }
+    pub fn lobe(&self) -> Lobe {
+        self.outline.as_ref().map_or_else(
+            || {
+                let lobe = cone_lobe(&self.cone);
+                Lobe { flux: lobe.flux * self.radiance, ..lobe }
+            },
+            |outline| outline.lobe(self.radiance),
+        )
+    }
+
+    /// The same light as far as a flat one is above the horizon of `normal`: with an empty cone where nothing of it is.
+    #[must_use]
+    pub fn above(&self, normal: Vec3) -> Self {
+        let Some(outline) = &self.outline else { return *self };
+        let outline = outline.above(normal);
+        // The cone alone would be a light.
+        let one_minus_cos = if outline.is_some() { self.cone.one_minus_cos } else { 0.0 };
+        Self { cone: Cone { one_minus_cos, ..self.cone }, outline, ..*self }
     }
 }
 
@@ -139,9 +152,9 @@ impl Integrator<'_> {
     ) -> Result<Lit, LobesFull> {
         let mut lit = Lit::default();
         let mut seen = None;
-        let above = call.light.outline.and_then(|outline| outline.above(call.at.normal));
+        let light = call.light.above(call.at.normal);
         for f in call.brdf.iter() {
-            let integral = call.light.integral(call.at, &f);
+            let integral = outline::light_integral(call.at, &f, &light.cone, light.outline.as_ref());
             let unshadowed = f.flux * call.light.radiance * integral;
             probe.count(0, 1);
             probe.end(Stage::Lighting);
@@ -153,7 +166,7 @@ impl Integrator<'_> {
                 continue;
             }
             let fraction =
-                match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, above.as_ref(), probe)) {
+                match seen.get_or_insert_with(|| look(visit, call.at, &light.cone, light.outline.as_ref(), probe)) {
                     Look::Lit => 1.0,
                     Look::Dark => 0.0,
                     Look::Partial(seen) => partly_seen(visit, seen, &f, integral, sum, probe)?,

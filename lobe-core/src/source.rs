@@ -207,6 +207,14 @@ pub struct VisibilityQuery<'a> {
     pub accuracy: Accuracy,
 }
 
+impl<'a> VisibilityQuery<'a> {
+    /// About a light that is bright in all of its cone.
+    #[must_use]
+    pub const fn new(at: &'a Receiver, light: LightId, cone: &'a Cone, accuracy: Accuracy) -> Self {
+        Self { at, light, cone, outline: None, accuracy }
+    }
+}
+
 /// Visibility inside a light's cone as a sum of lobes (Eq. 8), written for one reflectance lobe.
 ///
 /// `V ≈ base + Σ lobes`. When `whole` is not empty it holds, cut by the same nodes, the lobes of the *whole* light, and

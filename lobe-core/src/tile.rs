@@ -139,8 +139,10 @@ impl TileLight {
         self.cones.resize(tile.blocks(), Kept::default());
         self.each.resize(tile.blocks(), Kept::default());
         let mut count = 0;
-        for (i, LightTerm { cone, radiance, outline }) in seen.into_iter().enumerate() {
-            is_flat |= outline.is_some();
+        for (i, term) in seen.into_iter().enumerate() {
+            is_flat |= term.outline.is_some();
+            let [.., x, y, z, _, _, _] = row(&tile.blocks[i / WIDTH].0, i % WIDTH);
+            let LightTerm { cone, radiance, outline } = term.above(Vec3::new(x, y, z));
             self.outlines.push(outline);
             let last = if i + 1 == tile.len() { WIDTH } else { i % WIDTH + 1 };
             // The rows that are too many repeat the last one, as the tile's do.
@@ -153,15 +155,6 @@ impl TileLight {
         assert_eq!(count, tile.len(), "one cone a receiver");
         if !is_flat {
             self.outlines.clear();
-        }
-        for (i, outline) in self.outlines.iter_mut().enumerate() {
-            let [.., x, y, z, _, _, _] = row(&tile.blocks[i / WIDTH].0, i % WIDTH);
-            let Some(light) = outline else { continue };
-            *outline = light.above(Vec3::new(x, y, z));
-            if outline.is_none() {
-                // The cone alone would be a light.
-                self.cones[i / WIDTH].0[3][i % WIDTH] = 0.0;
-            }
         }
         self.see(Level::new(), tile);
     }

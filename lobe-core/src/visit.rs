@@ -99,7 +99,7 @@ impl<'v, V: VisibilityLobes + ?Sized> Visit<'v, V> {
 
     /// The same of a light of which only what is inside of an outline is bright.
     pub fn look_through<'q>(&mut self, at: &'q Receiver, cone: &'q Cone, outline: Option<&'q Outline>) -> Look<'q> {
-        let query = VisibilityQuery { at, light: self.light, cone, outline, accuracy: self.accuracy };
+        let query = VisibilityQuery { outline, ..VisibilityQuery::new(at, self.light, cone, self.accuracy) };
         self.looks = self.looks.wrapping_add(1);
         match self.visibility.coverage(&query, self.scratch) {
             Coverage::Lit => Look::Lit,

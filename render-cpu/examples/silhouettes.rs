@@ -162,13 +162,8 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
                 continue;
             }
             for at in *tile {
-                let query = VisibilityQuery {
-                    at,
-                    light: LightId(0),
-                    cone: &light.cone(at),
-                    outline: None,
-                    accuracy: Accuracy::new(TOLERANCE),
-                };
+                let cone = light.cone(at);
+                let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(TOLERANCE));
                 core::hint::black_box(visibility.coverage(&query, &mut scratch));
             }
         }

@@ -57,10 +57,7 @@ fn coverage(rays: &RayBlockers<'_>, at: &Receiver, light: Sphere, entered: bool)
         visibility.enter(&Shaft { receivers, light, id: LightId(0) }, &mut scratch);
     }
     let cone = Cone::of_sphere(at.position, light);
-    visibility.coverage(
-        &VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) },
-        &mut scratch,
-    )
+    visibility.coverage(&VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch)
 }
 
 /// A convex mesh does not shadow itself where the light is above the face, whatever the scale and place.
@@ -124,10 +121,8 @@ fn lit_points_cost_nothing() {
         }
         let cone = Cone::of_sphere(at.position, ball);
         let before = visibility.blockers().rays();
-        let coverage = visibility.coverage(
-            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) },
-            &mut scratch,
-        );
+        let coverage =
+            visibility.coverage(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);
         (coverage, visibility.blockers().rays() - before)
     };
     for entered in [false, true] {
@@ -161,10 +156,7 @@ fn a_large_floor_is_lit() {
         let mut scratch = rays.scratch();
         let receivers = Sphere { center: position, radius: 0.05 };
         rays.enter(&Shaft { receivers, light, id: LightId(0) }, &mut scratch);
-        let coverage = rays.select(
-            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) },
-            &mut scratch,
-        );
+        let coverage = rays.select(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);
         assert_eq!(coverage, Coverage::Lit, "{position}");
     }
 }

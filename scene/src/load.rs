@@ -318,7 +318,6 @@ fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
     })
 }
 
-/// What a mesh file has.
 /// The meshes of a file, degenerate triangles taken out; of a glTF with the clip of that name or number. Relative to
 /// [`Context::origin`], which is not zero where the file's meshes are far from its origin.
 pub(crate) fn mesh_parts(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<Vec<Part>, SceneError> {

@@ -321,11 +321,10 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
 
 /// Of a polygon's cone what the turn of its mask follows: toward its middle, and less than a hemisphere.
 fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
-    let middle = outline.corners().iter().sum::<Vec3>().normalize_or(cone.axis);
     if cone.one_minus_cos < WIDE {
         return *cone;
     }
-    Cone { axis: middle, one_minus_cos: WIDE, distance: f32::INFINITY }
+    Cone { axis: outline.middle().normalize_or(cone.axis), one_minus_cos: WIDE, distance: f32::INFINITY }
 }
 
 /// The tolerance for a light that fills its window: a long one has few of the window's samples.

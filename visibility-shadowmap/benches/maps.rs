@@ -36,8 +36,7 @@ fn maps(c: &mut Criterion) {
     let position = Vec3::new(-0.55, 0.0, -0.1);
     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
     let cone = Cone::of_sphere(position, LIGHT);
-    let query =
-        VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.005) };
+    let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.005));
     let mut group = c.benchmark_group("shadow_map");
     group.sample_size(10);
     for resolution in [256, 1024] {

@@ -259,13 +259,7 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                         let cone = Cone::of_sphere(at.position, light);
                         let ball = Sphere { center: at.position, radius: 0.0 };
                         blockers.enter(&Shaft { receivers: ball, light, id: LightId(0) }, &mut scratch);
-                        let query = VisibilityQuery {
-                            at,
-                            light: LightId(0),
-                            cone: &cone,
-                            outline: None,
-                            accuracy: Accuracy::new(0.003),
-                        };
+                        let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
                         let before = scratch.counts();
                         let mut run = |scratch: &mut ShadowMapScratch| {
                             if blockers.select(&query, scratch) == Coverage::Partial {

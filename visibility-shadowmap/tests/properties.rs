@@ -68,13 +68,7 @@ fn nothing_blocks_at_no_cost() {
                 &mut scratch,
             );
             let cone = Cone::of_sphere(at.position, LIGHT);
-            let query = VisibilityQuery {
-                at: &at,
-                light: LightId(0),
-                cone: &cone,
-                outline: None,
-                accuracy: Accuracy::new(0.003),
-            };
+            let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
             assert_eq!(blockers.select(&query, &mut scratch), Coverage::Lit);
         }
         assert_eq!(scratch.counts(), (0, 0));
@@ -409,8 +403,7 @@ fn point_lights_have_hard_shadows() {
     {
         let at = receiver(Vec3::new(x, 0.0, 0.1), Vec3::Y);
         let cone = Cone::of_sphere(at.position, light);
-        let query =
-            VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+        let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         assert_eq!(strategy.coverage(&query, &mut scratch), expected, "{x}");
     }
 }

@@ -38,7 +38,7 @@
 //! let mut coverage = |position: Vec3| {
 //!     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
 //!     let cone = Cone::of_sphere(position, light);
-//!     visibility.coverage(&VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) }, &mut scratch)
+//!     visibility.coverage(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch)
 //! };
 //! assert_eq!(coverage(Vec3::ZERO), Coverage::Dark);
 //! assert_eq!(coverage(Vec3::new(1.25, 0.0, 0.0)), Coverage::Partial);

@@ -137,8 +137,7 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
             &mut scratch,
         );
     }
-    let query =
-        VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+    let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
     let coverage = blockers.select(&query, &mut scratch);
     let square = UnitSquare::facing(&cone, blockers.across(&query, &scratch)).above(normal);
     let (depth, coarse) = (1 + (case as u32 / 7) % 6, case.is_multiple_of(2));
@@ -234,8 +233,7 @@ fn masks_do_not_depend_on_the_hierarchy() {
         let position = vec(&mut random, 0.6) - Vec3::Y * 1.5;
         let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
         let cone = Cone::of_sphere(position, light);
-        let query =
-            VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+        let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         let [a, b] = [&fresh, &kept].map(|meshes| {
             let blockers = SilhouetteBlockers::new(meshes, Rays(&new));
             let mut scratch = blockers.scratch();
@@ -276,13 +274,7 @@ fn what_was_flat_may_grow() {
         let mut one = |k: u32| {
             let at = at(k as f32 * 0.05);
             let cone = Cone::of_sphere(at.position, light);
-            let query = VisibilityQuery {
-                at: &at,
-                light: LightId(0),
-                cone: &cone,
-                outline: None,
-                accuracy: Accuracy::new(0.003),
-            };
+            let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
             let mut mask = hooks::mask(&UnitSquare::facing(&cone, Vec3::X), 5, true, Vec3::Y);
             match blockers.select(&query, &mut scratch) {
                 Coverage::Lit => {}
@@ -338,13 +330,7 @@ fn masks_do_not_depend_on_the_group() {
                 if cone.one_minus_cos > 0.9 {
                     return None;
                 }
-                let query = VisibilityQuery {
-                    at,
-                    light: LightId(0),
-                    cone: &cone,
-                    outline: None,
-                    accuracy: Accuracy::new(0.003),
-                };
+                let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
                 if blockers.select(&query, &mut scratch) != Coverage::Partial {
                     return None;
                 }

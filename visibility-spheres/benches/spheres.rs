@@ -43,8 +43,7 @@ fn point(c: &mut Criterion) {
     let (mut culling, position) = (c.benchmark_group("sphere_stages"), Vec3::new(-0.55, 0.0, -0.1));
     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
     let cone = Cone::of_sphere(position, LIGHT);
-    let query =
-        VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.005) };
+    let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.005));
     let shaft = Shaft { receivers: Sphere { center: position, radius: 0.06 }, light: LIGHT, id: LightId(0) };
     for count in [64, 512, 4096] {
         let blockers = SphereBlockers::new(&blob(count), &vec![0; count], &[]);

@@ -141,13 +141,7 @@ fn selection_is_that_of_the_flat_loop() {
             if cone.one_minus_cos > 1.0 {
                 continue;
             }
-            let query = VisibilityQuery {
-                at: &at,
-                light: LightId(0),
-                cone: &cone,
-                outline: None,
-                accuracy: Accuracy::new(0.003),
-            };
+            let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
             let (want, hits) = blockers.select_flat(&query);
             counts[want as usize] += 1;
             for scratch in [&mut culled, &mut whole] {
@@ -169,10 +163,8 @@ fn own_receivers_see_the_smaller_ball() {
     let seen = |blockers: &SphereBlockers, object| {
         let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object };
         let mut scratch = blockers.scratch();
-        let coverage = blockers.select(
-            &VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) },
-            &mut scratch,
-        );
+        let coverage =
+            blockers.select(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);
         (coverage, scratch.hits().to_vec())
     };
     let plain = |radius| SphereBlockers::new(&[Sphere { radius, ..ball }], &[7], &[]);
@@ -230,8 +222,7 @@ fn light_of_more_than_a_hemisphere_keeps_everything() {
     let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
     for one_minus_cos in [1.0, 1.5, 2.0] {
         let cone = Cone { axis: Vec3::Z, one_minus_cos, distance: f32::INFINITY };
-        let query =
-            VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+        let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         let mut scratch = blockers.scratch();
         let (want, hits) = blockers.select_flat(&query);
         assert_eq!(blockers.select(&query, &mut scratch), want);
@@ -281,8 +272,7 @@ fn what_is_not_a_sphere_blocks_nothing() {
     let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
     let light = Sphere { center: Vec3::Z * 10.0, radius: 1.0 };
     let cone = Cone::of_sphere(at.position, light);
-    let query =
-        VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+    let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
     let check = |blockers: &SphereBlockers, want: &[u32]| {
         let mut scratch = blockers.scratch();
         assert_eq!(scratch.candidates(), want);
@@ -411,13 +401,7 @@ fn timings() {
                         let at =
                             Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
                         let cone = Cone::of_sphere(at.position, light);
-                        let query = VisibilityQuery {
-                            at: &at,
-                            light: LightId(0),
-                            cone: &cone,
-                            outline: None,
-                            accuracy: Accuracy::new(0.003),
-                        };
+                        let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
                         if blockers.select(&query, &mut scratch) == Coverage::Partial {
                             hits += scratch.hits().len();
                             partial += 1;
@@ -439,13 +423,7 @@ fn timings() {
                         let at =
                             Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
                         let cone = Cone::of_sphere(at.position, light);
-                        let query = VisibilityQuery {
-                            at: &at,
-                            light: LightId(0),
-                            cone: &cone,
-                            outline: None,
-                            accuracy: Accuracy::new(0.003),
-                        };
+                        let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
                         std::hint::black_box(blockers.select(&query, &mut whole));
                     }
                 }

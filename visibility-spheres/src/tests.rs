@@ -83,8 +83,7 @@ fn shares_follow_the_order_of_blocker_and_light() {
         let tau = if kind == 6 { 0.25 } else { 0.0 };
         let blockers = SphereBlockers::new(&[ball], &[7], &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, tau as f32]);
         let cone = Cone::of_sphere(at.position, light);
-        let query =
-            VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+        let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         let mut scratch = blockers.scratch();
         let share = match blockers.select(&query, &mut scratch) {
             Coverage::Lit => 1.0,
@@ -138,8 +137,7 @@ fn selection_never_contradicts_the_rays() {
         let objects: Vec<_> = (0..spheres.len() as u32).map(|i| i % 3).collect();
         let taus = [0.5, 0.0, 0.0];
         let blockers = SphereBlockers::new(&spheres, &objects, &taus);
-        let query =
-            VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+        let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         let mut scratch = blockers.scratch();
         let selected = blockers.select(&query, &mut scratch);
         counts[selected as usize] += 1;
@@ -188,13 +186,7 @@ fn culling_never_changes_a_result() {
             if cone.one_minus_cos > 1.0 {
                 continue;
             }
-            let query = VisibilityQuery {
-                at: &at,
-                light: LightId(0),
-                cone: &cone,
-                outline: None,
-                accuracy: Accuracy::new(0.003),
-            };
+            let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
             let (a, b) = (blockers.select(&query, &mut all), blockers.select(&query, &mut some));
             assert_eq!(a, b, "case {case}");
             if a == Coverage::Partial {
@@ -244,13 +236,7 @@ fn point_lights_are_hidden_by_what_their_direction_meets() {
     for (axis, hidden) in [(Vec3::Z, true), (Vec3::NEG_Z, false)] {
         for one_minus_cos in [0.0, 1e-12, 1e-6] {
             let cone = Cone { axis, one_minus_cos, distance: 10.0 };
-            let query = VisibilityQuery {
-                at: &at,
-                light: LightId(0),
-                cone: &cone,
-                outline: None,
-                accuracy: Accuracy::new(0.003),
-            };
+            let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
             use lobe_core::VisibilityLobes;
             let mut scratch = strategy.scratch();
             let coverage = strategy.coverage(&query, &mut scratch);
@@ -274,8 +260,7 @@ fn facets_cut_the_light_of_their_own_object() {
     let theta = cone.sin_sq().sqrt().asin();
     let select = |face: Vec3, normal: Vec3, object: u32| {
         let at = Receiver { face, ..receiver(Vec3::ZERO, normal, object) };
-        let query =
-            VisibilityQuery { at: &at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+        let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         let mut scratch = blockers.scratch();
         let coverage = blockers.select(&query, &mut scratch);
         let mut mask = Mask::default();

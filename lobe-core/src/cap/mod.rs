@@ -129,11 +129,7 @@ fn of_outlines(light: &TileLight, lobes: &TileLobes, out: &mut [f32]) {
         let (position, normal, object) = (Vec3::ZERO, seen.normal, OWN_NONE);
         let at = Receiver { position, normal, face: normal, view: normal, object };
         for (number, lobe) in lobes.of(i) {
-            out[number] = match outline {
-                Some(outline) => outline::integral(normal, &lobe, outline),
-                // Another light from here, or none.
-                None => cap_integral(&at, &lobe, &light.cone(i)),
-            };
+            out[number] = outline::light_integral(&at, &lobe, &light.cone(i), outline.as_ref());
         }
     }
 }

@@ -1,7 +1,7 @@
 use super::{Outline, nearest_of};
 use crate::microfacets::seen_from;
 use crate::special::{atan2, exp, ln_of};
-use crate::{Lobe, Microfacets, Receiver};
+use crate::{Cone, Lobe, Microfacets, Receiver, cap_integral, is_lambert};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
@@ -73,18 +73,22 @@ const SIXTEEN: [(f32, f32); 8] = [
 /// 4 to 300 evaluations of the lobe, sixteen at a time: few where light and lobe vary little over each other.
 #[must_use]
 pub fn outline_integral(at: &Receiver, lobe: &Lobe, light: &Outline) -> f32 {
-    light.above(at.normal).map_or(0.0, |above| integral(at.normal, lobe, &above))
+    light.above(at.normal).map_or(0.0, |above| integral(at, lobe, &above))
 }
 
-/// The same over a light that is above the horizon.
-pub(crate) fn integral(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
-    let is_lambert = lobe.exponent == 1.0 && lobe.factor == 0.0 && lobe.axis == normal;
-    let value = if is_lambert {
-        lambert(normal, light)
+/// The same over a light of any form, of which an outline is above the horizon.
+pub(crate) fn light_integral(at: &Receiver, lobe: &Lobe, cone: &Cone, outline: Option<&Outline>) -> f32 {
+    outline.map_or_else(|| cap_integral(at, lobe, cone), |outline| integral(at, lobe, outline))
+}
+
+/// Over what is above the horizon.
+fn integral(at: &Receiver, lobe: &Lobe, light: &Outline) -> f32 {
+    let value = if is_lambert(at, lobe) {
+        lambert(at.normal, light)
     } else if lobe.is_microfacets() {
-        microfacets(normal, lobe, light)
+        microfacets(at.normal, lobe, light)
     } else {
-        power(normal, lobe, light)
+        power(at.normal, lobe, light)
     };
     if value > 0.0 && value.is_finite() { value } else { 0.0 }
 }

@@ -4,7 +4,7 @@ mod integral;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use self::integral::integral;
+pub(crate) use self::integral::light_integral;
 pub use self::integral::outline_integral;
 
 use crate::{Cone, Lobe, Sphere, orthonormal_basis};
@@ -28,7 +28,7 @@ use glam::{Vec2, Vec3};
 pub struct Outline {
     corners: [Vec3; Self::ROOM],
     count: usize,
-    /// The middle of the box of the corners in their plane.
+    /// The middle of the whole light, whatever a horizon leaves of it.
     center: Vec3,
     axis: Vec3,
     height: f32,
@@ -41,25 +41,25 @@ const WIDEST: f32 = 0.9;
 
 /// Cosine and sine of the multiples of 15°.
 const TURNS: [[f32; 2]; Outline::MOST] = [
-    [1.000000000, 0.000000000],
+    [1.0, 0.0],
     [0.965_925_8, 0.258_819_04],
     [0.866_025_4, 0.5],
     [0.707_106_77, 0.707_106_77],
     [0.5, 0.866_025_4],
     [0.258_819_04, 0.965_925_8],
-    [0.000000000, 1.000000000],
+    [0.0, 1.0],
     [-0.258_819_04, 0.965_925_8],
     [-0.5, 0.866_025_4],
     [-0.707_106_77, 0.707_106_77],
     [-0.866_025_4, 0.5],
     [-0.965_925_8, 0.258_819_04],
-    [-1.000000000, 0.000000000],
+    [-1.0, 0.0],
     [-0.965_925_8, -0.258_819_04],
     [-0.866_025_4, -0.5],
     [-0.707_106_77, -0.707_106_77],
     [-0.5, -0.866_025_4],
     [-0.258_819_04, -0.965_925_8],
-    [-0.000000000, -1.000000000],
+    [0.0, -1.0],
     [0.258_819_04, -0.965_925_8],
     [0.5, -0.866_025_4],
     [0.707_106_77, -0.707_106_77],
@@ -90,13 +90,12 @@ impl Outline {
         if !(height > 1e-5 * size && size.is_finite()) {
             return None;
         }
-        let corners_of = [Vec3::ZERO; Self::ROOM];
-        let mut out = Self { corners: corners_of, count, center: Vec3::ZERO, axis, height, radius: None };
+        let center = corners.iter().sum::<Vec3>() / count as f32;
+        let mut out = Self { corners: [Vec3::ZERO; Self::ROOM], count, center, axis, height, radius: None };
         out.corners[..count].copy_from_slice(corners);
         if out.twice_area() < 0.0 {
             out.corners[..count].reverse();
         }
-        out.center = corners.iter().sum::<Vec3>() / count as f32;
         Some(out)
     }
 
@@ -213,7 +212,13 @@ impl Outline {
     #[must_use]
     pub fn ball(&self) -> Sphere {
         let radius = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
-        Sphere { center: self.center, radius: radius * Self::BEYOND }
+        Self::ball_around(Sphere { center: self.center, radius })
+    }
+
+    /// The same from a ball around the light.
+    #[must_use]
+    pub fn ball_around(bounds: Sphere) -> Sphere {
+        Sphere { radius: bounds.radius * Self::BEYOND, ..bounds }
     }
 
     /// A cone around all of it and around every rectangle in its plane around any part of it. Along the cone's axis nothing of these is

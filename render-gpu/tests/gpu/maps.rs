@@ -154,16 +154,7 @@ fn rust_coverage(blockers: &ShadowMapBlockers, questions: &[Question]) -> Vec<Co
     let mut scratch = blockers.scratch();
     let coverage = |q: &Question| {
         let cone = Cone::of_sphere(q.at.position, q.light);
-        blockers.select(
-            &VisibilityQuery {
-                at: &q.at,
-                light: q.id,
-                cone: &cone,
-                outline: None,
-                accuracy: Accuracy::new(q.tolerance),
-            },
-            &mut scratch,
-        )
+        blockers.select(&VisibilityQuery::new(&q.at, q.id, &cone, Accuracy::new(q.tolerance)), &mut scratch)
     };
     questions.iter().map(coverage).collect()
 }
@@ -238,13 +229,7 @@ fn rust_masks(blockers: &ShadowMapBlockers, questions: &[Question], depth: u32) 
     let (mut scratch, mut mask) = (blockers.scratch(), Mask::default());
     let seen = |q: &Question| {
         let cone = Cone::of_sphere(q.at.position, q.light);
-        let query = VisibilityQuery {
-            at: &q.at,
-            light: q.id,
-            cone: &cone,
-            outline: None,
-            accuracy: Accuracy::new(q.tolerance),
-        };
+        let query = VisibilityQuery::new(&q.at, q.id, &cone, Accuracy::new(q.tolerance));
         blockers.select(&query, &mut scratch);
         let mut square = UnitSquare::facing(&cone, q.across);
         square.center = square.disc * Vec2::new(q.window[0], q.window[1]);

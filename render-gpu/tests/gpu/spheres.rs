@@ -197,16 +197,7 @@ impl Setup {
             blockers.enter(&self.shaft(tile), &mut scratch);
             all.extend(receivers.iter().map(|at| {
                 let cone = Cone::of_sphere(at.position, self.light);
-                blockers.select(
-                    &VisibilityQuery {
-                        at,
-                        light: LightId(0),
-                        cone: &cone,
-                        outline: None,
-                        accuracy: Accuracy::new(0.003),
-                    },
-                    &mut scratch,
-                )
+                blockers.select(&VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch)
             }));
         }
         all
@@ -443,8 +434,7 @@ fn windows(setup: &Setup, random: &mut Random) -> Vec<(usize, UnitSquare)> {
     let mut all = Vec::new();
     for (point, at) in setup.receivers.iter().enumerate() {
         let cone = Cone::of_sphere(at.position, setup.light);
-        let query =
-            VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+        let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
         if cone.one_minus_cos > 1.0 || blockers.select(&query, &mut scratch) != Coverage::Partial {
             continue;
         }
@@ -488,8 +478,7 @@ fn spheres_on_masks(gpu: &Gpu, place: Place, seed: u64, share: f64) {
         for ((point, square), got) in cases.iter().zip(got.chunks(8 * side + 2)) {
             let at = &setup.receivers[*point];
             let cone = Cone::of_sphere(at.position, setup.light);
-            let query =
-                VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+            let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
             blockers.select(&query, &mut scratch);
             let mut mask = hooks::mask(square, depth, coarse, at.normal);
             blockers.splat(&query, &mut scratch, &mut mask);
@@ -530,8 +519,7 @@ fn edges(gpu: &Gpu) {
         for ((point, _), got) in cases.iter().zip(got.chunks(8 * 8 + 2)) {
             let at = &setup.receivers[*point];
             let cone = Cone::of_sphere(at.position, setup.light);
-            let query =
-                VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+            let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
             blockers.select(&query, &mut scratch);
             let across = blockers.across(&query, &scratch);
             // The same sum of one edge: an edge of the length of the sum, half its angle away.

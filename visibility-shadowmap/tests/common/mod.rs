@@ -137,7 +137,7 @@ pub(crate) fn receiver(position: Vec3, normal: Vec3) -> Receiver {
 /// Share of the light's disc that the strategy leaves.
 pub(crate) fn share(blockers: &ShadowMapBlockers, scratch: &mut ShadowMapScratch, at: &Receiver, light: Sphere) -> f64 {
     let cone = Cone::of_sphere(at.position, light);
-    let query = VisibilityQuery { at, light: LightId(0), cone: &cone, outline: None, accuracy: Accuracy::new(0.003) };
+    let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
     if blockers.select(&query, scratch) == Coverage::Lit {
         return 1.0;
     }
