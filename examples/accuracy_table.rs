@@ -52,6 +52,7 @@ fn scene(exponent: f32, half_angle: f32) -> Scene {
         width: WIDTH,
         height: HEIGHT,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![floor],
         objects: vec![Object::mesh("floor", floor_mesh, 0, Proxy::None), casters],
         lights: vec![SphereLight::new(Sphere { center: up * distance, radius: distance * sin }, Vec3::ONE).into()],

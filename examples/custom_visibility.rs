@@ -63,6 +63,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         width: 640,
         height: 400,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![Material::lambert(Vec3::new(0.7, 0.68, 0.64)), Material::lambert(Vec3::new(0.5, 0.27, 0.13))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("table", table, 1, Proxy::None)],
         lights: vec![

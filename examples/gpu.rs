@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
     let largest = want.iter().zip(&got).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
     println!("largest difference: {:.1e} of the maximum", largest / peak);
-    let picture = Picture::new(width as usize, height as usize, g.resolve(&got, scene.background));
+    let picture = Picture::new(width as usize, height as usize, g.picture(&got, scene.background));
     Ok(write_png(Output::create("gpu.png")?, width as usize, height as usize, &srgb_bytes(&picture, 0.0))?)
 }
 

@@ -36,7 +36,12 @@ fn kinds() -> Vec<Kind> {
     let height = ABOVE.y;
     // L = E h²/A of a small light.
     let of_area = |area: f32| Vec3::splat(IRRADIANCE * height * height / area);
-    let flat = |light: Result<FlatLight, _>| light.map(|light| light.with_radiance(of_area(light.area())));
+    let flat = |light: Result<FlatLight, _>| {
+        light.map(|light| {
+            let radiance = of_area(light.area());
+            light.with_radiance(radiance)
+        })
+    };
     let corners = [0.0, 0.17, 0.41, 0.69, 0.85].map(|turn: f32| {
         let (sin, cos) = (turn * core::f32::consts::TAU).sin_cos();
         ABOVE + (u * cos + v * sin) * 0.6
@@ -115,6 +120,7 @@ fn scene(material: &Material, lights: &[Light]) -> Scene {
         width: WIDTH,
         height: HEIGHT,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![material.clone()],
         objects,
         lights: lights.to_vec(),

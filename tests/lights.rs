@@ -2,8 +2,10 @@
 
 use cosine_lobes::ShadowErrors;
 use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
-use cosine_lobes::lighting::{FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
-use cosine_lobes::lobe_core::{Accuracy, Sphere, VisibilityLobes};
+use cosine_lobes::lighting::{
+    AmbientLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
+};
+use cosine_lobes::lobe_core::{Accuracy, LightImage, Sphere, VisibilityLobes};
 use cosine_lobes::pictures::Picture;
 use cosine_lobes::render_cpu::{
     CpuShader, GBuffer, Geometry, RayBlockers, RayShader, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
@@ -12,7 +14,8 @@ use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene,
 use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
 use cosine_lobes::visibility_spheres::SphereBlockers;
-use glam::{Mat4, Quat, Vec3};
+use glam::{Mat4, Quat, UVec2, Vec3};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 const SIZE: [u32; 2] = [64, 40];
@@ -33,6 +36,7 @@ fn scene(lights: Vec<Light>, material: Material) -> Scene {
         width: SIZE[0],
         height: SIZE[1],
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![material],
         objects: vec![
             Object::mesh("floor", floor, 0, Proxy::None),
@@ -116,7 +120,7 @@ fn lights_are_those_of_their_true_shapes() {
     let phong = ModifiedPhong { kd: Vec3::splat(0.3), ks: Vec3::splat(0.4), exponent: 50.0 };
     for (name, light) in kinds() {
         for (of, material) in [("Phong", phong.into()), ("gold", gold.clone().into())] {
-            let scene = scene(vec![light], material);
+            let scene = scene(vec![light.clone()], material);
             let truth = truth(&scene, 2048);
             for by_rays in [false, true] {
                 let e = errors(&scene, &shade(&scene, TOLERANCE, by_rays), &truth);
@@ -125,6 +129,50 @@ fn lights_are_those_of_their_true_shapes() {
                 assert!(e.penumbra.pixels > 5 && e.lit.pixels > 100, "{name}: {e:?}");
                 assert!(e.penumbra.mean < 0.005 && e.penumbra.p99 < 0.03, "{name} on {of}: {e:?}");
                 assert!(e.lit.mean < 0.004 && e.dark.mean < 0.002, "{name} on {of}: {e:?}");
+            }
+        }
+    }
+}
+
+/// Lights that show pictures: their shadows have the colours of what is hidden.
+#[test]
+fn pictures_of_light_are_what_they_show() {
+    let gold = MetallicRoughness::new(Vec3::new(1.0, 0.8, 0.3), 1.0, 0.35).expect("a metal");
+    let size = UVec2::new(64, 32);
+    let waves = |k: u32| {
+        let [x, y] = [(k % size.x) as f32 / size.x as f32, (k / size.x) as f32 / size.y as f32]
+            .map(|x| x * core::f32::consts::TAU);
+        Vec3::new(1.0 + x.sin(), 1.0 - x.sin() * y.cos(), 1.0 - (2.0 * y).sin())
+    };
+    let texels: Vec<Vec3> = (0..size.x * size.y).map(waves).collect();
+    let (image, mean) = LightImage::new(size, &texels).expect("an image");
+    let (u, v) = (Vec3::new(0.8, 0.0, 0.1), Vec3::new(-0.1, 0.0, 0.8) * 0.6);
+    let screen = FlatLight::rectangle(Vec3::new(-0.2, 2.2, 0.3), u, v, mean * 4.0).expect("a rectangle");
+    let screen = vec![Light::from(screen.showing(Arc::new(image)).expect("right angles"))];
+    // The picture's dark half is below.
+    let sky = EnvironmentMap::new(
+        size,
+        texels.iter().enumerate().map(|(k, t)| *t * if k < 1024 { 1.0 } else { 0.1 }).collect(),
+    );
+    let world = Sphere { center: Vec3::ZERO, radius: 7.2 };
+    let environment = Arc::new(Environment::new(sky.expect("a picture"), 2, world));
+    let ambient = vec![AmbientLight { radiance: Vec3::new(0.2, 0.3, 0.4), world }.into()];
+    for (of, material) in [("Lambert", Material::lambert(Vec3::splat(0.6))), ("gold", gold.into())] {
+        let sky =
+            Scene { environment: Some(environment.clone()), ..scene(environment.lights().to_vec(), material.clone()) };
+        let cases = [
+            ("screen", scene(screen.clone(), material.clone())),
+            ("sky", sky),
+            ("ambient", scene(ambient.clone(), material)),
+        ];
+        for (name, scene) in cases {
+            let truth = truth(&scene, 1024);
+            for by_rays in [false, true] {
+                let e = errors(&scene, &shade(&scene, TOLERANCE, by_rays), &truth);
+                println!("{name}, {of}, rays {by_rays}: penumbra {:?}, lit {:?}", e.penumbra, e.lit);
+                // A part of it is the noise of the reference. Microfacets over all directions at once are 4 % off at grazing views.
+                let lit = if name == "ambient" { 0.01 } else { 0.006 };
+                assert!(e.penumbra.mean < 0.006 && e.lit.mean < lit, "{name} on {of}: {e:?}");
             }
         }
     }
@@ -160,7 +208,7 @@ fn lights_add_up() {
     }
     let up = FlatLight::rectangle(Vec3::Y * 2.4, Vec3::Z * 0.3, Vec3::X * 0.3, Vec3::ONE).expect("a rectangle");
     assert_eq!(up.normal(), Vec3::Y);
-    let one = shade(&scene(vec![up.into()], material()), TOLERANCE, false);
+    let one = shade(&scene(vec![up.clone().into()], material()), TOLERANCE, false);
     assert!(one.iter().all(|v| *v == Vec3::ZERO));
     let both = shade(&scene(vec![up.on_both_sides().into()], material()), TOLERANCE, false);
     assert!(both.iter().filter(|v| v.x > 0.0).count() > both.len() / 2);

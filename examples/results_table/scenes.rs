@@ -134,6 +134,7 @@ pub(crate) fn floor_scene(eye: Vec3, target: Vec3, fov: f32, materials: Vec<Mate
         width: 256,
         height: 256,
         background: Vec3::ZERO,
+        environment: None,
         materials,
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None)],
         lights,

@@ -356,6 +356,7 @@ fn built() -> Vec<(&'static str, Scene)> {
             width: SIZE.0,
             height: SIZE.1,
             background: Vec3::ZERO,
+            environment: None,
             materials: vec![Material::lambert(Vec3::splat(0.6)), Material::lambert(Vec3::new(0.7, 0.5, 0.3))],
             objects: vec![Object::mesh("floor", floor, 0, Proxy::None), object],
             lights: vec![SphereLight::new(light, Vec3::ONE).into()],

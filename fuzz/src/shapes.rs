@@ -71,6 +71,7 @@ pub(crate) fn visibility(data: &[u8]) {
         width: 1,
         height: 1,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![object],
         lights: Vec::new(),

@@ -1,6 +1,7 @@
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
+use lobe_core::{Cone, LightImage, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
+use std::sync::Arc;
 
 /// A flat convex shape that emits the same radiance in all directions on one side, or on both.
 ///
@@ -16,7 +17,7 @@ use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Recei
 /// assert_eq!(panel.outline(&at).unwrap().height(), 3.0);
 /// assert_eq!(panel.area(), 2.0);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FlatLight {
     corners: [Vec3; Outline::MOST],
     count: usize,
@@ -28,8 +29,9 @@ pub struct FlatLight {
     area: f32,
     /// Whether the other side is lit too.
     pub two_sided: bool,
-    /// Radiance, W·m⁻²·sr⁻¹ per channel.
+    /// Radiance, W·m⁻²·sr⁻¹ per channel; of a light that shows an image its mean over the rectangle.
     pub radiance: Vec3,
+    image: Option<Arc<LightImage>>,
 }
 
 /// The fault of a shape.
@@ -116,18 +118,18 @@ impl FlatLight {
         let mut corners = [first; Outline::MOST];
         corners[..count].copy_from_slice(points);
         let bounds = Sphere { center, radius: radius * 1.000_01 };
-        Ok(Self { corners, count, normal, disc: None, bounds, area, two_sided: false, radiance })
+        Ok(Self { corners, count, normal, disc: None, bounds, area, two_sided: false, radiance, image: None })
     }
 
     /// The same, lit on both sides.
     #[must_use]
-    pub const fn on_both_sides(self) -> Self {
+    pub fn on_both_sides(self) -> Self {
         Self { two_sided: true, ..self }
     }
 
     /// The same with another radiance.
     #[must_use]
-    pub const fn with_radiance(self, radiance: Vec3) -> Self {
+    pub fn with_radiance(self, radiance: Vec3) -> Self {
         Self { radiance, ..self }
     }
 
@@ -136,6 +138,28 @@ impl FlatLight {
     pub fn with_flux(self, flux: Vec3) -> Self {
         let sides = if self.two_sided { 2.0 } else { 1.0 };
         Self { radiance: flux / (PI * self.area * sides), ..self }
+    }
+
+    /// The same light showing an image, whose mean is its radiance, of a rectangle with right angles. From the lit side, `u` to
+    /// the right and `v` upward, the image is as it is; from behind it is mirrored. None for other shapes.
+    #[must_use]
+    pub fn showing(self, image: Arc<LightImage>) -> Option<Self> {
+        let [u, v] = self.sides()?;
+        let is_right = u.dot(v).abs() <= 1e-3 * u.length() * v.length();
+        (is_right && self.disc.is_none()).then_some(Self { image: Some(image), ..self })
+    }
+
+    /// Half sides of a parallelogram.
+    fn sides(&self) -> Option<[Vec3; 2]> {
+        let [a, b, c, d] = *self.corners() else { return None };
+        let (u, v) = (0.5 * (b - a), 0.5 * (d - a));
+        ((a + c) - (b + d)).abs().cmple(1e-3 * (u.abs() + v.abs()) + f32::MIN_POSITIVE).all().then_some([u, v])
+    }
+
+    /// What it shows.
+    #[must_use]
+    pub fn image(&self) -> Option<&LightImage> {
+        self.image.as_deref()
     }
 
     /// The corners; of a disc those of a square around it.
@@ -168,7 +192,7 @@ impl FlatLight {
         let center = placement.transform_point3(self.bounds.center);
         let normal = placement.transform_vector3(self.normal).normalize_or(self.normal);
         let corners = self.corners.map(|p| placement.transform_point3(p));
-        Self { corners, normal, bounds: Sphere { center, ..self.bounds }, ..*self }
+        Self { corners, normal, bounds: Sphere { center, ..self.bounds }, ..self.clone() }
     }
 }
 
@@ -196,11 +220,16 @@ impl LightLobes for FlatLight {
         if height <= 0.0 && !self.two_sided {
             return None;
         }
-        if let Some(radius) = self.disc {
-            return Outline::disc(self.bounds.center - at.position, radius, axis);
-        }
-        let corners = self.corners.map(|p| p - at.position);
-        Outline::new(&corners[..self.count], axis)
+        let outline = match self.disc {
+            Some(radius) => Outline::disc(self.bounds.center - at.position, radius, axis),
+            None => Outline::new(&self.corners.map(|p| p - at.position)[..self.count], axis),
+        }?;
+        let sides = if self.image.is_some() { self.sides() } else { None };
+        Some(sides.map_or(outline, |sides| outline.with_sides(sides)))
+    }
+
+    fn image(&self) -> Option<&LightImage> {
+        self.image.as_deref()
     }
 
     fn term(&self, at: &Receiver) -> LightTerm {

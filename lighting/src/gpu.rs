@@ -27,6 +27,9 @@ impl GpuLight for Light {
         if lights.iter().any(|light| matches!(light, Self::Flat(_) | Self::Tube(_))) {
             return Err("rectangles, discs, polygons and tubes of light are lit by the CPU only");
         }
+        if lights.iter().any(|light| matches!(light, Self::Sky(_) | Self::Ambient(_))) {
+            return Err("environments and ambient light are lit by the CPU only");
+        }
         Ok([Self::NAME, Self::WGSL])
     }
 
@@ -41,7 +44,7 @@ impl GpuLight for Light {
                 let cone = light.seen();
                 [light.toward.extend(0.0).to_array(), [cone.one_minus_cos, cone.distance, 0.0, SUN]]
             }
-            Self::Sphere(_) | Self::Flat(_) | Self::Tube(_) => [[0.0; 4]; 2],
+            _ => [[0.0; 4]; 2],
         }
     }
 }

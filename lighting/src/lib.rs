@@ -1,7 +1,7 @@
 //! Area lights: the cone in which a receiver sees one, its radiance, and its lobes.
 //!
 //! A light is one type that implements [`LightLobes`](lobe_core::LightLobes): [`SphereLight`], [`FlatLight`] (rectangles, discs, convex polygons),
-//! [`TubeLight`], [`SunLight`], [`SpotLight`]; [`Light`] is any of these. Add another kind beside them, here or in a crate of your own.
+//! [`TubeLight`], [`SunLight`], [`SpotLight`], [`AmbientLight`]; [`Light`] is any of these. An [`Environment`] is a set of them. Add another kind beside them, here or in a crate of your own.
 //!
 //! Out of scope: what hides a light (the `visibility-*` crates), scenes, images.
 //!
@@ -14,16 +14,22 @@
 //! assert_eq!((lamp.cone(&at).axis, lamp.cone(&at).distance), (Vec3::Y, 4.0));
 //! ```
 
+mod ambient_light;
+mod environment;
 mod flat_light;
 mod gpu;
 mod light;
+mod sky_light;
 mod sphere_light;
 mod spot_light;
 mod sun_light;
 mod tube_light;
 
+pub use crate::ambient_light::AmbientLight;
+pub use crate::environment::{Environment, EnvironmentError, EnvironmentMap};
 pub use crate::flat_light::{FlatLight, FlatLightError};
 pub use crate::light::Light;
+pub use crate::sky_light::{SkyLight, SkyPatch};
 pub use crate::sphere_light::SphereLight;
 pub use crate::spot_light::SpotLight;
 pub use crate::sun_light::SunLight;

@@ -1,9 +1,11 @@
-use crate::{FlatLight, SphereLight, SpotLight, SunLight, TubeLight};
+use crate::{AmbientLight, FlatLight, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight};
+use lobe_core::{
+    Cone, LightImage, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight,
+};
 
 /// The built-in kinds of lights.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a scene has few lights, and they are copied once a frame")]
 pub enum Light {
     /// A ball.
@@ -16,6 +18,10 @@ pub enum Light {
     Sun(SunLight),
     /// A ball that shines into a cone.
     Spot(SpotLight),
+    /// A part of an environment.
+    Sky(SkyLight),
+    /// The same from everywhere.
+    Ambient(AmbientLight),
 }
 
 macro_rules! each {
@@ -26,6 +32,8 @@ macro_rules! each {
             Light::Tube($light) => $value,
             Light::Sun($light) => $value,
             Light::Spot($light) => $value,
+            Light::Sky($light) => $value,
+            Light::Ambient($light) => $value,
         }
     };
 }
@@ -40,6 +48,8 @@ impl Light {
             Self::Tube(light) => light.radiance,
             Self::Sun(light) => light.radiance,
             Self::Spot(light) => light.light.radiance,
+            Self::Sky(light) => light.full_radiance(),
+            Self::Ambient(light) => light.radiance,
         }
     }
 
@@ -49,7 +59,7 @@ impl Light {
         match self {
             Self::Sphere(light) => Some(light.ball),
             Self::Spot(light) => Some(light.light.ball),
-            Self::Flat(_) | Self::Tube(_) | Self::Sun(_) => None,
+            _ => None,
         }
     }
 
@@ -85,6 +95,8 @@ impl Light {
             Self::Tube(_) => "tube",
             Self::Sun(_) => "sun",
             Self::Spot(_) => "spot",
+            Self::Sky(_) => "environment",
+            Self::Ambient(_) => "ambient",
         }
     }
 }
@@ -104,6 +116,9 @@ impl LightLobes for Light {
     }
     fn outline(&self, at: &Receiver) -> Option<Outline> {
         each!(self, light => light.outline(at))
+    }
+    fn image(&self) -> Option<&LightImage> {
+        each!(self, light => light.image())
     }
     fn term(&self, at: &Receiver) -> LightTerm {
         each!(self, light => light.term(at))
@@ -126,4 +141,12 @@ macro_rules! from {
     };
 }
 
-from!(Sphere(SphereLight), Flat(FlatLight), Tube(TubeLight), Sun(SunLight), Spot(SpotLight));
+from!(
+    Sphere(SphereLight),
+    Flat(FlatLight),
+    Tube(TubeLight),
+    Sun(SunLight),
+    Spot(SpotLight),
+    Sky(SkyLight),
+    Ambient(AmbientLight)
+);

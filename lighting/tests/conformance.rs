@@ -1,9 +1,16 @@
 //! Every kind of light keeps the promises of `LightLobes`.
 
-use glam::{Mat4, Quat, Vec3};
-use lighting::{FlatLight, FlatLightError, Light, SphereLight, SpotLight, SunLight, TubeLight};
+use core::f32::consts::PI;
+use glam::{DVec3, Mat4, Quat, UVec2, Vec3};
+use lighting::{
+    Environment, EnvironmentError, EnvironmentMap, FlatLight, FlatLightError, Light, SkyLight, SphereLight, SpotLight,
+    SunLight, TubeLight,
+};
 use lobe_core::conformance::{LightLimits, check_light};
-use lobe_core::{LightLobes, OWN_NONE, Receiver, Sphere};
+use lobe_core::{
+    LightImage, LightLobes, Lobe, OWN_NONE, Receiver, Sphere, cap_integral, image_integral, outline_integral,
+};
+use std::sync::Arc;
 
 const COLOR: Vec3 = Vec3::new(3.0, 2.0, 1.0);
 
@@ -36,8 +43,117 @@ fn all_kinds_conform() {
     let polygon = FlatLight::polygon(&corners, COLOR).expect("a polygon").on_both_sides();
     check_light(&polygon, &limits).expect("a polygon");
     check_light(&Light::from(polygon), &limits).expect("any light");
+    let (image, _) = LightImage::new(UVec2::new(2, 1), &[Vec3::ONE, Vec3::X]).expect("an image");
+    let right = FlatLight::rectangle(Vec3::Y * 2.0, Vec3::X, Vec3::Z * 0.4, COLOR).expect("a rectangle");
+    check_light(&right.showing(Arc::new(image)).expect("right angles"), &limits).expect("a screen");
     // Its outline is that of a capsule in one plane: its ends reach beyond the ball around it by a little.
     check_light(&tube(), &LightLimits { beyond: 0.2, ..limits }).expect("a tube");
+}
+
+const WORLD: Sphere = Sphere { center: Vec3::ZERO, radius: 3.0 };
+
+/// A sky that is brighter above, with a warm side, dark ground, and a sun of half-angle 1.5° if `sun` is its radiance.
+fn sky(sun: f32) -> EnvironmentMap {
+    let size = UVec2::new(256, 128);
+    let blank = EnvironmentMap::new(size, vec![Vec3::ZERO; 256 * 128]).expect("a picture");
+    let toward = Vec3::new(0.5, 0.6, 0.62).normalize();
+    let texels = (0..size.x * size.y).map(|k| {
+        let d = blank.direction((k % size.x) as f32 + 0.5, (k / size.x) as f32 + 0.5);
+        let ground = if d.y < 0.0 { 0.2 } else { 1.0 };
+        let glow = ((d.dot(toward) - 1.0) * 20.0).exp();
+        let sun = if d.dot(toward) > 1.5_f32.to_radians().cos() { sun } else { 0.0 };
+        (Vec3::new(0.3, 0.5, 0.9) * (0.6 + 0.4 * d.y) + Vec3::new(2.0, 1.5, 0.8) * glow) * ground + Vec3::splat(sun)
+    });
+    EnvironmentMap::new(size, texels.collect()).expect("a picture")
+}
+
+/// What the lights of an environment give without blockers.
+fn unshadowed(lights: &[Light], at: &Receiver, lobe: &Lobe) -> Vec3 {
+    lights
+        .iter()
+        .map(|light| {
+            let term = light.term(at);
+            let integral = match (&term.outline, light.image()) {
+                (None, _) => Vec3::splat(cap_integral(at, lobe, &term.cone)),
+                (Some(outline), None) => Vec3::splat(outline_integral(at, lobe, outline)),
+                (Some(outline), Some(image)) => image_integral(at, lobe, outline, image),
+            };
+            term.radiance * integral
+        })
+        .sum()
+}
+
+/// Suns and patches give what the picture gives, by quadrature of all of it.
+#[test]
+fn environments_are_their_pictures() {
+    for (sun, across, limit) in
+        [(0.0, 1, [0.01, 0.01]), (0.0, 2, [0.003, 0.005]), (0.0, 4, [0.001, 0.004]), (900.0, 2, [0.003, 0.005])]
+    {
+        let environment = Environment::new(sky(sun), across, WORLD);
+        let map = environment.map();
+        let suns = environment.lights().iter().filter(|l| matches!(l, Light::Sky(SkyLight::Sun(_)))).count();
+        assert_eq!(suns, usize::from(sun > 0.0));
+        let mut worst = [0.0_f32; 3];
+        for k in 0..16 {
+            let turn = Quat::from_rotation_y(k as f32) * Quat::from_rotation_x(0.4 * k as f32);
+            let normal = turn * Vec3::Y;
+            let at = Receiver { normal, face: normal, view: normal, ..at(Vec3::ZERO) };
+            let lobes = [
+                Lobe::new(normal, 1.0, Vec3::ONE),
+                Lobe::new((normal + 0.5 * (turn * Vec3::X)).normalize(), 30.0, Vec3::ONE).times_cosine(),
+                Lobe::new((normal + 0.3 * (turn * Vec3::Z)).normalize(), 400.0, Vec3::ONE),
+            ];
+            for (worst, lobe) in worst.iter_mut().zip(lobes) {
+                let (axis, e) = (lobe.axis.as_dvec3(), f64::from(lobe.exponent));
+                let mut want = DVec3::ZERO;
+                let size = map.size();
+                // Two by two points a texel.
+                for y in 0..2 * size.y {
+                    let solid = map.solid_angle(y / 2) / 4.0;
+                    for x in 0..2 * size.x {
+                        let v = map.direction((x as f32 + 0.5) / 2.0, (y as f32 + 0.5) / 2.0);
+                        let (along, above) = (axis.dot(v.as_dvec3()), f64::from(normal.dot(v)));
+                        if along > 0.0 && above > 0.0 {
+                            let cosine = if lobe.factor > 0.0 { above } else { 1.0 };
+                            let weight = along.powf(e) * cosine * f64::from(solid);
+                            want += map.radiance(v).as_dvec3() * weight;
+                        }
+                    }
+                }
+                let want = (want * (e + 1.0) / core::f64::consts::TAU).as_vec3();
+                let got = unshadowed(environment.lights(), &at, &lobe);
+                *worst = worst.max((got - want).abs().max_element() / want.max_element().max(0.1));
+            }
+        }
+        println!("sun {sun}, {across} patches across: worst {worst:?}");
+        // The third lobe is about as narrow as a texel of the patches.
+        assert!(
+            worst[0] < limit[0] && worst[1] < limit[1] && worst[2] < 0.025,
+            "sun {sun}, {across} patches across: {worst:?}"
+        );
+    }
+}
+
+#[test]
+fn pictures_of_all_directions() {
+    let map = sky(0.0).turned(Vec3::Z, 30.0).scaled(Vec3::new(2.0, 1.0, 1.0));
+    for (x, y) in [(0.5, 0.5), (100.2, 30.7), (255.5, 127.5), (128.0, 64.0)] {
+        let place = map.place(map.direction(x, y)) * map.size().as_vec2();
+        assert!((place - glam::Vec2::new(x, y)).abs().max_element() < 1e-2, "{x} {y} {place}");
+    }
+    // Its top is toward +z.
+    assert!(map.radiance(Vec3::Z).z > 0.85 && map.radiance(Vec3::NEG_Z).z < 0.1);
+    let solid: f32 = (0..128).map(|y| map.solid_angle(y) * 256.0).sum();
+    assert!((solid - 4.0 * PI).abs() < 1e-4);
+
+    let picture = |texels: Vec<Vec3>| EnvironmentMap::new(UVec2::new(2, 1), texels);
+    assert_eq!(picture(vec![Vec3::ONE]), Err(EnvironmentError::Size));
+    assert_eq!(picture(vec![Vec3::ONE, Vec3::NAN]), Err(EnvironmentError::NotANumber { x: 1, y: 0 }));
+    let bright = picture(vec![Vec3::INFINITY, Vec3::splat(-3.0)]).expect("a picture");
+    assert_eq!(bright.texels(), [Vec3::splat(EnvironmentMap::BRIGHTEST), Vec3::ZERO]);
+    // Nothing in it is a sun.
+    assert_eq!(Environment::new(bright, 1, WORLD).lights().len(), 6);
+    assert!(Environment::new(EnvironmentMap::uniform(Vec3::ZERO), 2, WORLD).lights().is_empty());
 }
 
 /// What of a light's area is lost or added by its outline shows in the flux that passes a far away ball.
@@ -136,4 +252,9 @@ fn shapes_that_are_none_are_refused() {
     assert_eq!(polygon(&star), Err(FlatLightError::NotConvex));
     assert!(FlatLight::rectangle(Vec3::ZERO, Vec3::X, Vec3::X, COLOR).is_err());
     assert!(FlatLight::disc(Vec3::ZERO, Vec3::ZERO, 1.0, COLOR).is_err());
+    // Only what has two sides at right angles shows an image.
+    let image = Arc::new(LightImage::new(UVec2::ONE, &[Vec3::ONE]).expect("an image").0);
+    let oblique = FlatLight::rectangle(Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, COLOR).expect("a parallelogram");
+    let disc = FlatLight::disc(Vec3::ZERO, Vec3::Y, 1.0, COLOR).expect("a disc");
+    assert!(oblique.showing(image.clone()).is_none() && disc.showing(image).is_none());
 }

@@ -154,7 +154,11 @@ impl Integrator<'_> {
         let mut seen = None;
         let light = call.light.above(call.at.normal);
         for f in call.brdf.iter() {
-            let integral = outline::light_integral(call.at, &f, &light.cone, light.outline.as_ref());
+            let shown = visit.image().zip(light.outline.as_ref());
+            let integral = match shown {
+                None => Vec3::splat(outline::light_integral(call.at, &f, &light.cone, light.outline.as_ref())),
+                Some((image, outline)) => outline::of_image(call.at, &f, outline, image),
+            };
             let unshadowed = f.flux * call.light.radiance * integral;
             probe.count(0, 1);
             probe.end(Stage::Lighting);
@@ -167,9 +171,12 @@ impl Integrator<'_> {
             }
             let fraction =
                 match seen.get_or_insert_with(|| look(visit, call.at, &light.cone, light.outline.as_ref(), probe)) {
-                    Look::Lit => 1.0,
-                    Look::Dark => 0.0,
-                    Look::Partial(seen) => partly_seen(visit, seen, &f, integral, sum, probe)?,
+                    Look::Lit => Vec3::ONE,
+                    Look::Dark => Vec3::ZERO,
+                    Look::Partial(seen) => {
+                        let part = partly_seen(visit, seen, &f, integral.max_element(), sum, probe)?;
+                        sum.by_channel.unwrap_or(Vec3::splat(part))
+                    }
                 };
             lit.radiance += unshadowed * fraction;
         }
@@ -232,8 +239,8 @@ impl Integrator<'_> {
 }
 
 /// A receiver looks, and the probe is told.
-pub(crate) fn look<'q, V: VisibilityLobes + ?Sized>(
-    visit: &mut Visit<'_, V>,
+pub(crate) fn look<'q, 'v: 'q, V: VisibilityLobes + ?Sized>(
+    visit: &mut Visit<'v, V>,
     at: &'q Receiver,
     cone: &'q Cone,
     outline: Option<&'q Outline>,

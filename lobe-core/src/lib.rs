@@ -57,7 +57,7 @@ pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
 pub use crate::microfacets::Microfacets;
 pub use crate::moments::{cone_lobe, exponent_of_spread, mixture_lobe, product_lobe};
-pub use crate::outline::{Outline, nearest_of, outline_integral};
+pub use crate::outline::{LightImage, Outline, Places, hash_of, image_integral, nearest_of, outline_integral};
 pub use crate::product::{is_lambert, lobe_product, product_integral, product_of_angle, products_of_angle};
 pub use crate::source::{
     BrdfLobes, Coverage, DynScratch, DynVisibility, LightLobes, Unshadowed, VisibilityLobes, VisibilityQuery,

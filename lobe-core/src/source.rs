@@ -1,8 +1,8 @@
 //! The three sources of lobes (reflectance, light, visibility) and what they exchange.
 
 use crate::{
-    Accuracy, Cone, LightId, LightTerm, Lobe, LobeBuffer, LobesFull, LobesMut, Outline, PartlySeen, Receiver, Shaft,
-    Sphere, Tile, TileLight, TileLobes,
+    Accuracy, Cone, LightId, LightImage, LightTerm, Lobe, LobeBuffer, LobesFull, LobesMut, Outline, PartlySeen,
+    Receiver, Shaft, Sphere, Tile, TileLight, TileLobes,
 };
 use core::any::Any;
 use glam::Vec3;
@@ -131,7 +131,13 @@ pub trait LightLobes {
         None
     }
 
-    /// All three. Provided; the same, bit for bit.
+    /// How bright the [outline](Self::outline) is where: factors of [`radiance`](Self::radiance), which is then their mean. None, which is
+    /// the default, where all of it is as bright. Outlines of a light with an image have [sides](Outline::with_sides).
+    fn image(&self) -> Option<&LightImage> {
+        None
+    }
+
+    /// All but the image. Provided; the same, bit for bit.
     fn term(&self, at: &Receiver) -> LightTerm {
         LightTerm { cone: self.cone(at), radiance: self.radiance(at), outline: self.outline(at) }
     }
@@ -169,6 +175,9 @@ impl<L: LightLobes + ?Sized> LightLobes for Box<L> {
     fn outline(&self, at: &Receiver) -> Option<Outline> {
         (**self).outline(at)
     }
+    fn image(&self) -> Option<&LightImage> {
+        (**self).image()
+    }
     fn term(&self, at: &Receiver) -> LightTerm {
         (**self).term(at)
     }
@@ -203,6 +212,8 @@ pub struct VisibilityQuery<'a> {
     /// What of the cone is bright and above the receiver's horizon, where the light is flat. The cone may then be all of the hemisphere
     /// before the light's plane.
     pub outline: Option<&'a Outline>,
+    /// How bright the outline is where, if not everywhere the same.
+    pub image: Option<&'a LightImage>,
     /// What error is requested.
     pub accuracy: Accuracy,
 }
@@ -211,7 +222,7 @@ impl<'a> VisibilityQuery<'a> {
     /// About a light that is bright in all of its cone.
     #[must_use]
     pub const fn new(at: &'a Receiver, light: LightId, cone: &'a Cone, accuracy: Accuracy) -> Self {
-        Self { at, light, cone, outline: None, accuracy }
+        Self { at, light, cone, outline: None, image: None, accuracy }
     }
 }
 
@@ -223,6 +234,9 @@ impl<'a> VisibilityQuery<'a> {
 pub struct VisibilitySum {
     /// The constant term (`c_unit` of Eq. 38): a scalar, never a lobe of exponent 0.
     pub base: f32,
+    /// The visible fraction by channel, of a light with a [`LightImage`]; it stands for all else in the sum. [`Visit::lobes`](crate::Visit::lobes)
+    /// empties it.
+    pub by_channel: Option<Vec3>,
     /// Lobes of V; their flux is a solid angle (negative where they take light away).
     pub lobes: LobeBuffer,
     /// Lobes of the unoccluded light over the same nodes; empty when the sum is to be used directly.
@@ -233,7 +247,12 @@ impl VisibilitySum {
     /// Room for `capacity` lobes in each of the two sums.
     #[must_use]
     pub fn with_capacity(capacity: usize) -> Self {
-        Self { base: 0.0, lobes: LobeBuffer::with_capacity(capacity), whole: LobeBuffer::with_capacity(capacity) }
+        Self {
+            base: 0.0,
+            by_channel: None,
+            lobes: LobeBuffer::with_capacity(capacity),
+            whole: LobeBuffer::with_capacity(capacity),
+        }
     }
 }
 

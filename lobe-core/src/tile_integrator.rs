@@ -16,7 +16,8 @@ pub struct TileCall<'a> {
     pub lobes: &'a TileLobes,
     /// The light as they see it.
     pub light: &'a TileLight,
-    /// [`cap_integrals`](crate::cap_integrals) of these lobes over this light. The paper's method has no use for them.
+    /// [`cap_integrals`](crate::cap_integrals) of these lobes over this light. The paper's method has no use for them, nor have lights that
+    /// show an image.
     pub integrals: &'a [f32],
 }
 
@@ -82,8 +83,8 @@ impl Integrator<'_> {
         out.blocks.resize(call.at.len().div_ceil(WIDTH), Kept::default());
         out.blocks.iter_mut().for_each(|block| block.0[1..].as_flattened_mut().fill(0.0));
         match self.method {
-            Method::Moments => self.tile_by_moments(call, visit, sum, probe, out),
-            Method::Paper(_) => self.tile_one_by_one(call, visit, sum, probe, out),
+            Method::Moments if visit.image().is_none() => self.tile_by_moments(call, visit, sum, probe, out),
+            Method::Moments | Method::Paper(_) => self.tile_one_by_one(call, visit, sum, probe, out),
         }
     }
 

@@ -1,6 +1,6 @@
 use crate::{
-    Accuracy, Cone, Coverage, LightId, Lobe, LobesFull, Outline, Receiver, Shaft, VisibilityLobes, VisibilityQuery,
-    VisibilitySum, visible_fraction,
+    Accuracy, Cone, Coverage, LightId, LightImage, Lobe, LobesFull, Outline, Receiver, Shaft, VisibilityLobes,
+    VisibilityQuery, VisibilitySum, visible_fraction,
 };
 
 /// A group of receivers asks a strategy about one light: the group enters, each receiver asks how much it sees, and who sees a
@@ -23,6 +23,7 @@ pub struct Visit<'v, V: VisibilityLobes + ?Sized> {
     visibility: &'v V,
     scratch: &'v mut V::Scratch,
     light: LightId,
+    image: Option<&'v LightImage>,
     accuracy: Accuracy,
     entered: Coverage,
     /// How many receivers have looked.
@@ -71,13 +72,25 @@ impl<'v, V: VisibilityLobes + ?Sized> Visit<'v, V> {
     /// The group enters: all receivers that will look are inside `shaft`.
     pub fn enter(visibility: &'v V, shaft: &Shaft, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
         let entered = visibility.enter(shaft, scratch);
-        Self { visibility, scratch, light: shaft.id, accuracy, entered, looks: 0 }
+        Self { entered, ..Self::alone(visibility, shaft.id, accuracy, scratch) }
     }
 
     /// One receiver that looks alone: the strategy is told of no group, and must not have been told of another one with this
     /// scratch.
     pub fn alone(visibility: &'v V, light: LightId, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
-        Self { visibility, scratch, light, accuracy, entered: Coverage::Partial, looks: 0 }
+        Self { visibility, scratch, light, image: None, accuracy, entered: Coverage::Partial, looks: 0 }
+    }
+
+    /// The same visit to a light that shows an image ([`LightLobes::image`](crate::LightLobes::image)).
+    #[must_use]
+    pub fn to_image(self, image: Option<&'v LightImage>) -> Self {
+        Self { image, ..self }
+    }
+
+    /// What the light shows.
+    #[must_use]
+    pub const fn image(&self) -> Option<&'v LightImage> {
+        self.image
     }
 
     /// What was said of the whole group: [`Coverage::Lit`] when nobody needs to look.
@@ -93,13 +106,20 @@ impl<'v, V: VisibilityLobes + ?Sized> Visit<'v, V> {
     }
 
     /// How much of the light a receiver sees, whose cone from there is `cone`.
-    pub fn look<'q>(&mut self, at: &'q Receiver, cone: &'q Cone) -> Look<'q> {
+    pub fn look<'q>(&mut self, at: &'q Receiver, cone: &'q Cone) -> Look<'q>
+    where
+        'v: 'q,
+    {
         self.look_through(at, cone, None)
     }
 
     /// The same of a light of which only what is inside of an outline is bright.
-    pub fn look_through<'q>(&mut self, at: &'q Receiver, cone: &'q Cone, outline: Option<&'q Outline>) -> Look<'q> {
-        let query = VisibilityQuery { outline, ..VisibilityQuery::new(at, self.light, cone, self.accuracy) };
+    pub fn look_through<'q>(&mut self, at: &'q Receiver, cone: &'q Cone, outline: Option<&'q Outline>) -> Look<'q>
+    where
+        'v: 'q,
+    {
+        let query =
+            VisibilityQuery { outline, image: self.image, ..VisibilityQuery::new(at, self.light, cone, self.accuracy) };
         self.looks = self.looks.wrapping_add(1);
         match self.visibility.coverage(&query, self.scratch) {
             Coverage::Lit => Look::Lit,
@@ -123,6 +143,7 @@ impl<'v, V: VisibilityLobes + ?Sized> Visit<'v, V> {
         out: &mut VisibilitySum,
     ) -> Result<(), LobesFull> {
         assert_eq!(seen.look, self.looks, "lobes are of the receiver that looked last");
+        out.by_channel = None;
         self.visibility.visibility_lobes(seen, brdf, unshadowed, self.scratch, out)
     }
 

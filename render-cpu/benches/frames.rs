@@ -124,6 +124,7 @@ fn strategies(c: &mut Criterion) {
         width: 64,
         height: 64,
         background: Vec3::ZERO,
+        environment: None,
         materials: materials.to_vec(),
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::spheres("balls", balls.clone(), 0)],
         lights: lights.clone(),

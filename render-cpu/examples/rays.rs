@@ -56,6 +56,7 @@ fn fence() -> Scene {
         width: 320,
         height: 240,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("fence", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(Sphere { center: 4.0 * toward, radius }, Vec3::splat(90.0)).into()],

@@ -30,6 +30,7 @@ fn main() {
             width: 64,
             height: 64,
             background: Vec3::ZERO,
+            environment: None,
             materials: vec![brdf::Material::lambert(Vec3::ONE)],
             objects: vec![Object::mesh("sheet", mesh, 0, Proxy::Count(1))],
             lights: vec![SphereLight { ball, radiance: Vec3::ONE }.into()],

@@ -250,6 +250,7 @@ fn over_floor(mesh: Mesh, light: Vec3) -> Scene {
         width: SIZE.0,
         height: SIZE.1,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("mesh", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(Sphere { center: light, radius: 0.3 }, Vec3::ONE).into()],

@@ -36,6 +36,9 @@ pub struct GBuffer {
     pub materials: Vec<Material>,
     /// For each point the radiance that its surface emits toward the eye; empty where no surface does.
     pub emission: Vec<Vec3>,
+    /// For each pixel what its rays that met nothing see of the scene's environment: their sum over all its rays. Empty where there is
+    /// none.
+    pub sky: Vec<Vec3>,
 }
 
 impl GBuffer {
@@ -86,6 +89,7 @@ impl GBuffer {
         let (found, ends) = view.look();
         let mut all = Self { width: own_width, height: own_height, samples, ..Self::default() };
         view.describe(&found, &ends, &mut all);
+        all.sky = view.sky(&found);
         all
     }
 
@@ -108,6 +112,21 @@ impl GBuffer {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.pixels.is_empty()
+    }
+
+    /// The picture of the points' radiance ([`resolve`](Self::resolve)), with the scene's environment behind them or, where it has none,
+    /// `background`.
+    ///
+    /// # Panics
+    /// When there is not one value a point.
+    #[must_use]
+    pub fn picture(&self, radiance: &[Vec3], background: Vec3) -> Vec<Vec3> {
+        if self.sky.is_empty() {
+            return self.resolve(radiance, background);
+        }
+        let mut picture = self.resolve(radiance, Vec3::ZERO);
+        picture.iter_mut().zip(&self.sky).for_each(|(pixel, sky)| *pixel += *sky);
+        picture
     }
 
     /// The picture of one value a point: the mean over each pixel's rays (a box filter), `background` where a ray met

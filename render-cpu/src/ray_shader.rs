@@ -21,6 +21,7 @@ use core::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
+use lighting::Light;
 use lobe_core::{Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, Shaft, Sphere, Tile, orthonormal_basis};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints};
@@ -152,7 +153,11 @@ impl<'a> RayShader<'a> {
                 if cone.one_minus_cos <= 0.0 {
                     continue;
                 }
-                let coverage = if self.culled { self.select(at, &cone, scratch) } else { Coverage::Partial };
+                let coverage = match self.culled {
+                    _ if matches!(light, Light::Ambient(_)) => Coverage::Lit,
+                    true => self.select(at, &cone, scratch),
+                    false => Coverage::Partial,
+                };
                 match coverage {
                     Coverage::Lit => counts.lit_points += 1,
                     Coverage::Dark => counts.dark_points += 1,
@@ -212,7 +217,7 @@ impl<'a> RayShader<'a> {
     }
 
     /// One point and one light that is no ball: points of its surface.
-    fn sample_area(&self, pair: &Pair<'_>, area: &Area, material: &Material, rays: &mut u64) -> Vec3 {
+    fn sample_area(&self, pair: &Pair<'_>, area: &Area<'_>, material: &Material, rays: &mut u64) -> Vec3 {
         let Pair { at, number, clear, .. } = pair;
         let [x, y, z] = at.position.to_array().map(|x| u64::from(x.to_bits()));
         let sequence = Sequence::new(mix(mix(x | y << 32, z), *number));
@@ -220,7 +225,7 @@ impl<'a> RayShader<'a> {
         let mut sum = Vec3::ZERO;
         for seen in (0..samples).filter_map(|i| area.sample(sequence.get(i, 0), sequence.get(i, 1))) {
             let v = seen.direction.as_vec3();
-            let value = material.eval(at, v) / seen.pdf as f32;
+            let value = material.eval(at, v) * seen.shows / seen.pdf as f32;
             if value == Vec3::ZERO {
                 continue;
             }

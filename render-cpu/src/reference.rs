@@ -5,6 +5,7 @@ mod checkpoint;
 mod cone;
 mod meridian;
 mod occluders;
+mod sky;
 mod sobol;
 
 use self::area::{Area, Seen};
@@ -13,12 +14,14 @@ use self::cone::LightCone;
 pub(crate) use self::cone::concentric;
 use self::meridian::{Cap, Meridian};
 use self::occluders::{Occluders, tile_candidates};
+use self::sky::Sky;
 pub(crate) use self::sobol::{Sequence, mix};
 use crate::{GBuffer, World};
 use brdf::{Brdf, Material};
 use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Vec3};
+use lighting::Light;
 use lobe_core::{BrdfLobes, LightLobes, LobeBuffer, OWN_NONE, Receiver, Sphere};
 use rayon::prelude::*;
 use scene::{BlockerSet, Bounds};
@@ -106,6 +109,8 @@ pub struct Estimate {
 #[derive(Debug)]
 pub struct Reference<'a> {
     job: ReferenceJob<'a>,
+    /// What the scene's environment shows.
+    sky: Option<Sky<'a>>,
     tallies: Vec<Tally>,
     /// Samples a replicate that each tile has.
     done: Vec<u32>,
@@ -116,7 +121,9 @@ impl<'a> Reference<'a> {
     #[must_use]
     pub fn new(job: ReferenceJob<'a>) -> Self {
         let count = job.gbuffer.len();
-        Self { job, tallies: vec![Tally::default(); count], done: vec![0; count.div_ceil(TILE_POINTS)] }
+        let environment = job.world.scene().environment.as_deref();
+        let sky = environment.map(|environment| Sky::new(environment.map()));
+        Self { job, sky, tallies: vec![Tally::default(); count], done: vec![0; count.div_ceil(TILE_POINTS)] }
     }
 
     /// Samples a light that every point has by now.
@@ -138,7 +145,7 @@ impl<'a> Reference<'a> {
     /// piece of work done, from any thread.
     pub fn advance(&mut self, samples: u32, stop: &AtomicBool, progress: &(dyn Fn(u64) + Sync)) {
         let target = samples.div_ceil(REPLICATES);
-        let job = self.job;
+        let (job, sky) = (self.job, self.sky.as_ref());
         // Round after round, so that an interrupted picture is about equally good everywhere.
         let mut round = self.done.iter().min().copied().unwrap_or(target);
         while round < target && !stop.load(Ordering::Relaxed) {
@@ -152,7 +159,7 @@ impl<'a> Reference<'a> {
                     if stop.load(Ordering::Relaxed) {
                         return;
                     }
-                    sampler.tile(&job, tile * TILE_POINTS, tallies, *done..round);
+                    sampler.tile(&job, sky, tile * TILE_POINTS, tallies, *done..round);
                     progress(u64::from((round - *done) * REPLICATES) * TILE_POINTS as u64);
                     *done = round;
                 });
@@ -196,7 +203,7 @@ struct Pair<'a> {
     /// Of the light.
     radiance: Vec3,
     /// Its shape, where that is no ball.
-    area: Option<Area>,
+    area: Option<Area<'a>>,
     /// The ball's directions, or those of a ball around the shape.
     cone: LightCone,
     occluders: &'a Occluders,
@@ -211,13 +218,25 @@ struct Pair<'a> {
 
 impl Sampler {
     /// Adds the samples of the range to the points from `first` on.
-    fn tile(&mut self, job: &ReferenceJob<'_>, first: usize, tallies: &mut [Tally], range: core::ops::Range<u32>) {
+    fn tile(
+        &mut self,
+        job: &ReferenceJob<'_>,
+        sky: Option<&Sky<'_>>,
+        first: usize,
+        tallies: &mut [Tally],
+        range: core::ops::Range<u32>,
+    ) {
         let scene = job.world.scene();
         let points = &job.gbuffer.points;
         let receivers = &points.receivers[first..first + tallies.len()];
         let mut sums = vec![[[DVec3::ZERO; 2]; REPLICATES as usize]; tallies.len()];
         for (number, light) in scene.lights.iter().enumerate() {
-            if job.geometry.has_spheres() {
+            // What the environment shows is sampled from its picture.
+            if sky.is_some() && matches!(light, Light::Sky(_)) {
+                continue;
+            }
+            let geometry = if matches!(light, Light::Ambient(_)) { Geometry::None } else { job.geometry };
+            if geometry.has_spheres() {
                 let bounds = receivers.iter().fold(Bounds::EMPTY, |b, at| b.with_point(at.position));
                 let around = Sphere { center: bounds.center(), radius: bounds.radius() };
                 tile_candidates(receivers, light.bounds_from(&around), job.blockers, &mut self.candidates);
@@ -228,7 +247,7 @@ impl Sampler {
                 if cone.one_minus_cos() <= 0.0 {
                     continue;
                 }
-                if job.geometry.has_spheres() {
+                if geometry.has_spheres() {
                     self.occluders.select(at, &cone, &self.candidates, job.blockers);
                 } else {
                     self.occluders.none();
@@ -240,7 +259,7 @@ impl Sampler {
                     horizon: cone.cut_by(below).then(|| Cap::new(&cone, below, 0.0)),
                     azimuths: cone.azimuths_beside(below),
                     world: job.world,
-                    geometry: job.geometry,
+                    geometry,
                     at,
                     material,
                     radiance: light.radiance(at),
@@ -256,6 +275,9 @@ impl Sampler {
                 }
             }
         }
+        if let Some(sky) = sky.filter(|sky| !sky.is_black()) {
+            self.sky(job, sky, first, &mut sums, range.clone());
+        }
         // Running means: old and new ones weighted by their numbers of samples.
         let (old, new) = (f64::from(range.start), f64::from(range.end - range.start));
         let merge = |mean: &mut Vec3, sum: DVec3| *mean = ((mean.as_dvec3() * old + sum) / (old + new)).as_vec3();
@@ -263,6 +285,52 @@ impl Sampler {
             for (r, [radiance, unshadowed]) in sums.iter().enumerate() {
                 merge(&mut tally.radiance[r], *radiance);
                 merge(&mut tally.unshadowed[r], *unshadowed);
+            }
+        }
+    }
+
+    /// Adds what the environment gives to the points from `first` on.
+    fn sky(
+        &mut self,
+        job: &ReferenceJob<'_>,
+        sky: &Sky<'_>,
+        first: usize,
+        sums: &mut [[[DVec3; 2]; REPLICATES as usize]],
+        range: core::ops::Range<u32>,
+    ) {
+        let points = &job.gbuffer.points;
+        let receivers = &points.receivers[first..first + sums.len()];
+        let all = job.world.scene().bounds();
+        // Around all that blocks, wherever receivers are in it.
+        let around = |p: Vec3| Sphere { center: p, radius: 4.0 * all.radius() + 2.0 * p.distance(all.center()) };
+        if job.geometry.has_spheres() {
+            let far = Sphere { radius: 16.0 * all.radius(), center: all.center() };
+            tile_candidates(receivers, far, job.blockers, &mut self.candidates);
+        }
+        for (i, (at, sums)) in receivers.iter().zip(sums).enumerate() {
+            let cone = LightCone::new(at.position, around(at.position));
+            if job.geometry.has_spheres() {
+                self.occluders.select(at, &cone, &self.candidates, job.blockers);
+            } else {
+                self.occluders.none();
+            }
+            let pair = Pair {
+                horizon: None,
+                azimuths: (0.0, TAU),
+                world: job.world,
+                geometry: job.geometry,
+                at,
+                material: &job.gbuffer.materials[points.materials[first + i] as usize],
+                radiance: Vec3::ONE,
+                area: None,
+                cone,
+                occluders: &self.occluders,
+                origin: job.world.leave(at.position, at.face),
+                glossy: true,
+            };
+            for (replicate, sum) in sums.iter_mut().enumerate() {
+                let key = mix(mix(mix(job.seed, (first + i) as u64), u64::MAX), replicate as u64);
+                pair.sky_sample(key, sky, range.clone(), sum);
             }
         }
     }
@@ -277,6 +345,11 @@ impl Sampler {
             Err(_) => f64::INFINITY,
         }
     }
+}
+
+/// As f32, which does not round it up to 1.
+fn below_one(x: f64) -> f32 {
+    (x as f32).min(1.0 - f32::EPSILON / 2.0)
 }
 
 impl Pair<'_> {
@@ -301,8 +374,7 @@ impl Pair<'_> {
             if !self.glossy {
                 continue;
             }
-            // The largest f32 below 1.
-            let u = core::array::from_fn(|d| (on_brdf.get(i, d) as f32).min(1.0 - f32::EPSILON / 2.0));
+            let u = core::array::from_fn(|d| below_one(on_brdf.get(i, d)));
             let Some(sample) = self.material.sample(self.at, u) else { continue };
             let v = sample.direction.as_dvec3().normalize();
             if self.cone.contains(v) {
@@ -312,23 +384,46 @@ impl Pair<'_> {
         }
     }
 
+    /// Adds directions of a picture of all directions, and as many of the reflectance.
+    fn sky_sample(&self, key: u64, sky: &Sky<'_>, range: core::ops::Range<u32>, sums: &mut [DVec3; 2]) {
+        let on_sky = Sequence::new(mix(key, 1));
+        let on_brdf = Sequence::new(mix(key, 2));
+        let far = self.cone.surface(self.at.normal.as_dvec3());
+        let mut add = |v: DVec3, reflectance: Vec3, p: f64, q: f64| {
+            self.add_before(v, far, self.weighted(reflectance * sky.radiance(v), p, q), sums);
+        };
+        for i in range {
+            let (v, p) = sky.sample(on_sky.get(i, 0), on_sky.get(i, 1));
+            let reflectance = self.material.eval(self.at, v.as_vec3());
+            if reflectance != Vec3::ZERO && p > 0.0 {
+                add(v, reflectance, p, f64::from(self.material.pdf(self.at, v.as_vec3())));
+            }
+            let u = core::array::from_fn(|d| below_one(on_brdf.get(i, d)));
+            if let Some(sample) = self.material.sample(self.at, u) {
+                let v = sample.direction.as_dvec3().normalize();
+                add(v, self.material.eval(self.at, sample.direction), f64::from(sample.pdf), sky.pdf(v));
+            }
+        }
+    }
+
     /// Adds a point of a surface of light, and a direction of a reflectance that is narrow beside it.
-    fn area_sample(&self, area: &Area, [x, y]: [f64; 2], on_brdf: [f64; 3], sums: &mut [DVec3; 2]) {
-        if let Some(Seen { direction, distance, pdf }) = area.sample(x, y) {
+    fn area_sample(&self, area: &Area<'_>, [x, y]: [f64; 2], on_brdf: [f64; 3], sums: &mut [DVec3; 2]) {
+        if let Some(Seen { direction, distance, pdf, shows }) = area.sample(x, y) {
             let reflectance = self.material.eval(self.at, direction.as_vec3());
             if reflectance != Vec3::ZERO {
                 let other = if self.glossy { f64::from(self.material.pdf(self.at, direction.as_vec3())) } else { 0.0 };
-                self.add_before(direction, distance, self.weighted(reflectance, pdf, other), sums);
+                self.add_before(direction, distance, self.weighted(reflectance * shows, pdf, other), sums);
             }
         }
         if !self.glossy {
             return;
         }
-        let u = on_brdf.map(|x| (x as f32).min(1.0 - f32::EPSILON / 2.0));
+        let u = on_brdf.map(below_one);
         let Some(sample) = self.material.sample(self.at, u) else { return };
-        if let Some(Seen { direction, distance, pdf }) = area.hit(sample.direction.as_dvec3().normalize()) {
+        if let Some(Seen { direction, distance, pdf, shows }) = area.hit(sample.direction.as_dvec3().normalize()) {
             let reflectance = self.material.eval(self.at, sample.direction);
-            self.add_before(direction, distance, self.weighted(reflectance, f64::from(sample.pdf), pdf), sums);
+            let value = self.weighted(reflectance * shows, f64::from(sample.pdf), pdf);
+            self.add_before(direction, distance, value, sums);
         }
     }
 

@@ -189,18 +189,22 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         work.lap(0);
         for (l, light) in frame.lights.iter().enumerate() {
             light.tile_light(receivers, tile, cones);
-            if matches!(self.method, Method::Moments) {
+            // A light that shows an image is integrated where it is seen.
+            if matches!(self.method, Method::Moments) && light.image().is_none() {
                 cap_integrals(cones, lobes, integrals);
             }
             work.lap(1);
             let (id, accuracy) = (LightId(l as u32), frame.accuracy);
             let shaft = Shaft { receivers: ball, light: light.bounds_from(&ball), id };
             // Of receivers that all face away from the light none is asked about.
-            let any = !matches!(self.method, Method::Moments) || integrals.iter().any(|integral| *integral > 0.0);
+            let any = !matches!(self.method, Method::Moments)
+                || light.image().is_some()
+                || integrals.iter().any(|integral| *integral > 0.0);
             let mut visit = match any {
                 true => Visit::enter(&self.visibility, &shaft, accuracy, scratch),
                 false => Visit::alone(&self.visibility, id, accuracy, scratch),
-            };
+            }
+            .to_image(light.image());
             if is_bent {
                 visit.let_each_look();
             }

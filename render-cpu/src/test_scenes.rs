@@ -35,6 +35,7 @@ pub(crate) fn floor_and_ball() -> Scene {
         width: 50,
         height: 30,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![material()],
         objects: vec![
             object("floor", Shape::Mesh(mesh), Proxy::None),

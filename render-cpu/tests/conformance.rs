@@ -17,6 +17,7 @@ fn scene(balls: &[Sphere]) -> Scene {
         width: 1,
         height: 1,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: balls.iter().map(|ball| Object::spheres("ball", vec![*ball], 0)).collect(),
         lights: Vec::new(),

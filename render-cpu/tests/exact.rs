@@ -62,6 +62,7 @@ fn scene(mut mesh: Mesh, half: f32, turn: Quat) -> Scene {
         width: 200,
         height: 150,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("mesh", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(light, Vec3::ONE).into()],

@@ -17,6 +17,7 @@ fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
         width: 64,
         height: 48,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: meshes.into_iter().enumerate().map(object).collect(),
         lights: vec![SphereLight::new(light, Vec3::ONE).into()],

@@ -20,6 +20,7 @@ fn floor(material: Material, surface: Surface) -> Scene {
         width: 96,
         height: 64,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![material],
         surfaces: vec![surface],
         objects: vec![Object::mesh("floor", mesh, 0, Proxy::None)],

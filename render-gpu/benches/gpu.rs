@@ -116,6 +116,7 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
         width: 64,
         height: 64,
         background: Vec3::ZERO,
+        environment: None,
         materials: vec![Material::lambert(Vec3::ONE)],
         objects: vec![Object::mesh("cube", cube, 0, Proxy::None)],
         lights: lights.clone(),

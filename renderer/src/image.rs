@@ -122,7 +122,7 @@ impl Work for Shading<'_, '_, '_, '_> {
                         g.add_emission(&mut points.unshadowed);
                         if repetition == 0 {
                             let count = frame.lights.len();
-                            all.unshadowed = g.resolve(&points.unshadowed, background);
+                            all.unshadowed = g.picture(&points.unshadowed, background);
                             let light = |l: usize| {
                                 let part: Vec<Vec3> = points.lights.iter().skip(l).step_by(count).copied().collect();
                                 g.resolve(&part, Vec3::ZERO)
@@ -144,7 +144,7 @@ impl Work for Shading<'_, '_, '_, '_> {
             }
             done.points += g.len();
             let rows = rows.start as usize..rows.end as usize;
-            if sink(Band { rows, radiance: g.resolve(&radiance, background), layers: all }).is_break() {
+            if sink(Band { rows, radiance: g.picture(&radiance, background), layers: all }).is_break() {
                 break;
             }
         }

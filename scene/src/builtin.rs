@@ -53,6 +53,7 @@ pub fn builtin() -> Scene {
         width: 960,
         height: 540,
         background: Vec3::ZERO,
+        environment: None,
         materials,
         objects,
         lights: vec![

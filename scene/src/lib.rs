@@ -86,6 +86,7 @@ mod origin;
 mod placement;
 mod ply;
 mod scene;
+mod scene_environment;
 mod scene_file;
 #[cfg(test)]
 mod scene_file_tests;

@@ -2,9 +2,10 @@ use crate::mesh::MAX_COORDINATE;
 use crate::{Bounds, Camera, Mesh, SceneError, Strategy, Surface};
 use brdf::Material;
 use glam::{Mat4, Vec3};
-use lighting::Light;
+use lighting::{Environment, Light};
 use lobe_core::Sphere;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What an object looks like.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +60,7 @@ pub struct Scene {
     pub width: u32,
     /// Image height in pixels.
     pub height: u32,
-    /// Radiance where the camera sees nothing.
+    /// Radiance where the camera sees nothing, not even an environment.
     pub background: Vec3,
     /// Materials; objects refer to them by index.
     pub materials: Vec<Material>,
@@ -68,8 +69,10 @@ pub struct Scene {
     pub surfaces: Vec<Surface>,
     /// Objects; a receiver's `object` number is an index into this.
     pub objects: Vec<Object>,
-    /// Lights; none gives a black picture.
+    /// Lights, those of the environment included; none gives a black picture.
     pub lights: Vec<Light>,
+    /// What is all around, seen where the camera sees nothing else.
+    pub environment: Option<Arc<Environment>>,
 }
 
 /// The largest image edge accepted, in pixels.

@@ -5,7 +5,7 @@ use crate::cut_out::CutOut;
 use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
 use crate::load::{self, Context, Look};
 use crate::mesh::MAX_COORDINATE;
-use crate::scene_light::read_light;
+use crate::scene_light::{Around, SceneLights};
 use crate::scene_material::{ImageFiles, read_material};
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
@@ -102,10 +102,10 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         }
     }
     let bounds = objects.iter().fold(crate::Bounds::EMPTY, |b, o| b.union(o.shape.bounds()));
-    let (mut lights, mut light_movers) = (Vec::new(), Vec::new());
+    let mut lit = SceneLights::default();
     if let Some(value) = root.get("lights") {
         for entry in value.elements("[[lights]]")? {
-            light_movers.extend(read_light(entry.table()?, origin, &bounds, &mut lights)?);
+            lit.read(entry.table()?, &Around { path, origin, bounds: &bounds })?;
         }
     }
     let camera = root.get("camera");
@@ -122,19 +122,21 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         duration,
         fps,
         movers,
-        lights: light_movers,
+        lights: lit.movers,
         camera: camera_keys.map(|keys| CameraMover::Keys(Box::new(keys))),
         ..context.animation()
     };
     let (materials, surfaces) = Look::parted(materials.all);
-    let scene = Scene { camera, width, height, background, materials, surfaces, objects, lights };
+    let SceneLights { lights, environment, .. } = lit;
+    let scene = Scene { camera, width, height, background, environment, materials, surfaces, objects, lights };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))
 }
 
 /// Where a light is; a sun is nowhere.
 fn place_of(light: &Light) -> Option<Vec3> {
-    (!matches!(light, Light::Sun(_))).then(|| light.bounds().center)
+    let is_nowhere = matches!(light, Light::Sun(_) | Light::Sky(_) | Light::Ambient(_));
+    (!is_nowhere).then(|| light.bounds().center)
 }
 
 /// The materials so far, by number and by name.

@@ -37,7 +37,7 @@ fn the_example_is_a_valid_scene_with_every_key() {
     assert!(warnings.is_empty(), "{warnings:?}");
     assert_eq!((scene.width, scene.height), (640, 360));
     assert_eq!(scene.objects.len(), 6);
-    assert_eq!(scene.lights.len(), 12);
+    assert_eq!(scene.lights.len(), 37);
     // Φ = 4π²·L·Σr² of the three balls.
     let flux = |l: &Light| l.full_radiance().x * l.ball().expect("a ball").radius.powi(2);
     let flux: f32 = scene.lights[2..5].iter().map(flux).sum::<f32>();
@@ -286,7 +286,7 @@ fn what_lies_too_far_is_told_at_its_line() {
 #[test]
 fn lights_of_all_kinds_are_read() {
     let ball = "[[objects]]\nsphere = { center = [0, 0, 0], radius = 1 }\n";
-    let read = |light: &str| parse(&format!("{ball}[[lights]]\n{light}")).unwrap().lights[0];
+    let read = |light: &str| parse(&format!("{ball}[[lights]]\n{light}")).unwrap().lights[0].clone();
     let Light::Flat(panel) = read("kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [0, 0, 2]\nflux = 8")
     else {
         panic!()
@@ -314,6 +314,11 @@ fn lights_of_all_kinds_are_read() {
     let Light::Sun(sun) = read("kind = \"sun\"\ndirection = [0, -1, 0]\nirradiance = 3") else { panic!() };
     assert!(sun.toward == Vec3::Y && (sun.sin.asin().to_degrees() - 0.265).abs() < 1e-5);
     assert!((sun.radiance.x * std::f32::consts::PI * sun.sin.powi(2) - 3.0).abs() < 1e-4);
+    let Light::Ambient(ambient) = read("kind = \"ambient\"\nradiance = 0.5") else { panic!() };
+    assert_eq!(ambient.radiance, Vec3::splat(0.5));
+    let sky = "kind = \"environment\"\nradiance = [1, 2, 3]\nstrength = 2\npatches = 1";
+    let scene = parse(&format!("{ball}[[lights]]\n{sky}")).unwrap();
+    assert!(scene.lights.len() == 6 && scene.environment.unwrap().map().radiance(Vec3::Z) == Vec3::new(2.0, 4.0, 6.0));
     // They turn and move as objects do.
     let keys =
         "keys = [{ time = 0 }, { time = 1, rotate = { axis = [1, 0, 0], degrees = 90 }, translate = [0, 1, 0] }]";
@@ -322,7 +327,7 @@ fn lights_of_all_kinds_are_read() {
     );
     let (mut scene, animation) = scene_file::parse(Path::new("t.toml"), &text, &mut Context::default()).unwrap();
     animation.seek(1.0, &mut scene);
-    let Light::Flat(moved) = scene.lights[0] else { panic!() };
+    let Light::Flat(moved) = &scene.lights[0] else { panic!() };
     assert!((moved.as_disc().0 - Vec3::new(0.0, 1.0, 3.0)).length() < 1e-5);
     assert!((moved.normal() - Vec3::NEG_Z).length() < 1e-5);
 }
@@ -354,6 +359,21 @@ fn lights_that_are_none_are_refused() {
     let inner = "kind = \"spot\"\ncenter = [0, 3, 0]\ndirection = [0, -1, 0]\nintensity = 1\nangle = 20\ninner = 30";
     refused(&light(inner), 9, &["angle"]);
     refused(&light("kind = \"tube\"\nfrom = [0, 3, 0]\nto = [0, 4, 0]\nradius = 0.1\nradiance = -1"), 8, &["-1"]);
+    refused(&light("kind = \"ambient\"\nradiance = -1"), 5, &["-1"]);
+    refused(&light("kind = \"environment\"\nfile = \"none.hdr\""), 5, &["none.hdr"]);
+    refused(&light("kind = \"environment\"\nradiance = 1\npatches = 40"), 6, &["40"]);
+    refused(
+        &light("kind = \"environment\"\nradiance = 1\n[[lights]]\nkind = \"environment\"\nradiance = 1"),
+        7,
+        &["already"],
+    );
+    refused(
+        &light(
+            "kind = \"rectangle\"\ncenter = [0, 3, 0]\nu = [1, 0, 0]\nv = [0, 0, 1]\nradiance = 1\nimage = \"none.png\"",
+        ),
+        9,
+        &["none.png"],
+    );
     refused(
         &light("kind = \"rectangle\"\ncenter = [0, 3e9, 0]\nu = [1e6, 0, 0]\nv = [0, 0, 1e6]\nradiance = 1"),
         4,

@@ -5,142 +5,218 @@ use crate::keys::Keys;
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
 use crate::scene::check_balls;
+use crate::scene_environment::{read_environment, read_linear};
 use crate::toml_reader::{Table, Value};
 use crate::{Bounds, SceneError};
 use glam::{DVec3, Mat4, Vec3};
-use lighting::{FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
-use lobe_core::{LightLobes, Sphere};
+use lighting::{AmbientLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
+use lobe_core::{LightImage, LightLobes, Sphere};
 use std::f64::consts::PI;
+use std::path::Path;
+use std::sync::Arc;
 
 /// Radius of a point or a spot that states none.
 const POINT: f32 = 0.01;
 
-const KINDS: &str =
-    "\"sphere\", \"spheres\", \"rectangle\", \"disc\", \"polygon\", \"tube\", \"point\", \"spot\" or \"sun\"";
+const KINDS: &str = "\"sphere\", \"spheres\", \"rectangle\", \"disc\", \"polygon\", \"tube\", \"point\", \"spot\", \"sun\", \"ambient\" or \
+                     \"environment\"";
 
-/// Appends a light; what moves it, if anything does.
-pub(crate) fn read_light(
-    mut t: Table<'_>,
-    origin: DVec3,
-    bounds: &Bounds,
-    lights: &mut Vec<Light>,
-) -> Result<Option<LightMover>, SceneError> {
-    let kind = t.require("kind")?;
-    let (origins, own, value) = match kind.string()? {
-        "sphere" => {
-            let (center, radius) = (t.require("center")?, t.require("radius")?);
-            let origins = Origins::of(origin, center.place()?);
-            let balls = vec![Sphere { center: center.relative(origins.own)?, radius: radius.positive()? }];
-            let (own, value) = balls_of(&mut t, center, balls, &["radiance", "flux"])?;
-            (origins, own, value)
-        }
-        "spheres" => {
-            let list = t.require("spheres")?;
-            let origins = Origins::of(origin, list.first_place()?);
-            let balls = list.spheres(origins.own)?;
-            let (own, value) = balls_of(&mut t, list, balls, &["radiance", "flux"])?;
-            (origins, own, value)
-        }
-        "point" => {
-            let center = t.require("center")?;
-            let radius = t.get("radius").map_or(Ok(POINT), |v| v.positive())?;
-            let origins = Origins::of(origin, center.place()?);
-            let balls = vec![Sphere { center: center.relative(origins.own)?, radius }];
-            let (own, value) = balls_of(&mut t, center, balls, &["intensity", "flux", "radiance"])?;
-            (origins, own, value)
-        }
-        "spot" => {
-            let center = t.require("center")?;
-            let radius = t.get("radius").map_or(Ok(POINT), |v| v.positive())?;
-            let origins = Origins::of(origin, center.place()?);
-            let balls = vec![Sphere { center: center.relative(origins.own)?, radius }];
-            let axis = t.require("direction")?.nonzero_vec3()?.normalize();
-            let cos = read_spot(&mut t)?;
-            let (own, value) = balls_of(&mut t, center, balls, &["intensity", "radiance"])?;
-            let spot = |light| match light {
-                Light::Sphere(light) => SpotLight { light, axis, cos }.into(),
-                other => other,
-            };
-            (origins, own.into_iter().map(spot).collect(), value)
-        }
-        "rectangle" => {
-            let center = t.require("center")?;
-            let origins = Origins::of(origin, center.place()?);
-            let at = center.relative(origins.own)?;
-            let [u, v] = [t.require("u")?.vec3()?, t.require("v")?.vec3()?];
-            let light = FlatLight::rectangle(at, u, v, Vec3::ONE).map_err(|e| center.error(e))?;
-            let (light, value) = flat(&mut t, light)?;
-            (origins, vec![light], value)
-        }
-        "disc" => {
-            let center = t.require("center")?;
-            let origins = Origins::of(origin, center.place()?);
-            let at = center.relative(origins.own)?;
-            let normal = t.require("normal")?.nonzero_vec3()?;
-            let radius = t.require("radius")?.positive()?;
-            let light = FlatLight::disc(at, normal, radius, Vec3::ONE).map_err(|e| center.error(e))?;
-            let (light, value) = flat(&mut t, light)?;
-            (origins, vec![light], value)
-        }
-        "polygon" => {
-            let list = t.require("corners")?;
-            let places = list.elements("[[x, y, z], …]")?;
-            let first = places.first().ok_or_else(|| list.error("expected 3 corners or more"))?.place()?;
-            let origins = Origins::of(origin, first);
-            let corners = places.iter().map(|p| p.relative(origins.own)).collect::<Result<Vec<_>, _>>()?;
-            let light = FlatLight::polygon(&corners, Vec3::ONE).map_err(|e| list.error(e))?;
-            let (light, value) = flat(&mut t, light)?;
-            (origins, vec![light], value)
-        }
-        "tube" => {
-            let (from, to) = (t.require("from")?, t.require("to")?);
-            let origins = Origins::of(origin, from.place()?);
-            let ends = [from.relative(origins.own)?, to.relative(origins.own)?];
-            let radius = t.require("radius")?.positive()?;
-            if ends[0].distance(ends[1]) <= 1e-4 * radius {
-                return Err(to.error("a tube has two ends: this one is the other"));
+/// The lights of a scene file.
+#[derive(Default)]
+pub(crate) struct SceneLights {
+    pub(crate) lights: Vec<Light>,
+    pub(crate) movers: Vec<LightMover>,
+    pub(crate) environment: Option<Arc<Environment>>,
+}
+
+/// What the keys of a light are relative to: the file, the origin of the scene's coordinates and the box around its objects.
+pub(crate) struct Around<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) origin: DVec3,
+    pub(crate) bounds: &'a Bounds,
+}
+
+/// Lights in their own coordinates, and the key that says how bright they are.
+struct Own<'s> {
+    origins: Origins,
+    lights: Vec<Light>,
+    value: Value<'s>,
+}
+
+impl SceneLights {
+    /// Appends a light, and what moves it.
+    pub(crate) fn read(&mut self, mut t: Table<'_>, around: &Around<'_>) -> Result<(), SceneError> {
+        let kind = t.require("kind")?;
+        let world = Sphere { center: around.bounds.center(), radius: around.bounds.radius() };
+        let own = match kind.string()? {
+            "sphere" => ball(&mut t, around, None, &["radiance", "flux"])?,
+            "point" => ball(&mut t, around, Some(POINT), &["intensity", "flux", "radiance"])?,
+            "spot" => spot(&mut t, around)?,
+            "spheres" => {
+                let list = t.require("spheres")?;
+                let origins = Origins::of(around.origin, list.first_place()?);
+                let (lights, value) = balls_of(&mut t, list, list.spheres(origins.own)?, &["radiance", "flux"])?;
+                Own { origins, lights, value }
             }
-            let (unit, value) = t.one_of(&["radiance", "flux"])?;
-            let color = value.color()?;
-            let light = TubeLight { ends, radius, radiance: color };
-            let light = if unit == "flux" { light.with_flux(color) } else { light };
-            (origins, vec![light.into()], value)
+            "rectangle" => rectangle(&mut t, around)?,
+            "disc" => disc(&mut t, around)?,
+            "polygon" => polygon(&mut t, around)?,
+            "tube" => tube(&mut t, around)?,
+            "sun" => sun(&mut t, around, world)?,
+            "ambient" => {
+                let value = t.require("radiance")?;
+                let light = AmbientLight { radiance: value.color()?, world };
+                self.lights.push(light.into());
+                return t.finish();
+            }
+            "environment" => {
+                if self.environment.is_some() {
+                    return Err(kind.error("there is an environment already: a scene has one"));
+                }
+                let environment = read_environment(&mut t, around.path, around.bounds)?;
+                self.lights.extend_from_slice(environment.lights());
+                self.environment = Some(Arc::new(environment));
+                return t.finish();
+            }
+            other => {
+                return Err(kind.error(format!("unknown kind of light \"{other}\": expected {KINDS}")));
+            }
+        };
+        self.place(t, kind, own)
+    }
+
+    fn place(&mut self, mut t: Table<'_>, kind: Value<'_>, own: Own<'_>) -> Result<(), SceneError> {
+        let Own { origins, lights: own, value } = own;
+        let keys = Keys::read(&mut t)?;
+        t.finish()?;
+        if !own.iter().all(|light| light.full_radiance().is_finite()) {
+            return Err(value.error("the light's radiance is too large for single precision"));
         }
-        "sun" => {
-            let along = t.require("direction")?.nonzero_vec3()?.normalize();
-            let degrees = match t.get("angle") {
-                None => SunLight::HALF_ANGLE,
-                Some(v) => match v.positive()? {
-                    angle if (1e-3..=120.0).contains(&angle) => 0.5 * angle,
-                    angle => return Err(v.error(format!("{angle} must lie between 0.001 and 120 degrees"))),
-                },
-            };
-            let (unit, value) = t.one_of(&["irradiance", "radiance"])?;
-            let color = value.color()?;
-            let world = Sphere { center: bounds.center(), radius: bounds.radius() };
-            let light = SunLight::new(-along, degrees, color, world);
-            let light = if unit == "radiance" { SunLight { radiance: color, ..light } } else { light };
-            (Origins::of(origin, DVec3::ZERO), vec![light.into()], value)
+        let is_far = |light: &Light| light.bounds().center.abs().max_element() > MAX_COORDINATE;
+        if own.iter().any(|light| !matches!(light, Light::Sun(_)) && is_far(light)) {
+            return Err(kind.error("coordinates of the light must lie within ±1e9"));
         }
-        other => {
-            return Err(kind.error(format!("unknown kind of light \"{other}\": expected {KINDS}")));
+        let first = self.lights.len();
+        // Where they stand: their own coordinates are the world's.
+        let shift = Mat4::from_translation(crate::origin::relative(DVec3::ZERO, origins.shift()));
+        self.lights.extend(own.iter().map(|light| light.moved(shift)));
+        if let Some(keys) = keys {
+            let placement = LightPlace::Keys(keys.rigid_placement(origins)?);
+            self.movers.push(LightMover { first, lights: own, placement });
+        }
+        Ok(())
+    }
+}
+
+/// A ball; `radius` is its radius where it states none.
+fn ball<'s>(
+    t: &mut Table<'s>,
+    around: &Around<'_>,
+    radius: Option<f32>,
+    units: &[&'static str],
+) -> Result<Own<'s>, SceneError> {
+    let center = t.require("center")?;
+    let radius = match radius {
+        None => t.require("radius")?.positive()?,
+        Some(usual) => t.get("radius").map_or(Ok(usual), |v| v.positive())?,
+    };
+    let origins = Origins::of(around.origin, center.place()?);
+    let balls = vec![Sphere { center: center.relative(origins.own)?, radius }];
+    let (lights, value) = balls_of(t, center, balls, units)?;
+    Ok(Own { origins, lights, value })
+}
+
+fn spot<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneError> {
+    let axis = t.require("direction")?.nonzero_vec3()?.normalize();
+    let cos = read_spot(t)?;
+    let own = ball(t, around, Some(POINT), &["intensity", "radiance"])?;
+    let spot = |light| match light {
+        Light::Sphere(light) => SpotLight { light, axis, cos }.into(),
+        other => other,
+    };
+    Ok(Own { lights: own.lights.into_iter().map(spot).collect(), ..own })
+}
+
+fn rectangle<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneError> {
+    let center = t.require("center")?;
+    let origins = Origins::of(around.origin, center.place()?);
+    let at = center.relative(origins.own)?;
+    let [u, v] = [t.require("u")?.vec3()?, t.require("v")?.vec3()?];
+    let light = FlatLight::rectangle(at, u, v, Vec3::ONE).map_err(|e| center.error(e))?;
+    flat(t, light, origins, around)
+}
+
+fn disc<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneError> {
+    let center = t.require("center")?;
+    let origins = Origins::of(around.origin, center.place()?);
+    let at = center.relative(origins.own)?;
+    let normal = t.require("normal")?.nonzero_vec3()?;
+    let radius = t.require("radius")?.positive()?;
+    let light = FlatLight::disc(at, normal, radius, Vec3::ONE).map_err(|e| center.error(e))?;
+    flat(t, light, origins, around)
+}
+
+fn polygon<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneError> {
+    let list = t.require("corners")?;
+    let places = list.elements("[[x, y, z], …]")?;
+    let first = places.first().ok_or_else(|| list.error("expected 3 corners or more"))?.place()?;
+    let origins = Origins::of(around.origin, first);
+    let corners = places.iter().map(|p| p.relative(origins.own)).collect::<Result<Vec<_>, _>>()?;
+    let light = FlatLight::polygon(&corners, Vec3::ONE).map_err(|e| list.error(e))?;
+    flat(t, light, origins, around)
+}
+
+/// Sides, image and unit of a flat light.
+fn flat<'s>(t: &mut Table<'s>, light: FlatLight, origins: Origins, around: &Around<'_>) -> Result<Own<'s>, SceneError> {
+    let two_sided = t.get("two_sided").map_or(Ok(false), |v| v.boolean())?;
+    let light = if two_sided { light.on_both_sides() } else { light };
+    let (light, mean) = match t.get("image") {
+        None => (light, Vec3::ONE),
+        Some(image) => {
+            let (size, texels) = read_linear(image, around.path)?;
+            // Files begin with the top row.
+            let rows = texels.chunks_exact(size.x as usize).rev();
+            let (shown, mean) = LightImage::new(size, &rows.flatten().copied().collect::<Vec<_>>())
+                .ok_or_else(|| image.error("an image of light has finite pixels that are not negative"))?;
+            let fault = "only rectangles with right angles show images";
+            (light.showing(Arc::new(shown)).ok_or_else(|| image.error(fault))?, mean)
         }
     };
-    let keys = Keys::read(&mut t)?;
-    t.finish()?;
-    if !own.iter().all(|light| light.full_radiance().is_finite()) {
-        return Err(value.error("the light's radiance is too large for single precision"));
+    let (unit, value) = t.one_of(&["radiance", "flux"])?;
+    let color = value.color()?;
+    let light = if unit == "flux" { light.with_flux(color) } else { light.with_radiance(color * mean) };
+    Ok(Own { origins, lights: vec![light.into()], value })
+}
+
+fn tube<'s>(t: &mut Table<'s>, around: &Around<'_>) -> Result<Own<'s>, SceneError> {
+    let (from, to) = (t.require("from")?, t.require("to")?);
+    let origins = Origins::of(around.origin, from.place()?);
+    let ends = [from.relative(origins.own)?, to.relative(origins.own)?];
+    let radius = t.require("radius")?.positive()?;
+    if ends[0].distance(ends[1]) <= 1e-4 * radius {
+        return Err(to.error("a tube has two ends: this one is the other"));
     }
-    let is_far = |light: &Light| light.bounds().center.abs().max_element() > MAX_COORDINATE;
-    if own.iter().any(|light| !matches!(light, Light::Sun(_)) && is_far(light)) {
-        return Err(kind.error("coordinates of the light must lie within ±1e9"));
-    }
-    let first = lights.len();
-    // Where they stand: their own coordinates are the world's.
-    let shift = Mat4::from_translation(crate::origin::relative(DVec3::ZERO, origins.shift()));
-    lights.extend(own.iter().map(|light| light.moved(shift)));
-    keys.map(|keys| Ok(LightMover { first, lights: own, placement: LightPlace::Keys(keys.rigid_placement(origins)?) }))
-        .transpose()
+    let (unit, value) = t.one_of(&["radiance", "flux"])?;
+    let color = value.color()?;
+    let light = TubeLight { ends, radius, radiance: color };
+    let light = if unit == "flux" { light.with_flux(color) } else { light };
+    Ok(Own { origins, lights: vec![light.into()], value })
+}
+
+fn sun<'s>(t: &mut Table<'s>, around: &Around<'_>, world: Sphere) -> Result<Own<'s>, SceneError> {
+    let along = t.require("direction")?.nonzero_vec3()?.normalize();
+    let degrees = match t.get("angle") {
+        None => SunLight::HALF_ANGLE,
+        Some(v) => match v.positive()? {
+            angle if (1e-3..=120.0).contains(&angle) => 0.5 * angle,
+            angle => return Err(v.error(format!("{angle} must lie between 0.001 and 120 degrees"))),
+        },
+    };
+    let (unit, value) = t.one_of(&["irradiance", "radiance"])?;
+    let color = value.color()?;
+    let light = SunLight::new(-along, degrees, color, world);
+    let light = if unit == "radiance" { SunLight { radiance: color, ..light } } else { light };
+    Ok(Own { origins: Origins::of(around.origin, DVec3::ZERO), lights: vec![light.into()], value })
 }
 
 /// Balls in one of some units.
@@ -163,16 +239,6 @@ fn balls_of<'s>(
         _ => color,
     };
     Ok((balls.into_iter().map(|ball| SphereLight::new(ball, radiance).into()).collect(), value))
-}
-
-/// Sides and unit of a flat light.
-fn flat<'s>(t: &mut Table<'s>, light: FlatLight) -> Result<(Light, Value<'s>), SceneError> {
-    let two_sided = t.get("two_sided").map_or(Ok(false), |v| v.boolean())?;
-    let light = if two_sided { light.on_both_sides() } else { light };
-    let (unit, value) = t.one_of(&["radiance", "flux"])?;
-    let color = value.color()?;
-    let light = if unit == "flux" { light.with_flux(color) } else { light.with_radiance(color) };
-    Ok((light.into(), value))
 }
 
 /// Cosines of a spot's half-angles: `angle`, where it ends, and `inner`, where it begins to.

@@ -1,7 +1,7 @@
-use crate::share::{Counts, Sums, microfacet_sums, sums};
+use crate::share::{Counts, Shown, Sums, image_sums, microfacet_sums, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
-use lobe_core::{Coverage, Lobe, Outline, Receiver};
+use lobe_core::{Coverage, LightImage, Lobe, Outline, Receiver};
 
 /// The masks of a window: one, or several side by side where the tolerance wants more samples than one has.
 #[derive(Clone, Debug, Default)]
@@ -87,6 +87,28 @@ pub(crate) fn microfacet_shares(
         add(microfacet_sums(mask, at, lobe, None, near_counts));
     }
     total.map(|sums| sums.ratio(whole.masks()))
+}
+
+/// What is left of the light of an image, by channel: of all of the light's, or of all but what the masks in `near` show, and theirs.
+pub(crate) fn image_shares(
+    whole: &Panes,
+    near: Option<&Panes>,
+    at: &Receiver,
+    lobe: &Lobe,
+    (image, outline): (&LightImage, &Outline),
+    counts: &mut Counts,
+) -> Vec3 {
+    // All windows of such a light are turned alike.
+    let UnitSquare { right, up, .. } = whole.window;
+    let shown = Shown { image, places: outline.places([right, up]) };
+    let mut total = [Sums::default(); 3];
+    let skip = near.map(Panes::window);
+    let masks = whole.masks().iter().map(|mask| (mask, skip));
+    for (mask, skip) in masks.chain(near.into_iter().flat_map(Panes::masks).map(|mask| (mask, None))) {
+        let sums = image_sums(mask, at, lobe, &shown, skip, counts);
+        total = core::array::from_fn(|k| total[k] + sums[k]);
+    }
+    Vec3::from_array(total.map(|sums| sums.ratio(whole.masks())))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use core::ops::{Add, Mul};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::special::{exp, ln_1p};
-use lobe_core::{Lobe, Microfacets, Receiver, is_lambert};
+use lobe_core::{LightImage, Lobe, Microfacets, Places, Receiver, is_lambert};
 
 const ROWS: usize = 1 << crate::MAX_DEPTH;
 /// Blocks of eight columns: what a weight is taken for. A column of a fine mask has eight samples, of a coarse one four.
@@ -72,14 +72,13 @@ pub(crate) fn microfacet_sums(
     let square = mask.square();
     let local = Lobe { axis: square.local(lobe.axis), ..*lobe };
     let microfacets = Microfacets::new(square.local(at.normal), &local);
-    let none = [Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)];
-    let [low, high] = skip.map_or(none, |skip| [skip.center - skip.half, skip.center + skip.half]);
+    let outside = outside(skip);
     let weight = |x: f32, y: f32| {
         let inverse = 1.0 / (x * x + y * y + 1.0);
         let root = inverse.sqrt();
         let [base, edge] = microfacets.both(Vec3::new(x * root, y * root, root));
         let angle = inverse * root;
-        let angle = if x > low.x && x < high.x && y > low.y && y < high.y { 0.0 } else { angle };
+        let angle = if outside(x, y) { angle } else { 0.0 };
         [base * angle, edge * angle]
     };
     dispatch!(Level::new(), simd => {
@@ -92,6 +91,129 @@ pub(crate) fn microfacet_sums(
         }
     })
     .map(|sums| sums * (mask.cell().element_product() * mask.side() as f32 / mask.width() as f32))
+}
+
+/// The sums of [`sums`] by channel of a light that shows an image, in steradians of samples. Samples in `skip`, a part of the mask along
+/// its cells, do not count.
+pub(crate) fn image_sums(
+    mask: &Mask,
+    at: &Receiver,
+    lobe: &Lobe,
+    shown: &Shown<'_>,
+    skip: Option<&UnitSquare>,
+    counts: &mut Counts,
+) -> [Sums; 3] {
+    let square = mask.square();
+    let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
+    let sums = if is_lambert(at, lobe) {
+        shown_sums(mask, shown, skip, counts, |p, inverse| normal.dot(p) * inverse.sqrt())
+    } else if lobe.is_microfacets() {
+        let microfacets = Microfacets::new(normal, &Lobe { axis, ..*lobe });
+        shown_sums(mask, shown, skip, counts, |p, inverse| microfacets.value(p * inverse.sqrt()))
+    } else {
+        let half = 0.5 * lobe.exponent.min(narrowest(mask));
+        let cosine = lobe.factor > 0.0;
+        shown_sums(mask, shown, skip, counts, |p, inverse| {
+            let along = axis.dot(p);
+            let value = exp(half * ln_1p(along * along * inverse - 1.0));
+            let value = if along > 0.0 { value } else { 0.0 };
+            if cosine { value * normal.dot(p) * inverse.sqrt() } else { value }
+        })
+    };
+    sums.map(|sums| sums * (mask.cell().element_product() * mask.side() as f32 / mask.width() as f32))
+}
+
+/// What a mask's light shows, and where in the mask's plane.
+pub(crate) struct Shown<'a> {
+    pub(crate) image: &'a LightImage,
+    pub(crate) places: Places,
+}
+
+/// `value(p, 1/p²)` for points p of the plane at distance 1, times the image.
+#[inline(always)]
+fn shown_sums(
+    mask: &Mask,
+    shown: &Shown<'_>,
+    skip: Option<&UnitSquare>,
+    counts: &mut Counts,
+    value: impl Fn(Vec3, f32) -> f32,
+) -> [Sums; 3] {
+    let outside = outside(skip);
+    let weight = |x: f32, y: f32| {
+        let inverse = 1.0 / (x * x + y * y + 1.0);
+        let value = value(Vec3::new(x, y, 1.0), inverse) * inverse * inverse.sqrt();
+        if value > 0.0 && outside(x, y) { value } else { 0.0 }
+    };
+    dispatch!(Level::new(), simd => {
+        if mask.width() == WIDTH {
+            counts.fill::<FINE>(mask);
+            by_texel::<_, FINE>(simd, mask, counts, shown, weight)
+        } else {
+            counts.fill::<COARSE>(mask);
+            by_texel::<_, COARSE>(simd, mask, counts, shown, weight)
+        }
+    })
+}
+
+/// `weight(x, y)` times the texel there, for each column of each row. Rows are along the image's, and texels about as large as cells: each
+/// stands for what is about it.
+#[inline(always)]
+fn by_texel<S: Simd, const B: usize>(
+    simd: S,
+    mask: &Mask,
+    counts: &Counts,
+    shown: &Shown<'_>,
+    weight: impl Fn(f32, f32) -> f32,
+) -> [Sums; 3] {
+    let x = middles::<B>(mask);
+    let Vec2 { x: width, y: height } = 2.0 * mask.square().half;
+    let cell = width * height / (B * EIGHT * mask.side()) as f32;
+    let level = shown.image.level(shown.places.area(cell)).round() as usize;
+    let columns = x.map(|x| x.map(|x| shown.image.column(level, shown.places.at(x, mask.row_y(0)).x)));
+    let none = f32x8::splat(simd, 0.0);
+    let (mut lit, mut all) = ([none; 3], [none; 3]);
+    let (open, _) = counts.lit.as_chunks::<EIGHT>();
+    let (emitting, _) = counts.emitting.as_chunks::<EIGHT>();
+    let rows = open.chunks_exact(B).zip(emitting.chunks_exact(B));
+    for (j, (open, emitting)) in rows.take(mask.side()).enumerate() {
+        let (from, to) = mask.emitting(j);
+        if from >= to {
+            continue;
+        }
+        let y = mask.row_y(j);
+        let texels = shown.image.row(level, shown.places.at(0.0, y).y);
+        for block in 0..B {
+            let mut values = [0.0; EIGHT];
+            for (value, x) in values.iter_mut().zip(&x[block]) {
+                *value = weight(*x, y);
+            }
+            let mut weights = [[0.0; EIGHT]; 3];
+            for k in 0..EIGHT {
+                let texel = texels[columns[block][k]] * values[k];
+                weights[0][k] = texel.x;
+                weights[1][k] = texel.y;
+                weights[2][k] = texel.z;
+            }
+            for k in 0..3 {
+                let weight = f32x8::simd_from(simd, weights[k]);
+                lit[k] += f32x8::simd_from(simd, open[block]) * weight;
+                all[k] += f32x8::simd_from(simd, emitting[block]) * weight;
+            }
+        }
+    }
+    core::array::from_fn(|k| Sums { lit: sum(lit[k]), all: sum(all[k]) })
+}
+
+/// Whether a point of the plane is not in a window.
+fn outside(skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool {
+    let none = [Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)];
+    let [low, high] = skip.map_or(none, |skip| [skip.center - skip.half, skip.center + skip.half]);
+    move |x, y| !(x > low.x && x < high.x && y > low.y && y < high.y)
+}
+
+/// The exponent of lobes as narrow as the cells: a mirror sees some samples.
+fn narrowest(mask: &Mask) -> f32 {
+    (2.0 / mask.cell().max_element().powi(2)).max(MIRROR)
 }
 
 /// What is lit of a lobe's light, and all of it, in some unit.
@@ -256,8 +378,7 @@ fn glossy<S: Simd, const B: usize>(
 ) -> Sums {
     let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
     let cosine = lobe.factor > 0.0;
-    let narrowest = (2.0 / mask.cell().max_element().powi(2)).max(MIRROR);
-    let e = if lobe.exponent < narrowest { lobe.exponent } else { narrowest };
+    let e = lobe.exponent.min(narrowest(mask));
     let m = e + 3.0;
     // The peak: the point of the light next to the lobe's axis.
     let aside = axis.truncate();

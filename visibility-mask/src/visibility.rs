@@ -1,10 +1,10 @@
 use crate::cut::{Cut, CutScratch};
-use crate::panes::{Panes, microfacet_shares};
+use crate::panes::{Panes, image_shares, microfacet_shares};
 use crate::share::Counts;
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{
-    Accuracy, Cone, Coverage, Lobe, LobesFull, Microfacets, Outline, PartlySeen, Shaft, VisibilityLobes,
+    Accuracy, Cone, Coverage, LightImage, Lobe, LobesFull, Microfacets, Outline, PartlySeen, Shaft, VisibilityLobes,
     VisibilityQuery, VisibilitySum, is_lambert,
 };
 
@@ -122,6 +122,9 @@ impl<B: Blockers> MaskVisibility<B> {
 
     /// Across the edges of the blockers and, where it cuts the light, the horizon.
     fn across(&self, query: &VisibilityQuery<'_>, scratch: &B::Scratch) -> Vec3 {
+        if let Some(outline) = query.outline.filter(|outline| outline.has_sides()) {
+            return outline.side();
+        }
         let middle = query.outline.map(|outline| toward_middle(outline, query.cone));
         let query = VisibilityQuery { cone: middle.as_ref().unwrap_or(query.cone), ..*query };
         let mut edges = Edges::new(query.cone);
@@ -167,7 +170,13 @@ impl<B: Blockers> MaskVisibility<B> {
 
     /// What is seen of microfacets' light: their highlight through a mask of its own where it is narrow beside the light, all around it
     /// through that of the whole light. Both lobes at once.
-    fn microfacets(&self, query: &PartlySeen<'_>, lobe: &Lobe, scratch: &mut MaskScratch<B::Scratch>) -> f32 {
+    fn microfacets(
+        &self,
+        query: &PartlySeen<'_>,
+        lobe: &Lobe,
+        scratch: &mut MaskScratch<B::Scratch>,
+        by_channel: &mut Option<Vec3>,
+    ) -> f32 {
         if let (Lobe::EDGE, Some((exponent, share))) = (lobe.factor, scratch.edge.take())
             && exponent == lobe.exponent
         {
@@ -189,6 +198,11 @@ impl<B: Blockers> MaskVisibility<B> {
         let whole = if finer { &scratch.own } else { &scratch.full };
         let near = near.map(|_| &scratch.own);
         let [counts, own_counts] = &mut scratch.counts;
+        if let Some(shown) = shown(query) {
+            let seen = image_shares(whole, near, query.at, lobe, shown, counts);
+            *by_channel = Some(seen);
+            return seen.element_sum() / 3.0;
+        }
         let [base, edge] = microfacet_shares(whole, near, query.at, lobe, [counts, own_counts]);
         scratch.edge = (lobe.factor == Lobe::MICROFACETS).then_some((lobe.exponent, edge));
         if lobe.factor == Lobe::EDGE { edge } else { base }
@@ -291,7 +305,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         if brdf.is_microfacets() && !self.lobes {
             out.lobes.writer();
             out.whole.writer();
-            out.base = self.microfacets(query, brdf, scratch);
+            out.base = self.microfacets(query, brdf, scratch, &mut out.by_channel);
             return Ok(());
         }
         let [counts, own_counts] = &mut scratch.counts;
@@ -310,13 +324,25 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         if !self.lobes {
             out.lobes.writer();
             out.whole.writer();
-            out.base = panes.share(query.at, brdf, counts);
+            out.base = match shown(query) {
+                None => panes.share(query.at, brdf, counts),
+                Some(shown) => {
+                    let seen = image_shares(panes, None, query.at, brdf, shown, counts);
+                    out.by_channel = Some(seen);
+                    seen.element_sum() / 3.0
+                }
+            };
             return Ok(());
         }
         let [mask] = panes.masks() else { return Ok(()) };
         scratch.cut.build(mask);
         Cut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.accuracy.tolerance).write(out)
     }
+}
+
+/// What a light shows, and where.
+fn shown<'q>(query: &VisibilityQuery<'q>) -> Option<(&'q LightImage, &'q Outline)> {
+    query.image.zip(query.outline)
 }
 
 /// Of a polygon's cone what the turn of its mask follows: toward its middle, and less than a hemisphere.

@@ -54,6 +54,7 @@ impl Own {
                 width,
                 height,
                 background: Vec3::ZERO,
+                environment: None,
                 materials: vec![Material::lambert(Vec3::ONE); 2],
                 objects: vec![Object::mesh("floor", floor, 0, Proxy::None), chair],
                 lights: Vec::new(),

@@ -1,4 +1,4 @@
-use super::{Outline, nearest_of};
+use super::{LightImage, Outline, Places, nearest_of};
 use crate::microfacets::seen_from;
 use crate::special::{atan2, exp, ln_of};
 use crate::{Cone, Lobe, Microfacets, Receiver, cap_integral, is_lambert};
@@ -81,19 +81,50 @@ pub(crate) fn light_integral(at: &Receiver, lobe: &Lobe, cone: &Cone, outline: O
     outline.map_or_else(|| cap_integral(at, lobe, cone), |outline| integral(at, lobe, outline))
 }
 
+/// [`outline_integral`] of a light that shows an image, by channel: the image's place in the integrand has a mean of one, so that light
+/// which shows nothing gives the same. The same rules, at nodes that see the image as finely as they are dense.
+///
+/// # Accuracy
+/// Against quadrature in f64, over squares from a receiver's hemisphere to a tenth of their distance, of waves and
+/// grain that are half as bright again: ≤ 0.5 % in the mean, 2 % at worst, of what the whole light gives.
+#[must_use]
+pub fn image_integral(at: &Receiver, lobe: &Lobe, light: &Outline, image: &LightImage) -> Vec3 {
+    light.above(at.normal).map_or(Vec3::ZERO, |above| of_image(at, lobe, &above, image))
+}
+
 /// Over what is above the horizon.
 fn integral(at: &Receiver, lobe: &Lobe, light: &Outline) -> f32 {
-    let value = if is_lambert(at, lobe) {
-        lambert(at.normal, light)
-    } else if lobe.is_microfacets() {
-        microfacets(at.normal, lobe, light)
-    } else {
-        power(at.normal, lobe, light)
-    };
+    let [.., value] = over(at, lobe, light, None);
     if value > 0.0 && value.is_finite() { value } else { 0.0 }
 }
 
-fn lambert(normal: Vec3, light: &Outline) -> f32 {
+/// The same of an image.
+pub(crate) fn of_image(at: &Receiver, lobe: &Lobe, light: &Outline, image: &LightImage) -> Vec3 {
+    if is_lambert(at, lobe)
+        && !light.is_cut
+        && let Some(irradiance) = image.irradiance(at.normal)
+    {
+        return irradiance.max(Vec3::ZERO) * FRAC_1_PI;
+    }
+    let [r, g, b, alone] = over(at, lobe, light, Some(image));
+    // A closed form is nearer to the truth than its rows.
+    let part = if is_lambert(at, lobe) { lambert(at.normal, light, None)[3] / alone } else { 1.0 };
+    let value = Vec3::new(r, g, b) * part;
+    if value.is_finite() { value.max(Vec3::ZERO) } else { Vec3::ZERO }
+}
+
+/// The integral with an image, by channel, and without.
+fn over(at: &Receiver, lobe: &Lobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
+    if is_lambert(at, lobe) {
+        lambert(at.normal, light, image)
+    } else if lobe.is_microfacets() {
+        microfacets(at.normal, lobe, light, image)
+    } else {
+        power(at.normal, lobe, light, image)
+    }
+}
+
+fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
     // The polygon around a disc is larger by this.
     let part = light.circle([normal; 2]).map_or(1.0, |_| ROUND);
     let corners = light.corners();
@@ -109,29 +140,25 @@ fn lambert(normal: Vec3, light: &Outline) -> f32 {
             sum += angle * normal.dot(cross) / size;
         }
     }
-    if around > 0.6 {
-        return sum * part / TAU;
+    if around > 0.6 && image.is_none() {
+        return [0.0, 0.0, 0.0, sum * part / TAU];
     }
     let frame = light.frame(normal);
     let local = |v: Vec3| Vec3::new(frame[0].dot(v), frame[1].dot(v), light.axis().dot(v));
     let lobe = Cosine { normal: local(normal) };
     let peak = nearest_of(light.on_plane(frame), Vec2::ZERO);
-    cubature(
-        normal,
-        light,
-        frame,
-        &Peak { point: peak, width: Vec2::splat((1.0 + peak.length_squared()).sqrt()) },
-        &lobe,
-    )
+    let width = Vec2::splat((1.0 + peak.length_squared()).sqrt());
+    let peak = Peak { point: peak, width, is_beside: false };
+    cubature(normal, light, frame, &peak, lobe, image)
 }
 
-fn power(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
+fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
     // What is behind a lobe's own horizon makes a kink where it begins.
     let cut = (lobe.exponent < STEEP).then(|| light.above(lobe.axis));
     let light = match &cut {
         None => light,
         Some(Some(light)) => light,
-        Some(None) => return 0.0,
+        Some(None) => return [0.0; 4],
     };
     let frame = light.frame(lobe.axis);
     let local = |v: Vec3| Vec3::new(frame[0].dot(v), frame[1].dot(v), light.axis().dot(v));
@@ -144,16 +171,18 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
     let along = axis.truncate().dot(point) + axis.z;
     let sin_sq = axis.cross(point.extend(1.0)).length_squared() / stretch;
     if along.is_nan() || along <= 0.0 || 0.5 * e * ln_of(along * along / stretch, -sin_sq) < NOTHING.ln() {
-        return 0.0;
+        return [0.0; 4];
     }
     let slope = axis.truncate() * (e / along.max(1e-3 / (1.0 + e))) - point * ((e + 3.0) / stretch);
     let slope = if lobe.exponent < STEEP { Vec2::ZERO } else { slope };
     let narrow = |sigma: f32, slope: f32| 1.5 * sigma / (0.5 * slope.abs() * sigma).max(1.0);
     let sigma = 1.0 / (e + 3.0).sqrt();
     let width = Vec2::new(narrow(stretch * sigma, slope.x), narrow(stretch.sqrt() * sigma, slope.y));
-    let peak = Peak { point, width };
+    let is_beside = point.distance(place) > 2.0 * sigma * stretch;
+    let peak = Peak { point, width, is_beside };
     let f = Power { axis, half_exponent: 0.5 * e, normal: local(normal), has_cosine: lobe.factor > 0.0 };
-    (e + 1.0) / TAU * cubature(normal, light, frame, &peak, &f)
+    let norm = (e + 1.0) / TAU;
+    cubature(normal, light, frame, &peak, f, image).map(|value| norm * value)
 }
 
 /// How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's
@@ -165,7 +194,7 @@ fn largest_at(axis: Vec3, e: f32) -> f32 {
     if c > 0.0 { 2.0 * e * s / (b + root) } else { (root - b) / (6.0 * s).max(1e-6) }
 }
 
-fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
+fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
     let shape = Microfacets::new(normal, lobe);
     let (mirror, alpha) = shape.highlight();
     // Rows across the plane of incidence: highlights are longer along it.
@@ -187,29 +216,33 @@ fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline) -> f32 {
     // Next to the receiver the light's own `1/r³` may matter more.
     let foot = nearest_of(light.on_plane(frame), Vec2::ZERO);
     let point = if width.min_element() > (1.0 + foot.length_squared()).sqrt() { foot } else { point };
-    let peak = Peak { point, width: width.min(Vec2::splat((1.0 + point.length_squared()).sqrt())) };
-    cubature(normal, light, frame, &peak, &facets)
+    let width = width.min(Vec2::splat((1.0 + point.length_squared()).sqrt()));
+    let peak = Peak { point, width, is_beside: beside > 2.0 * alpha * stretch };
+    cubature(normal, light, frame, &peak, facets, image)
 }
 
 /// Where an integrand is largest on the light's plane, and how wide about there.
 struct Peak {
     point: Vec2,
     width: Vec2,
+    /// A narrow lobe has its largest value elsewhere: what it gives here is little.
+    is_beside: bool,
 }
 
-/// A reflectance in the direction of a point of the plane at distance 1; `inverse` is one over its squared length.
-trait Value {
-    fn at(&self, p: Vec3, inverse: f32) -> f32;
+/// A reflectance in the direction of a point of the plane at distance 1; `inverse` is one over its squared length. `N` numbers, for a
+/// sample of some area.
+trait Value<const N: usize> {
+    fn at(&self, p: Vec3, inverse: f32, area: f32) -> [f32; N];
 }
 
 struct Cosine {
     normal: Vec3,
 }
 
-impl Value for Cosine {
+impl Value<1> for Cosine {
     #[inline(always)]
-    fn at(&self, p: Vec3, inverse: f32) -> f32 {
-        FRAC_1_PI * self.normal.dot(p) * inverse.sqrt()
+    fn at(&self, p: Vec3, inverse: f32, _: f32) -> [f32; 1] {
+        [FRAC_1_PI * self.normal.dot(p) * inverse.sqrt()]
     }
 }
 
@@ -220,25 +253,45 @@ struct Power {
     has_cosine: bool,
 }
 
-impl Value for Power {
+impl Value<1> for Power {
     #[inline(always)]
-    fn at(&self, p: Vec3, inverse: f32) -> f32 {
+    fn at(&self, p: Vec3, inverse: f32, _: f32) -> [f32; 1] {
         let along = self.axis.dot(p);
         // sin² by the cross product, since 1 − cos² has lost its digits.
         let sin_sq = self.axis.cross(p).length_squared() * inverse;
         let value = exp(self.half_exponent * ln_of(along * along * inverse, -sin_sq));
         let cos = self.normal.dot(p) * inverse.sqrt();
         let factor = if self.has_cosine { cos } else { 1.0 };
-        if along > 0.0 { value * factor } else { 0.0 }
+        [if along > 0.0 { value * factor } else { 0.0 }]
     }
 }
 
 struct Facets(Microfacets);
 
-impl Value for Facets {
+impl Value<1> for Facets {
     #[inline(always)]
-    fn at(&self, p: Vec3, inverse: f32) -> f32 {
-        self.0.value(p * inverse.sqrt())
+    fn at(&self, p: Vec3, inverse: f32, _: f32) -> [f32; 1] {
+        [self.0.value(p * inverse.sqrt())]
+    }
+}
+
+/// A reflectance times an image, and alone.
+struct Shown<'a, V> {
+    value: V,
+    image: &'a LightImage,
+    places: Places,
+}
+
+impl<V: Value<1>> Value<4> for Shown<'_, V> {
+    #[inline(always)]
+    fn at(&self, p: Vec3, inverse: f32, area: f32) -> [f32; 4] {
+        let [value] = self.value.at(p, inverse, area);
+        if value <= 0.0 {
+            return [0.0; 4];
+        }
+        let level = self.image.level(self.places.area(area));
+        let Vec3 { x, y, z } = self.image.at(self.places.at(p.x, p.y), level) * value;
+        [x, y, z, value]
     }
 }
 
@@ -254,11 +307,18 @@ struct Samples {
 impl Samples {
     /// Takes a row's samples; the sum of those that had no room beside them.
     #[inline(always)]
-    fn row<V: Value>(&mut self, [low, high]: [f32; 2], y: f32, weight: f32, peak: &Peak, value: &V) -> f32 {
+    fn row<const N: usize, V: Value<N>>(
+        &mut self,
+        [low, high]: [f32; 2],
+        y: f32,
+        weight: f32,
+        peak: &Peak,
+        value: &V,
+    ) -> [f32; N] {
         let [middle, half] = [0.5 * (low + high), 0.5 * (high - low)];
-        let rule = rule(high - low);
+        let rule = rule::<N>(high - low, peak);
         let full = self.count + 2 * rule.len() > BATCH;
-        let sum = if full { self.sum(peak, value) } else { 0.0 };
+        let sum = if full { self.sum(peak, value) } else { [0.0; N] };
         for (node, part) in both_halves(rule) {
             self.u[self.count] = middle + half * node;
             self.y[self.count] = y;
@@ -270,10 +330,10 @@ impl Samples {
 
     /// The sum of those that wait.
     #[inline(always)]
-    fn sum<V: Value>(&mut self, peak: &Peak, value: &V) -> f32 {
-        let mut sums = [0.0; LANES];
+    fn sum<const N: usize, V: Value<N>>(&mut self, peak: &Peak, value: &V) -> [f32; N] {
+        let mut sums = [[0.0; LANES]; N];
         for first in (0..self.count.next_multiple_of(LANES)).step_by(LANES) {
-            for (lane, sum) in sums.iter_mut().enumerate() {
+            for lane in 0..LANES {
                 let [u, y, weight] = [self.u[first + lane], self.y[first + lane], self.weight[first + lane]];
                 let rest = (1.0 - u) * (1.0 + u);
                 let rest = 1.0 / if rest > 1e-12 { rest } else { 1e-12 };
@@ -281,22 +341,44 @@ impl Samples {
                 let x = peak.point.x + peak.width.x * u * root;
                 let inverse = 1.0 / (1.0 + x * x + y * y);
                 let angle = inverse * inverse.sqrt();
-                *sum += weight * rest * root * angle * value.at(Vec3::new(x, y, 1.0), inverse);
+                let area = weight * rest * root;
+                let values = value.at(Vec3::new(x, y, 1.0), inverse, area * peak.width.x * peak.width.y);
+                for (sums, value) in sums.iter_mut().zip(values) {
+                    sums[lane] += area * angle * value;
+                }
             }
         }
         // Lanes behind the last sample weigh nothing from now on.
         self.weight = [0.0; BATCH];
         self.count = 0;
-        sums.into_iter().fold(0.0, |sum, x| sum + x)
+        sums.map(|sums| sums.into_iter().fold(0.0, |sum, x| sum + x))
     }
 }
 
-fn cubature<V: Value>(normal: Vec3, light: &Outline, frame: [Vec3; 2], peak: &Peak, value: &V) -> f32 {
-    dispatch!(Level::new(), _simd => of_rows(normal, light, frame, peak, value))
+fn cubature<V: Value<1>>(
+    normal: Vec3,
+    light: &Outline,
+    frame: [Vec3; 2],
+    peak: &Peak,
+    value: V,
+    image: Option<&LightImage>,
+) -> [f32; 4] {
+    let Some(image) = image else {
+        let [sum] = dispatch!(Level::new(), _simd => of_rows(normal, light, frame, peak, &value));
+        return [0.0, 0.0, 0.0, sum];
+    };
+    let shown = Shown { value, image, places: light.places(frame) };
+    dispatch!(Level::new(), _simd => of_rows(normal, light, frame, peak, &shown))
 }
 
 #[inline(always)]
-fn of_rows<V: Value>(normal: Vec3, light: &Outline, frame: [Vec3; 2], peak: &Peak, value: &V) -> f32 {
+fn of_rows<const N: usize, V: Value<N>>(
+    normal: Vec3,
+    light: &Outline,
+    frame: [Vec3; 2],
+    peak: &Peak,
+    value: &V,
+) -> [f32; N] {
     // Relative to the peak, in its widths.
     let mut corners = [Vec2::ZERO; Outline::ROOM];
     let count = light.corners().len();
@@ -333,15 +415,15 @@ fn of_rows<V: Value>(normal: Vec3, light: &Outline, frame: [Vec3; 2], peak: &Pea
 
 /// Rows between cuts, each as far as half-planes and an ellipse let it.
 #[inline(always)]
-fn over_pieces<V: Value>(
+fn over_pieces<const N: usize, V: Value<N>>(
     cuts: &[f32],
     sides: &[[f32; 3]],
     ellipse: Option<(Vec2, Vec2)>,
     peak: &Peak,
     value: &V,
-) -> f32 {
+) -> [f32; N] {
     let mut samples = Samples { u: [0.0; BATCH], y: [0.0; BATCH], weight: [0.0; BATCH], count: 0 };
-    let mut sum = 0.0;
+    let mut sum = [0.0; N];
     for pair in cuts.windows(2) {
         let (from, to) = (place(pair[0]), place(pair[1]));
         if to - from <= 1e-6 * (pair[1].abs() + 1e-6) {
@@ -349,7 +431,7 @@ fn over_pieces<V: Value>(
         }
         // Rows of what is round begin and end like roots: more of them.
         let is_round = ellipse.is_some();
-        let rule = if is_round { turned_rule(to - from) } else { rule(to - from) };
+        let rule = if is_round { turned_rule(to - from) } else { rule::<N>(to - from, peak) };
         for (node, weight) in both_halves(rule) {
             let u = 0.5 * ((from + to) + (to - from) * node);
             let rest = 1.0 / ((1.0 - u) * (1.0 + u)).max(1e-12);
@@ -373,11 +455,17 @@ fn over_pieces<V: Value>(
             }
             if low < high && high - low < f32::INFINITY {
                 let y = peak.point.y + peak.width.y * y;
-                sum += samples.row([place(low), place(high)], y, weight, peak, value);
+                add(&mut sum, samples.row([place(low), place(high)], y, weight, peak, value));
             }
         }
     }
-    (sum + samples.sum(peak, value)) * peak.width.x * peak.width.y
+    add(&mut sum, samples.sum(peak, value));
+    sum.map(|sum| sum * peak.width.x * peak.width.y)
+}
+
+#[inline(always)]
+fn add<const N: usize>(sum: &mut [f32; N], other: [f32; N]) {
+    sum.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
 }
 
 /// A place in widths from the peak, as nodes are even in it.
@@ -401,10 +489,12 @@ fn few(cuts: &mut [f32]) -> &[f32] {
     &cuts[..kept]
 }
 
-/// The rule for a length in places.
+/// The rule for a length in places. An image varies where a reflectance does not.
 #[inline(always)]
-fn rule(length: f32) -> &'static [(f32, f32)] {
+fn rule<const N: usize>(length: f32, peak: &Peak) -> &'static [(f32, f32)] {
     match length {
+        length if N > 1 && length < 0.5 && !peak.is_beside => &EIGHT,
+        length if N > 1 && length < 0.5 => &FOUR,
         length if length < 0.08 => &TWO,
         length if length < 0.5 => &FOUR,
         length if length < 1.1 => &EIGHT,

@@ -1,11 +1,13 @@
 //! Flat lights: what a receiver sees of a convex polygon.
 
+mod image;
 mod integral;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use self::integral::light_integral;
-pub use self::integral::outline_integral;
+pub use self::image::{LightImage, hash_of};
+pub use self::integral::{image_integral, outline_integral};
+pub(crate) use self::integral::{light_integral, of_image};
 
 use crate::{Cone, Lobe, Sphere, orthonormal_basis};
 use glam::{Vec2, Vec3};
@@ -34,10 +36,17 @@ pub struct Outline {
     height: f32,
     /// Radius about the middle, where it is a disc; the corners are then those of a polygon around it.
     radius: Option<f32>,
+    /// What places on the light are measured with: a step along a half side times its own is one, times the other's zero.
+    sides: [Vec3; 2],
+    /// Whether a horizon has cut something off it.
+    is_cut: bool,
 }
 
 /// Cones of outlines that are wider than this are the whole hemisphere before the light's plane.
 const WIDEST: f32 = 0.9;
+
+/// The corners of an octagon about a circle, in its radii.
+const OCTAGON: f32 = 1.082_393;
 
 /// Cosine and sine of the multiples of 15°.
 const TURNS: [[f32; 2]; Outline::MOST] = [
@@ -91,7 +100,16 @@ impl Outline {
             return None;
         }
         let center = corners.iter().sum::<Vec3>() / count as f32;
-        let mut out = Self { corners: [Vec3::ZERO; Self::ROOM], count, center, axis, height, radius: None };
+        let mut out = Self {
+            corners: [Vec3::ZERO; Self::ROOM],
+            count,
+            center,
+            axis,
+            height,
+            radius: None,
+            sides: [Vec3::ZERO; 2],
+            is_cut: false,
+        };
         out.corners[..count].copy_from_slice(corners);
         if out.twice_area() < 0.0 {
             out.corners[..count].reverse();
@@ -106,6 +124,31 @@ impl Outline {
         let reach = radius * 1.008_629;
         let polygon = Self::new(&TURNS.map(|[cos, sin]| center + (u * cos + v * sin) * reach), axis)?;
         Some(Self { center, radius: Some(radius), ..polygon })
+    }
+
+    /// The same light with places on it: from its middle along two half sides at right angles, for a [`LightImage`]. Windows on it are
+    /// turned as these are.
+    #[must_use]
+    pub fn with_sides(self, [u, v]: [Vec3; 2]) -> Self {
+        let side = |u: Vec3, v: Vec3| {
+            let across = v.cross(self.axis);
+            across / u.dot(across)
+        };
+        Self { sides: [side(u, v), side(v, u)], ..self }
+    }
+
+    /// The direction of places' first half side.
+    #[must_use]
+    pub fn side(&self) -> Vec3 {
+        self.sides[1].cross(self.axis)
+    }
+
+    /// Where points of the plane at distance 1, in a [frame](Self::frame), are on the light.
+    #[must_use]
+    pub fn places(&self, [right, up]: [Vec3; 2]) -> Places {
+        let place = |v: Vec3| Vec2::new(self.sides[0].dot(v), self.sides[1].dot(v));
+        let [x, y, axis] = [right, up, self.axis].map(|v| place(v) * self.height);
+        Places { origin: axis - place(self.center), x, y }
     }
 
     /// Middle and radius on the plane at distance 1, in a [frame](Self::frame), of a disc.
@@ -156,7 +199,7 @@ impl Outline {
         if heights.iter().all(|h| *h >= 0.0) {
             return Some(*self);
         }
-        let mut out = Self { count: 0, ..*self };
+        let mut out = Self { count: 0, is_cut: true, ..*self };
         for (i, (p, h)) in corners.iter().zip(heights).enumerate() {
             let next = (i + 1) % self.count;
             let (q, g) = (corners[next], heights[next]);
@@ -167,12 +210,20 @@ impl Outline {
                 out.push(*p + (q - *p) * (h / (h - g)));
             }
         }
+        if out.count > 0 && out.is_last(out.corners[0]) {
+            out.count -= 1;
+        }
         (out.count >= 3).then_some(out)
+    }
+
+    /// Whether a point is the last corner, but for rounding: the line through the two would go anywhere.
+    fn is_last(&self, p: Vec3) -> bool {
+        self.count > 0 && self.corners[self.count - 1].distance_squared(p) <= 1e-11 * p.length_squared()
     }
 
     fn push(&mut self, p: Vec3) {
         // A convex polygon is cut in two places: more are of rounding.
-        if self.count < Self::ROOM {
+        if self.count < Self::ROOM && !self.is_last(p) {
             self.corners[self.count] = p;
             self.count += 1;
         }
@@ -212,7 +263,14 @@ impl Outline {
     #[must_use]
     pub fn ball(&self) -> Sphere {
         let radius = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
-        Self::ball_around(Sphere { center: self.center, radius })
+        let ball = Sphere { center: self.center, radius };
+        if self.has_sides() { Sphere { radius: radius * OCTAGON, ..ball } } else { Self::ball_around(ball) }
+    }
+
+    /// Whether windows on it are turned as its [sides](Self::with_sides) are, and so never reach beyond it.
+    #[must_use]
+    pub fn has_sides(&self) -> bool {
+        self.sides[0] != Vec3::ZERO
     }
 
     /// The same from a ball around the light.
@@ -291,6 +349,30 @@ impl Outline {
     pub fn distance(&self, direction: Vec3) -> f32 {
         let along = self.axis.dot(direction);
         if along > 0.0 { self.depth() / along } else { f32::INFINITY }
+    }
+}
+
+/// Places on a light ([`Outline::places`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Places {
+    origin: Vec2,
+    x: Vec2,
+    y: Vec2,
+}
+
+impl Places {
+    /// That of the point `(x, y)` of the plane at distance 1.
+    #[must_use]
+    #[inline]
+    pub fn at(&self, x: f32, y: f32) -> Vec2 {
+        self.origin + self.x * x + self.y * y
+    }
+
+    /// How large an area of that plane is in places.
+    #[must_use]
+    #[inline]
+    pub fn area(&self, area: f32) -> f32 {
+        (self.x.perp_dot(self.y) * area).abs()
     }
 }
 

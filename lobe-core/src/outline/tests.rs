@@ -1,8 +1,8 @@
-use super::{Outline, outline_integral};
+use super::{LightImage, Outline, image_integral, outline_integral};
 use crate::oracle::{CapMicrofacets, Random};
 use crate::{Lobe, OWN_NONE, Receiver};
 use core::f64::consts::{PI, TAU};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, UVec2, Vec2, Vec3};
 
 /// Largest errors, relative to what the light gives along the axis of a lobe of its size.
 const WORST: f64 = 0.02;
@@ -184,5 +184,70 @@ impl Turned {
     }
     fn value(&self, v: DVec3) -> [f64; 2] {
         self.0.value(v)
+    }
+}
+
+/// A bright and a dark side, waves, and small grain.
+fn picture(random: &mut Random) -> LightImage {
+    const SIDE: u32 = 64;
+    let [tilt, phase] = [random.between(0.0, TAU), random.between(0.0, TAU)];
+    let texels: Vec<Vec3> = (0..SIDE * SIDE)
+        .map(|k| {
+            let [x, y] = [k % SIDE, k / SIDE].map(|k| f64::from(2 * k + 1) / f64::from(SIDE) - 1.0);
+            let along = x * tilt.cos() + y * tilt.sin();
+            let wave = 1.0 + 0.5 * (5.0 * x + phase).sin() * (4.0 * y).cos();
+            DVec3::new(1.5 + along, wave, 0.5 + random.uniform()).as_vec3()
+        })
+        .collect();
+    LightImage::new(UVec2::splat(SIDE), &texels).expect("an image").0
+}
+
+#[test]
+fn images_are_those_of_quadrature() {
+    const N: i32 = 160;
+    let mut random = Random::new(11);
+    for crosses in [false, true] {
+        for size in [1.0, 0.3, 0.05] {
+            for exponent in [1.0, 5.0, 50.0, 500.0] {
+                let (mut worst, mut mean, mut count) = (0.0_f64, 0.0, 0);
+                for _ in 0..40 {
+                    let Some(case) = Case::random(&mut random, size, 1.0, crosses) else { continue };
+                    let [a, b, c, d] = case.corners;
+                    let aim = (a + (c - a) * random.between(0.0, 1.0)).normalize();
+                    let lobe = match exponent {
+                        1.0 => Lobe::new(Vec3::Z, 1.0, Vec3::ONE),
+                        e => Lobe::new(aim.as_vec3().normalize(), e as f32, Vec3::ONE),
+                    };
+                    let image = picture(&mut random);
+                    let (u, v) = (0.5 * (b - a), 0.5 * (d - a));
+                    let outline = case.outline().with_sides([u, v].map(DVec3::as_vec3));
+                    let axis = lobe.axis.as_dvec3();
+                    let (mut want, mut alone, mut solid) = (DVec3::ZERO, 0.0, 0.0);
+                    for k in 0..N * N {
+                        let [s, t] = [k % N, k / N].map(|k| f64::from(2 * k + 1) / f64::from(N) - 1.0);
+                        let p = 0.5 * (a + c) + u * s + v * t;
+                        let r = p.length();
+                        solid += case.axis.dot(p) / (r * r * r);
+                        if p.z > 0.0 {
+                            let w = (axis.dot(p) / r).max(0.0).powf(exponent) * case.axis.dot(p) / (r * r * r);
+                            want += w * image.at(Vec2::new(s as f32, t as f32), 0.0).as_dvec3();
+                            alone += w;
+                        }
+                    }
+                    let norm = (exponent + 1.0) / TAU * 4.0 * u.cross(v).length() / f64::from(N * N);
+                    let got = image_integral(&receiver(DVec3::Z), &lobe, &outline, &image).as_dvec3();
+                    let scale = norm * alone.max(0.1 * solid);
+                    let error = (got - want * norm).abs().max_element() / scale;
+                    worst = worst.max(error);
+                    mean += error;
+                    count += 1;
+                }
+                println!(
+                    "e {exponent}, size {size}, crosses {crosses}: {count} cases, mean {:.1e}, worst {worst:.1e}",
+                    mean / f64::from(count.max(1))
+                );
+                assert!(mean <= 6e-3 * f64::from(count) && worst < WORST, "{mean} {worst}");
+            }
+        }
     }
 }

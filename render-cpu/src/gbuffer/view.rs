@@ -157,6 +157,29 @@ impl<'w> View<'w> {
         }
     }
 
+    /// What the rays that met nothing see of the environment, pixel by pixel.
+    pub(super) fn sky(&self, found: &[u32]) -> Vec<Vec3> {
+        let Some(environment) = &self.world.scene().environment else { return Vec::new() };
+        let (map, share) = (environment.map(), 1.0 / self.offsets.len() as f32);
+        let width = self.columns.len();
+        let mut sky = vec![Vec3::ZERO; width * self.rows.len()];
+        sky.par_chunks_mut(width.max(1)).zip(self.rows.clone()).for_each(|(pixels, y)| {
+            for (pixel, x) in pixels.iter_mut().zip(self.columns.clone()) {
+                let (column, row) = (x / TILE - self.across.start, y / TILE - self.down.start);
+                let tile = row as usize * self.across.len() + column as usize;
+                let found = &found[tile * self.tile_rays()..][..self.tile_rays()];
+                for (o, offset) in self.offsets.iter().enumerate() {
+                    let number = (o * SIDE + (y % TILE) as usize) * SIDE + (x % TILE) as usize;
+                    if found[number] == NOTHING {
+                        let direction = self.rays.direction(x as f32 + offset.x, y as f32 + offset.y);
+                        *pixel += map.radiance(direction) * share;
+                    }
+                }
+            }
+        });
+        sky
+    }
+
     /// Writes the points of some tiles; gives the materials that they have of their own.
     fn describe_tiles(&self, first: usize, found: &[u32], mut out: Part<'_>) -> Vec<Material> {
         let (mut met, mut own) = (Met::default(), Vec::new());

@@ -3,15 +3,29 @@
 use super::cone::concentric;
 use core::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec3};
-use lighting::{FlatLight, Light, TubeLight};
-use lobe_core::{LightLobes, Sphere};
+use lighting::{FlatLight, Light, SkyLight, TubeLight};
+use lobe_core::{LightImage, LightLobes, Sphere};
 
 /// Blockers count as far as this part of the way to a surface: what shows a light does not hide it.
 const BEFORE: f64 = 0.999_9;
 
 /// A light's surface as a receiver sees it, relative to the receiver.
 #[derive(Clone, Debug)]
-pub(crate) enum Area {
+pub(crate) struct Area<'l> {
+    shape: Shape,
+    shown: Option<Shown<'l>>,
+}
+
+/// What a flat light shows, from its middle along two half sides.
+#[derive(Clone, Debug)]
+struct Shown<'l> {
+    image: &'l LightImage,
+    middle: DVec3,
+    sides: [DVec3; 2],
+}
+
+#[derive(Clone, Debug)]
+enum Shape {
     /// A convex polygon: its corners, its unit normal toward the receiver, its area.
     Polygon {
         corners: Vec<DVec3>,
@@ -37,20 +51,68 @@ pub(crate) struct Seen {
     pub(crate) direction: DVec3,
     pub(crate) distance: f64,
     pub(crate) pdf: f64,
+    /// The light's radiance there over its mean.
+    pub(crate) shows: Vec3,
 }
 
-impl Area {
+impl<'l> Area<'l> {
     /// The ball around a light, and the light's shape where that is another one; none where the light faces away.
-    pub(crate) fn of(light: &Light, position: Vec3) -> Option<(Sphere, Option<Self>)> {
+    pub(crate) fn of(light: &'l Light, position: Vec3) -> Option<(Sphere, Option<Self>)> {
+        let plain = |shape| Some(Self { shape, shown: None });
         Some(match light {
             Light::Sphere(light) => (light.ball, None),
             Light::Spot(light) => (light.light.ball, None),
-            Light::Sun(light) => (light.ball_from(position), None),
-            Light::Flat(light) => (light.bounds(), Some(Self::of_flat(light, position)?)),
-            Light::Tube(light) => (light.bounds(), Some(Self::of_tube(light, position))),
+            Light::Sun(light) | Light::Sky(SkyLight::Sun(light)) => (light.ball_from(position), None),
+            Light::Ambient(_) => (Sphere { center: position, radius: 1.0 }, None),
+            Light::Tube(light) => (light.bounds(), plain(Shape::of_tube(light, position))),
+            Light::Flat(light) => {
+                let shape = Shape::of_flat(light, position)?;
+                (light.bounds(), Some(Self { shape, shown: Shown::of_flat(light, position) }))
+            }
+            Light::Sky(sky @ SkyLight::Patch(patch)) => {
+                let bounds = sky.bounds_from(&Sphere { center: position, radius: 0.0 });
+                let middle = bounds.center.as_dvec3() - position.as_dvec3();
+                // As far away as the ball is.
+                let distance = middle.length() / patch.center.as_dvec3().length();
+                let sides = patch.sides.map(|side| side.as_dvec3() * distance);
+                let [u, v] = sides;
+                let corners = vec![middle - u - v, middle + u - v, middle + u + v, middle - u + v];
+                let area = 4.0 * u.cross(v).length();
+                let shape = Shape::Polygon { corners, normal: -patch.axis.as_dvec3(), area };
+                let shown = patch.image.as_deref().map(|image| Shown { image, middle, sides });
+                (bounds, Some(Self { shape, shown }))
+            }
         })
     }
 
+    /// A point drawn uniformly by area; none where it is on the side away from the receiver.
+    pub(crate) fn sample(&self, u: f64, v: f64) -> Option<Seen> {
+        self.shape.sample(u, v).map(|seen| self.show(seen))
+    }
+
+    /// What a ray meets of it.
+    pub(crate) fn hit(&self, v: DVec3) -> Option<Seen> {
+        self.shape.hit(v).map(|seen| self.show(seen))
+    }
+
+    fn show(&self, seen: Seen) -> Seen {
+        let Some(Shown { image, middle, sides }) = &self.shown else { return seen };
+        let p = seen.direction * (seen.distance / BEFORE) - *middle;
+        let place = sides.map(|side| (p.dot(side) / side.length_squared()) as f32);
+        Seen { shows: image.at(place.into(), 0.0), ..seen }
+    }
+}
+
+impl<'l> Shown<'l> {
+    fn of_flat(light: &'l FlatLight, position: Vec3) -> Option<Self> {
+        let image = light.image()?;
+        let [a, b, c, d] = *light.corners() else { return None };
+        let [a, b, c, d] = [a, b, c, d].map(|p| p.as_dvec3() - position.as_dvec3());
+        Some(Self { image, middle: 0.25 * (a + b + c + d), sides: [0.5 * (b - a), 0.5 * (d - a)] })
+    }
+}
+
+impl Shape {
     fn of_flat(light: &FlatLight, position: Vec3) -> Option<Self> {
         let position = position.as_dvec3();
         let (center, disc) = light.as_disc();
@@ -75,8 +137,7 @@ impl Area {
         Self::Capsule { end: a, along: b - a, radius: f64::from(light.radius) }
     }
 
-    /// A point drawn uniformly by area; none where it is on the side away from the receiver.
-    pub(crate) fn sample(&self, u: f64, v: f64) -> Option<Seen> {
+    fn sample(&self, u: f64, v: f64) -> Option<Seen> {
         match self {
             Self::Polygon { corners, normal, area } => {
                 let first = corners[0];
@@ -117,8 +178,7 @@ impl Area {
         }
     }
 
-    /// What a ray meets of it.
-    pub(crate) fn hit(&self, v: DVec3) -> Option<Seen> {
+    fn hit(&self, v: DVec3) -> Option<Seen> {
         match self {
             Self::Polygon { corners, normal, area } => {
                 let p = v * (normal.dot(corners[0]) / normal.dot(v));
@@ -177,6 +237,7 @@ fn seen(p: DVec3, normal: DVec3, area: f64) -> Option<Seen> {
         direction,
         distance: distance * BEFORE,
         pdf: distance * distance / (area * cos),
+        shows: Vec3::ONE,
     })
 }
 
@@ -184,7 +245,7 @@ fn seen(p: DVec3, normal: DVec3, area: f64) -> Option<Seen> {
 mod tests {
     use super::*;
 
-    fn areas() -> [Area; 3] {
+    fn areas() -> [Shape; 3] {
         let position = Vec3::new(0.3, -0.2, 0.1);
         let flat = FlatLight::rectangle(Vec3::new(0.0, 0.2, 2.0), Vec3::X, Vec3::new(0.0, 0.5, 0.2), Vec3::ONE);
         let disc = FlatLight::disc(Vec3::new(0.5, 0.2, 2.0), Vec3::new(0.2, 0.1, -1.0), 0.7, Vec3::ONE);
@@ -192,9 +253,9 @@ mod tests {
             TubeLight { ends: [Vec3::new(-1.0, 0.0, 2.0), Vec3::new(1.0, 0.4, 2.5)], radius: 0.3, radiance: Vec3::ONE };
         let flat = flat.expect("a rectangle").on_both_sides();
         [
-            Area::of_flat(&flat, position).expect("lit"),
-            Area::of_flat(&disc.expect("a disc"), position).expect("lit"),
-            Area::of_tube(&tube, position),
+            Shape::of_flat(&flat, position).expect("lit"),
+            Shape::of_flat(&disc.expect("a disc"), position).expect("lit"),
+            Shape::of_tube(&tube, position),
         ]
     }
 

@@ -67,6 +67,9 @@ impl ReferenceJob<'_> {
         for light in &scene.lights {
             format!("{light:?}").bytes().for_each(|b| word(u32::from(b)));
         }
+        if let Some(environment) = &scene.environment {
+            format!("{:?}", environment.map()).bytes().for_each(|b| word(u32::from(b)));
+        }
         format!("{:?}", scene.materials).bytes().for_each(|b| word(u32::from(b)));
         if !scene.surfaces.is_empty() {
             format!("{:?}", scene.surfaces).bytes().for_each(|b| word(u32::from(b)));

@@ -259,7 +259,9 @@ fn of_spots_and_suns(gpu: &Gpu) {
     let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8] }.into();
     let toward = Vec3::new(-0.5, 0.8, 0.4).normalize();
     let sun = |degrees| SunLight::new(toward, degrees, Vec3::new(2.0, 1.8, 1.5), world).into();
-    for (name, lights) in [("a spot", vec![spot]), ("a sun", vec![sun(3.0)]), ("all", vec![sphere, spot, sun(0.3)])] {
+    for (name, lights) in
+        [("a spot", vec![spot.clone()]), ("a sun", vec![sun(3.0)]), ("all", vec![sphere, spot, sun(0.3)])]
+    {
         view.scene.lights = lights;
         view.compare_spheres(gpu, name, 0.003, 5);
     }

@@ -73,12 +73,12 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     gbuffer.add_emission(&mut estimate.radiance);
     gbuffer.add_emission(&mut estimate.unshadowed);
     let resolve = |values: &[Vec3], background| gbuffer.resolve(values, background);
-    let picture = resolve(&estimate.radiance, scene.background);
+    let picture = gbuffer.picture(&estimate.radiance, scene.background);
     let picture = Picture::new(scene.width as usize, scene.height as usize, picture);
     // Of independent points variances add up: mean of the variances over their number.
     let std_error = of_pixels(&estimate.std_error, gbuffer.samples, |values| resolve(values, Vec3::ZERO));
     let layers = [
-        ExrLayer::color("unshadowed", &resolve(&estimate.unshadowed, scene.background)),
+        ExrLayer::color("unshadowed", &gbuffer.picture(&estimate.unshadowed, scene.background)),
         ExrLayer::color("stderr", &std_error),
     ];
     files.write(&picture, view.exposure, &layers)?;

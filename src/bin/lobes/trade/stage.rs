@@ -94,7 +94,7 @@ impl<'a> Stage<'a> {
 
     pub(super) fn picture(&self, radiance: &[Vec3]) -> Picture {
         let scene = self.world.scene();
-        let pixels = self.gbuffer.resolve(radiance, scene.background);
+        let pixels = self.gbuffer.picture(radiance, scene.background);
         Picture::new(scene.width as usize, scene.height as usize, pixels)
     }
 

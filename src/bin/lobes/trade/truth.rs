@@ -49,7 +49,7 @@ impl Truth {
         }
         let estimate = reference.estimate();
         let picture = |values: &[Vec3], background| {
-            Picture::new(scene.width as usize, scene.height as usize, gbuffer.resolve(values, background))
+            Picture::new(scene.width as usize, scene.height as usize, gbuffer.picture(values, background))
         };
         let truth = Self {
             picture: picture(&estimate.radiance, scene.background),

@@ -1,0 +1,45 @@
+use glam::{Mat4, Vec3};
+use lobe_core::{Cone, LightLobes, LobesFull, LobesMut, Receiver, Sphere};
+
+/// The same radiance from everywhere, which nothing hides: what a scene without walls reflects, as a guess.
+///
+/// A receiver is inside of a ball of light, as large as you like; for whoever wants one ball for all receivers it is `world`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmbientLight {
+    /// Radiance, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec3,
+    /// A ball around all that is lit.
+    pub world: Sphere,
+}
+
+impl AmbientLight {
+    /// The same light: it is everywhere.
+    #[must_use]
+    pub const fn moved(&self, _: Mat4) -> Self {
+        *self
+    }
+}
+
+impl LightLobes for AmbientLight {
+    fn bounds(&self) -> Sphere {
+        self.world
+    }
+
+    /// Nothing between receivers and this ball hides the light.
+    fn bounds_from(&self, receivers: &Sphere) -> Sphere {
+        *receivers
+    }
+
+    /// All directions: no strategy is asked what a receiver sees from inside a light.
+    fn cone(&self, at: &Receiver) -> Cone {
+        Cone { axis: at.normal, one_minus_cos: 2.0, distance: f32::MIN_POSITIVE }
+    }
+
+    fn radiance(&self, _: &Receiver) -> Vec3 {
+        self.radiance
+    }
+
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        out.push(self.term(at).lobe())
+    }
+}

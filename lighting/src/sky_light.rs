@@ -1,0 +1,121 @@
+use crate::SunLight;
+use crate::flat_light::cone_of;
+use glam::{Mat4, Vec3};
+use lobe_core::{Cone, LightImage, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
+use std::sync::Arc;
+
+/// A part of an [`Environment`](crate::Environment): a patch of the sky, or a sun.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SkyLight {
+    /// Part of a cube's side.
+    Patch(SkyPatch),
+    /// What is small and bright.
+    Sun(SunLight),
+}
+
+/// A rectangle so far away that all receivers see it in the same directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyPatch {
+    /// Unit normal of its plane, away from receivers.
+    pub axis: Vec3,
+    /// Where its middle is on the plane at distance 1.
+    pub center: Vec3,
+    /// Half its sides there, at right angles.
+    pub sides: [Vec3; 2],
+    /// Mean radiance over the rectangle, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec3,
+    /// Where it is how bright, if not everywhere the same.
+    pub image: Option<Arc<LightImage>>,
+    /// A ball around all that blocks and all that is lit.
+    pub world: Sphere,
+}
+
+impl SkyPatch {
+    /// All that blocks is nearer.
+    fn distance(&self) -> f32 {
+        4.0 * self.world.radius.max(f32::MIN_POSITIVE)
+    }
+
+    /// As all receivers see it.
+    fn seen(&self) -> Option<Outline> {
+        let [u, v] = self.sides;
+        let distance = self.distance();
+        let corners = [-u - v, u - v, u + v, v - u].map(|side| (self.center + side) * distance);
+        Some(Outline::new(&corners, self.axis)?.with_sides(self.sides.map(|side| side * distance)))
+    }
+}
+
+impl SkyLight {
+    /// Its mean radiance.
+    #[must_use]
+    pub const fn full_radiance(&self) -> Vec3 {
+        match self {
+            Self::Patch(patch) => patch.radiance,
+            Self::Sun(sun) => sun.radiance,
+        }
+    }
+
+    /// The same light: an environment stands still.
+    #[must_use]
+    pub fn moved(&self, _: Mat4) -> Self {
+        self.clone()
+    }
+}
+
+impl LightLobes for SkyLight {
+    fn bounds(&self) -> Sphere {
+        match self {
+            Self::Sun(sun) => sun.bounds(),
+            Self::Patch(patch) => self.bounds_from(&patch.world),
+        }
+    }
+
+    fn bounds_from(&self, receivers: &Sphere) -> Sphere {
+        match self {
+            Self::Sun(sun) => sun.bounds_from(receivers),
+            Self::Patch(patch) => {
+                let [u, v] = patch.sides;
+                let (center, distance) = (receivers.center + patch.center * patch.distance(), patch.distance());
+                // A window in it is turned as it is, and not larger.
+                Sphere { center, radius: (u + v).length() * distance * 1.000_1 + receivers.radius }
+            }
+        }
+    }
+
+    fn cone(&self, at: &Receiver) -> Cone {
+        self.term(at).cone
+    }
+
+    fn radiance(&self, _: &Receiver) -> Vec3 {
+        self.full_radiance()
+    }
+
+    fn outline(&self, _: &Receiver) -> Option<Outline> {
+        match self {
+            Self::Sun(_) => None,
+            Self::Patch(patch) => patch.seen(),
+        }
+    }
+
+    fn image(&self) -> Option<&LightImage> {
+        match self {
+            Self::Sun(_) => None,
+            Self::Patch(patch) => patch.image.as_deref(),
+        }
+    }
+
+    fn term(&self, at: &Receiver) -> LightTerm {
+        match self {
+            Self::Sun(sun) => sun.term(at),
+            Self::Patch(patch) => {
+                let outline = patch.seen();
+                let cone = cone_of(outline.as_ref(), patch.center * patch.distance());
+                LightTerm { cone, radiance: patch.radiance, outline }
+            }
+        }
+    }
+
+    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        out.push(self.term(at).lobe())
+    }
+}
