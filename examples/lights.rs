@@ -3,8 +3,10 @@
 //! `cargo run --release --example lights [-- SPP] > docs/lights.md`
 
 use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
-use cosine_lobes::lighting::{FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
-use cosine_lobes::lobe_core::{Accuracy, LobesFull, Sphere};
+use cosine_lobes::lighting::{
+    Environment, EnvironmentMap, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
+};
+use cosine_lobes::lobe_core::{Accuracy, LightImage, LobesFull, Sphere};
 use cosine_lobes::render_cpu::{
     CpuShader, Estimate, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
 };
@@ -13,11 +15,15 @@ use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Picture, ShadowErrors};
-use glam::{Quat, Vec3};
+use glam::{Quat, UVec2, Vec3};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 const WIDTH: u32 = 160;
 const HEIGHT: u32 = 100;
+/// Of the picture that a square shows, and of the sky's.
+const SIZE: UVec2 = UVec2::splat(128);
+const SKY: UVec2 = UVec2::new(512, 256);
 /// Lights of different kinds give about this irradiance below them.
 const IRRADIANCE: f32 = 2.0;
 
@@ -28,6 +34,7 @@ const ABOVE: Vec3 = Vec3::new(-0.2, 2.2, -0.6);
 struct Kind {
     name: &'static str,
     lights: Vec<Light>,
+    environment: Option<Arc<Environment>>,
 }
 
 fn kinds() -> Vec<Kind> {
@@ -62,7 +69,43 @@ fn kinds() -> Vec<Kind> {
     ];
     let small = SphereLight::with_intensity(Sphere { radius: 0.1, ..ball }, Vec3::splat(IRRADIANCE * height * height));
     all.push(("spot, radius 0.1", Some(SpotLight { light: small, axis: down, cos: [0.9, 0.75] }.into())));
-    all.into_iter().filter_map(|(name, light)| light.map(|light| Kind { name, lights: vec![light] })).collect()
+    let screen =
+        FlatLight::rectangle(ABOVE, u * 0.5, v * 0.5, Vec3::ONE).map(|light| light.with_radiance(of_area(1.0)));
+    let shown = LightImage::new(SIZE, &waves()).map(|(image, _)| Arc::new(image));
+    all.push((
+        "square that shows an image",
+        screen.ok().zip(shown).and_then(|(s, image)| s.showing(image)).map(Light::from),
+    ));
+    let one = |light| Kind { name: "", lights: vec![light], environment: None };
+    let mut kinds: Vec<Kind> =
+        all.into_iter().filter_map(|(name, light)| light.map(|light| Kind { name, ..one(light) })).collect();
+    // The same waves with a glow around all, dark below, and a sun of 3°.
+    let toward = -down;
+    for (name, across, sun) in [("sky, 6 patches", 1, 0.0), ("sky, 24 patches", 2, 0.0), ("sky and sun", 2, 300.0)] {
+        let Ok(blank) = EnvironmentMap::new(SKY, vec![Vec3::ZERO; (SKY.x * SKY.y) as usize]) else { continue };
+        let texels = (0..SKY.x * SKY.y).map(|k| {
+            let d = blank.direction((k % SKY.x) as f32 + 0.5, (k / SKY.x) as f32 + 0.5);
+            let above = if d.y > 0.0 { 1.0 } else { 0.2 };
+            let glow = ((d.dot(toward) - 1.0) * 30.0).exp();
+            let sun = if d.dot(toward) > 1.5_f32.to_radians().cos() { sun } else { 0.0 };
+            Vec3::new(0.3, 0.45, 0.7) * above * (0.5 + 0.5 * d.y) + Vec3::splat(2.0 * glow + sun)
+        });
+        if let Ok(map) = EnvironmentMap::new(SKY, texels.collect()) {
+            let environment = Arc::new(Environment::new(map, across, world));
+            kinds.push(Kind { name, lights: environment.lights().to_vec(), environment: Some(environment) });
+        }
+    }
+    kinds
+}
+
+/// Waves of other lengths in each channel.
+fn waves() -> Vec<Vec3> {
+    (0..SIZE.x * SIZE.y)
+        .map(|k| {
+            let [x, y] = [k % SIZE.x, k / SIZE.x].map(|k| (k as f32 + 0.5) / SIZE.x as f32 * core::f32::consts::TAU);
+            Vec3::new(1.0 + x.sin(), 1.0 + (2.0 * y).sin(), 1.0 - x.sin() * y.cos())
+        })
+        .collect()
 }
 
 /// The paper's rectangle (its Fig. 19): nine spheres of the frontal area and the power of the square.
@@ -73,7 +116,7 @@ fn nine_spheres() -> Option<Kind> {
     let radius = (square.area() / (9.0 * core::f32::consts::PI)).sqrt();
     let at = |k: usize| *a + (*b - *a) * ((k % 3) as f32 + 0.5) / 3.0 + (*d - *a) * ((k / 3) as f32 + 0.5) / 3.0;
     let light = |k| SphereLight::new(Sphere { center: at(k), radius }, square.radiance).into();
-    Some(Kind { name: "nine spheres for the square", lights: (0..9).map(light).collect() })
+    Some(Kind { name: "nine spheres for the square", lights: (0..9).map(light).collect(), environment: None })
 }
 
 fn materials() -> Vec<(&'static str, Material)> {
@@ -86,7 +129,7 @@ fn materials() -> Vec<(&'static str, Material)> {
 }
 
 /// A floor and a wall with a table, slats and balls.
-fn scene(material: &Material, lights: &[Light]) -> Scene {
+fn scene(material: &Material, kind: &Kind) -> Scene {
     let cuboid = |name: &str, center: Vec3, half: Vec3, turn: f32| {
         let mut mesh = Mesh::cuboid(Vec3::ZERO, half);
         let turn = Quat::from_rotation_y(turn);
@@ -120,10 +163,10 @@ fn scene(material: &Material, lights: &[Light]) -> Scene {
         width: WIDTH,
         height: HEIGHT,
         background: Vec3::ZERO,
-        environment: None,
+        environment: kind.environment.clone(),
         materials: vec![material.clone()],
         objects,
-        lights: lights.to_vec(),
+        lights: kind.lights.clone(),
     }
 }
 
@@ -140,8 +183,8 @@ enum Strategy {
 }
 
 impl Case {
-    fn new(material: &Material, lights: &[Light], samples: u32) -> Self {
-        let scene = scene(material, lights);
+    fn new(material: &Material, kind: &Kind, samples: u32) -> Self {
+        let scene = scene(material, kind);
         let world = World::new(&scene);
         let gbuffer = GBuffer::new(&world, scene.width, scene.height, 1);
         let blockers = BlockerSet::default();
@@ -233,7 +276,11 @@ fn as_spheres(proxy: &Proxy) -> Option<&Vec<Sphere>> {
 
 fn main() {
     let samples = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(4096);
-    let (kinds, materials) = (kinds(), materials());
+    let (mut kinds, materials) = (kinds(), materials());
+    // A part of a name: only such kinds.
+    if let Some(part) = std::env::args().nth(2) {
+        kinds.retain(|kind| kind.name.contains(&part));
+    }
     println!(
         "# Lights\n\nEvery kind of light against Monte Carlo of its true shape ({samples} samples a point): a table, slats, a crate and two balls \
          on a floor before a wall, {WIDTH} × {HEIGHT} points, exact shadows (`silhouettes`, balls as they are). Made by \
@@ -249,7 +296,7 @@ fn main() {
         let mut row = format!("| {} |", kind.name);
         let mut noise = 0.0;
         for (m, (_, material)) in materials.iter().enumerate() {
-            let case = Case::new(material, &kind.lights, samples);
+            let case = Case::new(material, kind, samples);
             let (radiance, _) = case.shade(Strategy::Silhouettes, 0.005, |_| true, 1);
             row += &case.errors(&radiance).map_or_else(String::new, |e| cell(&e));
             if m == 0 {
@@ -291,7 +338,7 @@ fn main() {
              modified Phong.\n\n| | penumbra mean / p99 | all points, mean | seconds of a core |\n|---|---|---|---|"
         );
         let ours = square.shade(Strategy::Silhouettes, 0.005, |_| true, 5);
-        let other = Case { scene: scene(&materials[1].1, &nine.lights), truth: square.truth.clone() };
+        let other = Case { scene: scene(&materials[1].1, &nine), truth: square.truth.clone() };
         let theirs = other.shade(Strategy::Silhouettes, 0.005, |_| true, 5);
         for (name, (radiance, seconds)) in [("outline", ours), (nine.name, theirs)] {
             let sum = |f: &dyn Fn(usize) -> f32| (0..radiance.len()).map(|k| f64::from(f(k))).sum::<f64>();

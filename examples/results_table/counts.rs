@@ -1,6 +1,7 @@
 //! What more or fewer spheres of the same object cost, and err.
 
-use crate::measure::{Timing, frames};
+use crate::measure::{How, Timing, frames};
+use crate::models::Models;
 use crate::scenes::close_up;
 use core::sync::atomic::AtomicBool;
 use cosine_lobes::render_cpu::{GBuffer, Geometry, Reference, ReferenceJob, World};
@@ -18,17 +19,17 @@ pub(crate) struct Count {
 /// Samples of the reference: it errs by some 0.1 %.
 const SAMPLES: u32 = 256;
 
-pub(crate) fn measure(repeats: usize) -> Result<Vec<Count>, String> {
+pub(crate) fn measure(models: &mut Models, repeats: usize) -> Result<Vec<Count>, String> {
     eprintln!("Sets by count");
     let of = |spheres: usize| {
-        let (scene, blockers) = close_up(1.0, spheres);
+        let (scene, blockers) = close_up(models.of(spheres)?, 1.0);
         let world = World::new(&scene);
         let gbuffer = GBuffer::new(&world, 360, 240, 1);
         let job =
             ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry: Geometry::Mesh, seed: 1 };
         let mut reference = Reference::new(job);
         reference.advance(SAMPLES, &AtomicBool::new(false), &|_| {});
-        let (timing, radiance) = frames(&scene, &blockers, &gbuffer.points, 0.0, repeats)?;
+        let (timing, radiance) = frames(&scene, &blockers, &gbuffer.points, How::default(), repeats)?;
         let truth = reference.estimate();
         let picture = |values: &[Vec3]| Picture::new(360, 240, gbuffer.resolve(values, Vec3::ZERO));
         let [test, truth, unshadowed] = [&radiance, &truth.radiance, &truth.unshadowed].map(|values| picture(values));

@@ -4,14 +4,22 @@
 //! made here, with the paper's numbers of points, spheres and lights; visible points are given, as in the paper. Sphere
 //! sets are built once and kept beside the program.
 
+mod blob;
 mod counts;
+#[path = "../../src/bin/lobes/figures/measure.rs"]
 mod measure;
+mod models;
 mod order;
+mod rows;
 mod scaling;
+#[path = "../../src/bin/lobes/figures/scenes.rs"]
 mod scenes;
+#[path = "../../src/bin/lobes/figures/sets.rs"]
 mod sets;
 mod table;
 
+use crate::models::Models;
+use crate::scenes::Case;
 use std::path::PathBuf;
 
 struct Options {
@@ -40,18 +48,21 @@ fn options() -> Result<Options, String> {
 fn run() -> Result<(), String> {
     let Options { repeats, only, pictures, output } = options()?;
     let wanted = |name: &str| name.to_lowercase().contains(&only.to_lowercase());
+    let mut models = Models::new()?;
     let mut rows = Vec::new();
-    for case in scenes::all().into_iter().filter(|case| wanted(case.name)) {
-        eprintln!("{}", case.name);
-        rows.push(measure::row(&case, repeats, pictures.as_deref())?);
+    for line in rows::all().into_iter().filter(|line| wanted(line.name)) {
+        rows.push(rows::measure(line, &mut models, repeats, pictures.as_deref())?);
     }
     let curves: Vec<_> = scaling::all().into_iter().filter(|curve| wanted(curve.name)).collect();
     let curves = curves.into_iter().map(|curve| scaling::measure(curve, repeats)).collect::<Result<Vec<_>, _>>()?;
-    // Few spheres, and many.
-    let orders = scenes::all().into_iter().filter(|case| ["Fig. 22(a)", "Fig. 16"].contains(&case.name));
-    let orders = orders.map(|case| order::measure(&case, repeats));
-    let orders = if wanted("Order of points") { orders.collect::<Result<Vec<_>, _>>()? } else { Vec::new() };
-    let counts = if wanted("Sets by count") { counts::measure(repeats)? } else { Vec::new() };
+    let mut orders = Vec::new();
+    if wanted("Order of points") {
+        // Few spheres, and many.
+        for (name, case) in [("Fig. 16", Case::fig16()), ("Fig. 22(a)", Case::fig22(0))] {
+            orders.push(order::measure(name, &case, &mut models, repeats)?);
+        }
+    }
+    let counts = if wanted("Sets by count") { counts::measure(&mut models, repeats)? } else { Vec::new() };
     let text = table::markdown(&rows, &curves, &orders, &counts);
     match output {
         Some(path) => std::fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display())),

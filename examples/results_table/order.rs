@@ -1,6 +1,7 @@
 //! Points in other orders than a picture's: what the vertices of a mesh would cost.
 
-use crate::measure::{Timing, frames};
+use crate::measure::{How, Timing, frames};
+use crate::models::Models;
 use crate::scenes::Case;
 use std::time::Instant;
 
@@ -15,17 +16,17 @@ pub(crate) struct Orders {
 
 pub(crate) const NAMES: [&str; 3] = ["tiles of pixels", "shuffled", "made coherent again"];
 
-pub(crate) fn measure(case: &Case, repeats: usize) -> Result<Orders, String> {
-    let (scene, blockers, gbuffer) = case.make();
-    let time = |points: &_| frames(&scene, &blockers, points, case.threshold, repeats).map(|(timing, _)| timing);
-    let mut points = gbuffer.points;
+pub(crate) fn measure(name: &'static str, case: &Case, models: &mut Models, repeats: usize) -> Result<Orders, String> {
+    let (scene, blockers, gbuffer) = case.make(models.of(case.spheres)?);
+    let time = |points: &_| frames(&scene, &blockers, points, How::default(), repeats).map(|(timing, _)| timing);
+    let mut points = case.counted(gbuffer.points);
     let tiles = time(&points)?;
     points.reorder(&shuffled(points.receivers.len()));
     let without = time(&points)?;
     let start = Instant::now();
     points.make_coherent();
     let sorting = start.elapsed().as_secs_f64();
-    Ok(Orders { name: case.name, timings: [tiles, without, time(&points)?], sorting })
+    Ok(Orders { name, timings: [tiles, without, time(&points)?], sorting })
 }
 
 /// The same order each time (Fisher and Yates, with xorshift).

@@ -1,9 +1,9 @@
 //! How time grows: with spheres, lights and the size of a light.
 
-use crate::measure::{Timing, frames};
-use crate::scenes::{cube, diffuse, floor_scene, light};
-use crate::sets::{add_balls, blob};
-use cosine_lobes::lighting::Light;
+use crate::blob::blob;
+use crate::measure::{How, Timing, frames};
+use crate::scenes::{cube, diffuse, far_light, floor_scene, light, spiral_lights};
+use crate::sets::add_balls;
 use cosine_lobes::render_cpu::{GBuffer, World};
 use cosine_lobes::scene::{BlockerSet, Scene};
 use glam::Vec3;
@@ -37,14 +37,14 @@ pub(crate) fn all() -> Vec<Curve> {
             name: "Fig. 20, lights",
             note: "a cube of 64 spheres; the paper: linear, 800 ms at 50 (end of its axis)",
             of: "lights",
-            make: |count| cube(lights(count as usize)),
+            make: |count| cube(spiral_lights(count as usize)),
             values: vec![1.0, 4.0, 12.0, 25.0, 50.0],
         },
         Curve {
             name: "Fig. 17, area of the light",
             note: "a cube of 64 spheres, the light 20 units away; the paper: 450 ms at 0.5 to 1200 ms at 227 (its axes)",
             of: "area",
-            make: |area| cube(vec![light(Vec3::new(9.0, 17.0, 4.0), (area / core::f32::consts::PI).sqrt())]),
+            make: |area| cube(vec![far_light(area)]),
             values: vec![0.5, 45.8, 91.1, 136.4, 181.7, 227.0],
         },
     ]
@@ -58,23 +58,12 @@ fn blob_scene(balls: &[cosine_lobes::lobe_core::Sphere]) -> (Scene, BlockerSet) 
     (scene, blockers)
 }
 
-/// So many small lights on a golden spiral over the upper half of a sphere.
-fn lights(count: usize) -> Vec<Light> {
-    let at = |i: usize| {
-        let y = 0.35 + 0.6 * (i as f32 + 0.5) / count as f32;
-        let (s, c) = (i as f32 * 2.399_963).sin_cos();
-        let across = (1.0 - y * y).sqrt();
-        7.0 * Vec3::new(c * across, y, s * across)
-    };
-    (0..count).map(|i| light(at(i), 0.4)).collect()
-}
-
 pub(crate) fn measure(curve: Curve, repeats: usize) -> Result<Measured, String> {
     eprintln!("{}", curve.name);
     let one = |value: &f32| {
         let (scene, blockers) = (curve.make)(*value);
         let points = GBuffer::new(&World::new(&scene), 256, 256, 1).points;
-        frames(&scene, &blockers, &points, 0.0, repeats).map(|(timing, _)| timing)
+        frames(&scene, &blockers, &points, How::default(), repeats).map(|(timing, _)| timing)
     };
     let timings = curve.values.iter().map(one).collect::<Result<_, _>>()?;
     Ok(Measured { curve, timings })

@@ -1,8 +1,9 @@
 //! The tables as Markdown.
 
 use crate::counts::Count;
-use crate::measure::{Row, Timing};
+use crate::measure::Timing;
 use crate::order::{NAMES, Orders};
+use crate::rows::Row;
 use crate::scaling::Measured;
 use std::fmt::Write;
 
@@ -44,11 +45,10 @@ fn times(text: &mut String, rows: &[Row]) {
         "| scene | points | spheres | lights | penumbra | dark | ms a frame (quartiles) | fps | best ms | CPU ms | asked | paper |\n",
     );
     text.push_str("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    for Row { name, note, paper, target, spheres, lights, timing } in rows {
+    for Row { line, spheres, lights, timing } in rows {
+        let (name, note, paper, target) = (line.name, line.note, line.paper, line.target);
         let [_, penumbra, dark] = timing.shares().map(|s| 100.0 * s);
-        let ms = 1e3 * timing.stats.seconds;
-        let [low, high] = timing.quartiles.map(|s| 1e3 * s);
-        let asked = match *target {
+        let asked = match target {
             t if t >= 10.0 => format!("≥ {t:.0} fps"),
             t if t > 0.0 => format!("≤ {:.2} s", 1.0 / t),
             _ => "–".to_owned(),
@@ -57,19 +57,15 @@ fn times(text: &mut String, rows: &[Row]) {
         let points = timing.points;
         let _ = writeln!(
             text,
-            "| {name}: {note} | {points} | {spheres} | {lights} | {penumbra:.1} % | {dark:.1} % | {ms:.2} ({low:.2}–{high:.2}) | \
+            "| {name}: {note} | {points} | {spheres} | {lights} | {penumbra:.1} % | {dark:.1} % | {} | \
              {:.1} | {:.2} | {} | {asked} | {paper} |",
-            1e3 / ms,
+            timing.milliseconds(),
+            1.0 / timing.stats.seconds,
             1e3 * timing.best,
-            cpu(timing)
+            timing.processor_milliseconds()
         );
     }
     text.push('\n');
-}
-
-/// Milliseconds on processors a frame.
-fn cpu(timing: &Timing) -> String {
-    timing.processor.map_or_else(|| "–".to_owned(), |s| format!("{:.2}", 1e3 * s))
 }
 
 fn counters(text: &mut String, rows: &[Row]) {
@@ -82,23 +78,16 @@ fn counters(text: &mut String, rows: &[Row]) {
     );
     text.push_str("|---|---|---|---|---|---|---|---|\n");
     for row in rows {
-        let stages = row.timing.stages();
-        let all = stages.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        let [a, b, c, d, e] = stages.map(|s| 100.0 * s / all);
+        let [a, b, c, d, e] = row.timing.stages();
         let counts = row.timing.stats.counts;
         let lobes = counts.lobes as f64 / counts.penumbra_points.max(1) as f64;
         let _ = writeln!(
             text,
             "| {} | {a:.1} % | {b:.1} % | {c:.1} % | {d:.1} % | {e:.1} % | {lobes:.2} | {} |",
-            row.name, counts.integrals
+            row.line.name, counts.integrals
         );
     }
     text.push('\n');
-}
-
-/// What rows of a curve are compared by: the time on processors, where it is known.
-fn cost(timing: &Timing) -> f64 {
-    timing.processor.unwrap_or(timing.best)
 }
 
 fn series(text: &mut String, measured: &Measured) {
@@ -109,19 +98,17 @@ fn series(text: &mut String, measured: &Measured) {
         "| {} | penumbra | ms (quartiles) | best ms | CPU ms | × the first |\n|---|---|---|---|---|---|",
         curve.of
     );
-    let first = measured.timings.first().map_or(1.0, cost);
+    let first = measured.timings.first().map_or(1.0, Timing::cost);
     for (value, timing) in measured.points() {
         let [_, penumbra, _] = timing.shares();
-        let seconds = timing.stats.seconds;
-        let [low, high] = timing.quartiles.map(|s| 1e3 * s);
         let _ = writeln!(
             text,
-            "| {value} | {:.1} % | {:.2} ({low:.2}–{high:.2}) | {:.2} | {} | {:.2} |",
+            "| {value} | {:.1} % | {} | {:.2} | {} | {:.2} |",
             100.0 * penumbra,
-            1e3 * seconds,
+            timing.milliseconds(),
             1e3 * timing.best,
-            cpu(timing),
-            cost(timing) / first
+            timing.processor_milliseconds(),
+            timing.cost() / first
         );
     }
     text.push('\n');
@@ -135,16 +122,15 @@ fn in_orders(text: &mut String, orders: &[Orders]) {
     );
     for Orders { name, timings, sorting } in orders {
         for (k, timing) in timings.iter().enumerate() {
-            let [low, high] = timing.quartiles.map(|s| 1e3 * s);
             let sorting = if k == 2 { format!("{:.1}", 1e3 * sorting) } else { "–".to_owned() };
             let _ = writeln!(
                 text,
-                "| {name} | {} | {:.2} ({low:.2}–{high:.2}) | {:.2} | {} | {:.2} | {sorting} |",
+                "| {name} | {} | {} | {:.2} | {} | {:.2} | {sorting} |",
                 NAMES[k],
-                1e3 * timing.stats.seconds,
+                timing.milliseconds(),
                 1e3 * timing.best,
-                cpu(timing),
-                cost(timing) / cost(&timings[0])
+                timing.processor_milliseconds(),
+                timing.cost() / timings[0].cost()
             );
         }
     }
@@ -158,13 +144,12 @@ fn of_sets(text: &mut String, counts: &[Count]) {
          99 % below |\n|---|---|---|---|---|---|\n",
     );
     for Count { spheres, timing, penumbra } in counts {
-        let [low, high] = timing.quartiles.map(|s| 1e3 * s);
         let _ = writeln!(
             text,
-            "| {spheres} | {:.2} ({low:.2}–{high:.2}) | {:.2} | {} | {:.2} % | {:.1} % |",
-            1e3 * timing.stats.seconds,
+            "| {spheres} | {} | {:.2} | {} | {:.2} % | {:.1} % |",
+            timing.milliseconds(),
             1e3 * timing.best,
-            cpu(timing),
+            timing.processor_milliseconds(),
             100.0 * penumbra.mean,
             100.0 * penumbra.p99
         );

@@ -11,8 +11,12 @@ use std::time::Instant;
 
 /// Groups that a thread takes at once, at most: what is dear is often side by side.
 const RUN: usize = 16;
-/// One group in this many is timed stage by stage; clocks would cost more than a lit point does.
-const TIMED: usize = 32;
+/// Whether a group is timed stage by stage: one in 32 is, clocks would cost more than a lit point does. By a hash of its number: every
+/// 32nd may be in the same column of a picture all the way down.
+const fn is_timed(group: usize) -> bool {
+    let mixed = (group as u32).wrapping_mul(0x9e37_79b9);
+    (mixed ^ mixed >> 15).wrapping_mul(0x85eb_ca6b) >> 27 == 0
+}
 
 /// Shades points with lobe sums on the CPU, with any visibility strategy.
 ///
@@ -130,7 +134,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
                     let receivers = &points.receivers[first..first + out.len()];
                     let materials = &points.materials[first..first + out.len()];
                     let mut layers = layers.then(Layers::default);
-                    let mut work = Work::new(group.is_multiple_of(TIMED));
+                    let mut work = Work::new(is_timed(group));
                     self.group(receivers, materials, frame, memory, &mut work, &mut layers, out)?;
                     Ok((work, layers))
                 },
@@ -354,6 +358,26 @@ impl Probe for Work {
             Coverage::Lit => self.lit += 1,
             Coverage::Dark => self.dark += 1,
             Coverage::Partial => self.partial += 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_timed;
+
+    #[test]
+    fn timed_groups_are_of_all_columns() {
+        for columns in 1..=96 {
+            let timed: Vec<usize> =
+                (0..96 * columns).filter(|group| is_timed(*group)).map(|group| group % columns).collect();
+            let all = 3 * columns;
+            // Four standard deviations of a count of so many.
+            let slack = 4.0 * (all as f64).sqrt();
+            assert!(timed.len().abs_diff(all) as f64 <= slack, "{columns} columns: {} of {all}", timed.len());
+            // Each column is timed about three times.
+            let missed = (0..columns).filter(|column| !timed.contains(column)).count();
+            assert!(missed <= columns / 4, "{columns} columns: {missed} missed");
         }
     }
 }

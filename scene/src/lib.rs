@@ -111,7 +111,7 @@ pub use crate::camera::Camera;
 pub use crate::coherence::GROUP;
 pub use crate::doubles::Doubles;
 pub use crate::error::SceneError;
-pub use crate::load::{load, load_animated, load_clip, load_objects, load_with_warnings};
+pub use crate::load::{load, load_animated, load_clip, load_objects, load_with_warnings, obj_mesh};
 pub use crate::mesh::Mesh;
 pub use crate::scene::{Object, Proxy, Scene, Shape};
 pub use crate::scene_file::SCHEMA_EXAMPLE;

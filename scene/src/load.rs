@@ -245,6 +245,29 @@ pub fn load_objects(
     Ok((objects, animation, context.warnings))
 }
 
+/// The mesh of an OBJ file's text, such as one that a program carries: all its parts as one, smooth normals where the text has none,
+/// without materials. Messages call the text `name`.
+///
+/// # Errors
+/// [`SceneError`], one line with the name and the line.
+///
+/// ```
+/// let mesh = scene::obj_mesh("corner", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")?;
+/// assert_eq!(mesh.triangles, [[0, 1, 2]]);
+/// # Ok::<(), scene::SceneError>(())
+/// ```
+pub fn obj_mesh(name: &str, text: &str) -> Result<Mesh, SceneError> {
+    let path = Path::new(name);
+    let mut all = Mesh::default();
+    for mut part in obj::parse(path, text, &mut Context::default())? {
+        part.mesh.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
+        part.clean();
+        part.place(Normals::File, &Placement::Fixed(Mat4::IDENTITY));
+        all.append(&part.mesh);
+    }
+    Ok(all)
+}
+
 fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<String>), SceneError> {
     let mut context = Context::default();
     let (mut scene, animation) = if extension(path) == "toml" {

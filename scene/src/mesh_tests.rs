@@ -192,3 +192,14 @@ fn triangles_in_one_place_are_one() {
     assert_eq!(moving.triangles[..12], cube.triangles);
     assert!(moving.triangles[12..].iter().flatten().all(|i| *i >= count));
 }
+
+#[test]
+fn a_mesh_of_text_is_the_mesh_of_the_file() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/assets/spot.obj");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let objects = crate::load(&file).unwrap().objects;
+    let mesh = crate::obj_mesh("spot.obj", &text).unwrap();
+    assert!(objects.iter().any(|o| matches!(&o.shape, crate::Shape::Mesh(read) if *read == mesh)));
+    let error = crate::obj_mesh("short", "v 0 0 0\nf 1 2 3\n").unwrap_err().to_string();
+    assert!(error.starts_with("short:2:"), "{error}");
+}

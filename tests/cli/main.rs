@@ -4,6 +4,7 @@
 mod check;
 mod compare;
 mod faults;
+mod figures;
 mod frames;
 mod maps;
 mod parts;

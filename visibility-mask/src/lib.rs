@@ -75,5 +75,6 @@ pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
 pub use crate::paper_weights::PaperWeights;
 pub use crate::raster::{LitBounds, Raster};
 pub use crate::row::EightRows;
+pub use crate::shadow_tree::ShadowNode;
 pub use crate::square::UnitSquare;
 pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility};

@@ -85,6 +85,20 @@ pub struct PaperScratch<S> {
     nodes: Vec<ShadowNode>,
 }
 
+impl<S> PaperScratch<S> {
+    /// The unit square of the receiver that looked last.
+    #[must_use]
+    pub fn square(&self) -> &UnitSquare {
+        self.mask.square()
+    }
+
+    /// The shadow nodes that it found, in the order of its lobes.
+    #[must_use]
+    pub fn nodes(&self) -> &[ShadowNode] {
+        &self.nodes
+    }
+}
+
 impl<B: Blockers> VisibilityLobes for PaperVisibility<'_, B> {
     type Scratch = PaperScratch<B::Scratch>;
 

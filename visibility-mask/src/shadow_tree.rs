@@ -4,12 +4,16 @@ use crate::{MAX_DEPTH, Mask, UnitSquare};
 
 const SIDE: usize = 1 << MAX_DEPTH;
 
-/// A node of the quad-tree: column `x` and row `y` among the `2^level` of its level; level 0 is the unit square.
+/// A node of the paper's quad-tree (Fig. 9): column `x` and row `y` among the `2^level` of its level, from the square's left and lower
+/// side; level 0 is the unit square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct ShadowNode {
-    pub(crate) level: u32,
-    pub(crate) x: usize,
-    pub(crate) y: usize,
+pub struct ShadowNode {
+    /// Halvings of the square's sides.
+    pub level: u32,
+    /// Column.
+    pub x: usize,
+    /// Row.
+    pub y: usize,
 }
 
 impl ShadowNode {

@@ -7,8 +7,10 @@ mod checkpoint;
 mod compare;
 mod console;
 mod device;
+mod drawing;
 mod environment;
 mod failure;
+mod figures;
 mod files;
 mod fingerprint;
 mod input;
@@ -41,6 +43,7 @@ fn run() -> Result<(), Failure> {
         Command::Merge(args) => merge::run(&args),
         Command::Spheres(args) => spheres::run(&args),
         Command::Trade(args) => trade::run(&args),
+        Command::Figures(args) => figures::run(&args),
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod figures;
 mod merge;
 mod reference;
 mod render;
@@ -12,6 +13,7 @@ mod view;
 
 pub(crate) use self::check::CheckArgs;
 pub(crate) use self::compare::CompareArgs;
+pub(crate) use self::figures::{Figure, FiguresArgs};
 pub(crate) use self::merge::MergeArgs;
 pub(crate) use self::reference::{Geometry, ReferenceArgs};
 pub(crate) use self::render::{Device, Method, RenderArgs, Visibility};
@@ -50,6 +52,7 @@ pub(crate) enum Command {
     Merge(MergeArgs),
     Spheres(SpheresArgs),
     Trade(TradeArgs),
+    Figures(FiguresArgs),
 }
 
 /// The name of a choice, as it is typed.

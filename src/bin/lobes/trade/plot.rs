@@ -2,33 +2,16 @@
 
 use super::record;
 use super::row::Row;
+use crate::drawing::{COLORS, font};
 use crate::failure::Failure;
 use cosine_lobes::{Output, write_png};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use plotters::style::{FontStyle, register_font};
 use std::path::Path;
 
 const SIZE: (u32, u32) = (1100, 680);
 /// At the right, for the names of the curves.
 const KEY_WIDTH: i32 = 220;
-
-/// One colour a technique; told apart by those who see no red or green as well (M. Okabe, K. Ito).
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(120, 120, 120),
-];
-
-/// Makes text drawable: no font of the system is asked.
-pub(super) fn font() -> Result<(), Failure> {
-    register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT)
-        .map_err(|_| Failure::new("the built-in font cannot be read"))
-}
 
 pub(super) fn write(folder: &Path, title: &str, rows: &[Row]) -> Result<(), Failure> {
     font()?;

@@ -1,14 +1,13 @@
 //! Pictures at equal time, side by side.
 
-use super::plot;
 use super::row::Row;
 use super::setting::Setting;
 use super::stage::Stage;
 use super::truth::Truth;
 use crate::args::TradeArgs;
+use crate::drawing::{font, smaller};
 use crate::failure::Failure;
-use cosine_lobes::{Output, Picture, signed_difference, srgb_bytes, write_png};
-use glam::Vec3;
+use cosine_lobes::{Output, signed_difference, srgb_bytes, write_png};
 use plotters::prelude::*;
 
 /// The widest picture; larger ones are shown smaller.
@@ -82,17 +81,6 @@ fn chosen(rows: &[Row], time: f64) -> Vec<&Row> {
     techniques.iter().filter_map(of).collect()
 }
 
-/// The picture with `factor`² pixels averaged to one.
-fn smaller(picture: &Picture, factor: usize) -> Picture {
-    let (width, height) = (picture.width() / factor, picture.height() / factor);
-    let at = |i: usize| {
-        let (x, y) = (i % width * factor, i / width * factor);
-        let block = (0..factor * factor).map(|k| picture.pixels()[(y + k / factor) * picture.width() + x + k % factor]);
-        block.sum::<Vec3>() / (factor * factor) as f32
-    };
-    Picture::new(width, height, (0..width * height).map(at).collect())
-}
-
 struct Cell {
     title: String,
     note: String,
@@ -122,7 +110,7 @@ impl Sheet {
                 sheet.paste(difference, size, (x, y + TEXT + size.1 + GAP));
             }
         }
-        plot::font()?;
+        font()?;
         let failed = |e: &dyn std::fmt::Display| Failure::new(format_args!("the sheet cannot be drawn: {e}"));
         let area = BitMapBackend::with_buffer(&mut sheet.bytes, (width as u32, height as u32)).into_drawing_area();
         let text = |text: &str, at: (usize, usize)| {
@@ -161,11 +149,5 @@ mod tests {
         assert_eq!(equal_time(&rows), 2.0);
         let times: Vec<f64> = chosen(&rows, 2.0).iter().map(|r| r.seconds).collect();
         assert_eq!(times, [2.0, 1.9, 9.0]);
-    }
-
-    #[test]
-    fn blocks_are_averaged() {
-        let picture = Picture::new(5, 2, (0..10).map(|i| Vec3::splat(i as f32)).collect());
-        assert_eq!(smaller(&picture, 2).pixels(), [Vec3::splat(3.0), Vec3::splat(5.0)]);
     }
 }

@@ -1,29 +1,27 @@
 //! Timing of frames whose visible points are given.
+//!
+//! Shared with `examples/results_table`.
 
-use crate::scenes::Case;
-use cosine_lobes::lobe_core::Accuracy;
+use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::lobe_core::{Accuracy, Method, VisibilityLobes};
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{BlockerSet, Frame, Scene, Shade, ShadeStats, ShadingPoints};
-use cosine_lobes::visibility_mask::MaskVisibility;
+use cosine_lobes::visibility_mask::{MaskVisibility, PaperVisibility};
 use cosine_lobes::visibility_spheres::SphereBlockers;
-use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
 use glam::Vec3;
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// The default tolerance and the depth that it asks for, which is the paper's.
 pub(crate) const TOLERANCE: f32 = 0.005;
 pub(crate) const DEPTH: u32 = 5;
 
-/// A timed scene.
-pub(crate) struct Row {
-    pub(crate) name: &'static str,
-    pub(crate) note: &'static str,
-    pub(crate) paper: &'static str,
-    pub(crate) target: f64,
-    pub(crate) spheres: usize,
-    pub(crate) lights: usize,
-    pub(crate) timing: Timing,
+/// How a frame is shaded.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct How<'t> {
+    /// The paper's `t_i`.
+    pub(crate) threshold: f32,
+    /// With tables by the paper's method, else by moments.
+    pub(crate) tables: Option<&'t Tables>,
 }
 
 /// Repeated frames.
@@ -31,6 +29,8 @@ pub(crate) struct Timing {
     pub(crate) points: usize,
     /// The frame of median time.
     pub(crate) stats: ShadeStats,
+    /// All frames together.
+    sum: ShadeStats,
     /// The shortest time: the one that others on the machine disturbed least.
     pub(crate) best: f64,
     /// Seconds that the threads spent on a processor a frame, all together, where the system tells: what others on the machine do
@@ -48,57 +48,69 @@ impl Timing {
         [pairs, c.penumbra_points as f64 / pairs, c.dark_points as f64 / pairs]
     }
 
-    /// Seconds of each stage, in Table 1's order.
+    /// Milliseconds a frame, with quartiles.
+    pub(crate) fn milliseconds(&self) -> String {
+        let [middle, low, high] = [self.stats.seconds, self.quartiles[0], self.quartiles[1]].map(|s| 1e3 * s);
+        // Two digits and more.
+        let digits = if middle < 10.0 { 2 } else { usize::from(middle < 100.0) };
+        format!("{middle:.digits$} ({low:.digits$}–{high:.digits$})")
+    }
+
+    /// Milliseconds on processors a frame, all threads together.
+    pub(crate) fn processor_milliseconds(&self) -> String {
+        self.processor.map_or_else(|| "–".to_owned(), |s| format!("{:.2}", 1e3 * s))
+    }
+
+    /// Milliseconds on processors a frame, or of the shortest one where the system does not tell: what costs are compared by.
+    pub(crate) fn cost(&self) -> f64 {
+        1e3 * self.processor.unwrap_or(self.best)
+    }
+
+    /// Per cent of each stage, in Table 1's order.
     pub(crate) fn stages(&self) -> [f64; 5] {
-        let s = self.stats.stages;
-        [s.reflectance, s.lighting, s.mask, s.visibility_lobes, s.integration]
+        let s = self.sum.stages;
+        let seconds = [s.reflectance, s.lighting, s.mask, s.visibility_lobes, s.integration];
+        let all = seconds.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        seconds.map(|s| 100.0 * s / all)
     }
 }
 
-pub(crate) fn row(case: &Case, repeats: usize, pictures: Option<&Path>) -> Result<Row, String> {
-    let (scene, blockers, gbuffer) = case.make();
-    let (timing, radiance) = frames(&scene, &blockers, &gbuffer.points, case.threshold, repeats)?;
-    if let Some(folder) = pictures {
-        let name = case.name.replace(|c: char| !c.is_alphanumeric(), "");
-        let picture =
-            Picture::new(gbuffer.width as usize, gbuffer.height as usize, gbuffer.resolve(&radiance, Vec3::ZERO));
-        let write = |path: PathBuf| {
-            let output = Output::create(path)?;
-            write_png(output, picture.width(), picture.height(), &srgb_bytes(&picture, 0.0))
-        };
-        write(folder.join(format!("{name}.png"))).map_err(|e| e.to_string())?;
-    }
-    Ok(Row {
-        name: case.name,
-        note: case.note,
-        paper: case.paper,
-        target: case.target,
-        spheres: blockers.spheres.len(),
-        lights: scene.lights.len(),
-        timing,
-    })
-}
-
-/// No row is repeated for longer, once there are three frames.
+/// No scene is repeated for longer, once there are three frames.
 const LONGEST: Duration = Duration::from_secs(4);
+
+/// What blocks, as the shaders take it.
+pub(crate) fn spheres(blockers: &BlockerSet) -> SphereBlockers {
+    SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances)
+        .with_self_shadows(&blockers.self_shadows)
+}
 
 /// Shades once to warm up, then `repeats` times; the radiance as well.
 pub(crate) fn frames(
     scene: &Scene,
     blockers: &BlockerSet,
     points: &ShadingPoints,
+    how: How<'_>,
+    repeats: usize,
+) -> Result<(Timing, Vec<Vec3>), String> {
+    let spheres = spheres(blockers);
+    match how.tables {
+        None => repeat(CpuShader::new(MaskVisibility::new(spheres)), scene, points, how.threshold, repeats),
+        Some(tables) => {
+            let visibility = PaperVisibility::new(spheres, tables);
+            repeat(CpuShader::with_method(visibility, Method::Paper(tables)), scene, points, how.threshold, repeats)
+        }
+    }
+}
+
+fn repeat<V: VisibilityLobes>(
+    mut shader: CpuShader<'_, V>,
+    scene: &Scene,
+    points: &ShadingPoints,
     threshold: f32,
     repeats: usize,
 ) -> Result<(Timing, Vec<Vec3>), String> {
-    let spheres = SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances)
-        .with_self_shadows(&blockers.self_shadows);
-    let mut shader = CpuShader::new(MaskVisibility::new(spheres));
-    let frame = Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy { tolerance: TOLERANCE, depth: DEPTH },
-        threshold,
-    };
+    let accuracy = Accuracy { tolerance: TOLERANCE, depth: DEPTH };
+    let frame = Frame { materials: &scene.materials, lights: &scene.lights, accuracy, threshold };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let mut runs = Vec::with_capacity(repeats);
     shader.shade(points, &frame, &mut out).map_err(|e| e.to_string())?;
@@ -107,11 +119,14 @@ pub(crate) fn frames(
         runs.push(shader.shade(points, &frame, &mut out).map_err(|e| e.to_string())?);
     }
     let spent = processor_seconds().zip(before).map(|(after, before)| (after - before) / runs.len() as f64);
+    let mut sum = ShadeStats::default();
+    runs.iter().for_each(|run| sum += *run);
     runs.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
     let at = |share: f64| runs[((runs.len() - 1) as f64 * share).round() as usize];
     let timing = Timing {
         points: points.receivers.len(),
         stats: at(0.5),
+        sum,
         best: at(0.0).seconds,
         processor: spent,
         quartiles: [at(0.25).seconds, at(0.75).seconds],
