@@ -30,6 +30,9 @@ const STEEP: f32 = 4.0;
 /// Area of a circle over that of the polygon around it.
 const ROUND: f32 = 0.994_281_9;
 
+/// A reflectance varies little over a light that is nearer to its peak than the root of this, in its widths.
+const SMALL_LIGHT: f32 = 0.6;
+
 /// Pieces of this part of all rows are taken together.
 const SMALL: f32 = 0.04;
 
@@ -275,23 +278,21 @@ impl Value<1> for Facets {
     }
 }
 
-/// A reflectance times an image, and alone.
+/// A reflectance times an image, and alone; the image alone, and one, over the light's plane.
 struct Shown<'a, V> {
     value: V,
     image: &'a LightImage,
     places: Places,
 }
 
-impl<V: Value<1>> Value<4> for Shown<'_, V> {
+impl<V: Value<1>> Value<8> for Shown<'_, V> {
     #[inline(always)]
-    fn at(&self, p: Vec3, inverse: f32, area: f32) -> [f32; 4] {
+    fn at(&self, p: Vec3, inverse: f32, area: f32) -> [f32; 8] {
         let [value] = self.value.at(p, inverse, area);
-        if value <= 0.0 {
-            return [0.0; 4];
-        }
         let level = self.image.level(self.places.area(area));
-        let Vec3 { x, y, z } = self.image.at(self.places.at(p.x, p.y), level) * value;
-        [x, y, z, value]
+        let Vec3 { x, y, z } = self.image.at(self.places.at(p.x, p.y), level);
+        let plane = 1.0 / (inverse * inverse.sqrt());
+        [x * value, y * value, z * value, value, x * plane, y * plane, z * plane, plane]
     }
 }
 
@@ -368,7 +369,15 @@ fn cubature<V: Value<1>>(
         return [0.0, 0.0, 0.0, sum];
     };
     let shown = Shown { value, image, places: light.places(frame) };
-    dispatch!(Level::new(), _simd => of_rows(normal, light, frame, peak, &shown))
+    let [r, g, b, alone, x, y, z, plane] =
+        dispatch!(Level::new(), _simd => of_rows(normal, light, frame, peak, &shown));
+    let is_small = light.on_plane(frame).all(|p| ((p - peak.point) / peak.width).length_squared() < SMALL_LIGHT);
+    if !is_small || light.is_cut {
+        return [r, g, b, alone];
+    }
+    // What the nodes miss of the image, whose mean over the whole light is one, they miss of the product.
+    let off = |sum: f32| alone * (1.0 - sum / plane);
+    [r + off(x), g + off(y), b + off(z), alone]
 }
 
 #[inline(always)]
