@@ -284,7 +284,7 @@ fn main() {
     println!(
         "# Lights\n\nEvery kind of light against Monte Carlo of its true shape ({samples} samples a point): a table, slats, a crate and two balls \
          on a floor before a wall, {WIDTH} × {HEIGHT} points, exact shadows (`silhouettes`, balls as they are). Made by \
-         `cargo run --release --example lights > docs/lights.md`.\n\nErrors are in % of the unshadowed radiance: penumbra mean / 99th percentile \
+         `cargo run --release --example lights`.\n\nErrors are in % of the unshadowed radiance: penumbra mean / 99th percentile \
          (fully lit mean). \"noise\" is the mean standard error of the reference with the first material. In penumbrae it is \
          several times that, most of what is left at a tolerance of 0.1 %.\n"
     );

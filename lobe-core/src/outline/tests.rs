@@ -252,7 +252,7 @@ fn images_are_those_of_quadrature() {
     }
 }
 
-/// A horizon next to a corner: rounding leaves two corners there, and no side between them.
+/// Cut by the same horizon twice: rounding may leave two corners in one place, and no side between them.
 #[test]
 fn a_horizon_through_a_corner_takes_nothing_else() {
     let corners = [[-34.0, 34.0, 34.0], [34.0, 34.0, 34.0], [34.0, 34.0, -34.0], [-34.0, 34.0, -34.0]];
@@ -260,12 +260,11 @@ fn a_horizon_through_a_corner_takes_nothing_else() {
     let view = Vec3::new(0.258_452_4, 0.072_847_46, 0.963_273_4);
     let [lobe, _] = Lobe::microfacets(view, 0.01, [Vec3::ONE; 2]);
     let mut random = Random::new(17);
-    let normal = Vec3::new(0.152_139_63, 0.622_789_5, 0.767_454_74);
     for k in 0..2000 {
-        let turn = if k == 0 { DVec3::ZERO } else { random.axis() * 3e-4 };
-        let normal = (normal.as_dvec3() + turn).as_vec3().normalize();
+        let normal = (DVec3::new(0.15, 0.62, 0.77) + random.axis() * 0.1).as_vec3().normalize();
         let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
-        let lit = outline_integral(&at, &lobe, &light);
-        assert!(lit > 0.99, "{k}: {lit}, {normal}");
+        let once = outline_integral(&at, &lobe, &light);
+        let twice = light.above(normal).map_or(0.0, |light| outline_integral(&at, &lobe, &light));
+        assert!((once - twice).abs() < 1e-3, "{k}: {once} {twice}, {normal}");
     }
 }
