@@ -53,7 +53,7 @@ fn killed_commands_leave_whole_files() {
         let begin = Instant::now();
         succeed(whole.path(), args);
         let (time, want) = (begin.elapsed(), contents(whole.path()));
-        for tenth in [1, 3, 5, 7, 9] {
+        for tenth in [1, 5, 9] {
             let folder = prepared();
             let mut child = start(folder.path(), args);
             sleep(time * tenth / 10);
@@ -116,8 +116,8 @@ fn two_writers_at_one_place_leave_one_whole_file() {
         let folder = folder.path();
         let alone = prepared();
         succeed(alone.path(), args);
-        for _ in 0..3 {
-            let children: Vec<Child> = (0..4).map(|_| start(folder, args)).collect();
+        for _ in 0..2 {
+            let children: Vec<Child> = (0..3).map(|_| start(folder, args)).collect();
             for mut child in children {
                 assert!(child.wait().unwrap().success(), "{args:?}");
             }

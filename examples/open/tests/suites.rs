@@ -8,17 +8,16 @@ use cosine_lobes::lobe_core::{
 };
 use cosine_lobes::render_gpu::{Gpu, GpuOptions};
 use cosine_lobes::visibility_mask::MaskVisibility;
+use libtest_mimic::{Arguments, Trial};
 use open::scene::Own;
 use open::{Capsule, Capsules};
 
-#[test]
 fn velvet_is_a_material() {
     for material in Own::new(8, 8).materials {
         check_brdf(&material, &BrdfLimits::default()).unwrap();
     }
 }
 
-#[test]
 fn spots_are_lights() {
     for light in Own::new(8, 8).lights {
         check_light(&light, &LightLimits::default()).unwrap();
@@ -26,7 +25,6 @@ fn spots_are_lights() {
 }
 
 /// Capsules without a length are balls. Their masks are not turned across their edges, so that some err more, and pop.
-#[test]
 fn capsules_are_blockers() {
     let capsules = |s: &Setting<'_>| {
         let capsule = |ball: &cosine_lobes::lobe_core::Sphere| Capsule { ends: [ball.center; 2], radius: ball.radius };
@@ -37,7 +35,6 @@ fn capsules_are_blockers() {
 }
 
 /// Tiles of points give the bits that the integrator gives of each point alone.
-#[test]
 fn tiles_are_single_points() {
     let own = Own::new(96, 60);
     let points = own.points();
@@ -59,12 +56,8 @@ fn tiles_are_single_points() {
 }
 
 /// The same picture on the GPU, where there is one.
-#[test]
 fn both_devices_agree() {
-    let Ok(gpu) = Gpu::blocking(&GpuOptions::default()) else {
-        println!("no GPU: not compared");
-        return;
-    };
+    let gpu = Gpu::blocking(&GpuOptions::default()).unwrap();
     let own = Own::new(96, 60);
     let points = own.points();
     let (cpu, gpu) = (own.on_cpu(&points).unwrap(), own.on_gpu(&gpu, &points).unwrap());
@@ -74,4 +67,24 @@ fn both_devices_agree() {
     let most = errors.iter().fold(0.0, |a: f32, b| a.max(*b));
     println!("mean {mean:.2e}, most {most:.2e} of the peak");
     assert!(peak > 0.1 && mean < 1e-4 && most < 5e-3, "mean {mean}, most {most}");
+}
+
+/// What needs a GPU shows as ignored where there is none.
+pub fn main() {
+    let tests: [(&str, fn()); 4] = [
+        ("velvet_is_a_material", velvet_is_a_material),
+        ("spots_are_lights", spots_are_lights),
+        ("capsules_are_blockers", capsules_are_blockers),
+        ("tiles_are_single_points", tiles_are_single_points),
+    ];
+    let trial = |(name, test): (&str, fn())| {
+        Trial::test(name, move || {
+            test();
+            Ok(())
+        })
+    };
+    let mut trials: Vec<Trial> = tests.map(trial).into();
+    let no_gpu = Gpu::blocking(&GpuOptions::default()).is_err();
+    trials.push(trial(("both_devices_agree", both_devices_agree)).with_ignored_flag(no_gpu));
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
 }
