@@ -70,7 +70,7 @@ fn both_devices_agree() {
 }
 
 /// What needs a GPU shows as ignored where there is none.
-pub fn main() {
+pub(crate) fn main() {
     let tests: [(&str, fn()); 4] = [
         ("velvet_is_a_material", velvet_is_a_material),
         ("spots_are_lights", spots_are_lights),
