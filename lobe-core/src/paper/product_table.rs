@@ -1,4 +1,5 @@
-use super::{Resolution, fit_product};
+use super::Resolution;
+use super::fit::fit_product_from;
 use crate::Lobe;
 use glam::Vec3;
 
@@ -46,7 +47,7 @@ impl ProductTable {
             let e2 = resolution.exponent(j);
             let mut exponent = (e1 + e2) as f32;
             for k in 0..resolution.angles {
-                let fit = fit_product(e1, e2, resolution.angle(k));
+                let fit = fit_product_from(e1, e2, resolution.angle(k), (k > 0).then_some(f64::from(exponent)));
                 // Where nothing is left to fit (α = π), the exponent of the last angle keeps the table smooth.
                 if fit.scale > 0.0 || k + 1 < resolution.angles {
                     exponent = fit.exponent as f32;
@@ -158,6 +159,7 @@ fn product_direction(a1: Vec3, e1: f32, a2: Vec3, e2: f32) -> Vec3 {
 pub(super) mod tests {
     use super::*;
     use crate::oracle::Random;
+    use crate::paper::fit_product;
     use crate::paper::product_axis;
     use core::f64::consts::PI;
 

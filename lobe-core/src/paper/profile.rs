@@ -43,8 +43,10 @@ impl Profile {
     fn side(&mut self, exponents: [f64; 2], split: &Split) {
         let whole = split.to_edge[0];
         let slope = [0, 1].map(|k| split.to_axis[k].sin() / split.to_edge[k].sin());
+        // `ln` of the product at s relative to its maximum, and cos s − 1.
         let ln_relative = |s: f64, left: f64| {
-            let (sin, haversine) = (s.sin(), -2.0 * (0.5 * s).sin().powi(2));
+            let (half_sin, half_cos) = (0.5 * s).sin_cos();
+            let (sin, haversine) = (2.0 * half_sin * half_cos, -2.0 * half_sin * half_sin);
             let term = |k: usize, change: f64, distance: f64| {
                 if exponents[k] == 0.0 {
                     return 0.0;
@@ -53,17 +55,20 @@ impl Profile {
                 let near = change > -0.5 && split.to_edge[k] > 0.0;
                 exponents[k] * if near { change.ln_1p() } else { (distance.sin() / split.to_edge[k].sin()).ln() }
             };
-            term(0, haversine - slope[0] * sin, left) + term(1, haversine + slope[1] * sin, split.to_edge[1] + s)
+            let both =
+                term(0, haversine - slope[0] * sin, left) + term(1, haversine + slope[1] * sin, split.to_edge[1] + s);
+            (both, haversine)
         };
         let mut window = whole;
-        while window > 0.0 && ln_relative(0.8 * window, whole - 0.8 * window) < -DROP {
+        while window > 0.0 && ln_relative(0.8 * window, whole - 0.8 * window).0 < -DROP {
             window *= 0.8;
         }
         for &(from, to, weight) in rule() {
             let (s, left) = (window * from, whole - window + window * to);
-            let relative = ln_relative(s, left);
+            let (relative, haversine) = ln_relative(s, left);
             if relative > -DROP {
-                self.nodes.push((window * weight * relative.exp(), ln_cos(s, core::f64::consts::FRAC_PI_2 - s)));
+                let ln = if s < 1.0 { haversine.ln_1p() } else { ln_cos(s, core::f64::consts::FRAC_PI_2 - s) };
+                self.nodes.push((window * weight * relative.exp(), ln));
             }
         }
     }

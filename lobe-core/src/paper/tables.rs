@@ -14,7 +14,7 @@ pub struct Tables {
 }
 
 impl Tables {
-    /// Both tables at the paper's resolution, on this thread: about 5 s.
+    /// Both tables at the paper's resolution, on this thread: about 4 s.
     #[must_use]
     pub fn build() -> Self {
         Self::with_products(ProductTable::build())
