@@ -26,8 +26,8 @@ pub enum Event<'a> {
         /// How long it took.
         seconds: f64,
     },
-    /// A set of an earlier run was not what it should be, and is made anew.
-    DamagedSet {
+    /// What an earlier run has kept was not what it should be, and is made anew.
+    Damaged {
         /// Its file.
         path: &'a Path,
     },

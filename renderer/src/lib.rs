@@ -24,6 +24,7 @@
 mod backend;
 mod bands;
 mod budget;
+mod cache;
 mod clocks;
 mod error;
 mod event;

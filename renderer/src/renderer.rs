@@ -171,7 +171,7 @@ impl Renderer {
             self.animation.seek(self.time, &mut self.scene);
         }
         let tables = match self.settings.method {
-            Method::Paper => Some(seconds(&mut self.clocks.tables, || paper_tables(listener))?),
+            Method::Paper => Some(seconds(&mut self.clocks.tables, || paper_tables(cache, listener))?),
             Method::Moments | Method::Lobes => None,
         };
         self.prepared = Some(Prepared { spheres: spheres?, tables });

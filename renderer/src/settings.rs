@@ -52,7 +52,7 @@ pub struct Settings {
     pub layers: bool,
     /// How many times each picture is shaded, to be timed.
     pub repeat: u32,
-    /// Folder of sphere sets of earlier runs; `None`: nothing is read or kept.
+    /// Folder of what earlier runs have made, sphere sets and the paper's table; `None`: nothing is read or kept.
     pub cache: Option<PathBuf>,
 }
 

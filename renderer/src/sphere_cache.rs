@@ -1,16 +1,16 @@
 use crate::event::tell;
-use crate::{Event, Listener, Plan, RenderError};
+use crate::{Event, Listener, Plan, RenderError, cache};
 use core::ops::ControlFlow;
 use glam::Mat4;
-use pictures::{ImageFileError, Output, checksum};
 use render_cpu::{BlockersError, SceneSpheres, SphereSource};
 use scene::{Animation, Mesh, Object, Proxy, Scene, Shape};
 use sphere_sets::{BuildOptions, SetQuality, SphereSet};
-use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use xxhash_rust::xxh3::Xxh3;
+
+/// How the names of sets end.
+const ENDING: &str = "json";
 
 /// The blocker spheres of those objects that the plan gives some; the scene is at its first moment. Sets are read from the
 /// `cache`, and kept there.
@@ -59,7 +59,7 @@ fn fill(scene: &mut Scene, plan: &Plan, folder: &Path, listener: &mut Listener<'
             None => {
                 let set = build(&object.name, mesh, *count, listener)?;
                 // A full disk: the set is built a second time where blockers are made.
-                let Ok(path) = store(folder, &key, &set) else { return Ok(()) };
+                let Ok(path) = cache::store(folder, &key, ENDING, set.to_json().as_bytes()) else { return Ok(()) };
                 path
             }
         };
@@ -75,25 +75,10 @@ pub fn known_set(mesh: &Mesh, count: usize, cache: &Path) -> Option<SphereSet> {
     find(cache, &key(mesh, count), &mut |_| ControlFlow::Continue(())).ok()?.map(|(_, set)| set)
 }
 
-/// The file of a set and the set. One whose content is not what its name says is told of and removed.
+/// The file of a set and the set.
 fn find(folder: &Path, key: &str, listener: &mut Listener<'_>) -> Result<Option<(PathBuf, SphereSet)>, RenderError> {
-    let begin = format!("{key}.");
-    let Ok(entries) = fs::read_dir(folder) else { return Ok(None) };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let Some(sum) = name.to_str().and_then(|n| n.strip_prefix(&begin)?.strip_suffix(".json")) else { continue };
-        let path = entry.path();
-        let Ok(bytes) = fs::read(&path) else { continue };
-        let text = (checksum(&bytes) == sum).then_some(bytes).and_then(|bytes| String::from_utf8(bytes).ok());
-        match text.and_then(|text| SphereSet::from_json(&text).ok()) {
-            Some(set) => return Ok(Some((path, set))),
-            None => {
-                tell(listener, Event::DamagedSet { path: &path })?;
-                let _ = fs::remove_file(path);
-            }
-        }
-    }
-    Ok(None)
+    let read = |bytes| SphereSet::from_json(&String::from_utf8(bytes).ok()?).ok();
+    cache::find(folder, key, ENDING, read, listener)
 }
 
 /// Of all that decides the set: the builder's version, the mesh and the count. The same on every machine.
@@ -118,14 +103,4 @@ fn build(object: &str, mesh: &Mesh, spheres: usize, listener: &mut Listener<'_>)
     let set = set.map_err(|source| BlockersError::Build { object: object.to_owned(), source })?;
     tell(listener, Event::Fitted { object, spheres, seconds: start.elapsed().as_secs_f64() })?;
     Ok(set)
-}
-
-/// Writes a set under a name that has its checksum.
-fn store(folder: &Path, key: &str, set: &SphereSet) -> Result<PathBuf, ImageFileError> {
-    let text = set.to_json();
-    let path = folder.join(format!("{key}.{}.json", checksum(text.as_bytes())));
-    let failed = |source| ImageFileError::Io { path: path.clone(), source };
-    fs::create_dir_all(folder).map_err(failed)?;
-    Output::create(&path)?.finish(|file| file.write_all(text.as_bytes()).map_err(failed))?;
-    Ok(path)
 }

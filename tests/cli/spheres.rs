@@ -33,6 +33,34 @@ fn spheres_are_kept_between_runs() {
     assert_eq!(names(&cache), kept);
 }
 
+/// So is the paper's table. One that is damaged is made anew, with the same bits by any number of threads.
+#[test]
+fn the_table_of_the_paper_is_kept_between_runs() {
+    let folder = folder();
+    let folder = folder.path();
+    let cache = folder.with_extension("cache").join("cosine-lobes");
+    fs::write(folder.join("scene.toml"), SCENE).unwrap();
+    let render = |output: &str, threads: &str| {
+        let args = ["render", "scene.toml", "--method", "paper", "--size", "32x24", "--threads", threads, "-o", output];
+        String::from_utf8(lobes(folder, &args).stderr).unwrap()
+    };
+    render("a.exr", "1");
+    let kept = names(&cache);
+    assert_eq!(kept.len(), 1);
+    let whole = fs::read(cache.join(&kept[0])).unwrap();
+    for is_damaged in [false, true] {
+        if is_damaged {
+            let mut damaged = whole.clone();
+            damaged[whole.len() / 2] ^= 1;
+            fs::write(cache.join(&kept[0]), damaged).unwrap();
+        }
+        let told = render("b.exr", "16");
+        assert_eq!(told.matches("damaged; made anew").count(), usize::from(is_damaged), "{told}");
+        assert!(fs::read(folder.join("a.exr")).unwrap() == fs::read(folder.join("b.exr")).unwrap());
+    }
+    assert_eq!(names(&cache), kept);
+}
+
 /// The set of a skinned mesh tells on demand which bones carry each sphere, and stays a set like any other.
 #[test]
 fn sets_of_skinned_meshes_have_bones() {

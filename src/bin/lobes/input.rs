@@ -63,7 +63,7 @@ pub(crate) fn make_spheres(
     Ok(scene_spheres(scene, animation, plan, cache.as_deref(), &mut |event| teller.hear(event))?)
 }
 
-/// Where sphere sets of earlier runs are: `cosine-lobes` in the user's folder of caches, whether or not it is there.
+/// Where sphere sets and the paper's table of earlier runs are: `cosine-lobes` in the user's folder of caches, whether or not it is there.
 pub(crate) fn cache_folder() -> Option<PathBuf> {
     Some(dirs::cache_dir()?.join("cosine-lobes"))
 }

@@ -67,7 +67,7 @@ impl Teller {
                 bar.set_position(self.done * u64::from(of) + u64::from(done));
             }
             _ if self.quiet => {}
-            Event::DamagedSet { path } => {
+            Event::Damaged { path } => {
                 note(format_args!("lobes: warning: {}: damaged; made anew", path.display()));
             }
             Event::PoorFit { object, error } => {

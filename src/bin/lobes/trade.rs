@@ -71,7 +71,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let left = |record: &Record| settings.iter().filter(|s| record.find(s).is_none()).count();
     if settings.iter().any(|s| s.method == "paper") && (left(&record) > 0 || !args.output.join("sheet.png").exists()) {
         let mut teller = Teller::new(view.quiet);
-        stage.tables = Some(paper_tables(&mut |event| teller.hear(event))?);
+        stage.tables = Some(paper_tables(input::cache_folder().as_deref(), &mut |event| teller.hear(event))?);
         teller.end();
     }
     let title = scene_name(args);

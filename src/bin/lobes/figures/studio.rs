@@ -30,7 +30,7 @@ impl Studio {
             return Ok(tables.clone());
         }
         let mut teller = Teller::new(self.quiet);
-        let tables = Rc::new(paper_tables(&mut |event| teller.hear(event))?);
+        let tables = Rc::new(paper_tables(cache_folder().as_deref(), &mut |event| teller.hear(event))?);
         teller.end();
         self.tables = Some(tables.clone());
         Ok(tables)
