@@ -28,15 +28,15 @@ impl CapMicrofacets {
 
     /// The integrals of both over what of a cone of directions is above the horizon.
     ///
-    /// In polar coordinates of the half vector's slopes about the normal, along each of `sectors` rays from one end of the light to the
-    /// other: the cone `l·c > C` is `2(ω_o·h)(c·h) − (ω_o·c + C)|h|² > 0`.
+    /// In polar coordinates of the half vector's slopes about the normal, along each of `sectors` rays that meet the light from one end
+    /// of it to the other: the cone `l·c > C` is `2(ω_o·h)(c·h) − (ω_o·c + C)|h|² > 0`.
     #[must_use]
     pub fn over_cap(&self, axis: DVec3, half_angle: f64, sectors: u32) -> [f64; 2] {
         let (v, c, rule) = (self.view, axis, Gauss::new(16));
         let k = v.dot(c) + half_angle.cos();
         let mut sum = [0.0; 2];
-        for i in 0..sectors {
-            let ray = DVec2::from_angle(TAU * (f64::from(i) + 0.5) / f64::from(sectors));
+        for (angle, weight) in rays(v, c, k, sectors) {
+            let ray = DVec2::from_angle(angle);
             let (vr, cr) = (v.truncate().dot(ray), c.truncate().dot(ray));
             // a r² + 2 b r + d > 0.
             let (a, b, d) = (2.0 * vr * cr - k, vr * c.z + v.z * cr, 2.0 * v.z * c.z - k);
@@ -66,12 +66,39 @@ impl CapMicrofacets {
                     r * self.alpha / angle.cos().powi(2) * h.z.powi(3) * 4.0 * vh * self.value(l)[part]
                 };
                 for (part, sum) in sum.iter_mut().enumerate() {
-                    *sum += rule.composite(angles[0], angles[1], 4, |angle| at(angle, part)) * TAU / f64::from(sectors);
+                    *sum += rule.composite(angles[0], angles[1], 4, |angle| at(angle, part)) * weight;
                 }
             }
         }
         sum
     }
+}
+
+/// Angles and weights of rays that meet the cone: those where the discriminant `b² − ad` is positive, which is
+/// `A cos 2φ + B sin 2φ + C`. Towards the ends of a range, where the way through the cone shrinks like a root, they are denser.
+/// Where a ray stays in the cone to its end (`a ≥ 0`): all around, in more steps.
+fn rays(v: DVec3, c: DVec3, k: f64, sectors: u32) -> Vec<(f64, f64)> {
+    let (p, d) = (c.z * v.truncate() + v.z * c.truncate(), 2.0 * v.z * c.z - k);
+    let form =
+        [p.x * p.x - 2.0 * d * v.x * c.x, p.y * p.y - 2.0 * d * v.y * c.y, p.x * p.y - d * (v.x * c.y + v.y * c.x)];
+    let (first, second, mean) = (0.5 * (form[0] - form[1]), form[2], 0.5 * (form[0] + form[1]) + k * d);
+    let (middle, most) = (0.5 * second.atan2(first), first.hypot(second));
+    let (flat_v, flat_c) = (v.truncate(), c.truncate());
+    let stays = flat_v.dot(flat_c) + flat_v.length() * flat_c.length() >= k;
+    let sectors = if stays { 20 * sectors } else { sectors };
+    let step = |i: u32| (f64::from(i) + 0.5) / f64::from(sectors);
+    if stays || mean >= most {
+        return (0..sectors).map(|i| (TAU * step(i), TAU / f64::from(sectors))).collect();
+    }
+    let half = 0.5 * (-mean / most).min(1.0).acos();
+    let side = |start: f64| {
+        (0..sectors).map(move |i| {
+            // The midpoint rule in an angle whose cosine is the place.
+            let (sin, cos) = (PI * step(i)).sin_cos();
+            (start + half * cos, half * sin * PI / f64::from(sectors))
+        })
+    };
+    side(middle).chain(side(middle + PI)).collect()
 }
 
 #[cfg(test)]
@@ -88,7 +115,7 @@ mod tests {
         {
             let microfacets = CapMicrofacets { view: DVec3::new(f64::sin(tilt), 0.0, f64::cos(tilt)), alpha };
             let axis = DVec3::new(-f64::sin(light), 0.01, f64::cos(light)).normalize();
-            let got = microfacets.over_cap(axis, half_angle, 4000);
+            let got = microfacets.over_cap(axis, half_angle, 400);
             let (count, mut sum) = (400_000, [0.0; 2]);
             for _ in 0..count {
                 let angle = (1.0 - random.uniform() * (1.0 - half_angle.cos())).acos();
