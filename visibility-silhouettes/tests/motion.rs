@@ -20,28 +20,32 @@ fn pop(steps: usize, at: impl Fn(f64) -> Moment) -> f64 {
 
 /// The largest pop and what 95 % of all sweeps stay below, in tolerances. A narrow lobe may still see an edge along its rows
 /// where others, at its rim, turn its window.
+fn check(tolerance: f32, most: f64, usual: f64) {
+    let mut random = Random::new(3);
+    let mut found = Vec::new();
+    for case in 0..96 {
+        let (theta, exponent) = ([0.003, 0.03, 0.15, 0.43][case % 4], EXPONENTS[case / 4 % 6]);
+        let moment = Moment::random(&mut random, case / 24, theta, exponent, tolerance);
+        let direction = random.axis();
+        for (kind, what) in SWEEPS.iter().enumerate().skip(usize::from(exponent == 1.0)) {
+            let size = pop(100, |t| moment.moved(kind, direction, t));
+            found.push((size / f64::from(tolerance), format!("case {case}: {what}, θ {theta}, e {exponent}")));
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let at = found[found.len() / 20].0;
+    println!("{:.1} %: at most {:.2} tolerances ({}), 95 % below {at:.2}", 100.0 * tolerance, found[0].0, found[0].1);
+    assert!(found[0].0 < most && at < usual);
+}
+
 #[test]
 fn gentle_motion_does_not_pop() {
-    for (tolerance, most, usual) in [(0.01, 1.0, 0.5), (0.005, 1.5, 0.7), (0.003, 2.0, 0.5), (0.001, 12.0, 0.5)] {
-        let mut random = Random::new(3);
-        let mut found = Vec::new();
-        for case in 0..96 {
-            let (theta, exponent) = ([0.003, 0.03, 0.15, 0.43][case % 4], EXPONENTS[case / 4 % 6]);
-            let moment = Moment::random(&mut random, case / 24, theta, exponent, tolerance);
-            let direction = random.axis();
-            for (kind, what) in SWEEPS.iter().enumerate().skip(usize::from(exponent == 1.0)) {
-                let size = pop(100, |t| moment.moved(kind, direction, t));
-                found.push((size / f64::from(tolerance), format!("case {case}: {what}, θ {theta}, e {exponent}")));
-            }
-        }
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let at = found[found.len() / 20].0;
-        println!(
-            "{:.1} %: at most {:.2} tolerances ({}), 95 % below {at:.2}",
-            100.0 * tolerance,
-            found[0].0,
-            found[0].1
-        );
-        assert!(found[0].0 < most && at < usual);
-    }
+    check(0.01, 1.0, 0.5);
+    check(0.005, 1.5, 0.7);
+    check(0.003, 2.0, 0.5);
+}
+
+#[test]
+fn gentle_motion_does_not_pop_within_a_thousandth() {
+    check(0.001, 12.0, 0.5);
 }
