@@ -29,7 +29,7 @@
 //! glTF: triangles (strips and fans too) of the default scene, with skins and morph targets; sparse and quantised
 //! accessors; the first perspective camera; metallic–roughness materials with their textures (base colour, metalness, roughness, normal,
 //! emission; samplers, transforms, all sets of coordinates), vertex colours, cut-outs by alpha, KHR_materials_ior, specular,
-//! emissive_strength and unlit. Not read: punctual lights, other extensions of materials, Draco and meshopt compression
+//! emissive_strength and unlit. KHR_lights_punctual is read. Not read: other extensions of materials, Draco and meshopt compression
 //! ([`load_with_warnings`] says which of these a file has).
 //!
 //! OBJ: one object for each material in use; of MTL `Kd`, `Ks`, `Ns`, `Ke`, `Pr`, `Pm`, `illum` and their maps, `norm`. PLY: colours and

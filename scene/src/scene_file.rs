@@ -9,7 +9,7 @@ use crate::scene_light::{Around, SceneLights};
 use crate::scene_material::{ImageFiles, read_material};
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
-use crate::{Animation, Camera, Scene, SceneError};
+use crate::{Animation, Camera, Object, Scene, SceneError, Surface};
 use glam::{DVec3, Vec3};
 use lighting::Light;
 use lobe_core::LightLobes;
@@ -93,9 +93,17 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     };
 
     let (mut objects, mut movers) = (Vec::new(), Vec::new());
+    let mut emitters = Vec::new();
     if let Some(value) = root.get("objects") {
         for (i, entry) in value.elements("[[objects]]")?.into_iter().enumerate() {
-            for (object, mover) in read_object(entry.table()?, i, path, origin, &mut materials, context)? {
+            let read = read_object(entry.table()?, i, path, origin, &mut materials, context)?;
+            for (object, mover) in read.objects {
+                if let Some(key) = read.light {
+                    if mover.is_some() {
+                        return Err(key.error("an object that lights the scene stands still"));
+                    }
+                    emitters.push((objects.len(), key));
+                }
                 objects.push(object);
                 movers.push(mover);
             }
@@ -107,6 +115,9 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         for entry in value.elements("[[lights]]")? {
             lit.read(entry.table()?, &Around { path, origin, bounds: &bounds })?;
         }
+    }
+    for (object, key) in emitters {
+        lit.emit(&objects[object], materials.surface(&objects[object]), key)?;
     }
     let camera = root.get("camera");
     root.finish()?;
@@ -156,6 +167,11 @@ impl Materials {
     /// What of the surfaces of a material is there; all without.
     pub(crate) fn cut_out(&self, material: usize) -> Option<&CutOut> {
         self.all[material].cut_out.as_ref()
+    }
+
+    /// What the surfaces of an object show.
+    fn surface(&self, object: &Object) -> &Surface {
+        &self.all[object.material].surface
     }
 
     pub(crate) fn fallback(&mut self) -> usize {

@@ -380,3 +380,25 @@ fn lights_that_are_none_are_refused() {
         &["1e9"],
     );
 }
+
+/// Objects that light the scene: balls and boxes become the lights that they are, others are refused at their key.
+#[test]
+fn emission_lights_where_it_is_asked_for() {
+    let text = |shape: &str, emission: &str, more: &str| {
+        format!(
+            "[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0.5\nemission = {emission}\n[[objects]]\nmaterial = \"lamp\"\n{shape}\nlight = true\n{more}"
+        )
+    };
+    let cube = "box = { center = [0, 3, 0], size = [1, 0.1, 1] }";
+    let lights = |text: &str| parse(text).expect("a scene").lights;
+    let faces = lights(&text(cube, "[2, 1, 0]", ""));
+    assert_eq!(faces.len(), 6);
+    assert!(faces.iter().all(|l| l.kind() == "flat" && l.full_radiance() == Vec3::new(2.0, 1.0, 0.0)));
+    let ball = lights(&text("sphere = { center = [0, 3, 0], radius = 0.5 }", "[1, 1, 1]", ""));
+    assert_eq!(ball[0].ball().map(|b| b.radius), Some(0.5));
+    assert!(lights(&text(cube, "[1, 1, 1]", "").replace("true", "false")).is_empty());
+    refused(&text(cube, "[0, 0, 0]", ""), 8, &["no emission"]);
+    refused(&text(cube, "[1, 1, 1]", "").replace("true", "1"), 8, &["true or false"]);
+    let keys = "keys = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]\n";
+    refused(&text(cube, "[1, 1, 1]", keys), 8, &["stands still"]);
+}

@@ -7,7 +7,7 @@ use crate::origin::Origins;
 use crate::scene::check_balls;
 use crate::scene_environment::{read_environment, read_linear};
 use crate::toml_reader::{Table, Value};
-use crate::{Bounds, SceneError};
+use crate::{Bounds, Object, SceneError, Shape, Surface};
 use glam::{DVec3, Mat4, Vec3};
 use lighting::{AmbientLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
 use lobe_core::{LightImage, LightLobes, Sphere};
@@ -83,6 +83,29 @@ impl SceneLights {
             }
         };
         self.place(t, kind, own)
+    }
+
+    /// Appends the light of an object whose material emits: a light for each flat face, or for each ball.
+    pub(crate) fn emit(&mut self, object: &Object, surface: &Surface, key: Value<'_>) -> Result<(), SceneError> {
+        let radiance = surface.emission;
+        if radiance == Vec3::ZERO {
+            return Err(key.error("the object's material has no emission"));
+        }
+        if surface.emission_map.is_some() || surface.is_unlit {
+            return Err(key.error("an emission with a picture is no light: a rectangle of `[[lights]]` shows an image"));
+        }
+        match &object.shape {
+            Shape::Spheres(balls) => {
+                self.lights.extend(balls.iter().map(|ball| Light::from(SphereLight::new(*ball, radiance))));
+            }
+            Shape::Mesh(mesh) => {
+                let faces = lighting::faces(&mesh.positions, &mesh.triangles, radiance).map_err(|e| {
+                    key.error(format!("{e}: a \"sphere\" or \"tube\" of `[[lights]]` in its place lights as it does"))
+                })?;
+                self.lights.extend(faces.into_iter().map(Light::from));
+            }
+        }
+        Ok(())
     }
 
     fn place(&mut self, mut t: Table<'_>, kind: Value<'_>, own: Own<'_>) -> Result<(), SceneError> {

@@ -24,8 +24,28 @@ enum Geometry {
 
 const UNEVEN: &str = "spheres can only be scaled uniformly";
 
+/// Objects of a scene file, what moves them, and the key that makes their emission light.
+pub(crate) struct Read<'s> {
+    pub(crate) objects: Vec<(Object, Option<Mover>)>,
+    pub(crate) light: Option<Value<'s>>,
+}
+
 /// Reads one of `[[objects]]`: several objects where a glTF file has several parts.
-pub(crate) fn read_object(
+pub(crate) fn read_object<'s>(
+    mut t: Table<'s>,
+    index: usize,
+    path: &Path,
+    origin: DVec3,
+    materials: &mut Materials,
+    context: &mut Context,
+) -> Result<Read<'s>, SceneError> {
+    let light = t.get("light");
+    let is_light = light.map_or(Ok(false), |v| v.boolean())?;
+    let objects = objects(t, index, path, origin, materials, context)?;
+    Ok(Read { objects, light: light.filter(|_| is_light) })
+}
+
+fn objects(
     mut t: Table<'_>,
     index: usize,
     path: &Path,

@@ -29,8 +29,8 @@ pub struct Channel {
 /// What surfaces of a material show beside its reflectance: textures, whose values are [`Factors`] of the material's own, and light of
 /// their own.
 ///
-/// Normal maps are in tangent space, x along u, y against v, z the normal: `n = 2t − 1`, x and y times a scale. Emission is seen, but
-/// lights nothing.
+/// Normal maps are in tangent space, x along u, y against v, z the normal: `n = 2t − 1`, x and y times a scale. Emission is seen;
+/// it lights others where an object of a scene file says `light = true`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Of [`Factors::color`].
