@@ -29,6 +29,8 @@ pub(crate) struct Context {
     pub(crate) clips: Vec<String>,
     /// What the coordinates of the mesh file that was read last are relative to.
     pub(crate) origin: DVec3,
+    /// The objects whose emission is a light.
+    pub(crate) emitters: Vec<usize>,
 }
 
 impl Context {
@@ -279,9 +281,14 @@ fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<St
     } else {
         bare(path, clip, &mut context)?
     };
-    let is_lamp = |surface: &Surface| surface.emits() && !surface.is_unlit;
-    if scene.objects.iter().any(|o| scene.surface(o.material).is_some_and(is_lamp)) {
-        context.warn(path, "surfaces that emit are seen, but light nothing yet");
+    for object in 0..scene.objects.len() {
+        let surface = scene.surface(scene.objects[object].material);
+        if surface.is_some_and(|s| s.emits() && !s.is_unlit) && !context.emitters.contains(&object) {
+            let name = &scene.objects[object].name;
+            let advice = "emits, but lights no other: a scene file's object does with `light = true`";
+            context.warn(path, format!("object \"{name}\" {advice}"));
+            break;
+        }
     }
     let wants_uvs = |o: &&Object| scene.surface(o.material).is_some_and(Surface::has_textures);
     let has_none = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if mesh.uv_sets.is_empty());

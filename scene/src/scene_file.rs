@@ -118,6 +118,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     }
     for (object, key) in emitters {
         lit.emit(&objects[object], materials.surface(&objects[object]), key)?;
+        context.emitters.push(object);
     }
     let camera = root.get("camera");
     root.finish()?;

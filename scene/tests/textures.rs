@@ -155,8 +155,23 @@ fn an_obj_has_the_materials_of_its_library() {
     assert_eq!(of("gone").1.map(|s| s.emission), Some(Vec3::splat(5.0)));
     // What no library has is one object with the default material.
     assert!(scene.objects.iter().any(|o| o.name == "m" && o.material == 1), "{:?}", scene.objects.len());
-    for part in ["gone.png is not there", "not read: d", "light nothing"] {
+    for part in ["gone.png is not there", "not read: d", "emits, but lights no other"] {
         assert!(warnings.iter().any(|w| w.contains(part)), "{part}: {warnings:?}");
+    }
+}
+
+#[test]
+fn a_lamp_that_lights_is_no_warning() {
+    let folder = folder();
+    let file = folder.path().join("lamp.toml");
+    for (light, count) in [(true, 0), (false, 1)] {
+        let text = format!(
+            "[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0.5\nemission = [1, 1, 1]\n\
+             [[objects]]\nsphere = {{ center = [0, 0, 0], radius = 1 }}\nmaterial = \"lamp\"\nlight = {light}\n"
+        );
+        std::fs::write(&file, text).expect("a file");
+        let (_, warnings) = scene::load_with_warnings(&file).expect("a scene");
+        assert_eq!(warnings.len(), count, "{warnings:?}");
     }
 }
 
