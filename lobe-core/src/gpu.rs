@@ -111,9 +111,14 @@ pub struct GpuBuffer {
 /// - of [`coverage`](Self::coverage): `fn NAME_coverage(tile: u32, at: Receiver, cone: Cone) -> u32`, one thread a receiver: `LIT`, `PARTIAL` or
 ///   `DARK`, as the `select` of `Blockers`;
 /// - of [`splat`](Self::splat): `fn NAME_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask)`, one thread a row of the mask, by the
-///   functions of visibility-mask's `mask.wgsl`: `mask_block_span` and others. No barriers;
-/// - where [`has_edges`](Self::has_edges), of the same: `fn NAME_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f`, a thread's part of the
-///   sum of edges.
+///   functions of visibility-mask's `mask.wgsl`: `mask_block_span` and others. The threads of a workgroup have the same receiver, and all
+///   of them call it: there may be barriers and workgroup memory;
+/// - where [`has_edges`](Self::has_edges), of the same: `fn NAME_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f`, a thread's part of the
+///   sum of edges, and of that of four times the angles of straight ones (or 0);
+/// - for use where [`asks_any_hit`](Self::asks_any_hit): `any_hit(origin: vec3f, direction: vec3f, distance: f32) -> bool`, whether a triangle lies on a
+///   ray; `any_hit_leave(at: Receiver) -> vec3f`, where rays start that leave a receiver; `any_hit_has(object: u32) -> bool`, whether an object's triangles
+///   are among them; `any_hit_side(a: vec3f, b: vec3f, c: vec3f, x: vec3f) -> f32`, above 0 where a point is in front of a triangle, below 0 behind it, to 2⁻⁴⁰ of
+///   the triangle's size.
 pub trait GpuBlockers: Debug + Sync {
     /// What the names of its functions and buffers start with.
     fn name(&self) -> &'static str;
@@ -131,6 +136,11 @@ pub trait GpuBlockers: Debug + Sync {
 
     /// Whether masks are turned across its edges.
     fn has_edges(&self) -> bool {
+        false
+    }
+
+    /// Whether its functions ask what rays meet. The shader must have a scene for that.
+    fn asks_any_hit(&self) -> bool {
         false
     }
 

@@ -46,6 +46,8 @@ pub(crate) struct Strategies {
     pub(crate) maps: Option<Pages>,
     /// Size of the stack of shadow rays.
     pub(crate) rays: Option<u32>,
+    /// The same of rays that strategies of others ask for.
+    pub(crate) any_hit: Option<u32>,
 }
 
 /// The texts of somebody's own strategy.
@@ -85,10 +87,20 @@ impl Strategies {
         if let Some(pages) = self.maps {
             bindings.extend((0..pages.count()).map(|page| (Slot::Maps(page), Read)));
         }
-        if self.rays.is_some() {
+        if self.traces() {
             bindings.extend([(Slot::Nodes, Read), (Slot::Primitives, Read)]);
         }
         bindings
+    }
+
+    /// Whether there are rays, whoever asks for them.
+    const fn traces(self) -> bool {
+        self.rays.is_some() || self.any_hit.is_some()
+    }
+
+    /// The size of their stack.
+    fn stack(self) -> String {
+        self.rays.or(self.any_hit).map_or_else(String::new, |size| format!("const STACK = {size}u;"))
     }
 
     /// The code that reads the shadow maps.
@@ -175,11 +187,6 @@ pub(crate) fn args() -> Text {
     Text::new("args_of_queue", &pieces, &[(Slot::Frame, Uniform), (Slot::Queue, Write), (Slot::Indirect, Write)])
 }
 
-/// The size of the stack of shadow rays.
-fn stack(strategies: Strategies) -> String {
-    strategies.rays.map_or_else(String::new, |size| format!("const STACK = {size}u;"))
-}
-
 /// The bindings of the kernels that shade.
 const SHADED: [Binding; 5] = [
     (Slot::Frame, Uniform),
@@ -208,7 +215,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     let hook = format!(
         "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {{ var coverage = LIT; {all} return coverage; }}"
     );
-    let (stack, words) = (stack(strategies), strategies.words());
+    let (stack, words) = (strategies.stack(), strategies.words());
     let mut pieces = vec![
         kernels::FRAME,
         kernels::QUEUE,
@@ -231,8 +238,11 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.spheres {
         pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
     }
-    if strategies.rays.is_some() {
+    if strategies.traces() {
         pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
+    }
+    if strategies.any_hit.is_some() {
+        pieces.push(wgsl::ANY_HIT);
     }
     if variant.is_blocked() {
         pieces.push(masks::FACET);
@@ -258,8 +268,8 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     };
     let strategies = variant.strategies;
     let edges = strategies.calls().map(|name| match name {
-        "spheres" => "edges += spheres_edges(lane, tile, at, light, window);",
-        "rays" => "edges += rays_edges(lane, at, light, window);",
+        "spheres" => "edges += vec4f(spheres_edges(lane, tile, at, light, window), 0.0, 0.0);",
+        "rays" => "edges += vec4f(rays_edges(lane, at, light, window), 0.0, 0.0);",
         _ => "",
     });
     let own = variant.own.iter().filter(|own| own.has_edges);
@@ -272,10 +282,10 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     });
     let own = variant.own.iter().map(|own| format!("{}_splat(lane, tile, at, light, mask);", own.name));
     let splats: String = splats.map(str::to_owned).chain(own).collect();
-    let (stack, words) = (stack(strategies), strategies.words());
+    let (stack, words) = (strategies.stack(), strategies.words());
     let hooks = format!(
-        "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {{ \
-        var edges = vec2f(0.0); {edges} return edges; }}\n\
+        "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {{ \
+        var edges = vec4f(0.0); {edges} return edges; }}\n\
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {{ {splats} }}"
     );
     let mut pieces = vec![
@@ -314,8 +324,14 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
             spheres::SPHERES_SPLAT,
         ]);
     }
+    if strategies.traces() {
+        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
+    }
     if strategies.rays.is_some() {
-        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS, masks::CONTOUR, wgsl::RAYS_SPLAT]);
+        pieces.extend([masks::CONTOUR, wgsl::RAYS_SPLAT]);
+    }
+    if strategies.any_hit.is_some() {
+        pieces.push(wgsl::ANY_HIT);
     }
     if variant.is_blocked() {
         pieces.push(masks::FACET);

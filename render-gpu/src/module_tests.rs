@@ -4,10 +4,12 @@ use super::*;
 use crate::kernel::Access;
 use crate::layout::GpuFrame;
 use brdf::Models;
+use glam::Vec3;
 use lighting::SphereLight;
-use lobe_core::gpu::GpuLight as _;
+use lobe_core::gpu::{GpuBlockers as _, GpuLight as _};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, StorageAccess, TypeInner};
+use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 
 /// Validates a kernel, and that it is told of just the buffers that it declares.
 #[track_caller]
@@ -60,7 +62,7 @@ fn variants() -> impl Iterator<Item = Variant> {
             (1..=6).flat_map(move |depth| {
                 let rays = (!spheres).then_some(64);
                 let maps = maps.then(|| if depth % 2 == 0 { Pages::ONE } else { Pages::of(3 << 27, 1 << 27) });
-                let strategies = Strategies { spheres, maps, rays };
+                let strategies = Strategies { spheres, maps, rays, any_hit: None };
                 [(0.001, false), (0.003, false), (0.01, false), (0.003, true)].map(move |(tolerance, paper)| Variant {
                     depth,
                     fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
@@ -86,6 +88,28 @@ fn every_kernel_is_valid() {
     }
 }
 
+/// A strategy that this crate does not know, of its own passes and rays.
+#[test]
+fn kernels_of_silhouettes_are_valid() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let blockers = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
+    let own = OwnText {
+        name: blockers.name(),
+        // Of ten million edges in a thousand objects.
+        shared: blockers.shared().replace("DEPTH = 1u", "DEPTH = 12u"),
+        coverage: blockers.coverage(),
+        splat: blockers.splat(),
+        has_edges: blockers.has_edges(),
+        buffers: blockers.buffers().iter().zip(0..).map(|(buffer, k)| (k, buffer.name, buffer.element)).collect(),
+    };
+    for variant in variants().filter(|variant| variant.strategies.rays.is_none()) {
+        let strategies = Strategies { any_hit: Some(64), ..variant.strategies };
+        let variant = Variant { own: vec![own.clone()], strategies, ..variant };
+        check(&format!("classify ({})", variant.name()), &classify(&variant));
+        check(&format!("penumbra ({})", variant.name()), &penumbra(&variant));
+    }
+}
+
 #[test]
 fn a_kernel_has_only_what_its_scene_uses() {
     let lambert = Variant {
@@ -94,7 +118,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
         materials: set(Models::from_bits(1)),
         light: LIGHT,
         own: Vec::new(),
-        strategies: Strategies { spheres: true, maps: None, rays: None },
+        strategies: Strategies { spheres: true, ..Strategies::default() },
         paper: false,
     };
     let unshadowed = Variant { strategies: Strategies::default(), ..lambert.clone() };

@@ -10,6 +10,8 @@ use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers};
 use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
 use wgpu::BufferUsages;
 
+const ONE_WORLD: &str = "blockers that ask what rays meet need `any_hit`, and no `rays` beside it";
+
 /// What hides lights from points: any of these together; nothing by default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Occlusion<'a> {
@@ -21,6 +23,8 @@ pub struct Occlusion<'a> {
     pub rays: Option<&'a GpuWorld>,
     /// Strategies that this crate does not know.
     pub own: &'a [&'a dyn GpuBlockers],
+    /// What the rays of those meet: what blocks there. Not together with `rays`.
+    pub any_hit: Option<&'a GpuWorld>,
 }
 
 /// Blockers on the GPU.
@@ -65,9 +69,16 @@ impl Default for Blockers {
 impl Blockers {
     /// Takes over what blocks now; after an error nothing does.
     pub(crate) fn hold(&mut self, gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
-        let mut strategies = Strategies { rays: occlusion.rays.map(GpuWorld::stack), ..Strategies::default() };
+        let asks = occlusion.own.iter().any(|own| own.asks_any_hit());
+        let (rays, any_hit) = (occlusion.rays, occlusion.any_hit.filter(|_| asks));
         self.strategies = Strategies::default();
-        self.world = occlusion.rays.and_then(GpuWorld::buffers);
+        self.own.clear();
+        if asks && (rays.is_some() || any_hit.is_none()) {
+            return Err(GpuError::Unsupported(ONE_WORLD.to_owned()));
+        }
+        let stack = |world: Option<&GpuWorld>| world.map(GpuWorld::stack);
+        let mut strategies = Strategies { rays: stack(rays), any_hit: stack(any_hit), ..Strategies::default() };
+        self.world = rays.or(any_hit).and_then(GpuWorld::buffers);
         self.packed.clear();
         if let Some(spheres) = occlusion.spheres {
             spheres.pack(&mut self.packed);
@@ -91,7 +102,6 @@ impl Blockers {
                 self.bound = Some(Kernel::new(gpu, &module::bounds())?);
             }
         }
-        self.own.clear();
         self.own = self.hold_own(gpu, occlusion.own)?;
         self.strategies = strategies;
         Ok(())

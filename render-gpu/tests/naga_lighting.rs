@@ -8,7 +8,7 @@ use visibility_mask::{Fineness, wgsl};
 
 /// Blockers and reflectance, as the kernel asks for them.
 const HOOKS: &str = "
-    fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f { return vec2f(0.0); }
+    fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f { return vec4f(0.0); }
     fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         mask_block_span(mask, lane, 0.0, 1.0);
     }

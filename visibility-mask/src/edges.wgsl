@@ -52,11 +52,19 @@ fn edges_add_circle(frame: EdgeFrame, to: vec3f, radius: f32) -> vec2f {
     return select(vec2f(0.0), vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) * scale, adds);
 }
 
-// The unit direction, at right angles to the light's axis, across which most edges of the sum run.
-fn edges_across(frame: EdgeFrame, sum: vec2f) -> vec3f {
-    // Half the angle of the sum.
+// The unit direction, at right angles to the light's axis, across which most edges of the sum run: none of them along the rows, where
+// `fourfold` is the sum of four times their angles.
+fn edges_across(frame: EdgeFrame, sum: vec2f, fourfold: vec2f) -> vec3f {
     let square = dot(sum, sum);
-    let d = select(vec2f(1.0, 0.0), sum * (1.0 / sqrt(square)), square > 1e-37);
+    var d = select(vec2f(1.0, 0.0), sum * (1.0 / sqrt(square)), square > 1e-37);
+    let one = sqrt(square);
+    let two = fourfold.x * (d.x * d.x - d.y * d.y) + fourfold.y * (2.0 * d.x * d.y);
+    if (one < two) {
+        let lean = vec2f(one, two - one);
+        d = vec2f(d.x * lean.x - d.y * lean.y, d.y * lean.x + d.x * lean.y);
+        d *= 1.0 / sqrt(dot(d, d));
+    }
+    // Half the angle of the sum.
     var half = vec2f(sqrt((1.0 + abs(d.x)) * 0.5), 0.0);
     half.y = 0.5 * d.y / half.x;
     half = select(half.yx, half, d.x >= 0.0);

@@ -158,6 +158,9 @@ fn mask_heights(j: u32, first: u32) -> vec4f {
 // Blocks what mask_block_line does of the four lines that have these heights.
 fn mask_block_lines(first: u32, starts: vec4u, ends: vec4u) { lit = row_without_lines(lit, first, starts, ends); }
 
+// Blocks those of samples 32k … 32k + 31 of the own row that have a bit.
+fn mask_block_set(k: u32, bits: u32) { lit = row_without_samples(lit, k, bits); }
+
 // Blocks every sample of the own row.
 fn mask_block_all() { lit = row_none(); }
 

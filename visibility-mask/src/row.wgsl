@@ -55,6 +55,15 @@ fn planes_from(k: vec4u) -> vec4u {
     return (vec4u(0xffffffffu) << half) << (k - half);
 }
 
+// Without those of samples 32k … 32k + 31 that have a bit.
+fn row_without_samples(row: Row, k: u32, bits: u32) -> Row {
+    let low = vec4u(bits) >> PLANES_A;
+    return Row(row.a & ~(planes_gathered(low) << vec4u(4u * k)), row.b & ~(planes_gathered(low >> vec4u(4u)) << vec4u(4u * k)));
+}
+
+// Every eighth bit, next to each other.
+fn planes_gathered(bits: vec4u) -> vec4u { return ((bits & vec4u(0x01010101u)) * vec4u(0x10204080u)) >> vec4u(28u); }
+
 fn row_is_none(row: Row) -> bool { return all((row.a | row.b) == vec4u(0u)); }
 
 fn row_count(row: Row) -> u32 {

@@ -36,6 +36,16 @@ fn row_without_lines(row: Row, first: u32, starts: vec4u, ends: vec4u) -> Row {
     return Row(row.a & ~select(vec2u(word, 0u), vec2u(0u, word), first > 0u));
 }
 
+// Without those of samples 32k … 32k + 31 that have a bit.
+fn row_without_samples(row: Row, k: u32, bits: u32) -> Row {
+    var blocked = vec2u(0u);
+    for (var plane = 0u; plane < 8u; plane++) {
+        let four = ((((bits >> plane) & 0x01010101u) * 0x10204080u) >> 28u) << (8u * (plane & 3u) + 4u * k);
+        blocked |= select(vec2u(four, 0u), vec2u(0u, four), plane > 3u);
+    }
+    return Row(row.a & ~blocked);
+}
+
 fn row_is_none(row: Row) -> bool { return (row.a.x | row.a.y) == 0u; }
 
 fn row_count(row: Row) -> u32 { return countOneBits(row.a.x) + countOneBits(row.a.y); }

@@ -1,5 +1,5 @@
 // What MaskVisibility makes of blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, share.wgsl, and of the
-// strategies that there are `blockers_edges(lane, tile, at, light, window) -> vec2f` (a thread's part of the sum of edges)
+// strategies that there are `blockers_edges(lane, tile, at, light, window) -> vec4f` (a thread's part of the sums of edges)
 // and `blockers_splat(lane, tile, at, light, mask)`.
 
 // What emits and what is lit of the own row of each pane of the whole light.
@@ -53,6 +53,7 @@ fn broad_share(lane: u32, window: UnitSquare, at: Receiver, lobe: Lobe) -> f32 {
 // Across most edges that cross a window: those of blockers and, where it cuts the light, the horizon.
 fn visibility_across(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec3f {
     let basis = edges_frame(window.axis);
-    let edges = total(lane, vec4f(blockers_edges(lane, tile, at, light, window), 0.0, 0.0)).xy;
-    return edges_across(basis, EDGES_NOTHING + edges + edges_add_plane(basis, at.normal, window));
+    let edges = total(lane, blockers_edges(lane, tile, at, light, window));
+    let sum = EDGES_NOTHING + edges.xy + edges_add_plane(basis, at.normal, window);
+    return edges_across(basis, sum, edges.zw);
 }

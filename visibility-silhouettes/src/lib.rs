@@ -57,6 +57,7 @@ mod coarse;
 mod count;
 mod cut;
 mod edge_list;
+mod gpu;
 mod hull;
 mod lanes;
 mod lists;
@@ -67,4 +68,5 @@ mod topology;
 mod tree;
 
 pub use crate::blockers::{AnyHit, SilhouetteBlockers, SilhouetteScratch};
+pub use crate::gpu::GpuSilhouettes;
 pub use crate::mesh::SilhouetteMesh;

@@ -301,6 +301,27 @@ impl SilhouetteMesh {
         &self.patches
     }
 
+    /// Corners, triangles and their planes, with those of simplified forms.
+    pub(crate) fn geometry(&self) -> (&[Vec4], &[[u32; 3]], &[[f32; 4]]) {
+        (&self.positions, &self.triangles, &self.planes)
+    }
+
+    /// The edges of the mesh without simplified forms, by the order of its tree: the ends of each upward, and the triangles that run along it
+    /// upward and downward; none of an edge that is never a silhouette.
+    pub(crate) fn upward_edges(&self) -> impl Iterator<Item = ([u32; 2], [Option<u32>; 2])> {
+        let fine = self.edges.iter().enumerate().take_while(|(i, _)| !self.tag(*i).is_coarse());
+        fine.map(|(_, edge)| {
+            let corners = &self.triangles[edge.triangle() as usize];
+            let mut ends = edge.ends().map(|k| corners[k]);
+            let mut sides = [Some(edge.triangle()), edge.other()];
+            if edge.is_down() {
+                ends.reverse();
+                sides.reverse();
+            }
+            (ends, if edge.is_flat() { [None; 2] } else { sides })
+        })
+    }
+
     /// When an edge is drawn.
     #[inline(always)]
     pub(crate) fn tag(&self, edge: usize) -> Tag {

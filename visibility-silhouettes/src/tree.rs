@@ -12,9 +12,9 @@ pub(crate) const WIDE: usize = 8;
 const SORTED: usize = 256;
 const BINS: usize = 32;
 /// Half the sides of a box without anything in it: no plane has any of it on its near side.
-const NEVER: f32 = -1e30;
+pub(crate) const NEVER: f32 = -1e30;
 /// The sine of a cone that has no sides.
-const WIDEST: f32 = 4.0;
+pub(crate) const WIDEST: f32 = 4.0;
 
 /// Eight children side by side.
 #[derive(Clone, Copy, Debug)]
@@ -165,6 +165,41 @@ impl Tree {
 
     pub(crate) fn nodes(&self) -> &[Node] {
         &self.nodes
+    }
+
+    /// The box of everything, of a tree that is fitted and not empty.
+    pub(crate) fn bounds(&self) -> [Vec3; 2] {
+        let Bounds { low, high, .. } = self.nodes[0].all();
+        [low, high]
+    }
+
+    /// The box of a child of a node of a tree over boxes, by their order in the leaves.
+    pub(crate) fn bounds_of(
+        &self,
+        node: &Node,
+        k: usize,
+        order: &[u32],
+        bounds: &impl Fn(u32) -> [Vec3; 2],
+    ) -> [Vec3; 2] {
+        let boxes: Vec<[Vec3; 2]> = match node.edges(k) {
+            Some(range) => order[range].iter().map(|i| bounds(*i)).collect(),
+            None => {
+                let child = &self.nodes[node.first[k] as usize];
+                (0..usize::from(child.len)).map(|c| self.bounds_of(child, c, order, bounds)).collect()
+            }
+        };
+        boxes.into_iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], join)
+    }
+
+    /// Nodes from the root to a leaf, at most.
+    pub(crate) fn depth(&self) -> usize {
+        let mut depths = vec![1; self.nodes.len()];
+        for (number, node) in self.nodes.iter().enumerate().rev() {
+            for k in (0..usize::from(node.len)).filter(|k| node.count[*k] == 0) {
+                depths[number] = depths[number].max(1 + depths[node.first[k] as usize]);
+            }
+        }
+        depths.first().copied().unwrap_or(0)
     }
 
     pub(crate) fn bytes(&self) -> usize {

@@ -12,6 +12,7 @@ mod parity;
 mod pose;
 mod rays;
 mod robust;
+mod silhouettes;
 mod spheres;
 
 use render_gpu::{Gpu, GpuOptions};
@@ -34,6 +35,7 @@ fn main() {
     trials.extend(pose::trials(gpu.as_ref()));
     trials.extend(rays::trials(gpu.as_ref()));
     trials.extend(robust::trials(gpu.as_ref()));
+    trials.extend(silhouettes::trials(gpu.as_ref()));
     trials.extend(spheres::trials(gpu.as_ref()));
     trials.extend(canvas::trials(gpu.as_ref()));
     libtest_mimic::run(&arguments, trials).exit();

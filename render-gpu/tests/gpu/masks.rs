@@ -160,7 +160,7 @@ fn edges(gpu: &Gpu) {
         var sum = EDGES_NOTHING + edges_add_circle(basis, vec3f(x(5u), x(6u), x(7u)) * x(8u), x(9u));
         sum += edges_add_circle(basis, vec3f(x(10u), x(11u), x(12u)) * x(13u), x(14u));
         sum += edges_add(basis, vec3f(x(15u), x(16u), x(4u)), x(3u));
-        let across = edges_across(basis, sum);
+        let across = edges_across(basis, sum, vec2f(0.0));
         y(0u, across.x);
         y(1u, across.y);
         y(2u, across.z);";
@@ -192,7 +192,7 @@ fn masks(gpu: &Gpu, coarse: bool) {
     const HOOKS: &str = "
         const NARROW_PANES = vec2u(1u);
         const IS_NARROW_FINER = false;
-        fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f { return vec2f(0.0); }
+        fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f { return vec4f(0.0); }
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {}";
     const BODY: &str = "
         let square = UnitSquare(

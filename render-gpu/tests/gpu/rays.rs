@@ -35,7 +35,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
 }
 
 /// Thin pickets and two rails on a floor, under a light of half-angle 6°.
-fn fence() -> Scene {
+pub(crate) fn fence() -> Scene {
     let mut mesh = Mesh::default();
     for i in 0..33 {
         let x = (i as f32 - 16.0) * 0.06;
@@ -57,7 +57,7 @@ fn fence() -> Scene {
     }
 }
 
-fn frame(scene: &Scene, tolerance: f32, depth: u32) -> Frame<'_> {
+pub(crate) fn frame(scene: &Scene, tolerance: f32, depth: u32) -> Frame<'_> {
     Frame {
         materials: &scene.materials,
         lights: &scene.lights,
@@ -67,7 +67,7 @@ fn frame(scene: &Scene, tolerance: f32, depth: u32) -> Frame<'_> {
 }
 
 /// The radiance from the GPU, and the counts.
-fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
+fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
     let world = GpuWorld::new(gpu, scene).expect("geometry");
     let mut shader = GpuShader::new(gpu, Occlusion { rays: Some(&world), ..Occlusion::default() }).expect("a shader");
     let mut out = vec![Vec3::NAN; points.receivers.len()];
@@ -76,14 +76,14 @@ fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>)
     (out, stats.counts)
 }
 
-fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
+fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let visibility = MaskVisibility::new(RayBlockers::new(world));
     let stats = CpuShader::new(visibility).shade(points, frame, &mut out).expect("room for all lobes");
     (out, stats.counts)
 }
 
-fn unshadowed(points: &ShadingPoints, frame: &Frame<'_>) -> Vec<f32> {
+pub(crate) fn unshadowed(points: &ShadingPoints, frame: &Frame<'_>) -> Vec<f32> {
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     CpuShader::new(Unshadowed).shade(points, frame, &mut out).expect("room for all lobes");
     out.into_iter().map(Vec3::element_sum).collect()
@@ -95,10 +95,16 @@ fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32,
     let points = GBuffer::new(&world, size[0], size[1], 1).points;
     let frame = frame(scene, tolerance, depth);
     let whole = unshadowed(&points, &frame);
-    let (want, counts) = from_cpu(&world, &points, &frame);
-    let (got, ours) = from_gpu(gpu, scene, &points, &frame);
+    check_alike(name, from_cpu(&world, &points, &frame), from_gpu(gpu, scene, &points, &frame), &whole);
+}
+
+/// Radiance of points, and the counts.
+pub(crate) type Shaded = (Vec<Vec3>, Counts);
+
+/// Pictures of the CPU and of the GPU whose masks are the same but for rounding; unshadowed radiance.
+pub(crate) fn check_alike(name: &str, (want, counts): Shaded, (got, ours): Shaded, whole: &[f32]) {
     let (mut sum, mut in_penumbra, mut largest, mut n) = (0.0, 0.0, 0.0_f64, 0);
-    for ((want, got), whole) in want.iter().zip(&got).zip(&whole) {
+    for ((want, got), whole) in want.iter().zip(&got).zip(whole) {
         assert!(got.is_finite(), "{got}");
         if *whole > 0.0 {
             let share = f64::from(want.element_sum() / whole);
@@ -271,7 +277,7 @@ fn by_the_papers_method(gpu: &Gpu) {
 }
 
 /// Pictures the same, as shares of the largest value.
-fn check_picture(want: &[Vec3], got: &[Vec3], limit: f32) {
+pub(crate) fn check_picture(want: &[Vec3], got: &[Vec3], limit: f32) {
     let peak = want.iter().map(|v| v.max_element()).fold(0.0, f32::max);
     let apart: Vec<f32> = want.iter().zip(got).map(|(a, b)| (*a - *b).abs().max_element() / peak).collect();
     let (mean, largest) = (apart.iter().sum::<f32>() / apart.len() as f32, apart.iter().copied().fold(0.0, f32::max));

@@ -1,0 +1,208 @@
+//! Silhouettes on the GPU, by the door for strategies that it does not know, against `SilhouetteBlockers`.
+
+use crate::call::trial;
+use crate::gbuffer::{globe, large_floor, placed};
+use crate::rays::{Shaded, check_alike, check_picture, fence, frame, unshadowed};
+use glam::{Mat4, Vec3};
+use libtest_mimic::Trial;
+use lobe_core::gpu::GpuBlockers;
+use lobe_core::paper::{ProductTable, Resolution, Tables};
+use lobe_core::{Method, Sphere};
+use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
+use render_gpu::{Gpu, GpuError, GpuShader, GpuWorld, Occlusion};
+use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
+use visibility_mask::{MaskVisibility, Mixture, PaperVisibility};
+use visibility_silhouettes::{GpuSilhouettes, SilhouetteBlockers};
+use visibility_spheres::SphereBlockers;
+
+pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
+    vec![
+        trial("silhouettes_on_the_built_in_scene", gpu, on_the_built_in_scene),
+        trial("silhouettes_behind_a_fence", gpu, behind_a_fence),
+        trial("silhouettes_through_masks_of_all_depths", gpu, masks_of_all_depths),
+        trial("silhouettes_at_all_scales", gpu, at_all_scales),
+        trial("silhouettes_at_terminators", gpu, at_terminators),
+        trial("silhouettes_more_than_are_kept", gpu, more_than_are_kept),
+        trial("silhouettes_follow_motion", gpu, follow_motion),
+        trial("silhouettes_beside_spheres", gpu, beside_spheres),
+        trial("silhouettes_by_the_papers_method", gpu, by_the_papers_method),
+        trial("silhouettes_twice_the_same_bits", gpu, twice_the_same_bits),
+        trial("silhouettes_want_any_hit", gpu, want_any_hit),
+    ]
+}
+
+/// Whether an object's triangles block.
+fn is_mesh(scene: &Scene, object: u32) -> bool {
+    matches!(scene.objects[object as usize].shape, Shape::Mesh(_))
+}
+
+fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
+    let world = GpuWorld::only(gpu, scene, |o| is_mesh(scene, o)).expect("geometry");
+    let blockers = GpuSilhouettes::new(SceneSilhouettes::new(scene, |o| is_mesh(scene, o)).meshes());
+    let occlusion = Occlusion { own: &[&blockers], any_hit: Some(&world), ..Occlusion::default() };
+    let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
+    let mut out = vec![Vec3::NAN; points.receivers.len()];
+    let stats = shader.shade(points, frame, &mut out).expect("the GPU shades");
+    (out, stats.counts)
+}
+
+fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
+    let scene = world.scene();
+    let silhouettes = SceneSilhouettes::new(scene, |o| is_mesh(scene, o));
+    let hits = SurfaceHits::new(world, |o| is_mesh(scene, o));
+    let visibility = MaskVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), hits));
+    let mut out = vec![Vec3::ZERO; points.receivers.len()];
+    let stats = CpuShader::new(visibility).shade(points, frame, &mut out).expect("room for all lobes");
+    (out, stats.counts)
+}
+
+fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32, depth: u32) {
+    let world = World::new(scene);
+    let points = GBuffer::new(&world, size[0], size[1], 1).points;
+    let frame = frame(scene, tolerance, depth);
+    let whole = unshadowed(&points, &frame);
+    check_alike(name, from_cpu(&world, &points, &frame), from_gpu(gpu, scene, &points, &frame), &whole);
+}
+
+/// Two lights, metals and exact balls, which do not block here.
+fn on_the_built_in_scene(gpu: &Gpu) {
+    compare(gpu, "built in", &builtin(), [64, 36], 0.003, 5);
+}
+
+fn behind_a_fence(gpu: &Gpu) {
+    compare(gpu, "fence", &fence(), [64, 48], 0.003, 5);
+}
+
+fn masks_of_all_depths(gpu: &Gpu) {
+    for (depth, tolerance) in [(3, 0.003), (4, 0.01), (6, 0.001)] {
+        compare(gpu, &format!("depth {depth}"), &fence(), [48, 36], tolerance, depth);
+    }
+}
+
+/// The unit of length does not matter, nor does the place.
+fn at_all_scales(gpu: &Gpu) {
+    for (scale, shift) in [(1e-4, 0.0), (1e4, 0.0), (1.0, 30.0)] {
+        let scene = placed(fence(), scale, Vec3::splat(shift));
+        compare(gpu, &format!("scale {scale}, moved by {shift}"), &scene, [40, 30], 0.003, 5);
+    }
+}
+
+/// Coarse facets under smooth normals: facets cut the light of many points, which lie in front of their own triangles by a hair.
+fn at_terminators(gpu: &Gpu) {
+    let mut scene = large_floor(80.0);
+    scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::None));
+    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.2;
+    scene.camera.vertical_fov = 0.4;
+    compare(gpu, "terminators", &scene, [64, 48], 0.003, 5);
+}
+
+/// Many objects under one light: a hierarchy above theirs, and more silhouettes than a workgroup keeps.
+fn more_than_are_kept(gpu: &Gpu) {
+    let mut scene = fence();
+    scene.objects.truncate(1);
+    for k in 0..90_usize {
+        let (x, z) = (k % 10, k / 10);
+        let center = Vec3::new(0.1 * x as f32 - 0.45, 0.5 + 0.003 * k as f32, 0.1 * z as f32 - 0.4);
+        let mut mesh = Mesh::cuboid(center, Vec3::new(0.03, 0.02, 0.03));
+        mesh.append(&globe(6, center + Vec3::Y * 0.06, 0.03, false));
+        scene.objects.push(Object::mesh(format!("crumb {k}"), mesh, 0, Proxy::None));
+    }
+    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.5;
+    compare(gpu, "crumbs", &scene, [40, 30], 0.003, 5);
+}
+
+/// A scene that moves: the same from a refitted hierarchy as from a new one.
+fn follow_motion(gpu: &Gpu) {
+    let mut scene = fence();
+    let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
+    let mut world = GpuWorld::new(gpu, &scene).expect("geometry");
+    let mut meshes = SceneSilhouettes::new(&scene, |_| true);
+    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
+    let mut shade = |world: &GpuWorld, meshes: &SceneSilhouettes, scene: &Scene| {
+        let blockers = GpuSilhouettes::new(meshes.meshes());
+        let occlusion = Occlusion { own: &[&blockers], any_hit: Some(world), ..Occlusion::default() };
+        shader.occlude(occlusion).expect("a shader");
+        let mut out = vec![Vec3::NAN; points.receivers.len()];
+        shader.shade(&points, &frame(scene, 0.003, 5), &mut out).expect("the GPU shades");
+        out
+    };
+    let before = shade(&world, &meshes, &scene);
+    let Shape::Mesh(mesh) = &mut scene.objects[1].shape else { unreachable!("a mesh") };
+    mesh.transform(&Mat4::from_translation(Vec3::new(0.03, 0.0, -0.1)));
+    world.update(&scene).expect("geometry");
+    meshes.update(&scene);
+    let moved = shade(&world, &meshes, &scene);
+    assert!(before != moved && moved == from_gpu(gpu, &scene, &points, &frame(&scene, 0.003, 5)).0);
+}
+
+/// Some objects by spheres, the others by silhouettes: as the CPU's mixture of both.
+fn beside_spheres(gpu: &Gpu) {
+    let scene = builtin();
+    let by_silhouettes = |object: u32| is_mesh(&scene, object) && object % 2 == 0;
+    let world = World::new(&scene);
+    let points = GBuffer::new(&world, 64, 36, 1).points;
+    let balls = [
+        Sphere { center: Vec3::new(0.4, 0.5, 0.6), radius: 0.3 },
+        Sphere { center: Vec3::new(-0.6, 0.8, 0.2), radius: 0.2 },
+    ];
+    let spheres = SphereBlockers::new(&balls, &[99, 99], &[0.0, 0.0]);
+    let frame = frame(&scene, 0.003, 5);
+    let silhouettes = SceneSilhouettes::new(&scene, by_silhouettes);
+    let hits = SurfaceHits::new(&world, by_silhouettes);
+    let mixture = Mixture::new(spheres.clone(), SilhouetteBlockers::new(silhouettes.meshes(), hits));
+    let mut want = vec![Vec3::ZERO; points.receivers.len()];
+    let counts = CpuShader::new(MaskVisibility::new(mixture))
+        .shade(&points, &frame, &mut want)
+        .expect("room for all lobes")
+        .counts;
+    let ours = GpuWorld::only(gpu, &scene, by_silhouettes).expect("geometry");
+    let blockers = GpuSilhouettes::new(silhouettes.meshes());
+    let own: &[&dyn GpuBlockers] = &[&blockers];
+    let occlusion = Occlusion { spheres: Some(&spheres), own, any_hit: Some(&ours), ..Occlusion::default() };
+    let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
+    let mut got = vec![Vec3::NAN; points.receivers.len()];
+    let found = shader.shade(&points, &frame, &mut got).expect("the GPU shades").counts;
+    let whole = unshadowed(&points, &frame);
+    check_alike("beside spheres", (want, counts), (got, found), &whole);
+}
+
+fn by_the_papers_method(gpu: &Gpu) {
+    let tables = Tables::with_products(ProductTable::build_with(Resolution { angles: 33, per_interval: 4 }));
+    let scene = fence();
+    let world = World::new(&scene);
+    let points = GBuffer::new(&world, 40, 30, 1).points;
+    let frame = frame(&scene, 0.003, 4);
+    let silhouettes = SceneSilhouettes::new(&scene, |_| true);
+    let hits = SurfaceHits::new(&world, |_| true);
+    let visibility = PaperVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), hits), &tables);
+    let mut want = vec![Vec3::ZERO; points.receivers.len()];
+    let mut cpu = CpuShader::with_method(visibility, Method::Paper(&tables));
+    cpu.shade(&points, &frame, &mut want).expect("room for all lobes");
+    let ours = GpuWorld::new(gpu, &scene).expect("geometry");
+    let blockers = GpuSilhouettes::new(silhouettes.meshes());
+    let occlusion = Occlusion { own: &[&blockers], any_hit: Some(&ours), ..Occlusion::default() };
+    let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_method(Method::Paper(&tables));
+    let mut got = vec![Vec3::NAN; points.receivers.len()];
+    shader.shade(&points, &frame, &mut got).expect("the GPU shades");
+    check_picture(&want, &got, 1e-3);
+}
+
+fn twice_the_same_bits(gpu: &Gpu) {
+    let scene = fence();
+    let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
+    let frame = frame(&scene, 0.003, 5);
+    assert_eq!(from_gpu(gpu, &scene, &points, &frame), from_gpu(gpu, &scene, &points, &frame));
+}
+
+/// Without a scene for its rays, or with another strategy's, the shader says so.
+fn want_any_hit(gpu: &Gpu) {
+    let scene = fence();
+    let world = GpuWorld::new(gpu, &scene).expect("geometry");
+    let blockers = GpuSilhouettes::new(SceneSilhouettes::new(&scene, |_| true).meshes());
+    let own: &[&dyn GpuBlockers] = &[&blockers];
+    let both = Occlusion { own, rays: Some(&world), any_hit: Some(&world), ..Occlusion::default() };
+    for occlusion in [Occlusion { own, ..Occlusion::default() }, both] {
+        let error = GpuShader::new(gpu, occlusion).map(|_| ());
+        assert!(matches!(&error, Err(GpuError::Unsupported(why)) if why.contains("any_hit")), "{error:?}");
+    }
+}

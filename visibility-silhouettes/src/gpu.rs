@@ -1,0 +1,204 @@
+//! The same on a GPU.
+
+use crate::SilhouetteMesh;
+use crate::tree::{NEVER, Tree, WIDE, WIDEST};
+use glam::Vec3;
+use lobe_core::gpu::{GpuBlockers, GpuBuffer};
+
+/// No triangle on a side of an edge; no child in a place of a node: `SILHOUETTES_NONE`.
+const NONE: u32 = u32::MAX;
+/// Rows of a child of a node.
+const CHILD: usize = 3;
+
+/// Four words, as kernels read them.
+type Row = [u32; 4];
+
+/// The `silhouettes` strategy for a GPU: what [`SilhouetteBlockers`](crate::SilhouetteBlockers) is without
+/// [`with_tolerance`](crate::SilhouetteBlockers::with_tolerance), so exact.
+///
+/// # Method
+/// One thread a point looks for any silhouette before the light; where there is none, one ray decides. Else a workgroup lists
+/// the point's silhouettes, a child of a node or an edge a thread, and counts surfaces in its memory as
+/// [`SilhouetteBlockers`](crate::SilhouetteBlockers) does. A point lies in front of a triangle or behind it by f32 where that is
+/// certain, else by twice as many digits. All sums are of whole numbers, so two runs give the same masks.
+///
+/// # Domain
+/// Lights that no triangle reaches into, and lights that are seen as discs: flat ones are not for GPUs yet. What rays meet are the
+/// same triangles, no more.
+///
+/// # Cost
+/// 100 bytes a triangle, packed anew by each [`new`](Self::new).
+///
+/// ```
+/// use glam::Vec3;
+/// use lobe_core::gpu::GpuBlockers;
+/// use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
+/// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+/// let silhouettes = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
+/// assert!(silhouettes.asks_any_hit() && !silhouettes.buffers()[0].words.is_empty());
+/// ```
+#[derive(Clone, Debug)]
+pub struct GpuSilhouettes {
+    rows: Vec<Row>,
+    /// Nodes from the root to a leaf, at most.
+    depth: usize,
+}
+
+impl GpuSilhouettes {
+    /// The outlines of several meshes as they are now.
+    #[must_use]
+    pub fn new(meshes: &[SilhouetteMesh]) -> Self {
+        let meshes: Vec<&SilhouetteMesh> = meshes.iter().filter(|m| !m.trees()[0].nodes().is_empty()).collect();
+        let mut packed = Packed::default();
+        let boxes: Vec<[Vec3; 2]> = meshes.iter().map(|mesh| mesh.trees()[0].bounds()).collect();
+        let (top, order) = Tree::new(&boxes, 0);
+        packed.node_count = match meshes.len() {
+            1 => 0,
+            _ => top
+                .nodes()
+                .iter()
+                .map(|node| 1 + node.count[..usize::from(node.len)].iter().filter(|c| **c > 0).count())
+                .sum(),
+        };
+        let mut roots = Vec::with_capacity(meshes.len());
+        let mut deepest = 0;
+        for mesh in &meshes {
+            roots.push(packed.node_count as u32);
+            packed.add(mesh);
+            deepest = deepest.max(mesh.trees()[0].depth());
+        }
+        let mut depth = deepest;
+        let mut first = Vec::new();
+        if meshes.len() != 1 {
+            let of = |number: u32| (boxes[number as usize], roots[number as usize]);
+            first = top_nodes(&top, &order, of);
+            depth += top.depth() + 1;
+        }
+        first.append(&mut packed.nodes);
+        if first.is_empty() {
+            first = node([].into_iter());
+        }
+        let corners = 1 + first.len();
+        let triangles = corners + packed.corners.len();
+        let edges = triangles + packed.triangles.len();
+        let mut rows = vec![[1, corners, triangles, edges].map(|at| at as u32)];
+        rows.append(&mut first);
+        rows.append(&mut packed.corners);
+        rows.append(&mut packed.triangles);
+        rows.append(&mut packed.edges);
+        Self { rows, depth: depth.max(1) }
+    }
+}
+
+/// Everything of some meshes, in the order of the rows.
+#[derive(Default)]
+struct Packed {
+    node_count: usize,
+    nodes: Vec<Row>,
+    corners: Vec<Row>,
+    triangles: Vec<Row>,
+    edges: Vec<Row>,
+}
+
+fn floats([x, y, z]: [f32; 3], w: u32) -> Row {
+    [x.to_bits(), y.to_bits(), z.to_bits(), w]
+}
+
+/// A child of a node: box, cone, the first of what it has, and how many edges; 0 for a node.
+fn child([center, half, axis]: [Vec3; 3], sin: f32, first: u32, count: u32) -> [Row; CHILD] {
+    [floats(center.to_array(), sin.to_bits()), floats(half.to_array(), first), floats(axis.to_array(), count)]
+}
+
+/// A node of up to eight children.
+fn node(children: impl Iterator<Item = [Row; CHILD]>) -> Vec<Row> {
+    let mut rows: Vec<Row> = children.take(WIDE).flatten().collect();
+    rows.resize(CHILD * WIDE, [0, 0, 0, NONE]);
+    rows
+}
+
+/// The nodes above those of the meshes. `of` says of a mesh by its number its box and its root. A leaf of `top` becomes a node, behind
+/// the others.
+fn top_nodes(top: &Tree, order: &[u32], of: impl Fn(u32) -> ([Vec3; 2], u32)) -> Vec<Row> {
+    let inner = |[low, high]: [Vec3; 2], first: u32| {
+        let is_empty = !low.cmple(high).all();
+        let center = if is_empty { Vec3::ZERO } else { 0.5 * low + 0.5 * high };
+        let half = if is_empty { Vec3::splat(NEVER) } else { (high - center).max(center - low) * 1.000_001 };
+        child([center, half, Vec3::ZERO], WIDEST, first, 0)
+    };
+    let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
+    for branch in top.nodes() {
+        let children = (0..usize::from(branch.len)).map(|k| {
+            let bounds = top.bounds_of(branch, k, order, &|number| of(number).0);
+            if branch.count[k] == 0 {
+                return inner(bounds, branch.first[k]);
+            }
+            let first = branch.first[k] as usize;
+            let meshes = &order[first..first + usize::from(branch.count[k])];
+            let number = top.nodes().len() + leaves.len() / (CHILD * WIDE);
+            leaves.extend(node(meshes.iter().map(|mesh| inner(of(*mesh).0, of(*mesh).1))));
+            inner(bounds, number as u32)
+        });
+        nodes.extend(node(children.collect::<Vec<_>>().into_iter()));
+    }
+    nodes.extend(leaves);
+    nodes
+}
+
+impl Packed {
+    fn add(&mut self, mesh: &SilhouetteMesh) {
+        let (first_corner, first_edge) = (self.corners.len() as u32, self.edges.len() as u32);
+        let first_triangle = (self.triangles.len() / 2) as u32;
+        let first_node = self.node_count as u32;
+        for branch in mesh.trees()[0].nodes() {
+            let children = (0..usize::from(branch.len)).map(|k| {
+                let at = |c: usize| Vec3::new(branch.bounds[c][k], branch.bounds[c + 1][k], branch.bounds[c + 2][k]);
+                let count = u32::from(branch.count[k]);
+                let base = if count == 0 { first_node } else { first_edge };
+                child([at(0), at(3), at(6)], branch.bounds[9][k], base + branch.first[k], count)
+            });
+            self.nodes.extend(node(children));
+        }
+        self.node_count += mesh.trees()[0].nodes().len();
+        let (corners, triangles, planes) = mesh.geometry();
+        self.corners.extend(corners.iter().map(|p| floats(p.truncate().to_array(), 0)));
+        for (triangle, [x, y, z, d]) in triangles.iter().zip(planes) {
+            self.triangles.push(floats([*x, *y, *z], d.to_bits()));
+            let [a, b, c] = triangle.map(|i| first_corner + i);
+            self.triangles.push([a, b, c, 0]);
+        }
+        self.edges.extend(mesh.upward_edges().map(|([a, b], sides)| {
+            let [one, other] = sides.map(|t| t.map_or(NONE, |t| first_triangle + t));
+            [first_corner + a, first_corner + b, one, other]
+        }));
+    }
+}
+
+impl GpuBlockers for GpuSilhouettes {
+    fn name(&self) -> &'static str {
+        "silhouettes"
+    }
+
+    fn shared(&self) -> String {
+        format!("const SILHOUETTES_DEPTH = {}u;\n{}", self.depth, include_str!("silhouettes.wgsl"))
+    }
+
+    fn coverage(&self) -> String {
+        include_str!("silhouettes_coverage.wgsl").to_owned()
+    }
+
+    fn splat(&self) -> String {
+        include_str!("silhouettes_splat.wgsl").to_owned()
+    }
+
+    fn has_edges(&self) -> bool {
+        true
+    }
+
+    fn asks_any_hit(&self) -> bool {
+        true
+    }
+
+    fn buffers(&self) -> Vec<GpuBuffer> {
+        vec![GpuBuffer { name: "silhouettes_data", element: "vec4u", words: self.rows.as_flattened().to_vec() }]
+    }
+}

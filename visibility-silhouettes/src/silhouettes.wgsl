@@ -1,0 +1,173 @@
+// Edges of meshes, and which of them are silhouettes before a receiver's light: `select.rs` and `hull.rs`. Needs geometry.wgsl of
+// lobe-core, the functions `any_hit…` of `GpuBlockers`, and SILHOUETTES_DEPTH, the depth of the hierarchy.
+
+// Error of n·x + d in f32, as a part of |d| + |x| + |y| + |z|: below it a sign is not known.
+const SILHOUETTES_UNSURE = 6e-7;
+// Beside the light's disc: a little more, for the rounding of its edge.
+const SILHOUETTES_AROUND = 1.00001;
+const SILHOUETTES_AROUND_SQ = 1.0002;
+// Rounding of the distance of a box from a plane, as a part of the numbers in it.
+const SILHOUETTES_ROUNDING = 2e-6;
+// No triangle on that side of an edge; no child of a node.
+const SILHOUETTES_NONE = 0xffffffffu;
+
+// A receiver and its light.
+struct SilhouetteEye {
+    // Where rays start, and |x| + |y| + |z| of that.
+    x: vec3f,
+    reach: f32,
+    cone: Cone,
+    // Across the light; their length is tan θ less than that of the disc's square.
+    u: vec3f,
+    v: vec3f,
+    // The axis times tan θ: the square's inward normals are this ± u and ± v.
+    slope: vec3f,
+    // Wide lights have no such square.
+    is_wide: bool,
+    // Depth of the circle where the cone touches the light.
+    far: f32,
+}
+
+fn silhouettes_eye(at: Receiver, cone: Cone) -> SilhouetteEye {
+    let x = any_hit_leave(at);
+    let size = abs(x);
+    let tan = SILHOUETTES_AROUND * cone_tan(cone);
+    let cos = cone_cos(cone);
+    return SilhouetteEye(
+        x,
+        (size.x + size.y) + size.z,
+        cone,
+        orthonormal_basis_u(cone.axis),
+        orthonormal_basis_v(cone.axis),
+        cone.axis * tan,
+        cone.one_minus_cos >= 0.9,
+        select(cone.distance * cos * cos, 3e38, cone.distance > 1e30)
+    );
+}
+
+fn silhouettes_corner(eye: SilhouetteEye, corner: u32) -> vec3f {
+    return bitcast<vec3f>(silhouettes_data[silhouettes_data[0].y + corner].xyz) - eye.x;
+}
+
+// Whether child `k` of a node, or its sibling on, may have silhouettes before the light. Its three rows begin at `row`.
+fn silhouettes_meet(eye: SilhouetteEye, row: u32) -> bool {
+    let middle = bitcast<vec4f>(silhouettes_data[row]);
+    let half = bitcast<vec3f>(silhouettes_data[row + 1u].xyz);
+    let normals = bitcast<vec3f>(silhouettes_data[row + 2u].xyz);
+    let to = middle.xyz - eye.x;
+    let size = abs(to) + half;
+    let rounding = SILHOUETTES_ROUNDING * (eye.reach + (size.x + size.y) + size.z);
+    let along = dot(eye.cone.axis, to);
+    let deep = dot(abs(eye.cone.axis), half) + rounding;
+    if (along + deep < 0.0 || along - deep > eye.far) {
+        return false;
+    }
+    if (!eye.is_wide) {
+        // |n| is below 12 for all four.
+        let sides = vec4f(dot(eye.slope + eye.u, to), dot(eye.slope - eye.u, to), dot(eye.slope + eye.v, to), dot(eye.slope - eye.v, to));
+        let reaches = vec4f(
+            dot(abs(eye.slope + eye.u), half), dot(abs(eye.slope - eye.u), half),
+            dot(abs(eye.slope + eye.v), half), dot(abs(eye.slope - eye.v), half)
+        );
+        if (any(sides + reaches + 12.0 * rounding < vec4f(0.0))) {
+            return false;
+        }
+    }
+    // All normals of the cone on one side: none of its edges is a silhouette.
+    let away = sqrt(dot(size, size));
+    let unsure = (away + eye.reach) * (2.0 * SILHOUETTES_UNSURE);
+    return abs(dot(to, normals)) - dot(half, abs(normals)) - unsure <= away * middle.w;
+}
+
+// 1 where the receiver is in front of a triangle, −1 behind it, 0 where there is none. The same for all edges of the triangle:
+// f32 where that is certain, else from its corners.
+fn silhouettes_side(eye: SilhouetteEye, triangle: u32) -> i32 {
+    if (triangle == SILHOUETTES_NONE) {
+        return 0;
+    }
+    let row = silhouettes_data[0].z + 2u * triangle;
+    let plane = bitcast<vec4f>(silhouettes_data[row]);
+    if (all(plane.xyz == vec3f(0.0))) {
+        return 0;
+    }
+    var value = dot(plane.xyz, eye.x) + plane.w;
+    if (abs(value) <= SILHOUETTES_UNSURE * (abs(plane.w) + eye.reach)) {
+        let corners = silhouettes_data[row + 1u].xyz + silhouettes_data[0].y;
+        value = any_hit_side(
+            bitcast<vec3f>(silhouettes_data[corners.x].xyz),
+            bitcast<vec3f>(silhouettes_data[corners.y].xyz),
+            bitcast<vec3f>(silhouettes_data[corners.z].xyz),
+            eye.x
+        );
+    }
+    return select(select(0, -1, value < 0.0), 1, value > 0.0);
+}
+
+// By how much the number of surfaces grows from left to right across an edge, looking from its first end to the second; 0 where it
+// is no silhouette, or certainly not before the light.
+fn silhouettes_step(eye: SilhouetteEye, edge: u32) -> i32 {
+    let ends = silhouettes_data[silhouettes_data[0].w + edge];
+    let a = silhouettes_corner(eye, ends.x);
+    let b = silhouettes_corner(eye, ends.y);
+    if (!eye.is_wide) {
+        let at_a = vec4f(dot(eye.slope + eye.u, a), dot(eye.slope - eye.u, a), dot(eye.slope + eye.v, a), dot(eye.slope - eye.v, a));
+        let at_b = vec4f(dot(eye.slope + eye.u, b), dot(eye.slope - eye.u, b), dot(eye.slope + eye.v, b), dot(eye.slope - eye.v, b));
+        if (any(max(at_a, at_b) < vec4f(0.0))) {
+            return 0;
+        }
+    }
+    var step = 0;
+    for (var k = 0u; k < 2u; k++) {
+        let side = silhouettes_side(eye, select(ends.z, ends.w, k == 1u));
+        step += select(side, -side, k == 1u);
+    }
+    if (step != 0 && !eye.is_wide && silhouettes_beside(eye, a, b)) {
+        return 0;
+    }
+    return step;
+}
+
+// Whether an edge certainly passes beside the disc of the light, as far as it is between the receiver and its plane.
+fn silhouettes_beside(eye: SilhouetteEye, a: vec3f, b: vec3f) -> bool {
+    let axis = eye.cone.axis;
+    let cos = cone_cos(eye.cone);
+    let edge = b - a;
+    // The plane through the edge and the receiver misses the disc: |n·axis| > |n| sin θ.
+    let normal = cross(a, edge);
+    let along = abs(dot(normal, axis)) - sqrt(dot(a, a) * dot(edge, edge)) * 1e-6;
+    if (along > sqrt(dot(normal, normal) * (cone_sin_sq(eye.cone) * SILHOUETTES_AROUND_SQ))) {
+        return true;
+    }
+    // What is behind the light's plane does not count.
+    var first = a;
+    var last = b;
+    var depth = vec2f(dot(a, axis), dot(b, axis));
+    let is_far = depth > vec2f(eye.far);
+    if (all(is_far)) {
+        return true;
+    }
+    if (any(is_far)) {
+        let cut = a + edge * ((eye.far - depth.x) / (depth.y - depth.x));
+        first = select(a, cut, is_far.x);
+        last = select(b, cut, is_far.y);
+        depth = min(depth, vec2f(eye.far));
+    }
+    // Or the edge ends before the disc: the sign of d/dt of the squared cosine at the ends tells whether it comes nearer from there
+    // on. An end behind the receiver is on the far side of the other one.
+    let front = depth > vec2f(0.0);
+    let across = dot(edge, axis);
+    let squares = vec2f(dot(first, first), dot(last, last));
+    let turns = across * squares - depth * vec2f(dot(first, edge), dot(last, edge));
+    let leaves = turns.x < 0.0 && (turns.y < 0.0 || !front.y);
+    let comes = turns.y > 0.0 && (turns.x > 0.0 || !front.x);
+    let outside = (depth * depth < squares * (cos * cos * (2.0 - SILHOUETTES_AROUND_SQ))) | !front;
+    return !any(front) || ((leaves || comes) && all(outside));
+}
+
+// How much of the light the receiver's own facet hides.
+fn silhouettes_facet(at: Receiver, cone: Cone) -> u32 {
+    if (!any_hit_has(at.object)) {
+        return LIT;
+    }
+    return facet_coverage(at, cone);
+}

@@ -1,0 +1,50 @@
+// How much of the light may be hidden, as `SilhouetteBlockers::select`. Needs silhouettes.wgsl.
+
+// A node's siblings wait on each level.
+const SILHOUETTES_WAITING = 7u * SILHOUETTES_DEPTH + 8u;
+
+// Whether any silhouette is before the light.
+fn silhouettes_any(eye: SilhouetteEye) -> bool {
+    var stack: array<u32, SILHOUETTES_WAITING>;
+    let nodes = silhouettes_data[0].x;
+    var waiting = 1u;
+    stack[0] = 0u;
+    while (waiting > 0u) {
+        waiting -= 1u;
+        let row = nodes + 24u * stack[waiting];
+        for (var k = 0u; k < 8u; k++) {
+            let child = row + 3u * k;
+            let count = silhouettes_data[child + 2u].w;
+            if (count == SILHOUETTES_NONE) {
+                break;
+            }
+            if (!silhouettes_meet(eye, child)) {
+                continue;
+            }
+            let first = silhouettes_data[child + 1u].w;
+            if (count == 0u && waiting < SILHOUETTES_WAITING) {
+                stack[waiting] = first;
+                waiting += 1u;
+            }
+            for (var edge = first; edge < first + count; edge++) {
+                if (silhouettes_step(eye, edge) != 0) {
+                    return true;
+                }
+            }
+        }
+    }
+    return false;
+}
+
+fn silhouettes_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
+    let facet = silhouettes_facet(at, cone);
+    if (facet == DARK) {
+        return DARK;
+    }
+    let eye = silhouettes_eye(at, cone);
+    if (cone.one_minus_cos > 0.0 && (facet == PARTIAL || silhouettes_any(eye))) {
+        return PARTIAL;
+    }
+    // As many surfaces before all of the light.
+    return select(LIT, DARK, any_hit(eye.x, cone.axis, eye.far));
+}

@@ -1,0 +1,464 @@
+// Masks from silhouettes, by a workgroup: `project.rs`, `count.rs` and `SilhouetteBlockers::splat`. Needs silhouettes.wgsl, and of
+// visibility-mask mask.wgsl, edges.wgsl and total.wgsl.
+//
+// Threads go through the hierarchy together, a child of a node each, then through the edges of the leaves. All that they add up
+// are whole numbers: so no order of the threads changes a mask.
+
+// Ends nearer than this part of the light's distance are clipped: they are far outside of the window.
+const SILHOUETTES_NEAR = 1e-7;
+const SILHOUETTES_FAR_OUTSIDE = 1e7;
+// Where fewer than this part of what is lit has the fewest surfaces, the next number is asked about as well.
+const SILHOUETTES_FEW = 128u;
+// Lengths are rounded to this part of the disc's radius.
+const SILHOUETTES_LENGTHS = 65536.0;
+
+// Nodes that wait: on each level the children that a round finds, less those that the next one takes.
+const SILHOUETTES_STACK = 7u * SILHOUETTES_DEPTH * SILHOUETTES_NODES + 8u;
+// Nodes that are looked at in a round, by eight threads each.
+const SILHOUETTES_NODES = 4u;
+const SILHOUETTES_LEAVES = 8u * SILHOUETTES_NODES;
+// Silhouettes that are kept for the next mask of the receiver, if these are all; a round finds up to eight a leaf.
+const SILHOUETTES_ROOM = 512u;
+// Samples of a row that are counted at a time, two in a word: less for masks of many rows, whose workgroups have much else.
+const SILHOUETTES_PART = 2048u / LANES;
+const SILHOUETTES_WORDS = SILHOUETTES_PART / 2u;
+// Words of a bit a sample.
+const SILHOUETTES_BITS = WIDTH / 32u;
+
+var<workgroup> silhouettes_stack: array<u32, SILHOUETTES_STACK>;
+var<workgroup> silhouettes_waiting: atomic<u32>;
+var<workgroup> silhouettes_leaves: array<vec2u, SILHOUETTES_LEAVES>;
+var<workgroup> silhouettes_leaf_count: atomic<u32>;
+// Edge and step; how many.
+var<workgroup> silhouettes_list: array<u32, SILHOUETTES_ROOM>;
+var<workgroup> silhouettes_found: atomic<u32>;
+// What the first thread says to all of them.
+var<workgroup> silhouettes_plan: vec2u;
+// Whether the list has all silhouettes of the receiver.
+var<workgroup> silhouettes_known: u32;
+// The sum of edges, and that of four times their angles.
+var<workgroup> silhouettes_sums: array<atomic<i32>, 4>;
+// How the number of surfaces changes from sample to sample of a row, and at its start from row to row.
+var<workgroup> silhouettes_counts: array<atomic<i32>, LANES * SILHOUETTES_WORDS>;
+var<workgroup> silhouettes_starts: array<atomic<i32>, LANES + 1u>;
+var<workgroup> silhouettes_least: atomic<i32>;
+var<workgroup> silhouettes_best: atomic<u32>;
+var<workgroup> silhouettes_open: u32;
+
+// What is drawn on: as `View`.
+struct SilhouetteView {
+    square: UnitSquare,
+    raster: Raster,
+    near: f32,
+    far: f32,
+    // In samples, an upright line that meets in every row all that the window shows of the disc.
+    middle: f32,
+    // The first sample of the part that is counted.
+    first: u32,
+}
+
+var<private> silhouettes_view: SilhouetteView;
+// The window whose edges are added up.
+var<private> silhouettes_window: Cone;
+// Whether edges are added up; else they are drawn.
+var<private> silhouettes_adds: bool;
+
+fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
+    let square = mask.square;
+    let raster = mask_raster(mask);
+    let near = SILHOUETTES_NEAR * select(eye.cone.distance, 1.0, eye.cone.distance > 1e30);
+    let left = square.center.x - square.half.x;
+    let middle = (clamp(0.0, left, left + 2.0 * square.half.x) - left) * raster.samples;
+    return SilhouetteView(square, raster, near, max(eye.far, near), middle, 0u);
+}
+
+// All silhouettes of the receiver, drawn or added up. Requires uniform control flow.
+fn silhouettes_each(lane: u32, eye: SilhouetteEye) {
+    if (workgroupUniformLoad(&silhouettes_known) != 0u) {
+        silhouettes_use(lane, eye, atomicLoad(&silhouettes_found));
+        workgroupBarrier();
+        return;
+    }
+    if (lane == 0u) {
+        silhouettes_stack[0] = 0u;
+        atomicStore(&silhouettes_waiting, 1u);
+        atomicStore(&silhouettes_leaf_count, 0u);
+        atomicStore(&silhouettes_found, 0u);
+    }
+    workgroupBarrier();
+    var is_whole = true;
+    loop {
+        if (lane == 0u) {
+            let waiting = atomicLoad(&silhouettes_waiting);
+            let next = min(waiting, SILHOUETTES_NODES);
+            atomicStore(&silhouettes_waiting, waiting - next);
+            silhouettes_plan = vec2u(waiting - next, next);
+        }
+        let plan = workgroupUniformLoad(&silhouettes_plan);
+        if (plan.y == 0u) {
+            break;
+        }
+        var count = SILHOUETTES_NONE;
+        var first = 0u;
+        if (lane / 8u < plan.y) {
+            let node = silhouettes_stack[plan.x + lane / 8u];
+            let row = silhouettes_data[0].x + 24u * node + 3u * (lane % 8u);
+            count = silhouettes_data[row + 2u].w;
+            first = silhouettes_data[row + 1u].w;
+            if (count != SILHOUETTES_NONE && !silhouettes_meet(eye, row)) {
+                count = SILHOUETTES_NONE;
+            }
+        }
+        workgroupBarrier();
+        if (count == 0u) {
+            let place = atomicAdd(&silhouettes_waiting, 1u);
+            if (place < SILHOUETTES_STACK) {
+                silhouettes_stack[place] = first;
+            }
+        } else if (count != SILHOUETTES_NONE) {
+            silhouettes_leaves[atomicAdd(&silhouettes_leaf_count, 1u)] = vec2u(first, count);
+        }
+        workgroupBarrier();
+        let edges = 8u * atomicLoad(&silhouettes_leaf_count);
+        for (var e = lane; e < edges; e += LANES) {
+            let leaf = silhouettes_leaves[e / 8u];
+            if (e % 8u < leaf.y) {
+                let edge = leaf.x + e % 8u;
+                let step = silhouettes_step(eye, edge);
+                if (step != 0) {
+                    silhouettes_list[atomicAdd(&silhouettes_found, 1u)] = 8u * edge + u32(step + 2);
+                }
+            }
+        }
+        workgroupBarrier();
+        if (lane == 0u) {
+            atomicStore(&silhouettes_leaf_count, 0u);
+            silhouettes_plan = vec2u(atomicLoad(&silhouettes_found), 0u);
+        }
+        let found = workgroupUniformLoad(&silhouettes_plan).x;
+        if (found > SILHOUETTES_ROOM - 8u * SILHOUETTES_LEAVES) {
+            silhouettes_use(lane, eye, found);
+            is_whole = false;
+            workgroupBarrier();
+            if (lane == 0u) {
+                atomicStore(&silhouettes_found, 0u);
+            }
+            workgroupBarrier();
+        }
+    }
+    silhouettes_use(lane, eye, atomicLoad(&silhouettes_found));
+    if (lane == 0u) {
+        silhouettes_known = select(0u, 1u, is_whole);
+    }
+    workgroupBarrier();
+}
+
+// Those of the list.
+fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
+    for (var k = lane; k < count; k += LANES) {
+        let entry = silhouettes_list[k];
+        let ends = silhouettes_data[silhouettes_data[0].w + entry / 8u];
+        let a = silhouettes_corner(eye, ends.x);
+        let b = silhouettes_corner(eye, ends.y);
+        if (silhouettes_adds) {
+            silhouettes_add(eye, a, b);
+        } else {
+            silhouettes_draw(a, b, i32(entry % 8u) - 2);
+        }
+    }
+}
+
+// Adds what of an edge lies before the window to the directions that a mask is turned by.
+fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
+    let depth = vec2f(dot(a, eye.cone.axis), dot(b, eye.cone.axis));
+    let near = select(1e-6 * eye.cone.distance, 1e-37, eye.cone.distance > 1e30);
+    // Of what is behind the light or the receiver some is listed and some is not.
+    if (all(depth < vec2f(near)) || all(depth > vec2f(eye.far))) {
+        return;
+    }
+    let edge = b - a;
+    var first = a;
+    var last = b;
+    for (var k = 0u; k < 2u; k++) {
+        let limit = select(near, eye.far, k == 1u);
+        let is_out = select((depth < vec2f(limit)), (depth > vec2f(limit)), vec2<bool>(k == 1u));
+        let cut = a + edge * ((limit - depth.x) / (depth.y - depth.x));
+        first = select(first, cut, is_out.x);
+        last = select(last, cut, is_out.y);
+    }
+    let normal = cross(first, last - first);
+    let length = silhouettes_length(silhouettes_window, first, last, normal);
+    if (!(length > 0.0 && silhouettes_length(eye.cone, first, last, normal) > 0.0)) {
+        return;
+    }
+    let frame = edges_frame(silhouettes_window.axis);
+    let d = vec2f(dot(frame.right, normal), dot(frame.up, normal));
+    let square = dot(d, d);
+    if (!(square > 0.0 && length < 1e4)) {
+        return;
+    }
+    let two = vec2f(d.x * d.x - d.y * d.y, 2.0 * d.x * d.y) / square;
+    let four = vec2f(two.x * two.x - two.y * two.y, 2.0 * two.x * two.y);
+    let all = vec4i(vec4f(two, four) * (length * SILHOUETTES_LENGTHS));
+    atomicAdd(&silhouettes_sums[0], all.x);
+    atomicAdd(&silhouettes_sums[1], all.y);
+    atomicAdd(&silhouettes_sums[2], all.z);
+    atomicAdd(&silhouettes_sums[3], all.w);
+}
+
+// How much of an edge lies before the disc of a light, in its radii; not above zero where nothing does.
+fn silhouettes_length(cone: Cone, a: vec3f, b: vec3f, normal: vec3f) -> f32 {
+    let tan = cone_tan(cone);
+    let along = dot(normal, cone.axis);
+    let across = normal - cone.axis * along;
+    let square = dot(across, across);
+    // The line passes the disc's middle at |n·axis|/|n − axis(n·axis)|: half the chord.
+    let half = sqrt(max(1.0 - along * along / (square * (tan * tan)), 0.0));
+    let line = cross(cone.axis, normal);
+    let scale = max(sqrt(square) * tan, 1e-37);
+    let start = dot(a, line) / (scale * dot(a, cone.axis));
+    let end = dot(b, line) / (scale * dot(b, cone.axis));
+    return min(max(start, end), half) - max(min(start, end), -half);
+}
+
+fn silhouettes_limit(x: f32) -> f32 { return clamp(x, -SILHOUETTES_FAR_OUTSIDE, SILHOUETTES_FAR_OUTSIDE); }
+
+// Where an edge meets a plane of equal depth, from the end that is on the right side of it.
+fn silhouettes_cut(depth: f32, start: vec3f, end: vec3f) -> vec3f {
+    return vec3f(start.xy + (end.xy - start.xy) * ((depth - start.z) / (end.z - start.z)), depth);
+}
+
+// Counts an edge where it crosses the rows, and its ends between them.
+fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
+    let view = silhouettes_view;
+    let raster = view.raster;
+    var a = square_local(view.square, world_a);
+    var b = square_local(view.square, world_b);
+    let is_near = vec2f(a.z, b.z) < vec2f(view.near);
+    let is_far = vec2f(a.z, b.z) >= vec2f(view.far);
+    if (all(is_near) || all(is_far)) {
+        return;
+    }
+    // The line through both, from a × (b − a): ends that are clipped would be too far outside for it.
+    let line = cross(a, b - a);
+    for (var k = 0u; k < 2u; k++) {
+        let cut = select(is_near, is_far, vec2<bool>(k == 1u));
+        if (any(cut)) {
+            let depth = select(view.near, view.far, k == 1u);
+            let old = a;
+            if (cut.x) {
+                a = silhouettes_cut(depth, b, a);
+            }
+            if (cut.y) {
+                b = silhouettes_cut(depth, old, b);
+            }
+        }
+    }
+    // Once a vertex: the same for all its edges, whichever end it is.
+    var x: array<f32, 2>;
+    var row: array<f32, 2>;
+    for (var k = 0u; k < 2u; k++) {
+        let p = select(a, b, k == 1u);
+        x[k] = silhouettes_limit((p.x / p.z - raster.left) * raster.samples);
+        row[k] = clamp(ceil(silhouettes_limit((p.y / p.z - raster.bottom) * raster.rows - 0.5)), 0.0, f32(SIDE));
+    }
+    let low = min(x[0], x[1]);
+    let high = max(x[0], x[1]);
+    let is_left = vec2<bool>(x[0] < view.middle, x[1] < view.middle);
+    if (max(row[0], row[1]) == 0.0 || min(row[0], row[1]) == f32(SIDE) || low > f32(row_width) + 1.0 || high < -1.0
+        || (row[0] == row[1] && is_left.x == is_left.y)) {
+        return;
+    }
+    var slope = 0.0;
+    var start = 0.5 * (x[0] + x[1]);
+    if (line.x != 0.0) {
+        let inverse = -1.0 / line.x;
+        let lean = line.y * inverse;
+        start = (lean * (raster.bottom + 0.5 / raster.rows) + (line.z * inverse - raster.left)) * raster.samples;
+        slope = lean * (raster.samples / raster.rows);
+    }
+    let is_up = row[0] <= row[1];
+    let first = u32(select(row[1], row[0], is_up));
+    let last = u32(select(row[0], row[1], is_up));
+    let grows = select(-step, step, is_up);
+    if (view.first == 0u) {
+        if (select(is_left.y, is_left.x, is_up)) {
+            atomicAdd(&silhouettes_starts[first], -grows);
+        }
+        if (select(is_left.x, is_left.y, is_up)) {
+            atomicAdd(&silhouettes_starts[last], grows);
+        }
+    }
+    for (var j = first; j < last; j++) {
+        let sample = row_index(clamp(f32(j) * slope + start, low - 1.0, high + 1.0) - row_phase(j)) - view.first;
+        // One that is in an earlier part is beyond all.
+        if (sample < SILHOUETTES_PART) {
+            atomicAdd(&silhouettes_counts[SILHOUETTES_WORDS * j + sample / 2u], grows << (16u * (sample & 1u)));
+        }
+    }
+}
+
+// The samples of the own row with the fewest surfaces, of those with more than `above`.
+struct SilhouetteFewest {
+    bits: array<u32, SILHOUETTES_BITS>,
+    least: i32,
+    // Samples with more than `above`.
+    rest: u32,
+}
+
+fn silhouettes_scan(lane: u32, eye: SilhouetteEye, above: i32) -> SilhouetteFewest {
+    var fewest: SilhouetteFewest;
+    fewest.least = 0x7fffffff;
+    var number = 0;
+    var emits = 0u;
+    for (var first = 0u; first < row_width; first += SILHOUETTES_PART) {
+        silhouettes_view.first = first;
+        for (var k = 0u; k < SILHOUETTES_WORDS; k++) {
+            atomicStore(&silhouettes_counts[SILHOUETTES_WORDS * lane + k], 0);
+        }
+        if (first == 0u) {
+            atomicStore(&silhouettes_starts[lane], 0);
+            if (lane == 0u) {
+                atomicStore(&silhouettes_starts[LANES], 0);
+            }
+        }
+        workgroupBarrier();
+        silhouettes_each(lane, eye);
+        if (first == 0u) {
+            for (var j = 0u; j <= lane; j++) {
+                number += atomicLoad(&silhouettes_starts[j]);
+            }
+        }
+        var word = 0;
+        for (var k = first; k < first + SILHOUETTES_PART; k++) {
+            if (k % 32u == 0u) {
+                emits = row_samples(lit, k / 32u);
+            }
+            // A lower half below 0 has borrowed from the upper one.
+            if (k % 2u == 0u) {
+                word = atomicLoad(&silhouettes_counts[SILHOUETTES_WORDS * lane + (k - first) / 2u]);
+            } else {
+                word = (word - ((word << 16u) >> 16u)) >> 16u;
+            }
+            number += (word << 16u) >> 16u;
+            let bit = 1u << (k % 32u);
+            if ((emits & bit) == 0u || number <= above) {
+                continue;
+            }
+            fewest.rest += 1u;
+            if (number < fewest.least) {
+                fewest.least = number;
+                for (var w = 0u; w <= k / 32u; w++) {
+                    fewest.bits[w] = 0u;
+                }
+            }
+            if (number == fewest.least) {
+                fewest.bits[k / 32u] |= bit;
+            }
+        }
+        workgroupBarrier();
+    }
+    return fewest;
+}
+
+// The middle of the longest run of a row, of those that begin anew with each 64 samples.
+fn silhouettes_middle(bits: array<u32, SILHOUETTES_BITS>) -> u32 {
+    var all = bits;
+    var best = vec2u(0u);
+    var length = 0u;
+    for (var k = 0u; k < row_width; k++) {
+        let is_in = (all[k / 32u] >> (k % 32u) & 1u) != 0u;
+        length = select(0u, length + 1u, is_in);
+        if (k % 64u == 0u) {
+            length = min(length, 1u);
+        }
+        if (length > best.x) {
+            best = vec2u(length, k + 1u - length);
+        }
+    }
+    return best.y + (max(best.x, 1u) - 1u) / 2u;
+}
+
+// Whether a sample sees the light.
+fn silhouettes_sees(eye: SilhouetteEye, row: u32, sample: u32) -> bool {
+    let raster = silhouettes_view.raster;
+    let x = raster.left + (f32(sample) + 0.5 + row_phase(row)) / raster.samples;
+    let y = raster.bottom + (f32(row) + 0.5) / raster.rows;
+    let along = sqrt(1.0 + x * x + y * y);
+    let far = silhouettes_view.far;
+    return !any_hit(eye.x, square_world(silhouettes_view.square, vec3f(x, y, 1.0)) / along, select(far * along, far, far > 1e37));
+}
+
+// The sum of edges, by the first thread. Requires uniform control flow.
+fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
+    if (lane < 4u) {
+        atomicStore(&silhouettes_sums[lane], 0);
+    }
+    workgroupBarrier();
+    silhouettes_window = window;
+    silhouettes_adds = true;
+    silhouettes_each(lane, silhouettes_eye(at, light));
+    if (lane > 0u) {
+        return vec4f(0.0);
+    }
+    let sums = vec4i(
+        atomicLoad(&silhouettes_sums[0]), atomicLoad(&silhouettes_sums[1]),
+        atomicLoad(&silhouettes_sums[2]), atomicLoad(&silhouettes_sums[3])
+    );
+    var edges = vec4f(sums) / SILHOUETTES_LENGTHS;
+    if (silhouettes_facet(at, light) == PARTIAL) {
+        edges += vec4f(edges_add_plane(edges_frame(window.axis), at.face, window), 0.0, 0.0);
+    }
+    return edges;
+}
+
+// Blocks what is hidden. Requires uniform control flow.
+fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
+    let eye = silhouettes_eye(at, light);
+    if (silhouettes_facet(at, light) == PARTIAL) {
+        mask_block_below(mask, lane, at.face);
+    }
+    silhouettes_adds = false;
+    silhouettes_view = silhouettes_view_of(mask, eye);
+    var keep: array<u32, SILHOUETTES_BITS>;
+    var above = -0x7fffffff;
+    loop {
+        if (lane == 0u) {
+            atomicStore(&silhouettes_least, 0x7fffffff);
+            atomicStore(&silhouettes_best, 0u);
+        }
+        workgroupBarrier();
+        var fewest = silhouettes_scan(lane, eye, above);
+        atomicMin(&silhouettes_least, fewest.least);
+        workgroupBarrier();
+        let least = atomicLoad(&silhouettes_least);
+        var own = 0u;
+        for (var w = 0u; w < SILHOUETTES_BITS; w++) {
+            fewest.bits[w] = select(0u, fewest.bits[w], fewest.least == least);
+            own += countOneBits(fewest.bits[w]);
+        }
+        atomicMax(&silhouettes_best, 256u * own + (255u - lane));
+        let sums = total(lane, vec4f(f32(own), f32(fewest.rest), 0.0, 0.0));
+        if (sums.x == 0.0) {
+            break;
+        }
+        // One ray says whether the fewest are none.
+        if (lane == 255u - atomicLoad(&silhouettes_best) % 256u) {
+            silhouettes_open = select(0u, 1u, silhouettes_sees(eye, lane, silhouettes_middle(fewest.bits)));
+        }
+        if (workgroupUniformLoad(&silhouettes_open) != 0u) {
+            for (var w = 0u; w < SILHOUETTES_BITS; w++) {
+                keep[w] |= fewest.bits[w];
+            }
+        }
+        // Two edges that lie on each other to the last digit may be taken in the wrong order: a few samples between them then have
+        // too few.
+        if (u32(sums.x) >= u32(sums.y) / SILHOUETTES_FEW) {
+            break;
+        }
+        above = least;
+    }
+    for (var w = 0u; 32u * w < row_width; w++) {
+        mask_block_set(w, ~keep[w]);
+    }
+}
