@@ -10,8 +10,9 @@ use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
 use render_gpu::{Gpu, GpuOptions, GpuShader, GpuWorld, Occlusion};
-use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadeStats, ShadingPoints};
+use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadeStats, ShadingPoints, Shape};
 use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
+use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
 
 /// A square of the floor, in tiles of 8 × 8 as a G-buffer lists them.
@@ -122,12 +123,15 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
         lights: lights.clone(),
     };
     let world = GpuWorld::only(gpu, &scene, |_| true).expect("a hierarchy");
+    let Shape::Mesh(cube) = &scene.objects[0].shape else { unreachable!("a mesh") };
+    let silhouettes = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &cube.positions, &cube.triangles)]);
     let (none, spheres) = (Occlusion::default(), spheres(64));
     let strategies = [
         ("none", none),
         ("64 spheres", Occlusion { spheres: Some(&spheres), ..none }),
         ("cube by its map", Occlusion { maps: Some(&maps), ..none }),
         ("cube by rays", Occlusion { rays: Some(&world), ..none }),
+        ("cube by silhouettes", Occlusion { own: &[&silhouettes], any_hit: Some(&world), ..none }),
     ];
     for (name, occlusion) in strategies {
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");

@@ -10,9 +10,11 @@ use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 #[cfg(feature = "gpu")]
 use {
     lobe_core::Method,
+    lobe_core::gpu::GpuBlockers,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion},
     scene::Scene,
     visibility_shadowmap::ShadowMapBlockers,
+    visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh},
     visibility_spheres::SphereBlockers,
 };
 
@@ -102,14 +104,15 @@ pub struct GpuBackend {
 
 #[cfg(feature = "gpu")]
 impl GpuBackend {
-    /// The shader with these blockers; `traced` is the scene, where some of its objects are by rays, and for each whether it is:
-    /// the same scene with each call.
+    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each whether they do: the
+    /// same scene with each call. Those objects are by the silhouettes of `outlines`, or by rays where there are none.
     pub(crate) fn occluded(
         &mut self,
         method: Method<'_>,
         spheres: Option<&SphereBlockers>,
         maps: Option<&ShadowMapBlockers>,
         traced: Option<(&Scene, Vec<bool>)>,
+        outlines: &[SilhouetteMesh],
     ) -> Result<&mut GpuShader, GpuError> {
         if let Some((scene, objects)) = traced {
             match &mut self.world {
@@ -124,12 +127,13 @@ impl GpuBackend {
             self.world = None;
         }
         self.shader.set_method(method);
-        self.shader.occlude(Occlusion {
-            spheres,
-            maps,
-            rays: self.world.as_ref().map(|(world, _)| world),
-            own: &[],
-        })?;
+        let silhouettes = (!outlines.is_empty()).then(|| GpuSilhouettes::new(outlines));
+        let own = silhouettes.as_ref().map(|silhouettes| silhouettes as &dyn GpuBlockers);
+        let (rays, any_hit) = match (self.world.as_ref().map(|(world, _)| world), own) {
+            (world, None) => (world, None),
+            (world, Some(_)) => (None, world),
+        };
+        self.shader.occlude(Occlusion { spheres, maps, rays, own: own.as_slice(), any_hit })?;
         Ok(&mut self.shader)
     }
 }

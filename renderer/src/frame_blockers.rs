@@ -4,8 +4,10 @@ use lobe_core::{Accuracy, LightId, Method as Products, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use visibility_mask::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
-use visibility_silhouettes::SilhouetteBlockers;
+use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
+#[cfg(feature = "gpu")]
+use {lighting::Light, visibility_silhouettes::AnyHit};
 
 /// In which form visibility meets reflectance, ready to be used.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +29,8 @@ pub struct FrameBlockers<'a> {
     maps: Option<ShadowMapBlockers>,
     silhouettes: Option<SilhouetteBlockers<'a, SurfaceHits<'a>>>,
     rays: Option<RayBlockers<'a>>,
-    /// For each object whether it is by rays where there are no silhouettes.
+    meshes: &'a [SilhouetteMesh],
+    /// For each object whether it is by rays or by silhouettes.
     traced: Vec<bool>,
 }
 
@@ -57,9 +60,23 @@ impl<'a> FrameBlockers<'a> {
             let hits = SurfaceHits::new(world, |o| plan.by_silhouettes(scene, o));
             SilhouetteBlockers::new(meshes, hits).with_tolerance(accuracy.tolerance)
         });
-        // What is exact by silhouettes is exact by rays, which a GPU has.
         (0..).zip(&mut traced).for_each(|(o, traced)| *traced |= plan.by_silhouettes(scene, o));
-        Self { world, spheres, maps, silhouettes, rays, traced }
+        Self { world, spheres, maps, silhouettes, rays, meshes, traced }
+    }
+
+    /// The meshes that a GPU can have by silhouettes; what is exact by these is exact by rays, too: where others are by rays anyway, or
+    /// where a light holds parts of triangles.
+    #[cfg(feature = "gpu")]
+    fn outlines(&self) -> &'a [SilhouetteMesh] {
+        let Some(silhouettes) = self.silhouettes.as_ref().filter(|_| self.rays.is_none()) else { return &[] };
+        let holds = |light: &Light| {
+            let mut is_met = false;
+            if let Some(ball) = light.ball().filter(|ball| ball.radius > 0.0) {
+                silhouettes.any_hit().triangles_meeting(ball, &mut |_| is_met = true);
+            }
+            is_met
+        };
+        if self.world.scene().lights.iter().any(holds) { &[] } else { self.meshes }
     }
 
     /// Does the work with the shader that these blockers make. What is not there is not in the shader; mixtures of any kinds
@@ -70,13 +87,14 @@ impl<'a> FrameBlockers<'a> {
     pub fn shade<W: Work>(self, backend: &mut Backend, form: Form<'_>, work: W) -> Result<W::Output, RenderError> {
         #[cfg(feature = "gpu")]
         if let Backend::Gpu(gpu) = backend {
+            let outlines = self.outlines();
             let traced = self.traced.contains(&true).then(|| (self.world.scene(), self.traced));
             let method = match form {
                 Form::Fractions => Products::Moments,
                 Form::Lobes => return Err(RenderError::NotOnGpu(crate::backend::LOBES)),
                 Form::Paper(tables) => Products::Paper(tables),
             };
-            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced)?);
+            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced, outlines)?);
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;

@@ -74,28 +74,50 @@ fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
 
 // All silhouettes of the receiver, drawn or added up. Requires uniform control flow.
 fn silhouettes_each(lane: u32, eye: SilhouetteEye) {
-    if (workgroupUniformLoad(&silhouettes_known) != 0u) {
+    let is_known = workgroupUniformLoad(&silhouettes_known) != 0u;
+    if (!is_known) {
+        if (lane == 0u) {
+            silhouettes_stack[0] = 0u;
+            atomicStore(&silhouettes_waiting, 1u);
+            atomicStore(&silhouettes_leaf_count, 0u);
+            atomicStore(&silhouettes_found, 0u);
+        }
+        workgroupBarrier();
+    }
+    var is_whole = true;
+    loop {
+        let is_last = is_known || silhouettes_list_more(lane, eye);
         silhouettes_use(lane, eye, atomicLoad(&silhouettes_found));
         workgroupBarrier();
-        return;
+        if (is_last) {
+            break;
+        }
+        is_whole = false;
+        if (lane == 0u) {
+            atomicStore(&silhouettes_found, 0u);
+        }
     }
-    if (lane == 0u) {
-        silhouettes_stack[0] = 0u;
-        atomicStore(&silhouettes_waiting, 1u);
-        atomicStore(&silhouettes_leaf_count, 0u);
-        atomicStore(&silhouettes_found, 0u);
+    if (lane == 0u && is_whole) {
+        silhouettes_known = 1u;
     }
     workgroupBarrier();
-    var is_whole = true;
+}
+
+// Goes on through the hierarchy until the list may be too short for another round; true at the end.
+fn silhouettes_list_more(lane: u32, eye: SilhouetteEye) -> bool {
+    var is_last = false;
     loop {
         if (lane == 0u) {
             let waiting = atomicLoad(&silhouettes_waiting);
-            let next = min(waiting, SILHOUETTES_NODES);
+            let is_full = atomicLoad(&silhouettes_found) > SILHOUETTES_ROOM - 8u * SILHOUETTES_LEAVES;
+            let next = select(min(waiting, SILHOUETTES_NODES), 0u, is_full);
             atomicStore(&silhouettes_waiting, waiting - next);
+            atomicStore(&silhouettes_leaf_count, 0u);
             silhouettes_plan = vec2u(waiting - next, next);
         }
         let plan = workgroupUniformLoad(&silhouettes_plan);
         if (plan.y == 0u) {
+            is_last = plan.x == 0u;
             break;
         }
         var count = SILHOUETTES_NONE;
@@ -131,26 +153,8 @@ fn silhouettes_each(lane: u32, eye: SilhouetteEye) {
             }
         }
         workgroupBarrier();
-        if (lane == 0u) {
-            atomicStore(&silhouettes_leaf_count, 0u);
-            silhouettes_plan = vec2u(atomicLoad(&silhouettes_found), 0u);
-        }
-        let found = workgroupUniformLoad(&silhouettes_plan).x;
-        if (found > SILHOUETTES_ROOM - 8u * SILHOUETTES_LEAVES) {
-            silhouettes_use(lane, eye, found);
-            is_whole = false;
-            workgroupBarrier();
-            if (lane == 0u) {
-                atomicStore(&silhouettes_found, 0u);
-            }
-            workgroupBarrier();
-        }
     }
-    silhouettes_use(lane, eye, atomicLoad(&silhouettes_found));
-    if (lane == 0u) {
-        silhouettes_known = select(0u, 1u, is_whole);
-    }
-    workgroupBarrier();
+    return is_last;
 }
 
 // Those of the list.

@@ -138,7 +138,7 @@ fn follow_motion(gpu: &Gpu) {
 /// Some objects by spheres, the others by silhouettes: as the CPU's mixture of both.
 fn beside_spheres(gpu: &Gpu) {
     let scene = builtin();
-    let by_silhouettes = |object: u32| is_mesh(&scene, object) && object % 2 == 0;
+    let by_silhouettes = |object: u32| is_mesh(&scene, object) && object.is_multiple_of(2);
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 36, 1).points;
     let balls = [

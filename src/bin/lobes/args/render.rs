@@ -156,7 +156,7 @@ pub(crate) enum Visibility {
     Spheres,
     /// Depth maps around the lights, of the true triangles: no spheres to build; balls stay exact
     ShadowMap,
-    /// The silhouettes of the true triangles: exact, nothing to build; balls stay exact. On a GPU by rays, which see the same
+    /// The silhouettes of the true triangles: exact, nothing to build; balls stay exact
     Silhouettes,
     /// Shadow rays on the true triangles and balls: exact, and slower
     Rays,
