@@ -44,6 +44,9 @@ pub struct GpuSilhouettes {
     depth: usize,
 }
 
+/// Kernels are made for multiples of this depth, so that most scenes share them.
+const DEPTH_STEP: usize = 4;
+
 impl GpuSilhouettes {
     /// The outlines of several meshes as they are now.
     #[must_use]
@@ -86,7 +89,7 @@ impl GpuSilhouettes {
         rows.append(&mut packed.corners);
         rows.append(&mut packed.triangles);
         rows.append(&mut packed.edges);
-        Self { rows, depth: depth.max(1) }
+        Self { rows, depth: depth.max(1).next_multiple_of(DEPTH_STEP) }
     }
 }
 

@@ -17,7 +17,6 @@ use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
-        trial("silhouettes_on_the_built_in_scene", gpu, on_the_built_in_scene),
         trial("silhouettes_behind_a_fence", gpu, behind_a_fence),
         trial("silhouettes_through_masks_of_all_depths", gpu, masks_of_all_depths),
         trial("silhouettes_at_all_scales", gpu, at_all_scales),
@@ -62,11 +61,6 @@ fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32,
     let frame = frame(scene, tolerance, depth);
     let whole = unshadowed(&points, &frame);
     check_alike(name, from_cpu(&world, &points, &frame), from_gpu(gpu, scene, &points, &frame), &whole);
-}
-
-/// Two lights, metals and exact balls, which do not block here.
-fn on_the_built_in_scene(gpu: &Gpu) {
-    compare(gpu, "built in", &builtin(), [64, 36], 0.003, 5);
 }
 
 fn behind_a_fence(gpu: &Gpu) {
@@ -135,7 +129,7 @@ fn follow_motion(gpu: &Gpu) {
     assert!(before != moved && moved == from_gpu(gpu, &scene, &points, &frame(&scene, 0.003, 5)).0);
 }
 
-/// Some objects by spheres, the others by silhouettes: as the CPU's mixture of both.
+/// Glossy lobes, two lights; some objects by spheres, others by silhouettes: as the CPU's mixture of both.
 fn beside_spheres(gpu: &Gpu) {
     let scene = builtin();
     let by_silhouettes = |object: u32| is_mesh(&scene, object) && object.is_multiple_of(2);
