@@ -11,3 +11,7 @@ pub const RAYS: &str = include_str!("kernels/rays.wgsl");
 pub const ANY_HIT: &str = include_str!("kernels/any_hit.wgsl");
 /// The masks of `rays`. Needs [`RAYS`], and of `visibility_mask::wgsl` `CONTOUR` and `EDGES`.
 pub const RAYS_SPLAT: &str = include_str!("kernels/rays_splat.wgsl");
+
+#[cfg(test)]
+#[path = "wgsl_tests.rs"]
+mod tests;

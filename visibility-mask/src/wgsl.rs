@@ -113,27 +113,8 @@ mod tests {
     use super::*;
     use crate::row::PHASE;
 
-    /// Whether a text states the value of a constant.
-    #[track_caller]
-    fn states(text: &str, name: &str, value: f32) {
-        let mut lines =
-            text.lines().filter_map(|line| line.strip_prefix("const ")?.strip_suffix(';')?.split_once(" = "));
-        let (_, found) = lines.find(|(found, _)| *found == name).expect("the constant");
-        assert_eq!(found.parse::<f32>().expect("a number"), value, "{name}");
-    }
-
     #[test]
-    fn constants_are_rusts() {
-        states(SQUARE, "WIDEST_TAN", crate::square::WIDEST_TAN);
-        states(SQUARE, "NARROWEST", crate::square::NARROWEST);
-        states(SQUARE, "FARTHEST", crate::square::FARTHEST);
-        states(SQUARE, "THINNEST", crate::square::THINNEST);
-        states(EDGES, "EDGES_PLANE", crate::edges::PLANE);
-        states(LAMBERT, "CORNER", crate::share::CORNER);
-        states(LOBES, "LEFT_OUT", crate::share::LEFT_OUT);
-        states(LOBES, "MIRROR_SHARE", crate::share::MIRROR);
-        states(LOBES, "STEEP", crate::visibility::STEEP);
-        states(MICROFACETS, "HIGHLIGHT", crate::square::HIGHLIGHT);
+    fn edges_of_nothing_are_rusts() {
         assert!(EDGES.contains(&format!("EDGES_NOTHING = vec2f({:e}, 0.0)", crate::edges::NOTHING)));
     }
 
