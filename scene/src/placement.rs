@@ -83,6 +83,14 @@ impl Turn {
 }
 
 impl Placement {
+    /// Whether lengths are the same at all times.
+    pub(crate) fn keeps_size(&self) -> bool {
+        match self {
+            Self::Fixed(_) => true,
+            Self::Keys(keys) => keys.scale.is_constant(),
+        }
+    }
+
     /// The matrix from own coordinates to the world.
     pub(crate) fn at(&self, time: f32) -> Mat4 {
         match self {

@@ -99,9 +99,6 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
             let read = read_object(entry.table()?, i, path, origin, &mut materials, context)?;
             for (object, mover) in read.objects {
                 if let Some(key) = read.light {
-                    if mover.is_some() {
-                        return Err(key.error("an object that lights the scene stands still"));
-                    }
                     emitters.push((objects.len(), key));
                 }
                 objects.push(object);
@@ -117,7 +114,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         }
     }
     for (object, key) in emitters {
-        lit.emit(&objects[object], materials.surface(&objects[object]), key)?;
+        lit.emit(&objects[object], materials.surface(&objects[object]), key, movers[object].as_ref())?;
         context.emitters.push(object);
     }
     let camera = root.get("camera");

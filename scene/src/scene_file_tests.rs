@@ -3,6 +3,7 @@ use crate::{Proxy, SCHEMA_EXAMPLE, Scene, SceneError, Shape, Strategy, load, loa
 use brdf::Material;
 use glam::Vec3;
 use lighting::Light;
+use lobe_core::LightLobes;
 use std::path::Path;
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
@@ -400,5 +401,16 @@ fn emission_lights_where_it_is_asked_for() {
     refused(&text(cube, "[0, 0, 0]", ""), 8, &["no emission"]);
     refused(&text(cube, "[1, 1, 1]", "").replace("true", "1"), 8, &["true or false"]);
     let keys = "keys = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]\n";
-    refused(&text(cube, "[1, 1, 1]", keys), 8, &["stands still"]);
+    let (mut scene, animation) =
+        scene_file::parse(Path::new("test.toml"), &text(cube, "[1, 1, 1]", keys), &mut Context::default())
+            .expect("a scene");
+    let still = scene.lights.clone();
+    animation.seek(0.5, &mut scene);
+    for (light, before) in scene.lights.iter().zip(&still) {
+        let moved = light.bounds().center - before.bounds().center;
+        assert!(moved.abs_diff_eq(Vec3::X * 0.5, 1e-5), "{moved}");
+        assert_eq!(light.kind(), "flat");
+    }
+    let grows = "keys = [{ time = 0 }, { time = 1, scale = 2 }]\n";
+    refused(&text(cube, "[1, 1, 1]", grows), 8, &["keeps its size"]);
 }

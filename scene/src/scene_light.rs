@@ -1,6 +1,6 @@
 //! The lights of a scene file.
 
-use crate::animation::{LightMover, LightPlace};
+use crate::animation::{Body, LightMover, LightPlace, Mover};
 use crate::keys::Keys;
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
@@ -85,8 +85,14 @@ impl SceneLights {
         self.place(t, kind, own)
     }
 
-    /// Appends the light of an object whose material emits: a light for each flat face, or for each ball.
-    pub(crate) fn emit(&mut self, object: &Object, surface: &Surface, key: Value<'_>) -> Result<(), SceneError> {
+    /// Appends the light of an object whose material emits: a light for each flat face, or for each ball. It moves as the object does.
+    pub(crate) fn emit(
+        &mut self,
+        object: &Object,
+        surface: &Surface,
+        key: Value<'_>,
+        mover: Option<&Mover>,
+    ) -> Result<(), SceneError> {
         let radiance = surface.emission;
         if radiance == Vec3::ZERO {
             return Err(key.error("the object's material has no emission"));
@@ -94,6 +100,7 @@ impl SceneLights {
         if surface.emission_map.is_some() || surface.is_unlit {
             return Err(key.error("an emission with a picture is no light: a rectangle of `[[lights]]` shows an image"));
         }
+        let first = self.lights.len();
         match &object.shape {
             Shape::Spheres(balls) => {
                 self.lights.extend(balls.iter().map(|ball| Light::from(SphereLight::new(*ball, radiance))));
@@ -104,6 +111,14 @@ impl SceneLights {
                 })?;
                 self.lights.extend(faces.into_iter().map(Light::from));
             }
+        }
+        if let Some(Mover { placement, body, .. }) = mover {
+            if matches!(body, Body::Mesh(_, Some(_))) || !placement.keeps_size() {
+                return Err(key.error("an object that lights the scene has no clip and keeps its size"));
+            }
+            let own = placement.at(0.0).inverse();
+            let lights = self.lights[first..].iter().map(|light| light.moved(own)).collect();
+            self.movers.push(LightMover { first, lights, placement: LightPlace::Keys(placement.clone()) });
         }
         Ok(())
     }

@@ -32,6 +32,18 @@ pub(crate) struct Track {
 }
 
 impl Track {
+    /// Whether it has one value at all times.
+    pub(crate) fn is_constant(&self) -> bool {
+        let width = self.width;
+        // Tangents before and behind a cubic's values.
+        let (values, tangents): (Vec<_>, Vec<_>) = match self.interpolation {
+            Interpolation::Cubic => self.values.chunks(width).enumerate().partition(|(i, _)| i % 3 == 1),
+            _ => self.values.chunks(width).enumerate().partition(|_| true),
+        };
+        values.iter().all(|(_, value)| *value == values[0].1)
+            && tangents.iter().all(|(_, t)| t.iter().all(|t| *t == 0.0))
+    }
+
     /// `times` don't fall and are at least one; `values` has `width` numbers a key, three times that when cubic; all finite.
     pub(crate) fn new(
         times: Vec<f32>,
@@ -98,14 +110,6 @@ impl Track {
     /// The first key's time.
     pub(crate) fn start(&self) -> f32 {
         self.times[0]
-    }
-
-    /// Whether all keys have one value.
-    pub(crate) fn is_constant(&self) -> bool {
-        match self.interpolation {
-            Interpolation::Cubic => self.times.len() == 1,
-            _ => self.values.chunks_exact(self.width).all(|row| row == &self.values[..self.width]),
-        }
     }
 
     /// Writes the value at a time, `width` numbers.
