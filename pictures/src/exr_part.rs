@@ -17,6 +17,16 @@ pub struct ExrPart {
     pub window: Window,
     /// Channels by name, in the file's order, with one value a pixel of the part.
     pub channels: Vec<(String, Vec<f32>)>,
+    /// What eight-bit pictures of it are to be exposed with, in stops, where the file says so.
+    pub exposure: Option<f32>,
+}
+
+/// The comment of OpenEXR files begins so that have an [exposure](ExrPart::exposure). A second attribute of our own would stand before
+/// or after the stamp by chance.
+const EXPOSURE: &str = "exposure ";
+
+pub(crate) fn exposure_comment(stops: f32) -> Text {
+    Text::from(format!("{EXPOSURE}{stops}").as_str())
 }
 
 /// Why parts make no picture.
@@ -63,7 +73,7 @@ impl ExrPart {
                 channels.push((name, values.clone()));
             }
         }
-        Self { window, channels }
+        Self { window, channels, exposure: None }
     }
 
     /// Writes one OpenEXR part of 32-bit floats in scan lines, ZIP-compressed; the same bytes for the same values.
@@ -78,6 +88,7 @@ impl ExrPart {
         let Window { image: [width, height], columns, rows } = &self.window;
         let attributes = LayerAttributes {
             layer_position: Vec2(columns.start as i32, rows.start as i32),
+            comments: self.exposure.map(exposure_comment),
             ..LayerAttributes::default()
         };
         let layer = Layer::new(Vec2(columns.len(), rows.len()), attributes, Encoding::SMALL_LOSSLESS, channels);
@@ -130,10 +141,13 @@ impl ExrPart {
         }
         let window =
             Window { image: [all.width(), all.height()], columns: x..x + size.width(), rows: y..y + size.height() };
-        Ok(Self { window, channels })
+        let comment = layer.attributes.comments.as_ref().map(ToString::to_string);
+        let stops = comment.as_ref().and_then(|text| text.strip_prefix(EXPOSURE)?.parse::<f32>().ok());
+        let exposure = stops.filter(|stops| stops.is_finite());
+        Ok(Self { window, channels, exposure })
     }
 
-    /// The picture that parts make: each pixel from the part that has it, unchanged.
+    /// The picture that parts make: each pixel from the part that has it, unchanged; the exposure is the first part's.
     ///
     /// # Errors
     /// [`MergeError`], which counts parts from 1.
@@ -167,7 +181,7 @@ impl ExrPart {
                 }
             }
         }
-        Ok(Self { window: Window::whole(width, height), channels })
+        Ok(Self { window: Window::whole(width, height), channels, exposure: first.exposure })
     }
 
     /// Whether parts that do not overlap have all pixels of an image.

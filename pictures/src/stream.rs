@@ -1,4 +1,5 @@
 use crate::checksum::{UNKNOWN, seal_file};
+use crate::exr_part::exposure_comment;
 use crate::png_file::{encoder, srgb_row};
 use crate::stamp::STAMP;
 use crate::{ExrPart, ImageFileError, Output, Window};
@@ -37,6 +38,7 @@ use std::thread::JoinHandle;
 #[derive(Debug)]
 pub struct PictureStream {
     window: Window,
+    exposure: Option<f32>,
     writers: Vec<Writer>,
 }
 
@@ -51,7 +53,12 @@ impl PictureStream {
     /// A picture, or a part of one, that is written nowhere yet.
     #[must_use]
     pub const fn new(window: Window) -> Self {
-        Self { window, writers: Vec::new() }
+        Self { window, exposure: None, writers: Vec::new() }
+    }
+
+    /// What OpenEXR files that are added from now on say of [exposure](ExrPart::exposure): nothing by default.
+    pub const fn expose(&mut self, exposure: Option<f32>) {
+        self.exposure = exposure;
     }
 
     /// Writes it also to an OpenEXR file with channels of these names.
@@ -59,9 +66,9 @@ impl PictureStream {
     /// # Errors
     /// When there is no thread for it.
     pub fn add_exr(&mut self, output: Output, channels: &[String]) -> Result<(), ImageFileError> {
-        let (window, mut names) = (self.window.clone(), channels.to_vec());
+        let (window, exposure, mut names) = (self.window.clone(), self.exposure, channels.to_vec());
         names.sort_unstable();
-        self.add(output, move |output, bands| write_exr_bands(output, &window, &names, bands))
+        self.add(output, move |output, bands| write_exr_bands(output, &window, exposure, &names, bands))
     }
 
     /// Writes it also to a PNG file, as [`srgb_bytes`](crate::srgb_bytes) makes it of the channels R, G and B.
@@ -148,9 +155,15 @@ impl Bands {
 /// What was sent is not the picture.
 const INCOMPLETE: &str = "the picture is not complete";
 
-fn write_exr_bands(output: Output, window: &Window, names: &[String], mut bands: Bands) -> Result<(), ImageFileError> {
+fn write_exr_bands(
+    output: Output,
+    window: &Window,
+    exposure: Option<f32>,
+    names: &[String],
+    mut bands: Bands,
+) -> Result<(), ImageFileError> {
     let (path, stamp) = (output.path().to_owned(), output.stamp().map(|s| format!("{s} {UNKNOWN}")));
-    let header = header(window, names, stamp.as_deref());
+    let header = header(window, exposure, names, stamp.as_deref());
     let failed = |e: exr::error::Error| match e {
         exr::error::Error::Io(e) => ImageFileError::io(&path, e),
         e => ImageFileError::format(&path, e.to_string()),
@@ -194,11 +207,12 @@ fn write_exr_bands(output: Output, window: &Window, names: &[String], mut bands:
 }
 
 /// The header of a file in scan lines, ZIP-compressed.
-fn header(window: &Window, names: &[String], stamp: Option<&str>) -> Header {
+fn header(window: &Window, exposure: Option<f32>, names: &[String], stamp: Option<&str>) -> Header {
     let channels = names.iter().map(|name| ChannelDescription::named(name.as_str(), SampleType::F32)).collect();
     let (size, [width, height]) = (Vec2(window.columns.len(), window.rows.len()), window.image);
     let own = LayerAttributes {
         layer_position: Vec2(window.columns.start as i32, window.rows.start as i32),
+        comments: exposure.map(exposure_comment),
         ..LayerAttributes::default()
     };
     let mut shared = ImageAttributes::new(IntegerBounds::from_dimensions(Vec2(width, height)));
@@ -271,7 +285,8 @@ mod tests {
             (Some("0.1.0 abc"), Window::whole(37, 50)),
             (None, Window { image: [60, 70], columns: 5..42, rows: 9..50 }),
         ] {
-            let whole = part(window.clone());
+            let exposure = stamp.map(|_| 1.5);
+            let whole = ExrPart { exposure, ..part(window.clone()) };
             let beauty: Vec<Vec3> = (0..whole.channels[0].1.len())
                 .map(|i| Vec3::from_array(["R", "G", "B"].map(|c| whole.channel(c).unwrap()[i])))
                 .collect();
@@ -283,6 +298,7 @@ mod tests {
             write_png(output("once.png"), width, height, &bytes).unwrap();
             for step in [1, 7, 16, 100] {
                 let mut stream = PictureStream::new(window.clone());
+                stream.expose(exposure);
                 stream.add_exr(output("bands.exr"), &names).unwrap();
                 stream.add_png(output("bands.png"), 0.5).unwrap();
                 for top in window.rows.clone().step_by(step) {
@@ -291,6 +307,7 @@ mod tests {
                 }
                 stream.finish().unwrap();
                 assert!(read("once.exr") == read("bands.exr") && read("once.png") == read("bands.png"), "{step}");
+                assert_eq!(ExrPart::read(&path("bands.exr")).unwrap().exposure, exposure);
                 for name in ["bands.exr", "bands.png"] {
                     assert_eq!(read_stamp(&path(name)).unwrap().as_deref(), stamp);
                 }

@@ -41,6 +41,8 @@ pub struct Renderer {
     set: BlockerSet,
     spheres: KeptSpheres,
     hierarchy: Option<Hierarchy>,
+    /// Seconds of making it before the next picture.
+    built: f64,
     silhouettes: Option<SceneSilhouettes>,
     /// Whether anything has moved since what is kept was made.
     is_moved: bool,
@@ -97,6 +99,7 @@ impl Renderer {
             set: BlockerSet::default(),
             spheres: KeptSpheres::default(),
             hierarchy: None,
+            built: 0.0,
             silhouettes: None,
             is_moved: true,
             is_advised: false,
@@ -178,6 +181,23 @@ impl Renderer {
         Ok(())
     }
 
+    /// The [exposure](crate::exposure) of the scene at the first moment of its animation, whatever the present one: the same for all its
+    /// frames.
+    pub fn exposure(&mut self) -> f32 {
+        let time = self.time;
+        self.seek(0.0);
+        let hierarchy = self.hierarchy.take();
+        let world = seconds(&mut self.built, || match hierarchy {
+            Some(hierarchy) => World::refit(&self.scene, hierarchy),
+            None => World::new(&self.scene),
+        });
+        let stops = crate::exposure(&world);
+        self.hierarchy = Some(world.into_hierarchy());
+        self.is_moved = true;
+        self.seek(time);
+        stops
+    }
+
     /// Goes to a moment of the animation, in seconds.
     pub fn seek(&mut self, time: f32) {
         self.pose = 0.0;
@@ -226,7 +246,8 @@ impl Renderer {
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
         self.prepare(listener)?;
-        let mut clocks = FrameClocks { pose: core::mem::take(&mut self.pose), ..FrameClocks::default() };
+        let (pose, hierarchy) = (core::mem::take(&mut self.pose), core::mem::take(&mut self.built));
+        let mut clocks = FrameClocks { pose, hierarchy, ..FrameClocks::default() };
         self.follow(&mut clocks)?;
         let hierarchy = self.hierarchy.take();
         let world = seconds(&mut clocks.hierarchy, || match hierarchy {

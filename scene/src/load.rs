@@ -283,7 +283,8 @@ fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<St
     };
     for object in 0..scene.objects.len() {
         let surface = scene.surface(scene.objects[object].material);
-        if surface.is_some_and(|s| s.emits() && !s.is_unlit) && !context.emitters.contains(&object) {
+        let is_lamp = surface.is_some_and(|s| s.emits() && !s.is_unlit) && !context.emitters.contains(&object);
+        if is_lamp && !is_at_a_light(&scene, object) {
             let name = &scene.objects[object].name;
             let advice = "emits, but lights no other: a scene file's object does with `light = true`";
             context.warn(path, format!("object \"{name}\" {advice}"));
@@ -301,6 +302,14 @@ fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<St
         scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     }
     Ok((scene, animation, context.warnings))
+}
+
+/// Whether a light stands in an object, or by it: then the object shows the light.
+fn is_at_a_light(scene: &Scene, object: usize) -> bool {
+    let bounds = scene.objects[object].shape.bounds();
+    let reach = 0.25 * bounds.radius();
+    let is_near = |center: Vec3| center.distance(center.clamp(bounds.min, bounds.max)) <= reach;
+    scene.lights.iter().filter_map(scene_file::place_of).any(is_near)
 }
 
 /// The ending of a file's name, in small letters.

@@ -143,7 +143,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
 }
 
 /// Where a light is; a sun is nowhere.
-fn place_of(light: &Light) -> Option<Vec3> {
+pub(crate) fn place_of(light: &Light) -> Option<Vec3> {
     let is_nowhere = matches!(light, Light::Sun(_) | Light::Sky(_) | Light::Ambient(_));
     (!is_nowhere).then(|| light.bounds().center)
 }

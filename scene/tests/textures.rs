@@ -164,10 +164,13 @@ fn an_obj_has_the_materials_of_its_library() {
 fn a_lamp_that_lights_is_no_warning() {
     let folder = folder();
     let file = folder.path().join("lamp.toml");
-    for (light, count) in [(true, 0), (false, 1)] {
+    let lamp = "[[lights]]\nkind = \"sphere\"\ncenter = [0, 0.2, 0]\nradius = 1\nradiance = [1, 1, 1]\n";
+    let far = lamp.replace("0.2", "9");
+    // One that lights, one that a light shines in, one that lights nothing.
+    for (light, lamp, count) in [(true, "", 0), (false, lamp, 0), (false, far.as_str(), 1)] {
         let text = format!(
             "[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0.5\nemission = [1, 1, 1]\n\
-             [[objects]]\nsphere = {{ center = [0, 0, 0], radius = 1 }}\nmaterial = \"lamp\"\nlight = {light}\n"
+             [[objects]]\nsphere = {{ center = [0, 0, 0], radius = 1 }}\nmaterial = \"lamp\"\nlight = {light}\n{lamp}"
         );
         std::fs::write(&file, text).expect("a file");
         let (_, warnings) = scene::load_with_warnings(&file).expect("a scene");

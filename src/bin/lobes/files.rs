@@ -93,6 +93,11 @@ impl Files {
         Ok(Self { list: formats.into_iter().zip(paths).map(open).collect::<Result<_, Failure>>()? })
     }
 
+    /// Whether there is a PNG file among them.
+    pub(crate) fn has_png(&self) -> bool {
+        self.list.iter().any(|(format, _)| matches!(format, Format::Png))
+    }
+
     /// Writes the picture to all of them, and the further layers to those that can hold them.
     pub(crate) fn write(self, picture: &Picture, exposure: f32, further: &[ExrLayer]) -> Result<(), Failure> {
         let window = Window::whole(picture.width(), picture.height());
@@ -101,12 +106,20 @@ impl Files {
         self.write_part(picture, exposure, &ExrPart::of_layers(window, &layers))
     }
 
-    /// Writes them band by band, with channels of these names where a file can hold them.
-    pub(crate) fn stream(self, window: Window, exposure: f32, channels: &[String]) -> Result<PictureStream, Failure> {
+    /// Writes them band by band, with channels of these names where a file can hold them. OpenEXR files say the exposure where they are
+    /// parts of a picture.
+    pub(crate) fn stream(
+        self,
+        window: Window,
+        exposure: Option<f32>,
+        channels: &[String],
+    ) -> Result<PictureStream, Failure> {
+        let is_part = !window.is_whole();
         let mut stream = PictureStream::new(window);
+        stream.expose(exposure.filter(|_| is_part));
         for (format, output) in self.list {
             match format {
-                Format::Png => stream.add_png(output, exposure)?,
+                Format::Png => stream.add_png(output, exposure.unwrap_or_default())?,
                 Format::Exr => stream.add_exr(output, channels)?,
             }
         }

@@ -9,7 +9,9 @@ use glam::Vec3;
 
 pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     files::distinct(&args.output, &args.parts)?;
-    let whole = merge_exr(&args.parts)?;
+    let mut whole = merge_exr(&args.parts)?;
+    // One run would not have said it of the whole.
+    let exposure = args.exposure.or(whole.exposure.take()).unwrap_or_default();
     let [width, height] = whole.window.image;
     let path = args.parts.first().cloned().unwrap_or_default();
     let (Some(r), Some(g), Some(b)) = (whole.channel("R"), whole.channel("G"), whole.channel("B")) else {
@@ -18,7 +20,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<(), Failure> {
     };
     let pixels: Vec<Vec3> = r.iter().zip(g).zip(b).map(|((r, g), b)| Vec3::new(*r, *g, *b)).collect();
     let picture = Picture::new(width, height, pixels);
-    Files::create(&args.output, None)?.write_part(&picture, args.exposure, &whole)?;
+    Files::create(&args.output, None)?.write_part(&picture, exposure, &whole)?;
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
         say(format_args!("{}: {width} x {height} from {} parts", names.join(", "), args.parts.len()));

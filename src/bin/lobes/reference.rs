@@ -6,7 +6,7 @@ use crate::files::{self, Files};
 use crate::input;
 use crate::moment;
 use cosine_lobes::render_cpu::{GBuffer, Geometry, REPLICATES, Reference, ReferenceJob, World};
-use cosine_lobes::renderer::Plan;
+use cosine_lobes::renderer::{Plan, exposure};
 use cosine_lobes::scene::{BlockerSet, Strategy};
 use cosine_lobes::{ExrLayer, Picture};
 use glam::Vec3;
@@ -42,6 +42,8 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         Geometry::Spheres | Geometry::Mixed(_) => Some(input::make_spheres(&mut scene, &animation, &plan, view.quiet)?),
         Geometry::Mesh | Geometry::None => None,
     };
+    let wants_exposure = view.exposure.is_none() && files.has_png();
+    let exposure = view.exposure.or_else(|| wants_exposure.then(|| exposure(&World::new(&scene))));
     animation.seek(moment.time, &mut scene);
     if let Some(spheres) = spheres {
         spheres.pose(&scene, Some((&animation, moment.time)), &mut blockers)?;
@@ -81,7 +83,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         ExrLayer::color("unshadowed", &gbuffer.picture(&estimate.unshadowed, scene.background)),
         ExrLayer::color("stderr", &std_error),
     ];
-    files.write(&picture, view.exposure, &layers)?;
+    files.write(&picture, exposure.unwrap_or_default(), &layers)?;
     if args.keep {
         checkpoint::save(&reference, &checkpoint)?;
     } else {

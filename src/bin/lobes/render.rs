@@ -55,11 +55,17 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if !moments.is_empty() {
         renderer.prepare(&mut |event| teller.hear(event))?;
     }
+    // At the first moment, of the whole picture: all frames and all parts are alike.
+    let is_shown = !window.is_whole() || args.output.iter().any(|path| !files::holds_layers(path));
+    let exposure = match args.view.exposure {
+        None if is_shown && !moments.is_empty() => Some(renderer.exposure()),
+        exposure => exposure,
+    };
     for moment in &moments {
         let files = opened.take().map_or_else(|| open(moment), Ok)?;
         renderer.seek(moment.time);
         let names = channels(args.layers.then_some(renderer.scene().lights.len()));
-        let mut stream = files.stream(window.clone(), args.view.exposure, &names)?;
+        let mut stream = files.stream(window.clone(), exposure, &names)?;
         let stats = renderer.render_bands(&window, &mut |event| teller.hear(event), &mut |band| {
             let rows = Window { rows: band.rows.clone(), ..window.clone() };
             // Why it has had enough is told when the stream is finished.
@@ -75,6 +81,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     teller.end();
 
+    figures.exposure = exposure;
     figures.compiled = device::kernels(renderer.backend());
     figures.clocks = renderer.clocks();
     let stats = stats::summary(args, renderer.scene(), &window, &figures);

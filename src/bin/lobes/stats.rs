@@ -19,6 +19,8 @@ pub(crate) struct Figures {
     pub(crate) pictures: Vec<(ImageStats, f64)>,
     /// Frames that were there already.
     pub(crate) skipped: usize,
+    /// Of PNG files.
+    pub(crate) exposure: Option<f32>,
     /// What shades.
     pub(crate) device: String,
     /// Each kernel of a GPU, the slowest first.
@@ -88,6 +90,7 @@ pub(crate) fn summary(args: &RenderArgs, scene: &Scene, window: &Window, figures
             "silhouettes": update(|f| f.silhouettes),
             "maps": update(|f| f.maps),
         },
+        "exposure": figures.exposure.map(decimal),
         "load_seconds": figures.load,
         "spheres_seconds": figures.clocks.spheres,
         "tables_seconds": figures.clocks.tables,
@@ -127,7 +130,11 @@ pub(crate) fn print(args: &RenderArgs, stats: &Value) {
     let count = |key: &str| counts[key].as_u64().unwrap_or_default();
     let pairs = count("lit_points") + count("dark_points") + count("penumbra_points");
     let share = 100.0 * count("penumbra_points") as f64 / pairs.max(1) as f64;
-    say(format_args!("{}: {} x {}", names.join(", "), stats["width"], stats["height"]));
+    let exposure = match stats["exposure"].as_f64() {
+        Some(stops) => format!(", exposure {stops:+.1}"),
+        None => String::new(),
+    };
+    say(format_args!("{}: {} x {}{exposure}", names.join(", "), stats["width"], stats["height"]));
     let maps = match stats["map_resolutions"].as_array() {
         Some(list) if !list.is_empty() => {
             let sides: Vec<String> = list.iter().map(|n| format!("{n}²")).collect();

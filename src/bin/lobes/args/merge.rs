@@ -20,9 +20,9 @@ pub(crate) struct MergeArgs {
     #[arg(long, short, value_name = "FILE", default_value = "merged.exr")]
     pub(crate) output: Vec<PathBuf>,
 
-    /// Brightness of PNG files in stops: radiance times 2^E
-    #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = exposure)]
-    pub(crate) exposure: f32,
+    /// Brightness of PNG files in stops: radiance times 2^E. When left out it is what the first part says, else 0
+    #[arg(long, value_name = "E", value_parser = exposure, allow_negative_numbers = true)]
+    pub(crate) exposure: Option<f32>,
 
     /// No summary
     #[arg(long, short)]

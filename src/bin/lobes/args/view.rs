@@ -16,9 +16,10 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1..=1024))]
     pub(crate) samples: u32,
 
-    /// Brightness of PNG files in stops: radiance times 2^E
-    #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = exposure)]
-    pub(crate) exposure: f32,
+    /// Brightness of PNG files in stops: radiance times 2^E. When left out it is metered, so that nine tenths of what is lit at the
+    /// scene's first moment are darker than half of white
+    #[arg(long, value_name = "E", value_parser = exposure, allow_negative_numbers = true)]
+    pub(crate) exposure: Option<f32>,
 
     /// The animation's frame N: the moment N / fps, from 0 (its state as loaded)
     #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]

@@ -36,7 +36,7 @@ pub(super) fn write(
     let mut cells = vec![Cell {
         title: "reference".to_owned(),
         note: format!("{} samples", truth.samples),
-        bytes: srgb_bytes(&smaller(&truth.picture, factor), args.view.exposure),
+        bytes: srgb_bytes(&smaller(&truth.picture, factor), stage.exposure()),
         difference: None,
     }];
     for row in chosen(rows, time) {
@@ -47,7 +47,7 @@ pub(super) fn write(
         cells.push(Cell {
             title: format!("{}, {}", row.technique(), row.knobs()),
             note: format!("{:.1} ms, error {:.3} %", 1e3 * row.seconds, 100.0 * row.mean),
-            bytes: srgb_bytes(&test, args.view.exposure),
+            bytes: srgb_bytes(&test, stage.exposure()),
             difference: Some(signed_difference(&test, &reference, FULL * mean.max(1e-12))?),
         });
     }

@@ -9,7 +9,7 @@ use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::render_cpu::{GBuffer, RayShader, SceneSilhouettes, World};
 use cosine_lobes::renderer::{
-    Backend, Event, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, seconds,
+    Backend, Event, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, exposure, seconds,
 };
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::{ReceiverBounds, ShadowMap};
@@ -54,6 +54,8 @@ pub(super) struct Stage<'a> {
     gbuffer_seconds: f64,
     /// The maps of the last strategy that has some.
     maps: Option<(Visibility, Vec<ShadowMap>, f64)>,
+    /// Of pictures that are looked at.
+    exposure: f32,
     /// Asked for; the CPU where nobody did.
     gpu: Backend,
     /// Made where the paper's method is swept.
@@ -77,7 +79,8 @@ impl<'a> Stage<'a> {
         };
         let spheres = sets.iter().map(kept).collect();
         let (silhouettes, maps, tables) = (None, None, None);
-        Self { args, world, gbuffer, blockers, spheres, silhouettes, gbuffer_seconds, maps, gpu, tables }
+        let exposure = args.view.exposure.unwrap_or_else(|| exposure(world));
+        Self { args, world, gbuffer, blockers, spheres, silhouettes, gbuffer_seconds, maps, exposure, gpu, tables }
     }
 
     pub(super) const fn gbuffer_seconds(&self) -> f64 {
@@ -89,7 +92,7 @@ impl<'a> Stage<'a> {
     }
 
     pub(super) const fn exposure(&self) -> f32 {
-        self.args.view.exposure
+        self.exposure
     }
 
     pub(super) fn picture(&self, radiance: &[Vec3]) -> Picture {
