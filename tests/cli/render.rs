@@ -320,3 +320,25 @@ fn lobes_of_visibility_give_the_same_picture() {
     assert!(most > 0.0 && most < 0.01 * peak, "{most} of {peak}");
     refuse(folder, &["render", "scene.toml", "--method", "lobes", "--device", "gpu", "-o", "a.png"], "by the CPU only");
 }
+
+/// A PNG file without an exposure has the metered one: of twice the light a stop less, the same for a part, a strategy, a frame.
+#[test]
+fn pictures_are_exposed_by_metering() {
+    let folder = folder();
+    let folder = folder.path();
+    let exposure = |scene: &str, further: &[&str]| {
+        json(folder, &[&["render", scene, "-o", "a.png", "--json", "-q"][..], further].concat())["exposure"].as_f64()
+    };
+    let metered = exposure("scene.toml", &[]).expect("metered");
+    let picture = fs::read(folder.join("a.png")).unwrap();
+    assert_eq!(exposure("scene.toml", &["--exposure", &metered.to_string()]), Some(metered));
+    assert!(fs::read(folder.join("a.png")).unwrap() == picture);
+    for further in [&["--visibility", "none"][..], &["--tiles", "1/2"], &["--samples", "4"], &["--tolerance", "0.05"]] {
+        assert_eq!(exposure("scene.toml", further), Some(metered), "{further:?}");
+    }
+    fs::write(folder.join("bright.toml"), SCENE.replace("[20.0, 20.0, 20.0]", "[40.0, 40.0, 40.0]")).unwrap();
+    assert_eq!(exposure("bright.toml", &[]), Some(((metered - 1.0) * 10.0).round() / 10.0));
+    assert_eq!(exposure("scene.toml", &["--exposure", "-1.5"]), Some(-1.5));
+    let linear = ["render", "scene.toml", "-o", "a.exr", "--json", "-q"];
+    assert!(json(folder, &linear)["exposure"].is_null());
+}
