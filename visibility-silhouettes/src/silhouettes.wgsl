@@ -17,10 +17,10 @@ struct SilhouetteEye {
     x: vec3f,
     reach: f32,
     cone: Cone,
-    // Across the light; their length is tan θ less than that of the disc's square.
+    // Unit vectors across the light.
     u: vec3f,
     v: vec3f,
-    // The axis times tan θ: the square's inward normals are this ± u and ± v.
+    // The axis times tan θ: the inward normals of a square around the disc are this ± u and ± v.
     slope: vec3f,
     // Wide lights have no such square.
     is_wide: bool,
@@ -49,7 +49,7 @@ fn silhouettes_corner(eye: SilhouetteEye, corner: u32) -> vec3f {
     return bitcast<vec3f>(silhouettes_data[silhouettes_data[0].y + corner].xyz) - eye.x;
 }
 
-// Whether child `k` of a node, or its sibling on, may have silhouettes before the light. Its three rows begin at `row`.
+// Whether a child of a node may have silhouettes before the light. Its three rows begin at `row`.
 fn silhouettes_meet(eye: SilhouetteEye, row: u32) -> bool {
     let middle = bitcast<vec4f>(silhouettes_data[row]);
     let half = bitcast<vec3f>(silhouettes_data[row + 1u].xyz);

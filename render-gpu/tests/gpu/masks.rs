@@ -319,8 +319,8 @@ impl Blockers for Curtain {
 fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: f32) -> (Spread, [u32; 3]) {
     const HOOKS: &str = "
         fn curtain() -> vec3f { return vec3f(x(13u), x(14u), x(15u)); }
-        fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
-            return select(vec2f(0.0), edges_add(edges_frame(window.axis), curtain(), 1.5), lane == 5u);
+        fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
+            return vec4f(select(vec2f(0.0), edges_add(edges_frame(window.axis), curtain(), 1.5), lane == 5u), 0.0, 0.0);
         }
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
             let n = square_local(mask.square, curtain());

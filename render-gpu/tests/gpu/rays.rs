@@ -89,13 +89,42 @@ pub(crate) fn unshadowed(points: &ShadingPoints, frame: &Frame<'_>) -> Vec<f32> 
     out.into_iter().map(Vec3::element_sum).collect()
 }
 
-/// As shares of the unshadowed radiance: mean difference over penumbrae, mean over all points, largest.
+/// How a strategy shades on both devices.
+#[derive(Clone, Copy)]
+pub(crate) struct Ways {
+    pub(crate) cpu: fn(&World<'_>, &ShadingPoints, &Frame<'_>) -> Shaded,
+    pub(crate) gpu: fn(&Gpu, &Scene, &ShadingPoints, &Frame<'_>) -> Shaded,
+}
+
+const RAYS: Ways = Ways { cpu: from_cpu, gpu: from_gpu };
+
 fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32, depth: u32) {
-    let world = World::new(scene);
-    let points = GBuffer::new(&world, size[0], size[1], 1).points;
-    let frame = frame(scene, tolerance, depth);
-    let whole = unshadowed(&points, &frame);
-    check_alike(name, from_cpu(&world, &points, &frame), from_gpu(gpu, scene, &points, &frame), &whole);
+    RAYS.compare(gpu, name, scene, size, tolerance, depth);
+}
+
+impl Ways {
+    /// As shares of the unshadowed radiance: mean difference over penumbrae, mean over all points, largest.
+    pub(crate) fn compare(self, gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32, depth: u32) {
+        let world = World::new(scene);
+        let points = GBuffer::new(&world, size[0], size[1], 1).points;
+        let frame = frame(scene, tolerance, depth);
+        let whole = unshadowed(&points, &frame);
+        check_alike(name, (self.cpu)(&world, &points, &frame), (self.gpu)(gpu, scene, &points, &frame), &whole);
+    }
+
+    pub(crate) fn compare_all_depths(self, gpu: &Gpu) {
+        for (depth, tolerance) in [(3, 0.003), (4, 0.01), (6, 0.001)] {
+            self.compare(gpu, &format!("depth {depth}"), &fence(), [48, 36], tolerance, depth);
+        }
+    }
+
+    /// The unit of length does not matter, nor does the place.
+    pub(crate) fn compare_all_scales(self, gpu: &Gpu) {
+        for (scale, shift) in [(1e-4, 0.0), (1e4, 0.0), (1.0, 30.0)] {
+            let scene = placed(fence(), scale, Vec3::splat(shift));
+            self.compare(gpu, &format!("scale {scale}, moved by {shift}"), &scene, [40, 30], 0.003, 5);
+        }
+    }
 }
 
 /// Radiance of points, and the counts.
@@ -139,9 +168,7 @@ fn behind_a_fence(gpu: &Gpu) {
 }
 
 fn masks_of_all_depths(gpu: &Gpu) {
-    for (depth, tolerance) in [(3, 0.003), (4, 0.01), (6, 0.001)] {
-        compare(gpu, &format!("depth {depth}"), &fence(), [48, 36], tolerance, depth);
-    }
+    RAYS.compare_all_depths(gpu);
 }
 
 /// Lights whose penumbrae are narrower than pixels: what a single ray says.
@@ -189,12 +216,8 @@ fn from_an_edge(gpu: &Gpu) {
     assert_eq!((counts.dark_points, ours.dark_points), (0, 0));
 }
 
-/// The unit of length does not matter, nor does the place.
 fn at_all_scales(gpu: &Gpu) {
-    for (scale, shift) in [(1e-4, 0.0), (1e4, 0.0), (1.0, 30.0)] {
-        let scene = placed(fence(), scale, Vec3::splat(shift));
-        compare(gpu, &format!("scale {scale}, moved by {shift}"), &scene, [40, 30], 0.003, 5);
-    }
+    RAYS.compare_all_scales(gpu);
 }
 
 /// Coarse facets under smooth normals, on a floor whose plane is not exact in f32: facets cut the light of many points.

@@ -1,8 +1,8 @@
 //! Silhouettes on the GPU, by the door for strategies that it does not know, against `SilhouetteBlockers`.
 
 use crate::call::trial;
-use crate::gbuffer::{globe, large_floor, placed};
-use crate::rays::{Shaded, check_alike, check_picture, fence, frame, unshadowed};
+use crate::gbuffer::{globe, large_floor};
+use crate::rays::{Shaded, Ways, check_alike, check_picture, fence, frame, unshadowed};
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::gpu::GpuBlockers;
@@ -55,30 +55,22 @@ fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> Sha
     (out, stats.counts)
 }
 
-fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32, depth: u32) {
-    let world = World::new(scene);
-    let points = GBuffer::new(&world, size[0], size[1], 1).points;
-    let frame = frame(scene, tolerance, depth);
-    let whole = unshadowed(&points, &frame);
-    check_alike(name, from_cpu(&world, &points, &frame), from_gpu(gpu, scene, &points, &frame), &whole);
+const SILHOUETTES: Ways = Ways { cpu: from_cpu, gpu: from_gpu };
+
+fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2]) {
+    SILHOUETTES.compare(gpu, name, scene, size, 0.003, 5);
 }
 
 fn behind_a_fence(gpu: &Gpu) {
-    compare(gpu, "fence", &fence(), [64, 48], 0.003, 5);
+    compare(gpu, "fence", &fence(), [64, 48]);
 }
 
 fn masks_of_all_depths(gpu: &Gpu) {
-    for (depth, tolerance) in [(3, 0.003), (4, 0.01), (6, 0.001)] {
-        compare(gpu, &format!("depth {depth}"), &fence(), [48, 36], tolerance, depth);
-    }
+    SILHOUETTES.compare_all_depths(gpu);
 }
 
-/// The unit of length does not matter, nor does the place.
 fn at_all_scales(gpu: &Gpu) {
-    for (scale, shift) in [(1e-4, 0.0), (1e4, 0.0), (1.0, 30.0)] {
-        let scene = placed(fence(), scale, Vec3::splat(shift));
-        compare(gpu, &format!("scale {scale}, moved by {shift}"), &scene, [40, 30], 0.003, 5);
-    }
+    SILHOUETTES.compare_all_scales(gpu);
 }
 
 /// Coarse facets under smooth normals: facets cut the light of many points, which lie in front of their own triangles by a hair.
@@ -87,7 +79,7 @@ fn at_terminators(gpu: &Gpu) {
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::None));
     scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
-    compare(gpu, "terminators", &scene, [64, 48], 0.003, 5);
+    compare(gpu, "terminators", &scene, [64, 48]);
 }
 
 /// Many objects under one light: a hierarchy above theirs, and more silhouettes than a workgroup keeps.
@@ -102,7 +94,7 @@ fn more_than_are_kept(gpu: &Gpu) {
         scene.objects.push(Object::mesh(format!("crumb {k}"), mesh, 0, Proxy::None));
     }
     scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.5;
-    compare(gpu, "crumbs", &scene, [40, 30], 0.003, 5);
+    compare(gpu, "crumbs", &scene, [40, 30]);
 }
 
 /// A scene that moves: the same from a refitted hierarchy as from a new one.
