@@ -12,8 +12,11 @@ const BRIGHT: f32 = 0.9;
 /// Its luminance after exposure.
 const TARGET: f64 = 0.5;
 
+/// No picture is exposed by more stops.
+const MOST: f64 = 32.0;
+
 /// The exposure, in stops, that shows a scene well at its present moment: `E = log₂(0.5/Y)`, to a tenth, with `Y` the luminance that nine of
-/// ten lit pixels stay below. 0 where nothing is lit.
+/// ten lit pixels stay below; within ±32. 0 where nothing is lit.
 ///
 /// What is metered is a picture of at most 64 × 64 pixels by the Monte-Carlo sampler, so the same whatever method, strategy, device or
 /// window a picture is made with. Background and surfaces that emit do not count.
@@ -45,5 +48,5 @@ pub fn exposure(world: &World<'_>) -> f32 {
     let Some(last) = lit.len().checked_sub(1) else { return 0.0 };
     let bright = lit[(BRIGHT * last as f32).round() as usize];
     // Adding zero makes −0 equal to 0.
-    ((10.0 * (TARGET / bright).log2()).round() / 10.0 + 0.0) as f32
+    ((10.0 * (TARGET / bright).log2().clamp(-MOST, MOST)).round() / 10.0 + 0.0) as f32
 }
