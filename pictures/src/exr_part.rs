@@ -17,11 +17,11 @@ pub struct ExrPart {
     pub window: Window,
     /// Channels by name, in the file's order, with one value a pixel of the part.
     pub channels: Vec<(String, Vec<f32>)>,
-    /// What eight-bit pictures of it are to be exposed with, in stops, where the file says so.
+    /// The exposure of eight-bit pictures of it, in stops, where the file has one.
     pub exposure: Option<f32>,
 }
 
-/// The comment of OpenEXR files begins so that have an [exposure](ExrPart::exposure). A second attribute of our own would stand before
+/// Begins the comment of OpenEXR files that have an [exposure](ExrPart::exposure). A second attribute of our own would stand before
 /// or after the stamp by chance.
 const EXPOSURE: &str = "exposure ";
 

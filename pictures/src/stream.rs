@@ -56,7 +56,7 @@ impl PictureStream {
         Self { window, exposure: None, writers: Vec::new() }
     }
 
-    /// What OpenEXR files that are added from now on say of [exposure](ExrPart::exposure): nothing by default.
+    /// Gives OpenEXR files that are added from now on an [exposure](ExrPart::exposure); they have none by default.
     pub const fn expose(&mut self, exposure: Option<f32>) {
         self.exposure = exposure;
     }

@@ -23,7 +23,7 @@ pub struct Occlusion<'a> {
     pub rays: Option<&'a GpuWorld>,
     /// Strategies that this crate does not know.
     pub own: &'a [&'a dyn GpuBlockers],
-    /// What the rays of those meet: what blocks there. Not together with `rays`.
+    /// The scene that rays of those meet: the objects that block there. Not together with `rays`.
     pub any_hit: Option<&'a GpuWorld>,
 }
 

@@ -7,7 +7,7 @@ pub const TRACE: &str = include_str!("kernels/trace.wgsl");
 /// The `rays` strategy for one point a thread. Needs [`BVH`], `lobe_core::wgsl::GEOMETRY`, `visibility_mask::wgsl::FACET` and a
 /// constant `STACK`.
 pub const RAYS: &str = include_str!("kernels/rays.wgsl");
-/// What other strategies ask of rays. Needs [`RAYS`].
+/// Answers other strategies' questions about rays. Needs [`RAYS`].
 pub const ANY_HIT: &str = include_str!("kernels/any_hit.wgsl");
 /// The masks of `rays`. Needs [`RAYS`], and of `visibility_mask::wgsl` `CONTOUR` and `EDGES`.
 pub const RAYS_SPLAT: &str = include_str!("kernels/rays_splat.wgsl");

@@ -18,7 +18,7 @@ const MOST: f64 = 32.0;
 /// The exposure, in stops, that shows a scene well at its present moment: `E = log₂(0.5/Y)`, to a tenth, with `Y` the luminance that nine of
 /// ten lit pixels stay below; within ±32. 0 where nothing is lit.
 ///
-/// What is metered is a picture of at most 64 × 64 pixels by the Monte-Carlo sampler, so the same whatever method, strategy, device or
+/// The Monte-Carlo sampler makes a picture of at most 64 × 64 pixels, which is metered: so the exposure is the same whatever method, strategy, device or
 /// window a picture is made with. Background and surfaces that emit do not count.
 ///
 /// # Cost

@@ -34,14 +34,11 @@ pub(crate) struct Track {
 impl Track {
     /// Whether it has one value at all times.
     pub(crate) fn is_constant(&self) -> bool {
-        let width = self.width;
-        // Tangents before and behind a cubic's values.
-        let (values, tangents): (Vec<_>, Vec<_>) = match self.interpolation {
-            Interpolation::Cubic => self.values.chunks(width).enumerate().partition(|(i, _)| i % 3 == 1),
-            _ => self.values.chunks(width).enumerate().partition(|_| true),
-        };
-        values.iter().all(|(_, value)| *value == values[0].1)
-            && tangents.iter().all(|(_, t)| t.iter().all(|t| *t == 0.0))
+        // Tangents stand before and behind a cubic's values.
+        let is_tangent = |i: usize| self.interpolation == Interpolation::Cubic && i % 3 != 1;
+        let first = self.row(0, 0);
+        let mut rows = self.values.chunks_exact(self.width).enumerate();
+        rows.all(|(i, row)| if is_tangent(i) { row.iter().all(|t| *t == 0.0) } else { row == first })
     }
 
     /// `times` don't fall and are at least one; `values` has `width` numbers a key, three times that when cubic; all finite.

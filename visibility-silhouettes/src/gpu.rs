@@ -1,7 +1,7 @@
 //! The same on a GPU.
 
 use crate::SilhouetteMesh;
-use crate::tree::{NEVER, Tree, WIDE, WIDEST};
+use crate::tree::{Node, Tree, WIDE};
 use glam::Vec3;
 use lobe_core::gpu::{GpuBlockers, GpuBuffer};
 
@@ -54,7 +54,8 @@ impl GpuSilhouettes {
         let meshes: Vec<&SilhouetteMesh> = meshes.iter().filter(|m| !m.trees()[0].nodes().is_empty()).collect();
         let mut packed = Packed::default();
         let boxes: Vec<[Vec3; 2]> = meshes.iter().map(|mesh| mesh.trees()[0].bounds()).collect();
-        let (top, order) = Tree::new(&boxes, 0);
+        let (mut top, order) = Tree::new(&boxes, 0);
+        top.fit(|range| order[range].iter().map(|mesh| (boxes[*mesh as usize], Vec3::ZERO, None)));
         packed.node_count = match meshes.len() {
             1 => 0,
             _ => top
@@ -73,7 +74,7 @@ impl GpuSilhouettes {
         let mut depth = deepest;
         let mut first = Vec::new();
         if meshes.len() != 1 {
-            let of = |number: u32| (boxes[number as usize], roots[number as usize]);
+            let of = |number: u32| (meshes[number as usize].trees()[0], roots[number as usize]);
             first = top_nodes(&top, &order, of);
             depth += top.depth() + 1;
         }
@@ -108,8 +109,9 @@ fn floats([x, y, z]: [f32; 3], w: u32) -> Row {
 }
 
 /// A child of a node: box, cone, the first of what it has, and how many edges; 0 for a node.
-fn child([center, half, axis]: [Vec3; 3], sin: f32, first: u32, count: u32) -> [Row; CHILD] {
-    [floats(center.to_array(), sin.to_bits()), floats(half.to_array(), first), floats(axis.to_array(), count)]
+fn child(node: &Node, k: usize, first: u32, count: u32) -> [Row; CHILD] {
+    let at = |c: usize| [node.bounds[c][k], node.bounds[c + 1][k], node.bounds[c + 2][k]];
+    [floats(at(0), node.bounds[9][k].to_bits()), floats(at(3), first), floats(at(6), count)]
 }
 
 /// A node of up to eight children.
@@ -119,29 +121,23 @@ fn node(children: impl Iterator<Item = [Row; CHILD]>) -> Vec<Row> {
     rows
 }
 
-/// The nodes above those of the meshes. `of` says of a mesh by its number its box and its root. A leaf of `top` becomes a node, behind
+/// The nodes above those of the meshes. `of` says of a mesh by its number its tree and its root. A leaf of `top` becomes a node, behind
 /// the others.
-fn top_nodes(top: &Tree, order: &[u32], of: impl Fn(u32) -> ([Vec3; 2], u32)) -> Vec<Row> {
-    let inner = |[low, high]: [Vec3; 2], first: u32| {
-        let is_empty = !low.cmple(high).all();
-        let center = if is_empty { Vec3::ZERO } else { 0.5 * low + 0.5 * high };
-        let half = if is_empty { Vec3::splat(NEVER) } else { (high - center).max(center - low) * 1.000_001 };
-        child([center, half, Vec3::ZERO], WIDEST, first, 0)
-    };
+fn top_nodes<'m>(top: &Tree, order: &[u32], of: impl Fn(u32) -> (&'m Tree, u32)) -> Vec<Row> {
     let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
     for branch in top.nodes() {
-        let children = (0..usize::from(branch.len)).map(|k| {
-            let bounds = top.bounds_of(branch, k, order, &|number| of(number).0);
-            if branch.count[k] == 0 {
-                return inner(bounds, branch.first[k]);
+        let mut children = Vec::with_capacity(WIDE);
+        for k in 0..usize::from(branch.len) {
+            let (mut first, count) = (branch.first[k], usize::from(branch.count[k]));
+            if count > 0 {
+                let meshes = &order[first as usize..first as usize + count];
+                let above = Tree::above(meshes.iter().map(|mesh| of(*mesh).0));
+                first = (top.nodes().len() + leaves.len() / (CHILD * WIDE)) as u32;
+                leaves.extend(node(meshes.iter().enumerate().map(|(k, mesh)| child(&above, k, of(*mesh).1, 0))));
             }
-            let first = branch.first[k] as usize;
-            let meshes = &order[first..first + usize::from(branch.count[k])];
-            let number = top.nodes().len() + leaves.len() / (CHILD * WIDE);
-            leaves.extend(node(meshes.iter().map(|mesh| inner(of(*mesh).0, of(*mesh).1))));
-            inner(bounds, number as u32)
-        });
-        nodes.extend(node(children.collect::<Vec<_>>().into_iter()));
+            children.push(child(branch, k, first, 0));
+        }
+        nodes.extend(node(children.into_iter()));
     }
     nodes.extend(leaves);
     nodes
@@ -154,10 +150,9 @@ impl Packed {
         let first_node = self.node_count as u32;
         for branch in mesh.trees()[0].nodes() {
             let children = (0..usize::from(branch.len)).map(|k| {
-                let at = |c: usize| Vec3::new(branch.bounds[c][k], branch.bounds[c + 1][k], branch.bounds[c + 2][k]);
                 let count = u32::from(branch.count[k]);
                 let base = if count == 0 { first_node } else { first_edge };
-                child([at(0), at(3), at(6)], branch.bounds[9][k], base + branch.first[k], count)
+                child(branch, k, base + branch.first[k], count)
             });
             self.nodes.extend(node(children));
         }

@@ -49,6 +49,12 @@ fn silhouettes_corner(eye: SilhouetteEye, corner: u32) -> vec3f {
     return bitcast<vec3f>(silhouettes_data[silhouettes_data[0].y + corner].xyz) - eye.x;
 }
 
+// How far a point, seen from the receiver, is inside of the square's sides.
+fn silhouettes_sides(eye: SilhouetteEye, p: vec3f) -> vec4f {
+    let across = vec2f(dot(eye.u, p), dot(eye.v, p));
+    return dot(eye.slope, p) + vec4f(across, -across);
+}
+
 // Whether a child of a node may have silhouettes before the light. Its three rows begin at `row`.
 fn silhouettes_meet(eye: SilhouetteEye, row: u32) -> bool {
     let middle = bitcast<vec4f>(silhouettes_data[row]);
@@ -64,12 +70,11 @@ fn silhouettes_meet(eye: SilhouetteEye, row: u32) -> bool {
     }
     if (!eye.is_wide) {
         // |n| is below 12 for all four.
-        let sides = vec4f(dot(eye.slope + eye.u, to), dot(eye.slope - eye.u, to), dot(eye.slope + eye.v, to), dot(eye.slope - eye.v, to));
         let reaches = vec4f(
-            dot(abs(eye.slope + eye.u), half), dot(abs(eye.slope - eye.u), half),
-            dot(abs(eye.slope + eye.v), half), dot(abs(eye.slope - eye.v), half)
+            dot(abs(eye.slope + eye.u), half), dot(abs(eye.slope + eye.v), half),
+            dot(abs(eye.slope - eye.u), half), dot(abs(eye.slope - eye.v), half)
         );
-        if (any(sides + reaches + 12.0 * rounding < vec4f(0.0))) {
+        if (any(silhouettes_sides(eye, to) + reaches + 12.0 * rounding < vec4f(0.0))) {
             return false;
         }
     }
@@ -110,9 +115,7 @@ fn silhouettes_step(eye: SilhouetteEye, edge: u32) -> i32 {
     let a = silhouettes_corner(eye, ends.x);
     let b = silhouettes_corner(eye, ends.y);
     if (!eye.is_wide) {
-        let at_a = vec4f(dot(eye.slope + eye.u, a), dot(eye.slope - eye.u, a), dot(eye.slope + eye.v, a), dot(eye.slope - eye.v, a));
-        let at_b = vec4f(dot(eye.slope + eye.u, b), dot(eye.slope - eye.u, b), dot(eye.slope + eye.v, b), dot(eye.slope - eye.v, b));
-        if (any(max(at_a, at_b) < vec4f(0.0))) {
+        if (any(max(silhouettes_sides(eye, a), silhouettes_sides(eye, b)) < vec4f(0.0))) {
             return 0;
         }
     }

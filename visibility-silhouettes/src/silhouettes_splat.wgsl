@@ -79,7 +79,6 @@ fn silhouettes_each(lane: u32, eye: SilhouetteEye) {
         if (lane == 0u) {
             silhouettes_stack[0] = 0u;
             atomicStore(&silhouettes_waiting, 1u);
-            atomicStore(&silhouettes_leaf_count, 0u);
             atomicStore(&silhouettes_found, 0u);
         }
         workgroupBarrier();

@@ -12,9 +12,9 @@ pub(crate) const WIDE: usize = 8;
 const SORTED: usize = 256;
 const BINS: usize = 32;
 /// Half the sides of a box without anything in it: no plane has any of it on its near side.
-pub(crate) const NEVER: f32 = -1e30;
+const NEVER: f32 = -1e30;
 /// The sine of a cone that has no sides.
-pub(crate) const WIDEST: f32 = 4.0;
+const WIDEST: f32 = 4.0;
 
 /// Eight children side by side.
 #[derive(Clone, Copy, Debug)]
@@ -173,22 +173,14 @@ impl Tree {
         [low, high]
     }
 
-    /// The box of a child of a node of a tree over boxes, by their order in the leaves.
-    pub(crate) fn bounds_of(
-        &self,
-        node: &Node,
-        k: usize,
-        order: &[u32],
-        bounds: &impl Fn(u32) -> [Vec3; 2],
-    ) -> [Vec3; 2] {
-        let boxes: Vec<[Vec3; 2]> = match node.edges(k) {
-            Some(range) => order[range].iter().map(|i| bounds(*i)).collect(),
-            None => {
-                let child = &self.nodes[node.first[k] as usize];
-                (0..usize::from(child.len)).map(|c| self.bounds_of(child, c, order, bounds)).collect()
-            }
-        };
-        boxes.into_iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], join)
+    /// A node above those of up to eight trees, without their numbers.
+    pub(crate) fn above<'t>(trees: impl Iterator<Item = &'t Self>) -> Node {
+        let mut node = EMPTY;
+        for (k, tree) in trees.take(WIDE).enumerate() {
+            node.set(k, &tree.nodes[0].all());
+            node.len = k as u8 + 1;
+        }
+        node
     }
 
     /// Nodes from the root to a leaf, at most.

@@ -1,8 +1,8 @@
-// What strategies of others ask of the scene's triangles, in units of the scene. Needs rays.wgsl.
+// Answers the questions of other strategies about the scene's triangles, in units of the scene. Needs rays.wgsl.
 
 fn any_hit_leave(at: Receiver) -> vec3f { return rays_leave(at) / nodes[0].low.x; }
 
-fn any_hit_has(object: u32) -> bool { return object != OWN_NONE && rays_have(object); }
+fn any_hit_has(object: u32) -> bool { return rays_have(object); }
 
 fn any_hit(origin: vec3f, direction: vec3f, distance: f32) -> bool {
     let scale = nodes[0].low.x;

@@ -23,6 +23,9 @@ fn rays_leave(at: Receiver) -> vec3f {
 }
 
 fn rays_have(object: u32) -> bool {
+    if object == OWN_NONE {
+        return false;
+    }
     return nodes[0].count != 0u || nodes[nodes[0].first + object].count != 0u;
 }
 
@@ -79,7 +82,7 @@ fn rays_occluded(origin: vec3f, direction: vec3f, distance: f32) -> bool {
 
 // How much of the light the receiver's own facet hides.
 fn rays_facet(at: Receiver, cone: Cone) -> u32 {
-    if at.object == OWN_NONE || !rays_have(at.object) {
+    if !rays_have(at.object) {
         return LIT;
     }
     return facet_coverage(at, cone);

@@ -42,8 +42,10 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         Geometry::Spheres | Geometry::Mixed(_) => Some(input::make_spheres(&mut scene, &animation, &plan, view.quiet)?),
         Geometry::Mesh | Geometry::None => None,
     };
-    let wants_exposure = view.exposure.is_none() && files.has_png();
-    let exposure = view.exposure.or_else(|| wants_exposure.then(|| exposure(&World::new(&scene))));
+    let exposure = match view.exposure {
+        None if files.has_png() => exposure(&World::new(&scene)),
+        exposure => exposure.unwrap_or_default(),
+    };
     animation.seek(moment.time, &mut scene);
     if let Some(spheres) = spheres {
         spheres.pose(&scene, Some((&animation, moment.time)), &mut blockers)?;
@@ -83,7 +85,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         ExrLayer::color("unshadowed", &gbuffer.picture(&estimate.unshadowed, scene.background)),
         ExrLayer::color("stderr", &std_error),
     ];
-    files.write(&picture, exposure.unwrap_or_default(), &layers)?;
+    files.write(&picture, exposure, &layers)?;
     if args.keep {
         checkpoint::save(&reference, &checkpoint)?;
     } else {

@@ -56,9 +56,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         renderer.prepare(&mut |event| teller.hear(event))?;
     }
     // At the first moment, of the whole picture: all frames and all parts are alike.
-    let is_shown = !window.is_whole() || args.output.iter().any(|path| !files::holds_layers(path));
+    let is_shown = opened.as_ref().is_some_and(|files| files.has_png() || !window.is_whole());
     let exposure = match args.view.exposure {
-        None if is_shown && !moments.is_empty() => Some(renderer.exposure()),
+        None if is_shown => Some(renderer.exposure()),
         exposure => exposure,
     };
     for moment in &moments {
