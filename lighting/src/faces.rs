@@ -55,18 +55,7 @@ pub fn faces(positions: &[Vec3], triangles: &[[u32; 3]], radiance: Vec3) -> Resu
     if !positions.iter().all(|p| p.is_finite()) {
         return Err(FacesError::Degenerate);
     }
-    // Corners that coincide are one.
-    let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
-    let mut corners = Vec::new();
-    let welded: Vec<u32> = positions
-        .iter()
-        .map(|p| {
-            *numbers.entry((*p + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert_with(|| {
-                corners.push(*p);
-                corners.len() as u32 - 1
-            })
-        })
-        .collect();
+    let (corners, welded) = weld(positions);
     let area = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|i| corners[i as usize]);
         (b - a).cross(c - a)
@@ -127,6 +116,22 @@ pub fn faces(positions: &[Vec3], triangles: &[[u32; 3]], radiance: Vec3) -> Resu
         Ok(if is_closed { light } else { light.on_both_sides() })
     };
     parts.into_iter().map(light).collect()
+}
+
+/// Corners that coincide are one: those that there are, and which one each position is.
+pub(crate) fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
+    let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
+    let mut corners = Vec::new();
+    let welded = positions
+        .iter()
+        .map(|p| {
+            *numbers.entry((*p + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert_with(|| {
+                corners.push(*p);
+                corners.len() as u32 - 1
+            })
+        })
+        .collect();
+    (corners, welded)
 }
 
 /// Joins polygons of a plane along their edges as long as they stay convex (S. Hertel, K. Mehlhorn, *Fast triangulation of simple

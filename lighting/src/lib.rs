@@ -1,7 +1,8 @@
 //! Area lights: the cone in which a receiver sees one, its radiance, and its lobes.
 //!
 //! A light is one type that implements [`LightLobes`](lobe_core::LightLobes): [`SphereLight`], [`FlatLight`] (rectangles, discs, convex polygons),
-//! [`TubeLight`], [`SunLight`], [`SpotLight`], [`AmbientLight`]; [`Light`] is any of these. An [`Environment`] is a set of them, [`faces`] are those of a mesh that emits. Add another kind beside them, here or in a crate of your own.
+//! [`TubeLight`], [`SunLight`], [`SpotLight`], [`AmbientLight`]; [`Light`] is any of these. An [`Environment`] is a set of them, [`faces`] and [`emissive_mesh`] are those of a mesh
+//! that emits. Add another kind beside them, here or in a crate of your own.
 //!
 //! Out of scope: what hides a light (the `visibility-*` crates), scenes, images.
 //!
@@ -15,6 +16,7 @@
 //! ```
 
 mod ambient_light;
+mod emissive_mesh;
 mod environment;
 mod faces;
 mod flat_light;
@@ -27,6 +29,7 @@ mod sun_light;
 mod tube_light;
 
 pub use crate::ambient_light::AmbientLight;
+pub use crate::emissive_mesh::{EmissiveMesh, EmissiveMeshError, emissive_mesh};
 pub use crate::environment::{Environment, EnvironmentError, EnvironmentMap};
 pub use crate::faces::{FacesError, faces};
 pub use crate::flat_light::{FlatLight, FlatLightError};

@@ -9,7 +9,7 @@ use crate::scene_light::{Around, SceneLights};
 use crate::scene_material::{ImageFiles, read_material};
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
-use crate::{Animation, Camera, Object, Scene, SceneError, Surface};
+use crate::{Animation, Camera, Object, Scene, SceneError, Strategy, Surface};
 use glam::{DVec3, Vec3};
 use lighting::Light;
 use lobe_core::LightLobes;
@@ -23,6 +23,9 @@ pub const SCHEMA_EXAMPLE: &str = include_str!("example.toml");
 pub(crate) const DEFAULT_SPHERES: usize = 64;
 pub(crate) const DEFAULT_FOV: f32 = 35.0;
 pub(crate) const DEFAULT_SIZE: (u32, u32) = (960, 540);
+
+/// Lights in place of a mesh are worth a warning from this error on.
+const WORTH_SAYING: f32 = 0.02;
 
 /// Reads the text of a scene file; `path` is what messages name and what relative paths start from. A scene that is far from the
 /// origin, most of its objects and lights too, is read relative to a point near what its camera looks at first.
@@ -114,7 +117,14 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         }
     }
     for (object, key) in emitters {
-        lit.emit(&objects[object], materials.surface(&objects[object]), key, movers[object].as_ref())?;
+        let surface = materials.surface(&objects[object]);
+        if let Some(error) = lit.emit(&objects[object], surface, key, movers[object].as_ref())? {
+            objects[object].strategy = Some(Strategy::None);
+            if error > WORTH_SAYING {
+                let (name, percent) = (&objects[object].name, 100.0 * error);
+                context.warn(path, format!("object \"{name}\" lights as balls and tubes, about {percent:.0} % off"));
+            }
+        }
         context.emitters.push(object);
     }
     let camera = root.get("camera");

@@ -414,3 +414,62 @@ fn emission_lights_where_it_is_asked_for() {
     let grows = "keys = [{ time = 0 }, { time = 1, scale = 2 }]\n";
     refused(&text(cube, "[1, 1, 1]", grows), 8, &["keeps its size"]);
 }
+
+/// A ring and a column of an OBJ file, whose walls have so many sides.
+fn curved(is_ring: bool, [sides, rows]: [u32; 2]) -> String {
+    let turn = |k: u32, n: u32| (std::f32::consts::TAU * k as f32 / n as f32).sin_cos();
+    let mut text = String::new();
+    for j in 0..rows {
+        for i in 0..sides {
+            let ((s, c), (sin, cos)) = (turn(i, sides), turn(j, rows));
+            let [x, y, z] = if is_ring {
+                [(1.0 + 0.2 * c) * cos, 0.2 * s, (1.0 + 0.2 * c) * sin]
+            } else {
+                [0.1 * c, 2.0 * j as f32 / (rows - 1) as f32, 0.1 * s]
+            };
+            text += &format!("v {x} {y} {z}\n");
+        }
+    }
+    for j in 0..if is_ring { rows } else { rows - 1 } {
+        for i in 0..sides {
+            let corner = |i: u32, j: u32| (j % rows) * sides + i % sides + 1;
+            let [a, b, c, d] = [corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)];
+            text += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    text
+}
+
+/// Curved meshes that light the scene become balls and tubes, which the mesh does not hide; what that costs is said.
+#[test]
+fn curved_meshes_light_as_balls_and_tubes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("test.toml");
+    std::fs::write(folder.path().join("column.obj"), curved(false, [32, 2])).expect("a file");
+    std::fs::write(folder.path().join("ring.obj"), curved(true, [16, 48])).expect("a file");
+    let text = |mesh: &str, more: &str| {
+        format!(
+            "[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0.5\nemission = [2, 1, 0]\n[[objects]]\nmaterial = \"lamp\"\n\
+             mesh = \"{mesh}.obj\"\nlight = true\n{more}"
+        )
+    };
+    let read = |text: &str| {
+        let mut context = Context::default();
+        let (scene, animation) = scene_file::parse(&path, text, &mut context)?;
+        Ok::<_, SceneError>((scene, animation, context.warnings))
+    };
+    let (scene, _, warnings) = read(&text("column", "")).expect("a scene");
+    let [Light::Tube(tube)] = scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert!((tube.radius - 0.1).abs() < 0.005 && (tube.radiance / Vec3::new(2.0, 1.0, 1.0)).x > 0.97, "{tube:?}");
+    assert_eq!((scene.objects[0].strategy, warnings.len()), (Some(Strategy::None), 0));
+    let (ring, _, warnings) = read(&text("ring", "")).expect("a scene");
+    assert!(ring.lights.len() > 3 && warnings.len() == 1 && warnings[0].contains("balls and tubes"), "{warnings:?}");
+    let keys = "keys = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]\n";
+    let (mut scene, animation, _) = read(&text("column", keys)).expect("a scene");
+    let before = scene.lights[0].bounds().center;
+    animation.seek(1.0, &mut scene);
+    assert!((scene.lights[0].bounds().center - before).abs_diff_eq(Vec3::X, 1e-5));
+    let message =
+        read(&text("column", "visibility = \"rays\"")).map(|_| ()).expect_err("it would hide its light").to_string();
+    assert!(message.contains(":8:") && message.contains("hides nothing"), "{message}");
+}

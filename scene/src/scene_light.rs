@@ -7,9 +7,11 @@ use crate::origin::Origins;
 use crate::scene::check_balls;
 use crate::scene_environment::{read_environment, read_linear};
 use crate::toml_reader::{Table, Value};
-use crate::{Bounds, Object, SceneError, Shape, Surface};
+use crate::{Bounds, Object, SceneError, Shape, Strategy, Surface};
 use glam::{DVec3, Mat4, Vec3};
-use lighting::{AmbientLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight};
+use lighting::{
+    AmbientLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight, emissive_mesh,
+};
 use lobe_core::{LightImage, LightLobes, Sphere};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -85,14 +87,15 @@ impl SceneLights {
         self.place(t, kind, own)
     }
 
-    /// Appends the light of an object whose material emits: a light for each flat face, or for each ball. It moves as the object does.
+    /// Appends the light of an object whose material emits: a light for each flat face or each ball, or what stands for a curved mesh. It
+    /// moves as the object does. How far the lights are off where they are inside the object, which then must not block.
     pub(crate) fn emit(
         &mut self,
         object: &Object,
         surface: &Surface,
         key: Value<'_>,
         mover: Option<&Mover>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<Option<f32>, SceneError> {
         let radiance = surface.emission;
         if radiance == Vec3::ZERO {
             return Err(key.error("the object's material has no emission"));
@@ -101,16 +104,23 @@ impl SceneLights {
             return Err(key.error("an emission with a picture is no light: a rectangle of `[[lights]]` shows an image"));
         }
         let first = self.lights.len();
+        let mut inside = None;
         match &object.shape {
             Shape::Spheres(balls) => {
                 self.lights.extend(balls.iter().map(|ball| Light::from(SphereLight::new(*ball, radiance))));
             }
             Shape::Mesh(mesh) => {
-                let faces = lighting::faces(&mesh.positions, &mesh.triangles, radiance).map_err(|e| {
-                    key.error(format!("{e}: a \"sphere\" or \"tube\" of `[[lights]]` in its place lights as it does"))
+                let lamp = emissive_mesh(&mesh.positions, &mesh.triangles, radiance).map_err(|e| {
+                    key.error(format!("{e}: lights of `[[lights]]` in its place light as they are meant to"))
                 })?;
-                self.lights.extend(faces.into_iter().map(Light::from));
+                inside = lamp.is_inside.then_some(lamp.error);
+                self.lights.extend(lamp.lights);
             }
+        }
+        if inside.is_some() && object.strategy.is_some_and(|s| s != Strategy::None) {
+            return Err(
+                key.error("a curved mesh that lights the scene hides nothing: expected no `visibility`, or \"none\"")
+            );
         }
         if let Some(Mover { placement, body, .. }) = mover {
             if matches!(body, Body::Mesh(_, Some(_))) || !placement.keeps_size() {
@@ -120,7 +130,7 @@ impl SceneLights {
             let lights = self.lights[first..].iter().map(|light| light.moved(own)).collect();
             self.movers.push(LightMover { first, lights, placement: LightPlace::Keys(placement.clone()) });
         }
-        Ok(())
+        Ok(inside)
     }
 
     fn place(&mut self, mut t: Table<'_>, kind: Value<'_>, own: Own<'_>) -> Result<(), SceneError> {
