@@ -6,6 +6,7 @@ use lobe_core::gpu::GpuLight;
 /// `frame.shape[1].w` says which kind a light is: 0 for a ball.
 const SPOT: f32 = 1.0;
 const SUN: f32 = 2.0;
+const INSIDE: f32 = 3.0;
 
 impl GpuLight for SphereLight {
     const NAME: &'static str = "sphere lights";
@@ -24,7 +25,11 @@ impl GpuLight for Light {
         if lights.iter().all(|light| matches!(light, Self::Sphere(_))) {
             return Ok([SphereLight::NAME, SphereLight::WGSL]);
         }
-        if lights.iter().any(|light| matches!(light, Self::Flat(_) | Self::Tube(_))) {
+        let own = |light: &Self| match light {
+            Self::Inside(inside) => matches!(*inside.light, Self::Flat(_) | Self::Tube(_)),
+            light => matches!(light, Self::Flat(_) | Self::Tube(_)),
+        };
+        if lights.iter().any(own) {
             return Err("rectangles, discs, polygons and tubes of light are lit by the CPU only");
         }
         if lights.iter().any(|light| matches!(light, Self::Sky(_) | Self::Ambient(_))) {
@@ -44,6 +49,7 @@ impl GpuLight for Light {
                 let cone = light.seen();
                 [light.toward.extend(0.0).to_array(), [cone.one_minus_cos, cone.distance, 0.0, SUN]]
             }
+            Self::Inside(light) => [[light.object as f32, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, INSIDE]],
             _ => [[0.0; 4]; 2],
         }
     }

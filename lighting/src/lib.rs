@@ -1,7 +1,7 @@
 //! Area lights: the cone in which a receiver sees one, its radiance, and its lobes.
 //!
 //! A light is one type that implements [`LightLobes`](lobe_core::LightLobes): [`SphereLight`], [`FlatLight`] (rectangles, discs, convex polygons),
-//! [`TubeLight`], [`SunLight`], [`SpotLight`], [`AmbientLight`]; [`Light`] is any of these. An [`Environment`] is a set of them, [`faces`] and [`emissive_mesh`] are those of a mesh
+//! [`TubeLight`], [`SunLight`], [`SpotLight`], [`AmbientLight`], [`InsideLight`]; [`Light`] is any of these. An [`Environment`] is a set of them, [`faces`] and [`emissive_mesh`] are those of a mesh
 //! that emits. Add another kind beside them, here or in a crate of your own.
 //!
 //! Out of scope: what hides a light (the `visibility-*` crates), scenes, images.
@@ -21,6 +21,7 @@ mod environment;
 mod faces;
 mod flat_light;
 mod gpu;
+mod inside_light;
 mod light;
 mod sky_light;
 mod sphere_light;
@@ -33,6 +34,7 @@ pub use crate::emissive_mesh::{EmissiveMesh, EmissiveMeshError, emissive_mesh};
 pub use crate::environment::{Environment, EnvironmentError, EnvironmentMap};
 pub use crate::faces::{FacesError, faces};
 pub use crate::flat_light::{FlatLight, FlatLightError};
+pub use crate::inside_light::InsideLight;
 pub use crate::light::Light;
 pub use crate::sky_light::{SkyLight, SkyPatch};
 pub use crate::sphere_light::SphereLight;

@@ -1,4 +1,4 @@
-use crate::{AmbientLight, FlatLight, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
+use crate::{AmbientLight, FlatLight, InsideLight, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
 use glam::{Mat4, Vec3};
 use lobe_core::{
     Cone, LightImage, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight,
@@ -22,6 +22,8 @@ pub enum Light {
     Sky(SkyLight),
     /// The same from everywhere.
     Ambient(AmbientLight),
+    /// One inside an object that it does not light.
+    Inside(InsideLight),
 }
 
 macro_rules! each {
@@ -34,6 +36,7 @@ macro_rules! each {
             Light::Spot($light) => $value,
             Light::Sky($light) => $value,
             Light::Ambient($light) => $value,
+            Light::Inside($light) => $value,
         }
     };
 }
@@ -41,7 +44,7 @@ macro_rules! each {
 impl Light {
     /// Its radiance, where it shines.
     #[must_use]
-    pub const fn full_radiance(&self) -> Vec3 {
+    pub fn full_radiance(&self) -> Vec3 {
         match self {
             Self::Sphere(light) => light.radiance,
             Self::Flat(light) => light.radiance,
@@ -50,15 +53,17 @@ impl Light {
             Self::Spot(light) => light.light.radiance,
             Self::Sky(light) => light.full_radiance(),
             Self::Ambient(light) => light.radiance,
+            Self::Inside(light) => light.light.full_radiance(),
         }
     }
 
     /// The ball that it is, for all receivers alike; none where it is none.
     #[must_use]
-    pub const fn ball(&self) -> Option<Sphere> {
+    pub fn ball(&self) -> Option<Sphere> {
         match self {
             Self::Sphere(light) => Some(light.ball),
             Self::Spot(light) => Some(light.light.ball),
+            Self::Inside(light) => light.light.ball(),
             _ => None,
         }
     }
@@ -88,7 +93,7 @@ impl Light {
 
     /// Its kind, in a word, for messages.
     #[must_use]
-    pub const fn kind(&self) -> &'static str {
+    pub fn kind(&self) -> &'static str {
         match self {
             Self::Sphere(_) => "sphere",
             Self::Flat(_) => "flat",
@@ -97,6 +102,7 @@ impl Light {
             Self::Spot(_) => "spot",
             Self::Sky(_) => "environment",
             Self::Ambient(_) => "ambient",
+            Self::Inside(light) => light.light.kind(),
         }
     }
 }
@@ -148,5 +154,6 @@ from!(
     Sun(SunLight),
     Spot(SpotLight),
     Sky(SkyLight),
-    Ambient(AmbientLight)
+    Ambient(AmbientLight),
+    Inside(InsideLight)
 );

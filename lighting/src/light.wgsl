@@ -1,4 +1,4 @@
-// Balls, spots and suns, as `Light`. `frame.shape[1].w` says which: 0, 1, 2. Needs frame.wgsl of render-gpu and lobe-core's geometry.
+// Balls, spots, suns and balls inside an object, as `Light`. `frame.shape[1].w` says which: 0, 1, 2, 3. Needs frame.wgsl of render-gpu and lobe-core's geometry.
 
 fn light_cone(at: Receiver) -> Cone {
     if frame.shape[1].w == 2.0 {
@@ -8,6 +8,9 @@ fn light_cone(at: Receiver) -> Cone {
 }
 
 fn light_radiance(at: Receiver) -> vec3f {
+    if frame.shape[1].w == 3.0 && f32(at.object) == frame.shape[0].x {
+        return vec3f(0.0);
+    }
     if frame.shape[1].w != 1.0 {
         return frame.radiance;
     }

@@ -10,7 +10,8 @@ use crate::toml_reader::{Table, Value};
 use crate::{Bounds, Object, SceneError, Shape, Strategy, Surface};
 use glam::{DVec3, Mat4, Vec3};
 use lighting::{
-    AmbientLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight, emissive_mesh,
+    AmbientLight, Environment, FlatLight, InsideLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
+    emissive_mesh,
 };
 use lobe_core::{LightImage, LightLobes, Sphere};
 use std::f64::consts::PI;
@@ -91,7 +92,7 @@ impl SceneLights {
     /// moves as the object does. How far the lights are off where they are inside the object, which then must not block.
     pub(crate) fn emit(
         &mut self,
-        object: &Object,
+        (number, object): (usize, &Object),
         surface: &Surface,
         key: Value<'_>,
         mover: Option<&Mover>,
@@ -105,16 +106,19 @@ impl SceneLights {
         }
         let first = self.lights.len();
         let mut inside = None;
+        let own = |light| Light::from(InsideLight { light: Box::new(light), object: number as u32 });
         match &object.shape {
             Shape::Spheres(balls) => {
-                self.lights.extend(balls.iter().map(|ball| Light::from(SphereLight::new(*ball, radiance))));
+                // Points of a ball's own surface are inside it or not by their rounding.
+                self.lights.extend(balls.iter().map(|ball| own(SphereLight::new(*ball, radiance).into())));
             }
             Shape::Mesh(mesh) => {
                 let lamp = emissive_mesh(&mesh.positions, &mesh.triangles, radiance).map_err(|e| {
                     key.error(format!("{e}: lights of `[[lights]]` in its place light as they are meant to"))
                 })?;
                 inside = lamp.is_inside.then_some(lamp.error);
-                self.lights.extend(lamp.lights);
+                self.lights
+                    .extend(lamp.lights.into_iter().map(|light| if lamp.is_inside { own(light) } else { light }));
             }
         }
         if inside.is_some() && object.strategy.is_some_and(|s| s != Strategy::None) {

@@ -5,7 +5,7 @@ use crate::gbuffer::{globe, large_floor};
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{FlatLight, Light, SphereLight, SpotLight, SunLight};
+use lighting::{FlatLight, InsideLight, Light, SphereLight, SpotLight, SunLight};
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
@@ -248,7 +248,7 @@ fn of_many_lights(gpu: &Gpu) {
     }
 }
 
-/// Spots and suns, alone and beside balls; what the GPU does not know is refused.
+/// Spots, suns and lamps, alone and beside balls; what the GPU does not know is refused.
 fn of_spots_and_suns(gpu: &Gpu) {
     let mut view = builtin();
     let ball = |radius| Sphere { center: Vec3::new(1.5, 4.0, 2.0), radius };
@@ -259,9 +259,16 @@ fn of_spots_and_suns(gpu: &Gpu) {
     let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8] }.into();
     let toward = Vec3::new(-0.5, 0.8, 0.4).normalize();
     let sun = |degrees| SunLight::new(toward, degrees, Vec3::new(2.0, 1.8, 1.5), world).into();
-    for (name, lights) in
-        [("a spot", vec![spot.clone()]), ("a sun", vec![sun(3.0)]), ("all", vec![sphere, spot, sun(0.3)])]
-    {
+    // Next to the floor, which it does not light where it is that object's.
+    let near = SphereLight::new(Sphere { center: Vec3::new(0.5, 0.3, 1.5), radius: 0.2 }, Vec3::splat(20.0));
+    let inside = |object| InsideLight { light: Box::new(near.into()), object }.into();
+    for (name, lights) in [
+        ("a spot", vec![spot.clone()]),
+        ("a sun", vec![sun(3.0)]),
+        ("a lamp of object 0", vec![inside(0)]),
+        ("a lamp of object 1", vec![inside(1)]),
+        ("all", vec![sphere, spot, sun(0.3), inside(1)]),
+    ] {
         view.scene.lights = lights;
         view.compare_spheres(gpu, name, 0.003, 5);
     }
