@@ -111,9 +111,13 @@ pub struct Cone {
 }
 
 impl Cone {
+    /// Receivers are inside a ball up to this part of its radius. Above, as the points of its own surface are but for rounding, they see
+    /// a hemisphere of it.
+    pub const INSIDE: f32 = 0.999;
+
     /// The cone in which a ball is seen from `x`: `sin θ = r/d`, `1 − cos θ = sin²θ/(1 + cos θ)`.
     ///
-    /// The whole sphere of directions when `x` is inside the ball. Any finite ball and point whose difference is finite.
+    /// The whole sphere of directions when `x` is [inside](Self::INSIDE) the ball. Any finite ball and point whose difference is finite.
     #[inline(always)]
     #[must_use]
     pub fn of_sphere(x: Vec3, ball: Sphere) -> Self {
@@ -126,9 +130,16 @@ impl Cone {
         let unit = to * f32::from_bits((254 << 23) - size);
         let length = unit.length();
         let distance = length * f32::from_bits(size);
-        let inside = distance <= ball.radius || distance <= 0.0;
+        let inside = distance <= Self::INSIDE * ball.radius || distance <= 0.0;
         let axis = if length > 0.0 { unit / length } else { Vec3::Z };
-        let sin = if inside { 0.0 } else { ball.radius / distance };
+        let sin = ball.radius / distance;
+        let sin = if inside {
+            0.0
+        } else if sin < 1.0 {
+            sin
+        } else {
+            1.0
+        };
         let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
         // A point at the receiver is still a point.
         let all = if ball.radius > 0.0 { 2.0 } else { 0.0 };

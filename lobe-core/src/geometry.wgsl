@@ -25,6 +25,9 @@ struct Cone {
 }
 
 // `Cone::of_sphere`; `ball` is centre and radius.
+// As `Cone::INSIDE`.
+const CONE_INSIDE = 0.999;
+
 fn cone_of_sphere(x: vec3f, ball: vec4f) -> Cone {
     let to = ball.xyz - x;
     // Scaled by a power of two, so that the square of no length overflows or vanishes.
@@ -34,7 +37,7 @@ fn cone_of_sphere(x: vec3f, ball: vec4f) -> Cone {
     let length = sqrt(dot(unit, unit));
     let distance = length * bitcast<f32>(size);
     let radius = ball.w;
-    if distance <= radius || distance <= 0.0 {
+    if distance <= CONE_INSIDE * radius || distance <= 0.0 {
         // A point at the receiver is still a point.
         let one_minus_cos = select(0.0, 2.0, radius > 0.0);
         if length > 0.0 {
@@ -42,7 +45,7 @@ fn cone_of_sphere(x: vec3f, ball: vec4f) -> Cone {
         }
         return Cone(vec3f(0.0, 0.0, 1.0), one_minus_cos, distance);
     }
-    let sine = radius / distance;
+    let sine = min(radius / distance, 1.0);
     let cosine = sqrt((1.0 - sine) * (1.0 + sine));
     return Cone(unit / length, sine * sine / (1.0 + cosine), distance);
 }

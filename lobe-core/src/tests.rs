@@ -757,3 +757,22 @@ fn a_lobe_has_a_value_beside_an_infinite_exponent() {
         }
     }
 }
+
+/// Points of a light's own surface see a hemisphere of it, whatever their rounding: none of it is above their horizon.
+#[test]
+fn surfaces_of_lights_see_nothing_of_them() {
+    let mut random = oracle::Random::new(5);
+    for _ in 0..10_000 {
+        let ball = Sphere { center: random.axis().as_vec3() * 30.0, radius: random.log_uniform(1e-2, 1e2) as f32 };
+        let normal = random.axis().as_vec3().normalize();
+        let position = ball.center + normal * ball.radius;
+        let at = Receiver { position, normal, face: normal, view: normal, object: OWN_NONE };
+        let cone = Cone::of_sphere(position, ball);
+        assert!((cone.one_minus_cos - 1.0).abs() < 0.05, "{ball:?} {cone:?}");
+        let seen = cap_integral(&at, &Lobe::new(normal, 1.0, Vec3::ONE), &cone);
+        assert!(seen < 2e-3, "{ball:?}: {seen}");
+    }
+    let ball = Sphere { center: Vec3::ZERO, radius: 2.0 };
+    let of = |x: f32| Cone::of_sphere(Vec3::X * x, ball).one_minus_cos;
+    assert_eq!((of(0.0), of(1.99), of(1.9981), of(2.0)), (2.0, 2.0, 1.0, 1.0));
+}

@@ -265,7 +265,7 @@ impl<'a> RayShader<'a> {
         let omc = cone.one_minus_cos;
         let to_center = ball.center - at.position;
         let radius_sq = ball.radius * ball.radius;
-        let inside = cone.distance <= ball.radius;
+        let inside = omc > 1.0;
         // Rays that leave a facet do not meet it, although they go below it.
         let (origin, facet) = match &self.targets {
             Targets::Surfaces(world) if at.object == OWN_NONE => (world.leave(at.position, at.face), at.normal),

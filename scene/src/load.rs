@@ -291,6 +291,15 @@ fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<St
             break;
         }
     }
+    for object in &scene.objects {
+        let is_lamp = |ball| scene.lights.iter().any(|light| light.is_shown_by(ball));
+        let is_dark = object.visible && !scene.surface(object.material).is_some_and(Surface::emits);
+        if is_dark && matches!(&object.shape, Shape::Spheres(balls) if balls.iter().any(is_lamp)) {
+            let name = &object.name;
+            context
+                .warn(path, format!("object \"{name}\" shows a light, but shines not: its material has no `emission`"));
+        }
+    }
     let wants_uvs = |o: &&Object| scene.surface(o.material).is_some_and(Surface::has_textures);
     let has_none = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if mesh.uv_sets.is_empty());
     for object in scene.objects.iter().filter(wants_uvs).filter(has_none) {

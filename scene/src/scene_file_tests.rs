@@ -398,6 +398,16 @@ fn emission_lights_where_it_is_asked_for() {
     let ball = lights(&text("sphere = { center = [0, 3, 0], radius = 0.5 }", "[1, 1, 1]", ""));
     assert_eq!(ball[0].ball().map(|b| b.radius), Some(0.5));
     assert!(lights(&text(cube, "[1, 1, 1]", "").replace("true", "false")).is_empty());
+    // A ball at a light shows it only with an emission of its own: the light does not light its surface.
+    for (emission, count) in [("[1, 1, 1]", 0), ("[0, 0, 0]", 1)] {
+        let lamp = text("sphere = { center = [0, 3, 0], radius = 0.5 }", emission, "").replace("light = true\n", "");
+        let lamp = lamp + "[[lights]]\nkind = \"sphere\"\ncenter = [0, 3, 0]\nradius = 0.5\nradiance = 1\n";
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("lamp.toml");
+        std::fs::write(&path, lamp).expect("a file");
+        let (_, warnings) = load_with_warnings(&path).expect("a scene");
+        assert_eq!(warnings.iter().filter(|w| w.contains("no `emission`")).count(), count, "{warnings:?}");
+    }
     refused(&text(cube, "[0, 0, 0]", ""), 8, &["no emission"]);
     refused(&text(cube, "[1, 1, 1]", "").replace("true", "1"), 8, &["true or false"]);
     let keys = "keys = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]\n";

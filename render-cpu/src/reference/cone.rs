@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_4, TAU};
 use glam::{DVec3, Vec3};
-use lobe_core::Sphere;
+use lobe_core::{Cone, Sphere};
 
 /// A ball of light seen from a point.
 #[derive(Clone, Copy, Debug)]
@@ -16,15 +16,20 @@ pub(crate) struct LightCone {
     one_minus_cos: f64,
 }
 
+/// Whether a receiver is in the light and not on its surface.
+fn is_inside(distance: f64, radius: f64) -> bool {
+    distance <= f64::from(Cone::INSIDE) * radius
+}
+
 impl LightCone {
     pub(crate) fn new(position: Vec3, ball: Sphere) -> Self {
         let to_center = ball.center.as_dvec3() - position.as_dvec3();
         let (distance, radius) = (to_center.length(), f64::from(ball.radius));
         let axis = if distance > 0.0 { to_center / distance } else { DVec3::Z };
-        let one_minus_cos = if distance <= radius {
+        let one_minus_cos = if is_inside(distance, radius) {
             2.0
         } else {
-            let sin_sq = (radius / distance).powi(2);
+            let sin_sq = (radius / distance).powi(2).min(1.0);
             sin_sq / (1.0 + (1.0 - sin_sq).sqrt())
         };
         Self { axis, basis: axis.any_orthonormal_pair(), to_center, radius, distance, one_minus_cos }
@@ -103,13 +108,13 @@ impl LightCone {
         let along = self.to_center.dot(v);
         let across = (self.to_center - v * along).length_squared();
         let half = (self.radius * self.radius - across).max(0.0).sqrt();
-        if self.distance <= self.radius { along + half } else { along - half }
+        if is_inside(self.distance, self.radius) { along + half } else { along - half }
     }
 
     /// Largest and smallest value of [`surface`](Self::surface) inside the cone.
     pub(crate) fn surface_range(&self) -> (f64, f64) {
         let (d, r) = (self.distance, self.radius);
-        if d <= r { (r - d, d + r) } else { (d - r, ((d - r) * (d + r)).sqrt()) }
+        if is_inside(d, r) { (r - d, d + r) } else { ((d - r).max(0.0), ((d - r) * (d + r)).max(0.0).sqrt()) }
     }
 }
 
