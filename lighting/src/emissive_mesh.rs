@@ -1,10 +1,17 @@
 //! A mesh that emits, as lights: by its flat faces, or by balls and tubes.
 
+mod lamp;
+mod picture;
+
+use self::lamp::{Lamp, area, bounds, capsule, moments, share};
+use self::picture::Picture;
 use crate::faces::weld;
-use crate::{FacesError, Light, SphereLight, TubeLight, faces};
-use core::f64::consts::{PI, TAU};
-use glam::{DMat3, DVec2, DVec3, Vec3};
-use lobe_core::{LightLobes, Lobe, OWN_NONE, Receiver, Sphere, cap_integral, outline_integral};
+use crate::{FacesError, Light, faces};
+use core::f64::consts::PI;
+use glam::{DVec3, Vec3};
+use lobe_core::{LightLobes, Lobe, OWN_NONE, Receiver, cap_integral, outline_integral};
+
+type Triangle = [DVec3; 3];
 
 /// The most lights that a mesh becomes.
 const MOST: usize = 24;
@@ -16,15 +23,8 @@ const WORST: f64 = 0.25;
 /// Receivers that the lights are compared at: directions, and distances in radii of the part.
 const DIRECTIONS: usize = 24;
 const DISTANCES: [f64; 2] = [1.5, 4.0];
-/// Cells across a picture of what a receiver sees; every so manieth is compared.
-const SIDE: usize = 192;
-const STRIDE: usize = 2;
-const HALF: f64 = 0.5 * SIDE as f64;
 /// Pieces that are divided among lights are no longer than this, in radii of the part.
 const PIECE: f64 = 0.2;
-/// A tube with a shorter middle, in its radii, is a ball.
-const SHORT: f64 = 0.05;
-
 /// The lights that stand for a mesh ([`emissive_mesh`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmissiveMesh {
@@ -67,11 +67,11 @@ impl core::error::Error for EmissiveMeshError {}
 /// the area that the part shows to receivers around it; a tube has the areas that it shows along its axis and across; of several each has the area
 /// that its share of the surface shows. The radiance is that of equal irradiance four radii away.
 ///
-/// What receivers see of the mesh is drawn as 192² cells, so that what one side hides of another is not counted twice. Receivers
+/// Each receiver's view of the mesh is drawn as 192² cells, so that a side hidden by another is not counted twice. Receivers
 /// inside the mesh's bounds, as under a lamp shade, were not asked.
 ///
 /// # Cost
-/// Triangles times fifty receivers: a second for a million.
+/// Every triangle is drawn for 48 receivers, and a few times more for each lamp.
 ///
 /// # Errors
 /// [`EmissiveMeshError`] for surfaces without area, with more than 24 parts, and where the error is above 25 %.
@@ -122,8 +122,6 @@ pub fn emissive_mesh(
     Ok(EmissiveMesh { lights, is_inside: true, error: error as f32 })
 }
 
-type Triangle = [DVec3; 3];
-
 /// The triangles of each part of a mesh that no corner joins to another.
 fn separate(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec<Triangle>> {
     let (corners, welded) = weld(positions);
@@ -157,47 +155,6 @@ fn separate(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec<Triangle>> {
     parts
 }
 
-fn area([a, b, c]: &Triangle) -> f64 {
-    0.5 * (*b - *a).cross(*c - *a).length()
-}
-
-/// Area, its middle, and the variances and covariances of its points: exact for triangles.
-fn moments<'a>(triangles: impl Iterator<Item = &'a Triangle> + Clone) -> (f64, DVec3, DMat3) {
-    let middles = |[a, b, c]: &Triangle| [0.5 * (*a + *b), 0.5 * (*b + *c), 0.5 * (*c + *a)];
-    let (mut all, mut sum) = (0.0, DVec3::ZERO);
-    for t in triangles.clone() {
-        all += area(t);
-        sum += middles(t).iter().sum::<DVec3>() * (area(t) / 3.0);
-    }
-    let middle = sum / all;
-    let mut spread = DMat3::ZERO;
-    for t in triangles {
-        for p in middles(t) {
-            let d = p - middle;
-            spread += DMat3::from_cols(d * d.x, d * d.y, d * d.z) * (area(t) / (3.0 * all));
-        }
-    }
-    (all, middle, spread)
-}
-
-/// The direction in which points are spread most: powers of the covariance keep it alone.
-fn longest(spread: DMat3) -> DVec3 {
-    let mut power = spread;
-    for _ in 0..12 {
-        power = power * power;
-        let trace = power.x_axis.x + power.y_axis.y + power.z_axis.z;
-        if trace.is_nan() || trace <= 0.0 {
-            return DVec3::Z;
-        }
-        power *= 1.0 / trace;
-    }
-    let columns = [power.x_axis, power.y_axis, power.z_axis];
-    columns
-        .into_iter()
-        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
-        .map_or(DVec3::Z, |a| a.normalize_or(DVec3::Z))
-}
-
 /// Directions all around, evenly.
 fn directions() -> impl Iterator<Item = DVec3> {
     (0..DIRECTIONS).map(|k| {
@@ -208,98 +165,10 @@ fn directions() -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// What is seen of a ball around triangles from some distance of its middle: each direction once, however many triangles it meets.
-struct Picture {
-    eye: DVec3,
-    /// Right, up, and away from the middle.
-    frame: [DVec3; 3],
-    /// Cells a unit of the plane at distance 1.
-    scale: f64,
-    is_covered: Vec<bool>,
-}
-
-impl Picture {
-    fn new<'a>(
-        triangles: impl Iterator<Item = &'a Triangle>,
-        center: DVec3,
-        radius: f64,
-        direction: DVec3,
-        distance: f64,
-    ) -> Self {
-        let eye = center + direction * distance;
-        let (right, up) = direction.any_orthonormal_pair();
-        let tan = 1.001 * radius / ((distance - radius) * (distance + radius)).sqrt();
-        let scale = HALF / tan;
-        let mut is_covered = vec![false; SIDE * SIDE];
-        for t in triangles {
-            let [a, b, c] = t.map(|p| {
-                let p = p - eye;
-                DVec2::new(right.dot(p), up.dot(p)) * (scale / -direction.dot(p)) + HALF
-            });
-            let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-            let first = |at: f64| (at - 0.5).ceil().max(0.0) as usize;
-            let last = |at: f64| ((at + 0.5).floor().max(0.0) as usize).min(SIDE);
-            for y in first(low.y)..last(high.y) {
-                for x in first(low.x)..last(high.x) {
-                    let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                    let sides = [(b - a).perp_dot(p - a), (c - b).perp_dot(p - b), (a - c).perp_dot(p - c)];
-                    if sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0) {
-                        is_covered[y * SIDE + x] = true;
-                    }
-                }
-            }
-        }
-        Self { eye, frame: [right, up, direction], scale, is_covered }
-    }
-
-    /// Where a cell is on the plane at distance 1.
-    fn at(&self, x: usize, y: usize) -> DVec2 {
-        (DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - HALF) / self.scale
-    }
-
-    /// The irradiance on a surface that faces the middle, over π, of a radiance of 1.
-    fn irradiance(&self) -> f64 {
-        let cells = self.is_covered.iter().enumerate().filter(|(_, is_covered)| **is_covered);
-        let sum: f64 = cells.map(|(k, _)| (1.0 + self.at(k % SIDE, k / SIDE).length_squared()).powi(-2)).sum();
-        sum / (self.scale * self.scale * PI)
-    }
-
-    /// In cells: where lamps are and the triangles are not, or the other way round, each lamp for itself; and where triangles are.
-    fn difference(&self, lamps: &[Lamp]) -> [f64; 2] {
-        let [right, up, back] = self.frame;
-        let (mut off, mut all) = (0.0, 0.0);
-        for y in (0..SIDE).step_by(STRIDE) {
-            for x in (0..SIDE).step_by(STRIDE) {
-                let at = self.at(x, y);
-                let v = (right * at.x + up * at.y - back).normalize();
-                let seen = lamps.iter().filter(|lamp| lamp.is_met(self.eye, v)).count() as f64;
-                let truth = f64::from(u8::from(self.is_covered[y * SIDE + x]));
-                off += (seen - truth).abs();
-                all += truth;
-            }
-        }
-        [off, all]
-    }
-}
-
-/// The area that triangles in a ball show along a direction.
-fn shown(triangles: &[&Triangle], center: DVec3, radius: f64, direction: DVec3) -> f64 {
-    let distance = 1e3 * radius;
-    let picture = Picture::new(triangles.iter().copied(), center, radius, direction, distance);
-    picture.irradiance() * PI * distance * distance
-}
-
-/// A ball, or a tube where its ends are not the same.
-#[derive(Clone, Copy, Debug)]
-struct Lamp {
-    ends: [DVec3; 2],
-    radius: f64,
-}
-
 /// Lights for a part.
 struct Fit {
     lamps: Vec<Lamp>,
-    /// What their radiance is multiplied by.
+    /// Multiplies their radiance.
     scale: f64,
     /// The mean error of irradiance.
     error: f64,
@@ -312,15 +181,14 @@ struct Part {
     triangles: Vec<Triangle>,
     center: DVec3,
     radius: f64,
-    /// What receivers around it get.
+    /// Receivers around it, their irradiance and their view.
     truth: Vec<(Receiver, f64, Picture)>,
 }
 
 impl Part {
     fn new(triangles: &[Triangle]) -> Option<Self> {
-        let (_, center, _) = moments(triangles.iter());
-        let far = triangles.iter().flatten().map(|p| p.distance_squared(center)).fold(0.0, f64::max);
-        let radius = far.sqrt();
+        let (center, _) = moments(triangles.iter());
+        let radius = bounds(triangles.iter(), center);
         if !(radius > 0.0 && radius.is_finite()) {
             return None;
         }
@@ -394,32 +262,6 @@ impl Part {
     }
 }
 
-impl Lamp {
-    /// Whether a line meets it.
-    fn is_met(&self, from: DVec3, v: DVec3) -> bool {
-        let across = |p: DVec3| p - v * v.dot(p);
-        let (to, along) = (across(self.ends[0] - from), across(self.ends[1] - self.ends[0]));
-        let square = along.length_squared();
-        let t = if square > 0.0 { (-to.dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
-        (to + along * t).length_squared() <= self.radius * self.radius
-    }
-
-    fn light(&self, center: DVec3, scale: f64, radiance: Vec3) -> Light {
-        let ends = self.ends.map(|p| (center + p * scale).as_vec3());
-        let radius = (self.radius * scale) as f32;
-        if ends[0] == ends[1] {
-            SphereLight::new(Sphere { center: ends[0], radius }, radiance).into()
-        } else {
-            TubeLight { ends, radius, radiance }.into()
-        }
-    }
-
-    /// A tube between two places, or a ball where they are next to each other.
-    fn tube(middle: DVec3, axis: DVec3, length: f64, radius: f64) -> Self {
-        Self { ends: [middle - axis * (0.5 * length), middle + axis * (0.5 * length)], radius }
-    }
-}
-
 /// Irradiance of a light of radiance 1 over π.
 fn irradiance(light: &Light, at: &Receiver) -> f64 {
     let (term, lobe) = (light.term(at), Lobe::new(at.normal, 1.0, Vec3::ONE));
@@ -427,51 +269,6 @@ fn irradiance(light: &Light, at: &Receiver) -> f64 {
         Some(outline) => outline_integral(at, &lobe, outline),
         None => cap_integral(at, &lobe, &term.cone),
     })
-}
-
-/// The ball around the middle of triangles.
-fn bounds(triangles: &[&Triangle], middle: DVec3) -> f64 {
-    triangles.iter().flat_map(|t| t.iter()).map(|p| p.distance_squared(middle)).fold(0.0, f64::max).sqrt()
-}
-
-/// The mean area that triangles show across an axis.
-fn shown_across(triangles: &[&Triangle], middle: DVec3, radius: f64, axis: DVec3) -> f64 {
-    const TURNS: usize = 4;
-    let (u, v) = axis.any_orthonormal_pair();
-    let turn = |k: usize| (TAU * (k as f64 + 0.25) / TURNS as f64).sin_cos();
-    let area = |k: usize| shown(triangles, middle, radius, u * turn(k).1 + v * turn(k).0);
-    (0..TURNS).map(area).sum::<f64>() / TURNS as f64
-}
-
-/// The tube that shows what triangles show along the axis in which they are longest, `πr²`, and across it, `2rh + πr²`.
-fn capsule(triangles: &[&Triangle]) -> Lamp {
-    let (_, middle, spread) = moments(triangles.iter().copied());
-    let (axis, bound) = (longest(spread), bounds(triangles, middle));
-    let along = shown(triangles, middle, bound, axis);
-    let radius = (along / PI).sqrt();
-    let length = (shown_across(triangles, middle, bound, axis) - along) / (2.0 * radius);
-    if length > SHORT * radius {
-        Lamp::tube(middle, axis, length, radius)
-    } else {
-        Lamp::tube(middle, axis, 0.0, radius)
-    }
-}
-
-/// The tube as long as triangles that shows what they show across: of a piece of a ring, to which others are joined at both ends.
-fn share(triangles: &[&Triangle]) -> Lamp {
-    let (_, middle, spread) = moments(triangles.iter().copied());
-    let (axis, bound) = (longest(spread), bounds(triangles, middle));
-    let across = shown_across(triangles, middle, bound, axis);
-    // Of points all along a length the variance is a twelfth of its square.
-    let whole = (12.0 * axis.dot(spread * axis).max(0.0)).sqrt();
-    let radius = 0.5 * across / whole;
-    // Round ends show `πr²`.
-    let length = whole - 0.5 * PI * radius;
-    if length > SHORT * radius {
-        Lamp::tube(middle, axis, length, radius)
-    } else {
-        Lamp::tube(middle, axis, 0.0, (across / PI).sqrt())
-    }
 }
 
 /// Pieces of a triangle that are short enough.

@@ -1,4 +1,5 @@
-// Balls, spots, suns and balls inside an object, as `Light`. `frame.shape[1].w` says which: 0, 1, 2, 3. Needs frame.wgsl of render-gpu and lobe-core's geometry.
+// Balls, spots, suns and balls inside an object, as `Light`. `frame.shape[1].w` says which: 0, 1, 2, 3.
+// Needs frame.wgsl of render-gpu and lobe-core's geometry.
 
 fn light_cone(at: Receiver) -> Cone {
     if frame.shape[1].w == 2.0 {

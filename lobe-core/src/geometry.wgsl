@@ -24,10 +24,10 @@ struct Cone {
     distance: f32,
 }
 
-// `Cone::of_sphere`; `ball` is centre and radius.
 // As `Cone::INSIDE`.
 const CONE_INSIDE = 0.999;
 
+// `Cone::of_sphere`; `ball` is centre and radius.
 fn cone_of_sphere(x: vec3f, ball: vec4f) -> Cone {
     let to = ball.xyz - x;
     // Scaled by a power of two, so that the square of no length overflows or vanishes.
