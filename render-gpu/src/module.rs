@@ -20,8 +20,9 @@ pub(crate) struct Variant {
     /// What broad lobes and narrow ones see.
     pub(crate) fineness: [Fineness; 2],
     pub(crate) materials: MaterialText,
-    /// Name and text of the kind of light.
+    /// Name and text of the kind of light, and whether it may have an outline.
     pub(crate) light: [&'static str; 2],
+    pub(crate) is_flat: bool,
     pub(crate) strategies: Strategies,
     /// Somebody's own strategies.
     pub(crate) own: Vec<OwnText>,
@@ -129,7 +130,29 @@ impl Variant {
         let strategies: Vec<&str> = self.strategies.calls().chain(self.own.iter().map(|own| own.name)).collect();
         let strategies = if strategies.is_empty() { "no blockers".to_owned() } else { strategies.join(" + ") };
         let method = if self.paper { ", paper" } else { "" };
-        format!("{strategies}, {}, depth {}{method}", self.materials.name, self.depth)
+        format!("{strategies}, {}, {}, depth {}{method}", self.light[0], self.materials.name, self.depth)
+    }
+
+    /// What a point sees of a light's outline, and the integral over it.
+    fn integral(&self) -> Vec<&'static str> {
+        let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
+        let mut pieces = match (is_lambert, has_microfacets) {
+            (true, _) => vec![lobes::CAP_LAMBERT],
+            (false, true) => vec![lobes::CAP, lobes::MICROFACETS, lobes::CAP_MICROFACETS],
+            (false, false) => vec![lobes::CAP, lobes::CAP_NO_MICROFACETS],
+        };
+        if self.is_flat {
+            pieces.extend([lobes::OUTLINE_INTEGRAL, OVER_OUTLINES]);
+            pieces.push(if has_microfacets { lobes::OUTLINE_MICROFACETS } else { lobes::OUTLINE_NO_MICROFACETS });
+        } else {
+            pieces.push(OVER_CONES);
+        }
+        pieces
+    }
+
+    /// Whether a point sees an outline, and of masks how they show what emits.
+    fn outline(&self) -> [&'static str; 2] {
+        if self.is_flat { [lobes::OUTLINE, masks::FLAT] } else { [lobes::NO_OUTLINE, masks::ROUND] }
     }
 
     /// Whether anything blocks.
@@ -196,14 +219,22 @@ const SHADED: [Binding; 5] = [
     (Slot::Queue, Write),
 ];
 
+const OVER_CONES: &str =
+    "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cap_integral(at, lobe, cone); }";
+const OVER_OUTLINES: &str = "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 {
+    if (light_is_flat()) { return outline_integral(at, lobe); }
+    return cap_integral(at, lobe, cone);
+}";
+
 /// What every point sees of a light.
 pub(crate) fn classify(variant: &Variant) -> Text {
     let reflectance = &variant.materials.wgsl;
     let (integral, kernel) = if variant.paper {
-        (lobes::PAPER, kernels::PAPER_CLASSIFY)
+        (vec![lobes::PAPER], kernels::PAPER_CLASSIFY)
     } else {
-        (if variant.materials.is_lambert { lobes::CAP_LAMBERT } else { lobes::CAP }, kernels::CLASSIFY)
+        (variant.integral(), kernels::CLASSIFY)
     };
+    let [outline, shown] = variant.outline();
     let strategies = variant.strategies;
     let all = strategies.calls().map(|name| match name {
         "spheres" => "coverage = max(coverage, spheres_coverage(tile, at, cone));",
@@ -224,17 +255,13 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         lobes::SPECIAL,
         lobes::GEOMETRY,
         lobes::LOBE,
-        integral,
+        outline,
         reflectance,
         variant.light[1],
         &hook,
         kernel,
     ];
-    match (variant.materials.is_lambert || variant.paper, variant.materials.has_microfacets) {
-        (true, _) => {}
-        (false, true) => pieces.extend([lobes::MICROFACETS, lobes::CAP_MICROFACETS]),
-        (false, false) => pieces.push(lobes::CAP_NO_MICROFACETS),
-    }
+    pieces.extend(integral);
     if strategies.spheres {
         pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
     }
@@ -252,7 +279,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         pieces.extend([own.shared.as_str(), declarations, &own.coverage]);
     }
     if strategies.maps.is_some() {
-        pieces.extend([masks::SQUARE, words.as_str(), maps::COMMON, maps::COVERAGE]);
+        pieces.extend([masks::SQUARE, shown, words.as_str(), maps::COMMON, maps::COVERAGE]);
     }
     Text::new("classify", &pieces, &variant.bindings()).of(variant)
 }
@@ -261,6 +288,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
 pub(crate) fn penumbra(variant: &Variant) -> Text {
     let reflectance = &variant.materials.wgsl;
     let [broad, narrow] = variant.fineness;
+    let [outline, shown] = variant.outline();
     let header = match (variant.paper, variant.materials.is_lambert) {
         (true, _) => masks::paper_header(variant.depth),
         (false, true) => masks::header(variant.depth, broad),
@@ -295,10 +323,12 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         lobes::SPECIAL,
         lobes::GEOMETRY,
         lobes::LOBE,
+        outline,
         reflectance,
         variant.light[1],
         &header,
         masks::SQUARE,
+        shown,
         masks::MASK,
         masks::EDGES,
         masks::TOTAL,

@@ -1,6 +1,6 @@
 //! The WGSL of shadow maps without a GPU: every variant validates.
 
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use visibility_shadowmap::{Pages, wgsl};
 
@@ -18,6 +18,8 @@ fn validate(pieces: &[&str]) -> naga::Module {
         LOBE,
         SPECIAL,
         visibility_mask::wgsl::SQUARE,
+        visibility_mask::wgsl::ROUND,
+        NO_OUTLINE,
         visibility_mask::wgsl::FACET,
     ];
     let text = common.iter().chain(pieces).copied().collect::<Vec<_>>().join("\n");

@@ -7,8 +7,12 @@ use crate::row::{COARSE, WIDTH};
 use crate::shadow_tree::ShadowTree;
 use crate::{Fineness, MAX_DEPTH};
 
-/// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`.
+/// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`, and one of [`ROUND`] and [`FLAT`].
 pub const SQUARE: &str = include_str!("square.wgsl");
+/// Lights that are seen as discs. Needs [`SQUARE`] and `NO_OUTLINE` of `lobe-core`.
+pub const ROUND: &str = include_str!("round.wgsl");
+/// Lights that may have outlines, instead of [`ROUND`]. Needs [`SQUARE`] and `OUTLINE` of `lobe-core`.
+pub const FLAT: &str = include_str!("flat.wgsl");
 /// The own row of the mask; needs [`header`] and [`SQUARE`].
 pub const MASK: &str = include_str!("mask.wgsl");
 /// The contour of what hides, by questions; needs [`MASK`] and `light_is_hidden`.

@@ -1,6 +1,6 @@
 // One light of one frame, for the points of a slice. The same struct as `layout::GpuFrame`.
 struct Frame {
-    // The ball around the light: centre and radius.
+    // The ball around the light, and around windows on it: centre and radius.
     light: vec4f,
     radiance: vec3f,
     tolerance: f32,
@@ -16,7 +16,7 @@ struct Frame {
     rounds: u32,
     pad0: u32,
     // What else the kind of light is told by.
-    shape: array<vec4f, 2>,
+    shape: array<vec4f, 26>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
