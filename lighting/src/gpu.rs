@@ -1,9 +1,9 @@
 //! Lights as GPUs see them.
 
-use crate::{Light, SphereLight};
+use crate::{Light, SkyLight, SphereLight};
 use glam::Vec3;
-use lobe_core::LightLobes as _;
 use lobe_core::gpu::GpuLight;
+use lobe_core::{LightLobes as _, Outline, Sphere};
 
 /// `frame.shape[1].w` says which kind a light is: of those that are cones, 0 for a ball.
 const SPOT: f32 = 1.0;
@@ -12,6 +12,9 @@ const INSIDE: f32 = 3.0;
 /// Of those in a plane, 0 for a polygon.
 const DISC: f32 = 1.0;
 const TUBE: f32 = 2.0;
+const SKY: f32 = 3.0;
+/// Of a light that is the same from everywhere, which is a cone all around.
+const AMBIENT: f32 = 4.0;
 /// The number of no object.
 const NO_OBJECT: f32 = -1.0;
 
@@ -31,12 +34,6 @@ impl GpuLight for Light {
     const WGSL: &'static str = include_str!("light.wgsl");
 
     fn gpu_text(lights: &[&Self]) -> Result<[&'static str; 2], &'static str> {
-        if lights.iter().any(|light| light.image().is_some()) {
-            return Err("light that shows an image is lit by the CPU only");
-        }
-        if lights.iter().any(|light| matches!(light, Self::Sky(_) | Self::Ambient(_))) {
-            return Err("environments and ambient light are lit by the CPU only");
-        }
         if lights.iter().any(|light| light.gpu_roundness().is_some()) {
             return Ok(IN_A_PLANE);
         }
@@ -48,8 +45,17 @@ impl GpuLight for Light {
         match self {
             Self::Flat(light) => Some(light.roundness()),
             Self::Tube(light) => Some(light.roundness()),
+            Self::Sky(SkyLight::Patch(patch)) => Some(patch.roundness()),
             Self::Inside(light) => light.light.gpu_roundness(),
             _ => None,
+        }
+    }
+
+    fn gpu_bounds(&self) -> Sphere {
+        match self {
+            Self::Flat(_) | Self::Tube(_) => Outline::ball_around(self.bounds()),
+            Self::Inside(light) => light.light.gpu_bounds(),
+            light => light.bounds(),
         }
     }
 
@@ -62,9 +68,13 @@ impl GpuLight for Light {
             Self::Spot(light) => {
                 vec![light.axis.extend(0.0).to_array(), [light.cos[0], light.cos[1], 0.0, SPOT]]
             }
-            Self::Sun(light) => {
+            Self::Sun(light) | Self::Sky(SkyLight::Sun(light)) => {
                 let cone = light.seen();
                 vec![light.toward.extend(0.0).to_array(), [cone.one_minus_cos, cone.distance, 0.0, SUN]]
+            }
+            Self::Ambient(_) => vec![[0.0; 4], [0.0, 0.0, 0.0, AMBIENT]],
+            Self::Sky(SkyLight::Patch(patch)) => {
+                shape_of(patch.axis.extend(0.0).to_array(), [4.0, 1.0, NO_OBJECT, SKY], &patch.corners())
             }
             Self::Inside(inside) if inside.light.gpu_roundness().is_some() => {
                 let mut shape = inside.light.gpu_shape();
@@ -76,11 +86,14 @@ impl GpuLight for Light {
                 let side = light.normal().extend(f32::from(u8::from(light.two_sided))).to_array();
                 match light.as_disc() {
                     (_, Some(radius)) => vec![side, [radius, 0.0, NO_OBJECT, DISC]],
-                    _ => shape_of(side, [light.corners().len() as f32, 0.0, NO_OBJECT, 0.0], light.corners()),
+                    _ => {
+                        let has_places = f32::from(u8::from(light.image().is_some()));
+                        shape_of(side, [light.corners().len() as f32, has_places, NO_OBJECT, 0.0], light.corners())
+                    }
                 }
             }
             Self::Tube(light) => shape_of([0.0; 4], [light.radius, 0.0, NO_OBJECT, TUBE], &light.ends),
-            _ => Vec::new(),
+            Self::Sphere(_) => Vec::new(),
         }
     }
 }

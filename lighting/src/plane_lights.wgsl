@@ -1,8 +1,10 @@
-// Rectangles, discs, polygons and tubes, as `FlatLight` and `TubeLight`. `frame.shape[1]`: corners or radius, which object it is inside of,
-// kind. Needs frame.wgsl of render-gpu, and lobe-core's geometry and outline.
+// Rectangles, discs, polygons, tubes and patches of the sky, as `FlatLight`, `TubeLight` and `SkyPatch`. `frame.shape[1]`: corners or
+// radius, whether it has places, which object it is inside of, kind. Needs frame.wgsl of render-gpu, and lobe-core's geometry and outline.
 
 const PLANE_DISC = 1.0;
 const PLANE_TUBE = 2.0;
+// Corners are the same for all receivers.
+const PLANE_SKY = 3.0;
 // Receivers nearer to a tube's middle line than so many radii may see one end before the other.
 const TUBE_BESIDE = 1.05;
 // Tangent of the angle beyond which a tube goes on unseen.
@@ -36,8 +38,9 @@ fn light_radiance(at: Receiver) -> vec3f { return select(frame.radiance, vec3f(0
 
 fn flat_outline(at: Receiver, middle: vec3f) {
     let normal = frame.shape[0].xyz;
-    let is_lit_side = dot(normal, at.position - frame.light.xyz) > 0.0;
-    if (!is_lit_side && frame.shape[0].w == 0.0) {
+    let is_sky = frame.shape[1].w == PLANE_SKY;
+    let is_lit_side = !is_sky && dot(normal, at.position - frame.light.xyz) > 0.0;
+    if (!is_sky && !is_lit_side && frame.shape[0].w == 0.0) {
         return;
     }
     let axis = select(normal, -normal, is_lit_side);
@@ -47,9 +50,13 @@ fn flat_outline(at: Receiver, middle: vec3f) {
     }
     let count = u32(frame.shape[1].x);
     for (var k = 0u; k < count; k++) {
-        outline_corners[k] = frame.shape[2u + k].xyz - at.position;
+        outline_corners[k] = frame.shape[2u + k].xyz - select(at.position, vec3f(0.0), is_sky);
     }
     outline_new(count, axis);
+    if (frame.shape[1].y > 0.0) {
+        let corner = frame.shape[2].xyz;
+        outline_set_sides(0.5 * (frame.shape[3].xyz - corner), 0.5 * (frame.shape[5].xyz - corner));
+    }
 }
 
 fn tube_outline(at: Receiver) {

@@ -5,7 +5,7 @@
 //! (the light's [bounds](crate::LightLobes::bounds)), `frame.radiance`, `frame.shape`. Names start with that of the part, so that parts do not
 //! collide.
 
-use crate::{BrdfLobes, LightLobes};
+use crate::{BrdfLobes, LightLobes, Outline, Sphere};
 use core::fmt::Debug;
 
 /// Materials as kernels read them.
@@ -64,7 +64,7 @@ pub trait GpuMaterials: BrdfLobes + Sized {
 }
 
 /// The most rows of a light's [shape](GpuLight::gpu_shape).
-pub const GPU_SHAPE: usize = 2 + crate::Outline::MOST;
+pub const GPU_SHAPE: usize = 2 + Outline::MOST;
 
 /// A kind of light that a GPU can shade with.
 pub trait GpuLight: LightLobes {
@@ -91,6 +91,14 @@ pub trait GpuLight: LightLobes {
     /// None, the default, for a light that is always a cone.
     fn gpu_roundness(&self) -> Option<f32> {
         None
+    }
+
+    /// What `frame.light` holds: a ball around the light and, of one with an outline, around windows on it.
+    fn gpu_bounds(&self) -> Sphere {
+        match self.gpu_roundness() {
+            Some(_) => Outline::ball_around(self.bounds()),
+            None => self.bounds(),
+        }
     }
 
     /// What `frame.radiance` holds.

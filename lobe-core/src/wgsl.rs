@@ -40,8 +40,19 @@ pub const OUTLINE: &str = include_str!("outline/outline.wgsl");
 /// In place of [`OUTLINE`] where all lights are seen as cones.
 pub const NO_OUTLINE: &str = include_str!("outline/none.wgsl");
 
-/// `outline_integral(at, lobe)`. Needs [`OUTLINE`], [`SPECIAL`], [`LOBE`], and [`OUTLINE_MICROFACETS`] or [`OUTLINE_NO_MICROFACETS`].
+/// Integrals over outlines. Needs [`OUTLINE`], [`SPECIAL`], [`LOBE`], one of [`OUTLINE_MICROFACETS`] and [`OUTLINE_NO_MICROFACETS`], and one
+/// of [`OUTLINE_PLAIN`] and [`OUTLINE_IMAGE`].
 pub const OUTLINE_INTEGRAL: &str = include_str!("outline/integral.wgsl");
+
+/// `light_integral(at, lobe, cone) -> Integral` for lights with or without outlines. Needs [`OUTLINE_INTEGRAL`] and [`CAP`] or
+/// [`CAP_LAMBERT`].
+pub const OUTLINE_PLAIN: &str = include_str!("outline/plain.wgsl");
+
+/// What a light shows: `image_at`, from `frame.image` on in `light_images`. Needs [`OUTLINE`] and [`SPECIAL`].
+pub const IMAGE: &str = include_str!("outline/image.wgsl");
+
+/// `light_integral` by channel for lights that show an image, in place of [`OUTLINE_PLAIN`]. Needs [`OUTLINE_INTEGRAL`] and [`IMAGE`].
+pub const OUTLINE_IMAGE: &str = include_str!("outline/image_integral.wgsl");
 
 /// The integral of lobes of microfacets. Needs [`OUTLINE_INTEGRAL`] and [`MICROFACETS`].
 pub const OUTLINE_MICROFACETS: &str = include_str!("outline/microfacets.wgsl");

@@ -61,7 +61,7 @@ pub(crate) struct GpuFrame {
     pub(crate) map: u32,
     /// 2.
     pub(crate) rounds: u32,
-    pub(crate) pad0: u32,
+    pub(crate) image: u32,
     /// What else the kind of light is told by.
     pub(crate) shape: [[f32; 4]; GPU_SHAPE],
 }

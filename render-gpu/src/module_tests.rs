@@ -6,7 +6,7 @@ use crate::layout::GpuFrame;
 use brdf::Models;
 use glam::Vec3;
 use lighting::{FlatLight, Light, SphereLight};
-use lobe_core::gpu::{GpuBlockers as _, GpuLight as _};
+use lobe_core::gpu::GpuBlockers as _;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, StorageAccess, TypeInner};
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
@@ -68,7 +68,7 @@ fn variants() -> impl Iterator<Item = Variant> {
                     fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
                     materials: set(models),
                     light: LIGHT,
-                    is_flat: false,
+                    shown: Shown::Cone,
                     strategies,
                     own: Vec::new(),
                     paper,
@@ -94,7 +94,9 @@ fn flat_variants() -> impl Iterator<Item = Variant> {
     let panel = FlatLight::rectangle(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE).expect("a rectangle");
     let light = Light::gpu_text(&[&panel.into()]).expect("for a GPU");
     let of = |v: &Variant| !v.paper && v.strategies.maps.is_none() && [1, 5, 6].contains(&v.depth);
-    variants().filter(of).map(move |variant| Variant { light, is_flat: true, ..variant })
+    let of_shown =
+        move |variant: Variant| [Shown::Outline, Shown::Image].map(|shown| Variant { light, shown, ..variant.clone() });
+    variants().filter(of).flat_map(of_shown)
 }
 
 #[test]
@@ -135,7 +137,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
         fineness: [Fineness::FINE; 2],
         materials: set(Models::from_bits(1)),
         light: LIGHT,
-        is_flat: false,
+        shown: Shown::Cone,
         own: Vec::new(),
         strategies: Strategies { spheres: true, ..Strategies::default() },
         paper: false,
@@ -168,7 +170,7 @@ fn the_frame_is_laid_out_as_in_rust() {
         block_count,
         map,
         rounds,
-        pad0,
+        image,
         shape
     );
     assert_eq!(offsets, rust);

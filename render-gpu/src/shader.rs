@@ -1,17 +1,18 @@
 use crate::clock::{Clock, Stage};
+use crate::images::Images;
 use crate::kernel::{Kernel, Slot};
 use crate::kernels;
 use crate::kernels::queue::{CUT, QUEUE_HEADER};
 use crate::layout::{GpuFrame, GpuReceiver};
 use crate::memory::Memory;
-use crate::module::{self, MaterialText, Variant};
+use crate::module::{self, MaterialText, Shown, Variant};
 use crate::occlusion::{Blockers, Occlusion};
 use crate::paper::Paper;
 use crate::{Gpu, GpuError, GpuPose};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
-use lobe_core::{Accuracy, LightId, Method, Sphere};
+use lobe_core::{Accuracy, LightId, LightLobes, Method};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 use visibility_mask::{Fineness, MAX_DEPTH};
@@ -63,6 +64,7 @@ pub struct GpuShader {
     /// The paper's method, where that is asked for.
     paper: Option<Paper>,
     materials: Memory,
+    images: Images,
     /// The most lobes that a material has.
     max_lobes: u32,
     frames: Memory,
@@ -100,6 +102,7 @@ impl GpuShader {
             kernels: Vec::new(),
             paper: None,
             materials: Memory::new("materials", storage),
+            images: Images::default(),
             max_lobes: 0,
             frames: Memory::new("lights", storage | BufferUsages::UNIFORM),
             queue: Memory::new("queue", storage | BufferUsages::COPY_SRC),
@@ -176,7 +179,7 @@ impl GpuShader {
         accuracy: Accuracy,
         materials: MaterialText,
         light: [&'static str; 2],
-        roundness: Option<f32>,
+        (shown, roundness): (Shown, Option<f32>),
     ) -> Result<usize, GpuError> {
         let tolerance = accuracy.tolerance * roundness.map_or(1.0, visibility_mask::filled);
         let variant = Variant {
@@ -187,7 +190,7 @@ impl GpuShader {
             },
             materials,
             light,
-            is_flat: roundness.is_some(),
+            shown,
             strategies: self.blockers.strategies(),
             own: self.blockers.own().to_vec(),
             paper: self.paper.is_some(),
@@ -207,7 +210,7 @@ impl GpuShader {
         Ok(self.kernels.len() - 1)
     }
 
-    /// What does not depend on the slice: kernels, materials; returns each light's number of kernels and the words of a queue item.
+    /// What does not depend on the slice: kernels, materials, images; returns each light's number of kernels and the words of a queue item.
     fn prepare<M: GpuMaterials, L: GpuLight>(
         &mut self,
         frame: &Frame<'_, M, L>,
@@ -234,11 +237,13 @@ impl GpuShader {
         let materials = MaterialText { name, wgsl, is_lambert, has_microfacets };
         let mut kernels = Vec::with_capacity(frame.lights.len());
         for light in frame.lights {
-            let roundness = light.gpu_roundness();
-            let text = if roundness.is_some() { flat } else { round };
-            kernels.push(self.kernels(frame.accuracy, materials.clone(), text, roundness)?);
+            let shown = Shown::of(light);
+            let text = if shown == Shown::Cone { round } else { flat };
+            kernels.push(self.kernels(frame.accuracy, materials.clone(), text, (shown, light.gpu_roundness()))?);
         }
-        Ok((kernels, 1 + u64::from(max_lobes)))
+        self.images.hold(&self.gpu, frame.lights.iter().map(LightLobes::image))?;
+        let words = frame.lights.iter().map(|light| Shown::of(light).words()).max().unwrap_or(1);
+        Ok((kernels, 1 + words * u64::from(max_lobes)))
     }
 
     /// Shades points that are on the GPU, `count` [`GpuReceiver`]s from the beginning of `points`, and writes each one's
@@ -274,11 +279,7 @@ impl GpuShader {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
         let (sphere_count, block_count) = (self.blockers.sphere_count(), self.blockers.block_count());
         for ((number, light), bytes) in (0..).zip(frame.lights).zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
-            // Windows on a flat light are larger than it, whoever looks.
-            let bounds = match light.gpu_roundness() {
-                Some(_) => light.bounds_from(&Sphere { center: Vec3::ZERO, radius: 0.0 }),
-                None => light.bounds(),
-            };
+            let bounds = light.gpu_bounds();
             let mut shape = [[0.0; 4]; GPU_SHAPE];
             shape.iter_mut().zip(light.gpu_shape()).for_each(|(row, of_light)| *row = of_light);
             let uniform = GpuFrame {
@@ -288,7 +289,8 @@ impl GpuShader {
                 tolerance: frame.accuracy.tolerance,
                 threshold: frame.threshold,
                 point_count: part.count as u32,
-                queue_stride: part.stride as u32,
+                queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
+                image: self.images.start(number),
                 sphere_count,
                 block_count,
                 map: self.blockers.map_of(LightId(number)),
@@ -343,6 +345,7 @@ impl GpuShader {
             Slot::Queue => self.queue.whole(),
             Slot::Indirect => self.indirect.whole(),
             Slot::Lists => self.lists.whole(),
+            Slot::Images => self.images.whole(),
             Slot::Tables => self.paper.as_ref().and_then(Paper::resource),
             _ => self.blockers.resource(slot),
         }

@@ -11,7 +11,8 @@ fn light_window(light: Cone, across: vec3f, normal: vec3f) -> UnitSquare {
     if (!light_is_flat()) {
         return square_above(square_facing(light, across), normal);
     }
-    let right = outline_frame(across);
+    // As the image lies that it shows.
+    let right = outline_frame(select(across, outline_side(), outline_has_sides()));
     outline_project(right);
     var low = vec2f(3e38);
     var high = vec2f(-3e38);

@@ -51,6 +51,18 @@ pub const LOBES: &str = concat!(
 /// What lobes of microfacets see, where [`header_of_lobes`] says that there are some; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
 pub const MICROFACETS: &str = include_str!("share_microfacets.wgsl");
 
+/// What is seen of a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and [`IMAGE_MICROFACETS`] or
+/// [`IMAGE_NO_MICROFACETS`].
+pub const IMAGE: &str = include_str!("share_image.wgsl");
+/// Lobes of microfacets in its light; needs [`MICROFACETS`].
+pub const IMAGE_MICROFACETS: &str = include_str!("share_image_microfacets.wgsl");
+/// In place of [`IMAGE_MICROFACETS`] where there are none.
+pub const IMAGE_NO_MICROFACETS: &str = "fn image_alpha(lobe: Lobe) -> f32 { return 0.0; }
+fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare { return whole; }
+fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {}
+fn image_facets(v: vec3f) -> f32 { return 0.0; }
+";
+
 /// The paper's shadow nodes and their lobes; needs [`paper_header`], [`SQUARE`], [`MASK`], [`TOTAL`] and `wgsl::PAPER` of
 /// `lobe-core`, behind whose table the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) follow.
 pub const PAPER: &str = include_str!("paper.wgsl");

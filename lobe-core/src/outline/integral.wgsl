@@ -1,5 +1,5 @@
-// `outline_integral` of outline/integral.rs, over what outline.wgsl holds. Needs outline.wgsl, special.wgsl, lobe.wgsl and
-// outline_microfacets.
+// `outline_integral` of outline/integral.rs, over what outline.wgsl holds. Needs outline.wgsl, special.wgsl, lobe.wgsl, one of
+// microfacets.wgsl and no_microfacets.wgsl, and one of plain.wgsl and image.wgsl.
 
 // Gauss–Legendre rules on [−1, 1] of 2, 4, 8 and 16 nodes: node and weight, one half; then those of 8 and 16 for what begins and ends
 // like a root.
@@ -15,11 +15,10 @@ var<private> outline_rules: array<vec2f, 27> = array(
 );
 
 // Where in the rules one begins, and half its nodes.
-fn outline_rule(length: f32) -> vec2u {
-    if (length < 0.08) { return vec2u(0u, 1u); }
-    if (length < 0.5) { return vec2u(1u, 2u); }
-    return select(vec2u(7u, 8u), vec2u(3u, 4u), length < 1.1);
-}
+const OUTLINE_TWO = vec2u(0u, 1u);
+const OUTLINE_FOUR = vec2u(1u, 2u);
+const OUTLINE_EIGHT = vec2u(3u, 4u);
+const OUTLINE_SIXTEEN = vec2u(7u, 8u);
 
 fn outline_turned_rule(length: f32) -> vec2u { return select(vec2u(19u, 8u), vec2u(15u, 4u), length < 0.5); }
 
@@ -40,6 +39,8 @@ const OUTLINE_NOTHING = 1e-9;
 struct OutlinePeak {
     point: vec2f,
     width: vec2f,
+    // A narrow lobe has its largest value elsewhere: what it gives here is little.
+    is_beside: bool,
 }
 
 const OUTLINE_COSINE = 0u;
@@ -60,19 +61,18 @@ fn outline_local(right: vec3f, v: vec3f) -> vec3f {
 }
 
 // What a lobe of flux 1 gives over the outline.
-fn outline_integral(at: Receiver, lobe: Lobe) -> f32 {
-    var value = 0.0;
+fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
     if (is_lambert(at, lobe)) {
-        value = outline_lambert(at.normal);
-    } else if (lobe.factor >= LOBE_MICROFACETS) {
-        value = outline_microfacets(at.normal, lobe);
-    } else {
-        value = outline_power(at.normal, lobe);
+        return outline_lambert(at.normal);
     }
-    return select(0.0, value, value > 0.0 && value < 3e38);
+    if (lobe.factor >= LOBE_MICROFACETS) {
+        return outline_microfacets(at.normal, lobe);
+    }
+    return outline_power(at.normal, lobe);
 }
 
-fn outline_lambert(normal: vec3f) -> f32 {
+// Lambert's formula, and the angles of the edges together.
+fn outline_closed(normal: vec3f) -> vec2f {
     var sum = 0.0;
     var around = 0.0;
     for (var i = 0u; i < outline.count; i++) {
@@ -86,19 +86,27 @@ fn outline_lambert(normal: vec3f) -> f32 {
             sum += angle * dot(normal, normal_of) / size;
         }
     }
-    if (around > 0.6) {
-        // The polygon around a disc is larger than it.
-        return sum * select(1.0, OUTLINE_ROUND, outline.radius > 0.0) / TAU;
+    // The polygon around a disc is larger than it.
+    return vec2f(sum * select(1.0, OUTLINE_ROUND, outline.radius > 0.0) / TAU, around);
+}
+
+// Of narrower lights the formula cancels.
+const OUTLINE_WIDE = 0.6;
+
+fn outline_lambert(normal: vec3f) -> OutlineSum {
+    let closed = outline_closed(normal);
+    if (closed.y > OUTLINE_WIDE && !OUTLINE_SHOWS) {
+        return OutlineSum(closed.x);
     }
     let right = outline_frame(normal);
     outline_project(right);
     let point = outline_nearest(vec2f(0.0));
     let width = vec2f(sqrt(1.0 + dot(point, point)));
     let value = OutlineValue(OUTLINE_COSINE, true, 0.0, outline_local(right, normal), vec3f(0.0));
-    return outline_cubature(right, OutlinePeak(point, width), value);
+    return outline_cubature(right, OutlinePeak(point, width, false), value);
 }
 
-fn outline_power(normal: vec3f, lobe: Lobe) -> f32 {
+fn outline_power(normal: vec3f, lobe: Lobe) -> OutlineSum {
     let right = outline_frame(lobe.axis);
     outline_project(right);
     let axis = outline_local(right, lobe.axis);
@@ -106,7 +114,7 @@ fn outline_power(normal: vec3f, lobe: Lobe) -> f32 {
     if (lobe.exponent < OUTLINE_STEEP) {
         outline_cut(axis);
         if (outline_point_count == 0u) {
-            return 0.0;
+            return OutlineSum();
         }
     }
     let e = min(lobe.exponent, 1e8);
@@ -118,7 +126,7 @@ fn outline_power(normal: vec3f, lobe: Lobe) -> f32 {
     let aside = cross(axis, vec3f(point, 1.0));
     let sin_sq = dot(aside, aside) / stretch;
     if (!(along > 0.0) || exp_f32(0.5 * e * ln_of(along * along / stretch, -sin_sq)) < OUTLINE_NOTHING) {
-        return 0.0;
+        return OutlineSum();
     }
     // How it falls from there: by its own width, or with the slope that it has beside its axis.
     var slope = axis.xy * (e / max(along, 1e-3 / (1.0 + e))) - point * ((e + 3.0) / stretch);
@@ -129,7 +137,9 @@ fn outline_power(normal: vec3f, lobe: Lobe) -> f32 {
     let sigmas = vec2f(stretch, sqrt(stretch)) * sigma;
     let width = 1.5 * sigmas / max(0.5 * abs(slope) * sigmas, vec2f(1.0));
     let value = OutlineValue(OUTLINE_POWER, lobe.factor > 0.0, 0.5 * e, outline_local(right, normal), axis);
-    return (e + 1.0) / TAU * outline_cubature(right, OutlinePeak(point, width), value);
+    let apart = point - place;
+    let is_beside = sqrt(dot(apart, apart)) > 2.0 * sigma * stretch;
+    return (e + 1.0) / TAU * outline_cubature(right, OutlinePeak(point, width, is_beside), value);
 }
 
 // How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's
@@ -200,7 +210,8 @@ fn outline_value(value: OutlineValue, p: vec3f, inverse: f32) -> f32 {
 }
 
 // Over the projected outline: rows between its corners, or over a disc, as far as its sides let them.
-fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> f32 {
+fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> OutlineSum {
+    outline_begin(right);
     let count = outline_point_count;
     var corners: array<vec2f, OUTLINE_ROOM>;
     var cuts: array<f32, OUTLINE_ROOM>;
@@ -238,7 +249,6 @@ fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> f32
             used += 1u;
         }
     }
-    var sum = 0.0;
     for (var piece = 0u; piece + 1u < used; piece++) {
         let low_cut = outline_place(cuts[piece]);
         let high_cut = outline_place(cuts[piece + 1u]);
@@ -246,7 +256,7 @@ fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> f32
         if (!(length > 1e-6 * (abs(cuts[piece + 1u]) + 1e-6))) {
             continue;
         }
-        var rule = outline_rule(length);
+        var rule = outline_rule(length, peak.is_beside);
         if (is_round) {
             rule = outline_turned_rule(length);
         }
@@ -274,11 +284,11 @@ fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> f32
                 }
             }
             if (ends.x < ends.y && ends.y - ends.x < 3e38) {
-                sum += weight * outline_row(ends, peak.point.y + peak.width.y * y, peak, value);
+                outline_row(ends, peak.point.y + peak.width.y * y, weight, peak, value);
             }
         }
     }
-    return sum * peak.width.x * peak.width.y;
+    return outline_end(peak);
 }
 
 // What of a row is where `side·(x, y, 1)` is above 0.
@@ -287,19 +297,17 @@ fn outline_within(ends: vec2f, side: vec3f, y: f32) -> vec2f {
     return vec2f(select(ends.x, max(ends.x, cut), side.x > 0.0), select(ends.y, min(ends.y, cut), side.x < 0.0));
 }
 
-fn outline_row(ends: vec2f, y: f32, peak: OutlinePeak, value: OutlineValue) -> f32 {
+fn outline_row(ends: vec2f, y: f32, row_weight: f32, peak: OutlinePeak, value: OutlineValue) {
     let low = outline_place(ends.x);
     let high = outline_place(ends.y);
-    let rule = outline_rule(high - low);
-    var sum = 0.0;
+    let rule = outline_rule(high - low, peak.is_beside);
     for (var k = 0u; k < 2u * rule.y; k++) {
         let node = outline_node(rule, k);
         let u = 0.5 * (low + high) + 0.5 * (high - low) * node.x;
         let rest = 1.0 / max((1.0 - u) * (1.0 + u), 1e-12);
-        let x = peak.point.x + peak.width.x * u * sqrt(rest);
-        let inverse = 1.0 / (1.0 + x * x + y * y);
-        let weight = 0.5 * (high - low) * node.y * rest * sqrt(rest);
-        sum += weight * inverse * sqrt(inverse) * outline_value(value, vec3f(x, y, 1.0), inverse);
+        let p = vec3f(peak.point.x + peak.width.x * u * sqrt(rest), y, 1.0);
+        let inverse = 1.0 / dot(p, p);
+        let area = row_weight * 0.5 * (high - low) * node.y * rest * sqrt(rest) * peak.width.x * peak.width.y;
+        outline_sample(p, area, inverse * sqrt(inverse), outline_value(value, p, inverse));
     }
-    return sum;
 }

@@ -9,7 +9,7 @@ fn outline_facets(v: vec3f) -> f32 {
     return select(both.x, both.y, outline_is_edge);
 }
 
-fn outline_microfacets(normal: vec3f, lobe: Lobe) -> f32 {
+fn outline_microfacets(normal: vec3f, lobe: Lobe) -> OutlineSum {
     let surface = microfacets_of(normal, lobe);
     let alpha = sqrt(surface.alpha_sq);
     let mirror = 2.0 * dot(normal, surface.view) * normal - surface.view;
@@ -38,5 +38,5 @@ fn outline_microfacets(normal: vec3f, lobe: Lobe) -> f32 {
     outline_surface = Microfacets(outline_local(right, normal), surface.alpha_sq, outline_local(right, surface.view), surface.shadowing);
     outline_is_edge = lobe.factor == LOBE_EDGE;
     let value = OutlineValue(OUTLINE_FACETS, false, 0.0, outline_surface.normal, axis);
-    return outline_cubature(right, OutlinePeak(point, width), value);
+    return outline_cubature(right, OutlinePeak(point, width, beside > 2.0 * alpha * stretch), value);
 }

@@ -230,6 +230,11 @@ impl Outline {
         self.count > 0 && self.corners[self.count - 1].distance_squared(p) <= 1e-11 * p.length_squared()
     }
 
+    /// Whether a horizon has cut something off it.
+    pub(crate) const fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
     fn push(&mut self, p: Vec3) {
         // A convex polygon is cut in two places: more are of rounding.
         if self.count < Self::ROOM && !self.is_last(p) {

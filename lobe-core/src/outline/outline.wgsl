@@ -24,11 +24,15 @@ var<private> outline_corners: array<vec3f, OUTLINE_ROOM>;
 // On the plane at distance 1 along the axis, in the frame of `outline_project`.
 var<private> outline_points: array<vec2f, OUTLINE_ROOM>;
 var<private> outline_point_count: u32;
+// A step along a half side times its own of these is one, times the other's zero; 0 for lights without places on them.
+var<private> outline_sides: array<vec3f, 2>;
 
 // Outlines end so near before the light's plane.
 const OUTLINE_DEPTH = 0.9999;
 const OUTLINE_BEYOND = 1.531;
 const OUTLINE_WIDEST = 0.9;
+// From a circle to the corners of an octagon around it.
+const OUTLINE_OCTAGON = 1.082393;
 // From a circle to the corners of the polygon around it.
 const OUTLINE_AROUND = 1.008629;
 // Cosine and sine of the first multiples of 15°.
@@ -67,6 +71,7 @@ fn light_middle() -> vec3f {
 // Of the first `count` corners; none where the receiver is in the plane or behind it.
 fn outline_new(count: u32, axis: vec3f) {
     outline = Outline(0u, false, axis, 0.0, vec3f(0.0), 0.0);
+    outline_sides = array<vec3f, 2>();
     var center = vec3f(0.0);
     var height = 0.0;
     var size = 0.0;
@@ -108,6 +113,18 @@ fn outline_disc(center: vec3f, radius: f32, axis: vec3f) {
     outline.center = center;
     outline.radius = radius;
 }
+
+// Gives the light places: from its middle along two half sides at right angles. Windows on it are turned as these are.
+fn outline_set_sides(u: vec3f, v: vec3f) {
+    let across = cross(v, outline.axis);
+    let upward = cross(u, outline.axis);
+    outline_sides = array<vec3f, 2>(across / dot(u, across), upward / dot(v, upward));
+}
+
+fn outline_has_sides() -> bool { return any(outline_sides[0] != vec3f(0.0)); }
+
+// The direction of the first half side.
+fn outline_side() -> vec3f { return cross(outline_sides[1], outline.axis); }
 
 // Leaves what is above the plane through the receiver with this normal; no corners where nothing is.
 fn outline_keep_above(normal: vec3f) {
@@ -219,7 +236,7 @@ fn outline_cone(middle: vec3f) -> Cone {
         let apart = outline_corners[i] - outline.center;
         square = max(square, dot(apart, apart));
     }
-    let reach = sqrt(square) * OUTLINE_BEYOND;
+    let reach = sqrt(square) * select(OUTLINE_BEYOND, OUTLINE_OCTAGON, outline_has_sides());
     let toward = outline.center / sqrt(dot(outline.center, outline.center));
     let u = orthonormal_basis_u(outline.axis);
     let v = orthonormal_basis_v(outline.axis);

@@ -27,7 +27,7 @@ fn classify_point(tile: u32, point: u32) {
     for (var k = 0u; k < lobes; k++) {
         let lobe = brdf_lobe(at.material, at, k);
         // A lobe without flux is not there.
-        var integral = 0.0;
+        var integral = Integral();
         if (any(lobe.flux != vec3f(0.0))) {
             integral = light_integral(at, lobe, cone);
             count(INTEGRALS);
@@ -42,7 +42,7 @@ fn classify_point(tile: u32, point: u32) {
                     queue.items[item] = point;
                     // Lobes below the threshold are left out.
                     for (var before = 0u; before < k; before++) {
-                        queue.items[item + 1u + before] = 0u;
+                        queue_keep(item, before, Integral());
                     }
                 }
             }
@@ -53,7 +53,7 @@ fn classify_point(tile: u32, point: u32) {
             count(PRUNED);
         }
         if (coverage == PARTIAL) {
-            queue.items[item + 1u + k] = bitcast<u32>(integral);
+            queue_keep(item, k, integral);
         }
     }
     told(point, coverage, sum);

@@ -14,7 +14,8 @@ struct Frame {
     map: u32,
     // 2: what a loop that nobody ends early comes to.
     rounds: u32,
-    pad0: u32,
+    // Where the image that the light shows begins in the buffer of images.
+    image: u32,
     // What else the kind of light is told by.
     shape: array<vec4f, 26>,
 }

@@ -6,14 +6,15 @@ use crate::rays::{RAYS, fence};
 use crate::silhouettes::SILHOUETTES;
 use brdf::{Material, MetallicRoughness, ModifiedPhong};
 use core::f32::consts::TAU;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, UVec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{FlatLight, InsideLight, Light, SphereLight, TubeLight};
+use lighting::{AmbientLight, Environment, EnvironmentMap, FlatLight, InsideLight, Light, SphereLight, TubeLight};
 use lobe_core::oracle::Random;
 use lobe_core::paper::{ProductTable, Resolution, Tables};
-use lobe_core::{Lobe, Method, OWN_NONE, Outline, Receiver, Sphere, Unshadowed, outline_integral, wgsl};
+use lobe_core::{LightImage, Lobe, Method, OWN_NONE, Outline, Receiver, Sphere, Unshadowed, outline_integral, wgsl};
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Scene, Shade, builtin};
+use std::sync::Arc;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
@@ -24,6 +25,8 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("flat_lights_and_silhouettes", gpu, |gpu| {
             SILHOUETTES.compare(gpu, "silhouettes", &lit(fence(), tube()), [48, 36], 0.003, 5)
         }),
+        trial("flat_lights_that_show_an_image", gpu, of_images),
+        trial("environments_and_ambient_light", gpu, of_environments),
         trial("flat_lights_are_not_for_the_paper", gpu, refusals),
     ]
 }
@@ -93,7 +96,7 @@ fn integrals(gpu: &Gpu) {
         if (x(12) > 0.0) { outline_disc(outline_corners[0], x(12), axis); } else { outline_new(u32(x(11)), axis); }
         let cone = outline_cone(vec3f(1.0));
         outline_keep_above(at.normal);
-        y(0, outline_integral(at, lobe));
+        y(0, light_integral(at, lobe, cone));
         y(1, cone.one_minus_cos);
         y(2, cone.distance);
         y(3, dot(cone.axis, light_middle()));";
@@ -105,6 +108,8 @@ fn integrals(gpu: &Gpu) {
         wgsl::OUTLINE,
         wgsl::OUTLINE_INTEGRAL,
         wgsl::OUTLINE_MICROFACETS,
+        wgsl::OUTLINE_PLAIN,
+        "fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return 0.0; }",
     ];
     let got = call(gpu, &pieces, body, &rows, INPUTS, 4);
     let (mut sums, mut worst, mut cones) = ([0.0_f64; 4], [0.0_f64; 4], 0.0_f32);
@@ -181,6 +186,59 @@ fn beside_spheres(gpu: &Gpu) {
     for (name, light) in [("panel", panel()), ("disc", disc()), ("standing", standing())] {
         View::new(lit(builtin(), light), 80, 45).compare_spheres(gpu, name, 0.003, 5);
     }
+}
+
+/// A screen of stripes and one of noise, alone and behind balls.
+fn of_images(gpu: &Gpu) {
+    let mut random = Random::new(5);
+    let size = UVec2::new(64, 32);
+    let texel = |k: u32| Vec3::new(if k / 8 % 2 == 0 { 2.0 } else { 0.1 }, random.uniform() as f32, 0.5);
+    let texels: Vec<Vec3> = (0..size.x * size.y).map(texel).collect();
+    let (image, mean) = LightImage::new(size, &texels).expect("an image");
+    let screen = |center: Vec3, u: Vec3, v: Vec3| -> Light {
+        let light = FlatLight::rectangle(center, u, v, mean * 12.0).expect("a rectangle").on_both_sides();
+        light.showing(Arc::new(image.clone())).expect("right angles").into()
+    };
+    let above = screen(Vec3::new(-1.0, 3.0, 1.5), Vec3::X * 0.7, Vec3::new(0.0, 0.2, -0.6));
+    let standing = screen(Vec3::new(-2.1, 0.4, 0.0), Vec3::Z * 1.2, Vec3::Y * 0.8);
+    let (kd, ks) = (Vec3::new(0.5, 0.4, 0.3), Vec3::splat(0.4));
+    let materials: [(&str, Material); 3] = [
+        ("diffuse", Material::lambert(kd)),
+        ("glossy", ModifiedPhong { kd, ks, exponent: 60.0 }.into()),
+        ("metal", MetallicRoughness::new(kd, 0.8, 0.3).expect("in range").into()),
+    ];
+    let mut view = View::new(lit(builtin(), above.clone()), 64, 36);
+    for (name, material) in materials {
+        view.scene.materials.fill(material);
+        view.scene.lights = vec![above.clone(), standing.clone()];
+        let frame = view.frame(0.003, 5);
+        let want = view.cpu(Unshadowed, &frame);
+        let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
+        let got = view.gpu(&mut shader, &frame);
+        assert_same(&format!("images, {name}"), &want, &got);
+    }
+    view.compare_spheres(gpu, "images and balls", 0.003, 5);
+}
+
+fn of_environments(gpu: &Gpu) {
+    let mut view = View::new(builtin(), 48, 27);
+    let world = Sphere { center: Vec3::Y, radius: 6.0 };
+    let gray = |p: Vec3| Vec3::new(0.4, 0.5, 0.7) * (1.5 + p.y) + Vec3::splat(0.3 * (4.0 * p.x).sin().abs());
+    let texels: Vec<Vec3> = (0..32 * 16)
+        .map(|k| {
+            let (x, y) = (TAU * (k % 32) as f32 / 32.0, core::f32::consts::PI * ((k / 32) as f32 + 0.5) / 16.0);
+            gray(Vec3::new(y.sin() * x.cos(), y.cos(), y.sin() * x.sin()))
+        })
+        .collect();
+    let map = EnvironmentMap::new(UVec2::new(32, 16), texels).expect("a map");
+    let ambient = AmbientLight { radiance: Vec3::new(0.2, 0.3, 0.4), world }.into();
+    view.scene.lights = vec![ambient];
+    let frame = view.frame(0.003, 5);
+    let want = view.cpu(Unshadowed, &frame);
+    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
+    assert_same("ambient", &want, &view.gpu(&mut shader, &frame));
+    view.scene.lights = Environment::new(map, 1, world).lights().to_vec();
+    view.compare_spheres(gpu, "environment", 0.005, 5);
 }
 
 fn refusals(gpu: &Gpu) {
