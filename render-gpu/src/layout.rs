@@ -62,6 +62,8 @@ pub(crate) struct GpuFrame {
     /// 2.
     pub(crate) rounds: u32,
     pub(crate) image: u32,
+    pub(crate) number: u32,
+    pub(crate) pad: [u32; 3],
     /// What else the kind of light is told by.
     pub(crate) shape: [[f32; 4]; GPU_SHAPE],
 }

@@ -291,6 +291,7 @@ impl GpuShader {
                 point_count: part.count as u32,
                 queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
                 image: self.images.start(number),
+                number,
                 sphere_count,
                 block_count,
                 map: self.blockers.map_of(LightId(number)),

@@ -110,6 +110,16 @@ const PAIRS: &[Pair] = &[
     ("visibility-silhouettes/src/silhouettes.wgsl", "SILHOUETTES_ROUNDING", Own),
     (
         "visibility-silhouettes/src/silhouettes_splat.wgsl",
+        "SILHOUETTES_WIDEST",
+        Is("visibility-silhouettes/src/blockers.rs", "WIDEST_DISC"),
+    ),
+    (
+        "visibility-silhouettes/src/silhouettes_splat.wgsl",
+        "SILHOUETTES_BESIDE",
+        Is("visibility-silhouettes/src/select.rs", "BESIDE"),
+    ),
+    (
+        "visibility-silhouettes/src/silhouettes_splat.wgsl",
         "SILHOUETTES_NEAR",
         Is("visibility-silhouettes/src/project.rs", "NEAR"),
     ),

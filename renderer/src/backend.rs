@@ -14,7 +14,7 @@ use {
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion},
     scene::Scene,
     visibility_shadowmap::ShadowMapBlockers,
-    visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh},
+    visibility_silhouettes::GpuSilhouettes,
     visibility_spheres::SphereBlockers,
 };
 
@@ -105,14 +105,14 @@ pub struct GpuBackend {
 #[cfg(feature = "gpu")]
 impl GpuBackend {
     /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each whether they do: the
-    /// same scene with each call. Those objects are by the silhouettes of `outlines`, or by rays where there are none.
+    /// same scene with each call. Those objects are by `silhouettes`, or by rays where there are none.
     pub(crate) fn occluded(
         &mut self,
         method: Method<'_>,
         spheres: Option<&SphereBlockers>,
         maps: Option<&ShadowMapBlockers>,
         traced: Option<(&Scene, Vec<bool>)>,
-        outlines: &[SilhouetteMesh],
+        silhouettes: Option<&GpuSilhouettes>,
     ) -> Result<&mut GpuShader, GpuError> {
         if let Some((scene, objects)) = traced {
             match &mut self.world {
@@ -127,8 +127,7 @@ impl GpuBackend {
             self.world = None;
         }
         self.shader.set_method(method);
-        let silhouettes = (!outlines.is_empty()).then(|| GpuSilhouettes::new(outlines));
-        let own = silhouettes.as_ref().map(|silhouettes| silhouettes as &dyn GpuBlockers);
+        let own = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
         let (rays, any_hit) = match (self.world.as_ref().map(|(world, _)| world), own) {
             (world, None) => (world, None),
             (world, Some(_)) => (None, world),

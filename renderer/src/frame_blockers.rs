@@ -8,11 +8,9 @@ use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
 #[cfg(feature = "gpu")]
 use {
-    glam::Vec3,
-    lighting::Light,
+    lobe_core::Sphere,
     lobe_core::gpu::GpuLight as _,
-    lobe_core::{LightLobes as _, Sphere},
-    visibility_silhouettes::AnyHit,
+    visibility_silhouettes::{AnyHit, GpuSilhouettes},
 };
 
 /// In which form visibility meets reflectance, ready to be used.
@@ -70,24 +68,27 @@ impl<'a> FrameBlockers<'a> {
         Self { world, spheres, maps, silhouettes, rays, meshes, traced }
     }
 
-    /// The meshes that a GPU can have by silhouettes; what is exact by these is exact by rays, too: where others are by rays anyway, or
-    /// where a light holds parts of triangles, or the plane of a flat one cuts them next to it.
+    /// The meshes by silhouettes as a GPU has them. None where others are by rays anyway, or where a ball of light holds parts of triangles:
+    /// what is exact by these is exact by rays, too.
     #[cfg(feature = "gpu")]
-    fn outlines(&self) -> &'a [SilhouetteMesh] {
-        let Some(silhouettes) = self.silhouettes.as_ref().filter(|_| self.rays.is_none()) else { return &[] };
-        let hits = silhouettes.any_hit();
-        let holds = |light: &Light| {
-            let mut is_met = false;
-            let around = match light {
-                _ if light.gpu_roundness().is_some() => light.bounds_from(&Sphere { center: Vec3::ZERO, radius: 0.0 }),
-                _ => light.ball().unwrap_or(Sphere { center: Vec3::ZERO, radius: 0.0 }),
-            };
-            if around.radius > 0.0 {
-                hits.triangles_meeting(around, &mut |corners| is_met |= cuts(light, corners));
-            }
-            is_met
+    fn gpu_silhouettes(&self) -> Option<GpuSilhouettes> {
+        let silhouettes = self.silhouettes.as_ref().filter(|_| self.rays.is_none())?;
+        let meeting = |ball: Sphere| {
+            let mut triangles = Vec::new();
+            silhouettes.any_hit().triangles_meeting(ball, &mut |corners| triangles.push(corners));
+            triangles
         };
-        if self.world.scene().lights.iter().any(holds) { &[] } else { self.meshes }
+        let mut cut = Vec::new();
+        for light in &self.world.scene().lights {
+            let is_flat = light.gpu_roundness().is_some();
+            let ball = if is_flat { Some(light.gpu_bounds()) } else { light.ball() };
+            let triangles = ball.filter(|ball| ball.radius > 0.0).map(meeting).unwrap_or_default();
+            if !is_flat && !triangles.is_empty() {
+                return None;
+            }
+            cut.push(triangles);
+        }
+        Some(GpuSilhouettes::new(self.meshes).with_cut(&cut))
     }
 
     /// Does the work with the shader that these blockers make. What is not there is not in the shader; mixtures of any kinds
@@ -98,14 +99,14 @@ impl<'a> FrameBlockers<'a> {
     pub fn shade<W: Work>(self, backend: &mut Backend, form: Form<'_>, work: W) -> Result<W::Output, RenderError> {
         #[cfg(feature = "gpu")]
         if let Backend::Gpu(gpu) = backend {
-            let outlines = self.outlines();
+            let silhouettes = self.gpu_silhouettes();
             let traced = self.traced.contains(&true).then(|| (self.world.scene(), self.traced));
             let method = match form {
                 Form::Fractions => Products::Moments,
                 Form::Lobes => return Err(RenderError::NotOnGpu(crate::backend::LOBES)),
                 Form::Paper(tables) => Products::Paper(tables),
             };
-            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced, outlines)?);
+            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced, silhouettes.as_ref())?);
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
@@ -140,29 +141,6 @@ impl<'t> Form<'t> {
         }
     }
 }
-
-/// Whether a triangle that meets a light, or what is next to a flat one, ends there for some receiver: on its lit side it reaches to its
-/// plane. What lies in the plane, as a lamp's face, does not.
-#[cfg(feature = "gpu")]
-fn cuts(light: &Light, corners: [Vec3; 3]) -> bool {
-    match light {
-        Light::Inside(inside) => cuts(&inside.light, corners),
-        Light::Flat(light) => {
-            let (middle, _) = light.as_disc();
-            let heights = corners.map(|p| light.normal().dot(p - middle));
-            let [low, high] = [heights.into_iter().reduce(f32::min), heights.into_iter().reduce(f32::max)]
-                .map(Option::unwrap_or_default);
-            let slack = IN_THE_PLANE * light.area().sqrt();
-            let reaches = |low: f32, high: f32| high > slack && low < slack;
-            reaches(low, high) || light.two_sided && reaches(-high, -low)
-        }
-        _ => true,
-    }
-}
-
-/// Heights above a light's plane, in its size, that are rounding.
-#[cfg(feature = "gpu")]
-const IN_THE_PLANE: f32 = 1e-5;
 
 /// Something to be done with a shader of whatever device and visibility.
 pub trait Work {

@@ -18,6 +18,9 @@ const DETAIL: f32 = 4.0;
 /// Triangles that may be cut are asked for in a ball so much larger than the shaft's end.
 const AROUND: f32 = 1.001;
 
+/// Edges are added up before no wider disc than this, `1 − cos θ`.
+const WIDEST_DISC: f32 = 0.9;
+
 /// What answers the one question that outlines leave open: whether a ray meets any triangle.
 ///
 /// It must know the same triangles as the meshes.
@@ -294,9 +297,12 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if let Some(face) = scratch.facet {
             edges.add_plane(face, query.cone);
         }
-        // A flat light's cone may be a hemisphere.
-        let light = if query.outline.is_some() { query.cone } else { &scratch.cone };
-        dispatch!(Level::new(), simd => add_edges(simd, query.cone, light, &scratch.silhouettes, edges));
+        let mut light = scratch.cone;
+        if query.outline.is_some() {
+            // A flat light's cone may be a hemisphere, which has no disc.
+            light.one_minus_cos = light.one_minus_cos.min(WIDEST_DISC);
+        }
+        dispatch!(Level::new(), simd => add_edges(simd, query.cone, &light, &scratch.silhouettes, edges));
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {

@@ -23,8 +23,8 @@ type Row = [u32; 4];
 /// certain, else by twice as many digits. All sums are of whole numbers, so two runs give the same masks.
 ///
 /// # Domain
-/// Lights that no triangle reaches into, and lights that are seen as discs: flat ones are not for GPUs yet. What rays meet are the
-/// same triangles, no more.
+/// Balls of light that no triangle reaches into. Of flat lights the triangles that their planes may cut are to be told
+/// ([`with_cut`](Self::with_cut)). What rays meet are the same triangles, no more.
 ///
 /// # Cost
 /// 100 bytes a triangle, packed anew by each [`new`](Self::new).
@@ -43,6 +43,9 @@ pub struct GpuSilhouettes {
     /// Nodes from the root to a leaf, at most.
     depth: usize,
 }
+
+/// Rows before the nodes: where nodes, corners, triangles and edges begin; where the list of lights begins, and how long it is.
+const HEADER: usize = 2;
 
 /// Kernels are made for multiples of this depth, so that most scenes share them.
 const DEPTH_STEP: usize = 4;
@@ -82,15 +85,29 @@ impl GpuSilhouettes {
         if first.is_empty() {
             first = node([].into_iter());
         }
-        let corners = 1 + first.len();
+        let corners = HEADER + first.len();
         let triangles = corners + packed.corners.len();
         let edges = triangles + packed.triangles.len();
-        let mut rows = vec![[1, corners, triangles, edges].map(|at| at as u32)];
+        let mut rows = vec![[HEADER, corners, triangles, edges].map(|at| at as u32), [0; 4]];
         rows.append(&mut first);
         rows.append(&mut packed.corners);
         rows.append(&mut packed.triangles);
         rows.append(&mut packed.edges);
         Self { rows, depth: depth.max(1).next_multiple_of(DEPTH_STEP) }
+    }
+
+    /// For each light of the frames the triangles of these meshes that its plane may cut next to it: of a light with an outline all that
+    /// meet the ball of [`gpu_bounds`](lobe_core::gpu::GpuLight::gpu_bounds), of others none. Surfaces block up to that plane.
+    #[must_use]
+    pub fn with_cut(mut self, triangles: &[Vec<[Vec3; 3]>]) -> Self {
+        self.rows[1] = [self.rows.len() as u32, triangles.len() as u32, 0, 0];
+        let mut start = self.rows.len() + triangles.len();
+        for of_light in triangles {
+            self.rows.push([start as u32, of_light.len() as u32, 0, 0]);
+            start += 3 * of_light.len();
+        }
+        self.rows.extend(triangles.iter().flatten().flatten().map(|p| floats(p.to_array(), 0)));
+        self
     }
 }
 

@@ -158,15 +158,20 @@ fn side<S: Simd>(
     (value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero)), unsure)
 }
 
+/// Depths below this part of an edge's size are rounding.
+const BESIDE: f32 = 1e-5;
+
 /// Adds the parts of silhouettes that lie before a part of a light to the directions that a mask is turned by: those that lie
 /// before the light at all, since of others only some are listed.
 #[inline(always)]
 pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes: &Silhouettes, edges: &mut Edges) {
-    let near = if light.distance.is_finite() { 1e-6 * light.distance } else { f32::MIN_POSITIVE };
-    let far = light.distance * light.cos() * light.cos();
-    let [near, far] = [near, far].map(|depth| f32x8::splat(simd, depth));
+    let is_finite = light.distance.is_finite();
+    let (nearest, far) = (1e-6 * light.distance, light.distance * light.cos() * light.cos());
+    let [nearest, far] = [nearest, far].map(|depth| f32x8::splat(simd, depth));
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
+        // Where an edge passes beside the receiver, far outside of the disc of a light at infinity, it has no depth but rounding.
+        let near = if is_finite { nearest } else { (a.dot_each(a) + b.dot_each(b)).sqrt() * BESIDE };
         // Of what is behind the light or the receiver some is listed and some is not.
         let [depth_a, depth_b] = [a.dot(light.axis), b.dot(light.axis)];
         let edge = b.minus_each(a);

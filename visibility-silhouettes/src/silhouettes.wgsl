@@ -1,5 +1,6 @@
 // Edges of meshes, and which of them are silhouettes before a receiver's light: `select.rs` and `hull.rs`. Needs geometry.wgsl of
-// lobe-core, the functions `any_hit…` of `GpuBlockers`, and SILHOUETTES_DEPTH, the depth of the hierarchy.
+// lobe-core and what it has for outlines, frame.wgsl of render-gpu, the functions `any_hit…` of `GpuBlockers`, and SILHOUETTES_DEPTH, the depth of
+// the hierarchy.
 
 // Error of n·x + d in f32, as a part of |d| + |x| + |y| + |z|: below it a sign is not known.
 const SILHOUETTES_UNSURE = 6e-7;
@@ -170,6 +171,15 @@ fn silhouettes_beside(eye: SilhouetteEye, a: vec3f, b: vec3f) -> bool {
     let comes = turns.y > 0.0 && (turns.x > 0.0 || !front.x);
     let outside = (depth * depth < squares * (cos * cos * (2.0 - SILHOUETTES_AROUND_SQ))) | !front;
     return !any(front) || ((leaves || comes) && all(outside));
+}
+
+// Where the triangles begin that the light's plane may cut, three rows each, and how many they are.
+fn silhouettes_near() -> vec2u {
+    let lights = silhouettes_data[1].xy;
+    if (!light_is_flat() || frame.number >= lights.y) {
+        return vec2u(0u);
+    }
+    return silhouettes_data[lights.x + frame.number].xy;
 }
 
 // How much of the light the receiver's own facet hides.

@@ -7,6 +7,10 @@
 // Ends nearer than this part of the light's distance are clipped: they are far outside of the window.
 const SILHOUETTES_NEAR = 1e-7;
 const SILHOUETTES_FAR_OUTSIDE = 1e7;
+// Depths below this part of an edge's size are rounding.
+const SILHOUETTES_BESIDE = 1e-5;
+// Edges are added up before no wider disc than this, 1 − cos θ.
+const SILHOUETTES_WIDEST = 0.9;
 // Where fewer than this part of what is lit has the fewest surfaces, the next number is asked about as well.
 const SILHOUETTES_FEW = 128u;
 // Lengths are rounded to this part of the disc's radius.
@@ -178,9 +182,11 @@ fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
 fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
     // A flat light's cone may be a hemisphere.
     let light = silhouettes_light;
-    let far = silhouettes_far(light);
+    let far = eye.far;
     let depth = vec2f(dot(a, light.axis), dot(b, light.axis));
-    let near = select(1e-6 * light.distance, 1e-37, light.distance > 1e30);
+    // Where an edge passes beside the receiver, far outside of the disc of a light at infinity, it has no depth but rounding.
+    let beside = SILHOUETTES_BESIDE * sqrt(dot(a, a) + dot(b, b));
+    let near = select(1e-6 * light.distance, beside, light.distance > 1e30);
     // Of what is behind the light or the receiver some is listed and some is not.
     if (all(depth < vec2f(near)) || all(depth > vec2f(far))) {
         return;
@@ -240,7 +246,6 @@ fn silhouettes_cut(depth: f32, start: vec3f, end: vec3f) -> vec3f {
 // Counts an edge where it crosses the rows, and its ends between them.
 fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
     let view = silhouettes_view;
-    let raster = view.raster;
     var a = square_local(view.square, world_a);
     var b = square_local(view.square, world_b);
     let is_near = vec2f(a.z, b.z) < vec2f(view.near);
@@ -263,6 +268,42 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
             }
         }
     }
+    silhouettes_count(a, b, line, step);
+}
+
+// The outlines in which a flat light's plane cuts triangles: from where a triangle goes behind it to where it comes back.
+fn silhouettes_draw_cut(lane: u32, eye: SilhouetteEye) {
+    let near = silhouettes_near();
+    for (var t = lane; t < near.y; t += LANES) {
+        var corners: array<vec3f, 3>;
+        var local: array<vec3f, 3>;
+        for (var k = 0u; k < 3u; k++) {
+            corners[k] = bitcast<vec3f>(silhouettes_data[near.x + 3u * t + k].xyz);
+            local[k] = square_local(silhouettes_view.square, corners[k] - eye.x);
+        }
+        let far = silhouettes_view.far;
+        var start = vec3f(0.0);
+        var end = vec3f(0.0);
+        for (var k = 0u; k < 3u; k++) {
+            let a = local[k];
+            let b = local[(k + 1u) % 3u];
+            if (a.z >= far && b.z < far) {
+                end = silhouettes_cut(far, b, a);
+            } else if (a.z < far && b.z >= far) {
+                start = silhouettes_cut(far, a, b);
+            }
+        }
+        let side = any_hit_side(corners[0], corners[1], corners[2], eye.x);
+        if (start.z > 0.0 && end.z > 0.0 && side != 0.0) {
+            silhouettes_count(start, end, cross(start, end - start), select(-1, 1, side > 0.0));
+        }
+    }
+}
+
+// Counts an edge between two points of the square's frame, before the light, with the normal of the plane through them.
+fn silhouettes_count(a: vec3f, b: vec3f, line: vec3f, step: i32) {
+    let view = silhouettes_view;
+    let raster = view.raster;
     // Once a vertex: the same for all its edges, whichever end it is.
     var x: array<f32, 2>;
     var row: array<f32, 2>;
@@ -332,6 +373,7 @@ fn silhouettes_scan(lane: u32, eye: SilhouetteEye, above: i32) -> SilhouetteFewe
             }
         }
         workgroupBarrier();
+        silhouettes_draw_cut(lane, eye);
         silhouettes_each(lane, eye);
         if (first == 0u) {
             for (var j = 0u; j <= lane; j++) {
@@ -408,7 +450,8 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
     silhouettes_window = window;
     silhouettes_light = eye.cone;
     if (light_is_flat()) {
-        silhouettes_light = window;
+        // A flat light's cone may be a hemisphere, which has no disc.
+        silhouettes_light.one_minus_cos = min(eye.cone.one_minus_cos, SILHOUETTES_WIDEST);
     }
     silhouettes_adds = true;
     silhouettes_each(lane, eye);

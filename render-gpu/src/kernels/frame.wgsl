@@ -16,6 +16,11 @@ struct Frame {
     rounds: u32,
     // Where the image that the light shows begins in the buffer of images.
     image: u32,
+    // Which light of the frame it is.
+    number: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
     // What else the kind of light is told by.
     shape: array<vec4f, 26>,
 }

@@ -5,14 +5,15 @@ use crate::gbuffer::{globe, large_floor};
 use crate::rays::{Shaded, Ways, check_alike, check_picture, fence, frame, unshadowed};
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
-use lobe_core::gpu::GpuBlockers;
+use lighting::Light;
+use lobe_core::gpu::{GpuBlockers, GpuLight as _};
 use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Method, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use render_gpu::{Gpu, GpuError, GpuShader, GpuWorld, Occlusion};
 use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility};
-use visibility_silhouettes::{GpuSilhouettes, SilhouetteBlockers};
+use visibility_silhouettes::{AnyHit as _, GpuSilhouettes, SilhouetteBlockers};
 use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -38,6 +39,16 @@ fn is_mesh(scene: &Scene, object: u32) -> bool {
 fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
     let world = GpuWorld::only(gpu, scene, |o| is_mesh(scene, o)).expect("geometry");
     let blockers = GpuSilhouettes::new(SceneSilhouettes::new(scene, |o| is_mesh(scene, o)).meshes());
+    let geometry = World::new(scene);
+    let hits = SurfaceHits::new(&geometry, |o| is_mesh(scene, o));
+    let cut = |light: &Light| {
+        let mut triangles = Vec::new();
+        if light.gpu_roundness().is_some() {
+            hits.triangles_meeting(light.gpu_bounds(), &mut |corners| triangles.push(corners));
+        }
+        triangles
+    };
+    let blockers = blockers.with_cut(&scene.lights.iter().map(cut).collect::<Vec<_>>());
     let occlusion = Occlusion { own: &[&blockers], any_hit: Some(&world), ..Occlusion::default() };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let mut out = vec![Vec3::NAN; points.receivers.len()];
