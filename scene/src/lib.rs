@@ -99,6 +99,7 @@ mod skeleton;
 mod strategy;
 mod surface;
 mod texture;
+mod texture_level;
 #[cfg(test)]
 mod texture_tests;
 mod toml_reader;
