@@ -72,6 +72,7 @@ mod gltf_nodes;
 #[cfg(test)]
 mod gltf_tests;
 mod gltf_texture;
+mod height;
 mod image_file;
 mod keys;
 mod load;
