@@ -176,3 +176,19 @@ fn levels_and_taps_are_means() {
         }
     }
 }
+
+/// The widest image, texel by texel, at a place that single precision just tells apart.
+#[test]
+fn the_largest_image_keeps_its_texels_apart() {
+    let width = Texture::MAX_SIDE;
+    let texels = (0..width).map(|i| [(i % 251) as u8, (i / 251) as u8, 0, 255]).collect();
+    let texture = Texture::new("wide", [width, 1], texels, Encoding::Linear);
+    for i in [0, 1, 250, 251, 8191, 8192, 12_345, width - 1] {
+        for (far, wrap) in [(0.0, Wrap::Clamp), (-90.0, Wrap::Repeat), (100.0, Wrap::Repeat), (126.0, Wrap::Mirror)] {
+            let u = far + (i as f32 + 0.5) / width as f32;
+            let got = texture.sample(Vec2::new(u, 0.5), NEAR, [wrap; 2], false);
+            let number = (got[0] * 255.0).round() as u32 + 251 * (got[1] * 255.0).round() as u32;
+            assert_eq!(number, i, "{far} {wrap:?}");
+        }
+    }
+}

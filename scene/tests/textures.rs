@@ -73,6 +73,9 @@ fn what_is_wrong_with_an_image_is_said_at_its_line() {
     std::fs::write(folder.path().join("short.png"), &whole[..whole.len() / 2]).expect("a file");
     std::fs::write(folder.path().join("text.png"), "no image").expect("a file");
     std::fs::write(folder.path().join("empty.png"), "").expect("a file");
+    // What may hold NaN, and has no place in [0, 1].
+    std::fs::write(folder.path().join("nan.hdr"), "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n").expect("a file");
+    std::fs::write(folder.path().join("nan.exr"), [0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]).expect("a file");
     // A header that promises 16 384 × 16 384 texels, and one beyond.
     for (name, side) in [("lie.png", 16384u32), ("large.png", 20000)] {
         let mut lie = whole.clone();
@@ -88,6 +91,8 @@ fn what_is_wrong_with_an_image_is_said_at_its_line() {
         (lambert("\"short.png\""), "image \"short.png\""),
         (lambert("\"text.png\""), "unknown format"),
         (lambert("\"empty.png\""), "unknown format"),
+        (lambert("\"nan.hdr\""), "unknown format: expected PNG, JPEG, BMP or TGA"),
+        (lambert("\"nan.exr\""), "unknown format: expected PNG, JPEG, BMP or TGA"),
         (lambert("\"lie.png\""), "image \"lie.png\""),
         (lambert("\"large.png\""), "image \"large.png\""),
         (lambert("\".\""), "not a regular file"),
