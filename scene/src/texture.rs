@@ -36,7 +36,7 @@ pub struct Texture {
     levels: Arc<Levels>,
 }
 
-/// Of numbers and of colours.
+/// Numbers as they are; colours as linear values.
 enum Levels {
     Bytes(Vec<Level<[u8; 4]>>),
     Words(Vec<Level<[u16; 4]>>),
@@ -61,8 +61,10 @@ struct Rows {
     texels: Vec<Texel>,
 }
 
-/// The most taps of a lookup along a footprint that is longer than wide: one more than these.
+/// A footprint has one tap, and one more for each of these that the ratio of its sides, squared, is above.
 const TAPS_BEYOND: [f32; 7] = [1.0, 4.0, 9.0, 16.0, 25.0, 36.0, 49.0];
+
+/// Of each of one to eight taps.
 const SHARES: [f32; 8] = [1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0, 1.0 / 8.0];
 
 impl Texture {

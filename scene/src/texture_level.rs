@@ -34,7 +34,7 @@ impl Stored for [u8; 4] {
     }
 }
 
-/// Linear values of sRGB: a twentieth of the step from the darkest colour to black.
+/// Fine enough for linear values: the darkest colour of sRGB that is not black is 20.
 impl Stored for [u16; 4] {
     const SCALE: f32 = 1.0 / 65535.0;
 
