@@ -18,7 +18,7 @@ use std::path::Path;
 /// a normal map where its colours are normals.
 pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
     let text = String::from_utf8_lossy(&load::read(path)?).into_owned();
-    let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new(), is_cut_out: false };
+    let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new() };
     let (mut all, mut entry): (HashMap<String, Look>, Option<Entry>) = (HashMap::new(), None);
     let unified = text.replace("\r\n", "\n").replace('\r', "\n");
     for (number, line) in unified.split('\n').enumerate() {
@@ -33,8 +33,8 @@ pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String
         }
     }
     all.extend(entry.map(Entry::finish));
-    let (unread, is_cut_out) = (core::mem::take(&mut reader.unread), reader.is_cut_out);
-    if is_cut_out {
+    let unread = core::mem::take(&mut reader.unread);
+    if all.values().any(|look| look.cut_out.is_some()) {
         context.warn(path, "surfaces that are not opaque are cut out where their opacity is below a half");
     }
     if !unread.is_empty() {
@@ -52,6 +52,7 @@ struct Entry {
     ns: Option<f32>,
     /// What it is cut out along.
     opacity: Option<f32>,
+    transparency: Option<f32>,
     opacity_map: Option<TextureMap>,
     /// Which of the two the format's number of a model leaves out.
     is_matte: bool,
@@ -62,7 +63,8 @@ struct Entry {
 
 impl Entry {
     fn finish(self) -> (String, Look) {
-        let Self { name, kd, ks, ns, opacity, opacity_map, is_matte, roughness, metallic, mut surface } = self;
+        let Self { name, kd, ks, ns, opacity, transparency, opacity_map, is_matte, roughness, metallic, mut surface } =
+            self;
         let white = |map: &Option<TextureMap>| if map.is_some() { Vec3::ONE } else { Vec3::ZERO };
         let kd = kd.unwrap_or(if surface.color.is_some() { Vec3::ONE } else { Vec3::splat(0.5) });
         let ks = ks.unwrap_or(white(&surface.specular));
@@ -85,7 +87,7 @@ impl Entry {
             let alone = if surface.exponent.is_some() { 1000.0 } else { 0.0 };
             Phong { kd: kd * FRAC_1_PI, ks: ks * FRAC_1_PI, exponent: ns.unwrap_or(alone) }.into()
         };
-        let factor = unit(opacity.unwrap_or(1.0));
+        let factor = unit(opacity.unwrap_or(1.0 - transparency.unwrap_or(0.0)));
         let is_whole = opacity_map.is_none() && factor == 1.0;
         let cut_out = (!is_whole).then_some(CutOut { map: opacity_map, factor, limit: 0.5 });
         (name, Look { material, surface, cut_out })
@@ -98,7 +100,6 @@ struct Reader<'a> {
     textures: HashMap<(String, Use), Option<(Texture, f32)>>,
     /// Words that mean something and are not read.
     unread: Vec<String>,
-    is_cut_out: bool,
 }
 
 /// What an image is.
@@ -138,16 +139,10 @@ impl Reader<'_> {
                 let bump = self.map(rest, of)?;
                 surface.normal = surface.normal.take().or(bump);
             }
-            "map_d" => {
-                entry.opacity_map = self.map(rest, |o| Use::Opacity(o.source))?.map(|(map, _)| map);
-                self.is_cut_out |= entry.opacity_map.is_some();
-            }
-            "d" | "Tr" if !rest.starts_with("-halo") => {
-                let x = number(word, rest)?;
-                let opacity = if word == "d" { x } else { 1.0 - x };
-                self.is_cut_out |= opacity < 1.0;
-                entry.opacity = Some(opacity);
-            }
+            "map_d" => entry.opacity_map = self.map(rest, |o| Use::Opacity(o.source))?.map(|(map, _)| map),
+            "d" if !rest.starts_with("-halo") => entry.opacity = Some(number(word, rest)?),
+            // Some files mean the opposite by it: the other one, where it stands, is sure.
+            "Tr" => entry.transparency = Some(number(word, rest)?),
             "Ka" | "map_Ka" | "Ni" | "Tf" | "sharpness" => {}
             _ if self.unread.iter().any(|known| known == word) => {}
             _ => self.unread.push(word.to_owned()),

@@ -185,13 +185,17 @@ fn a_library_has_images_of_every_kind() {
         "m.mtl",
         "newmtl grey\nmap_d mask.png\nnewmtl alpha\nmap_Kd alpha.png\nmap_d alpha.png\n\
          newmtl green\nmap_d -imfchan g alpha.png\nnewmtl clear\nd 0.3\nnewmtl misty\nTr 0.4\n\
+         newmtl glass\nTr 0.6\nnewmtl unsure\nTr 1\nd 1\n\
          newmtl rough\nbump -bm 2 -clamp on ramp.png\nnewmtl carved\nmap_Bump -bm 0.5 normals.png\n\
          newmtl both\nbump ramp.png\nnorm normals.png\n\
          newmtl gloss\nKs 0.5 0.5 0.5\nNs 200\nmap_Ns -imfchan b gloss.png\nmap_Ks gloss.png\n\
          newmtl glossy\nKs 1 1 1\nmap_Ns gloss.png\nnewmtl metal\nmap_Pr gloss.png\nmap_Pm -imfchan g gloss.png\n",
     );
     let mut obj = "mtllib m.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n".to_owned();
-    let names = ["grey", "alpha", "green", "clear", "misty", "rough", "carved", "both", "gloss", "glossy", "metal"];
+    let names = [
+        "grey", "alpha", "green", "clear", "misty", "glass", "unsure", "rough", "carved", "both", "gloss", "glossy",
+        "metal",
+    ];
     for name in names {
         obj += &format!("usemtl {name}\nf 1/1 2/2 3/3 4/4\n");
     }
@@ -205,6 +209,7 @@ fn a_library_has_images_of_every_kind() {
     // The line runs between the middles of two texels.
     assert!((area("grey") - 2.0).abs() < 0.05 && (area("alpha") - 2.0).abs() < 0.05, "{}", area("grey"));
     assert_eq!([area("green"), area("clear"), area("misty")], [4.0, 0.0, 4.0]);
+    assert_eq!([area("glass"), area("unsure")], [0.0, 4.0]);
     let surface = |name: &str| scene.surface(object(name).expect(name).material).expect(name);
     let normal = |name: &str| {
         let place = |_| TexturePlace { uv: glam::Vec2::splat(0.45), ..TexturePlace::default() };
