@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let spheres =
         SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances).with_self_shadows(&set.self_shadows);
     let frame = Frame {
-        materials: &scene.materials,
+        materials: &g.materials,
         lights: &scene.lights,
         accuracy: Accuracy { tolerance: 0.005, depth },
         threshold: 0.0,

@@ -38,7 +38,7 @@ fn shade<V: VisibilityLobes>(
     tolerance: f32,
     threshold: f32,
 ) -> (Picture, ShadeStats) {
-    let (materials, lights) = (&scene.materials, &scene.lights);
+    let (materials, lights) = (&g.materials, &scene.lights);
     let frame = Frame { materials, lights, accuracy: Accuracy::new(tolerance), threshold };
     let mut out = vec![Vec3::ZERO; g.len()];
     let (stats, _) = shader.shade_layers(&g.points, &frame, &mut out).expect("room for all lobes");

@@ -14,8 +14,10 @@ use glam::Vec3;
 pub struct Factors {
     /// Of the diffuse part, or a metallic–roughness material's base.
     pub color: Vec3,
-    /// Of Phong's `ks` and the scales of Lafortune's lobes.
+    /// Of Phong's `ks`, the scales of Lafortune's lobes, and what a metallic–roughness material's coat reflects at normal incidence.
     pub specular: Vec3,
+    /// Of all that this coat reflects.
+    pub coat: f32,
     /// Of the exponents.
     pub exponent: f32,
     /// Of metalness.
@@ -26,7 +28,8 @@ pub struct Factors {
 
 impl Factors {
     /// Nothing changes.
-    pub const ONE: Self = Self { color: Vec3::ONE, specular: Vec3::ONE, exponent: 1.0, metallic: 1.0, roughness: 1.0 };
+    pub const ONE: Self =
+        Self { color: Vec3::ONE, specular: Vec3::ONE, coat: 1.0, exponent: 1.0, metallic: 1.0, roughness: 1.0 };
 
     /// The same within [0, 1]; 0 for NaN.
     fn clamped(self) -> Self {
@@ -35,6 +38,7 @@ impl Factors {
         Self {
             color: color(self.color),
             specular: color(self.specular),
+            coat: unit(self.coat),
             exponent: unit(self.exponent),
             metallic: unit(self.metallic),
             roughness: unit(self.roughness),
@@ -67,7 +71,8 @@ impl Material {
     /// Some nanoseconds, and an allocation for Lafortune's.
     #[must_use]
     pub fn scaled(&self, by: &Factors) -> Self {
-        let Factors { color, specular, exponent, metallic, roughness } = by.clamped();
+        let by = by.clamped();
+        let Factors { color, specular, exponent, .. } = by;
         match self {
             Self::Lambert(m) => Lambert { albedo: m.albedo * color }.into(),
             Self::Phong(m) => Phong { kd: m.kd * color, ks: m.ks * specular, exponent: m.exponent * exponent }.into(),
@@ -79,7 +84,7 @@ impl Material {
                     |l: &LafortuneLobe| LafortuneLobe::new(l.matrix(), l.exponent() * exponent, l.scale() * specular);
                 Lafortune { diffuse: m.diffuse * color, lobes: m.lobes.iter().map(scaled).collect() }.into()
             }
-            Self::MetallicRoughness(m) => m.scaled(color, metallic, roughness).into(),
+            Self::MetallicRoughness(m) => m.scaled(&by).into(),
         }
     }
 }

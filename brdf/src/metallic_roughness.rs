@@ -4,7 +4,7 @@ use crate::ggx::{FAMILY_COUNT, Row, SPREAD};
 use crate::rows::{ROWS, RowTable};
 use crate::sampling::{cosine_power_direction, luminance};
 use crate::visible_normals::VisibleNormals;
-use crate::{Brdf, BrdfSample, MaterialError};
+use crate::{Brdf, BrdfSample, Factors, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis};
@@ -95,12 +95,13 @@ impl MetallicRoughness {
     }
 
     /// One of many, a point's own: its parameters times factors in [0, 1].
-    pub(crate) fn scaled(&self, base: Vec3, metallic: f32, roughness: f32) -> Self {
+    pub(crate) fn scaled(&self, by: &Factors) -> Self {
+        let [f0, f90] = self.coat;
         Self {
-            base: self.base * base,
-            metallic: self.metallic * metallic,
-            roughness: self.roughness * roughness,
-            coat: self.coat,
+            base: self.base * by.color,
+            metallic: self.metallic * by.metallic,
+            roughness: self.roughness * by.roughness,
+            coat: [f0 * by.specular * by.coat, f90 * by.coat],
             rows: RowTable::Shared,
         }
     }

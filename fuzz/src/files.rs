@@ -117,12 +117,16 @@ pub(crate) fn image_seeds() -> Vec<Vec<u8>> {
     kinds.map(bytes).into()
 }
 
-/// A material library of a mesh.
+/// A material library of a mesh, beside the image `i`.
 pub(crate) fn mtl(data: &[u8]) {
+    thread_local! {
+        static IMAGE: Vec<u8> = image_seeds().swap_remove(3);
+    }
     with_file("m.mtl", data, |file| {
         let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 3/1 2/1 1/1\n";
         let path = file.with_file_name("m.obj");
         fs::write(&path, obj).expect("room for the mesh");
+        IMAGE.with(|image| fs::write(file.with_file_name("i"), image)).expect("room for the image");
         match scene::load(&path) {
             Ok(scene) => scene.validate().expect("valid before"),
             Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
@@ -133,7 +137,9 @@ pub(crate) fn mtl(data: &[u8]) {
 pub(crate) fn mtl_seeds() -> Vec<Vec<u8>> {
     let text = "newmtl a\nKd 0.5 0.4 0.3\nKs 0.2 0.2 0.2\nNs 50\nillum 2\nmap_Kd -s 2 2 1 -o 0.5 0 -clamp on no such.png\n\
         newmtl b\nKd 1\nPr 0.4\nPm 1\nKe 1 2 3\nnorm -bm 0.5 none.png\nd 0.5\nKd spectral file.rfl\n";
-    vec![text.into()]
+    let images = "newmtl a\nKs 1 1 1\nmap_Ks i\nmap_Ns -imfchan g i\nbump -bm 2 -clamp on i\nmap_d -s 3 2 -o 0.1 i\n\
+        newmtl b\nTr 0.2\nmap_d -imfchan l i\nnorm i\nmap_Pr i\nmap_Bump -imfchan r i\n";
+    vec![text.into(), images.into()]
 }
 
 pub(crate) fn sphere_set(data: &[u8]) {

@@ -173,6 +173,18 @@ fn textures(c: &mut Criterion) {
             });
         });
     }
+    // Any two are pages apart.
+    group.bench_function("anywhere", |b| {
+        let mut k = 0u32;
+        b.iter(|| {
+            let mut at = || {
+                k = k.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (k >> 8) as f32 / (1 << 24) as f32
+            };
+            let place = |_| texture.sample(Vec2::new(at(), at()), [Vec2::ZERO; 2], [Wrap::Repeat; 2], false)[0];
+            (0..4096).map(place).sum::<f32>()
+        });
+    });
     group.finish();
     let mut group = c.benchmark_group("texture of 4096 x 4096");
     group.bench_function("pyramid", |b| {

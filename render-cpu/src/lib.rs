@@ -14,7 +14,7 @@
 //! let scene = scene::builtin();
 //! let points = GBuffer::new(&World::new(&scene), 32, 18, 1);
 //! let frame =
-//!     Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::default(), threshold: 0.0 };
+//!     Frame { materials: &points.materials, lights: &scene.lights, accuracy: Accuracy::default(), threshold: 0.0 };
 //! let mut radiance = vec![Vec3::ZERO; points.len()];
 //! CpuShader::new(Unshadowed).shade(&points.points, &frame, &mut radiance).unwrap();
 //! let pixels = points.resolve(&radiance, scene.background);

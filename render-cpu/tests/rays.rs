@@ -174,7 +174,7 @@ fn near_monte_carlo() {
     reference.advance(1024, &AtomicBool::new(false), &|_| {});
     let truth = reference.estimate();
     let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+        Frame { materials: &g.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let shader = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world)));
     let mut out = vec![Vec3::ZERO; g.len()];
     let (_, layers) = shader.shade_layers(&g.points, &frame, &mut out).unwrap();

@@ -66,16 +66,20 @@ fn a_texture_of_one_texel_is_the_plain_material() {
     let color = Vec3::new(half(200), half(100), half(50));
     let surface = Surface {
         color: Some(flat([200, 100, 50, 255], Encoding::Linear)),
+        specular: Some(flat([255, 90, 30, 255], Encoding::Linear)),
+        coat: Some(Channel { map: flat([0, 77, 128, 51], Encoding::Linear), index: 3 }),
         metallic: Some(Channel { map: flat([0, 77, 128, 255], Encoding::Linear), index: 2 }),
         roughness: Some(Channel { map: flat([0, 77, 128, 255], Encoding::Linear), index: 1 }),
         ..Surface::default()
     };
     let metal = |base, metallic, roughness| MetallicRoughness::new(base, metallic, roughness).expect("in range");
-    let gloss = |kd, exponent| ModifiedPhong { kd, ks: Vec3::splat(0.3), exponent };
+    let specular = Vec3::new(1.0, half(90), half(30));
+    let coated = |f0, f90| metal(color, half(128), half(77)).with_coat(f0, f90).expect("in range");
+    let gloss = |kd, ks, exponent| ModifiedPhong { kd, ks, exponent };
     let cases: [(Material, Material); 3] = [
         (Material::lambert(Vec3::ONE), Material::lambert(color)),
-        (gloss(Vec3::ONE, 30.0).into(), gloss(color, 30.0).into()),
-        (metal(Vec3::ONE, 1.0, 1.0).into(), metal(color, half(128), half(77)).into()),
+        (gloss(Vec3::ONE, Vec3::splat(0.3), 30.0).into(), gloss(color, 0.3 * specular, 30.0).into()),
+        (metal(Vec3::ONE, 1.0, 1.0).into(), coated(0.04 * specular * half(51), half(51)).into()),
     ];
     for (textured, plain) in cases {
         let mut scene = floor(textured, surface.clone());

@@ -1,5 +1,5 @@
-use crate::{Camera, Mesh, Object, Proxy, Scene};
-use brdf::{Lambert, ModifiedPhong, Phong};
+use crate::{Camera, Encoding, Mesh, Object, Proxy, Scene, Surface, Texture, TextureMap};
+use brdf::{Lambert, MetallicRoughness, ModifiedPhong, Phong};
 use core::f32::consts::TAU;
 use glam::{Quat, Vec3};
 use lighting::SphereLight;
@@ -7,9 +7,9 @@ use lobe_core::Sphere;
 
 /// The built-in scene: what is shown when no file is given.
 ///
-/// A still life on a polished floor before a curved wall: balls that rest on the floor, a knotted tube that hovers low, and a trail of
-/// pearls that rises from contact to well above everything; a large warm key light and a small cool one behind. Shadows
-/// run from sharp to nearly gone, and those of the knot cut the cool highlight on the floor. All blockers are exact
+/// A still life on a polished floor before a curved wall: balls of brass and of painted clay that rest on the floor, a knotted tube that
+/// hovers low, and a trail of pearls that rises from contact to well above everything; a large warm key light and a small cool one behind.
+/// Shadows run from sharp to nearly gone, and those of the knot cut the cool highlight on the floor. All blockers are exact
 /// balls; the knot's lie on its spine and touch its skin from inside.
 #[must_use]
 pub fn builtin() -> Scene {
@@ -18,32 +18,34 @@ pub fn builtin() -> Scene {
         ModifiedPhong { kd: Vec3::new(0.34, 0.345, 0.36), ks: Vec3::splat(0.20), exponent: 90.0 }.into(),
         // 1: knot
         ModifiedPhong { kd: Vec3::new(0.66, 0.15, 0.07), ks: Vec3::splat(0.14), exponent: 60.0 }.into(),
-        // 2: slate
-        ModifiedPhong { kd: Vec3::new(0.10, 0.15, 0.19), ks: Vec3::splat(0.16), exponent: 25.0 }.into(),
+        // 2: brass
+        brass().into(),
         // 3: pearls
         Phong { kd: Vec3::new(0.27, 0.245, 0.20), ks: Vec3::splat(0.35), exponent: 120.0 }.into(),
-        // 4: chalk
-        Lambert { albedo: Vec3::new(0.78, 0.70, 0.56) }.into(),
+        // 4: clay
+        Lambert { albedo: Vec3::splat(0.9) }.into(),
         // 5: wall
         Lambert { albedo: Vec3::new(0.34, 0.345, 0.36) }.into(),
     ];
+    let mut surfaces = vec![Surface::default(); materials.len()];
+    surfaces[4].color = Some(TextureMap::new(paint()));
     let floor = Mesh::quad(Vec3::new(0.0, 0.0, 4.5), Vec3::X * 20.0, Vec3::NEG_Z * (4.5 - BACK));
     let (knot, spine) = knot();
     let on_floor = |x: f32, z: f32, radius: f32| Sphere { center: Vec3::new(x, radius, z), radius };
-    let slate = vec![on_floor(-1.75, -0.35, 0.72), on_floor(-0.55, 1.25, 0.13)];
-    let chalk = vec![on_floor(-2.55, 0.62, 0.34), on_floor(-1.13, 0.78, 0.21), on_floor(-2.02, 1.22, 0.15)];
+    let brass = vec![on_floor(-1.75, -0.35, 0.72), on_floor(-0.55, 1.25, 0.13)];
+    let clay = vec![on_floor(-2.55, 0.62, 0.34), on_floor(-1.13, 0.78, 0.21), on_floor(-2.02, 1.22, 0.15)];
     let objects = vec![
         Object::mesh("floor", floor, 0, Proxy::None),
         Object::mesh("wall", wall(), 5, Proxy::None),
         Object::mesh("knot", knot, 1, Proxy::Spheres(spine)),
-        Object::spheres("slate balls", slate, 2),
-        Object::spheres("chalk balls", chalk, 4),
+        Object::spheres("brass balls", brass, 2),
+        Object::spheres("clay balls", clay, 4),
         Object::spheres("pearls", pearls(), 3),
     ];
     let light =
         |center: Vec3, radius: f32, radiance: Vec3| SphereLight::new(Sphere { center, radius }, radiance).into();
     Scene {
-        surfaces: Vec::new(),
+        surfaces,
         camera: Camera {
             eye: Vec3::new(0.3, 2.7, 8.8),
             target: Vec3::new(0.1, 0.95, 0.0),
@@ -61,6 +63,35 @@ pub fn builtin() -> Scene {
             light(Vec3::new(1.75, 2.8, -4.2), 0.2, Vec3::new(0.42, 0.66, 1.0) * 310.0),
         ],
     }
+}
+
+/// A brushed metal.
+fn brass() -> MetallicRoughness {
+    let reflectance = Vec3::new(0.89, 0.70, 0.38);
+    MetallicRoughness::new(reflectance, 1.0, 0.5).unwrap_or_else(|e| unreachable!("{e}"))
+}
+
+/// What is painted around a ball: a cap and a zigzag between two lines.
+fn paint() -> Texture {
+    const SIZE: [u32; 2] = [512, 256];
+    const CREAM: [u8; 4] = [238, 226, 204, 255];
+    const RED: [u8; 4] = [186, 84, 52, 255];
+    const BLUE: [u8; 4] = [56, 82, 104, 255];
+    // Where a pixel is, in turns around and from pole to pole.
+    let color = |u: f32, v: f32| {
+        let zigzag = 0.05 * (4.0 * (12.0 * u).fract() - 2.0).abs() - 0.05;
+        let from_middle = v - 0.43;
+        if v < 0.12 || (from_middle - zigzag).abs() < 0.035 {
+            RED
+        } else if (0.135..0.165).contains(&from_middle.abs()) {
+            BLUE
+        } else {
+            CREAM
+        }
+    };
+    let [width, height] = SIZE.map(|n| n as f32);
+    let at = |i: u32| color(((i % SIZE[0]) as f32 + 0.5) / width, ((i / SIZE[0]) as f32 + 0.5) / height);
+    Texture::new("paint", SIZE, (0..SIZE[0] * SIZE[1]).map(at).collect(), Encoding::Srgb)
 }
 
 /// Where the floor ends and the wall begins to rise.
@@ -162,7 +193,7 @@ mod tests {
             o.shape.bounds().min.y
         };
         assert_eq!(lowest("floor"), 0.0);
-        assert!(lowest("slate balls").abs() < 1e-6);
+        assert!(lowest("brass balls").abs() < 1e-6);
         assert!((lowest("knot") - 0.24).abs() < 0.01);
         let pearls = scene.objects.iter().find(|o| o.name == "pearls").unwrap().shape.bounds();
         assert!(pearls.min.y.abs() < 1e-6 && pearls.max.y > 2.0, "{pearls:?}");

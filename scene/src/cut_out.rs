@@ -173,7 +173,7 @@ struct AlphaBounds {
 impl AlphaBounds {
     fn new(texture: &Texture) -> Self {
         let [width, height] = texture.size();
-        let mut levels = vec![([width, height], texture.texels().map(|t| [t[3]; 2]).collect::<Vec<_>>())];
+        let mut levels = vec![([width, height], texture.alphas().into_iter().map(|a| [a; 2]).collect::<Vec<_>>())];
         while let Some(([w, h], last)) = levels.last().filter(|(size, _)| size[0].max(size[1]) > 1) {
             let size = [w.div_ceil(2), h.div_ceil(2)];
             let of = |x: usize, y: usize| {

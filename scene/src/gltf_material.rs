@@ -34,8 +34,12 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         }
     };
     let pbr = &material.pbr_metallic_roughness;
+    let extensions = material.extensions.as_ref();
+    let specular = extensions.and_then(|e| e.specular.as_ref());
     // Those that mean nothing here, too.
     let textures = [
+        specular.and_then(|s| s.specular_texture.as_ref()).map(|t| t.index),
+        specular.and_then(|s| s.specular_color_texture.as_ref()).map(|t| t.index),
         pbr.base_color_texture.as_ref().map(|t| t.index),
         pbr.metallic_roughness_texture.as_ref().map(|t| t.index),
         material.normal_texture.as_ref().map(|t| t.index),
@@ -43,7 +47,6 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         material.emissive_texture.as_ref().map(|t| t.index),
     ];
     textures.into_iter().flatten().try_for_each(|index| images.source(index.value()).map(|_| ()))?;
-    let extensions = material.extensions.as_ref();
     let color = images.map(buffers, pbr.base_color_texture.as_ref().map(Into::into), Encoding::Srgb)?;
     let [r, g, b, factor] = pbr.base_color_factor.0;
     let cut_out = limit.map(|limit| CutOut { map: color.clone(), factor: unit(factor), limit });
@@ -67,7 +70,7 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
 
     let (metallic, roughness) = (unit(pbr.metallic_factor.0), unit(pbr.roughness_factor.0));
     let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| e.to_string())?;
-    let (ior, specular) = (extensions.and_then(|e| e.ior.as_ref()), extensions.and_then(|e| e.specular.as_ref()));
+    let ior = extensions.and_then(|e| e.ior.as_ref());
     if ior.is_some() || specular.is_some() {
         let n = ior.map_or(1.5, |ior| ior.ior.0);
         // An index below 1 is none, but 0 stands for a reflectance of 1.
@@ -78,11 +81,14 @@ fn look(material: &Document, buffers: &Buffers<'_>, images: &mut Images<'_>) -> 
         let f0 = Vec3::from_array(tint.map(|c| unit(normal * c.max(0.0)))) * weight;
         metal = metal.with_coat(f0, weight).map_err(|e| e.to_string())?;
     }
-    if specular.is_some_and(|s| s.specular_texture.is_some() || s.specular_color_texture.is_some()) {
-        images.note("textures of KHR_materials_specular are not read: their factors are taken alone".to_owned());
-    }
+    let of_coat = specular.and_then(|s| s.specular_texture.as_ref()).map(Into::into);
+    // Alpha is linear in either encoding: as the colour's, it may be one image with that.
+    let of_coat = images.map(buffers, of_coat, Encoding::Srgb)?;
+    let coat_color = specular.and_then(|s| s.specular_color_texture.as_ref()).map(Into::into);
     let surface = Surface {
         color,
+        specular: images.map(buffers, coat_color, Encoding::Srgb)?,
+        coat: of_coat.map(|map| Channel { map, index: 3 }),
         metallic: channel(2),
         roughness: channel(1),
         normal: normal_map.map(|map| (map, scale)),

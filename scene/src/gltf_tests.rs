@@ -1,6 +1,6 @@
 use crate::load::{Context, Part};
 use crate::{Camera, gltf_file};
-use brdf::{Material, MetallicRoughness};
+use brdf::{Brdf, Material, MetallicRoughness};
 use glam::Vec3;
 use std::path::Path;
 
@@ -173,12 +173,56 @@ fn textures_that_do_not_exist_are_refused_wherever_they_are_named() {
         triangle(r#"[{"mesh": 0}]"#, more).replace(own, material)
     };
     let unlit = r#"{"extensions": {"KHR_materials_unlit": {}}, "normalTexture": {"index": 0}}"#;
-    for material in [r#"{"occlusionTexture": {"index": 0}}"#, r#"{"normalTexture": {"index": 0}}"#, unlit] {
+    let coat = r#"{"extensions": {"KHR_materials_specular": {"specularColorTexture": {"index": 0}}}}"#;
+    for material in [r#"{"occlusionTexture": {"index": 0}}"#, r#"{"normalTexture": {"index": 0}}"#, unlit, coat] {
         let message = parse(&document(material, "")).err().expect(material);
         assert!(message.contains("material 0: there is no texture 0"), "{message}");
         let message = parse(&document(material, r#", "textures": [{"source": 3}]"#)).err().expect(material);
         assert!(message.contains("material 0: texture 0: there is no image 3"), "{message}");
     }
+}
+
+/// KHR_materials_specular: alpha is the coat's weight, sRGB colours those of its reflectance at normal incidence.
+#[test]
+fn textures_of_the_coat_are_its_factors() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = image::RgbaImage::from_pixel(2, 2, image::Rgba([255, 128, 0, 51]));
+    image.save(folder.path().join("s.png")).unwrap();
+    let own = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}}"#;
+    let specular = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0},
+        "extensions": {"KHR_materials_ior": {"ior": 2}, "KHR_materials_specular": {"specularFactor": 0.5, "specularTexture": {"index": 0},
+        "specularColorFactor": [1, 1, 0.5], "specularColorTexture": {"index": 0}}}}"#;
+    let images = r#", "textures": [{"source": 0}], "images": [{"uri": "s.png"}]"#;
+    let text = triangle(r#"[{"mesh": 0}]"#, images).replace(own, specular);
+    let path = folder.path().join("m.gltf");
+    std::fs::write(&path, &text).unwrap();
+    let (scene, warnings) = crate::load_with_warnings(&path).unwrap();
+    assert!(warnings.iter().all(|w| w.contains("no texture coordinates")), "{warnings:?}");
+    let number = scene.objects[1].material;
+    let surface = scene.surface(number).unwrap();
+    let (color, weight) = (surface.specular.as_ref().unwrap(), surface.coat.as_ref().unwrap());
+    assert!(weight.index == 3 && weight.map.texture.is_same(&color.texture), "one image in memory");
+    let got = scene.materials[number].scaled(&surface.factors(&|_| crate::TexturePlace::default()));
+    // An index of 2 reflects a ninth.
+    let (f90, half) = (0.5 * 51.0 / 255.0, 0.215_861);
+    let f0 = Vec3::new(1.0, half, 0.0) * f90 / 9.0;
+    let want = MetallicRoughness::new(Vec3::new(0.8, 0.4, 0.2), 0.0, 1.0).and_then(|m| m.with_coat(f0, f90)).unwrap();
+    let at = lobe_core::Receiver {
+        position: Vec3::ZERO,
+        normal: Vec3::Z,
+        face: Vec3::Z,
+        view: Vec3::new(0.6, 0.0, 0.8),
+        object: lobe_core::OWN_NONE,
+    };
+    for v in [Vec3::Z, Vec3::new(-0.6, 0.0, 0.8), Vec3::new(0.0, 0.96, 0.28)] {
+        let (got, want) = (got.eval(&at, v), want.eval(&at, v));
+        assert!((got - want).abs().max_element() < 1e-4 * want.max_element(), "{got} {want}");
+    }
+    // An image that is not there leaves the factors alone.
+    std::fs::write(&path, text.replace("s.png", "none.png")).unwrap();
+    let (scene, warnings) = crate::load_with_warnings(&path).unwrap();
+    assert!(scene.surface(number).is_none_or(|s| s.specular.is_none() && s.coat.is_none()));
+    assert!(warnings.iter().any(|w| w.contains("image 0 is not there")), "{warnings:?}");
 }
 
 /// A triangle under a spot, a sun and a point, one of them turned.

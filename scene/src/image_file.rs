@@ -1,6 +1,6 @@
 //! Images that surfaces show.
 
-use crate::texture::srgb_decoded;
+use crate::texture::{Texel, srgb_decoded};
 use crate::{Encoding, Texture};
 use glam::{UVec2, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
@@ -13,12 +13,18 @@ const MOST_PIXELS: u64 = 1 << 27;
 /// Decodes PNG, JPEG, BMP or TGA (by `ending`, since that has no mark of its own). 16 bits a channel become 8, grey is all three
 /// channels, a missing alpha is 1.
 pub(crate) fn decode(name: &str, ending: &str, bytes: &[u8], encoding: Encoding) -> Result<Texture, String> {
+    let (size, texels) = texels(name, ending, bytes)?;
+    Ok(Texture::new(name, size, texels, encoding))
+}
+
+/// The same as rows of texels.
+pub(crate) fn texels(name: &str, ending: &str, bytes: &[u8]) -> Result<([u32; 2], Vec<Texel>), String> {
     let most = Most { side: Texture::MAX_SIDE, pixels: 27, formats: "PNG, JPEG, BMP or TGA" };
     let image = read(name, ending, bytes, &most)?;
     let size = [image.width(), image.height()];
     let image = image.into_rgba8();
     let (texels, _) = image.as_raw().as_chunks::<4>();
-    Ok(Texture::new(name, size, texels.to_vec(), encoding))
+    Ok((size, texels.to_vec()))
 }
 
 /// Decodes the same, Radiance HDR and OpenEXR to linear colours, the top row first: numbers as they are of the last two, sRGB of the

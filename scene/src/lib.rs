@@ -72,6 +72,7 @@ mod gltf_nodes;
 #[cfg(test)]
 mod gltf_tests;
 mod gltf_texture;
+mod height;
 mod image_file;
 mod keys;
 mod load;
@@ -99,6 +100,7 @@ mod skeleton;
 mod strategy;
 mod surface;
 mod texture;
+mod texture_level;
 #[cfg(test)]
 mod texture_tests;
 mod toml_reader;

@@ -1,5 +1,7 @@
 //! Wavefront MTL: the materials of OBJ files.
 
+use crate::cut_out::CutOut;
+use crate::height::{self, Source};
 use crate::load::{self, Context, Look};
 use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file};
 use brdf::{Lambert, Material, MetallicRoughness, Phong};
@@ -11,7 +13,9 @@ use std::path::Path;
 /// The materials of a library by name; what is not read of it is told.
 ///
 /// `Kd`, `Ks`, `Ns` are those of Phong's model as the format prints it, so that a light of irradiance π gives `Kd`; with `Pr` or `Pm` the
-/// material is metallic–roughness of base `Kd`. `Ke` is emission. Maps: `map_Kd`, `map_Ks`, `map_Ke`, `map_Pr`, `map_Pm`, `norm`.
+/// material is metallic–roughness of base `Kd`. `Ke` is emission. Maps: `map_Kd`, `map_Ks`, `map_Ns`, `map_Ke`, `map_Pr`, `map_Pm`, `norm`.
+/// `d`, `Tr` and `map_d` cut surfaces out where their opacity is below a half. `bump` is a height, of white as many texels as `-bm` says, or
+/// a normal map where its colours are normals.
 pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
     let text = String::from_utf8_lossy(&load::read(path)?).into_owned();
     let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new() };
@@ -30,6 +34,9 @@ pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String
     }
     all.extend(entry.map(Entry::finish));
     let unread = core::mem::take(&mut reader.unread);
+    if all.values().any(|look| look.cut_out.is_some()) {
+        context.warn(path, "surfaces that are not opaque are cut out where their opacity is below a half");
+    }
     if !unread.is_empty() {
         context.warn(path, format!("not read: {}", unread.join(", ")));
     }
@@ -42,7 +49,11 @@ struct Entry {
     name: String,
     kd: Option<Vec3>,
     ks: Option<Vec3>,
-    ns: f32,
+    ns: Option<f32>,
+    /// What it is cut out along.
+    opacity: Option<f32>,
+    transparency: Option<f32>,
+    opacity_map: Option<TextureMap>,
     /// Which of the two the format's number of a model leaves out.
     is_matte: bool,
     roughness: Option<f32>,
@@ -52,7 +63,8 @@ struct Entry {
 
 impl Entry {
     fn finish(self) -> (String, Look) {
-        let Self { name, kd, ks, ns, is_matte, roughness, metallic, mut surface } = self;
+        let Self { name, kd, ks, ns, opacity, transparency, opacity_map, is_matte, roughness, metallic, mut surface } =
+            self;
         let white = |map: &Option<TextureMap>| if map.is_some() { Vec3::ONE } else { Vec3::ZERO };
         let kd = kd.unwrap_or(if surface.color.is_some() { Vec3::ONE } else { Vec3::splat(0.5) });
         let ks = ks.unwrap_or(white(&surface.specular));
@@ -71,18 +83,32 @@ impl Entry {
         } else if ks == Vec3::ZERO || is_matte {
             lambert
         } else {
-            Phong { kd: kd * FRAC_1_PI, ks: ks * FRAC_1_PI, exponent: ns }.into()
+            // A map alone is of the format's range.
+            let alone = if surface.exponent.is_some() { 1000.0 } else { 0.0 };
+            Phong { kd: kd * FRAC_1_PI, ks: ks * FRAC_1_PI, exponent: ns.unwrap_or(alone) }.into()
         };
-        (name, Look { material, surface, cut_out: None })
+        let factor = unit(opacity.unwrap_or(1.0 - transparency.unwrap_or(0.0)));
+        let is_whole = opacity_map.is_none() && factor == 1.0;
+        let cut_out = (!is_whole).then_some(CutOut { map: opacity_map, factor, limit: 0.5 });
+        (name, Look { material, surface, cut_out })
     }
 }
 
 struct Reader<'a> {
     path: &'a Path,
     context: &'a mut Context,
-    textures: HashMap<(String, bool), Option<Texture>>,
+    textures: HashMap<(String, Use), Option<(Texture, f32)>>,
     /// Words that mean something and are not read.
     unread: Vec<String>,
+}
+
+/// What an image is.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Use {
+    Color,
+    Number,
+    Opacity(Option<Source>),
+    Height { source: Source, is_repeated: bool },
 }
 
 const MAX_EXPONENT: f32 = 1e7;
@@ -94,19 +120,29 @@ impl Reader<'_> {
             "Kd" => entry.kd = self.color(word, rest)?,
             "Ks" => entry.ks = self.color(word, rest)?,
             "Ke" => surface.emission = self.color(word, rest)?.unwrap_or(Vec3::ZERO),
-            "Ns" => entry.ns = number(word, rest)?.clamp(0.0, MAX_EXPONENT),
+            "Ns" => entry.ns = Some(number(word, rest)?.clamp(0.0, MAX_EXPONENT)),
             "Pr" => entry.roughness = Some(number(word, rest)?),
             "Pm" => entry.metallic = Some(number(word, rest)?),
             "illum" => entry.is_matte = matches!(rest, "0" | "1"),
-            "map_Kd" => surface.color = self.map(rest, Encoding::Srgb)?.map(|(map, _)| map),
-            "map_Ks" => surface.specular = self.map(rest, Encoding::Srgb)?.map(|(map, _)| map),
-            "map_Ke" => surface.emission_map = self.map(rest, Encoding::Srgb)?.map(|(map, _)| map),
-            "map_Pr" => surface.roughness = self.map(rest, Encoding::Linear)?.map(|(map, _)| Channel { map, index: 0 }),
-            "map_Pm" => surface.metallic = self.map(rest, Encoding::Linear)?.map(|(map, _)| Channel { map, index: 0 }),
-            "norm" => surface.normal = self.map(rest, Encoding::Linear)?,
-            // Opaque is what everything is.
-            "d" if number(word, rest)? >= 1.0 => {}
-            "Tr" if number(word, rest)? <= 0.0 => {}
+            "map_Kd" => surface.color = self.map(rest, |_| Use::Color)?.map(|(map, _)| map),
+            "map_Ks" => surface.specular = self.map(rest, |_| Use::Color)?.map(|(map, _)| map),
+            "map_Ke" => surface.emission_map = self.map(rest, |_| Use::Color)?.map(|(map, _)| map),
+            "map_Ns" => surface.exponent = self.channel(rest)?,
+            "map_Pr" => surface.roughness = self.channel(rest)?,
+            "map_Pm" => surface.metallic = self.channel(rest)?,
+            "norm" => surface.normal = self.map(rest, |_| Use::Number)?,
+            "bump" | "map_bump" | "map_Bump" => {
+                let of = |o: &Options| Use::Height {
+                    source: o.source.unwrap_or(Source::Luminance),
+                    is_repeated: o.wrap == Wrap::Repeat,
+                };
+                let bump = self.map(rest, of)?;
+                surface.normal = surface.normal.take().or(bump);
+            }
+            "map_d" => entry.opacity_map = self.map(rest, |o| Use::Opacity(o.source))?.map(|(map, _)| map),
+            "d" if !rest.starts_with("-halo") => entry.opacity = Some(number(word, rest)?),
+            // Some files mean the opposite by it: the other one, where it stands, is sure.
+            "Tr" => entry.transparency = Some(number(word, rest)?),
             "Ka" | "map_Ka" | "Ni" | "Tf" | "sharpness" => {}
             _ if self.unread.iter().any(|known| known == word) => {}
             _ => self.unread.push(word.to_owned()),
@@ -131,9 +167,22 @@ impl Reader<'_> {
         Ok(Some(Vec3::from_array(color.to_array().map(coefficient))))
     }
 
-    /// An image with its options, and the factor of bumps; none where it is not there, which is told.
-    fn map(&mut self, rest: &str, encoding: Encoding) -> Result<Option<(TextureMap, f32)>, String> {
-        let (mut scale, mut offset, mut wrap, mut bump) = (Vec2::ONE, Vec2::ZERO, Wrap::Repeat, 1.0);
+    /// The channel of an image that stands for a number: red, where the file does not say.
+    fn channel(&mut self, rest: &str) -> Result<Option<Channel>, String> {
+        let mut index = 0;
+        let map = self.map(rest, |options| {
+            if let Some(Source::Channel(k)) = options.source {
+                index = k;
+            }
+            Use::Number
+        })?;
+        Ok(map.map(|(map, _)| Channel { map, index }))
+    }
+
+    /// An image with its options, and the factor of x and y of normals; none where it is not there, which is told.
+    fn map(&mut self, rest: &str, of: impl FnOnce(&Options) -> Use) -> Result<Option<(TextureMap, f32)>, String> {
+        let (mut scale, mut offset, mut bump) = (Vec2::ONE, Vec2::ZERO, 1.0);
+        let mut options = Options { wrap: Wrap::Repeat, source: None };
         let mut words = rest.split_whitespace().peekable();
         // What is left when the options are read is the name, which may have spaces.
         let mut name = rest;
@@ -157,7 +206,8 @@ impl Reader<'_> {
                 "-s" => scale = Vec2::new(value(1, 1.0), value(2, 1.0)),
                 "-o" => offset = Vec2::new(value(1, 0.0), value(2, 0.0)),
                 "-bm" => bump = value(1, 1.0),
-                "-clamp" if taken.get(1) == Some(&"on") => wrap = Wrap::Clamp,
+                "-clamp" if taken.get(1) == Some(&"on") => options.wrap = Wrap::Clamp,
+                "-imfchan" => options.source = source(taken.get(1).copied().unwrap_or(""))?,
                 _ => {}
             }
             for word in taken {
@@ -165,18 +215,20 @@ impl Reader<'_> {
             }
         }
         let name = name.trim().replace('\\', "/");
-        let Some(texture) = self.texture(&name, encoding)? else { return Ok(None) };
+        let Some((texture, steepness)) = self.texture(&name, of(&options))? else { return Ok(None) };
         if !(scale.is_finite() && offset.is_finite() && bump.is_finite()) {
             return Err(format!("the options of image \"{name}\" are not finite"));
         }
         // v counts from the lower edge there: v' = 1 − v.
         let translation = Vec2::new(offset.x, 1.0 - scale.y - offset.y);
         let transform = Affine2 { matrix2: Mat2::from_diagonal(scale), translation };
-        Ok(Some((TextureMap { transform, wrap: [wrap; 2], ..TextureMap::new(texture) }, bump)))
+        let map = TextureMap { transform, wrap: [options.wrap; 2], ..TextureMap::new(texture) };
+        Ok(Some((map, bump * steepness)))
     }
 
-    fn texture(&mut self, name: &str, encoding: Encoding) -> Result<Option<Texture>, String> {
-        let key = (name.to_owned(), encoding == Encoding::Srgb);
+    /// An image, and what normals of it are to be multiplied by.
+    fn texture(&mut self, name: &str, used: Use) -> Result<Option<(Texture, f32)>, String> {
+        let key = (name.to_owned(), used);
         if let Some(known) = self.textures.get(&key) {
             return Ok(known.clone());
         }
@@ -186,13 +238,42 @@ impl Reader<'_> {
         let file = self.path.with_file_name("").join(name);
         let texture = if file.exists() {
             let bytes = load::read(&file).map_err(|e| e.to_string())?;
-            Some(image_file::decode(name, &load::extension(&file), &bytes, encoding)?)
+            let (size, texels) = image_file::texels(name, &load::extension(&file), &bytes)?;
+            Some(match used {
+                Use::Color => (Texture::new(name, size, texels, Encoding::Srgb), 1.0),
+                Use::Number => (Texture::new(name, size, texels, Encoding::Linear), 1.0),
+                Use::Opacity(source) => (height::opacity(name, size, texels, source), 1.0),
+                Use::Height { .. } if height::shows_normals(&texels) => {
+                    self.context.warn(self.path, format!("bump map {name} shows normals: it is taken as a normal map"));
+                    (Texture::new(name, size, texels, Encoding::Linear), 1.0)
+                }
+                Use::Height { source, is_repeated } => height::slopes(name, size, &texels, source, is_repeated),
+            })
         } else {
             self.context.warn(self.path, format!("image {name} is not there: its factor is taken alone"));
             None
         };
         self.textures.insert(key, texture.clone());
         Ok(texture)
+    }
+}
+
+/// How an image is read.
+struct Options {
+    wrap: Wrap,
+    /// The channel that stands for a number, if it is said.
+    source: Option<Source>,
+}
+
+/// Of `-imfchan`.
+fn source(word: &str) -> Result<Option<Source>, String> {
+    match word {
+        "r" => Ok(Some(Source::Channel(0))),
+        "g" => Ok(Some(Source::Channel(1))),
+        "b" => Ok(Some(Source::Channel(2))),
+        "m" => Ok(Some(Source::Channel(3))),
+        "l" => Ok(Some(Source::Luminance)),
+        _ => Err(format!("-imfchan: expected r, g, b, m or l, found '{word}'")),
     }
 }
 

@@ -105,7 +105,12 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
     for (number, (material, corners)) in names.into_iter().zip(groups).enumerate() {
         match looks.get(&material) {
             Some(look) if !corners.is_empty() => {
-                let mesh = assemble(&lists, &corners, look.surface.has_textures(), has_colors);
+                let cut_out = look.cut_out.as_ref();
+                let wants_uvs = look.surface.has_textures() || cut_out.is_some_and(|cut_out| cut_out.map.is_some());
+                let mut mesh = assemble(&lists, &corners, wants_uvs, has_colors);
+                if let Some(cut_out) = cut_out {
+                    context.cut_out(path, &material, cut_out, &mut mesh, false);
+                }
                 parts.push(Part::fixed(material, mesh, Some((number + 1, look.clone()))));
             }
             _ => unnamed.extend(corners),

@@ -93,6 +93,8 @@ pub(crate) fn read_material(
             let (metallic, roughness) = (number(t.get("metallic"))?, number(t.get("roughness"))?);
             surface.metallic = t.get("metallic_map").map(|v| maps.channel(v)).transpose()?;
             surface.roughness = t.get("roughness_map").map(|v| maps.channel(v)).transpose()?;
+            surface.specular = maps.read(t.get("specular_map"), Encoding::Srgb)?;
+            surface.coat = t.get("coat_map").map(|v| maps.channel(v)).transpose()?;
             let mut metal = MetallicRoughness::new(base, metallic, roughness).map_err(|e| model.error(e))?;
             if let Some(ior) = t.get("ior") {
                 let n = ior.number()?;

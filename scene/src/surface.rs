@@ -37,6 +37,8 @@ pub struct Surface {
     pub color: Option<TextureMap>,
     /// Of [`Factors::specular`].
     pub specular: Option<TextureMap>,
+    /// Of [`Factors::coat`].
+    pub coat: Option<Channel>,
     /// Of [`Factors::exponent`].
     pub exponent: Option<Channel>,
     /// Of [`Factors::metallic`].
@@ -100,7 +102,7 @@ impl Surface {
     /// Whether the material differs from place to place.
     #[must_use]
     pub fn varies(&self) -> bool {
-        let channels = [&self.exponent, &self.metallic, &self.roughness];
+        let channels = [&self.coat, &self.exponent, &self.metallic, &self.roughness];
         self.follows_u
             || self.color.is_some()
             || self.specular.is_some()
@@ -122,7 +124,12 @@ impl Surface {
     /// Its textures, each with the name of the field that it stands in.
     pub fn textures(&self) -> impl Iterator<Item = (&'static str, &Texture)> {
         let maps = [("color", &self.color), ("specular", &self.specular), ("emission", &self.emission_map)];
-        let channels = [("exponent", &self.exponent), ("metallic", &self.metallic), ("roughness", &self.roughness)];
+        let channels = [
+            ("coat", &self.coat),
+            ("exponent", &self.exponent),
+            ("metallic", &self.metallic),
+            ("roughness", &self.roughness),
+        ];
         let maps = maps.into_iter().filter_map(|(name, map)| Some((name, &map.as_ref()?.texture)));
         let channels = channels.into_iter().filter_map(|(name, c)| Some((name, &c.as_ref()?.map.texture)));
         let normal = self.normal.iter().map(|(map, _)| ("normal", &map.texture));
@@ -145,6 +152,7 @@ impl Surface {
         Factors {
             color: color(&self.color),
             specular: color(&self.specular),
+            coat: number(&self.coat),
             exponent: number(&self.exponent),
             metallic,
             roughness,

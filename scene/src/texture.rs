@@ -1,4 +1,5 @@
-use glam::{Vec2, Vec4};
+use crate::texture_level::{FAR, Level, Stored, near};
+use glam::{Vec2, Vec4, Vec4Swizzles};
 use std::sync::{Arc, LazyLock};
 
 /// How the numbers of an image are meant.
@@ -27,24 +28,32 @@ pub enum Wrap {
 /// Texture coordinates have their origin at the upper left corner, v downward, as in glTF. Copies share the texels.
 ///
 /// # Cost
-/// 5.3 bytes a texel. A lookup: docs/materials.md.
+/// 5.3 bytes a texel, 10.7 of colours, which are kept linear. A lookup: docs/speed.md.
 #[derive(Clone)]
 pub struct Texture {
     name: Arc<str>,
     encoding: Encoding,
-    levels: Arc<[Level]>,
+    levels: Arc<Levels>,
+}
+
+/// Numbers as they are; colours as linear values.
+enum Levels {
+    Bytes(Vec<Level<[u8; 4]>>),
+    Words(Vec<Level<[u16; 4]>>),
+}
+
+/// An expression of the levels, of whichever kind they are.
+macro_rules! with {
+    ($levels:expr, $name:ident => $value:expr) => {
+        match $levels {
+            Levels::Bytes($name) => $value,
+            Levels::Words($name) => $value,
+        }
+    };
 }
 
 /// Red, green, blue, alpha.
 pub(crate) type Texel = [u8; 4];
-
-/// Texels in blocks of 4 × 4, one line of the processor's cache each, row by row of blocks.
-struct Level {
-    size: [usize; 2],
-    /// Blocks from one row of them to the next: odd, so that rows do not share places of the cache.
-    stride: usize,
-    texels: Vec<Texel>,
-}
 
 /// Texels row by row.
 struct Rows {
@@ -52,8 +61,11 @@ struct Rows {
     texels: Vec<Texel>,
 }
 
-/// The most taps of a lookup along a footprint that is longer than wide.
-const MOST_TAPS: f32 = 8.0;
+/// A footprint has one tap, and one more for each of these that the ratio of its sides, squared, is above.
+const TAPS_BEYOND: [f32; 7] = [1.0, 4.0, 9.0, 16.0, 25.0, 36.0, 49.0];
+
+/// Of each of one to eight taps.
+const SHARES: [f32; 8] = [1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0, 1.0 / 8.0];
 
 impl Texture {
     /// The largest width and height.
@@ -75,12 +87,15 @@ impl Texture {
     pub fn new(name: &str, size: [u32; 2], texels: Vec<Texel>, encoding: Encoding) -> Self {
         let size = size.map(|n| n as usize);
         assert!(!texels.is_empty() && texels.len() == size[0] * size[1], "width times height texels");
-        let mut rows = Rows { size, texels };
-        let mut levels = vec![rows.blocks()];
-        while let Some(next) = rows.half(encoding) {
-            levels.push(next.blocks());
-            rows = next;
-        }
+        let rows = Rows { size, texels };
+        let levels = match encoding {
+            Encoding::Linear => Levels::Bytes(rows.pyramid(encoding, |texel| texel)),
+            Encoding::Srgb => {
+                let table = &DECODED.words;
+                let word = |x: u8| table[x as usize];
+                Levels::Words(rows.pyramid(encoding, |[r, g, b, a]| [word(r), word(g), word(b), 257 * u16::from(a)]))
+            }
+        };
         Self { name: name.into(), encoding, levels: levels.into() }
     }
 
@@ -93,20 +108,18 @@ impl Texture {
     /// Width and height.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
-        self.levels[0].size
+        with!(&*self.levels, levels => levels[0].size)
     }
 
-    /// The texels, row after row from the top.
-    pub(crate) fn texels(&self) -> impl Iterator<Item = Texel> {
-        let level = &self.levels[0];
-        let [width, height] = level.size;
-        (0..height).flat_map(move |y| (0..width).map(move |x| level.texels[level.place(x, y)]))
+    /// The texels' alpha, row after row from the top.
+    pub(crate) fn alphas(&self) -> Vec<u8> {
+        with!(&*self.levels, levels => levels[0].texels().map(Stored::alpha).collect())
     }
 
     /// Bytes of all levels.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.levels.iter().map(|level| size_of::<Texel>() * level.texels.len()).sum()
+        with!(&*self.levels, levels => levels.iter().map(Level::bytes).sum())
     }
 
     /// How its numbers are meant.
@@ -128,81 +141,80 @@ impl Texture {
     /// footprint, bilinear, or the nearest one if `is_pixelated`.
     #[must_use]
     pub fn sample(&self, uv: Vec2, footprint: [Vec2; 2], wrap: [Wrap; 2], is_pixelated: bool) -> [f32; 4] {
-        let tables = self.encoding.tables();
-        if !uv.is_finite() {
-            return decode(tables, self.levels[0].texels[0]).to_array();
-        }
-        let size = Vec2::new(self.size()[0] as f32, self.size()[1] as f32);
-        let (a, b) = ((footprint[0] * size).length_squared(), (footprint[1] * size).length_squared());
-        let (major, long, short) = if a > b { (footprint[0], a, b) } else { (footprint[1], b, a) };
-        // Footprints that are not finite see all of the image.
-        let long = if long.is_finite() { long.sqrt() } else { f32::MAX };
-        if long <= 1.0 {
-            let level = &self.levels[0];
-            let near = if is_pixelated { level.nearest(uv, wrap, tables) } else { level.bilinear(uv, wrap, tables) };
-            return near.to_array();
-        }
-        let taps = (long / short.sqrt().max(1.0)).clamp(1.0, MOST_TAPS);
-        let count = taps as u32 + u32::from(taps > (taps as u32) as f32);
-        let place = log2((long / count as f32).max(1.0)).min((self.levels.len() - 1) as f32);
-        let first = place as usize;
-        let t = place - first as f32;
-        let level = &self.levels[first];
-        // Nearly on a level its neighbour is not worth a look.
-        let next = self.levels.get(first + 1).filter(|_| t > 1.0 / 64.0);
-        let along = if count > 1 && major.is_finite() { major / count as f32 } else { Vec2::ZERO };
-        let mut at = uv - along * (0.5 * (count - 1) as f32);
-        let mut sum = Vec4::ZERO;
-        for _ in 0..count {
-            let mut value = level.bilinear(at, wrap, tables);
-            if let Some(next) = next {
-                value += (next.bilinear(at, wrap, tables) - value) * t;
-            }
-            sum += value;
-            at += along;
-        }
-        (sum / count as f32).to_array()
-    }
-}
-
-/// The values of bytes: of colours, and of alpha.
-type Tables = [&'static [f32; 256]; 2];
-
-impl Encoding {
-    fn tables(self) -> Tables {
-        let decoded: &'static Decoded = &DECODED;
-        match self {
-            Self::Srgb => [&decoded.srgb, &decoded.linear],
-            Self::Linear => [&decoded.linear; 2],
-        }
+        with!(&*self.levels, levels => mean(levels, uv, footprint, wrap, is_pixelated)).to_array()
     }
 }
 
 #[inline(always)]
-fn decode([color, alpha]: Tables, [r, g, b, a]: Texel) -> Vec4 {
-    Vec4::new(color[r as usize], color[g as usize], color[b as usize], alpha[a as usize])
-}
-
-/// Logarithm of a number from 1 on, exact at powers of two and up to 0.09 less between: levels are blended by it.
-#[inline(always)]
-fn log2(x: f32) -> f32 {
-    (x.to_bits() as f32) / (1 << 23) as f32 - 127.0
-}
-
-/// `x.floor()`, without the call that it is on older processors.
-#[inline(always)]
-fn floor(x: f32) -> f32 {
-    if x.abs() >= 8_388_608.0 {
-        return x;
+fn mean<T: Stored>(levels: &[Level<T>], uv: Vec2, sides: [Vec2; 2], wrap: [Wrap; 2], is_pixelated: bool) -> Vec4 {
+    let all = &levels[0];
+    let uv = Vec4::new(uv.x, uv.y, uv.x, uv.y);
+    let texels = Vec4::new(sides[0].x, sides[0].y, sides[1].x, sides[1].y) * all.extent;
+    let squares = texels * texels;
+    let squares = squares + squares.yxwz();
+    let is_near = squares.cmple(Vec4::ONE) & uv.abs().cmplt(Vec4::splat(FAR));
+    if is_near.all() && !is_pixelated {
+        return all.bilinear(uv, wrap) * T::SCALE;
     }
-    let whole = x as i32 as f32;
-    if whole > x { whole - 1.0 } else { whole }
+    mean_from_far(levels, uv, sides, [squares.x, squares.z], wrap, is_pixelated)
+}
+
+/// Of any coordinates and footprints; these have squares of lengths in texels.
+#[inline(never)]
+fn mean_from_far<T: Stored>(
+    levels: &[Level<T>],
+    uv: Vec4,
+    sides: [Vec2; 2],
+    [a, b]: [f32; 2],
+    wrap: [Wrap; 2],
+    is_pixelated: bool,
+) -> Vec4 {
+    let all = &levels[0];
+    if !uv.is_finite() {
+        return all.nearest(Vec4::ZERO, wrap);
+    }
+    let uv = near(uv, wrap);
+    let (major, long, short) = if a > b { (sides[0], a, b) } else { (sides[1], b, a) };
+    if long <= 1.0 {
+        return if is_pixelated { all.nearest(uv, wrap) } else { all.bilinear(uv, wrap) * T::SCALE };
+    }
+    // Footprints that are not finite see all of the image.
+    let long = if long < f32::MAX { long } else { f32::MAX };
+    let ratio = long / short.max(1.0);
+    let more = TAPS_BEYOND.iter().map(|square| usize::from(ratio > *square)).sum::<usize>();
+    let share = SHARES[more];
+    // Of a tap's length; its logarithm is taken as linear between powers of two, as levels are blended.
+    let square = (long * (share * share)).max(1.0);
+    let first = (((square.to_bits() >> 23) - 127) / 2).min(levels.len() as u32 - 1);
+    let t = square.sqrt() * f32::from_bits((127 - first) << 23) - 1.0;
+    let level = &levels[first as usize];
+    // Nearly on a level its neighbour is not worth a look.
+    let below = levels.get(first as usize + 1).filter(|_| t > 1.0 / 64.0);
+    let along = major * if more > 0 { share } else { 0.0 };
+    let along = Vec4::new(along.x, along.y, along.x, along.y);
+    // A longer one sees means across the image, which are the same everywhere.
+    let along = Vec4::select(along.abs().cmplt(Vec4::splat(FAR / 8.0)), along, Vec4::ZERO);
+    let mut at = uv - along * (0.5 * f32::from(more as u8));
+    let mut sum = Vec4::ZERO;
+    for _ in 0..=more {
+        sum += match below {
+            Some(below) => level.trilinear(below, at, wrap, t),
+            None => level.bilinear(at, wrap),
+        };
+        at += along;
+    }
+    sum * (T::SCALE * share)
 }
 
 impl PartialEq for Texture {
     fn eq(&self, other: &Self) -> bool {
         self.is_same(other)
-            || self.encoding == other.encoding && self.size() == other.size() && self.texels().eq(other.texels())
+            || self.size() == other.size()
+                && match (&*self.levels, &*other.levels) {
+                    (Levels::Bytes(a), Levels::Bytes(b)) => a[0].texels().eq(b[0].texels()),
+                    (Levels::Words(a), Levels::Words(b)) => a[0].texels().eq(b[0].texels()),
+                    _ => false,
+                }
     }
 }
 
@@ -210,80 +222,21 @@ impl core::fmt::Debug for Texture {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let [width, height] = self.size();
         // Checkpoints compare scenes by this text.
-        let sum = self
-            .texels()
-            .fold(0u64, |sum, t| sum.wrapping_mul(0x0100_0000_01b3).wrapping_add(u32::from_le_bytes(t).into()));
+        let add = |sum: u64, bits: u64| sum.wrapping_mul(0x0100_0000_01b3).wrapping_add(bits);
+        let sum = with!(&*self.levels, levels => levels[0].texels().map(Stored::bits).fold(0, add));
         write!(f, "Texture({:?}, {width}x{height}, {:?}, {sum:x})", self.name, self.encoding)
     }
 }
 
-/// A coordinate within [0, 1].
-#[inline(always)]
-fn fold(u: f32, wrap: Wrap) -> f32 {
-    match wrap {
-        Wrap::Repeat => u - floor(u),
-        Wrap::Mirror => {
-            let t = u - 2.0 * floor(0.5 * u);
-            if t > 1.0 { 2.0 - t } else { t }
-        }
-        Wrap::Clamp => u.clamp(0.0, 1.0),
-    }
-}
-
-/// The texels before and after a folded coordinate, and the second one's weight.
-#[inline(always)]
-fn neighbours(u: f32, n: usize, wrap: Wrap) -> (usize, usize, f32) {
-    let at = u * n as f32 - 0.5;
-    let last = n - 1;
-    if at < 0.0 {
-        return (if wrap == Wrap::Repeat { last } else { 0 }, 0, at + 1.0);
-    }
-    // Through i32, which takes one instruction.
-    let first = (at as i32 as usize).min(last);
-    let t = at - first as i32 as f32;
-    let next = match (first == last, wrap) {
-        (false, _) => first + 1,
-        (true, Wrap::Repeat) => 0,
-        (true, _) => last,
-    };
-    (first, next, t)
-}
-
-impl Level {
-    fn nearest(&self, uv: Vec2, wrap: [Wrap; 2], tables: Tables) -> Vec4 {
-        let nearest = |u: f32, wrap, n: usize| ((fold(u, wrap) * n as f32) as usize).min(n - 1);
-        let (x, y) = (nearest(uv.x, wrap[0], self.size[0]), nearest(uv.y, wrap[1], self.size[1]));
-        decode(tables, self.texels[self.place(x, y)])
-    }
-
-    #[inline(always)]
-    const fn place(&self, x: usize, y: usize) -> usize {
-        16 * (y / 4 * self.stride + x / 4) + 4 * (y % 4) + x % 4
-    }
-
-    #[inline(always)]
-    fn bilinear(&self, uv: Vec2, wrap: [Wrap; 2], tables: Tables) -> Vec4 {
-        let (x0, x1, s) = neighbours(fold(uv.x, wrap[0]), self.size[0], wrap[0]);
-        let (y0, y1, t) = neighbours(fold(uv.y, wrap[1]), self.size[1], wrap[1]);
-        let texel = |x: usize, y: usize| decode(tables, self.texels[self.place(x, y)]);
-        let [a, b, c, d] = [texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1)];
-        let (upper, lower) = (a + (b - a) * s, c + (d - c) * s);
-        upper + (lower - upper) * t
-    }
-}
-
 impl Rows {
-    fn blocks(&self) -> Level {
-        let [width, height] = self.size;
-        let stride = width.div_ceil(4) | 1;
-        let mut level = Level { size: self.size, stride, texels: vec![[0; 4]; 16 * stride * height.div_ceil(4)] };
-        for (y, row) in self.texels.chunks_exact(width).enumerate() {
-            for (x, four) in row.chunks(4).enumerate() {
-                let place = level.place(4 * x, y);
-                level.texels[place..place + four.len()].copy_from_slice(four);
-            }
+    fn pyramid<T: Stored>(self, encoding: Encoding, store: impl Fn(Texel) -> T) -> Vec<Level<T>> {
+        let mut rows = self;
+        let mut levels = vec![Level::new(rows.size, &rows.texels, &store)];
+        while let Some(next) = rows.half(encoding) {
+            levels.push(Level::new(next.size, &next.texels, &store));
+            rows = next;
         }
-        level
+        levels
     }
 
     /// The level half as large, at least one texel a side; none after that of one texel.
@@ -336,6 +289,7 @@ fn covered(at: usize, n: usize, of: usize) -> (usize, [f32; 3]) {
 struct Decoded {
     srgb: [f32; 256],
     linear: [f32; 256],
+    words: [u16; 256],
     encoded: Vec<u8>,
 }
 
@@ -352,6 +306,7 @@ static DECODED: LazyLock<Decoded> = LazyLock::new(|| {
     Decoded {
         srgb: core::array::from_fn(|i| srgb_decoded(i as f32 / 255.0)),
         linear: core::array::from_fn(|i| i as f32 / 255.0),
+        words: core::array::from_fn(|i| (srgb_decoded(i as f32 / 255.0) * 65535.0 + 0.5) as u16),
         encoded: (0..=steps).map(|i| (encode(f64::from(i) / f64::from(steps)) * 255.0 + 0.5) as u8).collect(),
     }
 });

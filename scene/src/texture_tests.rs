@@ -113,3 +113,82 @@ fn any_coordinates_give_a_value() {
         }
     }
 }
+
+/// Bilinear values in f64, texel by texel, for every wrap, sizes of powers of two and others, and places far from the image.
+#[test]
+fn lookups_are_bilinear_between_decoded_texels() {
+    let wrapped = |i: i64, n: i64, wrap: Wrap| match wrap {
+        Wrap::Repeat => i.rem_euclid(n),
+        Wrap::Mirror => {
+            let k = i.rem_euclid(2 * n);
+            k.min(2 * n - 1 - k)
+        }
+        Wrap::Clamp => i.clamp(0, n - 1),
+    };
+    let all = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+    let mut worst = 0.0_f64;
+    for size in [[1, 1], [1, 2], [2, 8], [3, 1], [5, 4], [7, 13], [64, 16]] {
+        for encoding in [Encoding::Linear, Encoding::Srgb] {
+            let texture = noise(size, encoding);
+            let [w, h] = size.map(i64::from);
+            let texel = |x: i64, y: i64| {
+                let uv = Vec2::new((x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
+                texture.sample(uv, NEAR, [Wrap::Clamp; 2], true)
+            };
+            for wrap in all.into_iter().flat_map(|a| all.map(|b| [a, b])) {
+                for k in 0..64 {
+                    // Eighths of the image are exact at any distance, and so are texels' edges and centres.
+                    let far = [0.0, -3.0, 200.0, 30_000.0][k / 16];
+                    let uv = Vec2::new(far + k as f32 / 8.0 - 0.75, far * 0.5 - k as f32 / 16.0 + 0.375);
+                    let got = texture.sample(uv, NEAR, wrap, false);
+                    let at = [f64::from(uv.x) * w as f64 - 0.5, f64::from(uv.y) * h as f64 - 0.5];
+                    let [x, y] = at.map(|x| x.floor() as i64);
+                    let [s, t] = at.map(|x| x - x.floor());
+                    for (c, got) in got.into_iter().enumerate() {
+                        let value = |i, j| f64::from(texel(wrapped(x + i, w, wrap[0]), wrapped(y + j, h, wrap[1]))[c]);
+                        let row = |j| value(0, j) * (1.0 - s) + value(1, j) * s;
+                        let want = row(0) * (1.0 - t) + row(1) * t;
+                        worst = worst.max((f64::from(got) - want).abs());
+                        assert!(worst < 2e-6, "{size:?} {wrap:?} {uv}: {got} {want}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Between levels and along a footprint: the means of the levels' own values.
+#[test]
+fn levels_and_taps_are_means() {
+    // Each level of this is known: a ramp of texels along u is a ramp of half as many steps.
+    let n = 64;
+    let texels = (0..n * n).map(|i| [(4 * (i % n)) as u8; 4]).collect();
+    let ramp = Texture::new("ramp", [n, n], texels, Encoding::Linear);
+    // In the middle, where none reaches beyond the edge.
+    for long in [1.5, 2.0, 3.0, 5.0, 7.5] {
+        for short in [0.5, 1.0, 2.0] {
+            let sides = [Vec2::X * long / n as f32, Vec2::Y * short / n as f32];
+            for (u, sides) in [(0.5, sides), (0.55, sides), (0.47, [sides[1], sides[0]])] {
+                let got = ramp.sample(Vec2::new(u, 0.3), sides, [Wrap::Repeat; 2], false)[0];
+                let want = 4.0 * (u * n as f32 - 0.5) / 255.0;
+                assert!((got - want).abs() < 0.5 / 255.0, "{long} {short} {u}: {got} {want}");
+            }
+        }
+    }
+}
+
+/// The widest image, texel by texel, at a place that single precision just tells apart.
+#[test]
+fn the_largest_image_keeps_its_texels_apart() {
+    let width = Texture::MAX_SIDE;
+    let texels = (0..width).map(|i| [(i % 251) as u8, (i / 251) as u8, 0, 255]).collect();
+    let texture = Texture::new("wide", [width, 1], texels, Encoding::Linear);
+    for i in [0, 1, 250, 251, 8191, 8192, 12_345, width - 1] {
+        for (far, wrap) in [(0.0, Wrap::Clamp), (-90.0, Wrap::Repeat), (100.0, Wrap::Repeat), (126.0, Wrap::Mirror)] {
+            let u = far + (i as f32 + 0.5) / width as f32;
+            let got = texture.sample(Vec2::new(u, 0.5), NEAR, [wrap; 2], false);
+            let number = (got[0] * 255.0).round() as u32 + 251 * (got[1] * 255.0).round() as u32;
+            assert_eq!(number, i, "{far} {wrap:?}");
+        }
+    }
+}

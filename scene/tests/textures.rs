@@ -4,7 +4,7 @@ use brdf::{Material, MetallicRoughness, Phong};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use image::{Rgb, RgbImage, Rgba, RgbaImage};
-use scene::{Encoding, Shape, Surface, Wrap, load_with_warnings};
+use scene::{Encoding, Shape, Surface, TexturePlace, Wrap, load_with_warnings};
 use std::path::Path;
 
 /// Two by two texels: red, green; blue, white.
@@ -41,6 +41,7 @@ fn a_scene_file_lays_images_on_materials() {
     let text = "model = \"metallic-roughness\"\nbase = [0.5, 0.6, 0.7]\nior = 2\n\
          color_map = { file = \"a.png\", scale = [2, 3], offset = [0.5, 0], wrap = \"mirror\", filter = \"nearest\" }\n\
          metallic_map = { file = \"a.png\", channel = \"blue\" }\nroughness_map = \"a.png\"\n\
+         specular_map = \"a.png\"\ncoat_map = { file = \"a.png\", channel = \"alpha\" }\n\
          normal_map = { file = \"a.png\", strength = 0.25, rotate = 90 }\n\
          emission = [1, 2, 3]\nemission_map = \"a.png\"";
     let (material, surface) = load_material(folder.path(), text).expect("a scene");
@@ -52,6 +53,7 @@ fn a_scene_file_lays_images_on_materials() {
     assert_eq!(map.transform.transform_point2(glam::Vec2::ONE), glam::Vec2::new(2.5, 3.0));
     let channels = (surface.metallic.expect("a map"), surface.roughness.expect("a map"));
     assert_eq!((channels.0.index, channels.1.index, channels.0.map.texture.encoding()), (2, 0, Encoding::Linear));
+    assert_eq!((surface.specular.is_some(), surface.coat.map(|c| c.index)), (true, Some(3)));
     assert!(channels.0.map.texture.is_same(&channels.1.map.texture), "one image in memory");
     assert_eq!(surface.normal.expect("a map").1, 0.25);
     assert_eq!(surface.emission, Vec3::new(1.0, 2.0, 3.0));
@@ -71,6 +73,9 @@ fn what_is_wrong_with_an_image_is_said_at_its_line() {
     std::fs::write(folder.path().join("short.png"), &whole[..whole.len() / 2]).expect("a file");
     std::fs::write(folder.path().join("text.png"), "no image").expect("a file");
     std::fs::write(folder.path().join("empty.png"), "").expect("a file");
+    // What may hold NaN, and has no place in [0, 1].
+    std::fs::write(folder.path().join("nan.hdr"), "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n").expect("a file");
+    std::fs::write(folder.path().join("nan.exr"), [0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]).expect("a file");
     // A header that promises 16 384 × 16 384 texels, and one beyond.
     for (name, side) in [("lie.png", 16384u32), ("large.png", 20000)] {
         let mut lie = whole.clone();
@@ -86,6 +91,8 @@ fn what_is_wrong_with_an_image_is_said_at_its_line() {
         (lambert("\"short.png\""), "image \"short.png\""),
         (lambert("\"text.png\""), "unknown format"),
         (lambert("\"empty.png\""), "unknown format"),
+        (lambert("\"nan.hdr\""), "unknown format: expected PNG, JPEG, BMP or TGA"),
+        (lambert("\"nan.exr\""), "unknown format: expected PNG, JPEG, BMP or TGA"),
         (lambert("\"lie.png\""), "image \"lie.png\""),
         (lambert("\"large.png\""), "image \"large.png\""),
         (lambert("\".\""), "not a regular file"),
@@ -155,8 +162,73 @@ fn an_obj_has_the_materials_of_its_library() {
     assert_eq!(of("gone").1.map(|s| s.emission), Some(Vec3::splat(5.0)));
     // What no library has is one object with the default material.
     assert!(scene.objects.iter().any(|o| o.name == "m" && o.material == 1), "{:?}", scene.objects.len());
-    for part in ["gone.png is not there", "not read: d", "emits, but lights no other"] {
+    for part in ["gone.png is not there", "not opaque are cut out", "emits, but lights no other"] {
         assert!(warnings.iter().any(|w| w.contains(part)), "{part}: {warnings:?}");
+    }
+}
+
+/// Opacity cuts, heights and normals turn, highlights vary: all images of a library.
+#[test]
+fn a_library_has_images_of_every_kind() {
+    let folder = folder();
+    let save = |name: &str, image: RgbaImage| image.save(folder.path().join(name)).expect("an image");
+    let grey = |g: u8| Rgba([g, g, g, 255]);
+    // Opaque on the left, in grey and in alpha.
+    save("mask.png", RgbaImage::from_fn(16, 16, |x, _| grey(if x < 8 { 255 } else { 0 })));
+    save("alpha.png", RgbaImage::from_fn(16, 16, |x, _| Rgba([9, 200, 9, if x < 8 { 255 } else { 0 }])));
+    // Rises by 8 of 255 a texel to the right.
+    save("ramp.png", RgbaImage::from_fn(16, 16, |x, _| grey((8 * x) as u8)));
+    save("normals.png", RgbaImage::from_pixel(4, 4, Rgba([128, 128, 255, 255])));
+    save("gloss.png", RgbaImage::from_pixel(2, 2, Rgba([51, 102, 153, 255])));
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("a file");
+    write(
+        "m.mtl",
+        "newmtl grey\nmap_d mask.png\nnewmtl alpha\nmap_Kd alpha.png\nmap_d alpha.png\n\
+         newmtl green\nmap_d -imfchan g alpha.png\nnewmtl clear\nd 0.3\nnewmtl misty\nTr 0.4\n\
+         newmtl glass\nTr 0.6\nnewmtl unsure\nTr 1\nd 1\n\
+         newmtl rough\nbump -bm 2 -clamp on ramp.png\nnewmtl carved\nmap_Bump -bm 0.5 normals.png\n\
+         newmtl both\nbump ramp.png\nnorm normals.png\n\
+         newmtl gloss\nKs 0.5 0.5 0.5\nNs 200\nmap_Ns -imfchan b gloss.png\nmap_Ks gloss.png\n\
+         newmtl glossy\nKs 1 1 1\nmap_Ns gloss.png\nnewmtl metal\nmap_Pr gloss.png\nmap_Pm -imfchan g gloss.png\n",
+    );
+    let mut obj = "mtllib m.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n".to_owned();
+    let names = [
+        "grey", "alpha", "green", "clear", "misty", "glass", "unsure", "rough", "carved", "both", "gloss", "glossy",
+        "metal",
+    ];
+    for name in names {
+        obj += &format!("usemtl {name}\nf 1/1 2/2 3/3 4/4\n");
+    }
+    write("m.obj", &obj);
+    let (scene, warnings) = load_with_warnings(folder.path().join("m.obj")).expect("a scene");
+    let object = |name: &str| scene.objects.iter().find(|o| o.name == name);
+    let area = |name: &str| match object(name).map(|o| &o.shape) {
+        Some(Shape::Mesh(mesh)) => mesh.area(),
+        _ => 0.0,
+    };
+    // The line runs between the middles of two texels.
+    assert!((area("grey") - 2.0).abs() < 0.05 && (area("alpha") - 2.0).abs() < 0.05, "{}", area("grey"));
+    assert_eq!([area("green"), area("clear"), area("misty")], [4.0, 0.0, 4.0]);
+    assert_eq!([area("glass"), area("unsure")], [0.0, 4.0]);
+    let surface = |name: &str| scene.surface(object(name).expect(name).material).expect(name);
+    let normal = |name: &str| {
+        let place = |_| TexturePlace { uv: glam::Vec2::splat(0.45), ..TexturePlace::default() };
+        surface(name).normal(&place).expect("a normal").normalize()
+    };
+    // It falls to the left: by twice 8/255.
+    let want = Vec3::new(-2.0 * 8.0 / 255.0, 0.0, 1.0).normalize();
+    assert!((normal("rough") - want).length() < 1e-3, "{} {want}", normal("rough"));
+    assert_eq!(surface("carved").normal.as_ref().expect("a map").1, 0.5);
+    assert!((normal("both") - Vec3::Z).length() < 0.01);
+    let factors = |name: &str| surface(name).factors(&|_| TexturePlace::default());
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-4;
+    assert!(near(factors("gloss").exponent, 0.6) && near(factors("glossy").exponent, 0.2));
+    assert!(near(factors("metal").roughness, 0.2) && near(factors("metal").metallic, 0.4));
+    assert!(factors("gloss").specular.x > 0.03 && factors("gloss").specular.x < 0.035, "sRGB of 51");
+    let phong = Phong { kd: Vec3::splat(0.5) * FRAC_1_PI, ks: Vec3::ONE * FRAC_1_PI, exponent: 1000.0 };
+    assert_eq!(scene.materials[object("glossy").expect("an object").material], phong.into());
+    for part in ["not opaque are cut out", "normals.png shows normals"] {
+        assert_eq!(warnings.iter().filter(|w| w.contains(part)).count(), 1, "{part}: {warnings:?}");
     }
 }
 
@@ -183,7 +255,18 @@ fn a_broken_library_is_refused_at_its_line() {
     let folder = folder();
     std::fs::write(folder.path().join("m.obj"), "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n")
         .expect("a file");
-    for line in ["Kd 1 2", "Kd a b c", "Ns", "Pr x", "map_Kd", "Kd nan 1 1", "map_Kd -s inf 1 1 a.png"] {
+    for line in [
+        "Kd 1 2",
+        "Kd a b c",
+        "Ns",
+        "Pr x",
+        "map_Kd",
+        "Kd nan 1 1",
+        "map_Kd -s inf 1 1 a.png",
+        "map_d -imfchan z a.png",
+        "bump",
+        "d x",
+    ] {
         write_quarters(folder.path(), "a.png");
         std::fs::write(folder.path().join("m.mtl"), format!("newmtl a\n{line}\n")).expect("a file");
         let message = load_with_warnings(folder.path().join("m.obj")).expect_err(line).to_string();

@@ -80,7 +80,9 @@ impl World<'_> {
         let plain = Surface::default();
         let surface = self.scene.surface(object.material).unwrap_or(&plain);
         let patch = self.patch(eye, found, beside, at);
-        let place = |set: usize| patch.place(set);
+        // Most textures share the first set of coordinates.
+        let first = if surface.has_textures() { patch.place(0) } else { TexturePlace::default() };
+        let place = |set: usize| if set == 0 { first } else { patch.place(set) };
         let color = patch.color();
         let mut emission = if surface.emits() { surface.emission(&place) } else { Vec3::ZERO };
         if surface.is_unlit {

@@ -1,7 +1,7 @@
 //! Visible points found on the GPU against `render_cpu::GBuffer`.
 
 use crate::call::trial;
-use crate::parity::View;
+use crate::parity::{View, plain};
 use brdf::Material;
 use core::f32::consts::PI;
 use glam::{Mat4, Quat, Vec3};
@@ -10,14 +10,14 @@ use lighting::{Light, SphereLight};
 use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, World};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, Occlusion};
-use scene::{Camera, Mesh, Object, Proxy, Scene, Shade, Shape, builtin};
+use scene::{Camera, Mesh, Object, Proxy, Scene, Shade, Shape};
 use visibility_mask::MaskVisibility;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
-        trial("points_of_the_built_in_scene", gpu, |gpu| same(gpu, &builtin(), 240, 136)),
+        trial("points_of_the_built_in_scene", gpu, |gpu| same(gpu, &plain(), 240, 136)),
         trial("points_of_many_triangles", gpu, |gpu| same(gpu, &globes(), 160, 90)),
-        trial("points_of_one_pixel", gpu, |gpu| same(gpu, &builtin(), 1, 1)),
+        trial("points_of_one_pixel", gpu, |gpu| same(gpu, &plain(), 1, 1)),
         trial("points_of_windows", gpu, windows),
         trial("points_are_shaded_where_they_are", gpu, shaded),
         trial("points_of_nothing", gpu, nothing),
@@ -52,7 +52,7 @@ pub(crate) fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
 
 /// Meshes of some 20 000 triangles, smooth and flat, one that is not seen; balls; a tilted floor.
 fn globes() -> Scene {
-    let mut scene = builtin();
+    let mut scene = plain();
     let tilt = Vec3::new(0.0, -0.2, -3.9);
     scene.objects = vec![
         Object::mesh("floor", Mesh::quad(Vec3::NEG_Y, Vec3::X * 5.0, tilt), 0, Proxy::None),
@@ -74,7 +74,7 @@ pub(crate) fn large_floor(half: f32) -> Scene {
     let turn = Mat4::from_quat(Quat::from_xyzw(0.31, -0.22, 0.17, 0.91).normalize());
     let mut floor = Mesh::quad(Vec3::ZERO, Vec3::X * half, Vec3::NEG_Z * half);
     floor.transform(&turn);
-    let mut scene = builtin();
+    let mut scene = plain();
     scene.objects = vec![Object::mesh("floor", floor, 0, Proxy::Count(8))];
     scene.materials = vec![Material::lambert(Vec3::splat(0.5))];
     let ball = Sphere { center: turn.transform_point3(Vec3::new(-3.0, 3.4, 1.5)), radius: 0.5 };
@@ -245,7 +245,7 @@ fn shaded(gpu: &Gpu) {
 }
 
 fn nothing(gpu: &Gpu) {
-    let mut scene = Scene { objects: Vec::new(), ..builtin() };
+    let mut scene = Scene { objects: Vec::new(), ..plain() };
     let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");
     assert!(ours.read(&scene.camera, 33, 17, 0..33, 0..17).expect("points").1.is_empty());
     assert_eq!(ours.trace(&scene.camera, 33, 17, 0..33, 0..17).expect("points").count, 5 * 3 * 64);
@@ -302,7 +302,7 @@ fn motion(gpu: &Gpu) {
 
 /// No ray gets into a closed surface of triangles smaller than pixels, nor through a grid whose edges are at their centres.
 fn no_cracks(gpu: &Gpu) {
-    let mut scene = builtin();
+    let mut scene = plain();
     scene.camera = Camera { eye: Vec3::new(0.3, 0.8, 4.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.45 };
     scene.objects = vec![Object::mesh("globe", globe(250, Vec3::ZERO, 1.0, false), 0, Proxy::None)];
     let mut ours = GpuGBuffer::new(gpu, &scene).expect("geometry");

@@ -162,6 +162,11 @@ pub(crate) fn assert_same(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec
     assert_eq!((w.integrals, w.pruned), (g.integrals, g.pruned), "{name}");
 }
 
+/// The built-in scene without its texture: points have the scene's own materials.
+pub(crate) fn plain() -> Scene {
+    Scene { surfaces: Vec::new(), ..scene::builtin() }
+}
+
 fn builtin() -> View {
     View::new(scene::builtin(), 96, 54)
 }

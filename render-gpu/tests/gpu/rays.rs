@@ -2,6 +2,7 @@
 
 use crate::call::trial;
 use crate::gbuffer::{globe, large_floor, placed};
+use crate::parity::plain;
 use brdf::Material;
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
@@ -12,7 +13,7 @@ use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Accuracy, Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion};
-use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
+use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility, facet_coverage};
 use visibility_spheres::SphereBlockers;
 
@@ -53,7 +54,7 @@ pub(crate) fn fence() -> Scene {
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("fence", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(light, Vec3::splat(90.0)).into()],
-        ..builtin()
+        ..plain()
     }
 }
 
@@ -160,7 +161,7 @@ pub(crate) fn check_alike(name: &str, (want, counts): Shaded, (got, ours): Shade
 }
 
 fn on_the_built_in_scene(gpu: &Gpu) {
-    compare(gpu, "built in", &builtin(), [64, 36], 0.003, 5);
+    compare(gpu, "built in", &plain(), [64, 36], 0.003, 5);
 }
 
 fn behind_a_fence(gpu: &Gpu) {
@@ -173,7 +174,7 @@ fn masks_of_all_depths(gpu: &Gpu) {
 
 /// Lights whose penumbrae are narrower than pixels: what a single ray says.
 fn tiny_lights(gpu: &Gpu) {
-    let mut scene = builtin();
+    let mut scene = plain();
     for light in scene.lights.iter_mut().filter_map(Light::as_sphere_mut) {
         light.ball.radius *= 1e-4;
         light.radiance *= 1e8;
@@ -255,7 +256,7 @@ fn from_a_large_floor(gpu: &Gpu) {
 
 /// Only some objects by rays, the others by spheres: as the CPU's mixture of both.
 fn of_some_objects(gpu: &Gpu) {
-    let scene = builtin();
+    let scene = plain();
     let by_rays = |object: u32| object == 2 || object == 4;
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 36, 1).points;
@@ -330,7 +331,7 @@ fn follow_motion(gpu: &Gpu) {
 
 /// The error of V against many shadow rays is the CPU's.
 fn near_monte_carlo(gpu: &Gpu) {
-    let scene = builtin();
+    let scene = plain();
     let world = World::new(&scene);
     let g = GBuffer::new(&world, 72, 40, 1);
     let none = BlockerSet::default();

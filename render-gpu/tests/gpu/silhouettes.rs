@@ -2,6 +2,7 @@
 
 use crate::call::trial;
 use crate::gbuffer::{globe, large_floor};
+use crate::parity::plain;
 use crate::rays::{Shaded, Ways, check_alike, check_picture, fence, frame, unshadowed};
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
@@ -11,7 +12,7 @@ use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Method, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use render_gpu::{Gpu, GpuError, GpuShader, GpuWorld, Occlusion};
-use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
+use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility};
 use visibility_silhouettes::{AnyHit as _, GpuSilhouettes, SilhouetteBlockers};
 use visibility_spheres::SphereBlockers;
@@ -134,7 +135,7 @@ fn follow_motion(gpu: &Gpu) {
 
 /// Glossy lobes, two lights; some objects by spheres, others by silhouettes: as the CPU's mixture of both.
 fn beside_spheres(gpu: &Gpu) {
-    let scene = builtin();
+    let scene = plain();
     let by_silhouettes = |object: u32| is_mesh(&scene, object) && object.is_multiple_of(2);
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 36, 1).points;

@@ -88,9 +88,11 @@ const SAMPLES: u32 = 256;
 
 pub(super) fn methods_beside_reference(name: &str, studio: &mut Studio) -> Result<Page, Failure> {
     let tables = studio.tables()?;
-    let scene = Scene { width: 320, height: 180, ..builtin() };
+    let mut scene = Scene { width: 320, height: 180, ..builtin() };
     let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(()))?;
     let gbuffer = GBuffer::new(&World::new(&scene), scene.width, scene.height, 1);
+    // Those of points with textures, too.
+    scene.materials.clone_from(&gbuffer.materials);
     let truth = reference(&scene, &set, &gbuffer, Geometry::Spheres, SAMPLES);
     let mut cells = vec![cell("reference", format!("Monte Carlo, {SAMPLES} samples"), &truth, 0.0)];
     let (mut maps, mut rows) = (Vec::new(), String::new());
