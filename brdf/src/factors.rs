@@ -1,4 +1,4 @@
-use crate::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
+use crate::{HalfVector, Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Neumann, Phong};
 use glam::Vec3;
 
 /// Factors on a material's parameters, as textures give them for a point: a surface whose material varies has one material a point.
@@ -14,7 +14,7 @@ use glam::Vec3;
 pub struct Factors {
     /// Of the diffuse part, or a metallic–roughness material's base.
     pub color: Vec3,
-    /// Of Phong's `ks` and the scales of Lafortune's lobes.
+    /// Of Phong's and Neumann's `ks` and the scales of Lafortune's and half-vector lobes.
     pub specular: Vec3,
     /// Of the exponents.
     pub exponent: f32,
@@ -60,7 +60,7 @@ impl Material {
 
     /// The material with its parameters times factors, which are taken within [0, 1]: [valid](Self::validate) if this one is.
     ///
-    /// Of metallic–roughness, the lobes of directions are those of the nearest of 256 roughnesses and four reflectances; its
+    /// Of metallic–roughness and half-vector lobes, the lobes of directions are those of the nearest of 256 roughnesses and four reflectances; their
     /// microfacets are exact.
     ///
     /// # Cost
@@ -74,12 +74,20 @@ impl Material {
             Self::ModifiedPhong(m) => {
                 ModifiedPhong { kd: m.kd * color, ks: m.ks * specular, exponent: m.exponent * exponent }.into()
             }
+            Self::Neumann(m) => {
+                let exponent = (m.exponent * exponent).max(1.0);
+                Neumann { kd: m.kd * color, ks: m.ks * specular, exponent }.into()
+            }
             Self::Lafortune(m) => {
                 let scaled =
                     |l: &LafortuneLobe| LafortuneLobe::new(l.matrix(), l.exponent() * exponent, l.scale() * specular);
                 Lafortune { diffuse: m.diffuse * color, lobes: m.lobes.iter().map(scaled).collect() }.into()
             }
             Self::MetallicRoughness(m) => m.scaled(color, metallic, roughness).into(),
+            Self::HalfVector(m) => {
+                let lobes = m.lobes.iter().map(|lobe| lobe.scaled(roughness, specular)).collect();
+                HalfVector { diffuse: m.diffuse * color, lobes }.into()
+            }
         }
     }
 }
