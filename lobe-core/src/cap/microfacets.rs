@@ -18,21 +18,29 @@ const TEN: [(f32, f32); 5] = [
     (0.629_396_15, 0.328_678_17),
     (0.231_725_67, 0.451_573_16),
 ];
-const SIXTEEN: [(f32, f32); 8] = [
-    (0.999_861_4, 0.000_710_062),
-    (0.996_212_55, 0.008_502_77),
-    (0.977_808_1, 0.031_315_292),
-    (0.927_094_9, 0.073_378_6),
-    (0.825_200_9, 0.132_728_68),
-    (0.658_971_9, 0.199_858_78),
-    (0.428_057_06, 0.259_225_6),
-    (0.148_691_87, 0.294_280_2),
+const THIRTY_TWO: [(f32, f32); 16] = [
+    (0.999_990_76, 4.7383545e-05),
+    (0.999_744_6, 0.00057772718),
+    (0.998_468_5, 0.002_206_602_45),
+    (0.994_777_1, 0.005_495_235),
+    (0.986_767_9, 0.010_909_787_5),
+    (0.972_137_55, 0.018_778_106),
+    (0.948_343_3, 0.029_243_98),
+    (0.912_808_5, 0.042_224_581),
+    (0.863_166_4, 0.057_379_32),
+    (0.797_525_16, 0.074_099_58),
+    (0.714_728_97, 0.091_527_925),
+    (0.614_582_84, 0.108_612_01),
+    (0.498_006_13, 0.124_192_77),
+    (0.367_083_52, 0.137_119_418),
+    (0.224_993_17, 0.146_377_13),
+    (0.075_808_704, 0.151_208_44),
 ];
 
 /// The nodes of a whole light, or of one that the horizon crosses.
 #[inline(always)]
 pub(super) fn nodes<const IS_CUT: bool>() -> impl Iterator<Item = (f32, f32)> {
-    let half: &[(f32, f32)] = if IS_CUT { &SIXTEEN } else { &TEN };
+    let half: &[(f32, f32)] = if IS_CUT { &THIRTY_TWO } else { &TEN };
     half.iter().map(|(cos, weight)| (-cos, *weight)).chain(half.iter().rev().copied())
 }
 
@@ -325,7 +333,7 @@ mod tests {
                 println!("roughness {roughness}, {degrees}°: mean {:.1e}, worst {:.1e}", got[0], got[1]);
                 assert!(got[0] < limits[0] && got[1] < limits[1], "{roughness} {degrees}: {got:?}");
             }
-            for (degrees, limits) in [(5.0, [3e-3, 0.05]), (25.0, [0.04, 0.6])] {
+            for (degrees, limits) in [(5.0, [1e-3, 0.02]), (25.0, [0.015, 0.06])] {
                 let got = errors(roughness, f64::to_radians(degrees), true);
                 println!(
                     "roughness {roughness}, {degrees}° through the horizon: mean {:.1e}, worst {:.1e}",
@@ -354,7 +362,7 @@ mod tests {
             worst = worst.max(error);
         }
         println!("grazing: mean {:.1e}, worst {worst:.1e}", sum / 200.0);
-        assert!(sum / 200.0 < 0.01 && worst < 0.35);
+        assert!(sum / 200.0 < 5e-3 && worst < 0.08);
     }
 
     /// Finite and not negative, whatever the input.

@@ -22,15 +22,23 @@ const NODES_WHOLE = array<vec2f, 5>(
     vec2f(0.62939615, 0.32867817),
     vec2f(0.23172567, 0.45157316)
 );
-const NODES_CUT = array<vec2f, 8>(
-    vec2f(0.9998614, 0.000710062),
-    vec2f(0.99621255, 0.00850277),
-    vec2f(0.9778081, 0.031315292),
-    vec2f(0.9270949, 0.0733786),
-    vec2f(0.8252009, 0.13272868),
-    vec2f(0.6589719, 0.19985878),
-    vec2f(0.42805706, 0.2592256),
-    vec2f(0.14869187, 0.2942802)
+const NODES_CUT = array<vec2f, 16>(
+    vec2f(0.99999076, 4.7383545e-05),
+    vec2f(0.9997446, 0.00057772718),
+    vec2f(0.9984685, 0.00220660245),
+    vec2f(0.9947771, 0.005495235),
+    vec2f(0.9867679, 0.0109097875),
+    vec2f(0.97213755, 0.018778106),
+    vec2f(0.9483433, 0.02924398),
+    vec2f(0.9128085, 0.042224581),
+    vec2f(0.8631664, 0.05737932),
+    vec2f(0.79752516, 0.07409958),
+    vec2f(0.71472897, 0.091527925),
+    vec2f(0.61458284, 0.10861201),
+    vec2f(0.49800613, 0.12419277),
+    vec2f(0.36708352, 0.137119418),
+    vec2f(0.22499317, 0.14637713),
+    vec2f(0.075808704, 0.15120844)
 );
 
 // The integral over a light of the edge of microfacets, which has come with that of the lobe before it.
@@ -53,7 +61,7 @@ fn microfacets_integral(at: Receiver, lobe: Lobe, light: Seen) -> f32 {
     }
     let ellipse = ellipse_of(at, lobe, light);
     var sum = vec2f(0.0);
-    let count = select(5u, 8u, ellipse.is_cut);
+    let count = select(5u, 16u, ellipse.is_cut);
     for (var k = 0u; k < 2u * count; k++) {
         let place = min(k, 2u * count - 1u - k);
         var node = vec2f();

@@ -36,7 +36,7 @@ const MIRROR: f32 = 1e9;
 ///   how it cuts them; 32 below exponent 1 and for lights wider than 66°.
 ///
 /// - microfacets: in the plane of half vectors the light is an ellipse and the distribution a cosine lobe, whose integral along a chord is
-///   closed; the rest of the reflectance is smooth and taken at two points of each of 10 chords, of 16 through the horizon.
+///   closed; the rest of the reflectance is smooth and taken at two points of each of 10 chords, of 32 through the horizon.
 ///
 /// # Domain
 /// Exponents in [0, 1e7] (from 1e9 on the lobe sees its axis only, and between the two loses precision), cones from a
