@@ -1,6 +1,5 @@
 //! Lobes for any reflectance: the paper's way to measured materials.
 
-use crate::coat::MIN_ALPHA;
 use crate::{HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Material, MaterialError};
 use core::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use glam::Vec3;
@@ -181,7 +180,7 @@ impl Shape for Facets {
     }
 
     fn moved(self, [alpha, _]: [f32; 2]) -> Self {
-        Self { ln_alpha: (self.ln_alpha + alpha).clamp(LEAST_ALPHA.max(MIN_ALPHA).ln(), 0.0) }
+        Self { ln_alpha: (self.ln_alpha + alpha).clamp(LEAST_ALPHA.ln(), 0.0) }
     }
 
     /// Of `1 − s` and of `s`.
