@@ -103,6 +103,7 @@ impl Neumann {
         let least = sin * sigma * (1.0 / STEEPEST);
         let divisor = if cos > least { cos } else { least };
 
+        // Even in k/(1 + k), sixteen to 1.
         let place = STEEPEST * (sin * sigma / (divisor + sin * sigma)) * (16.0 / 15.0);
         let first = (place as usize).min(SHAPES.len() - 2);
         let t = place - first as f32;
