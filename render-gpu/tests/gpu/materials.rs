@@ -255,7 +255,15 @@ fn allowed(material: &Material, at: &Receiver, want: &Lobe) -> [f32; 3] {
             [TOLERANCE * axis, TOLERANCE, TOLERANCE * flux]
         }
         // A place among 48 rows has 1/48 of an f32's digits, and rows differ by up to a half.
-        Material::MetallicRoughness(_) if want.axis != at.normal => [TOLERANCE, 24.0 * TOLERANCE, 24.0 * TOLERANCE],
+        Material::MetallicRoughness(_) | Material::HalfVector(_) if want.axis != at.normal => {
+            [TOLERANCE, 24.0 * TOLERANCE, 24.0 * TOLERANCE]
+        }
+        // Of a table as well; and a rounding of the divisor n·ω counts by as much as it is small, to the steepest that there is.
+        Material::Neumann(m) if want.axis != at.normal => {
+            let divisor = at.normal.dot(at.view).max(1.0 / (15.0 * (m.exponent + 1.0).sqrt()));
+            let number = TOLERANCE * (24.0 + 0.1 / divisor);
+            [TOLERANCE, number, number]
+        }
         _ => [TOLERANCE; 3],
     }
 }
