@@ -184,9 +184,10 @@ fn seconds() -> f64 {
         Some(1e-9 * text.split_whitespace().next()?.parse::<f64>().ok()?)
     };
     let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten();
-    let all: f64 = threads.filter_map(of_thread).sum();
-    let wall = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    if all > 0.0 { all } else { wall.map_or(0.0, |wall| wall.as_secs_f64()) * rayon::current_num_threads() as f64 }
+    let all = threads.filter_map(of_thread).reduce(|a, b| a + b);
+    let wall =
+        || std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0.0, |wall| wall.as_secs_f64());
+    all.unwrap_or_else(|| wall() * rayon::current_num_threads() as f64)
 }
 
 /// Nanoseconds of a core for each point of a floor: with nothing between it and the light, and behind an edge.
