@@ -261,7 +261,9 @@ fn allowed(material: &Material, at: &Receiver, want: &Lobe) -> [f32; 3] {
         // Of a table as well; and a rounding of the divisor n·ω counts by as much as it is small, to the steepest that there is.
         Material::Neumann(m) if want.axis != at.normal => {
             let divisor = at.normal.dot(at.view).max(1.0 / (15.0 * (m.exponent + 1.0).sqrt()));
-            let number = TOLERANCE * (24.0 + 0.1 / divisor);
+            // The lobe without cosine begins with a weight of zero: a rounding of the whole highlight.
+            let whole = (m.ks.max_element() / want.flux.max_element()).max(1.0);
+            let number = TOLERANCE * (24.0 + whole * (1.0 + 0.1 / divisor));
             [TOLERANCE, number, number]
         }
         _ => [TOLERANCE; 3],
