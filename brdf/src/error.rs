@@ -16,6 +16,11 @@ pub enum MaterialError {
         /// The value found.
         value: f32,
     },
+    /// The exponent of a metal's highlight is outside [1, 1e7].
+    MetalExponent {
+        /// The value found.
+        value: f32,
+    },
     /// A fraction is NaN or outside [0, 1].
     Fraction {
         /// Which parameter.
@@ -46,6 +51,7 @@ impl core::fmt::Display for MaterialError {
                 write!(f, "{name} is {value}: every channel must lie in [0, 1e12]")
             }
             Self::Exponent { value } => write!(f, "exponent is {value}: it must lie in [0, 1e7]"),
+            Self::MetalExponent { value } => write!(f, "exponent is {value}: of this model it must lie in [1, 1e7]"),
             Self::Fraction { name, value } => write!(f, "{name} is {value}: it must lie in [0, 1]"),
             Self::Matrix => f.write_str("matrix entries must be finite and within ±1e12"),
             Self::Asymmetric => f.write_str("matrix is not symmetric: the reflectance would not be reciprocal"),
@@ -72,6 +78,11 @@ pub(crate) fn check_coefficient(name: &'static str, value: Vec3) -> Result<(), M
 
 pub(crate) fn check_exponent(value: f32) -> Result<(), MaterialError> {
     if (0.0..=1e7).contains(&value) { Ok(()) } else { Err(MaterialError::Exponent { value }) }
+}
+
+/// Of a model that conserves energy from exponent 1 on.
+pub(crate) fn check_metal_exponent(value: f32) -> Result<(), MaterialError> {
+    if (1.0..=1e7).contains(&value) { Ok(()) } else { Err(MaterialError::MetalExponent { value }) }
 }
 
 pub(crate) fn check_fraction(name: &'static str, value: f32) -> Result<(), MaterialError> {

@@ -1,4 +1,4 @@
-use crate::{Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
+use crate::{HalfVector, Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Neumann, Phong};
 use glam::Vec3;
 
 /// Factors on a material's parameters, as textures give them for a point: a surface whose material varies has one material a point.
@@ -14,7 +14,8 @@ use glam::Vec3;
 pub struct Factors {
     /// Of the diffuse part, or a metallic–roughness material's base.
     pub color: Vec3,
-    /// Of Phong's `ks`, the scales of Lafortune's lobes, and what a metallic–roughness material's coat reflects at normal incidence.
+    /// Of Phong's and Neumann's `ks`, the scales of Lafortune's and half-vector lobes, and what a metallic–roughness material's coat
+    /// reflects at normal incidence.
     pub specular: Vec3,
     /// Of all that this coat reflects.
     pub coat: f32,
@@ -64,7 +65,7 @@ impl Material {
 
     /// The material with its parameters times factors, which are taken within [0, 1]: [valid](Self::validate) if this one is.
     ///
-    /// Of metallic–roughness, the lobes of directions are those of the nearest of 256 roughnesses and four reflectances; its
+    /// Of metallic–roughness and half-vector lobes, the lobes of directions are those of the nearest of 256 roughnesses and four reflectances; their
     /// microfacets are exact.
     ///
     /// # Cost
@@ -72,12 +73,16 @@ impl Material {
     #[must_use]
     pub fn scaled(&self, by: &Factors) -> Self {
         let by = by.clamped();
-        let Factors { color, specular, exponent, .. } = by;
+        let Factors { color, specular, exponent, roughness, .. } = by;
         match self {
             Self::Lambert(m) => Lambert { albedo: m.albedo * color }.into(),
             Self::Phong(m) => Phong { kd: m.kd * color, ks: m.ks * specular, exponent: m.exponent * exponent }.into(),
             Self::ModifiedPhong(m) => {
                 ModifiedPhong { kd: m.kd * color, ks: m.ks * specular, exponent: m.exponent * exponent }.into()
+            }
+            Self::Neumann(m) => {
+                let exponent = (m.exponent * exponent).max(1.0);
+                Neumann { kd: m.kd * color, ks: m.ks * specular, exponent }.into()
             }
             Self::Lafortune(m) => {
                 let scaled =
@@ -85,6 +90,10 @@ impl Material {
                 Lafortune { diffuse: m.diffuse * color, lobes: m.lobes.iter().map(scaled).collect() }.into()
             }
             Self::MetallicRoughness(m) => m.scaled(&by).into(),
+            Self::HalfVector(m) => {
+                let lobes = m.lobes.iter().map(|lobe| lobe.scaled(roughness, specular)).collect();
+                HalfVector { diffuse: m.diffuse * color, lobes }.into()
+            }
         }
     }
 }

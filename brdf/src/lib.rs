@@ -8,6 +8,8 @@
 //! | [`ModifiedPhong`], normalised | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e)·(n·v)` | ≤ 2 |
 //! | [`Lafortune`] (Eqs. 27–29) | `(ρ/π + Σ k·max(v·Mω_o, 0)^e)·(n·v)` | ≤ 1 + number of lobes |
 //! | [`MetallicRoughness`] (GGX) | diffuse + `F·D·W` | 3 with microfacets, else ≤ 9 |
+//! | [`HalfVector`] | `diffuse/π·(n·v) + Σ F·D·W` | ≤ 1 + 2 a lobe with microfacets, else 1 + 8 |
+//! | [`Neumann`], metals | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e/max(n·v, n·ω_o))·(n·v)` | ≤ 4 |
 //!
 //! [`Material`] is one of these; a model of your own implements [`Brdf`]. Lobes that reflect nothing are not written.
 //!
@@ -46,6 +48,7 @@ mod fit;
 mod ggx;
 #[cfg(test)]
 mod ggx_tests;
+mod half_vector;
 mod lafortune;
 mod lafortune_term;
 mod lambert;
@@ -54,8 +57,10 @@ mod merl;
 mod metallic_roughness;
 mod model;
 mod modified_phong;
+mod neumann;
 mod packed;
 mod phong;
+mod residual;
 mod rows;
 mod sampling;
 #[cfg(test)]
@@ -68,7 +73,8 @@ pub mod wgsl;
 
 pub use crate::error::MaterialError;
 pub use crate::factors::Factors;
-pub use crate::fit::{Fitted, MAX_FITTED, fit};
+pub use crate::fit::{Fitted, MAX_FITTED, fit, fit_half_vector, fit_lafortune};
+pub use crate::half_vector::{HalfVector, HalfVectorLobe};
 pub use crate::lafortune::{Lafortune, LafortuneLobe};
 pub use crate::lambert::Lambert;
 pub use crate::material::Material;
@@ -76,5 +82,7 @@ pub use crate::merl::Merl;
 pub use crate::metallic_roughness::MetallicRoughness;
 pub use crate::model::{Brdf, BrdfSample};
 pub use crate::modified_phong::ModifiedPhong;
+pub use crate::neumann::Neumann;
 pub use crate::packed::{Models, PackedMaterials};
 pub use crate::phong::Phong;
+pub use crate::residual::residual;

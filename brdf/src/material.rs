@@ -1,6 +1,8 @@
 use crate::term::Term;
 use crate::tile::tile_lobes;
-use crate::{Brdf, BrdfSample, Lafortune, Lambert, MaterialError, MetallicRoughness, ModifiedPhong, Phong};
+use crate::{
+    Brdf, BrdfSample, HalfVector, Lafortune, Lambert, MaterialError, MetallicRoughness, ModifiedPhong, Neumann, Phong,
+};
 use glam::Vec3;
 use lobe_core::{BrdfLobes, LobesFull, LobesMut, Receiver, Tile, TileLobes};
 
@@ -18,6 +20,10 @@ pub enum Material {
     Lafortune(Lafortune),
     /// glTF's metallic–roughness model.
     MetallicRoughness(MetallicRoughness),
+    /// Neumann et al.'s metals.
+    Neumann(Neumann),
+    /// Lobes about the half vector.
+    HalfVector(HalfVector),
 }
 
 /// The same call on whichever model it is.
@@ -29,6 +35,8 @@ macro_rules! each {
             Material::ModifiedPhong($model) => $call,
             Material::Lafortune($model) => $call,
             Material::MetallicRoughness($model) => $call,
+            Material::Neumann($model) => $call,
+            Material::HalfVector($model) => $call,
         }
     };
 }
@@ -52,6 +60,8 @@ impl Material {
             Self::Lafortune(m) => m.validate(),
             // Was checked when it was made.
             Self::MetallicRoughness(_) => Ok(()),
+            Self::Neumann(m) => m.validate(),
+            Self::HalfVector(m) => m.validate(),
         }
     }
 
@@ -64,6 +74,8 @@ impl Material {
             Self::ModifiedPhong(_) => "modified-phong",
             Self::Lafortune(_) => "lafortune",
             Self::MetallicRoughness(_) => "metallic-roughness",
+            Self::Neumann(_) => "neumann",
+            Self::HalfVector(_) => "half-vector",
         }
     }
 
@@ -72,6 +84,7 @@ impl Material {
     pub fn lobe_count(&self, takes_microfacets: bool) -> usize {
         match self {
             Self::MetallicRoughness(_) if takes_microfacets => MetallicRoughness::MICROFACET_LOBES,
+            Self::HalfVector(m) if takes_microfacets => m.microfacet_lobes(),
             material => material.max_lobes(),
         }
     }
@@ -83,7 +96,7 @@ impl Material {
             Self::Phong(m) => m.term(place),
             Self::ModifiedPhong(m) => m.term(place),
             Self::Lafortune(m) => m.term(place),
-            Self::MetallicRoughness(_) => None,
+            Self::MetallicRoughness(_) | Self::Neumann(_) | Self::HalfVector(_) => None,
         }
     }
 }
@@ -151,5 +164,17 @@ impl From<Lafortune> for Material {
 impl From<MetallicRoughness> for Material {
     fn from(model: MetallicRoughness) -> Self {
         Self::MetallicRoughness(model)
+    }
+}
+
+impl From<Neumann> for Material {
+    fn from(model: Neumann) -> Self {
+        Self::Neumann(model)
+    }
+}
+
+impl From<HalfVector> for Material {
+    fn from(model: HalfVector) -> Self {
+        Self::HalfVector(model)
     }
 }

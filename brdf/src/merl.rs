@@ -83,7 +83,7 @@ impl Merl {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit;
+    use crate::fit_lafortune;
 
     /// A file of Phong's highlight over a diffuse part, by the middles of the cells.
     fn file() -> Vec<u8> {
@@ -135,7 +135,7 @@ mod tests {
         }
         println!("largest difference {worst:.3} of a peak of 0.9");
         assert!(worst < 0.06, "{worst}");
-        let fitted = fit(|i, o| table.eval(i, o), 1).expect("finite values");
+        let fitted = fit_lafortune(|i, o| table.eval(i, o), 1).expect("finite values");
         println!("{fitted:?}");
         assert!(fitted.residual < 0.03 && (fitted.model.lobes[0].exponent() - 25.0).abs() < 2.0, "{fitted:?}");
     }

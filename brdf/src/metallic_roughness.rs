@@ -1,13 +1,13 @@
 use crate::coat::{Coat, MIN_ALPHA};
 use crate::error::check_fraction;
-use crate::ggx::{FAMILY_COUNT, Row, SPREAD};
-use crate::rows::{ROWS, RowTable};
+use crate::ggx::Row;
+use crate::rows::{self, ROWS, RowTable};
 use crate::sampling::{cosine_power_direction, luminance};
 use crate::visible_normals::VisibleNormals;
 use crate::{Brdf, BrdfSample, Factors, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis};
+use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
 
 /// glTF's metallic–roughness material as lobes: a diffuse base under a dielectric coat, mixed with a
 /// metal (glTF 2.0, appendix B; B. Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007).
@@ -120,12 +120,6 @@ impl MetallicRoughness {
         Coat { f0: self.coat[0].max_element(), f90: self.coat[1].x, base: self.base.max_element() }
     }
 
-    fn row(&self, cos: f32, sin: f32) -> Row {
-        let (first, t) = row_place(cos, sin);
-        let rows = self.rows();
-        rows[first].lerp(&rows[first + 1], t)
-    }
-
     /// A diffuse lobe and two of microfacets.
     pub(crate) const MICROFACET_LOBES: usize = 3;
 
@@ -160,50 +154,10 @@ impl MetallicRoughness {
     }
 
     fn direction_lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
-        let n = at.normal;
-        let cos = n.dot(at.view).clamp(0.0, 1.0);
-        // Views below the horizon, which smooth normals have, are taken as at it.
-        let along = n * n.dot(at.view) - at.view;
-        let length = along.length();
-        let forward = if length > 1e-12 { along / length } else { orthonormal_basis(n).0 };
-        let sin = length.min(1.0);
-        let row = self.row(cos, sin);
-        let (mirror, beside) = (n * cos + forward * sin, forward * cos - n * sin);
-        let (mirror, beside) = (mirror.normalize_or(n), beside.normalize_or(forward));
-
-        let mut lobes = [None; 1 + 3 * FAMILY_COUNT];
-        let diffuse = self.base * ((1.0 - self.metallic) * self.coat().leaves(self.roughness, cos, sin));
-        lobes[0] = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(n, 1.0, diffuse));
-        let [f0, f90] = self.reflectances();
-        for (k, family) in row.families.iter().enumerate() {
-            let flux = f0 * family.flux[0] + f90 * family.flux[1];
-            if flux == Vec3::ZERO {
-                continue;
-            }
-            let axis = |angle: f32| (mirror * angle.cos() + beside * angle.sin()).normalize();
-            // So near each other that they are one.
-            let single = family.spread * family.spread * (family.exponent + 2.0) < 1e-3;
-            for (i, share) in SPREAD.into_iter().enumerate() {
-                let place = i as f32 - 1.0;
-                lobes[1 + 3 * k + i] = match single {
-                    true if i == 1 => Some(Lobe::with_flux(axis(family.tilt), family.exponent, flux)),
-                    true => None,
-                    false => {
-                        let axis = axis(family.tilt + place * family.spread);
-                        Some(Lobe::with_flux(axis, family.exponent, flux * share))
-                    }
-                };
-            }
-        }
-        lobes.into_iter().flatten()
+        let diffuse = self.base * ((1.0 - self.metallic) * self.diffuse(at));
+        let diffuse = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, diffuse));
+        diffuse.into_iter().chain(rows::lobes(self.rows(), self.reflectances(), at))
     }
-}
-
-/// The row before a view and how far the view is on to the next, without the cancellation of `√(1 − cos)`.
-fn row_place(cos: f32, sin: f32) -> (usize, f32) {
-    let at = (sin / (1.0 + cos).sqrt()).clamp(0.0, 1.0) * (ROWS - 1) as f32;
-    let first = (at as usize).min(ROWS - 2);
-    (first, at - first as f32)
 }
 
 /// `F0` of glTF's coat.
@@ -211,7 +165,7 @@ const DIELECTRIC: f32 = 0.04;
 
 impl BrdfLobes for MetallicRoughness {
     fn max_lobes(&self) -> usize {
-        9
+        1 + rows::LOBES
     }
 
     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {

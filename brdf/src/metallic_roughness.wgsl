@@ -1,63 +1,9 @@
-// Lobes of directions: where the rows begin, then a word for each lobe, 0 for the diffuse one, else 1 + 3 family + place. A row has five
-// numbers for each family, as in ggx.rs: two fluxes, tilt, spread, exponent.
+// Lobes of directions: where the rows begin, then a word for each lobe, 0 for the diffuse one, else its slot.
 fn metallic_roughness_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
     let slot = materials[offset + 14u + k];
     if slot == 0u {
         return metallic_base_lobe(offset, at);
     }
-    let n = at.normal;
-    let f0 = material_vec3(offset + 3u);
-    let f90 = material_f32(offset + 6u);
-    let cosine = clamp(dot(n, at.view), 0.0, 1.0);
-    // Views below the horizon, which smooth normals have, are taken as at it.
-    let along = n * dot(n, at.view) - at.view;
-    let length = sqrt(dot(along, along));
-    var forward = along / max(length, 1e-12);
-    if length <= 1e-12 {
-        forward = orthonormal_basis_u(n);
-    }
-    let sine = min(length, 1.0);
-
-    // √(1 − cos) without cancellation.
-    let place = clamp(sine / sqrt(1.0 + cosine), 0.0, 1.0) * f32(METAL_ROWS - 1u);
-    let first = min(u32(place), METAL_ROWS - 2u);
-    let t = place - f32(first);
-    let family = (slot - 1u) / 3u;
-    let side = f32((slot - 1u) % 3u) - 1.0;
-    let number = materials[offset + 13u] + first * METAL_ROW_WORDS + 5u * family;
-    let flux = f0 * row_value(number, t) + f90 * row_value(number + 1u, t);
-    let tilt = row_value(number + 2u, t);
-    let spread = row_value(number + 3u, t);
-    let exponent = row_value(number + 4u, t);
-    // So near each other that they are one.
-    let single = spread * spread * (exponent + 2.0) < 1e-3;
-    let share = select(0.5 - 0.25 * abs(side), select(0.0, 1.0, side == 0.0), single);
-
-    let mirror = unit_or(n * cosine + forward * sine, n);
-    let beside = unit_or(forward * cosine - n * sine, forward);
-    let turn = cos_sin(tilt + side * spread);
-    let axis = mirror * turn.x + beside * turn.y;
-    return Lobe(axis / sqrt(dot(axis, axis)), exponent, flux * share, 0.0);
-}
-
-// Between a row and the next.
-fn row_value(word: u32, t: f32) -> f32 {
-    let low = material_f32(word);
-    return low + (material_f32(word + METAL_ROW_WORDS) - low) * t;
-}
-
-fn unit_or(v: vec3f, other: vec3f) -> vec3f {
-    let length = sqrt(dot(v, v));
-    return select(other, v / max(length, MIN_POSITIVE), length > 0.0);
-}
-
-// Cosine and sine of an angle of some turns at most; absolute error 2e-7.
-fn cos_sin(angle: f32) -> vec2f {
-    let quarter = round(angle * (2.0 * FRAC_1_PI));
-    let r = (angle - quarter * 1.5703125) - quarter * 4.8382679e-4;
-    let z = r * r;
-    let s = sin_of_octant(r);
-    let c = 1.0 + z * (-0.5 + z * (4.1666667e-2 + z * (-1.3888889e-3 + z * (2.4801587e-5 - z * 2.7557319e-7))));
-    let turned = select(vec2f(c, s), vec2f(-s, c), (i32(quarter) & 1) != 0);
-    return select(turned, -turned, (i32(quarter) & 2) != 0);
+    let f90 = vec3f(material_f32(offset + 6u));
+    return row_lobe(materials[offset + 13u], slot, material_vec3(offset + 3u), f90, at);
 }

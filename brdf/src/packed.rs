@@ -1,7 +1,7 @@
 use crate::coat;
 use crate::ggx::{FAMILY_COUNT, Row};
 use crate::rows::ROWS;
-use crate::{Lafortune, Material, MetallicRoughness};
+use crate::{HalfVector, Lafortune, Material, MetallicRoughness, Neumann};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
 use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
@@ -14,15 +14,24 @@ use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
 /// assert_eq!(models.names().collect::<Vec<_>>(), ["lambert"]);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Models(u8);
+pub struct Models(u16);
 
 impl Models {
     /// All of them.
-    pub const ALL: Self = Self(0x3f);
+    pub const ALL: Self = Self(0x1ff);
 
-    /// Names by number, as [`Material::model_name`] spells them; the last by microfacets instead of lobes of directions.
-    const NAMES: [&'static str; 6] =
-        ["lambert", "phong", "modified-phong", "lafortune", "metallic-roughness", "metallic-microfacets"];
+    /// Names by number, as [`Material::model_name`] spells them; some a second time, by microfacets instead of lobes of directions.
+    const NAMES: [&'static str; 9] = [
+        "lambert",
+        "phong",
+        "modified-phong",
+        "lafortune",
+        "metallic-roughness",
+        "metallic-microfacets",
+        "neumann",
+        "half-vector",
+        "half-vector-microfacets",
+    ];
 
     /// The models of these materials, with lobes of microfacets or without.
     #[must_use]
@@ -32,7 +41,7 @@ impl Models {
 
     /// The models whose bits are set, in the order of the table in the crate's documentation.
     #[must_use]
-    pub const fn from_bits(bits: u8) -> Self {
+    pub const fn from_bits(bits: u16) -> Self {
         Self(bits & Self::ALL.0)
     }
 
@@ -55,13 +64,15 @@ const fn number(material: &Material, takes_microfacets: bool) -> u32 {
         Material::ModifiedPhong(_) => 2,
         Material::Lafortune(_) => 3,
         Material::MetallicRoughness(_) => 4 + takes_microfacets as u32,
+        Material::Neumann(_) => 6,
+        Material::HalfVector(_) => 7 + takes_microfacets as u32,
     }
 }
 
 /// Materials as the words that the WGSL of [`wgsl`](crate::wgsl) reads from its `materials`.
 ///
 /// Two words a material (number of its model + 256 × number of its lobes; where its numbers begin), then the numbers: 3
-/// words for Lambert, 8 for Phong, 4 and 25 a lobe for Lafortune, 14 for metallic–roughness by microfacets and 22 by lobes of directions, and
+/// words for Lambert, 8 for Phong and Neumann, 4 and 25 a lobe for Lafortune, 14 for metallic–roughness by microfacets and 22 by lobes of directions, and
 /// tables that these share. Lobes that reflect nothing from anywhere are not among them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedMaterials {
@@ -96,7 +107,18 @@ impl PackedMaterials {
                     let e = m.exponent;
                     phong([m.kd, m.ks * ((e + 2.0) / (e + 1.0))], e, &mut words)
                 }
+                Material::Neumann(m) => {
+                    let highlight = phong([m.kd, m.ks * (m.exponent + 2.0)], m.exponent, &mut words);
+                    // For the one of Phong's.
+                    highlight + if m.ks == Vec3::ZERO { 0 } else { Neumann::LOBES as u32 - 2 }
+                }
                 Material::Lafortune(m) => lafortune(m, &mut words),
+                Material::HalfVector(m) if takes_microfacets => half_vector(m, &mut words),
+                Material::HalfVector(m) => {
+                    let lobes;
+                    (lobes, first) = tables.half_vector(m, &mut words);
+                    lobes
+                }
                 Material::MetallicRoughness(m) => {
                     let lobes;
                     (lobes, first) = tables.metal(m, takes_microfacets, &mut words);
@@ -121,7 +143,8 @@ impl GpuMaterials for Material {
             words,
             max_lobes,
             is_lambert: names.iter().all(|name| *name == "lambert"),
-            has_microfacets: takes_microfacets && materials.iter().any(|m| matches!(m, Self::MetallicRoughness(_))),
+            has_microfacets: takes_microfacets
+                && materials.iter().any(|m| matches!(m, Self::MetallicRoughness(_) | Self::HalfVector(_))),
         }
     }
 }
@@ -151,6 +174,18 @@ fn lafortune(model: &Lafortune, words: &mut Vec<u32>) -> u32 {
         lobes += 1;
     }
     lobes
+}
+
+/// Of microfacets: exponent and reflectances of each.
+fn half_vector(model: &HalfVector, words: &mut Vec<u32>) -> u32 {
+    let diffuse = lambert(model.diffuse, words);
+    words.push(1 - diffuse);
+    for lobe in &model.lobes {
+        let alpha = lobe.alpha();
+        push(words, [2.0 / (alpha * alpha) - 2.0]);
+        push(words, lobe.reflectances().into_iter().flat_map(|f| f.to_array()));
+    }
+    diffuse + 2 * model.lobes.len() as u32
 }
 
 /// Where the tables of metals begin, once they are there.
@@ -188,6 +223,30 @@ impl Tables {
         let (slots, lobes) = slots(model.rows(), has_base);
         words.extend(slots);
         (lobes, first)
+    }
+
+    /// Packs lobes of directions, after the tables that they are the first to need: for each of them where its half-vector lobe's rows and
+    /// reflectances begin, and its slot; their number, and where they begin.
+    fn half_vector(&mut self, model: &HalfVector, words: &mut Vec<u32>) -> (u32, u32) {
+        let lobes: Vec<_> = model
+            .lobes
+            .iter()
+            .map(|lobe| {
+                let rows = self.rows(lobe.rows(), words);
+                let at = words.len() as u32;
+                words.push(rows);
+                push(words, lobe.reflectances().into_iter().flat_map(|f| f.to_array()));
+                (at, slots(lobe.rows(), 0))
+            })
+            .collect();
+        let first = words.len() as u32;
+        let mut count = lambert(model.diffuse, words);
+        words.push(1 - count);
+        for (at, (slots, used)) in lobes {
+            words.extend(slots[..used as usize].iter().flat_map(|slot| [at, *slot]));
+            count += used;
+        }
+        (count, first)
     }
 
     fn rows(&mut self, rows: &[Row; ROWS], words: &mut Vec<u32>) -> u32 {

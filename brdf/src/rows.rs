@@ -1,5 +1,9 @@
+//! Tables of GGX's lobes of directions, and the lobes that they give.
+
 use crate::coat::MIN_ALPHA;
-use crate::ggx::Row;
+use crate::ggx::{FAMILY_COUNT, Row, SPREAD};
+use glam::Vec3;
+use lobe_core::{Lobe, Receiver, orthonormal_basis};
 use std::sync::{Arc, OnceLock};
 
 /// Rows of a table over the view, even in `√(1 − n·ω_o)`, which is all but even in the angle.
@@ -48,4 +52,52 @@ fn make(roughness: f32, f0: f32) -> Box<Rows> {
         let cos = 1.0 - root * root;
         Row::new(alpha, [(1.0 - cos * cos).sqrt(), cos], f64::from(f0))
     }))
+}
+
+/// The most lobes of directions for a roughness.
+pub(crate) const LOBES: usize = 8;
+
+/// Lobes of directions for reflectances at normal and grazing incidence.
+pub(crate) fn lobes(rows: &Rows, [f0, f90]: [Vec3; 2], at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+    let n = at.normal;
+    let cos = n.dot(at.view).clamp(0.0, 1.0);
+    // Views below the horizon, which smooth normals have, are taken as at it.
+    let along = n * n.dot(at.view) - at.view;
+    let length = along.length();
+    let forward = if length > 1e-12 { along / length } else { orthonormal_basis(n).0 };
+    let sin = length.min(1.0);
+    let (first, t) = row_place(cos, sin);
+    let row = rows[first].lerp(&rows[first + 1], t);
+    let (mirror, beside) = (n * cos + forward * sin, forward * cos - n * sin);
+    let (mirror, beside) = (mirror.normalize_or(n), beside.normalize_or(forward));
+
+    let mut lobes = [None; 3 * FAMILY_COUNT];
+    for (k, family) in row.families.iter().enumerate() {
+        let flux = f0 * family.flux[0] + f90 * family.flux[1];
+        if flux == Vec3::ZERO {
+            continue;
+        }
+        let axis = |angle: f32| (mirror * angle.cos() + beside * angle.sin()).normalize();
+        // So near each other that they are one.
+        let single = family.spread * family.spread * (family.exponent + 2.0) < 1e-3;
+        for (i, share) in SPREAD.into_iter().enumerate() {
+            let place = i as f32 - 1.0;
+            lobes[3 * k + i] = match single {
+                true if i == 1 => Some(Lobe::with_flux(axis(family.tilt), family.exponent, flux)),
+                true => None,
+                false => {
+                    let axis = axis(family.tilt + place * family.spread);
+                    Some(Lobe::with_flux(axis, family.exponent, flux * share))
+                }
+            };
+        }
+    }
+    lobes.into_iter().flatten()
+}
+
+/// The row before a view and how far the view is on to the next, without the cancellation of `√(1 − cos)`.
+fn row_place(cos: f32, sin: f32) -> (usize, f32) {
+    let at = (sin / (1.0 + cos).sqrt()).clamp(0.0, 1.0) * (ROWS - 1) as f32;
+    let first = (at as usize).min(ROWS - 2);
+    (first, at - first as f32)
 }

@@ -43,15 +43,23 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
 /// Lobes that come from a material's table, one receiver after the other.
 fn tables(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out: &mut TileLobes) {
     for (j, number) in of.iter().enumerate() {
-        if let Material::MetallicRoughness(material) = &materials[*number as usize] {
-            let [_, _, _, x, y, z, view @ ..] = row(at, j);
-            let normal = Vec3::new(x, y, z);
-            let at =
-                Receiver { position: Vec3::ZERO, normal, face: normal, view: Vec3::from_array(view), object: OWN_NONE };
-            for (place, lobe) in material.lobes(&at, out.takes_microfacets()).enumerate() {
-                set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
+        let [_, _, _, x, y, z, view @ ..] = row(at, j);
+        let (normal, view) = (Vec3::new(x, y, z), Vec3::from_array(view));
+        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
+        match &materials[*number as usize] {
+            Material::MetallicRoughness(material) => {
+                write(material.lobes(&at, out.takes_microfacets()), block, j, out);
             }
+            Material::HalfVector(material) => write(material.lobes(&at, out.takes_microfacets()), block, j, out),
+            Material::Neumann(material) => write(material.lobes(&at), block, j, out),
+            _ => {}
         }
+    }
+}
+
+fn write(lobes: impl Iterator<Item = Lobe>, block: usize, j: usize, out: &mut TileLobes) {
+    for (place, lobe) in lobes.enumerate() {
+        set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
     }
 }
 

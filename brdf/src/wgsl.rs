@@ -4,7 +4,7 @@
 //! [`LOBE`](lobe_core::wgsl::LOBE) and [`SPECIAL`](lobe_core::wgsl::SPECIAL), and of the kernel that it declares
 //! `materials`, an `array<u32>`.
 
-use crate::{Models, coat, ggx, rows};
+use crate::{Models, coat, ggx, neumann, rows};
 use core::fmt::Write;
 
 /// Packed materials, and the lobe of diffuse parts.
@@ -19,22 +19,35 @@ pub const PHONG: &str = include_str!("phong.wgsl");
 pub const MODIFIED_PHONG: &str = include_str!("modified_phong.wgsl");
 /// [`Lafortune`](crate::Lafortune). Needs [`MATERIAL`].
 pub const LAFORTUNE: &str = include_str!("lafortune.wgsl");
+/// Lobes of directions from tables. Needs [`MATERIAL`] and [`TURN`].
+pub const ROW_LOBE: &str = include_str!("row_lobe.wgsl");
+/// Unit vectors and turns.
+pub const TURN: &str = include_str!("turn.wgsl");
 /// The base of both forms of [`MetallicRoughness`](crate::MetallicRoughness). Needs [`MATERIAL`].
 pub const COAT: &str = include_str!("coat.wgsl");
-/// [`MetallicRoughness`](crate::MetallicRoughness). Needs [`MATERIAL`] and [`COAT`].
+/// [`MetallicRoughness`](crate::MetallicRoughness). Needs [`MATERIAL`], [`COAT`] and [`ROW_LOBE`].
 pub const METALLIC_ROUGHNESS: &str = include_str!("metallic_roughness.wgsl");
 
 /// The same by microfacets. Needs [`MATERIAL`] and [`COAT`].
 pub const METALLIC_MICROFACETS: &str = include_str!("metallic_microfacets.wgsl");
+/// [`HalfVector`](crate::HalfVector). Needs [`MATERIAL`] and [`ROW_LOBE`].
+pub const HALF_VECTOR: &str = include_str!("half_vector.wgsl");
+/// The same by microfacets. Needs [`MATERIAL`].
+pub const HALF_VECTOR_MICROFACETS: &str = include_str!("half_vector_microfacets.wgsl");
+/// [`Neumann`](crate::Neumann). Needs [`MATERIAL`] and [`TURN`].
+pub const NEUMANN: &str = include_str!("neumann.wgsl");
 
 /// By number: name of the function, pieces.
-const MODELS: [(&str, &[&str]); 6] = [
+const MODELS: [(&str, &[&str]); 9] = [
     ("lambert_lobe", &[LAMBERT]),
     ("phong_lobe", &[MIRRORED_VIEW, PHONG]),
     ("modified_phong_lobe", &[MIRRORED_VIEW, MODIFIED_PHONG]),
     ("lafortune_lobe", &[LAFORTUNE]),
-    ("metallic_roughness_lobe", &[COAT, METALLIC_ROUGHNESS]),
+    ("metallic_roughness_lobe", &[COAT, TURN, ROW_LOBE, METALLIC_ROUGHNESS]),
     ("metallic_microfacets_lobe", &[COAT, METALLIC_MICROFACETS]),
+    ("neumann_lobe", &[TURN, NEUMANN]),
+    ("half_vector_lobe", &[TURN, ROW_LOBE, HALF_VECTOR]),
+    ("half_vector_microfacets_lobe", &[HALF_VECTOR_MICROFACETS]),
 ];
 
 /// The code of these models and no other, with `brdf_lobe_count(material: u32) -> u32` and
@@ -59,9 +72,17 @@ pub fn compose(models: Models) -> String {
     }
     let mut text = pieces.join("\n");
     if pieces.contains(&COAT) {
-        let (roughnesses, views, rows, words) = (coat::ROUGHNESSES, coat::VIEWS, rows::ROWS, 5 * ggx::FAMILY_COUNT);
+        let (roughnesses, views) = (coat::ROUGHNESSES, coat::VIEWS);
         let _ = write!(text, "\nconst COAT_ROUGHNESSES = {roughnesses}u;\nconst COAT_VIEWS = {views}u;\n");
-        let _ = write!(text, "const METAL_ROWS = {rows}u;\nconst METAL_ROW_WORDS = {words}u;\n");
+    }
+    if pieces.contains(&ROW_LOBE) {
+        let (rows, words) = (rows::ROWS, 5 * ggx::FAMILY_COUNT);
+        let _ = write!(text, "\nconst METAL_ROWS = {rows}u;\nconst METAL_ROW_WORDS = {words}u;\n");
+    }
+    if pieces.contains(&NEUMANN) {
+        let shapes: Vec<String> = neumann::SHAPES.as_flattened().iter().map(|x| format!("{x:?}")).collect();
+        let _ = write!(text, "\nconst NEUMANN_STEEPEST = {:?};\n", neumann::STEEPEST);
+        let _ = writeln!(text, "const NEUMANN_SHAPES = array<f32, {}>({});", shapes.len(), shapes.join(", "));
     }
     let call = |model: u32| format!("return {}(material_offset(material), at, k);", MODELS[model as usize].0);
     let body = match models.as_slice() {

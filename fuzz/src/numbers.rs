@@ -2,7 +2,10 @@
 
 use crate::bytes::Bytes;
 use core::f32::consts::TAU;
-use cosine_lobes::brdf::{Brdf, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
+use cosine_lobes::brdf::{
+    Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong,
+    Neumann, Phong,
+};
 use cosine_lobes::lobe_core::{
     BrdfLobes, Cone, Lobe, LobeBuffer, OWN_NONE, Receiver, cap_integral, power, product_of_angle, products_of_angle,
     sphere_light_irradiance,
@@ -100,8 +103,14 @@ fn material(bytes: &mut Bytes<'_>) -> Material {
     match bytes.byte() % 64 {
         0..10 => Lambert { albedo: color(bytes) }.into(),
         10..25 => Phong { kd: color(bytes), ks: color(bytes), exponent: exponent(bytes) }.into(),
-        25..40 => ModifiedPhong { kd: color(bytes), ks: color(bytes), exponent: exponent(bytes) }.into(),
-        40..63 => {
+        25..32 => Neumann { kd: color(bytes), ks: color(bytes), exponent: exponent(bytes) }.into(),
+        32..40 => ModifiedPhong { kd: color(bytes), ks: color(bytes), exponent: exponent(bytes) }.into(),
+        40..44 => {
+            let lobe = |bytes: &mut Bytes<'_>| HalfVectorLobe::new(bytes.edge(), color(bytes), color(bytes));
+            let count = bytes.below(3);
+            HalfVector { diffuse: color(bytes), lobes: (0..count).map(|_| lobe(bytes)).collect() }.into()
+        }
+        44..63 => {
             let lobe = |bytes: &mut Bytes<'_>| match bytes.byte() % 3 {
                 0 => LafortuneLobe::new(
                     Mat3::from_cols(bytes.vector(2.0), bytes.vector(2.0), bytes.vector(2.0)),

@@ -81,6 +81,15 @@ impl Lobe {
         self.factor >= Self::MICROFACETS
     }
 
+    /// Whether `edge` is the other of a pair of [`microfacets`](Self::microfacets) that begins with this one.
+    #[inline(always)]
+    #[must_use]
+    pub fn has_edge(&self, edge: &Self) -> bool {
+        let is_pair = self.factor == Self::MICROFACETS && edge.factor == Self::EDGE;
+        let reflects = self.flux != Vec3::ZERO && edge.flux != Vec3::ZERO;
+        is_pair && reflects && self.exponent == edge.exponent && self.axis == edge.axis
+    }
+
     /// Value in the unit direction `v` at a receiver of this normal, factor included.
     #[must_use]
     pub fn eval_at(&self, normal: Vec3, v: Vec3) -> Vec3 {

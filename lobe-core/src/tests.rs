@@ -586,6 +586,52 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
     }
 }
 
+/// With their edges beside them, alone, apart, and beside edges of other microfacets.
+#[test]
+fn pairs_of_microfacets_are_the_single_ones_on_every_machine() {
+    let mut random = Random::new(25);
+    let (mut at, mut cones, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..1000_u32 {
+        let normal = random.axis();
+        let theta = random.log_uniform(0.5, 30.0).to_radians();
+        let beta = random.between(0.0, 0.5 * PI + 0.5 * theta);
+        let axis = random.axis_at(normal, beta).as_vec3().normalize();
+        at.push(receiver(normal));
+        cones.push(Cone { axis, one_minus_cos: (1.0 - theta.cos()) as f32, distance: 1.0 });
+        let tilt = random.between(0.0, 1.5);
+        let view = random.axis_at(normal, tilt).as_vec3().normalize();
+        let alpha = random.log_uniform(0.01, 1.0) as f32;
+        let [base, edge] = Lobe::microfacets(view, alpha, [Vec3::ONE; 2]);
+        let [_, other] = Lobe::microfacets(view, 0.5 * alpha, [Vec3::ONE; 2]);
+        let none = Lobe::default();
+        let black = Lobe { flux: Vec3::ZERO, ..edge };
+        let orders =
+            [[none, base, edge], [base, edge, none], [base, none, edge], [edge, base, none], [base, base, edge]];
+        let rest = [[base, black, other], [base, other, edge], [none, none, base], [edge, none, none]];
+        rows.push(if k % 3 == 0 { rest[(k / 3 % 4) as usize] } else { orders[(k / 3 % 5) as usize] });
+    }
+    let (mut tile, mut lobes, mut out) = (Tile::default(), TileLobes::default(), Vec::new());
+    tile.set(&at);
+    lobes.reset(&tile, 3);
+    for (i, row) in rows.iter().enumerate() {
+        for (place, lobe) in row.iter().enumerate() {
+            set_row(lobes.block_mut(place, i / WIDTH), i % WIDTH, &bytemuck::cast(*lobe));
+        }
+    }
+    let mut light = TileLight::default();
+    light.one_by_one(&tile, cones.iter().map(|cone| LightTerm::of_cone(*cone, Vec3::ONE)));
+    for level in levels() {
+        out.fill(f32::NAN);
+        crate::cap::integrals_at(level, &light, &lobes, &mut out);
+        for (i, (at, cone)) in at.iter().zip(&cones).enumerate() {
+            for (k, lobe) in lobes.of(i) {
+                let single = cap_integral(at, &lobe, cone);
+                assert_eq!(out[k].to_bits(), single.to_bits(), "{level:?} {i}: {} {single} {lobe:?}", out[k]);
+            }
+        }
+    }
+}
+
 #[test]
 fn cones_and_balls_of_tiles_are_the_single_ones() {
     let mut random = Random::new(26);

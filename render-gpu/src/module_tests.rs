@@ -55,7 +55,8 @@ fn set(models: Models) -> MaterialText {
 }
 
 fn variants() -> impl Iterator<Item = Variant> {
-    let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b10_0000, 0b11, 0b11_1111].map(Models::from_bits);
+    let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b10_0000, 0b100_0000, 0b1_0000_0000, 0b11, 0b1_1111_1111]
+        .map(Models::from_bits);
     let strategies = [(true, false), (false, true), (true, true), (false, false)];
     models.into_iter().flat_map(move |models| {
         strategies.into_iter().flat_map(move |(spheres, maps)| {

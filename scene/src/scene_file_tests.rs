@@ -134,6 +134,9 @@ fn bad_input_is_refused_in_one_line_with_its_place() {
     refused(&material("model = \"lambert\"\nalbedo = 1\nks = 2"), 6, &["unknown key \"ks\""]);
     refused(&material("model = \"phong\"\nkd = 1\nks = 1\nexponent = 2e7"), 3, &["1e7"]);
     refused(&material("model = \"phong\"\nkd = 1"), 3, &["\"exponent\" is missing"]);
+    refused(&material("model = \"neumann\"\nks = 1\nexponent = 0.5"), 3, &["[1, 1e7]"]);
+    refused(&material("model = \"half-vector\"\nlobes = [{ roughness = 2, f0 = 1 }]"), 5, &["[0, 1]"]);
+    refused(&material("model = \"half-vector\"\nlobes = [{ roughness = 0.2 }]"), 5, &["f0"]);
     refused(&material("model = \"lafortune\"\nlobes = [{ c = [1, 1, 1], exponent = 2 }]"), 5, &["scale"]);
     refused(
         &material(

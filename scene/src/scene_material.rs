@@ -5,7 +5,8 @@ use crate::load::{Context, Look};
 use crate::toml_reader::{Table, Value};
 use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file, load};
 use brdf::{
-    Lafortune, LafortuneLobe, Lambert, MAX_FITTED, Material, Merl, MetallicRoughness, ModifiedPhong, Phong, fit,
+    HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, MAX_FITTED, Material, Merl, MetallicRoughness,
+    ModifiedPhong, Neumann, Phong, fit,
 };
 use glam::{Affine2, Mat2, Vec2, Vec3};
 use std::collections::HashMap;
@@ -59,12 +60,13 @@ pub(crate) fn read_material(
     let model = t.require("model")?;
     let material: Material = match model.string()? {
         "lambert" => Lambert { albedo: base_color(&mut t, "albedo", true)? }.into(),
-        name @ ("phong" | "modified-phong") => {
+        name @ ("phong" | "modified-phong" | "neumann") => {
             let kd = base_color(&mut t, "kd", false)?;
             let ks = maps.specular(&mut t, &mut surface, "ks")?;
             let exponent = t.require("exponent")?.number()?;
             match name {
                 "phong" => Phong { kd, ks, exponent }.into(),
+                "neumann" => Neumann { kd, ks, exponent }.into(),
                 _ => ModifiedPhong { kd, ks, exponent }.into(),
             }
         }
@@ -82,10 +84,18 @@ pub(crate) fn read_material(
             }
             Lafortune { diffuse, lobes: lobes? }.into()
         }
+        "half-vector" => {
+            let diffuse = base_color(&mut t, "diffuse", false)?;
+            let elements = t.get("lobes").map_or(Ok(Vec::new()), |v| v.elements("an array of lobes"))?;
+            let lobes: Result<Vec<_>, _> = elements.into_iter().map(half_vector_lobe).collect();
+            surface.specular = maps.read(t.get("specular_map"), Encoding::Srgb)?;
+            surface.roughness = t.get("roughness_map").map(|v| maps.channel(v)).transpose()?;
+            HalfVector { diffuse, lobes: lobes? }.into()
+        }
         "merl" => {
             let file = t.require("file")?;
             let lobes = t.get("lobes").map_or(Ok(2), |v| v.whole(1, MAX_FITTED as u32))?;
-            measured(file, lobes as usize, path, context)?.into()
+            measured(file, lobes as usize, path, context)?
         }
         "metallic-roughness" => {
             let base = base_color(&mut t, "base", true)?;
@@ -108,8 +118,8 @@ pub(crate) fn read_material(
         }
         other => {
             return Err(model.error(format!(
-                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\", \"lafortune\", \
-                 \"merl\" or \"metallic-roughness\""
+                "unknown model \"{other}\": expected \"lambert\", \"phong\", \"modified-phong\", \"neumann\", \
+                 \"lafortune\", \"half-vector\", \"merl\" or \"metallic-roughness\""
             )));
         }
     };
@@ -118,15 +128,19 @@ pub(crate) fn read_material(
     Ok(Look { material, surface, cut_out })
 }
 
-/// Lobes for a table of measurements beside the scene file; how far they are from it is told.
-fn measured(file: Value<'_>, lobes: usize, path: &Path, context: &mut Context) -> Result<Lafortune, SceneError> {
+/// Lobes for a table of measurements beside the scene file; which they are and how far from it is told.
+fn measured(file: Value<'_>, lobes: usize, path: &Path, context: &mut Context) -> Result<Material, SceneError> {
     let bytes = load::read(&path.with_file_name("").join(file.string()?)).map_err(|e| file.error(e))?;
     let table = Merl::read(&bytes).map_err(|e| file.error(e))?;
     let fitted = fit(|i, o| table.eval(i, o), lobes).map_err(|e| file.error(e))?;
     let (name, percent) = (file.string()?, 100.0 * fitted.residual);
+    let kind = if matches!(fitted.model, Material::HalfVector(_)) { "half-vector" } else { "Lafortune" };
+    let plural = if lobes == 1 { "" } else { "s" };
     context.warn(
         path,
-        format!("{name}: a fit by {lobes} lobes is {percent:.0} % off (root mean square, weighted by cosines)"),
+        format!(
+            "{name}: a fit by {lobes} {kind} lobe{plural} is {percent:.0} % off (root mean square, weighted by cosines)"
+        ),
     );
     Ok(fitted.model)
 }
@@ -151,6 +165,19 @@ fn lafortune_lobe(value: Value<'_>) -> Result<LafortuneLobe, SceneError> {
     t.finish()?;
     lobe.validate().map_err(|e| value.error(e))?;
     Ok(lobe)
+}
+
+fn half_vector_lobe(value: Value<'_>) -> Result<HalfVectorLobe, SceneError> {
+    let mut t = value.table()?;
+    let roughness = t.require("roughness")?;
+    let f0 = t.require("f0")?.color()?;
+    let f90 = t.get("f90").map_or(Ok(Vec3::ONE), |v| v.color())?;
+    let number = roughness.number()?;
+    if !(0.0..=1.0).contains(&number) {
+        return Err(roughness.error(format!("{number} must lie in [0, 1]")));
+    }
+    t.finish()?;
+    Ok(HalfVectorLobe::new(number, f0, f90))
 }
 
 /// Reads references to images.

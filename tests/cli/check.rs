@@ -196,6 +196,38 @@ fn equal_objects_are_told_of_once() {
     assert_eq!(json(folder, &["check", "six.toml", "--json"])["objects"].as_array().unwrap().len(), 9);
 }
 
+/// Lobes that are not their material are told of, with how far off they are, by which methods; others are not.
+#[test]
+fn residuals_of_materials_are_told() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut materials = String::new();
+    for (name, keys) in [
+        ("paper", "model = \"lambert\"\nalbedo = 0.5"),
+        ("metal", "model = \"neumann\"\nks = 0.9\nexponent = 20"),
+        ("coat", "model = \"metallic-roughness\"\nbase = 0.5\nroughness = 0.4"),
+    ] {
+        materials += &format!("[materials.{name}]\n{keys}\n\n");
+    }
+    let object =
+        |name: &str| format!("\n[[objects]]\nmaterial = \"{name}\"\nsphere = {{ center = [9, 9, 9], radius = 1 }}\n");
+    let objects: String = ["paper", "metal", "coat"].map(object).concat();
+    let scene = SCENE.replace("[[lights]]", &format!("{materials}[[lights]]")) + &objects;
+    fs::write(folder.join("materials.toml"), scene).unwrap();
+    let told = succeed(folder, &["check", "materials.toml"]);
+    let line = |start: &str| told.lines().skip_while(|line| !line.contains(start)).nth(1).unwrap_or_default();
+    assert!(!line(": lambert").contains("its lobes"), "{told}");
+    assert!(line(": neumann").contains("its lobes are 3.3 % off ("), "{told}");
+    assert!(line(": metallic-roughness").contains("its lobes are exact; "), "{told}");
+    let all = json(folder, &["check", "materials.toml", "--json"]);
+    let of = |model: &str, key: &str| {
+        let materials = all["materials"].as_array().unwrap();
+        materials.iter().find(|m| m["model"] == model).unwrap()[key].as_f64().unwrap()
+    };
+    assert!(of("lambert", "residual") < 1e-3 && of("metallic-roughness", "residual") < 1e-3);
+    assert!(of("metallic-roughness", "residual_of_directions") > 0.02 && of("neumann", "residual") > 0.02);
+}
+
 /// Each strategy has a price or a reason against it; the exact ones have next to no error.
 #[test]
 fn checking_prices_strategies() {

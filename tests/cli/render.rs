@@ -242,6 +242,8 @@ fn too_bright_materials_are_told() {
         ("model = \"lambert\"\nalbedo = 1.0", false),
         ("model = \"modified-phong\"\nkd = 0.7\nks = 0.7\nexponent = 50", true),
         ("model = \"modified-phong\"\nkd = 0.6\nks = 0.4\nexponent = 50", false),
+        ("model = \"neumann\"\nks = 1.0\nexponent = 20", false),
+        ("model = \"half-vector\"\nlobes = [{ roughness = 0.3, f0 = 1.5 }]", true),
     ] {
         let scene = SCENE.replace("[[lights]]", &format!("[materials.m]\n{model}\n\n[[lights]]"));
         let scene = scene.replace("radius = 0.6 }", "radius = 0.6 }\nmaterial = \"m\"");

@@ -2,8 +2,8 @@ use super::chord::{self, Chord};
 use super::microfacets::{self, Ellipse};
 use super::pair::Pair;
 use super::{Seen, finish, form, lambert, slab};
-use crate::Lobe;
 use crate::lanes::{Block, Columns, Lane, Level, WIDTH, map, ones, row, rows_with};
+use crate::{Lobe, TileLobes};
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::dispatch;
 use glam::Vec3;
@@ -20,8 +20,8 @@ pub(super) struct Blocks {
     many: Block<15>,
     piece: Block<15>,
     edge: Block<15>,
-    microfacets: Block<12>,
-    microfacets_cut: Block<12>,
+    microfacets: Facets,
+    microfacets_cut: Facets,
 }
 
 impl Blocks {
@@ -34,16 +34,17 @@ impl Blocks {
             many: Block::new(),
             piece: Block::new(),
             edge: Block::new(),
-            microfacets: Block::new(),
-            microfacets_cut: Block::new(),
+            microfacets: Facets::new(),
+            microfacets_cut: Facets::new(),
         }
     }
 
-    /// Takes a block of lights and lobes; their integrals go to `out` from `first` on, at once or when others like them
-    /// have come.
-    pub(super) fn take(&mut self, level: Level, seen: &Columns<10>, lobes: &Columns<8>, first: usize, out: &mut [f32]) {
+    /// Takes block `number` of a tile's lobes and the light of their receivers; their integrals go to `out`, at once or when others
+    /// like them have come.
+    pub(super) fn take(&mut self, level: Level, seen: &Columns<10>, lobes: &TileLobes, number: usize, out: &mut [f32]) {
+        let (first, block) = (number * WIDTH, lobes.block(number));
         let mut sorted = [[0.0; WIDTH]; 2];
-        map(level, &Sort, seen, lobes, &mut sorted);
+        map(level, &Sort, seen, block, &mut sorted);
         let [forms, values] = &sorted;
         out[first..first + WIDTH].copy_from_slice(values);
         let mut waiting = rows_with(forms, form::DONE) ^ ((1 << WIDTH) - 1);
@@ -51,13 +52,25 @@ impl Blocks {
         if whole.count_ones() >= DENSE {
             let of = core::array::from_fn(|j| (first + j) as u32);
             let mut chords = [[0.0; WIDTH]; 16];
-            map(level, &Whole, seen, lobes, &mut chords);
+            map(level, &Whole, seen, block, &mut chords);
             self.chords(level, &chords, whole, &of, out);
             waiting ^= whole;
         }
         for j in ones(waiting) {
-            let (light, lobe): (Seen, Lobe) = (bytemuck::cast(row(seen, j)), bytemuck::cast(row(lobes, j)));
-            self.push(level, forms[j], &light, &lobe, first + j, out);
+            let (light, lobe): (Seen, Lobe) = (bytemuck::cast(row(seen, j)), bytemuck::cast(row(block, j)));
+            if !lobe.is_microfacets() {
+                self.push(level, forms[j], &light, &lobe, first + j, out);
+            } else if let Some(of) = facets(lobes, number, j, &lobe) {
+                self.push_facets(level, forms[j], &light.pair(&lobe), of, out);
+            }
+        }
+    }
+
+    fn push_facets(&mut self, level: Level, form: f32, pair: &Pair, of: [u32; 2], out: &mut [f32]) {
+        if form == form::MICROFACETS {
+            self.microfacets.push::<false>(level, pair, of, out);
+        } else {
+            self.microfacets_cut.push::<true>(level, pair, of, out);
         }
     }
 
@@ -73,14 +86,6 @@ impl Blocks {
         } else if form == form::CROSSED {
             if self.crossed.push(&[light.cos_beta, light.sin_sq], k) {
                 self.crossed(level, out);
-            }
-        } else if form == form::MICROFACETS {
-            if self.microfacets.push(&bytemuck::cast(light.pair(lobe)), k) {
-                flush_microfacets::<false>(level, &mut self.microfacets, out);
-            }
-        } else if form == form::MICROFACETS_CUT {
-            if self.microfacets_cut.push(&bytemuck::cast(light.pair(lobe)), k) {
-                flush_microfacets::<true>(level, &mut self.microfacets_cut, out);
             }
         } else {
             self.pieces(level, form, &light.pair(lobe), k, out);
@@ -111,8 +116,8 @@ impl Blocks {
         flush::<{ chord::MANY }, false>(level, &mut self.many, out);
         flush::<{ chord::PIECE }, true>(level, &mut self.piece, out);
         flush::<{ chord::EDGE }, true>(level, &mut self.edge, out);
-        flush_microfacets::<false>(level, &mut self.microfacets, out);
-        flush_microfacets::<true>(level, &mut self.microfacets_cut, out);
+        self.microfacets.flush::<false>(level, out);
+        self.microfacets_cut.flush::<true>(level, out);
     }
 
     fn crossed(&mut self, level: Level, out: &mut [f32]) {
@@ -249,33 +254,79 @@ fn flush<const N: usize, const CUT: bool>(level: Level, block: &mut Block<15>, o
     }
 }
 
-struct ToEllipse<const IS_CUT: bool>;
-impl<const IS_CUT: bool> Lane<12, 0, 12> for ToEllipse<IS_CUT> {
+/// Where the integrals of a lobe of microfacets go and of the edge that follows it, [`NOWHERE`] for one that is not there; none of a
+/// lobe that waits for its edge.
+fn facets(tile: &TileLobes, number: usize, j: usize, lobe: &Lobe) -> Option<[u32; 2]> {
+    let stride = tile.blocks_of_place();
+    let other = |number: usize| bytemuck::cast::<_, Lobe>(row(tile.block(number), j));
+    let k = (number * WIDTH + j) as u32;
+    if lobe.factor == Lobe::EDGE {
+        let is_paired = number >= stride && other(number - stride).has_edge(lobe);
+        return Some([if is_paired { k - (stride * WIDTH) as u32 } else { NOWHERE }, k]);
+    }
+    let is_paired = number + stride < tile.blocks() && lobe.has_edge(&other(number + stride));
+    (!is_paired).then_some([k, NOWHERE])
+}
+
+/// No place in the output.
+const NOWHERE: u32 = u32::MAX;
+
+/// Lobes of microfacets that wait, each for itself or with its edge.
+struct Facets {
+    pairs: Block<12>,
+    edges: [u32; WIDTH],
+}
+
+impl Facets {
+    const fn new() -> Self {
+        Self { pairs: Block::new(), edges: [NOWHERE; WIDTH] }
+    }
+
     #[inline(always)]
-    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 12] {
-        bytemuck::cast(Ellipse::new::<IS_CUT>(&bytemuck::cast(pair)))
+    fn push<const IS_CUT: bool>(&mut self, level: Level, pair: &Pair, [base, edge]: [u32; 2], out: &mut [f32]) {
+        self.edges[self.pairs.len] = edge;
+        if self.pairs.push(&bytemuck::cast(*pair), base as usize) {
+            self.flush::<IS_CUT>(level, out);
+        }
+    }
+
+    /// The chord sums of those that wait; none does then.
+    #[inline(never)]
+    fn flush<const IS_CUT: bool>(&mut self, level: Level, out: &mut [f32]) {
+        if self.pairs.len == 0 {
+            return;
+        }
+        let mut ellipses = [[0.0; WIDTH]; 11];
+        map(level, &ToEllipse::<IS_CUT>, &self.pairs.columns, &[], &mut ellipses);
+        let sums = dispatch!(level, _simd => {
+            let mut sums = [[0.0; WIDTH]; 2];
+            for (cos, weight) in microfacets::nodes::<IS_CUT>() {
+                let [base, edge] = &mut sums;
+                for (j, (base, edge)) in base.iter_mut().zip(edge).enumerate() {
+                    let ellipse: Ellipse = bytemuck::cast(row(&ellipses, j));
+                    let node = ellipse.node::<IS_CUT>(cos, weight);
+                    *base += node[0];
+                    *edge += node[1];
+                }
+            }
+            sums
+        });
+        for j in 0..self.pairs.len {
+            let weight = bytemuck::cast::<_, Ellipse>(row(&ellipses, j)).weight();
+            for (k, sums) in [self.pairs.of[j], self.edges[j]].into_iter().zip(&sums) {
+                if k != NOWHERE {
+                    out[k as usize] += finish(weight, sums[j]);
+                }
+            }
+        }
+        self.pairs.len = 0;
     }
 }
 
-/// The chord sums of a block of microfacets, which is empty then.
-#[inline(never)]
-fn flush_microfacets<const IS_CUT: bool>(level: Level, block: &mut Block<12>, out: &mut [f32]) {
-    if block.len == 0 {
-        return;
+struct ToEllipse<const IS_CUT: bool>;
+impl<const IS_CUT: bool> Lane<12, 0, 11> for ToEllipse<IS_CUT> {
+    #[inline(always)]
+    fn value(&self, pair: [f32; 12], []: [f32; 0]) -> [f32; 11] {
+        bytemuck::cast(Ellipse::new::<IS_CUT>(&bytemuck::cast(pair)))
     }
-    let mut ellipses = [[0.0; WIDTH]; 12];
-    map(level, &ToEllipse::<IS_CUT>, &block.columns, &[], &mut ellipses);
-    let sums = dispatch!(level, _simd => {
-        let mut sums = [0.0; WIDTH];
-        for (cos, weight) in microfacets::nodes::<IS_CUT>() {
-            for (j, sum) in sums.iter_mut().enumerate() {
-                let ellipse: Ellipse = bytemuck::cast(row(&ellipses, j));
-                *sum += ellipse.node::<IS_CUT>(cos, weight);
-            }
-        }
-        sums
-    });
-    let ellipse = |j: usize| bytemuck::cast::<_, Ellipse>(row(&ellipses, j));
-    let values = core::array::from_fn(|j| finish(ellipse(j).weight(), sums[j]));
-    block.flush(&values, out);
 }

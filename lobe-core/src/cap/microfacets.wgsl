@@ -8,7 +8,6 @@ struct Ellipse {
     middle: f32,
     half: f32,
     shadowing: f32,
-    is_edge: bool,
     is_cut: bool,
 }
 
@@ -23,21 +22,46 @@ const NODES_WHOLE = array<vec2f, 5>(
     vec2f(0.62939615, 0.32867817),
     vec2f(0.23172567, 0.45157316)
 );
-const NODES_CUT = array<vec2f, 8>(
-    vec2f(0.9998614, 0.000710062),
-    vec2f(0.99621255, 0.00850277),
-    vec2f(0.9778081, 0.031315292),
-    vec2f(0.9270949, 0.0733786),
-    vec2f(0.8252009, 0.13272868),
-    vec2f(0.6589719, 0.19985878),
-    vec2f(0.42805706, 0.2592256),
-    vec2f(0.14869187, 0.2942802)
+const NODES_CUT = array<vec2f, 16>(
+    vec2f(0.99999076, 4.7383545e-05),
+    vec2f(0.9997446, 0.00057772718),
+    vec2f(0.9984685, 0.0022066024),
+    vec2f(0.9947771, 0.005495235),
+    vec2f(0.9867679, 0.010909787),
+    vec2f(0.9721376, 0.018778106),
+    vec2f(0.9483433, 0.02924398),
+    vec2f(0.9128085, 0.042224581),
+    vec2f(0.8631664, 0.05737932),
+    vec2f(0.79752516, 0.07409958),
+    vec2f(0.71472897, 0.091527925),
+    vec2f(0.61458284, 0.10861201),
+    vec2f(0.49800613, 0.12419277),
+    vec2f(0.36708352, 0.13711941),
+    vec2f(0.22499317, 0.14637713),
+    vec2f(0.075808704, 0.15120844)
 );
 
+// The integral over a light of the edge of microfacets, which has come with that of the lobe before it.
+struct KnownEdge {
+    axis: vec3f,
+    exponent: f32,
+    light: vec3f,
+    integral: f32,
+}
+
+var<private> known_edge_integral: KnownEdge;
+
 fn microfacets_integral(at: Receiver, lobe: Lobe, light: Seen) -> f32 {
+    let known = known_edge_integral;
+    let is_edge = lobe.factor == LOBE_EDGE;
+    if (is_edge && known.exponent == lobe.exponent && all(known.axis == lobe.axis) && all(known.light == light.axis)) {
+        // Of this receiver, and no other.
+        known_edge_integral.axis = vec3f(0.0);
+        return known.integral;
+    }
     let ellipse = ellipse_of(at, lobe, light);
-    var sum = 0.0;
-    let count = select(5u, 8u, ellipse.is_cut);
+    var sum = vec2f(0.0);
+    let count = select(5u, 16u, ellipse.is_cut);
     for (var k = 0u; k < 2u * count; k++) {
         let place = min(k, 2u * count - 1u - k);
         var node = vec2f();
@@ -48,7 +72,9 @@ fn microfacets_integral(at: Receiver, lobe: Lobe, light: Seen) -> f32 {
         }
         sum += ellipse_node(ellipse, select(node.x, -node.x, k < count), node.y);
     }
-    return positive(sum * ellipse.half * FRAC_1_PI);
+    let both = max(sum * ellipse.half * FRAC_1_PI, vec2f(0.0));
+    known_edge_integral = KnownEdge(select(lobe.axis, vec3f(0.0), is_edge), lobe.exponent, light.axis, both.y);
+    return select(both.x, both.y, is_edge);
 }
 
 fn root_of(x: f32) -> f32 { return sqrt(positive(x)); }
@@ -137,7 +163,6 @@ fn ellipse_of(at: Receiver, lobe: Lobe, light: Seen) -> Ellipse {
         0.5 * (first + last),
         positive(0.5 * (last - first)),
         sqrt(vz * vz * (1.0 - alpha_sq) + alpha_sq),
-        lobe.factor == LOBE_EDGE,
         !light.above
     );
 }
@@ -156,19 +181,18 @@ fn ellipse_touches(axes: vec4f, omc: f32, y: f32) -> bool {
     return up > 0.0 && abs(inside - (1.0 - omc)) < 1e-3 && abs(y) < ELLIPSE_FAR;
 }
 
-// The rest of the reflectance at a half vector of these slopes.
-fn ellipse_rest(ellipse: Ellipse, slopes: vec2f) -> f32 {
+// The rest of the reflectance of both lobes at a half vector of these slopes.
+fn ellipse_rest(ellipse: Ellipse, slopes: vec2f) -> vec2f {
     let u = positive(dot(ellipse.view.xy, slopes) + ellipse.view.z);
     let square = 1.0 + dot(slopes, slopes);
     let fifth = schlick(u / sqrt(square));
-    let fresnel = select(1.0 - fifth, fifth, ellipse.is_edge);
     // dω_l = 4 (ω_o·h) dω_h; the cosine lobe has taken n·h.
     let light = 2.0 * u / square - ellipse.view.z;
-    return u * masking(light, ellipse.view.z, ellipse.alpha_sq, ellipse.shadowing) * fresnel;
+    return u * masking(light, ellipse.view.z, ellipse.alpha_sq, ellipse.shadowing) * vec2f(1.0 - fifth, fifth);
 }
 
-// One chord, times its weight.
-fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> f32 {
+// One chord of both lobes, times its weight.
+fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> vec2f {
     let v = ellipse.view;
     let c = ellipse.light;
     let alpha = sqrt(ellipse.alpha_sq);
@@ -188,7 +212,7 @@ fn ellipse_node(ellipse: Ellipse, cosine: f32, weight: f32) -> f32 {
     // 1 − cos φ without cancellation.
     let arc = (ellipse.one_minus_cos - beside * beside / above_zero(product + 1.0 + mu * nu)) / product;
     if (!(arc > 0.0)) {
-        return 0.0;
+        return vec2f(0.0);
     }
     let all = arc >= 1.9999;
     let part = min(arc, 1.9999);
@@ -247,9 +271,9 @@ fn ellipse_end(end: f32, steep: f32) -> f32 {
 }
 
 // A range of a chord; `at` is α, √(1 + y²) and the slope across.
-fn ellipse_part(ellipse: Ellipse, at: vec3f, p: f32, q: f32, length: f32) -> f32 {
+fn ellipse_part(ellipse: Ellipse, at: vec3f, p: f32, q: f32, length: f32) -> vec2f {
     if (!(length > 0.0)) {
-        return 0.0;
+        return vec2f(0.0);
     }
     // ∫ dX/(1+X²)² from p to q, without the difference.
     let m = 1.0 + p * q;
@@ -267,7 +291,7 @@ fn ellipse_part(ellipse: Ellipse, at: vec3f, p: f32, q: f32, length: f32) -> f32
         value = 0.5 * (length * (2.0 - m) * inverse_sq + angle);
     }
     if (!(value > 0.0)) {
-        return 0.0;
+        return vec2f(0.0);
     }
     let inverse = 1.0 / max(value, 1e-30);
     let mean = 0.5 * length * (p + q) * inverse_sq * inverse;

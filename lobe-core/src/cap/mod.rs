@@ -36,7 +36,7 @@ const MIRROR: f32 = 1e9;
 ///   how it cuts them; 32 below exponent 1 and for lights wider than 66°.
 ///
 /// - microfacets: in the plane of half vectors the light is an ellipse and the distribution a cosine lobe, whose integral along a chord is
-///   closed; the rest of the reflectance is smooth and taken at two points of each of 10 chords, of 16 through the horizon.
+///   closed; the rest of the reflectance is smooth and taken at two points of each of 10 chords, of 32 through the horizon.
 ///
 /// # Domain
 /// Exponents in [0, 1e7] (from 1e9 on the lobe sees its axis only, and between the two loses precision), cones from a
@@ -70,9 +70,9 @@ pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
     } else if form == form::PIECES {
         Chord::pieces(&pair).fold(0.0, |sum, chord| sum + over_nodes::<{ chord::PIECE }, true>(level, &chord))
     } else if form == form::MICROFACETS {
-        of_microfacets::<false>(level, &pair)
+        of_microfacets::<false>(level, &pair)[usize::from(lobe.factor == Lobe::EDGE)]
     } else if form == form::MICROFACETS_CUT {
-        of_microfacets::<true>(level, &pair)
+        of_microfacets::<true>(level, &pair)[usize::from(lobe.factor == Lobe::EDGE)]
     } else if form == form::EDGE {
         Chord::pieces(&pair).fold(0.0, |sum, chord| sum + over_nodes::<{ chord::EDGE }, true>(level, &chord))
     } else {
@@ -116,7 +116,7 @@ pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, o
     BLOCKS.with_borrow_mut(|blocks| {
         for number in 0..lobes.blocks() {
             let seen = &light.seen[number % lobes.blocks_of_place()].0;
-            blocks.take(level, seen, lobes.block(number), number * WIDTH, out);
+            blocks.take(level, seen, lobes, number, out);
         }
         blocks.finish(level, out);
     });
@@ -220,13 +220,16 @@ mod form {
     }
 }
 
-/// The chords of an ellipse of half vectors.
-fn of_microfacets<const IS_CUT: bool>(level: Level, pair: &Pair) -> f32 {
+/// The chords of an ellipse of half vectors, for both lobes of a pair.
+fn of_microfacets<const IS_CUT: bool>(level: Level, pair: &Pair) -> [f32; 2] {
     let ellipse = Ellipse::new::<IS_CUT>(pair);
-    let sum = dispatch!(level, _simd => {
-        microfacets::nodes::<IS_CUT>().fold(0.0, |sum, (cos, weight)| sum + ellipse.node::<IS_CUT>(cos, weight))
+    let sums = dispatch!(level, _simd => {
+        microfacets::nodes::<IS_CUT>().fold([0.0; 2], |[base, edge], (cos, weight)| {
+            let node = ellipse.node::<IS_CUT>(cos, weight);
+            [base + node[0], edge + node[1]]
+        })
     });
-    finish(ellipse.weight(), sum)
+    sums.map(|sum| finish(ellipse.weight(), sum))
 }
 
 /// One chord sum, its nodes side by side.

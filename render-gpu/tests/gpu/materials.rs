@@ -1,7 +1,10 @@
 //! Lobes of the materials against those of `brdf`.
 
 use crate::call::{call_with, trial};
-use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, PackedMaterials, Phong};
+use brdf::{
+    HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Neumann,
+    PackedMaterials, Phong,
+};
 use glam::{DMat3, Mat3, Quat, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
@@ -13,10 +16,12 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("materials_lambert", gpu, |gpu| agree(gpu, &several(lambert, 8))),
         trial("materials_phong", gpu, |gpu| agree(gpu, &several(phong, 100))),
         trial("materials_modified_phong", gpu, |gpu| agree(gpu, &several(modified_phong, 100))),
+        trial("materials_half_vector", gpu, |gpu| agree(gpu, &several(half_vector, 12))),
+        trial("materials_neumann", gpu, |gpu| agree(gpu, &several(neumann, 100))),
         trial("materials_lafortune", gpu, |gpu| agree(gpu, &several(lafortune, 150))),
         trial("materials_metallic_roughness", gpu, |gpu| agree(gpu, &several(metallic_roughness, 24))),
         trial("materials_of_all_models", gpu, |gpu| {
-            let models = [lambert, phong, modified_phong, lafortune, metallic_roughness];
+            let models = [lambert, phong, modified_phong, neumann, lafortune, metallic_roughness, half_vector];
             agree(gpu, &models.map(|model| several(model, 8)).concat());
         }),
         trial("materials_lafortune_without_an_axis", gpu, no_axis),
@@ -71,6 +76,16 @@ fn phong(random: &mut Random) -> Material {
 
 fn modified_phong(random: &mut Random) -> Material {
     ModifiedPhong { kd: random.color(), ks: random.color(), exponent: random.exponent() }.into()
+}
+
+fn neumann(random: &mut Random) -> Material {
+    Neumann { kd: random.color(), ks: random.color(), exponent: random.exponent().max(1.0) }.into()
+}
+
+fn half_vector(random: &mut Random) -> Material {
+    let lobe = |random: &mut Random| HalfVectorLobe::new(random.next(), random.color(), random.color());
+    let lobes = (0..1 + (3.0 * random.next()) as usize).map(|_| lobe(random)).collect();
+    HalfVector { diffuse: random.color(), lobes }.into()
 }
 
 fn lafortune(random: &mut Random) -> Material {
@@ -176,7 +191,7 @@ fn visible(lobe: &Lobe) -> bool {
 /// The GPU's lobes are those of Rust, in the same order, of directions and of microfacets.
 fn agree(gpu: &Gpu, materials: &[Material]) {
     agree_with(gpu, materials, false);
-    if materials.iter().any(|m| matches!(m, Material::MetallicRoughness(_))) {
+    if materials.iter().any(|m| matches!(m, Material::MetallicRoughness(_) | Material::HalfVector(_))) {
         agree_with(gpu, materials, true);
     }
 }
@@ -240,7 +255,17 @@ fn allowed(material: &Material, at: &Receiver, want: &Lobe) -> [f32; 3] {
             [TOLERANCE * axis, TOLERANCE, TOLERANCE * flux]
         }
         // A place among 48 rows has 1/48 of an f32's digits, and rows differ by up to a half.
-        Material::MetallicRoughness(_) if want.axis != at.normal => [TOLERANCE, 24.0 * TOLERANCE, 24.0 * TOLERANCE],
+        Material::MetallicRoughness(_) | Material::HalfVector(_) if want.axis != at.normal => {
+            [TOLERANCE, 24.0 * TOLERANCE, 24.0 * TOLERANCE]
+        }
+        // Of a table as well; and a rounding of the divisor n·ω counts by as much as it is small, to the steepest that there is.
+        Material::Neumann(m) if want.axis != at.normal => {
+            let divisor = at.normal.dot(at.view).max(1.0 / (15.0 * (m.exponent + 1.0).sqrt()));
+            // The lobe without cosine begins with a weight of zero: a rounding of the whole highlight.
+            let whole = (m.ks.max_element() / want.flux.max_element()).max(1.0);
+            let number = TOLERANCE * (24.0 + whole * (1.0 + 0.1 / divisor));
+            [TOLERANCE, number, number]
+        }
         _ => [TOLERANCE; 3],
     }
 }

@@ -2,7 +2,10 @@
 
 use crate::call::trial;
 use crate::gbuffer::{globe, large_floor};
-use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
+use brdf::{
+    HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Neumann,
+    Phong,
+};
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
 use lighting::{InsideLight, Light, SphereLight, SpotLight, SunLight};
@@ -216,12 +219,15 @@ fn of_materials(gpu: &Gpu) {
     let kd = Vec3::new(0.5, 0.4, 0.3);
     let shiny = LafortuneLobe::diagonal(Vec3::new(-0.9, -0.8, 0.95), 30.0, Vec3::splat(0.3));
     let retro = LafortuneLobe::diagonal(Vec3::new(0.7, 0.7, 0.6), 6.0, Vec3::new(0.2, 0.1, 0.1));
-    let models: [(&str, Material); 8] = [
+    let [fine, broad] = [0.25, 0.6].map(|roughness| HalfVectorLobe::new(roughness, 0.4 * kd, Vec3::splat(0.4)));
+    let models: [(&str, Material); 10] = [
         ("lambert", Lambert { albedo: kd }.into()),
         ("phong 40", Phong { kd, ks: Vec3::splat(0.3), exponent: 40.0 }.into()),
         ("modified phong 10", ModifiedPhong { kd, ks: Vec3::splat(0.4), exponent: 10.0 }.into()),
         ("modified phong 800", ModifiedPhong { kd, ks: Vec3::splat(0.4), exponent: 800.0 }.into()),
         ("modified phong 0.5", ModifiedPhong { kd, ks: Vec3::splat(0.4), exponent: 0.5 }.into()),
+        ("neumann", Neumann { kd: Vec3::ZERO, ks: kd, exponent: 40.0 }.into()),
+        ("half-vector", HalfVector { diffuse: 0.2 * kd, lobes: vec![fine, broad] }.into()),
         ("lafortune", Lafortune { diffuse: kd, lobes: vec![shiny, retro] }.into()),
         ("rough metal", MetallicRoughness::new(kd, 1.0, 0.4).expect("in range").into()),
         ("smooth plastic", MetallicRoughness::new(kd, 0.0, 0.15).expect("in range").into()),

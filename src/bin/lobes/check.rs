@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::input;
 use crate::moment::last_frame;
 use crate::prices::Prices;
-use cosine_lobes::brdf::Material;
+use cosine_lobes::brdf::{Material, residual};
 use cosine_lobes::lobe_core::Receiver;
 use cosine_lobes::render_cpu::{BlockersError, SphereSource, read_set};
 use cosine_lobes::renderer::{BAND_RAYS, Plan, known_set};
@@ -127,6 +127,8 @@ fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Re
             "model": m.model_name(),
             "lobes": m.lobe_count(true),
             "lobes_of_directions": m.lobe_count(false),
+            "residual": residual(m, true),
+            "residual_of_directions": residual(m, false),
             "textures": textures.map(texture).collect::<Vec<_>>(),
         })
     });
@@ -215,11 +217,29 @@ fn describe_material(material: &Material, surface: Option<&Surface>) -> String {
     if of_directions != most {
         text += &format!(" ({of_directions} by the methods `paper` and `lobes`)");
     }
+    text += &residuals(material);
     for (name, texture) in surface.into_iter().flat_map(Surface::textures) {
         let [width, height] = texture.size();
         text += &format!("\n           {name}: texture {width} x {height}");
     }
     text
+}
+
+/// How far a material's lobes are from the material, where they are not the same.
+fn residuals(material: &Material) -> String {
+    const EXACT: f64 = 1e-3;
+    let percent = |residual: f64| format!("{:.1} %", 100.0 * residual);
+    let told = match [true, false].map(|takes_microfacets| residual(material, takes_microfacets)) {
+        [own, of_directions] if own < EXACT && of_directions < EXACT => return String::new(),
+        [own, of_directions] if own < EXACT => {
+            format!("exact; {} off by the methods `paper` and `lobes`", percent(of_directions))
+        }
+        [own, of_directions] if own == of_directions => format!("{} off", percent(own)),
+        [own, of_directions] => {
+            format!("{} off, {} by the methods `paper` and `lobes`", percent(own), percent(of_directions))
+        }
+    };
+    format!("\n           its lobes are {told} (root mean square over directions, views up to 75°)")
 }
 
 /// What there is to tell of an object but its name: one line, and the advice in one or two.

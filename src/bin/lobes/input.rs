@@ -5,12 +5,11 @@ use crate::console;
 use crate::failure::Failure;
 use crate::teller::Teller;
 use cosine_lobes::brdf::Material;
-use cosine_lobes::lobe_core::{BrdfLobes, LobeBuffer, Receiver};
+use cosine_lobes::lobe_core::{BrdfLobes, Lobe, LobeBuffer, Receiver};
 use cosine_lobes::render_cpu::SceneSpheres;
 use cosine_lobes::renderer::{Plan, scene_spheres};
 use cosine_lobes::scene::{self, Animation, Scene};
 use glam::Vec3;
-use std::f32::consts::TAU;
 use std::path::{Path, PathBuf};
 
 /// Loads the scene as it is at its first moment, or takes the built-in one, and passes warnings on.
@@ -32,7 +31,9 @@ fn too_bright(number: usize, material: &Material) -> Option<String> {
     let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 0 };
     let mut lobes = LobeBuffer::with_capacity(material.max_lobes());
     material.brdf_lobes(&at, &mut lobes.writer()).ok()?;
-    let all: Vec3 = lobes.lobes().iter().map(|l| l.scale() * (TAU / (l.exponent + 1.0))).sum();
+    // About the normal a cosine leaves so much of a lobe.
+    let part = |l: &Lobe| if l.factor == Lobe::COSINE { (l.exponent + 1.0) / (l.exponent + 2.0) } else { 1.0 };
+    let all: Vec3 = lobes.lobes().iter().map(|l| l.flux * part(&l)).sum();
     let most = all.max_element();
     // Lobes reach below the horizon by a little, and numbers are rounded.
     (most > 1.01)
