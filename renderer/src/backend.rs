@@ -11,7 +11,7 @@ use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use {
     lobe_core::Method,
     lobe_core::gpu::GpuBlockers,
-    render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion},
+    render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, Stops},
     scene::Scene,
     visibility_shadowmap::ShadowMapBlockers,
     visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh},
@@ -98,28 +98,28 @@ impl Backend {
 #[derive(Debug)]
 pub struct GpuBackend {
     shader: GpuShader,
-    /// With the objects that are in it.
-    world: Option<(GpuWorld, Vec<bool>)>,
+    /// With what stops its rays.
+    world: Option<(GpuWorld, Vec<Stops>)>,
 }
 
 #[cfg(feature = "gpu")]
 impl GpuBackend {
-    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each whether they do: the
+    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each which they are: the
     /// same scene with each call. Those objects are by the silhouettes of `outlines`, or by rays where there are none.
     pub(crate) fn occluded(
         &mut self,
         method: Method<'_>,
         spheres: Option<&SphereBlockers>,
         maps: Option<&ShadowMapBlockers>,
-        traced: Option<(&Scene, Vec<bool>)>,
-        outlines: &[SilhouetteMesh],
+        traced: Option<(&Scene, Vec<Stops>)>,
+        outlines: &[&SilhouetteMesh],
     ) -> Result<&mut GpuShader, GpuError> {
         if let Some((scene, objects)) = traced {
             match &mut self.world {
                 // What maps show changes as lights move.
                 Some((world, kept)) if *kept == objects => world.update(scene)?,
                 world => {
-                    let traced = GpuWorld::only(self.shader.gpu(), scene, |o| objects[o as usize])?;
+                    let traced = GpuWorld::stopping(self.shader.gpu(), scene, |o| objects[o as usize])?;
                     *world = Some((traced, objects));
                 }
             }
@@ -127,7 +127,7 @@ impl GpuBackend {
             self.world = None;
         }
         self.shader.set_method(method);
-        let silhouettes = (!outlines.is_empty()).then(|| GpuSilhouettes::new(outlines));
+        let silhouettes = (!outlines.is_empty()).then(|| GpuSilhouettes::new(outlines.iter().copied()));
         let own = silhouettes.as_ref().map(|silhouettes| silhouettes as &dyn GpuBlockers);
         let (rays, any_hit) = match (self.world.as_ref().map(|(world, _)| world), own) {
             (world, None) => (world, None),

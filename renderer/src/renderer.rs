@@ -287,7 +287,7 @@ impl Renderer {
         }
         seconds(&mut clocks.silhouettes, || match &mut self.silhouettes {
             Some(kept) => kept.update(scene),
-            None => self.silhouettes = Some(SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o))),
+            None => self.silhouettes = Some(plan.silhouettes(scene)),
         });
         Ok(())
     }
