@@ -38,16 +38,16 @@ pub struct FrameBlockers<'a> {
     /// The meshes by silhouettes for all receivers.
     meshes: Vec<&'a SilhouetteMesh>,
     /// For each object, from whom it hides lights by its true surface.
-    hides: Vec<Hides>,
+    hides: Vec<HidesFrom>,
 }
 
 /// From which receivers an object hides lights by its true surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Hides {
-    FromNone,
-    FromAll,
+enum HidesFrom {
+    Nobody,
+    Everybody,
     /// From those on objects that do so as well.
-    FromDrawn,
+    Drawn,
 }
 
 impl<'a> FrameBlockers<'a> {
@@ -77,26 +77,26 @@ impl<'a> FrameBlockers<'a> {
             true => RayBlockers::new(world),
             false => RayBlockers::new(world).only(|o| traced[o as usize]),
         });
-        let outlines = |meshes: &[&'a SilhouetteMesh]| {
-            let has = |o: u32| meshes.iter().any(|mesh| mesh.object() == o);
+        let is_in_maps = |mesh: &&SilhouetteMesh| casters[mesh.object() as usize];
+        let (own, meshes): (Vec<_>, Vec<_>) = silhouettes.meshes().iter().partition(is_in_maps);
+        let mut has_outlines = vec![false; drawn.len()];
+        silhouettes.meshes().iter().for_each(|mesh| has_outlines[mesh.object() as usize] = true);
+        let outlines = |meshes: &[&'a SilhouetteMesh], in_maps: bool| {
+            let has = |o: u32| has_outlines[o as usize] && casters[o as usize] == in_maps;
             let hits = SurfaceHits::new(world, has);
             SilhouetteBlockers::new(meshes.iter().copied(), hits).with_tolerance(accuracy.tolerance)
         };
-        let is_in_maps = |mesh: &&SilhouetteMesh| casters[mesh.object() as usize];
-        let (own, meshes): (Vec<_>, Vec<_>) = silhouettes.meshes().iter().partition(is_in_maps);
         let hides = |o: usize| match (traced[o], drawn[o]) {
-            (true, _) => Hides::FromAll,
-            (_, true) => Hides::FromDrawn,
-            _ if meshes.iter().any(|mesh| mesh.object() as usize == o) => Hides::FromAll,
-            _ => Hides::FromNone,
+            (true, _) => HidesFrom::Everybody,
+            (_, true) => HidesFrom::Drawn,
+            _ if has_outlines[o] && !casters[o] => HidesFrom::Everybody,
+            _ => HidesFrom::Nobody,
         };
         let hides = (0..drawn.len()).map(hides).collect();
-        let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes));
-        let is_any_drawn = drawn.contains(&true);
-        let maps =
-            (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters).leaving(drawn.clone()));
-        let drawn = is_any_drawn.then(|| OnObjects::new(outlines(&own), drawn));
-        Self { world, spheres, maps, drawn, silhouettes, rays, meshes, hides }
+        let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes, false));
+        let on_drawn = drawn.contains(&true).then(|| OnObjects::new(outlines(&own, true), drawn.clone()));
+        let maps = (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters).leaving(drawn));
+        Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, meshes, hides }
     }
 
     /// The meshes that a GPU can have by silhouettes; what is exact by these is exact by rays, too: where others are by rays anyway, or
@@ -125,9 +125,9 @@ impl<'a> FrameBlockers<'a> {
         if let Backend::Gpu(gpu) = backend {
             let outlines = self.outlines();
             let stops = self.hides.iter().map(|hides| match hides {
-                Hides::FromNone => Stops::None,
-                Hides::FromAll => Stops::All,
-                Hides::FromDrawn => Stops::Alike,
+                HidesFrom::Nobody => Stops::None,
+                HidesFrom::Everybody => Stops::All,
+                HidesFrom::Drawn => Stops::Alike,
             });
             let stops: Vec<Stops> = stops.collect();
             let traced = stops.iter().any(|stops| *stops != Stops::None).then(|| (self.world.scene(), stops));

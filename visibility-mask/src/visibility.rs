@@ -369,7 +369,7 @@ fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
 /// wide one few that count.
 fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
     let fill = query.outline.map_or(1.0, |outline| (FILLED * outline.roundness()).min(1.0));
-    query.accuracy.tolerance * fill * (CROWDED / crowding(query)).min(1.0)
+    query.accuracy.tolerance * fill * (2.0 * CROWDED / crowding(query)).min(1.0)
 }
 
 /// How many times their mean solid angle samples in the middle of a round light stand for, as they are even on a plane before it:

@@ -268,10 +268,11 @@ fn of_receivers_on_their_like(gpu: &Gpu) {
         out
     };
     let [none, all, alike] = [Stops::None, Stops::All, Stops::Alike].map(shade);
-    let of = |object: u32| (0..all.len()).filter(move |k| points.receivers[*k].object == object);
-    assert!(of(0).all(|k| alike[k] == none[k]) && of(1).all(|k| alike[k] == all[k]));
+    let of = |object: u32| -> Vec<usize> { (0..all.len()).filter(|k| points.receivers[*k].object == object).collect() };
+    let (floor, own) = (of(0), of(1));
+    assert!(floor.iter().all(|k| alike[*k] == none[*k]) && own.iter().all(|k| alike[*k] == all[*k]));
     // Both have shadows of the fence.
-    assert!([0, 1].iter().all(|object| of(*object).any(|k| all[k] != none[k])));
+    assert!([floor, own].iter().all(|points| points.iter().any(|k| all[*k] != none[*k])));
 }
 
 /// Only some objects by rays, the others by spheres: as the CPU's mixture of both.
