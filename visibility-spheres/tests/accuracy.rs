@@ -195,16 +195,10 @@ fn full_table() {
 }
 
 /// Small balls before wide lights, diffuse: a blocked cone of half-angle β in direction δ takes `sin²β cos δ` of `sin²θ`. Samples in the
-/// middle of such a light stand for many times their mean: once these fractions were 1.4 and 17 % off at 84°, mean and largest.
+/// middle of such a light stand for many times their mean: with no more of them these fractions are 0.5 and 4.7 % off at 80°, mean and largest.
 #[test]
 fn wide_lights() {
-    for (degrees, limits) in [
-        (50.0_f64, [0.005, 0.02]),
-        (64.0, [0.005, 0.02]),
-        (70.0, [0.003, 0.02]),
-        (80.0, [0.003, 0.02]),
-        (84.0, [0.003, 0.02]),
-    ] {
+    for degrees in [50.0_f64, 64.0, 70.0, 80.0, 84.0] {
         let (mut random, theta) = (Random::new(9), degrees.to_radians());
         let (mut sum, mut largest) = (0.0, 0.0_f64);
         const COUNT: usize = 2000;
@@ -238,6 +232,6 @@ fn wide_lights() {
         }
         let mean = sum / COUNT as f64;
         println!("{degrees} degrees: {:.3} % in the mean, {:.3} % at most", 100.0 * mean, 100.0 * largest);
-        assert!(mean < limits[0] && largest < limits[1], "{degrees}: {mean} {largest}");
+        assert!(mean < 0.0014 && largest < 0.011, "{degrees}: {mean} {largest}");
     }
 }
