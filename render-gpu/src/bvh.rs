@@ -32,6 +32,7 @@ pub(crate) struct GpuPrimitive {
 pub(crate) const BALL: u32 = 1 << 31;
 pub(crate) const VISIBLE: u32 = 1 << 30;
 pub(crate) const BLOCKS: u32 = 1 << 29;
+pub(crate) const BLOCKS_ALIKE: u32 = 1 << 28;
 /// No normals of its own.
 pub(crate) const FLAT: u32 = u32::MAX;
 
@@ -54,8 +55,20 @@ pub struct GpuWorld {
     normals: Memory,
     scale: f32,
     uploaded: usize,
-    /// For each object whether it blocks; empty when all do.
-    blocks: Vec<bool>,
+    /// For each object which rays it stops; empty when all stop all.
+    stops: Vec<Stops>,
+}
+
+/// Which receivers' shadow rays an object stops.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stops {
+    /// Those of none.
+    None,
+    /// Those of all.
+    #[default]
+    All,
+    /// Those of receivers on objects that stop alike: others have other blockers for it, such as shadow maps.
+    Alike,
 }
 
 impl GpuWorld {
@@ -73,10 +86,18 @@ impl GpuWorld {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn only(gpu: &Gpu, scene: &Scene, blocks: impl Fn(u32) -> bool) -> Result<Self, GpuError> {
-        Self::make(gpu, scene, (0..scene.objects.len() as u32).map(blocks).collect())
+        Self::stopping(gpu, scene, |o| if blocks(o) { Stops::All } else { Stops::None })
     }
 
-    fn make(gpu: &Gpu, scene: &Scene, blocks: Vec<bool>) -> Result<Self, GpuError> {
+    /// The same where each object, by its number, stops the rays of some receivers.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn stopping(gpu: &Gpu, scene: &Scene, stops: impl Fn(u32) -> Stops) -> Result<Self, GpuError> {
+        Self::make(gpu, scene, (0..scene.objects.len() as u32).map(stops).collect())
+    }
+
+    fn make(gpu: &Gpu, scene: &Scene, stops: Vec<Stops>) -> Result<Self, GpuError> {
         let memory = |label| Memory::new(label, BufferUsages::STORAGE | BufferUsages::COPY_DST);
         let mut world = Self {
             gpu: gpu.clone(),
@@ -86,7 +107,7 @@ impl GpuWorld {
             normals: memory("the triangles' normals"),
             scale: 1.0,
             uploaded: 0,
-            blocks,
+            stops,
         };
         world.update(scene)?;
         Ok(world)
@@ -98,14 +119,14 @@ impl GpuWorld {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn update(&mut self, scene: &Scene) -> Result<(), GpuError> {
-        let Gathered { mut primitives, names, normals, scale } = gather(scene, &self.blocks)?;
+        let Gathered { mut primitives, names, normals, scale } = gather(scene, &self.stops)?;
         let old = self.tree.take().filter(|_| self.scale == scale);
         let tree = old
             .and_then(|tree| tree.refitted(&primitives, &names))
             .map_or_else(|| Tree::new(&primitives, names), Ok)?;
         tree.arrange(&mut primitives);
         self.scale = scale;
-        self.uploaded = self.nodes.hold(&self.gpu, bytemuck::cast_slice(&tree.packed(scale, &self.blocks)))?;
+        self.uploaded = self.nodes.hold(&self.gpu, bytemuck::cast_slice(&tree.packed(scale, &self.stops)))?;
         self.uploaded += self.primitives.hold(&self.gpu, bytemuck::cast_slice(&primitives))?;
         self.uploaded += self.normals.hold(&self.gpu, bytemuck::cast_slice(&normals))?;
         self.tree = Some(tree);

@@ -37,7 +37,7 @@ mod pose;
 mod shader;
 pub mod wgsl;
 
-pub use self::bvh::GpuWorld;
+pub use self::bvh::{GpuWorld, Stops};
 pub use self::canvas::GpuCanvas;
 pub use self::error::GpuError;
 pub use self::gbuffer::{GpuGBuffer, GpuPoints, TILE};

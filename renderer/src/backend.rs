@@ -11,7 +11,7 @@ use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use {
     lobe_core::Method,
     lobe_core::gpu::GpuBlockers,
-    render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion},
+    render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, Stops},
     scene::Scene,
     visibility_shadowmap::ShadowMapBlockers,
     visibility_silhouettes::GpuSilhouettes,
@@ -98,20 +98,20 @@ impl Backend {
 #[derive(Debug)]
 pub struct GpuBackend {
     shader: GpuShader,
-    /// With the objects that are in it.
-    world: Option<(GpuWorld, Vec<bool>)>,
+    /// With what stops its rays.
+    world: Option<(GpuWorld, Vec<Stops>)>,
 }
 
 #[cfg(feature = "gpu")]
 impl GpuBackend {
-    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each whether they do: the
+    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each which they are: the
     /// same scene with each call. Those objects are by `silhouettes`, or by rays where there are none.
     pub(crate) fn occluded(
         &mut self,
         method: Method<'_>,
         spheres: Option<&SphereBlockers>,
         maps: Option<&ShadowMapBlockers>,
-        traced: Option<(&Scene, Vec<bool>)>,
+        traced: Option<(&Scene, Vec<Stops>)>,
         silhouettes: Option<&GpuSilhouettes>,
     ) -> Result<&mut GpuShader, GpuError> {
         if let Some((scene, objects)) = traced {
@@ -119,7 +119,7 @@ impl GpuBackend {
                 // What maps show changes as lights move.
                 Some((world, kept)) if *kept == objects => world.update(scene)?,
                 world => {
-                    let traced = GpuWorld::only(self.shader.gpu(), scene, |o| objects[o as usize])?;
+                    let traced = GpuWorld::stopping(self.shader.gpu(), scene, |o| objects[o as usize])?;
                     *world = Some((traced, objects));
                 }
             }

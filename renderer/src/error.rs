@@ -27,7 +27,7 @@ pub enum RenderError {
     #[error("{0}")]
     NotOnGpu(&'static str),
     /// The paper's light lobes are those of balls.
-    #[error("method \"paper\" is for sphere lights: light {0} is of kind \"{1}\"; use \"moments\"")]
+    #[error("method \"paper\" is for sphere lights: light {0} is {1}; use \"moments\"")]
     PaperLight(usize, &'static str),
     /// The listener has stopped the work.
     #[error("cancelled")]

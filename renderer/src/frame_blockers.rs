@@ -1,7 +1,9 @@
+use crate::on_objects::OnObjects;
 use crate::{Backend, Method, Plan, RenderError, Shader};
 use lobe_core::paper::Tables;
 use lobe_core::{Accuracy, LightId, Method as Products, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits, World};
+use scene::{Object, Shape, Strategy};
 use visibility_mask::{Blockers, MaskVisibility, Mixture, PaperVisibility};
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
@@ -10,6 +12,7 @@ use visibility_spheres::SphereBlockers;
 use {
     lobe_core::Sphere,
     lobe_core::gpu::GpuLight as _,
+    render_gpu::Stops,
     visibility_silhouettes::{AnyHit, GpuSilhouettes},
 };
 
@@ -24,6 +27,8 @@ pub enum Form<'t> {
     Paper(&'t Tables),
 }
 
+type Silhouettes<'a> = SilhouetteBlockers<'a, SurfaceHits<'a>>;
+
 /// What blocks light in one frame, by strategy.
 #[derive(Debug)]
 #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "a GPU gathers what its rays meet from them"))]
@@ -31,15 +36,28 @@ pub struct FrameBlockers<'a> {
     world: &'a World<'a>,
     spheres: Option<&'a SphereBlockers>,
     maps: Option<ShadowMapBlockers>,
-    silhouettes: Option<SilhouetteBlockers<'a, SurfaceHits<'a>>>,
+    /// What the maps draw, for receivers on it.
+    drawn: Option<OnObjects<Silhouettes<'a>>>,
+    silhouettes: Option<Silhouettes<'a>>,
     rays: Option<RayBlockers<'a>>,
-    meshes: &'a [SilhouetteMesh],
-    /// For each object whether it is by rays or by silhouettes.
-    traced: Vec<bool>,
+    /// The meshes by silhouettes for all receivers.
+    meshes: Vec<&'a SilhouetteMesh>,
+    /// For each object, from whom it hides lights by its true surface.
+    hides: Vec<HidesFrom>,
+}
+
+/// From which receivers an object hides lights by its true surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum HidesFrom {
+    Nobody,
+    Everybody,
+    /// From those on objects that do so as well.
+    Drawn,
 }
 
 impl<'a> FrameBlockers<'a> {
-    /// Gathers what the plan asks for, for pictures of an accuracy, and leaves out what turned out empty.
+    /// Gathers what the plan asks for, for pictures of an accuracy, and leaves out what turned out empty. `silhouettes` are
+    /// [those of the plan](Plan::silhouettes).
     #[must_use]
     pub fn new(
         plan: &Plan,
@@ -53,26 +71,45 @@ impl<'a> FrameBlockers<'a> {
         maps.retain(|(_, map)| map.faces() > 0);
         let scene = world.scene();
         let casters = plan.casters(scene);
-        let mut traced = plan.traced(scene, &casters);
+        let is_drawn = |(object, is_caster): (&Object, &bool)| match &object.shape {
+            Shape::Mesh(mesh) => *is_caster && maps.iter().any(|(_, map)| map.draws(&mesh.positions, &mesh.triangles)),
+            Shape::Spheres(_) => false,
+        };
+        let drawn: Vec<bool> = scene.objects.iter().zip(&casters).map(is_drawn).collect();
+
+        let traced: Vec<bool> = (0..drawn.len()).map(|o| plan.of(o) == Strategy::Rays).collect();
         let rays = traced.contains(&true).then(|| match traced.iter().all(|traced| *traced) {
             true => RayBlockers::new(world),
             false => RayBlockers::new(world).only(|o| traced[o as usize]),
         });
-        let maps = (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters));
-        let meshes = silhouettes.meshes();
-        let silhouettes = (!meshes.is_empty()).then(|| {
-            let hits = SurfaceHits::new(world, |o| plan.by_silhouettes(scene, o));
-            SilhouetteBlockers::new(meshes, hits).with_tolerance(accuracy.tolerance)
-        });
-        (0..).zip(&mut traced).for_each(|(o, traced)| *traced |= plan.by_silhouettes(scene, o));
-        Self { world, spheres, maps, silhouettes, rays, meshes, traced }
+        let is_in_maps = |mesh: &&SilhouetteMesh| casters[mesh.object() as usize];
+        let (own, meshes): (Vec<_>, Vec<_>) = silhouettes.meshes().iter().partition(is_in_maps);
+        let mut has_outlines = vec![false; drawn.len()];
+        silhouettes.meshes().iter().for_each(|mesh| has_outlines[mesh.object() as usize] = true);
+        let outlines = |meshes: &[&'a SilhouetteMesh], in_maps: bool| {
+            let has = |o: u32| has_outlines[o as usize] && casters[o as usize] == in_maps;
+            let hits = SurfaceHits::new(world, has);
+            SilhouetteBlockers::new(meshes.iter().copied(), hits).with_tolerance(accuracy.tolerance)
+        };
+        let hides = |o: usize| match (traced[o], drawn[o]) {
+            (true, _) => HidesFrom::Everybody,
+            (_, true) => HidesFrom::Drawn,
+            _ if has_outlines[o] && !casters[o] => HidesFrom::Everybody,
+            _ => HidesFrom::Nobody,
+        };
+        let hides = (0..drawn.len()).map(hides).collect();
+        let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes, false));
+        let on_drawn = drawn.contains(&true).then(|| OnObjects::new(outlines(&own, true), drawn.clone()));
+        let maps = (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters).leaving(drawn));
+        Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, meshes, hides }
     }
 
     /// The meshes by silhouettes as a GPU has them. None where others are by rays anyway, or where a ball of light holds parts of triangles:
     /// what is exact by these is exact by rays, too.
     #[cfg(feature = "gpu")]
     fn gpu_silhouettes(&self) -> Option<GpuSilhouettes> {
-        let silhouettes = self.silhouettes.as_ref().filter(|_| self.rays.is_none())?;
+        let by_rays = self.rays.is_some() || self.drawn.is_some();
+        let silhouettes = self.silhouettes.as_ref().filter(|_| !by_rays)?;
         let meeting = |ball: Sphere| {
             let mut triangles = Vec::new();
             silhouettes.any_hit().triangles_meeting(ball, &mut |corners| triangles.push(corners));
@@ -88,7 +125,7 @@ impl<'a> FrameBlockers<'a> {
             }
             cut.push(triangles);
         }
-        Some(GpuSilhouettes::new(self.meshes).with_cut(&cut))
+        Some(GpuSilhouettes::new(self.meshes.iter().copied()).with_cut(&cut))
     }
 
     /// Does the work with the shader that these blockers make. What is not there is not in the shader; mixtures of any kinds
@@ -100,7 +137,13 @@ impl<'a> FrameBlockers<'a> {
         #[cfg(feature = "gpu")]
         if let Backend::Gpu(gpu) = backend {
             let silhouettes = self.gpu_silhouettes();
-            let traced = self.traced.contains(&true).then(|| (self.world.scene(), self.traced));
+            let stops = self.hides.iter().map(|hides| match hides {
+                HidesFrom::Nobody => Stops::None,
+                HidesFrom::Everybody => Stops::All,
+                HidesFrom::Drawn => Stops::Alike,
+            });
+            let stops: Vec<Stops> = stops.collect();
+            let traced = stops.iter().any(|stops| *stops != Stops::None).then(|| (self.world.scene(), stops));
             let method = match form {
                 Form::Fractions => Products::Moments,
                 Form::Lobes => return Err(RenderError::NotOnGpu(crate::backend::LOBES)),
@@ -110,7 +153,8 @@ impl<'a> FrameBlockers<'a> {
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
-        match (self.spheres, self.maps, self.silhouettes, self.rays) {
+        let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
+        match (self.spheres, maps, self.silhouettes, self.rays) {
             (None, None, None, None) => work.with(&mut CpuShader::with_method(Unshadowed, form.products())),
             (Some(spheres), None, None, None) => masked(spheres, form, work),
             (None, None, Some(silhouettes), None) => masked(silhouettes, form, work),

@@ -32,6 +32,7 @@ mod exposure;
 mod frame_blockers;
 mod image;
 mod kept_spheres;
+mod on_objects;
 mod plan;
 mod renderer;
 mod settings;

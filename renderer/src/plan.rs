@@ -3,9 +3,9 @@ use glam::Vec3;
 use lighting::Light;
 use lobe_core::LightLobes;
 use rayon::prelude::*;
-use render_cpu::SphereSource;
+use render_cpu::{SceneSilhouettes, SphereSource};
 use scene::{Object, Proxy, Scene, Shape, Strategy};
-use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap};
+use visibility_shadowmap::{MapOptions, PackedMaps, ReceiverBounds, ShadowMap};
 
 /// The finest map that is taken unless asked for.
 const FITTED: u32 = 2048;
@@ -62,13 +62,6 @@ impl Plan {
         scene.objects.iter().enumerate().map(in_maps).collect()
     }
 
-    /// For each object whether it is by rays: those meant for maps that do not show them are, too.
-    #[must_use]
-    pub fn traced(&self, scene: &Scene, casters: &[bool]) -> Vec<bool> {
-        let is_traced = |o| self.objects[o] == Strategy::Rays || self.is_mapped(scene, o) && !casters[o];
-        (0..self.objects.len()).map(is_traced).collect()
-    }
-
     /// The spheres that an object blocks with: those of its proxy, or the balls that it is. Maps and silhouettes have triangles
     /// only, so the balls of an object by them are spheres.
     #[must_use]
@@ -86,6 +79,13 @@ impl Plan {
         let by_surface =
             |o| self.objects[o] == Strategy::Rays || self.is_mapped(scene, o) || self.by_silhouettes(scene, o as u32);
         (0..self.objects.len()).map(by_surface).collect()
+    }
+
+    /// The meshes that block by their silhouettes, and those meant for maps: what maps do not show, and what they show to receivers on
+    /// it, is by silhouettes.
+    #[must_use]
+    pub fn silhouettes(&self, scene: &Scene) -> SceneSilhouettes {
+        SceneSilhouettes::new(scene, |o| self.by_silhouettes(scene, o) || self.is_mapped(scene, o as usize))
     }
 
     /// Whether an object's triangles block by their silhouettes.
@@ -148,7 +148,7 @@ impl Plan {
         let mut maps = draw(FITTED)?;
         // Which objects cast comes before them.
         let bytes = |maps: &[ShadowMap]| {
-            maps.iter().map(ShadowMap::packed_bytes).sum::<u64>() + 4 * (1 + self.objects.len().div_ceil(32)) as u64
+            maps.iter().map(ShadowMap::packed_bytes).sum::<u64>() + PackedMaps::bytes_of_objects(self.objects.len())
         };
         let finest = |maps: &[ShadowMap]| maps.iter().map(ShadowMap::resolution).max().unwrap_or(0);
         let (wanted, needed) = (finest(&maps), bytes(&maps));

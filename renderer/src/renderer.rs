@@ -82,7 +82,16 @@ impl Renderer {
         if let (Method::Paper, Some((i, light))) =
             (settings.method, scene.lights.iter().enumerate().find(|(_, light)| light.ball().is_none()))
         {
-            return Err(RenderError::PaperLight(i, light.kind()));
+            // As scene files call them.
+            let kind = match light.kind() {
+                "flat" => "a rectangle, disc or polygon",
+                "tube" => "a tube",
+                "sun" => "a sun",
+                "spot" => "a spot",
+                "environment" => "an environment",
+                kind => kind,
+            };
+            return Err(RenderError::PaperLight(i, kind));
         }
         let plan = Plan::new(settings.strategy, &scene);
         Ok(Self {
@@ -287,7 +296,7 @@ impl Renderer {
         }
         seconds(&mut clocks.silhouettes, || match &mut self.silhouettes {
             Some(kept) => kept.update(scene),
-            None => self.silhouettes = Some(SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o))),
+            None => self.silhouettes = Some(plan.silhouettes(scene)),
         });
         Ok(())
     }

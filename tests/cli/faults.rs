@@ -36,13 +36,14 @@ fn prepared() -> Folder {
 }
 
 /// Every command that writes files.
-const COMMANDS: [&[&str]; 6] = [
+const COMMANDS: [&[&str]; 7] = [
     &["render", "scene.toml", "--size", "320x240", "--layers", "-q", "-o", "a.exr", "-o", "a.png"],
     &["render", "rolling.toml", "--size", "160x96", "--frames", "0..8", "-q", "-o", "f.png", "-o", "f.exr"],
     &["merge", "part1.exr", "part2.exr", "-o", "m.exr", "-o", "m.png", "-q"],
     &["compare", "part1.exr", "part1.exr", "--diff", "d.png", "--heatmap", "h.png"],
     &["reference", "scene.toml", "--spp", "4096", "-o", "r.exr", "-q"],
     &["spheres", "mesh.obj", "--count", "6", "-o", "set.json", "-q"],
+    &["figures", "2", "-o", ".", "-q"],
 ];
 
 /// Killed at any moment, a command leaves whole files or none, and the next one makes what it would have made.
@@ -71,16 +72,16 @@ fn killed_commands_leave_whole_files() {
     }
 }
 
+/// Runs a command that cannot write to any file: the signal for files that are too large is ignored, so that writing fails.
+fn on_a_full_disk(folder: &Path, args: &[&str]) -> std::process::Output {
+    let line = format!("trap '' XFSZ; ulimit -f 0; exec {} {}", env!("CARGO_BIN_EXE_lobes"), args.join(" "));
+    let cache = folder.with_extension("cache");
+    Command::new("sh").current_dir(folder).args(["-c", &line]).env("XDG_CACHE_HOME", cache).output().unwrap()
+}
+
 /// A disk that is full is one line and a code; what was there before stays, and nothing half written does.
 #[test]
 fn full_disks_are_told_and_old_files_stay() {
-    // Files of at most so many blocks of 512 bytes; the signal for larger ones is ignored, so that writing fails.
-    let limited = |folder: &Path, blocks: u32, args: &[&str]| {
-        let words = args.join(" ");
-        let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec {} {words}", env!("CARGO_BIN_EXE_lobes"));
-        let cache = folder.with_extension("cache");
-        Command::new("sh").current_dir(folder).args(["-c", &line]).env("XDG_CACHE_HOME", cache).output().unwrap()
-    };
     for args in COMMANDS {
         let folder = prepared();
         let folder = folder.path();
@@ -93,7 +94,7 @@ fn full_disks_are_told_and_old_files_stay() {
             fs::write(folder.join(name), b"old").unwrap();
         }
         let before = contents(folder);
-        let ran = limited(folder, 0, args);
+        let ran = on_a_full_disk(folder, args);
         let stderr = String::from_utf8(ran.stderr).unwrap();
         assert_eq!(ran.status.code(), Some(2), "{args:?}: {stderr}");
         let last = stderr.lines().last().unwrap_or_default();
@@ -124,6 +125,49 @@ fn two_writers_at_one_place_leave_one_whole_file() {
             assert!(contents(folder) == contents(alone.path()), "{args:?}: {:?}", names(folder));
         }
     }
+}
+
+/// A sweep on a full disk is one line and leaves nothing; two at once in one folder leave the rows of both.
+#[test]
+fn sweeps_meet_full_disks_and_each_other() {
+    let folder = prepared();
+    let folder = folder.path();
+    let sweep: &[&str] = &[
+        "trade",
+        "scene.toml",
+        "-o",
+        "out",
+        "--size",
+        "24x16",
+        "--visibility",
+        "spheres",
+        "--method",
+        "moments",
+        "--tolerance",
+        "0.01",
+        "--depth",
+        "3",
+        "--spp",
+        "4",
+        "--reference-spp",
+        "16",
+        "--repeat",
+        "3",
+        "-q",
+    ];
+    let ran = on_a_full_disk(folder, sweep);
+    let stderr = String::from_utf8(ran.stderr).unwrap();
+    assert_eq!(ran.status.code(), Some(2), "{stderr}");
+    assert!(stderr.lines().last().unwrap_or_default().starts_with("lobes: error: "), "{stderr}");
+    assert_eq!(contents(&folder.join("out")), [], "{stderr}");
+    let children: Vec<Child> = (0..2).map(|_| start(folder, sweep)).collect();
+    for mut child in children {
+        assert!(child.wait().unwrap().success());
+    }
+    let rows: Value = serde_json::from_slice(&fs::read(folder.join("out/trade.json")).unwrap()).unwrap();
+    assert_eq!(rows.as_array().map(Vec::len), Some(3));
+    let left: Vec<String> = names(&folder.join("out")).into_iter().filter(|name| name.ends_with(".tmp")).collect();
+    assert!(left.is_empty(), "{left:?}");
 }
 
 /// Pictures with flipped bits are read or refused in one line.
@@ -167,6 +211,29 @@ fn threads_and_tiles_change_no_bit() {
             render(&format!("{part}.exr"), &["--tiles", &format!("{part}/4"), "--threads", &part.to_string()]);
         }
         succeed(folder, &["merge", "1.exr", "2.exr", "3.exr", "4.exr", "-o", "m.exr", "-q"]);
+        assert!(fs::read(folder.join("m.exr")).unwrap() == whole, "{strategy}: tiles");
+    }
+}
+
+/// The same with visibility as lobes.
+#[test]
+fn threads_and_tiles_change_no_bit_of_lobes() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::write(folder.join("table.toml"), format!("{SCENE}{TABLE}")).unwrap();
+    for strategy in ["silhouettes", "spheres", "shadow-map", "rays"] {
+        let render = |output: &str, more: &[&str]| {
+            let base =
+                ["render", "table.toml", "--visibility", strategy, "--method", "lobes", "--layers", "-q", "-o", output];
+            succeed(folder, &[&base[..], more].concat());
+            fs::read(folder.join(output)).unwrap()
+        };
+        let whole = render("a.exr", &["--threads", "16"]);
+        assert!(render("b.exr", &["--threads", "1"]) == whole, "{strategy}");
+        for part in ["1", "2", "3"] {
+            render(&format!("{part}.exr"), &["--tiles", &format!("{part}/3"), "--threads", part]);
+        }
+        succeed(folder, &["merge", "1.exr", "2.exr", "3.exr", "-o", "m.exr", "-q"]);
         assert!(fs::read(folder.join("m.exr")).unwrap() == whole, "{strategy}: tiles");
     }
 }

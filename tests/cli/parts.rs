@@ -47,7 +47,7 @@ fn parts_that_make_no_picture_are_refused() {
     refuse(folder, &["merge", "-o", "m.exr"], "PART");
     for (option, value, what) in [
         ("--tiles", "0/2", "expected I/N"),
-        ("--tiles", "1/5", "at most 4 parts"),
+        ("--tiles", "1/5", "4 tiles of 8"),
         ("--crop", "0,0,49,32", "only 48 x 32"),
         ("--crop", "9,0,9,32", "expected X0,Y0,X1,Y1"),
     ] {

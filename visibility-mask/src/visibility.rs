@@ -1,6 +1,7 @@
 use crate::cut::{Cut, CutScratch};
 use crate::panes::{Panes, image_shares, microfacet_shares};
 use crate::share::Counts;
+use crate::square::WIDEST_TAN;
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{
@@ -17,6 +18,10 @@ const FILLED: f32 = 3.0;
 
 /// A mask of a wider light than this (1 − cos θ) is turned as one of that width.
 const WIDE: f32 = 0.6;
+
+/// From so many times their mean solid angle in the middle on there are more samples: lights of 65° and more. Masks are deeper from there,
+/// and once more from four times that, 79°.
+const CROWDED: f32 = 4.0;
 
 /// Something that blocks light, rasterised: what a visibility strategy has to provide.
 ///
@@ -185,7 +190,7 @@ impl<B: Blockers> MaskVisibility<B> {
         let [broad, narrow] = [self.broad(query), self.narrow(query)];
         let microfacets = Microfacets::new(query.at.normal, lobe);
         let whole = *scratch.full.window();
-        let cells = UVec2::from(broad.panes) * UVec2::new(broad.columns(), 1 << depth(query.accuracy));
+        let cells = UVec2::from(broad.panes) * UVec2::new(broad.columns(), 1 << self.depth(query));
         let near = whole.highlight(&microfacets, query.at.normal, cells, query.accuracy.tolerance, query.outline);
         let size = if query.outline.is_some() { whole.half.max_element() } else { whole.disc };
         let finer = near.is_none() && broad != narrow && size > 2.0 * microfacets.highlight().1;
@@ -217,6 +222,13 @@ impl<B: Blockers> MaskVisibility<B> {
         if self.lobes { Fineness::FINE } else { Fineness::narrow(tolerance(query)) }
     }
 
+    /// The depth of the masks.
+    fn depth(&self, query: &VisibilityQuery<'_>) -> u32 {
+        let crowding = if self.lobes { 1.0 } else { crowding(query) };
+        let more = u32::from(crowding >= CROWDED) + u32::from(crowding >= 4.0 * CROWDED);
+        (depth(query.accuracy) + more).min(MAX_DEPTH)
+    }
+
     fn draw(
         &self,
         square: &UnitSquare,
@@ -225,7 +237,7 @@ impl<B: Blockers> MaskVisibility<B> {
         blockers: &mut B::Scratch,
         panes: &mut Panes,
     ) {
-        let depth = depth(query.accuracy);
+        let depth = self.depth(query);
         let draw = |mask: &mut Mask| self.blockers.splat(query, blockers, mask);
         panes.draw(square, fineness, depth, query.at.normal, query.outline, draw);
     }
@@ -353,9 +365,11 @@ fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
     Cone { axis: outline.middle().normalize_or(cone.axis), one_minus_cos: WIDE, distance: f32::INFINITY }
 }
 
-/// The tolerance for a light that fills its window: a long one has few of the window's samples.
+/// The tolerance for a light that fills its window, with samples that stand for the same: a long one has few of the window's samples, a
+/// wide one few that count.
 fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
-    query.accuracy.tolerance * query.outline.map_or(1.0, |outline| filled(outline.roundness()))
+    let fill = query.outline.map_or(1.0, |outline| filled(outline.roundness()));
+    query.accuracy.tolerance * fill * (2.0 * CROWDED / crowding(query)).min(1.0)
 }
 
 /// The part of a tolerance that masks of a flat light of some [roundness](Outline::roundness) are made for.
@@ -364,7 +378,17 @@ pub fn filled(roundness: f32) -> f32 {
     (FILLED * roundness).min(1.0)
 }
 
-/// The depth of the masks.
+/// How many times their mean solid angle samples in the middle of a round light stand for, as they are even on a plane before it:
+/// `tan²θ/2(1 − cos θ) = (1 + cos θ)/2cos²θ`.
+fn crowding(query: &VisibilityQuery<'_>) -> f32 {
+    if query.outline.is_some() {
+        return 1.0;
+    }
+    let cos = (1.0 - query.cone.one_minus_cos).max(1.0 / WIDEST_TAN);
+    (1.0 + cos) / (2.0 * cos * cos)
+}
+
+/// The depth that an accuracy asks for.
 fn depth(accuracy: Accuracy) -> u32 {
     accuracy.depth.clamp(1, MAX_DEPTH)
 }

@@ -10,7 +10,7 @@ fn map_cells(tolerance: f32) -> f32 {
 
 fn maps_coverage(at: Receiver, cone: Cone) -> u32 {
     let map = frame.map;
-    if map == 0u {
+    if map == 0u || map_leaves(at.object) {
         return LIT;
     }
     let own = map_own_face(at, cone);

@@ -31,7 +31,8 @@
 //! What is thinner than a texel may be missed. More than four surfaces behind each other, as seen from the light's
 //! centre, can leak: the map knows the two nearest that face the light and the two nearest that do not. Where an object
 //! touches another, what is within half a texel of the receiver's tangent plane does not block. Walls that the light's centre
-//! sees from the side, and what touches the light, are for other strategies: [`ShadowMap::shows`] tells. Ask
+//! sees from the side, and what touches the light, are for other strategies: [`ShadowMap::shows`] tells; so are receivers on what is
+//! [drawn](ShadowMap::draws), see [`ShadowMapBlockers::leaving`]. Ask
 //! [`ShadowMap::advice`] whether the map is fine enough, or let [`ShadowMap::fitted`] choose.
 //!
 //! Out of scope: fitting proxies, deciding what casts shadows.

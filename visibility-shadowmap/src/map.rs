@@ -26,6 +26,8 @@ pub struct ShadowMap {
     resolution: u32,
     /// What is drawn; `None` when nothing is.
     casters: Option<ReceiverBounds>,
+    /// What it was fitted to.
+    pub(crate) receivers: Option<ReceiverBounds>,
 }
 
 /// Whether a map is fine enough for the penumbrae of a light, see [`ShadowMap::advice`].
@@ -124,7 +126,8 @@ impl ShadowMap {
         }
         faces.retain(|face| !face.layers.is_empty());
         let casters = ReceiverBounds::of(casters.iter().flatten().map(|p| (*p + center).as_vec3()));
-        Ok(Self { light, faces: faces.into(), resolution: options.resolution, casters })
+        let (resolution, receivers) = (options.resolution, options.receivers);
+        Ok(Self { light, faces: faces.into(), resolution, casters, receivers })
     }
 
     /// The coarsest map that is fine enough: draws a rough one first and takes the resolution, from 256 to the one in the

@@ -1,16 +1,21 @@
-// How a receiver's own face lies to a light. Needs layer.wgsl and facet.wgsl of lighting.
+// How a receiver's own face lies to a light, and whether maps speak of it. Needs layer.wgsl and facet.wgsl of lighting.
 
-// Whether maps were made of an object.
-fn map_casts(object: u32) -> bool {
+// Of an object: bit 0 whether maps were made of it, bit 1 whether its receivers are left to others.
+fn map_object(object: u32) -> u32 {
     if object >= map_word(0) {
-        return false;
+        return 0u;
     }
-    return ((map_word(1u + (object >> 5u)) >> (object & 31u)) & 1u) == 1u;
+    return (map_word(1u + (object >> 4u)) >> (2u * (object & 15u))) & 3u;
+}
+
+// Whether receivers on it are for other blockers.
+fn map_leaves(object: u32) -> bool {
+    return (map_object(object) & 2u) != 0u;
 }
 
 // How much of the light the receiver's own facet hides.
 fn map_own_face(at: Receiver, cone: Cone) -> u32 {
-    if !map_casts(at.object) {
+    if (map_object(at.object) & 1u) == 0u {
         return LIT;
     }
     return facet_coverage(at, cone);

@@ -1,7 +1,8 @@
 //! All maps in one buffer of words, as the WGSL reads them.
 //!
-//! Floats are by their bits. Word 0 is the number n of objects that [`ShadowMapBlockers::with_casters`] speaks of; bit `k % 32`
-//! of word `1 + k / 32` says whether object k casts. Then, each at a place that others name:
+//! Floats are by their bits. Word 0 is the number n of objects that [`ShadowMapBlockers::with_casters`] and
+//! [`ShadowMapBlockers::leaving`] speak of; of word `1 + k / 16` bit `2 (k % 16)` says whether object k casts, the next one whether its
+//! receivers are left to others. Then, each at a place that others name:
 //!
 //! | what | words |
 //! |---|---|
@@ -75,7 +76,7 @@ impl PackedMaps {
     /// the same order) are left as they are, others take the place of those that they replace; all are packed anew where one
     /// finds no room. Returns the number of words written, 0 where nothing has changed.
     pub fn update(&mut self, blockers: &ShadowMapBlockers) -> usize {
-        let (head, maps) = (pack_casters(blockers.casters()), blockers.maps());
+        let (head, maps) = (pack_objects(blockers.objects()), blockers.maps());
         let room = self.maps.first().map_or(self.words.len(), |place| place.from);
         if self.maps.len() != maps.len() || room != head.len() {
             return self.renew(blockers);
@@ -103,7 +104,7 @@ impl PackedMaps {
     }
 
     fn renew(&mut self, blockers: &ShadowMapBlockers) -> usize {
-        self.words = pack_casters(blockers.casters());
+        self.words = pack_objects(blockers.objects());
         self.maps.clear();
         for (id, map) in blockers.lights().iter().zip(blockers.maps()) {
             let from = self.words.len();
@@ -111,6 +112,14 @@ impl PackedMaps {
             self.maps.push(Place::new(*id, map, from, self.words.len()));
         }
         self.words.len()
+    }
+}
+
+impl PackedMaps {
+    /// Bytes of what [`words`](Self::words) say of a scene's objects, before all maps.
+    #[must_use]
+    pub const fn bytes_of_objects(count: usize) -> u64 {
+        4 * (1 + count.div_ceil(16)) as u64
     }
 }
 
@@ -147,11 +156,12 @@ impl ShadowMapBlockers {
 }
 
 /// The words before the first map.
-fn pack_casters(casters: &[bool]) -> Vec<u32> {
-    let mut words = vec![0; 1 + casters.len().div_ceil(32)];
-    words[0] = casters.len() as u32;
-    for (k, _) in casters.iter().enumerate().filter(|(_, casts)| **casts) {
-        words[1 + k / 32] |= 1 << (k % 32);
+fn pack_objects(objects: impl Iterator<Item = [bool; 2]>) -> Vec<u32> {
+    let mut words = vec![0];
+    for (k, [casts, is_left]) in objects.enumerate() {
+        words.resize(2 + k / 16, 0);
+        words[1 + k / 16] |= (u32::from(casts) | u32::from(is_left) << 1) << (2 * (k % 16));
+        words[0] += 1;
     }
     words
 }
@@ -279,7 +289,7 @@ mod tests {
             assert_eq!(packed.update(&of(maps)), want.words.len());
             assert_eq!(packed.words, want.words);
         }
-        assert_eq!(packed.update(&of(&[]).with_casters(vec![true; 40])), 3);
+        assert_eq!(packed.update(&of(&[]).with_casters(vec![true; 40])), 4);
     }
 
     #[test]

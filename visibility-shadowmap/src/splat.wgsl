@@ -4,7 +4,7 @@
 // Clears bits of the own row `lit`; every thread of the workgroup calls it.
 fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
     let map = frame.map;
-    if map == 0u || lane >= SIDE || emitting.x >= emitting.y {
+    if map == 0u || map_leaves(at.object) || lane >= SIDE || emitting.x >= emitting.y {
         return;
     }
     let square = mask.square;

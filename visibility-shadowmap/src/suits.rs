@@ -1,6 +1,7 @@
 //! Whether a map shows what blocks a light.
 
 use crate::ShadowMap;
+use crate::fit::{Fit, corners};
 use glam::{DVec3, Vec3};
 use lobe_core::Sphere;
 
@@ -50,6 +51,39 @@ impl ShadowMap {
             }
         }
         edge_on <= EDGE_ON * all
+    }
+
+    /// Whether the map has texels of these triangles, where it was built of them: some may be between one of its receivers and the
+    /// light. Floors below all receivers, and walls around them, have none.
+    ///
+    /// What shadows a surface that has texels is mostly the surface itself, a few texels away: see
+    /// [`ShadowMapBlockers::leaving`](crate::ShadowMapBlockers::leaving).
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lobe_core::Sphere;
+    /// use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap};
+    /// let square = |y| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x, y, z));
+    /// let (table, floor, triangles) = (square(1.0), square(0.0), [[0, 1, 2], [0, 2, 3]]);
+    /// let light = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.5 };
+    /// let receivers = Some(ReceiverBounds { min: Vec3::new(-3.0, 0.0, -3.0), max: Vec3::new(3.0, 2.0, 3.0) });
+    /// let map = ShadowMap::build(&table, &triangles, light, &MapOptions { receivers, ..MapOptions::default() })?;
+    /// assert!(map.draws(&table, &triangles) && !map.draws(&floor, &triangles));
+    /// # Ok::<(), visibility_shadowmap::MapError>(())
+    /// ```
+    #[must_use]
+    pub fn draws(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
+        let light = self.light();
+        let center = light.center.as_dvec3();
+        let receivers = self.receivers.map(|bounds| corners(&bounds, center));
+        let far = positions.iter().chain([&light.center]).map(|p| p.abs().max_element()).fold(0.0, f32::max);
+        let (radius, far) = (f64::from(light.radius), f64::from(far));
+        let fit = Fit { radius, resolution: self.resolution(), receivers: receivers.as_ref(), far };
+        let corner = |v: u32| positions.get(v as usize).map(|p| p.as_dvec3() - center);
+        triangles.iter().any(|t| match t.map(corner) {
+            [Some(a), Some(b), Some(c)] => fit.needs(&[a, b, c], far),
+            _ => false,
+        })
     }
 }
 

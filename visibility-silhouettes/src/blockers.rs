@@ -94,8 +94,8 @@ pub struct SilhouetteBlockers<'m, H> {
 impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     /// Blockers of several meshes, and what answers for their triangles.
     #[must_use]
-    pub fn new(meshes: &'m [SilhouetteMesh], hits: H) -> Self {
-        Self { meshes: Meshes::new(meshes), hits }
+    pub fn new(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>, hits: H) -> Self {
+        Self { meshes: Meshes::new(meshes.into_iter().collect()), hits }
     }
 
     /// Lets outlines of [simplified forms](SilhouetteMesh::with_coarse) take the place of those that a receiver cannot tell

@@ -53,8 +53,8 @@ const DEPTH_STEP: usize = 4;
 impl GpuSilhouettes {
     /// The outlines of several meshes as they are now.
     #[must_use]
-    pub fn new(meshes: &[SilhouetteMesh]) -> Self {
-        let meshes: Vec<&SilhouetteMesh> = meshes.iter().filter(|m| !m.trees()[0].nodes().is_empty()).collect();
+    pub fn new<'m>(meshes: impl IntoIterator<Item = &'m SilhouetteMesh>) -> Self {
+        let meshes: Vec<&SilhouetteMesh> = meshes.into_iter().filter(|m| !m.trees()[0].nodes().is_empty()).collect();
         let mut packed = Packed::default();
         let boxes: Vec<[Vec3; 2]> = meshes.iter().map(|mesh| mesh.trees()[0].bounds()).collect();
         let (mut top, order) = Tree::new(&boxes, 0);

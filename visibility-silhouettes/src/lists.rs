@@ -27,20 +27,21 @@ const BALLS: usize = 16;
 /// Meshes with one number for each edge of all.
 #[derive(Debug)]
 pub(crate) struct Meshes<'m> {
-    meshes: &'m [SilhouetteMesh],
+    meshes: Vec<&'m SilhouetteMesh>,
     /// The number of each mesh's first edge.
     bases: Vec<u32>,
     pub(crate) fineness: Fineness,
 }
 
 impl<'m> Meshes<'m> {
-    pub(crate) fn new(meshes: &'m [SilhouetteMesh]) -> Self {
-        let next = |sum: &mut u32, mesh: &SilhouetteMesh| {
+    pub(crate) fn new(meshes: Vec<&'m SilhouetteMesh>) -> Self {
+        let next = |sum: &mut u32, mesh: &&SilhouetteMesh| {
             let base = *sum;
             *sum += mesh.edge_count() as u32;
             Some(base)
         };
-        Self { meshes, bases: meshes.iter().scan(0, next).collect(), fineness: Fineness::default() }
+        let bases = meshes.iter().scan(0, next).collect();
+        Self { meshes, bases, fineness: Fineness::default() }
     }
 
     /// On which sides of an edge's triangles a point lies.

@@ -1,6 +1,6 @@
 //! What of a scene rays may meet.
 
-use super::{BALL, BLOCKS, FLAT, GpuPrimitive, VISIBLE};
+use super::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, Stops, VISIBLE};
 use crate::GpuError;
 use glam::Vec3;
 use scene::{Doubles, Proxy, Scene, Shape};
@@ -19,8 +19,8 @@ pub(super) struct Gathered {
 /// The triangles with an area and the balls with a radius of all objects that are seen or block, equal meshes and balls once.
 /// Something that is neither
 /// where there is none: a hierarchy has a node at least.
-pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuError> {
-    let (needed, allowed) = (scene.objects.len() as u64, u64::from(BLOCKS));
+pub(super) fn gather(scene: &Scene, stops: &[Stops]) -> Result<Gathered, GpuError> {
+    let (needed, allowed) = (scene.objects.len() as u64, u64::from(BLOCKS_ALIKE));
     if needed > allowed {
         return Err(GpuError::Limits { what: "the number of objects", needed, allowed });
     }
@@ -28,8 +28,13 @@ pub(super) fn gather(scene: &Scene, blocks: &[bool]) -> Result<Gathered, GpuErro
     let mut doubles = Doubles::default();
     for (number, object) in scene.objects.iter().enumerate() {
         if object.visible || object.proxy != Proxy::None {
-            let blocks = blocks.is_empty() || blocks.get(number).is_some_and(|blocks| *blocks);
-            add(&mut all, &mut doubles, number as u32, scene, if blocks { BLOCKS } else { 0 });
+            let blocks = match stops.get(number).copied() {
+                Some(Stops::All) => BLOCKS,
+                Some(Stops::Alike) => BLOCKS_ALIKE,
+                None if stops.is_empty() => BLOCKS,
+                Some(Stops::None) | None => 0,
+            };
+            add(&mut all, &mut doubles, number as u32, scene, blocks);
         }
     }
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);

@@ -1,7 +1,7 @@
 //! A hierarchy of two children a node, in the order in which the GPU reads it.
 
-use super::GpuPrimitive;
 use super::gather::bounds;
+use super::{GpuPrimitive, Stops};
 use crate::GpuError;
 use bytemuck::{Pod, Zeroable};
 use core::time::Duration;
@@ -95,13 +95,19 @@ impl Tree {
     }
 
     /// All nodes as the GPU takes them. The first has the units of the hierarchy a world unit, and
-    /// whether all objects block; if not, it says where there is a node for each object whose count is 1 if it does.
-    pub(super) fn packed(&self, scale: f32, blocks: &[bool]) -> Vec<GpuNode> {
-        let mut nodes = Vec::with_capacity(self.nodes.len() + blocks.len());
+    /// whether all objects stop all rays; if not, it says where there is a node for each object whose count is 1 if it does, 2 if it
+    /// stops those of its like.
+    pub(super) fn packed(&self, scale: f32, stops: &[Stops]) -> Vec<GpuNode> {
+        let mut nodes = Vec::with_capacity(self.nodes.len() + stops.len());
         nodes.extend_from_slice(&self.nodes);
-        let count = u32::from(blocks.is_empty());
+        let count = u32::from(stops.is_empty());
         nodes[0] = GpuNode { low: [scale, 0.0, 0.0], count, first: nodes.len() as u32, ..GpuNode::default() };
-        nodes.extend(blocks.iter().map(|blocks| GpuNode { count: u32::from(*blocks), ..GpuNode::default() }));
+        let count = |stops: &Stops| match stops {
+            Stops::None => 0,
+            Stops::All => 1,
+            Stops::Alike => 2,
+        };
+        nodes.extend(stops.iter().map(|stops| GpuNode { count: count(stops), ..GpuNode::default() }));
         nodes
     }
 

@@ -1,7 +1,7 @@
 //! What Rust writes for the kernels of rays is what WGSL reads.
 
 use super::*;
-use crate::bvh::{BALL, BLOCKS, FLAT, GpuNode, GpuPrimitive, VISIBLE};
+use crate::bvh::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuNode, GpuPrimitive, VISIBLE};
 use core::mem::{offset_of, size_of};
 use naga::TypeInner;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -45,7 +45,13 @@ fn structs_are_laid_out_as_in_rust() {
 #[test]
 fn constants_are_rusts() {
     let text = trace_text(64);
-    for (name, value) in [("BALL", BALL), ("VISIBLE", VISIBLE), ("BLOCKS", BLOCKS), ("OBJECT", BLOCKS - 1)] {
+    for (name, value) in [
+        ("BALL", BALL),
+        ("VISIBLE", VISIBLE),
+        ("BLOCKS", BLOCKS),
+        ("BLOCKS_ALIKE", BLOCKS_ALIKE),
+        ("OBJECT", BLOCKS_ALIKE - 1),
+    ] {
         assert!(text.contains(&format!("const {name} = {value:#010x}u;")), "{name}");
     }
     assert!(text.contains(&format!("const NO_CORNERS = {FLAT:#x}u;")));

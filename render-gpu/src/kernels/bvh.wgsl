@@ -1,7 +1,7 @@
 // The hierarchy of bvh.rs and the primitives in it, both in its units.
 
 // 32 bytes. The first one is no node: `low` has the units of the hierarchy a world unit, `high` is zero; where its count is 0
-// there is one from `first` on for each object, whose count is 1 if it blocks. A leaf has `count`
+// there is one from `first` on for each object, whose count is 1 if it blocks, 2 if it does so for its like. A leaf has `count`
 // primitives from `first` on; an inner node has count 0 and its children at `first` and `first + 1`.
 struct BvhNode {
     low: vec3f,
@@ -29,7 +29,8 @@ const ROOT = 1u;
 const BALL = 0x80000000u;
 const VISIBLE = 0x40000000u;
 const BLOCKS = 0x20000000u;
-const OBJECT = 0x1fffffffu;
+const BLOCKS_ALIKE = 0x10000000u;
+const OBJECT = 0x0fffffffu;
 const NO_CORNERS = 0xffffffffu;
 
 // Farther than everything.

@@ -22,12 +22,26 @@ fn rays_leave(at: Receiver) -> vec3f {
     return (at.position + at.face * (5e-7 * size)) * nodes[0].low.x;
 }
 
-fn rays_have(object: u32) -> bool {
+// What stops rays: a flag of primitives, or two.
+var<private> rays_stop: u32 = BLOCKS;
+
+// From whom an object hides the light: 0 none, 1 all, 2 receivers on its like.
+fn rays_stops(object: u32) -> u32 {
     if object == OWN_NONE {
-        return false;
+        return 0u;
     }
-    return nodes[0].count != 0u || nodes[nodes[0].first + object].count != 0u;
+    if nodes[0].count != 0u {
+        return 1u;
+    }
+    return nodes[nodes[0].first + object].count;
 }
+
+// Told before the rays of each receiver.
+fn rays_of(object: u32) {
+    rays_stop = select(BLOCKS, BLOCKS | BLOCKS_ALIKE, rays_stops(object) == 2u);
+}
+
+fn rays_have(object: u32) -> bool { return rays_stops(object) != 0u; }
 
 // True when a blocking triangle or ball lies on the ray nearer than `distance`.
 fn rays_occluded(origin: vec3f, direction: vec3f, distance: f32) -> bool {
@@ -43,7 +57,7 @@ fn rays_occluded(origin: vec3f, direction: vec3f, distance: f32) -> bool {
         if count > 0u {
             for (var i = first; i < first + count; i++) {
                 let p = primitives[i];
-                if (p.object & BLOCKS) == 0u {
+                if (p.object & rays_stop) == 0u {
                     continue;
                 }
                 var t = NEVER;
@@ -90,6 +104,7 @@ fn rays_facet(at: Receiver, cone: Cone) -> u32 {
 
 // How much of the light may be hidden, as `RayBlockers::select`.
 fn rays_coverage(at: Receiver, cone: Cone) -> u32 {
+    rays_of(at.object);
     let facet = rays_facet(at, cone);
     if facet == DARK {
         return DARK;
@@ -120,7 +135,7 @@ fn rays_meet(region: Region) -> bool {
         if count > 0u {
             for (var i = first; i < first + count; i++) {
                 let p = primitives[i];
-                if (p.object & BLOCKS) != 0u && !region_misses_primitive(region, p) {
+                if (p.object & rays_stop) != 0u && !region_misses_primitive(region, p) {
                     return true;
                 }
             }

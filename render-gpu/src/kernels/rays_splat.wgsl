@@ -41,6 +41,7 @@ fn rays_edges(lane: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
 
 // Blocks what is hidden. Requires uniform control flow.
 fn rays_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
+    rays_of(at.object);
     rays_origin = rays_leave(at);
     rays_light = light;
     rays_face = vec3f(0.0);

@@ -427,4 +427,10 @@ fn own_face(gpu: &Gpu) {
     assert!(classes.iter().filter(|c| **c == Coverage::Partial).count() > 20 && classes.contains(&Coverage::Dark));
     compare_coverage(gpu, "own face", &blockers, &questions, 0.002);
     compare_masks(gpu, "own face", &blockers, &questions, 5, [1e-4, 1e-2]);
+    // The same mesh left to other blockers: its receivers see all, those on the floor what they saw.
+    let left = blockers.leaving(vec![true]);
+    assert!(rust_coverage(&left, &questions[..count]).iter().all(|coverage| *coverage == Coverage::Lit));
+    assert!(rust_coverage(&left, &questions[count..]).contains(&Coverage::Partial));
+    compare_coverage(gpu, "left to others", &left, &questions, 0.002);
+    compare_masks(gpu, "left to others", &left, &questions, 5, [1e-4, 1e-2]);
 }

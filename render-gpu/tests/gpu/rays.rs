@@ -12,7 +12,7 @@ use lighting::{Light, SphereLight};
 use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Accuracy, Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
 use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
-use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion};
+use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, Stops};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility, facet_coverage};
 use visibility_spheres::SphereBlockers;
@@ -30,6 +30,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("rays_follow_motion", gpu, follow_motion),
         trial("rays_near_monte_carlo", gpu, near_monte_carlo),
         trial("rays_of_some_objects", gpu, of_some_objects),
+        trial("rays_of_receivers_on_their_like", gpu, of_receivers_on_their_like),
         trial("rays_by_the_papers_method", gpu, by_the_papers_method),
         trial("rays_twice_the_same_bits", gpu, twice_the_same_bits),
     ]
@@ -252,6 +253,27 @@ fn from_a_large_floor(gpu: &Gpu) {
         let all = points.receivers.len() as u64;
         assert!(all > 2000 && want.lit_points == all && got.lit_points == all);
     }
+}
+
+/// A fence that stops the rays of its own receivers alone: they see what they see where it stops all, the floor what it sees
+/// without the fence.
+fn of_receivers_on_their_like(gpu: &Gpu) {
+    let scene = fence();
+    let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
+    let frame = frame(&scene, 0.003, 5);
+    let shade = |fence: Stops| {
+        let world = GpuWorld::stopping(gpu, &scene, |o| if o == 1 { fence } else { Stops::None }).expect("geometry");
+        let occlusion = Occlusion { rays: Some(&world), ..Occlusion::default() };
+        let mut out = vec![Vec3::NAN; points.receivers.len()];
+        GpuShader::new(gpu, occlusion).expect("a shader").shade(&points, &frame, &mut out).expect("the GPU shades");
+        out
+    };
+    let [none, all, alike] = [Stops::None, Stops::All, Stops::Alike].map(shade);
+    let of = |object: u32| -> Vec<usize> { (0..all.len()).filter(|k| points.receivers[*k].object == object).collect() };
+    let (floor, own) = (of(0), of(1));
+    assert!(floor.iter().all(|k| alike[*k] == none[*k]) && own.iter().all(|k| alike[*k] == all[*k]));
+    // Both have shadows of the fence.
+    assert!([floor, own].iter().all(|points| points.iter().any(|k| all[*k] != none[*k])));
 }
 
 /// Only some objects by rays, the others by spheres: as the CPU's mixture of both.

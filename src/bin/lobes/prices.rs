@@ -5,7 +5,7 @@ use crate::console::say;
 use crate::failure::Failure;
 use crate::input;
 use cosine_lobes::lobe_core::Accuracy;
-use cosine_lobes::render_cpu::{GBuffer, SceneSilhouettes, World};
+use cosine_lobes::render_cpu::{GBuffer, World};
 use cosine_lobes::renderer::{Backend, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, seconds};
 use cosine_lobes::scene::{Animation, BlockerSet, Frame, Scene, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::ReceiverBounds;
@@ -119,7 +119,7 @@ fn run(
     let (mut prepare, mut update) = (0.0, 0.0);
     let spheres = seconds(&mut prepare, || input::make_spheres(scene, animation, &plan, true))?;
     let scene = &*scene;
-    let mut silhouettes = seconds(&mut prepare, || SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o)));
+    let mut silhouettes = seconds(&mut prepare, || plan.silhouettes(scene));
     let (mut set, mut kept) = (BlockerSet::default(), KeptSpheres::default());
     seconds(&mut update, || {
         silhouettes.update(scene);

@@ -138,7 +138,9 @@ impl RenderArgs {
             // Whole tiles of 8 rows: their points are culled together.
             let tiles = height.div_ceil(TILE);
             if count > tiles {
-                return Err(Failure::new(format_args!("--tiles: {height} rows make at most {tiles} parts")));
+                return Err(Failure::new(format_args!(
+                    "--tiles: {height} rows are {tiles} tiles of 8, which are not divided"
+                )));
             }
             let border = |k: u32| (u64::from(tiles) * u64::from(k) / u64::from(count)) as u32 * TILE;
             window.rows = border(number - 1) as usize..border(number).min(height) as usize;

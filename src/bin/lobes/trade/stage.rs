@@ -155,7 +155,7 @@ impl<'a> Stage<'a> {
                 let spheres = self.spheres.iter().find(|(of, _)| *of == visibility).and_then(|(_, kept)| kept.get());
                 let silhouettes = match self.silhouettes.take() {
                     Some((of, kept)) if of == visibility => kept,
-                    _ => SceneSilhouettes::new(scene, |o| plan.by_silhouettes(scene, o)),
+                    _ => plan.silhouettes(scene),
                 };
                 let (_, silhouettes) = &*self.silhouettes.insert((visibility, silhouettes));
                 let form = Form::of(method.into(), self.tables.as_ref());

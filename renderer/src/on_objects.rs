@@ -1,0 +1,57 @@
+//! Blockers for some receivers only.
+
+use lobe_core::{Coverage, Shaft, VisibilityQuery};
+use visibility_mask::{Blockers, Edges, Mask};
+
+/// Blockers that hide lights from receivers on some objects only; from others they hide nothing.
+#[derive(Debug)]
+pub(crate) struct OnObjects<B> {
+    blockers: B,
+    /// For each object whether it is one of them.
+    objects: Vec<bool>,
+}
+
+impl<B> OnObjects<B> {
+    pub(crate) const fn new(blockers: B, objects: Vec<bool>) -> Self {
+        Self { blockers, objects }
+    }
+}
+
+/// Working memory of [`OnObjects`].
+#[derive(Debug)]
+pub(crate) struct OnObjectsScratch<S> {
+    blockers: S,
+    /// A group that the blockers have not been told of: most have no such receiver.
+    waiting: Option<Shaft>,
+}
+
+impl<B: Blockers> Blockers for OnObjects<B> {
+    type Scratch = OnObjectsScratch<B::Scratch>;
+
+    fn scratch(&self) -> Self::Scratch {
+        OnObjectsScratch { blockers: self.blockers.scratch(), waiting: None }
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        scratch.waiting = Some(*shaft);
+        Coverage::Partial
+    }
+
+    fn select(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+        if !self.objects.get(query.at.object as usize).is_some_and(|is| *is) {
+            return Coverage::Lit;
+        }
+        if let Some(shaft) = scratch.waiting.take() {
+            self.blockers.enter(&shaft, &mut scratch.blockers);
+        }
+        self.blockers.select(query, &mut scratch.blockers)
+    }
+
+    fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
+        self.blockers.edges(query, &scratch.blockers, edges);
+    }
+
+    fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
+        self.blockers.splat(query, &mut scratch.blockers, mask);
+    }
+}
