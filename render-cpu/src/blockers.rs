@@ -68,11 +68,11 @@ pub fn blockers(scene: &Scene, progress: &mut BlockersProgress<'_>) -> Result<Bl
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_scenes::floor_and_ball;
     use glam::{Mat4, Quat, Vec3};
     use lobe_core::Sphere;
     use scene::{Mesh, Proxy, Shape};
     use sphere_sets::{BuildOptions, SphereSet};
+    use test_scenes::floor_and_ball;
 
     fn make(scene: &Scene) -> Result<BlockerSet, BlockersError> {
         blockers(scene, &mut |_, _| ControlFlow::Continue(()))

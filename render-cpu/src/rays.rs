@@ -1,8 +1,7 @@
-use crate::World;
-use crate::world::{Primitive, Region};
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
 use lobe_core::{Cone, Coverage, OWN_NONE, Shaft, VisibilityQuery};
+use ray_tracing::{Primitive, Region, World};
 use visibility_mask::{Blockers, Contour, Edges, Mask, facet_coverage};
 
 /// So many primitives in a group's shaft are tested one by one for each receiver; more are left to the hierarchy.

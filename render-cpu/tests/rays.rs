@@ -5,7 +5,9 @@ use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use lighting::SphereLight;
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
-use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
+use ray_tracing::{GBuffer, World};
+use reference::{Geometry, Reference, ReferenceJob};
+use render_cpu::{CpuShader, RayBlockers};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadingPoints};
 use visibility_mask::{Blockers, Mask, MaskVisibility};
 

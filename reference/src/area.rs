@@ -1,6 +1,6 @@
 //! The surfaces of lights that are no balls, in f64: the true shapes, sampled by area.
 
-use super::cone::concentric;
+use crate::cone::concentric;
 use core::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec3};
 use lighting::{FlatLight, Light, SkyLight, TubeLight};

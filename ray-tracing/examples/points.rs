@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p cosine-lobes-render-cpu --example points -- scenes/bunny.toml scenes/walk.toml`
 
-use render_cpu::{GBuffer, World};
+use ray_tracing::{GBuffer, World};
 use std::time::Instant;
 
 /// Pixels a side.

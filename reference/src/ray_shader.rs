@@ -9,11 +9,9 @@ mod tests;
 use self::discs::Discs;
 use self::reflectance::{Reflectance, Sum};
 use self::spheres::{Eight, Seen, SphereTargets};
-use crate::World;
-use crate::reference::area::Area;
-use crate::reference::{Sequence, mix};
+use crate::area::Area;
+use crate::sobol::{Sequence, mix};
 use crate::wide::{LANES, Wide};
-use crate::world::{Primitive, Region};
 use brdf::{Brdf, Material};
 use core::convert::Infallible;
 use core::f32::consts::TAU;
@@ -23,6 +21,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::Light;
 use lobe_core::{Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, Shaft, Sphere, Tile, orthonormal_basis};
+use ray_tracing::{Primitive, Region, World};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
@@ -33,7 +32,7 @@ const CLEAR_SAMPLES: u32 = 16;
 /// So many primitives in a group's shaft are tested one by one; more are left to the hierarchy.
 const LISTED: usize = 48;
 
-/// Shades points by sampling: the same picture as [`CpuShader`](crate::CpuShader)'s with noise, at the best speed that
+/// Shades points by sampling: the same picture as the lobes' with noise, at the best speed that
 /// shadow rays reach here. No lobe and no mask.
 ///
 /// # Method
@@ -59,7 +58,7 @@ const LISTED: usize = 48;
 ///
 /// ```
 /// use lobe_core::Accuracy;
-/// use render_cpu::RayShader;
+/// use reference::RayShader;
 /// use scene::{BlockerSet, Frame, Shade, ShadingPoints};
 /// let mut shader = RayShader::spheres(&BlockerSet::default(), 64).culled(true);
 /// let frame = Frame { materials: &[], lights: &[], accuracy: Accuracy { tolerance: 0.0, depth: 1 }, threshold: 0.0 };

@@ -1,12 +1,13 @@
 use super::*;
-use crate::test_scenes::floor_and_ball;
-use crate::{GBuffer, Geometry, Reference, ReferenceJob, blockers};
+use crate::test_blockers::blockers;
+use crate::{Geometry, Reference, ReferenceJob};
 use brdf::{ModifiedPhong, Phong};
-use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
 use lighting::SphereLight;
 use lobe_core::Accuracy;
+use ray_tracing::GBuffer;
 use scene::{Object, Scene};
+use test_scenes::floor_and_ball;
 
 /// Two more balls that overlap, and glossy materials of both kinds.
 fn busy() -> Scene {
@@ -28,7 +29,7 @@ fn busy() -> Scene {
 fn rays_converge_to_the_reference() {
     let scene = busy();
     let world = World::new(&scene);
-    let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let set = blockers(&scene, 5e-4);
     let g = GBuffer::new(&world, 48, 30, 1);
     let frame = Frame {
         materials: &scene.materials,
@@ -64,7 +65,7 @@ fn rays_converge_to_the_reference() {
 fn culling_changes_no_sample() {
     let scene = busy();
     let world = World::new(&scene);
-    let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).unwrap();
+    let set = blockers(&scene, 5e-4);
     let g = GBuffer::new(&world, 96, 60, 1);
     let frame = Frame {
         materials: &scene.materials,
@@ -83,5 +84,32 @@ fn culling_changes_no_sample() {
         assert!(some * 2 < all, "{some} of {all} rays");
         let different = plain.iter().zip(&culled).filter(|(a, b)| (*a - *b).abs().max_element() > 1e-5).count();
         assert!(different * 1000 < g.len(), "{different} of {}", g.len());
+    }
+}
+
+/// The same radiance but for the order of sums with all kinds of vector instructions.
+#[test]
+fn instructions_do_not_matter() {
+    let scene = busy();
+    let set = blockers(&scene, 5e-4);
+    let g = GBuffer::new(&World::new(&scene), 90, 70, 1);
+    let frame = Frame {
+        materials: &scene.materials,
+        lights: &scene.lights,
+        accuracy: Accuracy { tolerance: 0.0, depth: 1 },
+        threshold: 0.0,
+    };
+    let shade = |level: Level| {
+        let mut out = vec![Vec3::ZERO; g.len()];
+        RayShader::spheres(&set, 20).at_level(level).culled(true).shade(&g.points, &frame, &mut out).unwrap();
+        out
+    };
+    let best = shade(Level::new());
+    let mut levels = vec![Level::baseline()];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(Level::new().as_avx2().map(|avx2| avx2.level()));
+    for level in levels {
+        let out = shade(level);
+        assert!(out.iter().zip(&best).all(|(a, b)| (*a - *b).abs().max_element() <= 1e-6 * b.max_element()));
     }
 }

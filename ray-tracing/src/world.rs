@@ -11,7 +11,7 @@ mod tree;
 pub(crate) use self::bundle::{BALL, Bundle, NOTHING, SIDE};
 pub(crate) use self::camera_rays::Rays;
 pub(crate) use self::looks::varied;
-pub(crate) use self::query::{Primitive, Region};
+pub use self::query::{Primitive, Region};
 pub(crate) use self::surface::Meetings;
 pub(crate) use self::tree::Tree;
 use core::time::Duration;
@@ -310,7 +310,8 @@ impl<'s> World<'s> {
     }
 
     /// The same, with only those objects that `by` says yes to by their number.
-    pub(crate) fn occluded_by(&self, origin: Vec3, direction: Vec3, distance: f32, by: impl Fn(u32) -> bool) -> bool {
+    #[must_use]
+    pub fn occluded_by(&self, origin: Vec3, direction: Vec3, distance: f32, by: impl Fn(u32) -> bool) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         self.triangles
             .any(ray, |c, r| if by(c.object) { c.meet(r, |_| self.distance_to_plane(c, &ray)) } else { f32::INFINITY })
@@ -420,9 +421,9 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
 mod tests {
     use super::*;
     use crate::GBuffer;
-    use crate::test_scenes::floor_and_ball;
     use lobe_core::oracle::Random;
     use scene::Mesh;
+    use test_scenes::floor_and_ball;
 
     /// The scene times a power of two, which changes no digit.
     fn scaled(s: f32) -> Scene {

@@ -1,8 +1,8 @@
 use super::World;
-use crate::test_scenes::floor_and_ball;
 use glam::{Quat, Vec3};
 use lobe_core::Sphere;
 use scene::{Mesh, Object, Proxy, Scene, Shape};
+use test_scenes::floor_and_ball;
 
 struct Rng(u64);
 

@@ -5,7 +5,7 @@
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::Sphere;
-use render_cpu::World;
+use ray_tracing::World;
 use scene::{Camera, Mesh, Object, Proxy, Scene, Shape};
 use std::time::Instant;
 

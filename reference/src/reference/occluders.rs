@@ -1,7 +1,7 @@
 //! Which blockers matter to a tile and to a point, and whether a ray meets one.
 
-use super::cone::LightCone;
 use super::meridian::Cap;
+use crate::cone::LightCone;
 use glam::{DVec3, Vec3};
 use lobe_core::{OWN_NONE, Receiver, Sphere};
 use scene::BlockerSet;
@@ -146,7 +146,7 @@ mod tests {
     use lobe_core::SelfShadow;
 
     fn rng(state: &mut u64) -> f32 {
-        *state = super::super::sobol::mix(*state, 1);
+        *state = crate::sobol::mix(*state, 1);
         (*state >> 40) as f32 / (1 << 24) as f32
     }
 

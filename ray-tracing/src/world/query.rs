@@ -8,8 +8,10 @@ use obvhs::ray::Ray;
 
 /// One triangle or ball of a [`World`]; valid for that world only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Primitive {
+pub enum Primitive {
+    /// By its place in the hierarchy.
     Triangle(u32),
+    /// By its place in the hierarchy.
     Ball(u32),
 }
 
@@ -19,7 +21,7 @@ const BLUR: f32 = 3e-7;
 
 /// All rays from a point into a cone, up to a light there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Region {
+pub struct Region {
     origin: Vec3A,
     axis: Vec3A,
     sin: f32,
@@ -33,7 +35,8 @@ pub(crate) struct Region {
 impl Region {
     /// The rays to the near surface of the light that is seen as `cone`; `face` when all of them are above the surface
     /// that they leave.
-    pub(crate) fn new(origin: Vec3, cone: &Cone, face: Option<Vec3>) -> Self {
+    #[must_use]
+    pub fn new(origin: Vec3, cone: &Cone, face: Option<Vec3>) -> Self {
         let (sin_sq, cos) = (cone.sin_sq(), cone.cos());
         // Where the tangents touch: d cos²θ along the axis, and all of the near surface is nearer.
         let far = cone.distance * cos * cos;
@@ -164,13 +167,7 @@ impl<T> Tree<T> {
 impl World<'_> {
     /// Lists the primitives of the objects `of` whose boxes meet the shaft, in `out`. False, and an unfinished list, when
     /// there are more than `limit`.
-    pub(crate) fn in_shaft(
-        &self,
-        shaft: &Shaft,
-        of: impl Fn(u32) -> bool,
-        limit: usize,
-        out: &mut Vec<Primitive>,
-    ) -> bool {
+    pub fn in_shaft(&self, shaft: &Shaft, of: impl Fn(u32) -> bool, limit: usize, out: &mut Vec<Primitive>) -> bool {
         self.triangles_in(shaft, &of, limit, out)
             && !self.balls.in_shaft(shaft, &mut |i, b| {
                 if b.blocks && of(b.object) {
@@ -181,7 +178,7 @@ impl World<'_> {
     }
 
     /// The same with triangles only.
-    pub(crate) fn triangles_in(
+    pub fn triangles_in(
         &self,
         shaft: &Shaft,
         of: impl Fn(u32) -> bool,
@@ -198,15 +195,16 @@ impl World<'_> {
     }
 
     /// Object and number of primitives.
-    pub(crate) fn names(&self, primitives: &[Primitive]) -> impl Iterator<Item = (u32, u32)> {
+    pub fn names(&self, primitives: &[Primitive]) -> impl Iterator<Item = (u32, u32)> {
         primitives.iter().map(|p| match p {
             Primitive::Triangle(i) => self.triangles.primitives[*i as usize].name(),
             Primitive::Ball(i) => self.balls.primitives[*i as usize].name(),
         })
     }
 
-    /// Whether one of some triangles lies on a ray nearer than `distance`.
-    pub(crate) fn meets_one(&self, origin: Vec3, direction: Vec3, distance: f32, of: &[Primitive]) -> bool {
+    /// Whether one of some primitives lies on a ray of unit direction nearer than `distance`.
+    #[must_use]
+    pub fn meets_one(&self, origin: Vec3, direction: Vec3, distance: f32, of: &[Primitive]) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         of.iter().any(|p| match p {
             Primitive::Triangle(i) => self.is_met(&self.triangles.primitives[*i as usize], &ray),
@@ -215,7 +213,7 @@ impl World<'_> {
     }
 
     /// Whether any triangle does of the objects `of`. The one in `last` is tried first, and the one that is met stays there.
-    pub(crate) fn first_met(
+    pub fn first_met(
         &self,
         origin: Vec3,
         direction: Vec3,
@@ -239,7 +237,8 @@ impl World<'_> {
     }
 
     /// False when no ray of the region meets one of the primitives; may be true although none does.
-    pub(crate) fn meets_any(&self, region: &Region, primitives: &[Primitive]) -> bool {
+    #[must_use]
+    pub fn meets_any(&self, region: &Region, primitives: &[Primitive]) -> bool {
         primitives.iter().any(|p| match p {
             Primitive::Triangle(i) => !region.misses_triangle(&self.triangles.primitives[*i as usize]),
             Primitive::Ball(i) => !region.misses_ball(&self.balls.primitives[*i as usize]),
@@ -247,7 +246,8 @@ impl World<'_> {
     }
 
     /// The same for all primitives of the objects `of`.
-    pub(crate) fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
+    #[must_use]
+    pub fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
         let outside = |b: &Aabb| region.misses_box(b);
         self.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
             || self.balls.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_ball(b))

@@ -1,23 +1,12 @@
 //! The reference against integrals that are known, or computed by quadrature that shares nothing with it.
 
 use super::*;
-use crate::test_scenes::{floor_and_ball, material};
+use crate::test_blockers::blockers;
 use core::f64::consts::PI;
 use lighting::SphereLight;
 use lobe_core::Sphere;
 use scene::{Mesh, Object, Proxy, Scene, Shape};
-
-/// Blockers of the scene's proxies that are spheres.
-fn blockers(scene: &Scene) -> BlockerSet {
-    let mut set = BlockerSet { self_distances: vec![0.0; scene.objects.len()], ..BlockerSet::default() };
-    for (i, object) in scene.objects.iter().enumerate() {
-        if let Proxy::Spheres(spheres) = &object.proxy {
-            set.spheres.extend(spheres);
-            set.objects.resize(set.spheres.len(), i as u32);
-        }
-    }
-    set
-}
+use test_scenes::{floor_and_ball, material};
 
 /// A G-buffer of points that no camera found.
 fn points(receivers: Vec<Receiver>) -> GBuffer {
@@ -31,7 +20,7 @@ fn points(receivers: Vec<Receiver>) -> GBuffer {
 }
 
 fn run(scene: &Scene, gbuffer: &GBuffer, geometry: Geometry, samples: u32) -> Estimate {
-    let (world, blockers) = (World::new(scene), blockers(scene));
+    let (world, blockers) = (World::new(scene), blockers(scene, 0.0));
     let gbuffer = &GBuffer { materials: scene.materials.clone(), ..gbuffer.clone() };
     let job = ReferenceJob { world: &world, gbuffer, blockers: &blockers, geometry, seed: 5 };
     let mut reference = Reference::new(job);
@@ -220,7 +209,7 @@ fn own_skin_stays_lit() {
     let scene = floor_and_ball();
     let world = World::new(&scene);
     let g = GBuffer::new(&world, 64, 64, 1);
-    let mut set = blockers(&scene);
+    let mut set = blockers(&scene, 0.0);
     set.self_distances[1] = 1.01;
     for (geometry, set) in [(Geometry::Spheres, &set), (Geometry::Mesh, &set)] {
         let job = ReferenceJob { world: &world, gbuffer: &g, blockers: set, geometry, seed: 0 };
@@ -256,7 +245,7 @@ fn a_mesh_does_not_shadow_itself() {
 #[test]
 fn threads_and_interruptions_change_nothing() {
     let scene = floor_and_ball();
-    let (world, blockers) = (World::new(&scene), blockers(&scene));
+    let (world, blockers) = (World::new(&scene), blockers(&scene, 0.0));
     let g = GBuffer::new(&world, 40, 30, 1);
     let job = ReferenceJob { world: &world, gbuffer: &g, blockers: &blockers, geometry: Geometry::Spheres, seed: 1 };
     let go = AtomicBool::new(false);

@@ -26,7 +26,7 @@ impl<T> core::fmt::Debug for Tree<T> {
     }
 }
 
-impl<T: Copy + Boundable + Named> Tree<T> {
+impl<T: Copy + Boundable> Tree<T> {
     pub(crate) fn new(primitives: &[T], scale: f32, build: impl FnOnce(&[T]) -> CwBvh) -> Self {
         if primitives.is_empty() {
             return Self { bvh: None, primitives: Vec::new(), scale, built_area: 0.0 };
@@ -40,7 +40,10 @@ impl<T: Copy + Boundable + Named> Tree<T> {
 
     /// The old hierarchy around primitives that have moved; none where there is no old one, where these are others, and
     /// where a new one would be much better.
-    pub(super) fn refitted(old: Option<Self>, primitives: &[T], scale: f32) -> Option<Self> {
+    pub(super) fn refitted(old: Option<Self>, primitives: &[T], scale: f32) -> Option<Self>
+    where
+        T: Named,
+    {
         let mut tree = old.filter(|t| t.scale == scale && t.primitives.len() == primitives.len())?;
         let order = tree.bvh.as_ref().map_or(&[][..], |b| &b.primitive_indices);
         for (place, number) in tree.primitives.iter_mut().zip(order) {

@@ -5,7 +5,7 @@
 //! dimensions of the light only the azimuth has to be sampled, and the discontinuity of V, which makes shadow rays
 //! converge slowly, is integrated away.
 
-use super::cone::LightCone;
+use crate::cone::LightCone;
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
 
@@ -98,7 +98,7 @@ mod tests {
     fn agrees_with_point_tests() {
         let mut state = 3u64;
         let mut r = || {
-            state = super::super::sobol::mix(state, 1);
+            state = crate::sobol::mix(state, 1);
             (state >> 11) as f64 / (1u64 << 53) as f64
         };
         let mut partial = 0;

@@ -1,47 +1,27 @@
 //! Blocker spheres as shadow rays meet them.
 
 use crate::wide::{LANES, Wide};
-use crate::world::{Named, Tree, hierarchy_scale};
-use core::time::Duration;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 use glam::{Vec3, Vec3A};
 use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere};
-use obvhs::aabb::Aabb;
-use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::ray::Ray;
-use obvhs::{Boundable, BvhBuildParams};
+use ray_tracing::SphereHierarchy;
 use scene::BlockerSet;
 
-/// A blocker, and how receivers of its own object see it.
-#[derive(Clone, Copy)]
+/// How receivers of its own object see a blocker.
+#[derive(Clone, Copy, Debug)]
 struct Blocker {
-    sphere: Sphere,
     /// Of receivers inside it, from its centre.
     near: Sphere,
     /// For receivers of its own object it blocks only where the ray leaves it farther away than this.
     own_distance: f32,
     object: u32,
-    index: u32,
-}
-
-impl Boundable for Blocker {
-    fn aabb(&self) -> Aabb {
-        let (c, r) = (Vec3A::from(self.sphere.center), Vec3A::splat(self.sphere.radius));
-        Aabb::new(c - r, c + r)
-    }
-}
-
-impl Named for Blocker {
-    fn name(&self) -> (u32, u32) {
-        (self.object, self.index)
-    }
 }
 
 /// A hierarchy over blocker spheres.
 #[derive(Debug)]
 pub(super) struct SphereTargets {
-    tree: Tree<Blocker>,
+    hierarchy: SphereHierarchy<Blocker>,
     /// Objects with a sphere, ascending.
     objects: Vec<u32>,
 }
@@ -49,25 +29,18 @@ pub(super) struct SphereTargets {
 impl SphereTargets {
     pub(super) fn new(set: &BlockerSet) -> Self {
         let solid = |s: &Sphere| s.radius > 0.0 && s.radius.is_finite() && s.center.is_finite();
-        let blockers: Vec<Blocker> = (0..set.spheres.len())
+        let blockers: Vec<(Sphere, Blocker)> = (0..set.spheres.len())
             .filter(|i| solid(&set.spheres[*i]))
             .map(|i| {
                 let (near, own_distance) = set.own(i);
-                let (object, index) = (set.objects[i], i as u32);
-                Blocker { sphere: set.spheres[i], near, own_distance, object, index }
+                (set.spheres[i], Blocker { near, own_distance, object: set.objects[i] })
             })
             .collect();
-        let bounds = blockers.iter().fold(Aabb::empty(), |all, b| all.union(&b.aabb()));
-        let size = bounds.diagonal().length() + bounds.min.abs().max(bounds.max.abs()).max_element();
-        let scale = if blockers.is_empty() { 1.0 } else { hierarchy_scale(size) };
-        let tree = Tree::new(&blockers, scale, |b| {
-            let boxes: Vec<_> = b.iter().map(|b| b.aabb()).map(|b| Aabb::new(b.min * scale, b.max * scale)).collect();
-            build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
-        });
-        let mut objects: Vec<_> = blockers.iter().map(|b| b.object).filter(|o| *o != OWN_NONE).collect();
+        let hierarchy = SphereHierarchy::new(&blockers);
+        let mut objects: Vec<_> = blockers.iter().map(|(_, b)| b.object).filter(|o| *o != OWN_NONE).collect();
         objects.sort_unstable();
         objects.dedup();
-        Self { tree, objects }
+        Self { hierarchy, objects }
     }
 
     /// The normal of the plane below which a receiver sees nothing: of its facet where its object has spheres.
@@ -78,20 +51,20 @@ impl SphereTargets {
     /// Whether a sphere hides the direction from the receiver up to the distance.
     #[inline(never)]
     pub(super) fn hide(&self, at: &Receiver, direction: Vec3, distance: f32) -> bool {
-        let ray = Ray::new(at.position.into(), direction.into(), 0.0, distance);
-        self.tree.any(ray, |b, ray| {
+        let (from, along_ray) = (Vec3A::from(at.position), Vec3A::from(direction));
+        self.hierarchy.any(at.position, direction, distance, |sphere, b, farthest| {
             let own = b.object == at.object;
             let (sphere, least) =
-                if own { (SelfShadow::seen(b.sphere, b.near, at.position), b.own_distance) } else { (b.sphere, 0.0) };
-            let (to, radius) = (Vec3A::from(sphere.center) - ray.origin, sphere.radius);
-            let along = to.dot(ray.direction);
-            let half_sq = radius * radius - (to - ray.direction * along).length_squared();
+                if own { (SelfShadow::seen(*sphere, b.near, at.position), b.own_distance) } else { (*sphere, 0.0) };
+            let (to, radius) = (Vec3A::from(sphere.center) - from, sphere.radius);
+            let along = to.dot(along_ray);
+            let half_sq = radius * radius - (to - along_ray * along).length_squared();
             if half_sq <= 0.0 {
                 return f32::INFINITY;
             }
             let half = half_sq.sqrt();
             let enter = (along - half).max(0.0);
-            if along + half > least && enter < ray.tmax { enter } else { f32::INFINITY }
+            if along + half > least && enter < farthest { enter } else { f32::INFINITY }
         })
     }
 
@@ -99,21 +72,20 @@ impl SphereTargets {
     pub(super) fn list(&self, shaft: &Shaft, out: &mut Vec<Eight>) {
         out.clear();
         let mut count = 0;
-        self.tree.in_shaft(shaft, &mut |_, b| {
+        self.hierarchy.in_shaft(shaft, |sphere, b| {
             let lane = count % LANES;
             if lane == 0 {
                 out.push(Eight::default());
             }
             if let Some(eight) = out.last_mut() {
-                [eight.x[lane], eight.y[lane], eight.z[lane]] = b.sphere.center.to_array();
-                eight.radius[lane] = b.sphere.radius;
+                [eight.x[lane], eight.y[lane], eight.z[lane]] = sphere.center.to_array();
+                eight.radius[lane] = sphere.radius;
                 [eight.offset[0][lane], eight.offset[1][lane], eight.offset[2][lane]] = b.near.center.to_array();
                 eight.own_radius[lane] = b.near.radius;
                 eight.own_distance[lane] = b.own_distance;
                 eight.object[lane] = b.object;
             }
             count += 1;
-            false
         });
     }
 }

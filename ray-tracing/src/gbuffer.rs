@@ -32,7 +32,7 @@ pub struct GBuffer {
     /// For each point the distance from the plane of the eye, along the view direction.
     pub depths: Vec<f32>,
     /// What the points' material numbers refer to: the scene's materials, then those of points whose surfaces have textures or vertex
-    /// colours, one each. [`Reference`](crate::Reference) takes them from here.
+    /// colours, one each. The Monte-Carlo reference takes them from here.
     pub materials: Vec<Material>,
     /// For each point the radiance that its surface emits toward the eye; empty where no surface does.
     pub emission: Vec<Vec3>,

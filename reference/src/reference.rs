@@ -1,28 +1,23 @@
 //! The Monte-Carlo reference: no lobe and no mask, only rays.
 
-pub(crate) mod area;
 mod checkpoint;
-mod cone;
 mod meridian;
 mod occluders;
-mod sky;
-mod sobol;
 
-use self::area::{Area, Seen};
 pub use self::checkpoint::CheckpointError;
-use self::cone::LightCone;
-pub(crate) use self::cone::concentric;
 use self::meridian::{Cap, Meridian};
 use self::occluders::{Occluders, tile_candidates};
-use self::sky::Sky;
-pub(crate) use self::sobol::{Sequence, mix};
-use crate::{GBuffer, World};
+use crate::area::{Area, Seen};
+use crate::cone::LightCone;
+use crate::sky::Sky;
+use crate::sobol::{Sequence, mix};
 use brdf::{Brdf, Material};
 use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Vec3};
 use lighting::Light;
 use lobe_core::{BrdfLobes, LightLobes, LobeBuffer, OWN_NONE, Receiver, Sphere};
+use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
 use scene::{BlockerSet, Bounds};
 

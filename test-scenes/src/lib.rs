@@ -1,4 +1,4 @@
-//! Small scenes for the tests of this crate.
+//! Small scenes and meshes for the tests of the workspace.
 
 use brdf::Material;
 use glam::Vec3;
@@ -7,12 +7,14 @@ use lobe_core::Sphere;
 use scene::{Camera, Mesh, Object, Proxy, Scene, Shape};
 
 /// A gray diffuse material.
-pub(crate) fn material() -> Material {
+#[must_use]
+pub fn material() -> Material {
     Material::lambert(Vec3::splat(0.5))
 }
 
 /// A horizontal square of half side 4 at height 0, a ball of radius 0.5 above its middle, one light above both.
-pub(crate) fn floor_and_ball() -> Scene {
+#[must_use]
+pub fn floor_and_ball() -> Scene {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * 4.0;
     let mesh = Mesh {
         positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],

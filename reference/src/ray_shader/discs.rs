@@ -1,6 +1,7 @@
 //! Points on a disc, well spread, several sets of them.
 
-use crate::reference::{Sequence, concentric, mix};
+use crate::cone::concentric;
+use crate::sobol::{Sequence, mix};
 use crate::wide::LANES;
 
 /// Sets to choose from; a point also turns its set by an angle of its own.

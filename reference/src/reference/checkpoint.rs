@@ -1,7 +1,7 @@
 //! Interrupted references on disk.
 
-use super::sobol::mix;
 use super::{Geometry, REPLICATES, Reference, ReferenceJob, Tally};
+use crate::sobol::mix;
 use glam::Vec3;
 use std::io::{self, Read, Write};
 
