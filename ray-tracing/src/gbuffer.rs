@@ -86,7 +86,7 @@ impl GBuffer {
         assert!(u64::from(own_width) * u64::from(own_height) <= 1 << 32, "too many pixels");
         let samples = samples.max(1);
         let view = View::new(world, [width, height], samples, columns, rows);
-        let (found, ends) = view.look();
+        let (found, ends) = view.trace();
         let mut all = Self { width: own_width, height: own_height, samples, ..Self::default() };
         view.describe(&found, &ends, &mut all);
         all.sky = view.sky(&found);

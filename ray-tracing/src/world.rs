@@ -1,18 +1,18 @@
-mod bundle;
+mod appearance;
 mod camera_rays;
-mod eight;
-mod looks;
+mod packet;
 mod query;
 #[cfg(test)]
 mod refit_tests;
 mod surface;
 mod tree;
+mod triangle_packet;
 
-pub(crate) use self::bundle::{BALL, Bundle, NOTHING, SIDE};
+pub(crate) use self::appearance::varied;
 pub(crate) use self::camera_rays::Rays;
-pub(crate) use self::looks::varied;
+pub(crate) use self::packet::{BALL, NOTHING, RayPacket, SIDE};
 pub use self::query::{Primitive, Region};
-pub(crate) use self::surface::Meetings;
+pub(crate) use self::surface::RayHits;
 pub(crate) use self::tree::Tree;
 use core::time::Duration;
 use glam::{DVec3, Vec3, Vec3A};
@@ -268,7 +268,7 @@ impl<'s> World<'s> {
                 build_cwbvh(&boxes.collect::<Vec<_>>(), params, &mut Duration::ZERO.clone())
             })
         });
-        Self { scene, triangles, balls, tangents: looks::tangents(scene) }
+        Self { scene, triangles, balls, tangents: appearance::tangents(scene) }
     }
 
     /// The scene that was prepared.

@@ -33,7 +33,7 @@ mod sky;
 mod sobol;
 #[cfg(test)]
 mod test_blockers;
-mod wide;
+mod vec3x8;
 
 pub use crate::ray_shader::RayShader;
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};

@@ -8,10 +8,10 @@ mod tests;
 
 use self::discs::Discs;
 use self::reflectance::{Reflectance, Sum};
-use self::spheres::{Eight, Seen, SphereTargets};
+use self::spheres::{Seen, SpherePacket, SphereTargets};
 use crate::area::Area;
 use crate::sobol::{Sequence, mix};
-use crate::wide::{LANES, Wide};
+use crate::vec3x8::{LANES, Vec3x8};
 use brdf::{Brdf, Material};
 use core::convert::Infallible;
 use core::f32::consts::TAU;
@@ -44,7 +44,7 @@ const LISTED: usize = 48;
 ///
 /// *Culled* ([`culled`](Self::culled)): points that share a group of 64 list what may lie between them and the light;
 /// points whose cone of light meets nothing of it shoot no rays and take 16 samples at most, points whose light one sphere
-/// hides take none, and rays against spheres are asked eight at once without a hierarchy: everything that the lobes' own
+/// hides take none, and rays are tested against spheres eight at once without a hierarchy: everything that the lobes' own
 /// culling gives, for rays.
 /// *Not culled*: each ray alone through an eight-wide hierarchy (obvhs).
 ///
@@ -271,8 +271,8 @@ impl<'a> RayShader<'a> {
             Targets::Surfaces(world) => (world.leave(at.position, at.face), at.face),
             Targets::Spheres(spheres) => (at.position, spheres.facet(at)),
         };
-        let (axis, b0, b1) = (Wide::splat(simd, axis), Wide::splat(simd, b0), Wide::splat(simd, b1));
-        let to_center = Wide::splat(simd, to_center);
+        let (axis, b0, b1) = (Vec3x8::splat(simd, axis), Vec3x8::splat(simd, b0), Vec3x8::splat(simd, b1));
+        let to_center = Vec3x8::splat(simd, to_center);
         // Where nothing blocks, the integrand is smooth.
         let samples = if *clear { self.samples.min(CLEAR_SAMPLES) } else { self.samples };
         let mut sum = Sum::new(simd);
@@ -341,7 +341,7 @@ struct Pair<'a> {
 #[derive(Default)]
 struct Scratch {
     tile: Tile,
-    list: Vec<Eight>,
+    list: Vec<SpherePacket>,
     seen: Seen,
     primitives: Vec<Primitive>,
     is_listed: bool,

@@ -431,7 +431,7 @@ impl Pair<'_> {
     }
 
     /// Adds a sample at a random meridian of the light's cone: what the horizon and caps hide of it is left out exactly,
-    /// and only the other occluders are asked by a ray.
+    /// and a ray tests the other occluders alone.
     fn meridian_sample(&self, x: f64, y: f64, meridian: &mut Meridian, sums: &mut [DVec3; 2]) {
         let (start, span) = self.azimuths;
         let (azimuth, share) = (start + span * x, span / TAU);

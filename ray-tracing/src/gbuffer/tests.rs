@@ -182,7 +182,7 @@ fn instructions_do_not_matter() {
     let look = |level: Level| {
         let mut view = View::new(&world, [90, 70], 1, 0..90, 0..70);
         view.rays.level = level;
-        let (found, ends) = view.look();
+        let (found, ends) = view.trace();
         let mut g = GBuffer { width: 90, height: 70, samples: 1, ..GBuffer::default() };
         view.describe(&found, &ends, &mut g);
         g

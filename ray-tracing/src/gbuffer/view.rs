@@ -2,7 +2,7 @@
 
 use super::{GBuffer, TILE};
 use crate::World;
-use crate::world::{Bundle, Meetings, NOTHING, Rays, SIDE, varied};
+use crate::world::{NOTHING, RayHits, RayPacket, Rays, SIDE, varied};
 use brdf::Material;
 use core::ops::Range;
 use glam::{Vec2, Vec3};
@@ -21,10 +21,10 @@ pub(super) struct View<'w> {
     /// Columns and rows of tiles of the whole image.
     across: Range<u32>,
     down: Range<u32>,
-    /// Pixels of the whole image that are asked for.
+    /// Pixels of the whole image that are requested.
     columns: Range<u32>,
     rows: Range<u32>,
-    /// For each object whether its points have looks of their own, if any has.
+    /// For each object whether its points have an appearance of their own, if any has.
     varied: Option<Vec<bool>>,
 }
 
@@ -41,7 +41,7 @@ struct Part<'a> {
 /// Rays of a tile that have met something, eight at a time.
 #[derive(Default)]
 struct Met {
-    meetings: Meetings,
+    hits: RayHits,
     pixels: [u32; SIDE],
     /// Where in the image they pass.
     places: [Vec2; SIDE],
@@ -72,7 +72,7 @@ impl<'w> View<'w> {
         self.offsets.len() * (TILE * TILE) as usize
     }
 
-    /// Column and row of a tile's first pixel, and which of its columns and rows are asked for.
+    /// Column and row of a tile's first pixel, and which of its columns and rows are requested.
     fn tile(&self, number: usize) -> ([u32; 2], [Range<usize>; 2]) {
         let across = self.across.len();
         let left = (self.across.start + (number % across) as u32) * TILE;
@@ -85,13 +85,13 @@ impl<'w> View<'w> {
 
     /// For each ray, tile by tile and in each of them offset by offset, what it meets; and how many of the rays of this
     /// and all tiles before met something.
-    pub(super) fn look(&self) -> (Vec<u32>, Vec<usize>) {
+    pub(super) fn trace(&self) -> (Vec<u32>, Vec<usize>) {
         let mut found = vec![0; self.across.len() * self.down.len() * self.tile_rays()];
         let mut ends: Vec<usize> = found
             .par_chunks_mut(self.tile_rays())
             .with_min_len(TASK)
             .enumerate()
-            .map(|(tile, found)| self.look_tile(tile, found))
+            .map(|(tile, found)| self.trace_tile(tile, found))
             .collect();
         let mut end = 0;
         for count in &mut ends {
@@ -101,13 +101,13 @@ impl<'w> View<'w> {
         (found, ends)
     }
 
-    fn look_tile(&self, tile: usize, found: &mut [u32]) -> usize {
+    fn trace_tile(&self, tile: usize, found: &mut [u32]) -> usize {
         let ([left, top], [columns, rows]) = self.tile(tile);
         let corner = Vec2::new(left as f32, top as f32);
         for (offset, found) in self.offsets.iter().zip(found.chunks_exact_mut((TILE * TILE) as usize)) {
-            let mut bundle = Bundle::new(&self.rays, corner, *offset, &columns, &rows);
-            self.world.trace(&mut bundle);
-            found.copy_from_slice(bundle.found().as_flattened());
+            let mut packet = RayPacket::new(&self.rays, corner, *offset, &columns, &rows);
+            self.world.trace(&mut packet);
+            found.copy_from_slice(packet.found().as_flattened());
         }
         found.iter().filter(|f| **f != NOTHING).count()
     }
@@ -196,9 +196,9 @@ impl<'w> View<'w> {
                         }
                         let (place, l) = (Vec2::new(x as f32 + offset.x, y as f32 + offset.y), met.count);
                         let d = self.rays.direction(place.x, place.y);
-                        met.meetings.found[l] = number;
+                        met.hits.found[l] = number;
                         for k in 0..3 {
-                            met.meetings.directions[k][l] = d[k];
+                            met.hits.directions[k][l] = d[k];
                         }
                         met.places[l] = place;
                         met.pixels[l] = (y - self.rows.start) * width + (x - self.columns.start);
@@ -210,7 +210,7 @@ impl<'w> View<'w> {
                 }
             }
             if met.count > 0 {
-                met.meetings.found[met.count..].fill(NOTHING);
+                met.hits.found[met.count..].fill(NOTHING);
                 out = self.write(&mut met, &mut own, out);
             }
         }
@@ -221,7 +221,7 @@ impl<'w> View<'w> {
     fn write<'o>(&self, met: &mut Met, own: &mut Vec<Material>, out: Part<'o>) -> Part<'o> {
         let count = core::mem::take(&mut met.count);
         let (now, rest) = out.split(count);
-        self.world.surfaces(self.rays.level, self.rays.eye, &met.meetings, now.receivers);
+        self.world.surfaces(self.rays.level, self.rays.eye, &met.hits, now.receivers);
         now.pixels.copy_from_slice(&met.pixels[..count]);
         let objects = &self.world.scene().objects;
         for ((at, material), depth) in now.receivers.iter().zip(&mut *now.materials).zip(now.depths) {
@@ -234,13 +234,14 @@ impl<'w> View<'w> {
                 if !varied[at.object as usize] {
                     continue;
                 }
-                let look = self.world.look(self.rays.eye, met.meetings.found[l], self.beside(met.places[l]), at);
-                if let Some(material) = look.material {
+                let appearance =
+                    self.world.appearance(self.rays.eye, met.hits.found[l], self.beside(met.places[l]), at);
+                if let Some(material) = appearance.material {
                     now.materials[l] = (self.world.scene().materials.len() + own.len()) as u32;
                     own.push(material);
                 }
                 if let Some(emission) = now.emission.get_mut(l) {
-                    *emission = look.emission;
+                    *emission = appearance.emission;
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Which primitives a whole bundle of rays may meet.
+//! Which primitives a whole packet of rays may meet.
 
 use super::{Ball, Corners, Named, Tree, World};
 use glam::{Vec3, Vec3A};

@@ -8,11 +8,11 @@ use obvhs::ray::Ray;
 use scene::Shape;
 
 type Row = [f32; SIDE];
-type Wide = [[f64; SIDE]; 3];
+type DVec3x8 = [[f64; SIDE]; 3];
 
 /// Eight rays from the eye that have met something.
 #[derive(Debug, Default)]
-pub(crate) struct Meetings {
+pub(crate) struct RayHits {
     /// What each has met; [`NOTHING`] where there is none.
     pub(crate) found: [u32; SIDE],
     pub(crate) directions: [Row; 3],
@@ -20,12 +20,12 @@ pub(crate) struct Meetings {
 
 /// The same as `DVec3`'s of the same names, lane by lane.
 #[inline(always)]
-fn dot(a: &Wide, b: &Wide, l: usize) -> f64 {
+fn dot(a: &DVec3x8, b: &DVec3x8, l: usize) -> f64 {
     a[0][l] * b[0][l] + a[1][l] * b[1][l] + a[2][l] * b[2][l]
 }
 
 #[inline(always)]
-fn cross(a: &Wide, b: &Wide, l: usize) -> [f64; 3] {
+fn cross(a: &DVec3x8, b: &DVec3x8, l: usize) -> [f64; 3] {
     [
         a[1][l] * b[2][l] - b[1][l] * a[2][l],
         a[2][l] * b[0][l] - b[2][l] * a[0][l],
@@ -34,12 +34,12 @@ fn cross(a: &Wide, b: &Wide, l: usize) -> [f64; 3] {
 }
 
 #[inline(always)]
-fn set(to: &mut Wide, l: usize, v: [f64; 3]) {
+fn set(to: &mut DVec3x8, l: usize, v: [f64; 3]) {
     (to[0][l], to[1][l], to[2][l]) = (v[0], v[1], v[2]);
 }
 
 #[inline(always)]
-fn normalize_or_zero(v: &mut Wide, l: usize) {
+fn normalize_or_zero(v: &mut DVec3x8, l: usize) {
     let inverse = 1.0 / dot(v, v, l).sqrt();
     let usable = (inverse > 0.0) & (inverse < f64::INFINITY);
     for v in v.iter_mut() {
@@ -50,14 +50,14 @@ fn normalize_or_zero(v: &mut Wide, l: usize) {
 impl World<'_> {
     /// Writes the receivers for as many of the eight rays as `out` is long, as near to the surface as an f32 point can be: in
     /// f64 from barycentric coordinates or on the ball, then rounded. Normals are on the rays' side.
-    pub(crate) fn surfaces(&self, level: Level, eye: Vec3, rays: &Meetings, out: &mut [Receiver]) {
-        dispatch!(level, _simd => self.surfaces_wide(eye, rays, out));
+    pub(crate) fn surfaces(&self, level: Level, eye: Vec3, rays: &RayHits, out: &mut [Receiver]) {
+        dispatch!(level, _simd => self.surfaces_simd(eye, rays, out));
     }
 
     #[inline(always)]
-    fn surfaces_wide(&self, eye: Vec3, rays: &Meetings, out: &mut [Receiver]) {
-        let mut corner: [Wide; 3] = Default::default();
-        let mut normals: [Wide; 3] = Default::default();
+    fn surfaces_simd(&self, eye: Vec3, rays: &RayHits, out: &mut [Receiver]) {
+        let mut corner: [DVec3x8; 3] = Default::default();
+        let mut normals: [DVec3x8; 3] = Default::default();
         let mut smooth = [false; SIDE];
         let mut objects = [0u32; SIDE];
         for (l, number) in rays.found.iter().enumerate() {
@@ -80,9 +80,9 @@ impl World<'_> {
         }
         let (mut position, mut normal, mut face) = ([[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3]);
         let o = eye.as_dvec3().to_array();
-        let (mut d, mut e1, mut e2, mut s): (Wide, Wide, Wide, Wide) = Default::default();
-        let (mut n, mut p): (Wide, Wide) = Default::default();
-        let mut shading = Wide::default();
+        let (mut d, mut e1, mut e2, mut s): (DVec3x8, DVec3x8, DVec3x8, DVec3x8) = Default::default();
+        let (mut n, mut p): (DVec3x8, DVec3x8) = Default::default();
+        let mut shading = DVec3x8::default();
         for l in 0..SIDE {
             for k in 0..3 {
                 d[k][l] = f64::from(rays.directions[k][l]);

@@ -1,6 +1,6 @@
 //! A material at one receiver, for eight directions at once.
 
-use crate::wide::{LANES, Wide};
+use crate::vec3x8::{LANES, Vec3x8};
 use brdf::{Brdf, Material};
 use core::f32::consts::{FRAC_1_PI, LN_2, LOG2_E, TAU};
 use fearless_simd::prelude::*;
@@ -43,7 +43,7 @@ impl<'m> Reflectance<'m> {
 
     /// Adds what the ones of eight directions reflect whose bits are set.
     #[inline(always)]
-    pub(super) fn add<S: Simd>(&self, v: Wide<S>, counted: u64, sum: &mut Sum<S>) {
+    pub(super) fn add<S: Simd>(&self, v: Vec3x8<S>, counted: u64, sum: &mut Sum<S>) {
         match self.kind {
             Kind::Phong { ks, mirrored, exponent, cosine, .. } => {
                 let simd = v.x.token();
@@ -90,7 +90,7 @@ impl<S: Simd> Sum<S> {
 
 /// `max(a·v, 0)^e` of eight directions, to 1e-6 and 3e-7 of the logarithm. Finite exponents.
 #[inline(always)]
-fn power<S: Simd>(a: Vec3, exponent: f32, v: Wide<S>) -> f32x8<S> {
+fn power<S: Simd>(a: Vec3, exponent: f32, v: Vec3x8<S>) -> f32x8<S> {
     /// Adding it leaves a whole number in the low bits.
     const MAGIC: f32 = 12_582_912.0;
     /// Bits of √½, where the mantissa's range begins.
@@ -127,7 +127,7 @@ mod tests {
             for i in 0..2000 {
                 let angle = 1.7 * (i as f32 / 2000.0).powi(3);
                 let v = a * angle.cos() + Vec3::Y * angle.sin();
-                let got = dispatch!(Level::new(), simd => power(a, exponent, Wide::splat(simd, v))[3]);
+                let got = dispatch!(Level::new(), simd => power(a, exponent, Vec3x8::splat(simd, v))[3]);
                 let want = lobe_core::power(a, v, exponent);
                 // Rounding of the logarithm, times the exponent.
                 let bound = want * (1e-6 + 3e-7 * (-want.max(1e-37).ln()) + 2e-7 * exponent.min(30.0)) + 1e-30;

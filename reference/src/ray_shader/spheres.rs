@@ -1,6 +1,6 @@
 //! Blocker spheres as shadow rays meet them.
 
-use crate::wide::{LANES, Wide};
+use crate::vec3x8::{LANES, Vec3x8};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 use glam::{Vec3, Vec3A};
@@ -69,21 +69,21 @@ impl SphereTargets {
     }
 
     /// Lists the spheres that may hide some of the light from some of the receivers.
-    pub(super) fn list(&self, shaft: &Shaft, out: &mut Vec<Eight>) {
+    pub(super) fn list(&self, shaft: &Shaft, out: &mut Vec<SpherePacket>) {
         out.clear();
         let mut count = 0;
         self.hierarchy.in_shaft(shaft, |sphere, b| {
             let lane = count % LANES;
             if lane == 0 {
-                out.push(Eight::default());
+                out.push(SpherePacket::default());
             }
-            if let Some(eight) = out.last_mut() {
-                [eight.x[lane], eight.y[lane], eight.z[lane]] = sphere.center.to_array();
-                eight.radius[lane] = sphere.radius;
-                [eight.offset[0][lane], eight.offset[1][lane], eight.offset[2][lane]] = b.near.center.to_array();
-                eight.own_radius[lane] = b.near.radius;
-                eight.own_distance[lane] = b.own_distance;
-                eight.object[lane] = b.object;
+            if let Some(packet) = out.last_mut() {
+                [packet.x[lane], packet.y[lane], packet.z[lane]] = sphere.center.to_array();
+                packet.radius[lane] = sphere.radius;
+                [packet.offset[0][lane], packet.offset[1][lane], packet.offset[2][lane]] = b.near.center.to_array();
+                packet.own_radius[lane] = b.near.radius;
+                packet.own_distance[lane] = b.own_distance;
+                packet.object[lane] = b.object;
             }
             count += 1;
         });
@@ -92,7 +92,7 @@ impl SphereTargets {
 
 /// Eight blockers side by side; those of radius 0 are none.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Eight {
+pub(super) struct SpherePacket {
     x: [f32; LANES],
     y: [f32; LANES],
     z: [f32; LANES],
@@ -119,7 +119,7 @@ impl Seen {
 
     /// Keeps of the listed spheres those that the light's cone touches.
     #[inline(always)]
-    pub(super) fn select<S: Simd>(&mut self, simd: S, at: &Receiver, cone: &Cone, list: &[Eight]) -> Coverage {
+    pub(super) fn select<S: Simd>(&mut self, simd: S, at: &Receiver, cone: &Cone, list: &[SpherePacket]) -> Coverage {
         // Rounding of products of unit vectors; a sphere too many does no harm.
         const SLACK: f32 = 2e-6;
         self.caps.clear();
@@ -134,14 +134,14 @@ impl Seen {
             let own = u32x8::simd_from(simd, e.object).simd_eq(object);
             let row = |row: &[f32; LANES]| f32x8::simd_from(simd, *row);
             let tau = own.select(row(&e.own_distance), zero);
-            let to = Wide { x: row(&e.x), y: row(&e.y), z: row(&e.z) }.minus(p);
+            let to = Vec3x8 { x: row(&e.x), y: row(&e.y), z: row(&e.z) }.minus(p);
             // `SelfShadow::seen`.
             let whole = row(&e.radius);
             let d = to.length_squared().sqrt();
             let w = own.select(whole / d.max(whole).max(f32::MIN_POSITIVE), zero);
             let r = whole - (whole - row(&e.own_radius)) * w;
             let [x, y, z] = e.offset.each_ref().map(|column| row(column) * w);
-            let to = to + Wide { x, y, z };
+            let to = to + Vec3x8 { x, y, z };
             let d = to.length_squared().sqrt();
             let inverse = 1.0 / d.max(f32::MIN_POSITIVE);
             let c = to * inverse;
@@ -178,7 +178,7 @@ impl Seen {
 
     /// Which of eight directions are hidden up to their distances.
     #[inline(always)]
-    pub(super) fn hide<S: Simd>(&self, v: Wide<S>, distance: f32x8<S>) -> mask32x8<S> {
+    pub(super) fn hide<S: Simd>(&self, v: Vec3x8<S>, distance: f32x8<S>) -> mask32x8<S> {
         let simd = distance.token();
         let mut hidden = mask32x8::splat(simd, false);
         for (c, chord_sq) in &self.caps {

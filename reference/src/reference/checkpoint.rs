@@ -9,31 +9,22 @@ const MAGIC: [u8; 8] = *b"lobesref";
 const VERSION: u32 = 2;
 
 /// Why a checkpoint could not be used.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
     /// It could not be read.
-    Io(io::Error),
+    #[error("{0}")]
+    Io(#[source] io::Error),
     /// It is no checkpoint, or one of another version.
+    #[error("not a checkpoint of this version")]
     Format,
     /// It is cut short, or other bytes are in it than were written.
+    #[error("the checkpoint is damaged")]
     Damaged,
     /// It belongs to another scene, size, seed or geometry.
+    #[error("the checkpoint belongs to another scene, size, seed or geometry")]
     OtherJob,
 }
-
-impl core::fmt::Display for CheckpointError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Io(error) => write!(f, "{error}"),
-            Self::Format => f.write_str("not a checkpoint of this version"),
-            Self::Damaged => f.write_str("the checkpoint is damaged"),
-            Self::OtherJob => f.write_str("the checkpoint belongs to another scene, size, seed or geometry"),
-        }
-    }
-}
-
-impl core::error::Error for CheckpointError {}
 
 impl From<io::Error> for CheckpointError {
     fn from(error: io::Error) -> Self {

@@ -1,7 +1,7 @@
 //! Eight triangles side by side, made ready for rays from one point.
 
-use super::bundle::{Row, SIDE};
 use super::camera_rays::Rays;
+use super::packet::{Row, SIDE};
 use glam::{Vec2, Vec3};
 
 /// The whole numbers in an interval, of those from 0 to 7: first and one past the last, not negative, equal when there
@@ -18,7 +18,7 @@ pub(super) fn inside(low: f32, high: f32) -> (u32, u32) {
 
 /// Eight triangles side by side.
 #[derive(Default)]
-pub(super) struct Eight {
+pub(super) struct TrianglePacket {
     /// From the first corner to the eye, and the edges from it.
     pub(super) s: [Row; 3],
     pub(super) e1: [Row; 3],
@@ -35,7 +35,7 @@ pub(super) struct Eight {
     pub(super) rows: [[u32; SIDE]; 2],
 }
 
-impl Eight {
+impl TrianglePacket {
     #[inline(always)]
     pub(super) fn prepare(&mut self, rays: &Rays, first: Vec2) {
         let (f, right, down) = (rays.forward, rays.to_column, rays.to_row);
@@ -64,7 +64,7 @@ impl Eight {
                 (dot(f, e2) - fs, dot(right, e2) - xs, dot(down, e2) - ys),
             ];
             for (w, x, y) in corners {
-                // Pixels would be too many to tell beyond: then all rows are asked.
+                // Pixels would be too many to tell beyond: then all rows are tested.
                 before &= w * 1e5 > x.abs() + y.abs();
                 let inverse = 1.0 / w;
                 let (x, y) = (x * inverse + offset.x, y * inverse + offset.y);

@@ -155,8 +155,8 @@ impl<'a> Gains<'a> {
 pub(crate) fn insert(views: &[View], spheres: &mut Vec<Vec4>, places: &[Vec4], count: usize, random: &mut Random) {
     let mut gains: Vec<Gains> = views.par_iter().map(|view| Gains::new(view, spheres)).collect();
     let first = random.below(SPARSE);
-    let sparse = |ball: Vec4, step: usize| {
-        gains.iter().skip(first).step_by(step).map(|view| view.gain(ball)).sum::<f32>() * step as f32
+    let sparse = |sphere: Vec4, step: usize| {
+        gains.iter().skip(first).step_by(step).map(|view| view.gain(sphere)).sum::<f32>() * step as f32
     };
     let grown = |place: &Vec4, out: f32| place.truncate().extend(place.w + out);
     let mut rough: Vec<(f32, &Vec4)> =
@@ -168,29 +168,29 @@ pub(crate) fn insert(views: &[View], spheres: &mut Vec<Vec4>, places: &[Vec4], c
     let mut candidates: Vec<(f32, Vec4)> = rough
         .par_iter()
         .flat_map_iter(|(_, place)| PROTRUSIONS.iter().map(|out| grown(place, *out)))
-        .filter(|ball| ball.w > 0.0)
-        .map(|ball| (sparse(ball, SPARSE), ball))
+        .filter(|sphere| sphere.w > 0.0)
+        .map(|sphere| (sparse(sphere, SPARSE), sphere))
         .collect();
     candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
     candidates.truncate(SHORTLIST * count);
-    let exact = |gains: &[Gains], ball: Vec4| gains.iter().map(|view| view.gain(ball)).sum::<f32>();
-    candidates.par_iter_mut().for_each(|(gain, ball)| *gain = exact(&gains, *ball));
+    let exact = |gains: &[Gains], sphere: Vec4| gains.iter().map(|view| view.gain(sphere)).sum::<f32>();
+    candidates.par_iter_mut().for_each(|(gain, sphere)| *gain = exact(&gains, *sphere));
     for _ in 0..count {
-        // Gains mostly shrink as spheres are placed, so what was not asked again is mostly below its old gain.
+        // Gains mostly shrink as spheres are placed, so those that were not judged again are mostly below its old gain.
         let mut best = None;
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (old, ball) in &mut candidates {
+        for (old, sphere) in &mut candidates {
             if best.is_some_and(|(gain, _)| *old <= gain) {
                 break;
             }
-            *old = exact(&gains, *ball);
+            *old = exact(&gains, *sphere);
             if *old > 0.0 && best.is_none_or(|(gain, _)| *old > gain) {
-                best = Some((*old, *ball));
+                best = Some((*old, *sphere));
             }
         }
-        let Some((_, ball)) = best else { break };
-        gains.par_iter_mut().for_each(|view| view.place(ball));
-        spheres.push(ball);
+        let Some((_, sphere)) = best else { break };
+        gains.par_iter_mut().for_each(|view| view.place(sphere));
+        spheres.push(sphere);
     }
 }
 
@@ -213,7 +213,7 @@ mod tests {
             spheres.sort_by(|a, b| a.x.total_cmp(&b.x));
             spheres.dedup();
             assert_eq!(spheres.len(), kept);
-            assert!(spheres.iter().all(|ball| all.contains(ball)));
+            assert!(spheres.iter().all(|sphere| all.contains(sphere)));
         }
         assert_ne!(left(4, &mut random), left(4, &mut random));
         take_any(&mut Vec::new(), 3, &mut random);

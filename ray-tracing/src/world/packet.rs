@@ -1,14 +1,14 @@
 //! The rays of one tile of pixels, traced together.
 
 use super::camera_rays::Rays;
-use super::eight::{Eight, inside};
 use super::tree::Tree;
+use super::triangle_packet::{TrianglePacket, inside};
 use super::{Ball, Corners, EDGE, World};
 use fearless_simd::dispatch;
 use glam::{Vec2, Vec3};
 use obvhs::cwbvh::node::CwBvhNode;
 
-/// Side of a tile, and how many rays are asked at once.
+/// Side of a tile, and how many rays are tested at once.
 pub(crate) const SIDE: usize = 8;
 /// No primitive.
 pub(crate) const NOTHING: u32 = u32::MAX;
@@ -22,21 +22,21 @@ pub(super) type Row = [f32; SIDE];
 type Rows = [Row; SIDE];
 
 /// A ray through each pixel of a tile, and the nearest that each has met.
-pub(crate) struct Bundle<'r> {
+pub(crate) struct RayPacket<'r> {
     rays: &'r Rays,
     /// Where the first ray passes the image.
     first: Vec2,
     directions: [Rows; 3],
     /// Inner normals of four planes through the eye that hold all rays between them.
     sides: [Vec3; 4],
-    /// Distances; negative for rays that are not asked for.
+    /// Distances; negative for rays that are not wanted.
     nearest: Rows,
     found: [[u32; SIDE]; SIDE],
     /// Nothing farther away matters.
     far: f32,
 }
 
-impl<'r> Bundle<'r> {
+impl<'r> RayPacket<'r> {
     /// The rays through the points `corner` + (column, row) + `offset`, those of the columns and rows in the ranges.
     pub(crate) fn new(
         rays: &'r Rays,
@@ -96,12 +96,12 @@ impl<'r> Bundle<'r> {
 
     /// For the boxes of a node's children, in the hierarchy's units around the eye: how near, infinite for those that no
     /// ray meets.
-    fn look(&self, node: &CwBvhNode, eye: Vec3) -> Row {
-        dispatch!(self.rays.level, _simd => self.look_wide(node, eye))
+    fn child_distances(&self, node: &CwBvhNode, eye: Vec3) -> Row {
+        dispatch!(self.rays.level, _simd => self.child_distances_simd(node, eye))
     }
 
     #[inline(always)]
-    fn look_wide(&self, node: &CwBvhNode, eye: Vec3) -> Row {
+    fn child_distances_simd(&self, node: &CwBvhNode, eye: Vec3) -> Row {
         let step = node.e.map(|e| f32::from_bits(u32::from(e) << 23));
         let p = node.p - eye;
         let mut near = [0.0f32; SIDE];
@@ -143,12 +143,12 @@ impl<'r> Bundle<'r> {
 
     /// Lets the rays meet eight triangles at most.
     fn meet_triangles(&mut self, numbers: &[u32], all: &[Corners]) {
-        dispatch!(self.rays.level, _simd => self.meet_triangles_wide(numbers, all));
+        dispatch!(self.rays.level, _simd => self.meet_triangles_simd(numbers, all));
     }
 
     #[inline(always)]
-    fn meet_triangles_wide(&mut self, numbers: &[u32], all: &[Corners]) {
-        let mut t = Eight::default();
+    fn meet_triangles_simd(&mut self, numbers: &[u32], all: &[Corners]) {
+        let mut t = TrianglePacket::default();
         for (l, number) in numbers.iter().enumerate().take(SIDE) {
             let c = &all[*number as usize];
             let (s, e1, e2) = (self.rays.eye - Vec3::from(c.v0), Vec3::from(c.e1), Vec3::from(c.e2));
@@ -167,7 +167,7 @@ impl<'r> Bundle<'r> {
 
     /// [`Corners::intersect`] for a row of rays: all that does not depend on their directions is in `t`.
     #[inline(always)]
-    fn meet_triangle(&mut self, t: &Eight, l: usize, row: usize, number: u32) {
+    fn meet_triangle(&mut self, t: &TrianglePacket, l: usize, row: usize, number: u32) {
         let [x, y, z] = &self.directions;
         let (x, y, z) = (&x[row], &y[row], &z[row]);
         let (nearest, found) = (&mut self.nearest[row], &mut self.found[row]);
@@ -193,11 +193,11 @@ impl<'r> Bundle<'r> {
 
     /// [`Ball::intersect`] for all rays that may meet it.
     fn meet_ball(&mut self, ball: &Ball, number: u32) {
-        dispatch!(self.rays.level, _simd => self.meet_ball_wide(ball, number));
+        dispatch!(self.rays.level, _simd => self.meet_ball_simd(ball, number));
     }
 
     #[inline(always)]
-    fn meet_ball_wide(&mut self, ball: &Ball, number: u32) {
+    fn meet_ball_simd(&mut self, ball: &Ball, number: u32) {
         let to = ball.sphere.center - self.rays.eye;
         let r = ball.sphere.radius;
         let slack = 1e-6 * (to.abs().element_sum() + r);
@@ -244,32 +244,32 @@ impl<'r> Bundle<'r> {
 }
 
 impl<T> Tree<T> {
-    /// Calls `found` with the numbers of primitives in boxes that rays of the bundle may meet, near ones first where that is
+    /// Calls `found` with the numbers of primitives in boxes that rays of the packet may meet, near ones first where that is
     /// cheap.
-    fn visit_bundle(&self, bundle: &mut Bundle<'_>, mut found: impl FnMut(&mut Bundle<'_>, u32)) {
+    fn visit_packet(&self, packet: &mut RayPacket<'_>, mut found: impl FnMut(&mut RayPacket<'_>, u32)) {
         let Some(bvh) = &self.bvh else { return };
         let scale = self.scale();
-        let eye = bundle.rays.eye * scale;
+        let eye = packet.rays.eye * scale;
         // Seven siblings wait on each level; the hierarchy is never deeper than 32.
         let mut stack = [(0u32, 0.0f32); 7 * 32 + 1];
         let mut count = 1;
         while count > 0 {
             count -= 1;
             let (number, near) = stack[count];
-            if near > bundle.far * scale {
+            if near > packet.far * scale {
                 continue;
             }
             let node = &bvh.nodes[number as usize];
-            let near = bundle.look(node, eye);
+            let near = packet.child_distances(node, eye);
             let bottom = count;
             for (child, near) in near.iter().enumerate() {
-                if node.is_child_empty(child) || *near > bundle.far * scale || *near == f32::INFINITY {
+                if node.is_child_empty(child) || *near > packet.far * scale || *near == f32::INFINITY {
                     continue;
                 }
                 if node.is_leaf(child) {
                     let (first, n) = node.child_primitives(child);
                     for i in first..first + n {
-                        found(bundle, i);
+                        found(packet, i);
                     }
                 } else {
                     // The nearest on top.
@@ -287,29 +287,29 @@ impl<T> Tree<T> {
 }
 
 impl World<'_> {
-    /// Finds the nearest visible surface on each ray of the bundle.
-    pub(crate) fn trace(&self, bundle: &mut Bundle<'_>) {
+    /// Finds the nearest visible surface on each ray of the packet.
+    pub(crate) fn trace(&self, packet: &mut RayPacket<'_>) {
         let all = &self.triangles.primitives[..];
         let (mut waiting, mut count) = ([0u32; SIDE], 0);
-        self.triangles.visit_bundle(bundle, |bundle, number| {
+        self.triangles.visit_packet(packet, |packet, number| {
             if !all[number as usize].visible {
                 return;
             }
             waiting[count] = number;
             count += 1;
             if count == SIDE {
-                bundle.meet_triangles(&waiting, all);
+                packet.meet_triangles(&waiting, all);
                 count = 0;
             }
         });
         if count > 0 {
-            bundle.meet_triangles(&waiting[..count], all);
+            packet.meet_triangles(&waiting[..count], all);
         }
         let balls = &self.balls.primitives[..];
-        self.balls.visit_bundle(bundle, |bundle, number| {
+        self.balls.visit_packet(packet, |packet, number| {
             let ball = &balls[number as usize];
             if ball.visible {
-                bundle.meet_ball(ball, number | BALL);
+                packet.meet_ball(ball, number | BALL);
             }
         });
     }

@@ -10,13 +10,13 @@ pub(crate) const LANES: usize = 8;
 
 /// Eight [`Vec3`]s: operations in the same order as theirs.
 #[derive(Clone, Copy)]
-pub(crate) struct Wide<S: Simd> {
+pub(crate) struct Vec3x8<S: Simd> {
     pub(crate) x: f32x8<S>,
     pub(crate) y: f32x8<S>,
     pub(crate) z: f32x8<S>,
 }
 
-impl<S: Simd> Wide<S> {
+impl<S: Simd> Vec3x8<S> {
     #[inline(always)]
     pub(crate) fn splat(simd: S, v: Vec3) -> Self {
         Self { x: f32x8::splat(simd, v.x), y: f32x8::splat(simd, v.y), z: f32x8::splat(simd, v.z) }
@@ -49,7 +49,7 @@ impl<S: Simd> Wide<S> {
     }
 }
 
-impl<S: Simd> Add for Wide<S> {
+impl<S: Simd> Add for Vec3x8<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, v: Self) -> Self {
@@ -57,7 +57,7 @@ impl<S: Simd> Add for Wide<S> {
     }
 }
 
-impl<S: Simd> Sub for Wide<S> {
+impl<S: Simd> Sub for Vec3x8<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, v: Self) -> Self {
@@ -65,7 +65,7 @@ impl<S: Simd> Sub for Wide<S> {
     }
 }
 
-impl<S: Simd> Mul<f32x8<S>> for Wide<S> {
+impl<S: Simd> Mul<f32x8<S>> for Vec3x8<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, v: f32x8<S>) -> Self {

@@ -53,7 +53,7 @@ fn vertex_tangents(mesh: &Mesh, uvs: &[Vec2], transform: Mat2) -> Vec<Vec3> {
 }
 
 /// What a point has of its own.
-pub(crate) struct Look {
+pub(crate) struct Appearance {
     /// None where its object's is all there is.
     pub(crate) material: Option<Material>,
     pub(crate) emission: Vec3,
@@ -75,7 +75,7 @@ struct Patch<'a> {
 impl World<'_> {
     /// What the surface at a point, which a ray from the eye has `found`, makes of it; its normal is turned as the normal map says.
     /// `beside` are the directions of rays through the ends of the sides of the pixel's part that the ray stands for.
-    pub(crate) fn look(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &mut Receiver) -> Look {
+    pub(crate) fn appearance(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &mut Receiver) -> Appearance {
         let object = &self.scene.objects[at.object as usize];
         let plain = Surface::default();
         let surface = self.scene.surface(object.material).unwrap_or(&plain);
@@ -100,7 +100,7 @@ impl World<'_> {
             let along = surface.follows_u.then(|| along_u(at, patch.changes(0)));
             along.and_then(|along| material.turned(at.normal, along)).unwrap_or(material)
         });
-        Look { material, emission }
+        Appearance { material, emission }
     }
 
     fn patch(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &Receiver) -> Patch<'_> {

@@ -1,28 +1,28 @@
-//! The spheres that meet one receiver's light cone.
+//! The cones of directions that spheres block of one receiver's light.
 
 use crate::block::LANES;
+use crate::blocked_cones::BlockedCones;
 use crate::ellipse::Ellipses;
-use crate::looks::Looks;
 use crate::splat::{BlockedCone, Front};
-use crate::wide::splat_wide;
+use crate::wide_cone::splat_wide;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
 use lobe_core::Cone;
 use visibility_mask::{Edges, Mask};
 
-/// Numbers of a hit: to the centre; `d sin β`; the cosine of a wide cone, else 1; the radius of a sphere that meets the
+/// Numbers of a cone: to the centre; `d sin β`; the cosine of a wide cone, else 1; the radius of a sphere that meets the
 /// light, else 0.
 const COLUMNS: usize = 6;
 
 /// All of them, in the order in which they came.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Hits {
+pub(crate) struct ConeList {
     /// With room for eight more.
     columns: [Vec<f32>; COLUMNS],
     len: usize,
 }
 
-impl Hits {
+impl ConeList {
     /// None, with room for so many.
     pub(crate) fn clear(&mut self, room: usize) {
         self.len = 0;
@@ -50,20 +50,20 @@ impl Hits {
         self.len += 1;
     }
 
-    /// Those of eight looks that hide something; lanes behind them are zero.
+    /// Those of eight cones that hide something; lanes behind them are zero.
     #[inline(always)]
-    pub(crate) fn extend<S: Simd>(&mut self, looks: &Looks<S>) {
-        let [x, y, z] = looks.to;
-        let of = [x, y, z, looks.tangent_radius, looks.wide, looks.meeting];
+    pub(crate) fn extend<S: Simd>(&mut self, cones: &BlockedCones<S>) {
+        let [x, y, z] = cones.to;
+        let of = [x, y, z, cones.tangent_radius, cones.wide, cones.meeting];
         for (column, of) in self.columns.iter_mut().zip(of) {
             if let Some(lanes) = column[self.len..].first_chunk_mut::<LANES>() {
-                of.compress(looks.hides).store_slice(lanes);
+                of.compress(cones.hides).store_slice(lanes);
             }
         }
-        self.len += looks.hides.to_bitmask().count_ones() as usize;
+        self.len += cones.hides.to_bitmask().count_ones() as usize;
     }
 
-    /// Makes the lanes behind the last hit zero.
+    /// Makes the lanes behind the last cone zero.
     #[inline(always)]
     pub(crate) fn end(&mut self) {
         for column in &mut self.columns {
@@ -73,7 +73,7 @@ impl Hits {
         }
     }
 
-    /// A column of the eight hits from `first` on.
+    /// A column of the eight cones from `first` on.
     #[inline(always)]
     fn column<S: Simd>(&self, simd: S, column: usize, first: usize) -> f32x8<S> {
         let lanes = self.columns[column].get(first..).and_then(<[f32]>::first_chunk);

@@ -1,4 +1,4 @@
-//! What eight spheres hide of one receiver's light, side by side.
+//! The cones of directions that eight spheres block of one receiver's light, side by side.
 
 use crate::block::{Block, Candidates};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
@@ -27,7 +27,7 @@ pub(crate) struct LightBall {
 }
 
 /// The directions that eight spheres block, as [`BlockedCone`](crate::splat::BlockedCone)s.
-pub(crate) struct Looks<S: Simd> {
+pub(crate) struct BlockedCones<S: Simd> {
     pub(crate) to: [f32x8<S>; 3],
     pub(crate) tangent_radius: f32x8<S>,
     /// Of cones as wide as a hemisphere or wider the cosine, of others 1.
@@ -100,13 +100,13 @@ impl LightBall {
 
     /// What those of eight candidates that `which` names hide from the receiver of a query. Where in doubt, something.
     #[inline(always)]
-    pub(crate) fn look<S: Simd>(
+    pub(crate) fn blocked_cones<S: Simd>(
         &self,
         simd: S,
         object: u32,
         block: &Candidates,
         which: mask32x8<S>,
-    ) -> Option<Looks<S>> {
+    ) -> Option<BlockedCones<S>> {
         let Block { x, y, z, radius } = block.spheres;
         let [x, y, z, whole] = [x, y, z, radius].map(|column| f32x8::simd_from(simd, column));
         let mut to = [x - self.at.x, y - self.at.y, z - self.at.z];
@@ -141,7 +141,7 @@ impl LightBall {
         let (lit, dark) = self.cover(simd, to, along, aside_sq, tangent_radius, wide);
         let hides = which & !behind & !lit;
         let darkens = (hides & !meets & dark).any_true();
-        Some(Looks { to, tangent_radius, wide, meeting: meets.select(radius, zero), hides, darkens })
+        Some(BlockedCones { to, tangent_radius, wide, meeting: meets.select(radius, zero), hides, darkens })
     }
 
     /// Which spheres may hide something of the light: whatever this drops, [`cover`](Self::cover) calls lit too.
