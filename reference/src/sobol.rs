@@ -1,6 +1,8 @@
 //! Sobol' points with hash-based Owen scrambling (B. Burley, *Practical Hash-based Owen Scrambling*, JCGT 9 (4), 2020;
 //! hash constants by N. Vegdahl, 2021).
 
+use lobe_core::Random;
+
 /// Dimensions of the sequence.
 pub(crate) const DIMENSIONS: usize = 3;
 
@@ -62,12 +64,9 @@ fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// Mixes a key into a hash (the finaliser of SplitMix64).
+/// Mixes a key into a hash.
 pub(crate) fn mix(hash: u64, key: u64) -> u64 {
-    let mut z = (hash ^ key).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    Random::new(hash ^ key).bits()
 }
 
 /// One randomisation of the sequence.

@@ -1,8 +1,8 @@
 use core::f64::consts::TAU;
 use glam::DVec3;
 
-/// A small deterministic generator (SplitMix64: G. Steele, D. Lea, C. Flood, OOPSLA 2014) for property tests: the same
-/// seed gives the same cases everywhere.
+/// A small deterministic generator: SplitMix64 (G. Steele, D. Lea, C. Flood, *Fast Splittable Pseudorandom Number Generators*,
+/// OOPSLA 2014). The same seed gives the same numbers everywhere.
 #[derive(Clone, Debug)]
 pub struct Random {
     state: u64,
@@ -16,6 +16,7 @@ impl Random {
     }
 
     /// 64 random bits.
+    #[inline]
     pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.state;
