@@ -34,6 +34,8 @@ mod occlusion;
 mod paper;
 mod pose;
 mod shader;
+#[cfg(test)]
+mod validated;
 pub mod wgsl;
 
 pub use self::bvh::GpuWorld;

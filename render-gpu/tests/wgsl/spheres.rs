@@ -1,46 +1,28 @@
 //! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are Rust's.
 
+use crate::constant;
+use crate::validated::module;
 use lighting::SphereLight;
 use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use visibility_mask::{Fineness, wgsl as masks};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
 
-const FRAME: &str = include_str!("../src/kernels/frame.wgsl");
-const QUEUE: &str = include_str!("../src/kernels/queue.wgsl");
-const BOUNDS: &str = include_str!("../src/kernels/bounds.wgsl");
-const CULL: &str = include_str!("../src/kernels/cull.wgsl");
+const FRAME: &str = include_str!("../../src/kernels/frame.wgsl");
+const QUEUE: &str = include_str!("../../src/kernels/queue.wgsl");
+const BOUNDS: &str = include_str!("../../src/kernels/bounds.wgsl");
+const CULL: &str = include_str!("../../src/kernels/cull.wgsl");
 const CLASSIFY: &str = concat!(
-    include_str!("../src/kernels/points.wgsl"),
-    include_str!("../src/kernels/tiles.wgsl"),
-    include_str!("../src/kernels/classify.wgsl")
+    include_str!("../../src/kernels/points.wgsl"),
+    include_str!("../../src/kernels/tiles.wgsl"),
+    include_str!("../../src/kernels/classify.wgsl")
 );
-const ARGS: &str = include_str!("../src/kernels/args.wgsl");
+const ARGS: &str = include_str!("../../src/kernels/args.wgsl");
 
 /// The hook of `classify`, for spheres only.
 const HOOK: &str = "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     return spheres_coverage(tile, at, cone);
 }";
-
-/// Parses and validates pieces joined.
-fn module(pieces: &[&str]) -> naga::Module {
-    let text = pieces.join("\n");
-    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
-        panic!("{}", error.emit_to_string(&text));
-    }
-    module
-}
-
-fn constant(module: &naga::Module, name: &str) -> u32 {
-    let found = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name));
-    let (_, constant) = found.unwrap_or_else(|| panic!("no constant {name}"));
-    match module.global_expressions[constant.init] {
-        naga::Expression::Literal(naga::Literal::U32(value)) => value,
-        ref other => panic!("{name} is {other:?}"),
-    }
-}
 
 #[test]
 fn culling_validates() {

@@ -1,9 +1,9 @@
 //! The WGSL of masks and penumbrae without a GPU: every variant validates.
 
+use crate::validated::module;
 use lighting::SphereLight;
 use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use visibility_mask::{Fineness, wgsl};
 
 /// Blockers and reflectance, as the kernel asks for them.
@@ -15,16 +15,6 @@ const HOOKS: &str = "
     fn brdf_lobe_count(material: u32) -> u32 { return materials[0]; }
     fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe { return Lobe(at.normal, 1.0, vec3f(1.0), 0.0); }";
 
-/// Parses and validates pieces joined.
-fn validate(pieces: &[&str]) -> naga::Module {
-    let text = pieces.join("\n");
-    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
-        panic!("{}", error.emit_to_string(&text));
-    }
-    module
-}
-
 /// All depths, and tolerances for each fineness.
 fn variants() -> impl Iterator<Item = (u32, f32)> {
     (1..=visibility_mask::MAX_DEPTH).flat_map(|depth| [0.01, 0.003, 0.001].map(|tolerance| (depth, tolerance)))
@@ -32,12 +22,12 @@ fn variants() -> impl Iterator<Item = (u32, f32)> {
 
 #[test]
 fn pieces_validate_alone() {
-    validate(&[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
-    validate(&[wgsl::EDGES, GEOMETRY]);
+    module(&[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
+    module(&[wgsl::EDGES, GEOMETRY]);
     for (depth, tolerance) in variants() {
         let header = wgsl::header(depth, Fineness::broad(tolerance));
-        validate(&[&header, wgsl::MASK, wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
-        validate(&[&header, wgsl::TOTAL]);
+        module(&[&header, wgsl::MASK, wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
+        module(&[&header, wgsl::TOTAL]);
     }
 }
 
@@ -45,11 +35,11 @@ fn pieces_validate_alone() {
 #[test]
 fn penumbrae_validate() {
     let kernel = [
-        include_str!("../src/kernels/frame.wgsl"),
-        include_str!("../src/kernels/queue.wgsl"),
-        include_str!("../src/kernels/points.wgsl"),
+        include_str!("../../src/kernels/frame.wgsl"),
+        include_str!("../../src/kernels/queue.wgsl"),
+        include_str!("../../src/kernels/points.wgsl"),
         SphereLight::WGSL,
-        include_str!("../src/kernels/penumbra.wgsl"),
+        include_str!("../../src/kernels/penumbra.wgsl"),
     ];
     let common = [wgsl::MASK, wgsl::SQUARE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];
     let core = [GEOMETRY, LOBE, SPECIAL, HOOKS];
@@ -57,7 +47,7 @@ fn penumbrae_validate() {
         let (broad, narrow) = (Fineness::broad(tolerance), Fineness::narrow(tolerance));
         let headers = [wgsl::header(depth, broad), wgsl::header_of_lobes(depth, broad, narrow, false)];
         for (form, header) in [wgsl::LAMBERT, wgsl::LOBES].into_iter().zip(&headers) {
-            let module = validate(&[[header.as_str()].as_slice(), &kernel, &common, &core, &[form]].concat());
+            let module = module(&[[header.as_str()].as_slice(), &kernel, &common, &core, &[form]].concat());
             let entry = &module.entry_points[0];
             let lanes = (1 << depth).max(32);
             assert_eq!((entry.name.as_str(), entry.workgroup_size), ("penumbra", [lanes, 1, 1]));

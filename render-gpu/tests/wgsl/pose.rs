@@ -1,28 +1,11 @@
 //! The kernels of poses and canvases without a GPU: they validate, and their constants are Rust's.
 
+use crate::constant;
+use crate::validated::module;
 use glam::{Mat4, Vec3};
 use lobe_core::wgsl::{GEOMETRY, SPECIAL};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use sphere_sets::{BuildOptions, Carriers, SphereRig, SphereRigPart, SphereSet};
 use visibility_spheres::{SphereBlockers, wgsl};
-
-fn module(pieces: &[&str]) -> naga::Module {
-    let text = pieces.join("\n");
-    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
-        panic!("{}", error.emit_to_string(&text));
-    }
-    module
-}
-
-fn constant(module: &naga::Module, name: &str) -> usize {
-    let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
-    let init = found.map(|(_, constant)| &module.global_expressions[constant.init]);
-    match init {
-        Some(naga::Expression::Literal(naga::Literal::U32(value))) => *value as usize,
-        other => panic!("{name}: {other:?}"),
-    }
-}
 
 #[test]
 fn a_rig_has_the_words_that_its_kernel_reads() {
@@ -44,7 +27,8 @@ fn a_rig_has_the_words_that_its_kernel_reads() {
         let spheres = &bound.rest().spheres;
         let blockers = SphereBlockers::new(spheres, &vec![0; spheres.len()], &[]);
         let rig = SphereRig::new(&blockers, &[SphereRigPart { first: 0, set: &bound }]).unwrap();
-        let each = constant(&pose, "RIG_WORDS") + targets.len() * constant(&pose, "MORPH_WORDS");
+        let [rig_words, morph_words] = ["RIG_WORDS", "MORPH_WORDS"].map(|name| constant(&pose, name) as usize);
+        let each = rig_words + targets.len() * morph_words;
         assert_eq!(rig.words().len(), 1 + spheres.len() * each);
         assert_eq!(rig.spheres() as usize, spheres.len());
         // One sphere too few.
@@ -56,8 +40,8 @@ fn a_rig_has_the_words_that_its_kernel_reads() {
 fn a_canvas_of_either_format_validates() {
     for format in ["rgba16float", "rgba32float"] {
         let binding = format!("@group(0) @binding(10) var canvas: texture_storage_2d<{format}, write>;");
-        let canvas = module(&[&binding, GEOMETRY, include_str!("../src/kernels/canvas.wgsl")]);
+        let canvas = module(&[&binding, GEOMETRY, include_str!("../../src/kernels/canvas.wgsl")]);
         assert_eq!(canvas.entry_points[0].workgroup_size, [render_gpu::TILE, render_gpu::TILE, 1]);
-        assert_eq!(constant(&canvas, "NO_MATERIAL"), render_gpu::NO_MATERIAL as usize);
+        assert_eq!(constant(&canvas, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
     }
 }

@@ -1,24 +1,15 @@
 //! The WGSL of rays without a GPU.
 
+use crate::validated::module;
 use lobe_core::wgsl::GEOMETRY;
 use lobe_core::wgsl::{LOBE, SPECIAL};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use render_gpu::wgsl::{BVH, RAYS, RAYS_SPLAT, TRACE};
-
-fn validate(pieces: &[&str]) {
-    let text = pieces.join("\n");
-    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-    let checked = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module);
-    if let Err(error) = checked {
-        panic!("{}", error.emit_to_string(&text));
-    }
-}
 
 #[test]
 fn visible_points_validate() {
-    validate(&[BVH]);
+    module(&[BVH]);
     for stack in [32, 64, 1024] {
-        validate(&[TRACE, &format!("const STACK = {stack}u;"), BVH, GEOMETRY]);
+        module(&[TRACE, &format!("const STACK = {stack}u;"), BVH, GEOMETRY]);
     }
 }
 
@@ -26,7 +17,7 @@ fn visible_points_validate() {
 #[test]
 fn shadow_rays_validate() {
     const STACK: &str = "const STACK = 32u;";
-    validate(&[RAYS, STACK, BVH, GEOMETRY, visibility_mask::wgsl::FACET]);
+    module(&[RAYS, STACK, BVH, GEOMETRY, visibility_mask::wgsl::FACET]);
     for (depth, coarse) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
         let header = visibility_mask::wgsl::header(
             depth,
@@ -41,7 +32,7 @@ fn shadow_rays_validate() {
             rays_splat(lane, at, light, mask);
         }";
         let pieces = [&masks[..], &[RAYS_SPLAT, RAYS, STACK, BVH, GEOMETRY, LOBE, SPECIAL, main]].concat();
-        validate(&pieces);
+        module(&pieces);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The WGSL of shadow maps without a GPU: every variant validates.
 
+use crate::validated::module;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use visibility_shadowmap::{Pages, wgsl};
 
 /// What kernels declare.
@@ -20,12 +20,7 @@ fn validate(pieces: &[&str]) -> naga::Module {
         visibility_mask::wgsl::SQUARE,
         visibility_mask::wgsl::FACET,
     ];
-    let text = common.iter().chain(pieces).copied().collect::<Vec<_>>().join("\n");
-    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module) {
-        panic!("{}", error.emit_to_string(&text));
-    }
-    module
+    module(&common.iter().chain(pieces).copied().collect::<Vec<_>>())
 }
 
 #[test]

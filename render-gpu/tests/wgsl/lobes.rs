@@ -1,20 +1,9 @@
 //! The WGSL without a GPU: pieces validate, layouts and constants are Rust's.
 
+use crate::validated::module;
 use lighting::SphereLight;
 use lobe_core::gpu::GpuLight as _;
 use lobe_core::wgsl;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
-
-/// Parses and validates pieces joined.
-fn module(pieces: &[&str]) -> naga::Module {
-    let text = pieces.join("\n");
-    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-    let checked = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module);
-    if let Err(error) = checked {
-        panic!("{}", error.emit_to_string(&text));
-    }
-    module
-}
 
 /// Size and member offsets of a struct.
 fn layout(module: &naga::Module, name: &str) -> (u32, Vec<(String, u32)>) {
@@ -67,7 +56,7 @@ const HOOKS: &str = "
 #[test]
 fn kernels_of_the_paper_validate() {
     use visibility_mask::wgsl as masks;
-    let frame = [include_str!("../src/kernels/frame.wgsl"), include_str!("../src/kernels/queue.wgsl"), HOOKS];
+    let frame = [include_str!("../../src/kernels/frame.wgsl"), include_str!("../../src/kernels/queue.wgsl"), HOOKS];
     let core = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE, wgsl::PAPER];
     module(
         &[
@@ -75,9 +64,9 @@ fn kernels_of_the_paper_validate() {
             &core,
             &[
                 SphereLight::WGSL,
-                include_str!("../src/kernels/points.wgsl"),
-                include_str!("../src/kernels/tiles.wgsl"),
-                include_str!("../src/kernels/paper_classify.wgsl"),
+                include_str!("../../src/kernels/points.wgsl"),
+                include_str!("../../src/kernels/tiles.wgsl"),
+                include_str!("../../src/kernels/paper_classify.wgsl"),
             ],
         ]
         .concat(),
@@ -88,9 +77,9 @@ fn kernels_of_the_paper_validate() {
     let masks = [masks::SQUARE, masks::MASK, masks::TOTAL, masks::PAPER];
     for depth in 1..=visibility_mask::MAX_DEPTH {
         let header = visibility_mask::wgsl::paper_header(depth);
-        let points = include_str!("../src/kernels/points.wgsl");
+        let points = include_str!("../../src/kernels/points.wgsl");
         let kernel =
-            [SphereLight::WGSL, points, include_str!("../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
+            [SphereLight::WGSL, points, include_str!("../../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
         let module = module(&[frame.as_slice(), &core, &masks, &kernel].concat());
         let entry = &module.entry_points[0];
         assert_eq!(entry.workgroup_size, [if depth < 5 { 32 } else { 64 }, 1, 1]);
