@@ -1,6 +1,7 @@
 //! Small scenes and meshes for the tests of the workspace.
 
 use brdf::Material;
+use core::f32::consts::PI;
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::Sphere;
@@ -47,4 +48,26 @@ pub fn floor_and_ball() -> Scene {
             SphereLight::new(Sphere { center: Vec3::new(1.0, 5.0, 0.5), radius: 0.7 }, Vec3::splat(3.0)).into(),
         ],
     }
+}
+
+/// A globe of about `4n²` triangles, smooth or flat.
+#[must_use]
+pub fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
+    let at = |i: u32, k: u32| {
+        let ((s, c), (x, z)) = ((PI * i as f32 / n as f32).sin_cos(), (PI * k as f32 / n as f32).sin_cos());
+        center + radius * Vec3::new(s * x, c, s * z)
+    };
+    let positions = (0..=n).flat_map(|i| (0..2 * n).map(move |k| at(i, k))).collect();
+    let number = |i: u32, k: u32| i * 2 * n + k % (2 * n);
+    let quads = (0..n).flat_map(|i| (0..2 * n).map(move |k| [(i, k), (i + 1, k), (i + 1, k + 1), (i, k + 1)]));
+    let triangles = quads.flat_map(|q| {
+        let [a, b, c, d] = q.map(|(i, k)| number(i, k));
+        [[a, b, c], [a, c, d]]
+    });
+    let mut mesh = Mesh { positions, triangles: triangles.collect(), ..Mesh::default() };
+    mesh.remove_degenerate();
+    if smooth {
+        mesh.smooth_normals();
+    }
+    mesh
 }

@@ -5,7 +5,7 @@ use fearless_simd::{Level, Simd};
 use glam::{Vec2, Vec3};
 use lobe_core::{Receiver, Sphere};
 use scene::{Camera, Mesh, Object, Proxy, Scene, Shape};
-use test_scenes::{floor_and_ball, material};
+use test_scenes::{floor_and_ball, globe, material};
 
 #[test]
 fn rays_are_the_camera_s() {
@@ -93,34 +93,12 @@ fn shared_edges_have_no_cracks() {
     }
 }
 
-/// A globe of `2n²` slices and triangles.
-fn globe(n: u32, smooth: bool) -> Mesh {
-    let step = core::f32::consts::PI / n as f32;
-    let at = |i: u32, j: u32| {
-        let ((s, c), (t, d)) = ((i as f32 * step).sin_cos(), (j as f32 * step).sin_cos());
-        Vec3::new(s * d, c, s * t)
-    };
-    let positions = (0..=n).flat_map(|i| (0..2 * n).map(move |j| at(i, j))).collect();
-    let number = |i: u32, j: u32| i * 2 * n + j % (2 * n);
-    let quads = (0..n).flat_map(|i| (0..2 * n).map(move |j| [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]));
-    let triangles = quads.flat_map(|q| {
-        let [a, b, c, d] = q.map(|(i, j)| number(i, j));
-        [[a, b, c], [a, c, d]]
-    });
-    let mut mesh = Mesh { positions, triangles: triangles.collect(), ..Mesh::default() };
-    mesh.remove_degenerate();
-    if smooth {
-        mesh.smooth_normals();
-    }
-    mesh
-}
-
 /// Nor has a closed surface of triangles smaller than pixels: no ray gets in. (A fixed margin of 1e-6 of a triangle
 /// around each lets through some one in 200 000.)
 #[test]
 fn closed_surfaces_have_no_cracks() {
     let camera = Camera { eye: Vec3::new(0.3, 0.8, 4.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.45 };
-    let objects = vec![Object::mesh("globe", globe(250, false), 0, Proxy::None)];
+    let objects = vec![Object::mesh("globe", globe(250, Vec3::ZERO, 1.0, false), 0, Proxy::None)];
     let scene = Scene { camera, objects, ..floor_and_ball() };
     let g = GBuffer::new(&World::new(&scene), 600, 600, 4);
     assert!(g.len() > 1_000_000, "{}", g.len());
@@ -138,9 +116,9 @@ fn tiles_find_what_single_rays_find() {
         let object = Object::mesh("globe", Mesh { positions, ..mesh }, 0, Proxy::Count(1));
         scene.objects.push(Object { visible, ..object });
     };
-    add(globe(40, true), Vec3::new(1.5, 0.7, 0.3), true);
-    add(globe(9, false), Vec3::new(-1.4, 0.3, 1.0), true);
-    add(globe(9, false), Vec3::new(0.0, 1.5, 4.0), false);
+    add(globe(40, Vec3::ZERO, 1.0, true), Vec3::new(1.5, 0.7, 0.3), true);
+    add(globe(9, Vec3::ZERO, 1.0, false), Vec3::new(-1.4, 0.3, 1.0), true);
+    add(globe(9, Vec3::ZERO, 1.0, false), Vec3::new(0.0, 1.5, 4.0), false);
     let balls = (0..40).map(|i| Sphere { center: Vec3::new(0.3 * i as f32 - 6.0, 0.1, -1.0), radius: 0.12 });
     scene.objects.push(Object::spheres("row", balls.collect(), 0));
     let mut different = 0;
@@ -177,7 +155,7 @@ fn tiles_find_what_single_rays_find() {
 #[test]
 fn instructions_do_not_matter() {
     let mut scene = floor_and_ball();
-    scene.objects.push(Object::mesh("globe", globe(30, true), 0, Proxy::None));
+    scene.objects.push(Object::mesh("globe", globe(30, Vec3::ZERO, 1.0, true), 0, Proxy::None));
     let world = World::new(&scene);
     let look = |level: Level| {
         let mut view = View::new(&world, [90, 70], 1, 0..90, 0..70);

@@ -1,7 +1,7 @@
 //! Shadow rays on the GPU against `RayBlockers`.
 
 use crate::call::trial;
-use crate::gbuffer::{globe, large_floor, placed};
+use crate::gbuffer::{large_floor, placed};
 use brdf::Material;
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
@@ -15,6 +15,7 @@ use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::{CpuShader, RayBlockers, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape, builtin};
+use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility, facet_coverage};
 use visibility_spheres::SphereBlockers;
 
