@@ -20,16 +20,19 @@
 //! ```
 
 mod blockers;
+mod blockers_error;
 mod rays;
 mod scene_silhouettes;
 mod scene_spheres;
 mod shade;
 mod surface_hits;
 
-pub use crate::blockers::{BlockersError, BlockersProgress, blockers};
+pub use crate::blockers::blockers;
+pub use crate::blockers_error::{BlockersError, BlockersProgress};
 pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::scene_silhouettes::SceneSilhouettes;
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
 pub use crate::shade::{CpuShader, Layers};
 pub use crate::surface_hits::{HitScratch, SurfaceHits};
+pub use glam;
 pub use ray_tracing::{GBuffer, Hierarchy, TILE, World};

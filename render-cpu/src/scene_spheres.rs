@@ -1,4 +1,4 @@
-use crate::blockers::{BlockersError, BlockersProgress};
+use crate::blockers_error::{BlockersError, BlockersProgress};
 use glam::{Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
 use scene::{Animation, BlockerSet, Doubles, Mesh, Object, Proxy, Scene, Shape};

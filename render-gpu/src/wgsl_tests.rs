@@ -109,10 +109,10 @@ const PAIRS: &[Pair] = &[
     ("visibility-spheres/src/wide_cone.wgsl", "WIDE_LIMIT", Is("visibility-spheres/src/wide_cone.rs", "LIMIT")),
     ("render-gpu/src/kernels/bounds.wgsl", "BOUNDS_EVERYTHING", Own),
     ("render-gpu/src/kernels/bvh.wgsl", "NEVER", Own),
-    ("render-gpu/src/kernels/bvh.wgsl", "BVH_EDGE", Is("ray-tracing/src/world.rs", "EDGE")),
+    ("render-gpu/src/kernels/bvh.wgsl", "BVH_EDGE", Is("ray-tracing/src/world/primitive.rs", "EDGE")),
     ("render-gpu/src/kernels/bvh.wgsl", "WIDEST", Is("ray-tracing/src/world/packet.rs", "WIDEST")),
-    ("render-gpu/src/kernels/bvh.wgsl", "CLOSE", Is("ray-tracing/src/world.rs", "CLOSE")),
-    ("render-gpu/src/kernels/bvh.wgsl", "CLOSE_TO_BALL", Is("ray-tracing/src/world.rs", "CLOSE_TO_BALL")),
+    ("render-gpu/src/kernels/bvh.wgsl", "CLOSE", Is("ray-tracing/src/world/primitive.rs", "CLOSE")),
+    ("render-gpu/src/kernels/bvh.wgsl", "CLOSE_TO_BALL", Is("ray-tracing/src/world/primitive.rs", "CLOSE_TO_BALL")),
     ("render-gpu/src/kernels/rays.wgsl", "BLUR", Is("ray-tracing/src/world/query.rs", "BLUR")),
     ("render-gpu/src/kernels/rays_splat.wgsl", "GRAZING", Is("render-cpu/src/rays.rs", "GRAZING")),
 ];

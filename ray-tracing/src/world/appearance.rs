@@ -1,6 +1,7 @@
 //! What textures, vertex colours and emission make of points.
 
-use super::{BALL, World};
+use super::World;
+use super::packet::BALL;
 use brdf::Material;
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{DVec3, Mat2, Vec2, Vec3};

@@ -4,6 +4,10 @@ use fearless_simd::Level;
 use glam::{Vec2, Vec3};
 use scene::Camera;
 
+/// Side of a tile, and how many rays are tested at once.
+pub(crate) const SIDE: usize = 8;
+pub(super) type Row = [f32; SIDE];
+
 /// [`Camera::direction`] with everything that is constant over the picture computed once.
 pub(crate) struct Rays {
     pub(crate) eye: Vec3,

@@ -1,15 +1,14 @@
 //! The rays of one tile of pixels, traced together.
 
-use super::camera_rays::Rays;
+use super::World;
+use super::camera_rays::{Rays, Row, SIDE};
+use super::primitive::{Ball, Corners, EDGE};
 use super::tree::Tree;
 use super::triangle_packet::{TrianglePacket, inside};
-use super::{Ball, Corners, EDGE, World};
 use fearless_simd::dispatch;
 use glam::{Vec2, Vec3};
 use obvhs::cwbvh::node::CwBvhNode;
 
-/// Side of a tile, and how many rays are tested at once.
-pub(crate) const SIDE: usize = 8;
 /// No primitive.
 pub(crate) const NOTHING: u32 = u32::MAX;
 /// Set in the number of a ball.
@@ -18,7 +17,6 @@ pub(crate) const BALL: u32 = 1 << 31;
 /// The most by which rounding makes a triangle larger, in barycentric units: edge-on ones would have no end.
 const WIDEST: f32 = 0.05;
 
-pub(super) type Row = [f32; SIDE];
 type Rows = [Row; SIDE];
 
 /// A ray through each pixel of a tile, and the nearest that each has met.

@@ -1,6 +1,8 @@
 //! Which primitives a whole packet of rays may meet.
 
-use super::{Ball, Corners, Named, Tree, World};
+use super::World;
+use super::primitive::{Ball, Corners, Named};
+use super::tree::Tree;
 use glam::{Vec3, Vec3A};
 use lobe_core::{Cone, Shaft};
 use obvhs::aabb::Aabb;

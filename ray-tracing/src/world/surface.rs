@@ -1,13 +1,14 @@
 //! What surfaces are like where rays meet them, eight at once.
 
-use super::{BALL, NOTHING, SIDE, World};
+use super::World;
+use super::camera_rays::{Row, SIDE};
+use super::packet::{BALL, NOTHING};
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 use lobe_core::Receiver;
 use obvhs::ray::Ray;
 use scene::Shape;
 
-type Row = [f32; SIDE];
 type DVec3x8 = [[f64; SIDE]; 3];
 
 /// Eight rays from the eye that have met something.

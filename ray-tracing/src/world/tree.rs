@@ -1,12 +1,18 @@
 //! A hierarchy over primitives, built once and refitted as they move.
 
-use super::Named;
+use super::primitive::Named;
 use glam::Vec3A;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ray::Ray;
+
+/// The power of two that brings coordinates up to `size` to about a million.
+pub(crate) fn hierarchy_scale(size: f32) -> f32 {
+    let exponent = (20.0 - size.log2().floor()).clamp(-100.0, 60.0);
+    f32::from_bits(((127.0 + exponent) as u32) << 23)
+}
 
 /// Primitives with their hierarchy; `None` when there are none, which the hierarchy cannot express.
 pub(crate) struct Tree<T> {

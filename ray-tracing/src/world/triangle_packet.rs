@@ -1,7 +1,6 @@
 //! Eight triangles side by side, made ready for rays from one point.
 
-use super::camera_rays::Rays;
-use super::packet::{Row, SIDE};
+use super::camera_rays::{Rays, Row, SIDE};
 use glam::{Vec2, Vec3};
 
 /// The whole numbers in an interval, of those from 0 to 7: first and one past the last, not negative, equal when there
