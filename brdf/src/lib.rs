@@ -78,3 +78,4 @@ pub use crate::model::{Brdf, BrdfSample};
 pub use crate::modified_phong::ModifiedPhong;
 pub use crate::packed::{Models, PackedMaterials};
 pub use crate::phong::Phong;
+pub use glam;

@@ -68,3 +68,4 @@ pub use crate::source::{
 pub use crate::tile::{Tile, TileLight, TileLobes};
 pub use crate::tile_integrator::{TileCall, TileLit};
 pub use crate::visit::{Look, PartlySeen, Visit};
+pub use glam;

@@ -25,3 +25,4 @@ mod world;
 pub use crate::gbuffer::{GBuffer, TILE};
 pub use crate::sphere_hierarchy::SphereHierarchy;
 pub use crate::world::{Hierarchy, Primitive, Region, World};
+pub use glam;

@@ -37,3 +37,4 @@ mod vec3x8;
 
 pub use crate::ray_shader::RayShader;
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};
+pub use glam;

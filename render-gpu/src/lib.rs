@@ -48,3 +48,4 @@ pub use self::log::{CompiledKernel, KernelLog};
 pub use self::occlusion::Occlusion;
 pub use self::pose::GpuPose;
 pub use self::shader::GpuShader;
+pub use glam;

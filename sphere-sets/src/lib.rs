@@ -48,6 +48,7 @@ mod tests;
 pub use bind::Carriers;
 pub use bound_set::BoundSet;
 pub use error::{BindError, BuildError, MisfitError, SetFileError};
+pub use glam;
 pub use options::{BuildOptions, Progress};
 pub use preview::preview;
 pub use quality::{SetQuality, Verdict};

@@ -27,6 +27,7 @@ mod wide_cone;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
 pub use crate::packed::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK};
+pub use glam;
 
 #[cfg(test)]
 mod culling_tests;
