@@ -27,6 +27,7 @@ pub struct FlatLight {
     disc: Option<f32>,
     bounds: Sphere,
     area: f32,
+    roundness: f32,
     /// Whether the other side is lit too.
     pub two_sided: bool,
     /// Radiance, W·m⁻²·sr⁻¹ per channel; of a light that shows an image its mean over the rectangle.
@@ -81,7 +82,7 @@ impl FlatLight {
         let (u, v) = normal.any_orthonormal_pair();
         let around = Self::rectangle(center, u * radius, v * radius, radiance)?;
         let bounds = Sphere { center, radius };
-        Ok(Self { disc: Some(radius), bounds, area: PI * radius * radius, normal, ..around })
+        Ok(Self { disc: Some(radius), bounds, area: PI * radius * radius, roundness: 1.0, normal, ..around })
     }
 
     /// A convex polygon of 3 to 24 corners, lit on the side from which they go counter-clockwise.
@@ -118,7 +119,19 @@ impl FlatLight {
         let mut corners = [first; Outline::MOST];
         corners[..count].copy_from_slice(points);
         let bounds = Sphere { center, radius: radius * 1.000_01 };
-        Ok(Self { corners, count, normal, disc: None, bounds, area, two_sided: false, radiance, image: None })
+        let roundness = area / (PI * radius * radius);
+        Ok(Self {
+            corners,
+            count,
+            normal,
+            disc: None,
+            bounds,
+            area,
+            roundness,
+            two_sided: false,
+            radiance,
+            image: None,
+        })
     }
 
     /// The same, lit on both sides.
@@ -186,6 +199,12 @@ impl FlatLight {
         self.area
     }
 
+    /// The part that it fills of the circle around it.
+    #[must_use]
+    pub const fn roundness(&self) -> f32 {
+        self.roundness
+    }
+
     /// The same light somewhere else. Turns and shifts only.
     #[must_use]
     pub fn moved(&self, placement: Mat4) -> Self {
@@ -223,7 +242,8 @@ impl LightLobes for FlatLight {
         let outline = match self.disc {
             Some(radius) => Outline::disc(self.bounds.center - at.position, radius, axis),
             None => Outline::new(&self.corners.map(|p| p - at.position)[..self.count], axis),
-        }?;
+        }?
+        .with_roundness(self.roundness);
         let sides = if self.image.is_some() { self.sides() } else { None };
         Some(sides.map_or(outline, |sides| outline.with_sides(sides)))
     }

@@ -1,9 +1,13 @@
-// Balls, spots, suns and balls inside an object, as `Light`. `frame.shape[1].w` says which: 0, 1, 2, 3.
+// Balls, spots, suns, balls inside an object and ambient light, as `Light`. `frame.shape[1].w` says which: 0, 1, 2, 3, 4.
 // Needs frame.wgsl of render-gpu and lobe-core's geometry.
 
 fn light_cone(at: Receiver) -> Cone {
     if frame.shape[1].w == 2.0 {
         return Cone(frame.shape[0].xyz, frame.shape[1].x, frame.shape[1].y);
+    }
+    if frame.shape[1].w == 4.0 {
+        // From inside a light nothing is hidden.
+        return Cone(at.normal, 2.0, 1.1754944e-38);
     }
     return cone_of_sphere(at.position, frame.light);
 }

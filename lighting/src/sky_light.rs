@@ -1,5 +1,6 @@
 use crate::SunLight;
 use crate::flat_light::cone_of;
+use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use lobe_core::{Cone, LightImage, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
 use std::sync::Arc;
@@ -36,12 +37,24 @@ impl SkyPatch {
         4.0 * self.world.radius.max(f32::MIN_POSITIVE)
     }
 
+    /// Its corners relative to any receiver.
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 4] {
+        let [u, v] = self.sides;
+        [-u - v, u - v, u + v, v - u].map(|side| (self.center + side) * self.distance())
+    }
+
+    /// The part that it fills of the circle around it.
+    #[must_use]
+    pub fn roundness(&self) -> f32 {
+        let [u, v] = self.sides.map(Vec3::length);
+        4.0 * u * v / (PI * (u * u + v * v)).max(f32::MIN_POSITIVE)
+    }
+
     /// As all receivers see it.
     fn seen(&self) -> Option<Outline> {
-        let [u, v] = self.sides;
-        let distance = self.distance();
-        let corners = [-u - v, u - v, u + v, v - u].map(|side| (self.center + side) * distance);
-        Some(Outline::new(&corners, self.axis)?.with_sides(self.sides.map(|side| side * distance)))
+        let outline = Outline::new(&self.corners(), self.axis)?.with_roundness(self.roundness());
+        Some(outline.with_sides(self.sides.map(|side| side * self.distance())))
     }
 }
 

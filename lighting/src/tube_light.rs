@@ -30,6 +30,14 @@ impl TubeLight {
         2.0 * PI * self.radius * (self.ends[0].distance(self.ends[1]) + 2.0 * self.radius)
     }
 
+    /// The part that it fills, seen from far beside it, of the circle around it.
+    #[must_use]
+    pub fn roundness(&self) -> f32 {
+        let [length, radius] = [self.ends[0].distance(self.ends[1]), self.radius];
+        let reach = 0.5 * length + radius;
+        radius * (2.0 * length + PI * radius) / (PI * reach * reach).max(f32::MIN_POSITIVE)
+    }
+
     /// The same with the total power `flux` (W per channel): `L = Φ/(πA)`.
     #[must_use]
     pub fn with_flux(self, flux: Vec3) -> Self {
@@ -101,7 +109,7 @@ impl LightLobes for TubeLight {
         let at = |place: f32| foot + along * place;
         corners[..7].copy_from_slice(&half_ellipse(at(to), along * high, across));
         corners[7..].copy_from_slice(&half_ellipse(at(from), along * -low, -across));
-        Outline::new(&corners, axis)
+        Outline::new(&corners, axis).map(|outline| outline.with_roundness(self.roundness()))
     }
 
     fn term(&self, at: &Receiver) -> LightTerm {

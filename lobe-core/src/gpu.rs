@@ -5,7 +5,7 @@
 //! (the light's [bounds](crate::LightLobes::bounds)), `frame.radiance`, `frame.shape`. Names start with that of the part, so that parts do not
 //! collide.
 
-use crate::{BrdfLobes, LightLobes};
+use crate::{BrdfLobes, LightLobes, Outline, Sphere};
 use core::fmt::Debug;
 
 /// Materials as kernels read them.
@@ -63,33 +63,50 @@ pub trait GpuMaterials: BrdfLobes + Sized {
     fn gpu_set(materials: &[Self], takes_microfacets: bool) -> GpuMaterialSet;
 }
 
+/// The most rows of a light's [shape](GpuLight::gpu_shape).
+pub const GPU_SHAPE: usize = 2 + Outline::MOST;
+
 /// A kind of light that a GPU can shade with.
 pub trait GpuLight: LightLobes {
     /// The kind, in a word: part of a kernel's name.
     const NAME: &'static str;
 
     /// Defines `fn light_cone(at: Receiver) -> Cone` and `fn light_radiance(at: Receiver) -> vec3f`: as
-    /// [`cone`](LightLobes::cone) and [`radiance`](LightLobes::radiance).
+    /// [`cone`](LightLobes::cone) and [`radiance`](LightLobes::radiance). The cone of a light with an [outline](LightLobes::outline) comes from
+    /// `outline_cone`, after `outline_new` or `outline_disc` and before `outline_keep_above(at.normal)`
+    /// ([`OUTLINE`](crate::wgsl::OUTLINE)).
     const WGSL: &'static str;
 
-    /// Name and text for the lights of a frame. [`NAME`](Self::NAME) and [`WGSL`](Self::WGSL), unless some of several kinds need less.
+    /// Name and text for some lights of a frame, with outlines all of them or none. [`NAME`](Self::NAME) and [`WGSL`](Self::WGSL), unless some
+    /// of several kinds need less.
     ///
     /// # Errors
     /// Which of them a GPU cannot shade with.
-    fn gpu_text(lights: &[Self]) -> Result<[&'static str; 2], &'static str>
-    where
-        Self: Sized,
-    {
+    fn gpu_text(lights: &[&Self]) -> Result<[&'static str; 2], &'static str> {
         let _ = lights;
         Ok([Self::NAME, Self::WGSL])
+    }
+
+    /// Of a light that may have an [outline](LightLobes::outline) its [roundness](crate::Outline::roundness), by which masks are made finer.
+    /// None, the default, for a light that is always a cone.
+    fn gpu_roundness(&self) -> Option<f32> {
+        None
+    }
+
+    /// What `frame.light` holds: a ball around the light and, of one with an outline, around windows on it.
+    fn gpu_bounds(&self) -> Sphere {
+        match self.gpu_roundness() {
+            Some(_) => Outline::ball_around(self.bounds()),
+            None => self.bounds(),
+        }
     }
 
     /// What `frame.radiance` holds.
     fn gpu_radiance(&self) -> [f32; 3];
 
-    /// What `frame.shape` holds, an `array<vec4f, 2>`. Nothing by default.
-    fn gpu_shape(&self) -> [[f32; 4]; 2] {
-        [[0.0; 4]; 2]
+    /// What `frame.shape` holds, an `array<vec4f, 26>`: the first of these, and zeros. Nothing by default.
+    fn gpu_shape(&self) -> Vec<[f32; 4]> {
+        Vec::new()
     }
 }
 

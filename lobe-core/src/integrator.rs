@@ -81,7 +81,8 @@ impl LightTerm {
     /// The same light as far as a flat one is above the horizon of `normal`: with an empty cone where nothing of it is.
     #[must_use]
     pub fn above(&self, normal: Vec3) -> Self {
-        let Some(outline) = &self.outline else { return *self };
+        // What is cut already lies on the horizon, but for rounding.
+        let Some(outline) = self.outline.as_ref().filter(|outline| !outline.is_cut()) else { return *self };
         let outline = outline.above(normal);
         // The cone alone would be a light.
         let one_minus_cos = if outline.is_some() { self.cone.one_minus_cos } else { 0.0 };

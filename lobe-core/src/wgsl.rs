@@ -34,6 +34,32 @@ pub const CAP_MICROFACETS: &str = include_str!("cap/microfacets.wgsl");
 /// In place of [`CAP_MICROFACETS`] where there are none.
 pub const CAP_NO_MICROFACETS: &str = include_str!("cap/microfacets_none.wgsl");
 
+/// The polygon or disc of light that a point sees: `outline_new`, `outline_disc`, `light_is_flat`. Needs [`GEOMETRY`].
+pub const OUTLINE: &str = include_str!("outline/outline.wgsl");
+
+/// In place of [`OUTLINE`] where all lights are seen as cones.
+pub const NO_OUTLINE: &str = include_str!("outline/none.wgsl");
+
+/// Integrals over outlines. Needs [`OUTLINE`], [`SPECIAL`], [`LOBE`], one of [`OUTLINE_MICROFACETS`] and [`OUTLINE_NO_MICROFACETS`], and one
+/// of [`OUTLINE_PLAIN`] and [`OUTLINE_IMAGE`].
+pub const OUTLINE_INTEGRAL: &str = include_str!("outline/integral.wgsl");
+
+/// `light_integral(at, lobe, cone) -> Integral` for lights with or without outlines. Needs [`OUTLINE_INTEGRAL`] and [`CAP`] or
+/// [`CAP_LAMBERT`].
+pub const OUTLINE_PLAIN: &str = include_str!("outline/plain.wgsl");
+
+/// What a light shows: `image_at`, from `frame.image` on in `light_images`. Needs [`OUTLINE`] and [`SPECIAL`].
+pub const IMAGE: &str = include_str!("outline/image.wgsl");
+
+/// `light_integral` by channel for lights that show an image, in place of [`OUTLINE_PLAIN`]. Needs [`OUTLINE_INTEGRAL`] and [`IMAGE`].
+pub const OUTLINE_IMAGE: &str = include_str!("outline/image_integral.wgsl");
+
+/// The integral of lobes of microfacets. Needs [`OUTLINE_INTEGRAL`] and [`MICROFACETS`].
+pub const OUTLINE_MICROFACETS: &str = include_str!("outline/microfacets.wgsl");
+
+/// In place of [`OUTLINE_MICROFACETS`] where there are none.
+pub const OUTLINE_NO_MICROFACETS: &str = include_str!("outline/no_microfacets.wgsl");
+
 /// The paper's tables, storage buffer of binding 9, and the lobes that come from them: `paper_product`, `paper_light_lobe`,
 /// `paper_occluder`, `paper_reflected`. The buffer is that of [`Tables::pack`](crate::paper::Tables::pack). Needs
 /// [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].

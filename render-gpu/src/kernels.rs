@@ -6,6 +6,8 @@ use scene::Counts;
 
 pub(crate) const FRAME: &str = include_str!("kernels/frame.wgsl");
 pub(crate) const QUEUE: &str = include_str!("kernels/queue.wgsl");
+pub(crate) const INTEGRALS: &str = include_str!("kernels/integrals.wgsl");
+pub(crate) const INTEGRALS_BY_CHANNEL: &str = include_str!("kernels/integrals_by_channel.wgsl");
 pub(crate) const POINTS: &str = include_str!("kernels/points.wgsl");
 pub(crate) const TILES: &str = include_str!("kernels/tiles.wgsl");
 pub(crate) const BOUNDS: &str = include_str!("kernels/bounds.wgsl");

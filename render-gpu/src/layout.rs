@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use lobe_core::Receiver;
+use lobe_core::gpu::GPU_SHAPE;
 
 /// Material number of a point that is none: kernels pass over it.
 pub const NO_MATERIAL: u32 = u32::MAX;
@@ -60,7 +61,7 @@ pub(crate) struct GpuFrame {
     pub(crate) map: u32,
     /// 2.
     pub(crate) rounds: u32,
-    pub(crate) pad0: u32,
+    pub(crate) image: u32,
     /// What else the kind of light is told by.
-    pub(crate) shape: [[f32; 4]; 2],
+    pub(crate) shape: [[f32; 4]; GPU_SHAPE],
 }

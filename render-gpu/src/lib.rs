@@ -24,6 +24,7 @@ mod clock;
 mod error;
 mod gbuffer;
 mod gpu;
+mod images;
 mod kernel;
 mod kernels;
 mod layout;

@@ -5,6 +5,7 @@ use crate::kernel::{
     Binding, Slot,
 };
 use crate::{kernels, wgsl};
+use lobe_core::gpu::GpuLight;
 use lobe_core::wgsl as lobes;
 use visibility_mask::{Fineness, wgsl as masks};
 use visibility_shadowmap::{Pages, wgsl as maps};
@@ -22,6 +23,7 @@ pub(crate) struct Variant {
     pub(crate) materials: MaterialText,
     /// Name and text of the kind of light.
     pub(crate) light: [&'static str; 2],
+    pub(crate) shown: Shown,
     pub(crate) strategies: Strategies,
     /// Somebody's own strategies.
     pub(crate) own: Vec<OwnText>,
@@ -36,6 +38,35 @@ pub(crate) struct MaterialText {
     pub(crate) wgsl: String,
     pub(crate) is_lambert: bool,
     pub(crate) has_microfacets: bool,
+}
+
+/// What a light may be seen as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shown {
+    /// A cone.
+    Cone,
+    /// An outline, or a cone.
+    Outline,
+    /// An outline that shows an image.
+    Image,
+}
+
+impl Shown {
+    pub(crate) fn of<L: GpuLight>(light: &L) -> Self {
+        match (light.gpu_roundness(), light.image()) {
+            (None, _) => Self::Cone,
+            (Some(_), None) => Self::Outline,
+            (Some(_), Some(_)) => Self::Image,
+        }
+    }
+
+    /// Words of a lobe's integral.
+    pub(crate) const fn words(self) -> u64 {
+        match self {
+            Self::Cone | Self::Outline => 1,
+            Self::Image => 3,
+        }
+    }
 }
 
 /// Which strategies have blockers.
@@ -121,7 +152,8 @@ impl Variant {
         let tables: &[Binding] = if self.paper { &[(Slot::Tables, Read)] } else { &[] };
         let own: Vec<Binding> =
             self.own.iter().flat_map(|own| &own.buffers).map(|(number, ..)| (Slot::Own(*number), Read)).collect();
-        [SHADED.as_slice(), &self.strategies.bindings(), &own, tables].concat()
+        let images: &[Binding] = if self.shown == Shown::Image { &[(Slot::Images, Read)] } else { &[] };
+        [SHADED.as_slice(), &self.strategies.bindings(), &own, tables, images].concat()
     }
 
     /// The purpose of the kernel, in words.
@@ -129,7 +161,64 @@ impl Variant {
         let strategies: Vec<&str> = self.strategies.calls().chain(self.own.iter().map(|own| own.name)).collect();
         let strategies = if strategies.is_empty() { "no blockers".to_owned() } else { strategies.join(" + ") };
         let method = if self.paper { ", paper" } else { "" };
-        format!("{strategies}, {}, depth {}{method}", self.materials.name, self.depth)
+        format!("{strategies}, {}, {}, depth {}{method}", self.light[0], self.materials.name, self.depth)
+    }
+
+    /// The integrals of lobes over a light.
+    fn integral(&self) -> Vec<&'static str> {
+        let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
+        let mut pieces = if has_microfacets { vec![lobes::MICROFACETS] } else { Vec::new() };
+        if self.shown != Shown::Image {
+            pieces.extend(match (is_lambert, has_microfacets) {
+                (true, _) => [lobes::CAP_LAMBERT, ""],
+                (false, true) => [lobes::CAP, lobes::CAP_MICROFACETS],
+                (false, false) => [lobes::CAP, lobes::CAP_NO_MICROFACETS],
+            });
+        }
+        if self.shown != Shown::Cone {
+            pieces.push(lobes::OUTLINE_INTEGRAL);
+            pieces.push(if has_microfacets { lobes::OUTLINE_MICROFACETS } else { lobes::OUTLINE_NO_MICROFACETS });
+        }
+        pieces.push(match self.shown {
+            Shown::Cone => OVER_CONES,
+            Shown::Outline => lobes::OUTLINE_PLAIN,
+            Shown::Image => lobes::OUTLINE_IMAGE,
+        });
+        pieces
+    }
+
+    /// How a point sees the light, and integrals of it in the queue.
+    fn light(&self) -> Vec<&'static str> {
+        let light = self.light[1];
+        match self.shown {
+            Shown::Cone => vec![light, lobes::NO_OUTLINE, kernels::INTEGRALS],
+            Shown::Outline => vec![light, lobes::OUTLINE, kernels::INTEGRALS],
+            Shown::Image => vec![light, lobes::OUTLINE, lobes::IMAGE, IMAGES, kernels::INTEGRALS_BY_CHANNEL],
+        }
+    }
+
+    /// How masks show what emits.
+    const fn window(&self) -> &'static str {
+        match self.shown {
+            Shown::Cone => masks::ROUND,
+            Shown::Outline | Shown::Image => masks::FLAT,
+        }
+    }
+
+    /// What lobes see through masks.
+    fn fractions(&self) -> Vec<&'static str> {
+        let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
+        let mut pieces = vec![masks::SHARE, masks::VISIBILITY];
+        pieces.push(if is_lambert && self.shown != Shown::Image { masks::LAMBERT } else { masks::LOBES });
+        if has_microfacets {
+            pieces.extend([lobes::MICROFACETS, masks::MICROFACETS]);
+        }
+        match (self.shown, has_microfacets) {
+            (Shown::Image, true) => pieces.extend([masks::IMAGE, masks::IMAGE_MICROFACETS]),
+            (Shown::Image, false) => pieces.extend([masks::IMAGE, masks::IMAGE_NO_MICROFACETS]),
+            _ => pieces.push(ALIKE),
+        }
+        pieces
     }
 
     /// Whether anything blocks.
@@ -196,13 +285,21 @@ const SHADED: [Binding; 5] = [
     (Slot::Queue, Write),
 ];
 
+const OVER_CONES: &str =
+    "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cap_integral(at, lobe, cone); }";
+/// All channels see the same fraction.
+const ALIKE: &str = "fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
+    return visible_share(lane, tile, at, light, tolerance, whole, lobe);
+}";
+const IMAGES: &str = "@group(0) @binding(8) var<storage, read> light_images: array<u32>;";
+
 /// What every point sees of a light.
 pub(crate) fn classify(variant: &Variant) -> Text {
     let reflectance = &variant.materials.wgsl;
     let (integral, kernel) = if variant.paper {
-        (lobes::PAPER, kernels::PAPER_CLASSIFY)
+        (vec![lobes::PAPER], kernels::PAPER_CLASSIFY)
     } else {
-        (if variant.materials.is_lambert { lobes::CAP_LAMBERT } else { lobes::CAP }, kernels::CLASSIFY)
+        (variant.integral(), kernels::CLASSIFY)
     };
     let strategies = variant.strategies;
     let all = strategies.calls().map(|name| match name {
@@ -224,17 +321,12 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         lobes::SPECIAL,
         lobes::GEOMETRY,
         lobes::LOBE,
-        integral,
         reflectance,
-        variant.light[1],
         &hook,
         kernel,
     ];
-    match (variant.materials.is_lambert || variant.paper, variant.materials.has_microfacets) {
-        (true, _) => {}
-        (false, true) => pieces.extend([lobes::MICROFACETS, lobes::CAP_MICROFACETS]),
-        (false, false) => pieces.push(lobes::CAP_NO_MICROFACETS),
-    }
+    pieces.extend(variant.light());
+    pieces.extend(integral);
     if strategies.spheres {
         pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
     }
@@ -252,7 +344,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
         pieces.extend([own.shared.as_str(), declarations, &own.coverage]);
     }
     if strategies.maps.is_some() {
-        pieces.extend([masks::SQUARE, words.as_str(), maps::COMMON, maps::COVERAGE]);
+        pieces.extend([masks::SQUARE, variant.window(), words.as_str(), maps::COMMON, maps::COVERAGE]);
     }
     Text::new("classify", &pieces, &variant.bindings()).of(variant)
 }
@@ -261,7 +353,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
 pub(crate) fn penumbra(variant: &Variant) -> Text {
     let reflectance = &variant.materials.wgsl;
     let [broad, narrow] = variant.fineness;
-    let header = match (variant.paper, variant.materials.is_lambert) {
+    let header = match (variant.paper, variant.materials.is_lambert && variant.shown != Shown::Image) {
         (true, _) => masks::paper_header(variant.depth),
         (false, true) => masks::header(variant.depth, broad),
         (false, false) => masks::header_of_lobes(variant.depth, broad, narrow, variant.materials.has_microfacets),
@@ -296,9 +388,9 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         lobes::GEOMETRY,
         lobes::LOBE,
         reflectance,
-        variant.light[1],
         &header,
         masks::SQUARE,
+        variant.window(),
         masks::MASK,
         masks::EDGES,
         masks::TOTAL,
@@ -307,12 +399,10 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     if variant.paper {
         pieces.extend([lobes::PAPER, masks::PAPER, kernels::PAPER_PENUMBRA]);
     } else {
-        let shares = if variant.materials.is_lambert { masks::LAMBERT } else { masks::LOBES };
-        pieces.extend([masks::SHARE, masks::VISIBILITY, shares, kernels::PENUMBRA]);
-        if variant.materials.has_microfacets {
-            pieces.extend([lobes::MICROFACETS, masks::MICROFACETS]);
-        }
+        pieces.push(kernels::PENUMBRA);
+        pieces.extend(variant.fractions());
     }
+    pieces.extend(variant.light());
     if strategies.spheres {
         pieces.extend([
             spheres::PACKED,

@@ -6,8 +6,8 @@ use crate::layout::GpuFrame;
 use crate::validated;
 use brdf::Models;
 use glam::Vec3;
-use lighting::SphereLight;
-use lobe_core::gpu::{GpuBlockers as _, GpuLight as _};
+use lighting::{FlatLight, Light, SphereLight};
+use lobe_core::gpu::GpuBlockers as _;
 use naga::valid::Capabilities;
 use naga::{AddressSpace, StorageAccess, TypeInner};
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
@@ -66,6 +66,7 @@ fn variants() -> impl Iterator<Item = Variant> {
                     fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
                     materials: set(models),
                     light: LIGHT,
+                    shown: Shown::Cone,
                     strategies,
                     own: Vec::new(),
                     paper,
@@ -86,6 +87,24 @@ fn every_kernel_is_valid() {
     }
 }
 
+/// Lights with outlines.
+fn flat_variants() -> impl Iterator<Item = Variant> {
+    let panel = FlatLight::rectangle(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE).expect("a rectangle");
+    let light = Light::gpu_text(&[&panel.into()]).expect("for a GPU");
+    let of = |v: &Variant| !v.paper && v.strategies.maps.is_none() && [1, 5, 6].contains(&v.depth);
+    let of_shown =
+        move |variant: Variant| [Shown::Outline, Shown::Image].map(|shown| Variant { light, shown, ..variant.clone() });
+    variants().filter(of).flat_map(of_shown)
+}
+
+#[test]
+fn kernels_of_flat_lights_are_valid() {
+    for variant in flat_variants() {
+        check(&format!("classify {variant:?}"), &classify(&variant));
+        check(&format!("penumbra {variant:?}"), &penumbra(&variant));
+    }
+}
+
 /// A strategy that this crate does not know, of its own passes and rays.
 #[test]
 fn kernels_of_silhouettes_are_valid() {
@@ -101,7 +120,7 @@ fn kernels_of_silhouettes_are_valid() {
         buffers: blockers.buffers().iter().zip(0..).map(|(buffer, k)| (k, buffer.name, buffer.element)).collect(),
     };
     let is_some = |v: &Variant| v.strategies.rays.is_none() && [1, 5, 6].contains(&v.depth);
-    for variant in variants().filter(is_some) {
+    for variant in variants().chain(flat_variants()).filter(is_some) {
         let strategies = Strategies { any_hit: Some(64), ..variant.strategies };
         let variant = Variant { own: vec![own.clone()], strategies, ..variant };
         check(&format!("classify ({})", variant.name()), &classify(&variant));
@@ -116,6 +135,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
         fineness: [Fineness::FINE; 2],
         materials: set(Models::from_bits(1)),
         light: LIGHT,
+        shown: Shown::Cone,
         own: Vec::new(),
         strategies: Strategies { spheres: true, ..Strategies::default() },
         paper: false,
@@ -148,7 +168,7 @@ fn the_frame_is_laid_out_as_in_rust() {
         block_count,
         map,
         rounds,
-        pad0,
+        image,
         shape
     );
     assert_eq!(offsets, rust);

@@ -1,17 +1,18 @@
 use crate::clock::{Clock, Stage};
+use crate::images::Images;
 use crate::kernel::{Kernel, Slot};
 use crate::kernels;
 use crate::kernels::queue::{CUT, QUEUE_HEADER};
 use crate::layout::{GpuFrame, GpuReceiver};
 use crate::memory::Memory;
-use crate::module::{self, MaterialText, Variant};
+use crate::module::{self, MaterialText, Shown, Variant};
 use crate::occlusion::{Blockers, Occlusion};
 use crate::paper::Paper;
 use crate::{Gpu, GpuError, GpuPose};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
-use lobe_core::gpu::{GpuLight, GpuMaterialSet, GpuMaterials};
-use lobe_core::{Accuracy, LightId, Method};
+use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
+use lobe_core::{Accuracy, LightId, LightLobes, Method};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 use visibility_mask::{Fineness, MAX_DEPTH};
@@ -25,8 +26,9 @@ const SLICE: u64 = 1 << 20;
 const SOFTWARE_SLICE: u64 = 1 << 16;
 /// Bytes of the queue before its items.
 const HEADER: u64 = 4 * QUEUE_HEADER as u64;
-/// From one light's uniform to the next: the largest alignment that a device may ask for.
-const FRAME_STRIDE: u64 = 256;
+/// From one light's uniform to the next: a multiple of the largest alignment that a device may ask for.
+const FRAME_STRIDE: u64 = 512;
+const FLAT_BY_PAPER: &str = "the paper's method knows lights that are balls alone";
 
 /// Shades points with lobe sums on the GPU: the same sums as `render_cpu::CpuShader`, in WGSL.
 ///
@@ -62,6 +64,7 @@ pub struct GpuShader {
     /// The paper's method, where that is asked for.
     paper: Option<Paper>,
     materials: Memory,
+    images: Images,
     /// The most lobes that a material has.
     max_lobes: u32,
     frames: Memory,
@@ -99,6 +102,7 @@ impl GpuShader {
             kernels: Vec::new(),
             paper: None,
             materials: Memory::new("materials", storage),
+            images: Images::default(),
             max_lobes: 0,
             frames: Memory::new("lights", storage | BufferUsages::UNIFORM),
             queue: Memory::new("queue", storage | BufferUsages::COPY_SRC),
@@ -169,21 +173,24 @@ impl GpuShader {
         self.slice.min((fits / TILE).max(1) * TILE)
     }
 
-    /// The kernels for a frame, compiled if they are new.
+    /// The kernels for a light, compiled if they are new.
     fn kernels(
         &mut self,
         accuracy: Accuracy,
         materials: MaterialText,
         light: [&'static str; 2],
+        (shown, roundness): (Shown, Option<f32>),
     ) -> Result<usize, GpuError> {
+        let tolerance = accuracy.tolerance * roundness.map_or(1.0, visibility_mask::filled);
         let variant = Variant {
             depth: accuracy.depth.clamp(1, MAX_DEPTH),
             fineness: match self.paper {
-                None => [Fineness::broad(accuracy.tolerance), Fineness::narrow(accuracy.tolerance)],
+                None => [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
                 Some(_) => [Fineness::FINE; 2],
             },
             materials,
             light,
+            shown,
             strategies: self.blockers.strategies(),
             own: self.blockers.own().to_vec(),
             paper: self.paper.is_some(),
@@ -203,9 +210,22 @@ impl GpuShader {
         Ok(self.kernels.len() - 1)
     }
 
-    /// What does not depend on the slice: kernels, materials; returns the kernels' number and the words of a queue item.
-    fn prepare<M: GpuMaterials, L: GpuLight>(&mut self, frame: &Frame<'_, M, L>) -> Result<(usize, u64), GpuError> {
-        let light = L::gpu_text(frame.lights).map_err(|what| GpuError::Unsupported(what.to_owned()))?;
+    /// What does not depend on the slice: kernels, materials, images; returns each light's number of kernels and the words of a queue item.
+    fn prepare<M: GpuMaterials, L: GpuLight>(
+        &mut self,
+        frame: &Frame<'_, M, L>,
+    ) -> Result<(Vec<usize>, u64), GpuError> {
+        let refused = |what: &str| GpuError::Unsupported(what.to_owned());
+        let is_flat = |light: &&L| light.gpu_roundness().is_some();
+        if self.paper.is_some() && frame.lights.iter().any(|light| is_flat(&light)) {
+            return Err(refused(FLAT_BY_PAPER));
+        }
+        let (flat, round): (Vec<&L>, Vec<&L>) = frame.lights.iter().partition(is_flat);
+        let text = |lights: &[&L]| match lights.is_empty() {
+            true => Ok([L::NAME, L::WGSL]),
+            false => L::gpu_text(lights).map_err(refused),
+        };
+        let (flat, round) = (text(&flat)?, text(&round)?);
         if let Some(paper) = &mut self.paper {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
@@ -214,8 +234,16 @@ impl GpuShader {
         let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert, has_microfacets } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;
-        let kernels = self.kernels(frame.accuracy, MaterialText { name, wgsl, is_lambert, has_microfacets }, light)?;
-        Ok((kernels, 1 + u64::from(max_lobes)))
+        let materials = MaterialText { name, wgsl, is_lambert, has_microfacets };
+        let mut kernels = Vec::with_capacity(frame.lights.len());
+        for light in frame.lights {
+            let shown = Shown::of(light);
+            let text = if shown == Shown::Cone { round } else { flat };
+            kernels.push(self.kernels(frame.accuracy, materials.clone(), text, (shown, light.gpu_roundness()))?);
+        }
+        self.images.hold(&self.gpu, frame.lights.iter().map(LightLobes::image))?;
+        let words = frame.lights.iter().map(|light| Shown::of(light).words()).max().unwrap_or(1);
+        Ok((kernels, 1 + words * u64::from(max_lobes)))
     }
 
     /// Shades points that are on the GPU, `count` [`GpuReceiver`]s from the beginning of `points`, and writes each one's
@@ -239,7 +267,7 @@ impl GpuShader {
         let mut first = 0;
         while first < u64::from(count) {
             let part = Part { first, count: slice.min(u64::from(count) - first), stride, points, radiance };
-            let encoder = self.record(kernels, frame, &part)?;
+            let encoder = self.record(&kernels, frame, &part)?;
             self.gpu.scoped("the commands of a slice", || self.gpu.queue().submit([encoder.finish()]))?;
             first += part.count;
         }
@@ -251,15 +279,18 @@ impl GpuShader {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
         let (sphere_count, block_count) = (self.blockers.sphere_count(), self.blockers.block_count());
         for ((number, light), bytes) in (0..).zip(frame.lights).zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
-            let bounds = light.bounds();
+            let bounds = light.gpu_bounds();
+            let mut shape = [[0.0; 4]; GPU_SHAPE];
+            shape.iter_mut().zip(light.gpu_shape()).for_each(|(row, of_light)| *row = of_light);
             let uniform = GpuFrame {
                 light: bounds.center.extend(bounds.radius).to_array(),
                 radiance: light.gpu_radiance(),
-                shape: light.gpu_shape(),
+                shape,
                 tolerance: frame.accuracy.tolerance,
                 threshold: frame.threshold,
                 point_count: part.count as u32,
-                queue_stride: part.stride as u32,
+                queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
+                image: self.images.start(number),
                 sphere_count,
                 block_count,
                 map: self.blockers.map_of(LightId(number)),
@@ -274,7 +305,7 @@ impl GpuShader {
     /// The commands for one slice.
     fn record<M, L: GpuLight>(
         &mut self,
-        kernels: usize,
+        kernels: &[usize],
         frame: &Frame<'_, M, L>,
         part: &Part<'_>,
     ) -> Result<wgpu::CommandEncoder, GpuError> {
@@ -290,7 +321,7 @@ impl GpuShader {
         }
         let (clock, moved) = (self.clock.take(), self.blockers.take_moved());
         let recorder = Recorder { shader: self, part, tiles, queue: &queue, indirect: &indirect, clock };
-        let recorded = gpu.scoped("the commands of a slice", || recorder.record(kernels, frame.lights.len(), moved));
+        let recorded = gpu.scoped("the commands of a slice", || recorder.record(kernels, moved));
         let (encoder, clock) = recorded?;
         self.clock = clock;
         Ok(encoder)
@@ -314,6 +345,7 @@ impl GpuShader {
             Slot::Queue => self.queue.whole(),
             Slot::Indirect => self.indirect.whole(),
             Slot::Lists => self.lists.whole(),
+            Slot::Images => self.images.whole(),
             Slot::Tables => self.paper.as_ref().and_then(Paper::resource),
             _ => self.blockers.resource(slot),
         }
@@ -337,19 +369,32 @@ enum Work<'a> {
     Indirect(&'a wgpu::Buffer),
 }
 
+/// A kernel, its buffers, and what it does.
+type Step<'a> = (&'a Kernel, wgpu::BindGroup, Stage, Work<'a>);
+
 impl Recorder<'_> {
-    fn record(mut self, kernels: usize, lights: usize, moved: bool) -> (wgpu::CommandEncoder, Option<Clock>) {
-        let (gpu, (_, kernels)) = (&self.shader.gpu, &self.shader.kernels[kernels]);
-        let bind = |kernel: &Kernel| kernel.bind(gpu, |slot| self.shader.resource(slot, self.part));
-        let steps: Vec<(&Kernel, wgpu::BindGroup, Stage, Work<'_>)> = [
-            (kernels.cull.as_ref(), Stage::Cull, Work::Groups(self.tiles)),
-            (Some(&kernels.classify), Stage::Classify, Work::Groups(self.tiles)),
-            (kernels.args.as_ref(), Stage::Classify, Work::Groups(1)),
-            (kernels.penumbra.as_ref(), Stage::Penumbra, Work::Indirect(self.indirect)),
-        ]
-        .into_iter()
-        .filter_map(|(kernel, stage, work)| kernel.map(|kernel| (kernel, bind(kernel), stage, work)))
-        .collect();
+    /// The kernels of each light are given by their number.
+    fn record(mut self, kernels: &[usize], moved: bool) -> (wgpu::CommandEncoder, Option<Clock>) {
+        let (shader, gpu) = (self.shader, &self.shader.gpu);
+        let bind = |kernel: &Kernel| kernel.bind(gpu, |slot| shader.resource(slot, self.part));
+        let steps_of = |number: usize| -> Vec<Step<'_>> {
+            let kernels = &shader.kernels[number].1;
+            [
+                (kernels.cull.as_ref(), Stage::Cull, Work::Groups(self.tiles)),
+                (Some(&kernels.classify), Stage::Classify, Work::Groups(self.tiles)),
+                (kernels.args.as_ref(), Stage::Classify, Work::Groups(1)),
+                (kernels.penumbra.as_ref(), Stage::Penumbra, Work::Indirect(self.indirect)),
+            ]
+            .into_iter()
+            .filter_map(|(kernel, stage, work)| kernel.map(|kernel| (kernel, bind(kernel), stage, work)))
+            .collect()
+        };
+        let mut steps: Vec<(usize, Vec<Step<'_>>)> = Vec::new();
+        for number in kernels {
+            if steps.iter().all(|(known, _)| known != number) {
+                steps.push((*number, steps_of(*number)));
+            }
+        }
         let follower = self.shader.blockers.follower().filter(|_| moved);
         let moved = follower.map(|(kernel, groups)| (kernel, bind(kernel), Stage::Cull, Work::Groups(groups)));
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -361,23 +406,18 @@ impl Recorder<'_> {
         if let Some(step) = &moved {
             self.pass(&mut encoder, 0, step);
         }
-        for light in 0..lights as u64 {
+        for (light, number) in (0..).zip(kernels) {
             if light > 0 {
                 encoder.clear_buffer(self.queue, 0, Some(4));
             }
-            for step in &steps {
+            for step in steps.iter().filter(|(known, _)| known == number).flat_map(|(_, steps)| steps) {
                 self.pass(&mut encoder, light, step);
             }
         }
         (encoder, self.clock)
     }
 
-    fn pass(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        light: u64,
-        (kernel, group, stage, work): &(&Kernel, wgpu::BindGroup, Stage, Work<'_>),
-    ) {
+    fn pass(&mut self, encoder: &mut wgpu::CommandEncoder, light: u64, (kernel, group, stage, work): &Step<'_>) {
         let timestamp_writes = self.clock.as_mut().and_then(|clock| clock.next(*stage));
         let label = Some(kernel.label());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
@@ -428,7 +468,7 @@ impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
             let buffer = self.points.sized(&gpu, 0)?.clone();
             let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
             let part = Part { first: 0, count, stride, points: &buffer, radiance: &radiance };
-            let mut encoder = self.record(kernels, frame, &part)?;
+            let mut encoder = self.record(&kernels, frame, &part)?;
             let staging = self.staging.sized(&gpu, 16 * count + HEADER)?.clone();
             let queue = self.queue.sized(&gpu, 0)?.clone();
             gpu.scoped("the commands of a slice", || {

@@ -7,7 +7,13 @@ use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
 #[cfg(feature = "gpu")]
-use {lighting::Light, visibility_silhouettes::AnyHit};
+use {
+    glam::Vec3,
+    lighting::Light,
+    lobe_core::gpu::GpuLight as _,
+    lobe_core::{LightLobes as _, Sphere},
+    visibility_silhouettes::AnyHit,
+};
 
 /// In which form visibility meets reflectance, ready to be used.
 #[derive(Clone, Copy, Debug)]
@@ -65,14 +71,19 @@ impl<'a> FrameBlockers<'a> {
     }
 
     /// The meshes that a GPU can have by silhouettes; what is exact by these is exact by rays, too: where others are by rays anyway, or
-    /// where a light holds parts of triangles.
+    /// where a light holds parts of triangles, or the plane of a flat one cuts them next to it.
     #[cfg(feature = "gpu")]
     fn outlines(&self) -> &'a [SilhouetteMesh] {
         let Some(silhouettes) = self.silhouettes.as_ref().filter(|_| self.rays.is_none()) else { return &[] };
+        let hits = silhouettes.any_hit();
         let holds = |light: &Light| {
             let mut is_met = false;
-            if let Some(ball) = light.ball().filter(|ball| ball.radius > 0.0) {
-                silhouettes.any_hit().triangles_meeting(ball, &mut |_| is_met = true);
+            let around = match light {
+                _ if light.gpu_roundness().is_some() => light.bounds_from(&Sphere { center: Vec3::ZERO, radius: 0.0 }),
+                _ => light.ball().unwrap_or(Sphere { center: Vec3::ZERO, radius: 0.0 }),
+            };
+            if around.radius > 0.0 {
+                hits.triangles_meeting(around, &mut |corners| is_met |= cuts(light, corners));
             }
             is_met
         };
@@ -129,6 +140,29 @@ impl<'t> Form<'t> {
         }
     }
 }
+
+/// Whether a triangle that meets a light, or what is next to a flat one, ends there for some receiver: on its lit side it reaches to its
+/// plane. What lies in the plane, as a lamp's face, does not.
+#[cfg(feature = "gpu")]
+fn cuts(light: &Light, corners: [Vec3; 3]) -> bool {
+    match light {
+        Light::Inside(inside) => cuts(&inside.light, corners),
+        Light::Flat(light) => {
+            let (middle, _) = light.as_disc();
+            let heights = corners.map(|p| light.normal().dot(p - middle));
+            let [low, high] = [heights.into_iter().reduce(f32::min), heights.into_iter().reduce(f32::max)]
+                .map(Option::unwrap_or_default);
+            let slack = IN_THE_PLANE * light.area().sqrt();
+            let reaches = |low: f32, high: f32| high > slack && low < slack;
+            reaches(low, high) || light.two_sided && reaches(-high, -low)
+        }
+        _ => true,
+    }
+}
+
+/// Heights above a light's plane, in its size, that are rounding.
+#[cfg(feature = "gpu")]
+const IN_THE_PLANE: f32 = 1e-5;
 
 /// Something to be done with a shader of whatever device and visibility.
 pub trait Work {

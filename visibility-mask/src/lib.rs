@@ -77,5 +77,5 @@ pub use crate::raster::{LitBounds, Raster};
 pub use crate::row::EightRows;
 pub use crate::shadow_tree::ShadowNode;
 pub use crate::square::UnitSquare;
-pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility};
+pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility, filled};
 pub use glam;

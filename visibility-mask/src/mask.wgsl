@@ -45,7 +45,7 @@ fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
     let mask = mask_of(square);
     let n = square_local(square, normal);
     let above = n.z > 0.0 && n.z * n.z >= square.disc * square.disc * dot(n.xy, n.xy);
-    if (above && all(square.half == vec2f(square.disc)) && all(square.center == vec2f(0.0))) {
+    if (!light_is_flat() && above && all(square.half == vec2f(square.disc)) && all(square.center == vec2f(0.0))) {
         // All whole discs are the same.
         let unit = UnitSquare(square.right, square.up, square.axis, vec2f(0.0), vec2f(1.0), 1.0);
         mask_emit(Mask(unit, -1.0, f32(row_width) * 0.5), j, vec3f(0.0, 0.0, 1.0));
@@ -57,13 +57,15 @@ fn mask_reset(square: UnitSquare, j: u32, normal: vec3f) -> Mask {
 
 // What emits, with the normal in the square's frame.
 fn mask_emit(mask: Mask, j: u32, n: vec3f) {
-    let disc = mask.square.disc;
+    let disc = light_disc(mask.square);
     let y = mask_row_y(mask, j);
-    let half = sqrt(max(disc * disc - y * y, 0.0));
+    let off = y - disc.y;
+    let half = sqrt(max(disc.z * disc.z - off * off, 0.0));
     // Above the horizon: n.x x + n.y y + n.z > 0.
     let rest = n.y * y + n.z;
-    var start = -half;
-    var end = half;
+    let ends = light_row(vec2f(disc.x - half, disc.x + half), y);
+    var start = ends.x;
+    var end = ends.y;
     if (n.x > 0.0) {
         start = max(start, -rest / n.x);
     } else if (n.x < 0.0) {

@@ -17,7 +17,7 @@ fn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
     let alpha = sqrt(microfacets.alpha_sq);
     var square = microfacets_highlight(whole, microfacets, at.normal, clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0));
     let is_part = any(square.half < whole.half);
-    let is_finer = IS_NARROW_FINER && !is_part && whole.disc > 2.0 * alpha;
+    let is_finer = IS_NARROW_FINER && !is_part && light_size(whole) > 2.0 * alpha;
     // What the highlight's masks show is not counted in those of the whole light.
     var sum = vec4f(0.0);
     if (decide(lane, is_part || is_finer)) {

@@ -1,5 +1,5 @@
 // The unit square (Fig. 8): the window in the plane facing the light on which visibility is rasterised. Coordinates are
-// those of the plane at distance 1 along `axis`. Needs geometry.wgsl and lobe.wgsl of lobe-core.
+// those of the plane at distance 1 along `axis`. Needs geometry.wgsl and lobe.wgsl of lobe-core, and one of round.wgsl and flat.wgsl.
 
 struct UnitSquare {
     // World directions of +x and +y, and toward the light.
@@ -64,7 +64,8 @@ struct Peak { point: vec2f, width: f32, uphill: vec2f }
 
 // How far the logarithm of the lobe falls at most over one radius of the light: gr + r²/2σ².
 fn peak_fall(peak: Peak, square: UnitSquare) -> f32 {
-    return square.disc * (sqrt(dot(peak.uphill, peak.uphill)) + 0.5 * square.disc) / (peak.width * peak.width);
+    let size = light_size(square);
+    return size * (sqrt(dot(peak.uphill, peak.uphill)) + 0.5 * size) / (peak.width * peak.width);
 }
 
 // That of a lobe above the horizon of `normal` (world space).
@@ -73,7 +74,17 @@ fn square_peak(square: UnitSquare, lobe: Lobe, normal: vec3f) -> Peak {
     let aside = vec2f(dot(square.right, lobe.axis), dot(square.up, lobe.axis));
     // The lobe's axis on the plane, or the point of the emitting disc next to it.
     var point = plane_point(aside, along);
-    let n = square_local(square, normal);
+    point = light_nearest(square, point, square_local(square, normal));
+    // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
+    let stretch = 1.0 + dot(point, point);
+    let width = 1.0 / sqrt(clamp(lobe.exponent, 1e-6, NARROWEST)) * stretch;
+    let slope = aside / max(dot(aside, point) + along, 1e-3) - point / stretch;
+    return Peak(point, width, slope * (stretch * stretch));
+}
+
+// The point of the disc above the horizon next to another one.
+fn disc_nearest(square: UnitSquare, start: vec2f, n: vec3f) -> vec2f {
+    var point = start;
     for (var k = 0u; k < 3u; k++) {
         let below = n.x * point.x + n.y * point.y + n.z;
         if (below < 0.0) {
@@ -81,11 +92,7 @@ fn square_peak(square: UnitSquare, lobe: Lobe, normal: vec3f) -> Peak {
         }
         point = shortened(point, square.disc);
     }
-    // A cone of directions is stretched by 1/cos² across the plane. A mirror still needs a window.
-    let stretch = 1.0 + dot(point, point);
-    let width = 1.0 / sqrt(clamp(lobe.exponent, 1e-6, NARROWEST)) * stretch;
-    let slope = aside / max(dot(aside, point) + along, 1e-3) - point / stretch;
-    return Peak(point, width, slope * (stretch * stretch));
+    return point;
 }
 
 // The part of the window that a reflectance lobe needs: a disc about p + σ²g of radius √(σ⁴g² + sigmas²σ²), p the emitting
@@ -99,8 +106,9 @@ fn square_around(square: UnitSquare, peak: Peak, sigmas: f32) -> UnitSquare {
     let reach = sigmas * peak.width;
     let uphill = shortened(peak.uphill, FARTHEST * reach);
     // A window as large as the light is not worth a mask: from four fifths on it grows to all of it.
-    let broad = clamp(5.0 * reach / square.disc - 4.0, 0.0, 1.0);
-    let radius = sqrt(dot(uphill, uphill) + reach * reach) + broad * (2.0 * square.disc);
+    let size = light_size(square);
+    let broad = clamp(5.0 * reach / size - 4.0, 0.0, 1.0);
+    let radius = sqrt(dot(uphill, uphill) + reach * reach) + broad * (2.0 * size);
     return square_within(square, peak.point + uphill - radius, peak.point + uphill + radius);
 }
 

@@ -355,8 +355,13 @@ fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
 
 /// The tolerance for a light that fills its window: a long one has few of the window's samples.
 fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
-    let fill = query.outline.map_or(1.0, |outline| (FILLED * outline.roundness()).min(1.0));
-    query.accuracy.tolerance * fill
+    query.accuracy.tolerance * query.outline.map_or(1.0, |outline| filled(outline.roundness()))
+}
+
+/// The part of a tolerance that masks of a flat light of some [roundness](Outline::roundness) are made for.
+#[must_use]
+pub fn filled(roundness: f32) -> f32 {
+    (FILLED * roundness).min(1.0)
 }
 
 /// The depth of the masks.

@@ -9,8 +9,7 @@ const BROAD_COUNT = BROAD_PANES.x * BROAD_PANES.y;
 
 // Draws the masks of the whole light, whose window it returns. This and what follows only where all threads come by.
 fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone) -> UnitSquare {
-    let across = visibility_across(lane, tile, at, light, light);
-    let window = square_above(square_facing(light, across), at.normal);
+    let window = light_window(light, visibility_across(lane, tile, at, light, light_turn(light)), at.normal);
     for (var k = 0u; k < BROAD_COUNT; k++) {
         let mask = mask_reset(square_pane(window, k, BROAD_PANES), lane, at.normal);
         blockers_splat(lane, tile, at, light, mask);

@@ -16,8 +16,13 @@ fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32
     }
     var window = whole;
     if (decide(lane, is_part)) {
-        let turn = visibility_across(lane, tile, at, light, square_cone(square, light.distance));
-        window = square_zoomed(square_above(square_facing(light, turn), at.normal), lobe, at.normal, sigmas);
+        // Windows on a flat light are all turned alike.
+        var turned = whole;
+        if (!light_is_flat()) {
+            let turn = visibility_across(lane, tile, at, light, square_cone(square, light.distance));
+            turned = light_window(light, turn, at.normal);
+        }
+        window = square_zoomed(turned, lobe, at.normal, sigmas);
     }
     row_refine(true);
     var sum = vec4f(0.0);

@@ -7,8 +7,12 @@ use crate::row::{COARSE, WIDTH};
 use crate::shadow_tree::ShadowTree;
 use crate::{Fineness, MAX_DEPTH};
 
-/// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`.
+/// The unit square; needs `geometry.wgsl` and `lobe.wgsl` of `lobe-core`, and one of [`ROUND`] and [`FLAT`].
 pub const SQUARE: &str = include_str!("square.wgsl");
+/// Lights that are seen as discs. Needs [`SQUARE`] and `NO_OUTLINE` of `lobe-core`.
+pub const ROUND: &str = include_str!("round.wgsl");
+/// Lights that may have outlines, instead of [`ROUND`]. Needs [`SQUARE`] and `OUTLINE` of `lobe-core`.
+pub const FLAT: &str = include_str!("flat.wgsl");
 /// The own row of the mask; needs [`header`] and [`SQUARE`].
 pub const MASK: &str = include_str!("mask.wgsl");
 /// The contour of what hides, by questions; needs [`MASK`] and `light_is_hidden`.
@@ -46,6 +50,18 @@ pub const LOBES: &str = concat!(
 
 /// What lobes of microfacets see, where [`header_of_lobes`] says that there are some; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
 pub const MICROFACETS: &str = include_str!("share_microfacets.wgsl");
+
+/// What is seen of a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and [`IMAGE_MICROFACETS`] or
+/// [`IMAGE_NO_MICROFACETS`].
+pub const IMAGE: &str = include_str!("share_image.wgsl");
+/// Lobes of microfacets in its light; needs [`MICROFACETS`].
+pub const IMAGE_MICROFACETS: &str = include_str!("share_image_microfacets.wgsl");
+/// In place of [`IMAGE_MICROFACETS`] where there are none.
+pub const IMAGE_NO_MICROFACETS: &str = "fn image_alpha(lobe: Lobe) -> f32 { return 0.0; }
+fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare { return whole; }
+fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {}
+fn image_facets(v: vec3f) -> f32 { return 0.0; }
+";
 
 /// The paper's shadow nodes and their lobes; needs [`paper_header`], [`SQUARE`], [`MASK`], [`TOTAL`] and `wgsl::PAPER` of
 /// `lobe-core`, behind whose table the pairs of [`PaperWeights::pack`](crate::PaperWeights::pack) follow.

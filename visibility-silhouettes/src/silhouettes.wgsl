@@ -32,7 +32,6 @@ fn silhouettes_eye(at: Receiver, cone: Cone) -> SilhouetteEye {
     let x = any_hit_leave(at);
     let size = abs(x);
     let tan = SILHOUETTES_AROUND * cone_tan(cone);
-    let cos = cone_cos(cone);
     return SilhouetteEye(
         x,
         (size.x + size.y) + size.z,
@@ -41,8 +40,14 @@ fn silhouettes_eye(at: Receiver, cone: Cone) -> SilhouetteEye {
         orthonormal_basis_v(cone.axis),
         cone.axis * tan,
         cone.one_minus_cos >= 0.9,
-        select(cone.distance * cos * cos, 3e38, cone.distance > 1e30)
+        silhouettes_far(cone)
     );
+}
+
+// Depth of the circle where a cone touches its light.
+fn silhouettes_far(cone: Cone) -> f32 {
+    let cos = cone_cos(cone);
+    return select(cone.distance * cos * cos, 3e38, cone.distance > 1e30);
 }
 
 fn silhouettes_corner(eye: SilhouetteEye, corner: u32) -> vec3f {

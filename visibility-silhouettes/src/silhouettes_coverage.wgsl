@@ -46,5 +46,9 @@ fn silhouettes_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
         return PARTIAL;
     }
     // As many surfaces before all of the light.
+    if (light_is_flat()) {
+        let toward = light_middle();
+        return select(LIT, DARK, any_hit(eye.x, toward, light_distance(toward)));
+    }
     return select(LIT, DARK, any_hit(eye.x, cone.axis, eye.far));
 }

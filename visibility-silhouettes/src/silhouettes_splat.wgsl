@@ -58,8 +58,9 @@ struct SilhouetteView {
 }
 
 var<private> silhouettes_view: SilhouetteView;
-// The window whose edges are added up.
+// The window whose edges are added up, and the light before which they are.
 var<private> silhouettes_window: Cone;
+var<private> silhouettes_light: Cone;
 // Whether edges are added up; else they are drawn.
 var<private> silhouettes_adds: bool;
 
@@ -69,7 +70,9 @@ fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
     let near = SILHOUETTES_NEAR * select(eye.cone.distance, 1.0, eye.cone.distance > 1e30);
     let left = square.center.x - square.half.x;
     let middle = (clamp(0.0, left, left + 2.0 * square.half.x) - left) * raster.samples;
-    return SilhouetteView(square, raster, near, max(eye.far, near), middle, 0u);
+    // The square of a flat light is in its plane.
+    let far = select(eye.far, light_plane().w, light_is_flat());
+    return SilhouetteView(square, raster, near, max(far, near), middle, 0u);
 }
 
 // All silhouettes of the receiver, drawn or added up. Requires uniform control flow.
@@ -173,17 +176,20 @@ fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
 
 // Adds what of an edge lies before the window to the directions that a mask is turned by.
 fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
-    let depth = vec2f(dot(a, eye.cone.axis), dot(b, eye.cone.axis));
-    let near = select(1e-6 * eye.cone.distance, 1e-37, eye.cone.distance > 1e30);
+    // A flat light's cone may be a hemisphere.
+    let light = silhouettes_light;
+    let far = silhouettes_far(light);
+    let depth = vec2f(dot(a, light.axis), dot(b, light.axis));
+    let near = select(1e-6 * light.distance, 1e-37, light.distance > 1e30);
     // Of what is behind the light or the receiver some is listed and some is not.
-    if (all(depth < vec2f(near)) || all(depth > vec2f(eye.far))) {
+    if (all(depth < vec2f(near)) || all(depth > vec2f(far))) {
         return;
     }
     let edge = b - a;
     var first = a;
     var last = b;
     for (var k = 0u; k < 2u; k++) {
-        let limit = select(near, eye.far, k == 1u);
+        let limit = select(near, far, k == 1u);
         let is_out = select((depth < vec2f(limit)), (depth > vec2f(limit)), vec2<bool>(k == 1u));
         let cut = a + edge * ((limit - depth.x) / (depth.y - depth.x));
         first = select(first, cut, is_out.x);
@@ -191,7 +197,7 @@ fn silhouettes_add(eye: SilhouetteEye, a: vec3f, b: vec3f) {
     }
     let normal = cross(first, last - first);
     let length = silhouettes_length(silhouettes_window, first, last, normal);
-    if (!(length > 0.0 && silhouettes_length(eye.cone, first, last, normal) > 0.0)) {
+    if (!(length > 0.0 && silhouettes_length(light, first, last, normal) > 0.0)) {
         return;
     }
     let frame = edges_frame(silhouettes_window.axis);
@@ -398,9 +404,14 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
         atomicStore(&silhouettes_sums[lane], 0);
     }
     workgroupBarrier();
+    let eye = silhouettes_eye(at, light);
     silhouettes_window = window;
+    silhouettes_light = eye.cone;
+    if (light_is_flat()) {
+        silhouettes_light = window;
+    }
     silhouettes_adds = true;
-    silhouettes_each(lane, silhouettes_eye(at, light));
+    silhouettes_each(lane, eye);
     if (lane > 0u) {
         return vec4f(0.0);
     }

@@ -1,5 +1,5 @@
 // What spheres hide of one light: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
-// blocked_cone, frame, lobe-core's geometry and visibility-mask's facet.
+// blocked_cone, frame, lobe-core's geometry and outline, and visibility-mask's facet.
 @group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
 @group(0) @binding(7) var<storage, read> lists: array<u32>;
 @group(0) @binding(11) var<storage, read> sphere_bounds: array<vec4f>;
@@ -29,6 +29,22 @@ struct Look {
     coverage: u32,
 }
 
+// How a ball seen at `to` lies to a plane (normal and distance): LIT behind it, DARK where all of it that hides something is before it.
+fn sphere_before_plane(to: vec3f, radius: f32, plane: vec4f) -> u32 {
+    let along = dot(to, plane.xyz);
+    if (along - plane.w >= radius) {
+        return LIT;
+    }
+    // The rim that is seen.
+    let d_sq = dot(to, to);
+    let tangent_sq = d_sq - radius * radius;
+    let part = tangent_sq / d_sq;
+    let aside = sqrt(max(d_sq - along * along, 0.0));
+    let rim = along * part + radius * sqrt(max(part, 0.0)) * aside / sqrt(d_sq);
+    let is_before = tangent_sq > 0.0 && rim <= plane.w;
+    return select(DARK, PARTIAL, abs(along - plane.w) < radius && !is_before);
+}
+
 // What one sphere hides of a light.
 fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look {
     let sphere = spheres[index];
@@ -44,14 +60,22 @@ fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look 
     if (blocked.empty) {
         return Look(blocked, LIT);
     }
-    let between = to - cone.axis * cone.distance;
-    let both = radius + light.radius;
-    if (dot(between, between) >= both * both) {
-        if (dot(to, to) - radius * radius >= light.power) {
+    if (light_is_flat()) {
+        let order = sphere_before_plane(to, radius, light_plane());
+        if (order == LIT) {
             return Look(blocked, LIT);
         }
+        blocked.meets_light = order == PARTIAL;
     } else {
-        blocked.meets_light = true;
+        let between = to - cone.axis * cone.distance;
+        let both = radius + light.radius;
+        if (dot(between, between) >= both * both) {
+            if (dot(to, to) - radius * radius >= light.power) {
+                return Look(blocked, LIT);
+            }
+        } else {
+            blocked.meets_light = true;
+        }
     }
     return Look(blocked, blocked_cover(blocked, cone.axis, light.sin, light.cos));
 }

@@ -21,7 +21,12 @@ fn blocked_contains(blocked: BlockedCone, v: vec3f) -> bool {
 // Whether, along the unit direction `v`, the ball is entered before the light (both seen from the origin). Inside the ball
 // counts as entered at 0.
 fn order_by_ray(v: vec3f, blocked: BlockedCone, light: vec3f, light_radius: f32) -> bool {
-    return ray_entry(v, blocked.to, blocked.radius) < ray_entry(v, light, light_radius);
+    let entry = ray_entry(v, blocked.to, blocked.radius);
+    if (light_is_flat()) {
+        let plane = light_plane();
+        return entry * dot(plane.xyz, v) < plane.w;
+    }
+    return entry < ray_entry(v, light, light_radius);
 }
 
 fn ray_entry(v: vec3f, center: vec3f, radius: f32) -> f32 {

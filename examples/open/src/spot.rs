@@ -53,7 +53,7 @@ impl GpuLight for Spot {
         self.radiance.to_array()
     }
 
-    fn gpu_shape(&self) -> [[f32; 4]; 2] {
-        [self.direction.extend(0.0).to_array(), [self.inner, self.outer, 0.0, 0.0]]
+    fn gpu_shape(&self) -> Vec<[f32; 4]> {
+        vec![self.direction.extend(0.0).to_array(), [self.inner, self.outer, 0.0, 0.0]]
     }
 }

@@ -68,6 +68,26 @@ impl LightImage {
         self.vectors.map(|vectors| Vec3::from_array(vectors.map(|v| v.dot(normal))))
     }
 
+    /// Words of [`pack`](Self::pack).
+    #[must_use]
+    pub fn packed_words(&self) -> usize {
+        11 + self.levels.iter().map(|level| 3 + 3 * level.texels.len()).sum::<usize>()
+    }
+
+    /// Appends it as kernels read it: how many copies, whether there are vectors, and these; of each copy its size and where its
+    /// texels begin; all texels.
+    pub fn pack(&self, out: &mut Vec<u32>) {
+        let vectors = self.vectors.unwrap_or_default();
+        out.extend([self.levels.len() as u32, u32::from(self.vectors.is_some())]);
+        out.extend(vectors.iter().flat_map(|v| v.to_array()).map(f32::to_bits));
+        let mut start = 11 + 3 * self.levels.len();
+        for Level { size, texels } in &self.levels {
+            out.extend([size.x, size.y, start as u32]);
+            start += 3 * texels.len();
+        }
+        out.extend(self.levels.iter().flat_map(|level| &level.texels).flat_map(|t| t.to_array()).map(f32::to_bits));
+    }
+
     /// Texels of the finest copy.
     #[must_use]
     pub fn size(&self) -> UVec2 {

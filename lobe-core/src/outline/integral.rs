@@ -33,6 +33,9 @@ const ROUND: f32 = 0.994_281_9;
 /// A reflectance varies little over a light that is nearer to its peak than the root of this, in its widths.
 const SMALL_LIGHT: f32 = 0.6;
 
+/// Lambert's formula cancels where the edges' angles are less than this together.
+const WIDE: f32 = 0.6;
+
 /// Pieces of this part of all rows are taken together.
 const SMALL: f32 = 0.04;
 
@@ -143,7 +146,7 @@ fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4
             sum += angle * normal.dot(cross) / size;
         }
     }
-    if around > 0.6 && image.is_none() {
+    if around > WIDE && image.is_none() {
         return [0.0, 0.0, 0.0, sum * part / TAU];
     }
     let frame = light.frame(normal);

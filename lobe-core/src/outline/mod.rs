@@ -40,7 +40,15 @@ pub struct Outline {
     sides: [Vec3; 2],
     /// Whether a horizon has cut something off it.
     is_cut: bool,
+    /// See [`with_roundness`](Self::with_roundness).
+    roundness: Option<f32>,
 }
+
+/// From a circle to the corners of the polygon around it.
+const AROUND: f32 = 1.008_629;
+
+/// Surfaces block up to this part of the way to the light's plane.
+const DEPTH: f32 = 0.999_9;
 
 /// Cones of outlines that are wider than this are the whole hemisphere before the light's plane.
 const WIDEST: f32 = 0.9;
@@ -109,6 +117,7 @@ impl Outline {
             radius: None,
             sides: [Vec3::ZERO; 2],
             is_cut: false,
+            roundness: None,
         };
         out.corners[..count].copy_from_slice(corners);
         if out.twice_area() < 0.0 {
@@ -121,7 +130,7 @@ impl Outline {
     #[must_use]
     pub fn disc(center: Vec3, radius: f32, axis: Vec3) -> Option<Self> {
         let (u, v) = orthonormal_basis(axis);
-        let reach = radius * 1.008_629;
+        let reach = radius * AROUND;
         let polygon = Self::new(&TURNS.map(|[cos, sin]| center + (u * cos + v * sin) * reach), axis)?;
         Some(Self { center, radius: Some(radius), ..polygon })
     }
@@ -221,6 +230,11 @@ impl Outline {
         self.count > 0 && self.corners[self.count - 1].distance_squared(p) <= 1e-11 * p.length_squared()
     }
 
+    /// Whether a horizon has cut something off it.
+    pub(crate) const fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
     fn push(&mut self, p: Vec3) {
         // A convex polygon is cut in two places: more are of rounding.
         if self.count < Self::ROOM && !self.is_last(p) {
@@ -245,9 +259,18 @@ impl Outline {
         [right, self.axis.cross(right)]
     }
 
+    /// The same, of a light that is known to fill this part of the circle around it, whatever of it is seen.
+    #[must_use]
+    pub fn with_roundness(self, roundness: f32) -> Self {
+        Self { roundness: Some(roundness), ..self }
+    }
+
     /// The part that it fills of the circle around it: little for a tube.
     #[must_use]
     pub fn roundness(&self) -> f32 {
+        if let Some(roundness) = self.roundness {
+            return roundness;
+        }
         let middle = self.middle();
         let square = self.corners().iter().map(|p| p.distance_squared(middle)).fold(0.0, f32::max);
         (0.5 * self.twice_area() / (core::f32::consts::PI * square.max(f32::MIN_POSITIVE))).clamp(0.0, 1.0)
@@ -340,7 +363,7 @@ impl Outline {
     /// light visible, does not hide it.
     #[must_use]
     pub fn depth(&self) -> f32 {
-        0.999_9 * self.height
+        DEPTH * self.height
     }
 
     /// How far a ray along a direction inside the outline goes before surfaces do not block it any more.

@@ -1,6 +1,6 @@
 // What each point sees of one light: all of it, and its radiance is added; nothing; or a part, and the point is queued with
 // its integrals. As `Integrator::by_moments`. 64 threads, one tile. Needs frame.wgsl, the light's text, queue.wgsl, brdf's lobes,
-// `cap_integral`, points.wgsl, tiles.wgsl and `blockers_coverage(tile, at, cone)`.
+// `light_integral`, points.wgsl, tiles.wgsl and `blockers_coverage(tile, at, cone)`.
 
 // `MaskVisibility::coverage`, before any mask is made.
 fn coverage_of(tile: u32, at: Receiver, cone: Cone) -> u32 {
@@ -27,9 +27,9 @@ fn classify_point(tile: u32, point: u32) {
     for (var k = 0u; k < lobes; k++) {
         let lobe = brdf_lobe(at.material, at, k);
         // A lobe without flux is not there.
-        var integral = 0.0;
+        var integral = Integral();
         if (any(lobe.flux != vec3f(0.0))) {
-            integral = cap_integral(at, lobe, cone);
+            integral = light_integral(at, lobe, cone);
             count(INTEGRALS);
         }
         let unshadowed = lobe.flux * bright * integral;
@@ -42,7 +42,7 @@ fn classify_point(tile: u32, point: u32) {
                     queue.items[item] = point;
                     // Lobes below the threshold are left out.
                     for (var before = 0u; before < k; before++) {
-                        queue.items[item + 1u + before] = 0u;
+                        queue_keep(item, before, Integral());
                     }
                 }
             }
@@ -53,7 +53,7 @@ fn classify_point(tile: u32, point: u32) {
             count(PRUNED);
         }
         if (coverage == PARTIAL) {
-            queue.items[item + 1u + k] = bitcast<u32>(integral);
+            queue_keep(item, k, integral);
         }
     }
     told(point, coverage, sum);

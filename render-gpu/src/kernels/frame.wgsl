@@ -1,6 +1,6 @@
 // One light of one frame, for the points of a slice. The same struct as `layout::GpuFrame`.
 struct Frame {
-    // The ball around the light: centre and radius.
+    // The ball around the light, and around windows on it: centre and radius.
     light: vec4f,
     radiance: vec3f,
     tolerance: f32,
@@ -14,9 +14,10 @@ struct Frame {
     map: u32,
     // 2: what a loop that nobody ends early comes to.
     rounds: u32,
-    pad0: u32,
+    // Where the image that the light shows begins in the buffer of images.
+    image: u32,
     // What else the kind of light is told by.
-    shape: array<vec4f, 2>,
+    shape: array<vec4f, 26>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

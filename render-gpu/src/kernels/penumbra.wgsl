@@ -19,13 +19,13 @@ fn penumbra(
     let window = visibility_window(lane, tile, at, light);
     let coverage = visibility_coverage(lane);
     var sum = vec3f(0.0);
-    for (var k = 0u; k + 1u < frame.queue_stride; k++) {
+    for (var k = 0u; k < queue_lobes(); k++) {
         let lobe = brdf_lobe(at.material, at, k);
         let unshadowed = lobe.flux * bright * queue_integral(item, k);
         let brightest = max(max(unshadowed.x, unshadowed.y), unshadowed.z);
         let is_seen = k < brdf_lobe_count(at.material) && brightest > frame.threshold;
         if (decide(lane, is_seen && coverage == PARTIAL)) {
-            sum += unshadowed * visible_share(lane, tile, at, light, frame.tolerance, window, lobe);
+            sum += unshadowed * visible_fraction(lane, tile, at, light, frame.tolerance, window, lobe);
         } else if (is_seen && coverage == LIT) {
             sum += unshadowed;
         }

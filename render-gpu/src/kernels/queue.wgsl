@@ -1,7 +1,7 @@
 // What `classify` leaves to the penumbra kernel, and the counters of a frame. Needs frame.wgsl.
 
 // `count` items of `frame.queue_stride` words: the point (as an index into `points`), then its integral over the whole
-// light for each reflectance lobe. Items of one light are in no order; each point is there at most once.
+// light for each reflectance lobe, one word or one a channel. Items of one light are in no order; each point is there at most once.
 struct Queue {
     count: atomic<u32>,
     counters: array<atomic<u32>, 15>,
@@ -48,6 +48,3 @@ fn queue_point(item: u32) -> u32 {
     return queue.items[item * frame.queue_stride];
 }
 
-fn queue_integral(item: u32, lobe: u32) -> f32 {
-    return bitcast<f32>(queue.items[item * frame.queue_stride + 1u + lobe]);
-}

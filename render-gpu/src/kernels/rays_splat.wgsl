@@ -18,6 +18,9 @@ fn light_is_hidden(v: vec3f) -> bool {
 
 // Distance of the light's near surface along a unit direction inside the cone, or of its middle beside it.
 fn rays_to_surface(v: vec3f) -> f32 {
+    if light_is_flat() {
+        return min(light_distance(v), 1e30 / nodes[0].low.x);
+    }
     if rays_light.distance > 1e30 {
         return 1e30 / nodes[0].low.x;
     }

@@ -2,6 +2,7 @@
 
 mod call;
 mod canvas;
+mod flat;
 mod functions;
 mod gbuffer;
 mod maps;
@@ -25,6 +26,7 @@ fn main() {
     }
     let gpu = gpu.ok();
     let mut trials = Vec::new();
+    trials.extend(flat::trials(gpu.as_ref()));
     trials.extend(functions::trials(gpu.as_ref()));
     trials.extend(gbuffer::trials(gpu.as_ref()));
     trials.extend(maps::trials(gpu.as_ref()));

@@ -8,7 +8,7 @@ use crate::call::{call_with, trial};
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
 use render_gpu::Gpu;
 use visibility_mask::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare};
@@ -142,6 +142,8 @@ fn gpu_coverage_in(pages: Pages, gpu: &Gpu, packed: &PackedMaps, questions: &[Qu
         LOBE,
         SPECIAL,
         visibility_mask::wgsl::SQUARE,
+        visibility_mask::wgsl::ROUND,
+        NO_OUTLINE,
         visibility_mask::wgsl::FACET,
     ];
     let body = "let at = receiver();
@@ -177,7 +179,8 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
         }
     }
     let header = visibility_mask::wgsl::header(depth, Fineness::FINE);
-    let masks = [&header, visibility_mask::wgsl::MASK, visibility_mask::wgsl::SQUARE];
+    let masks =
+        [&header, visibility_mask::wgsl::MASK, visibility_mask::wgsl::SQUARE, visibility_mask::wgsl::ROUND, NO_OUTLINE];
     let words = Pages::ONE.wgsl();
     let pieces = [
         FRAME,

@@ -4,7 +4,7 @@ use crate::call::{call, call_groups, trial};
 use glam::Vec3;
 use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use lobe_core::{
     Accuracy, Cone, Coverage, LightId, Lobe, Look, OWN_NONE, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum,
     Visit,
@@ -120,7 +120,7 @@ fn squares(gpu: &Gpu) {
         y(8u, window.half.x);
         y(12u, window.half.y);"
     );
-    let got = call(gpu, &[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL], &body, &rows, 16, 13);
+    let got = call(gpu, &[wgsl::SQUARE, wgsl::ROUND, NO_OUTLINE, GEOMETRY, LOBE, SPECIAL], &body, &rows, 16, 13);
     let (mut turns, mut windows) = (Spread::default(), Spread::default());
     for ((case, across), got) in cases.iter().zip(&across).zip(got.chunks(13)) {
         let square = UnitSquare::facing(&case.light, *across);
@@ -182,7 +182,17 @@ fn edges(gpu: &Gpu) {
 
 /// All pieces of masks, but for the kernel.
 fn pieces(header: &str) -> Vec<&str> {
-    let masks = [wgsl::SQUARE, wgsl::MASK, wgsl::TOTAL, wgsl::SHARE, wgsl::EDGES, wgsl::VISIBILITY, wgsl::LOBES];
+    let masks = [
+        wgsl::SQUARE,
+        wgsl::ROUND,
+        NO_OUTLINE,
+        wgsl::MASK,
+        wgsl::TOTAL,
+        wgsl::SHARE,
+        wgsl::EDGES,
+        wgsl::VISIBILITY,
+        wgsl::LOBES,
+    ];
     [header, GEOMETRY, LOBE, SPECIAL].into_iter().chain(masks).collect()
 }
 

@@ -115,6 +115,8 @@ fn paper_caps(gpu: &Gpu) {
         wgsl::LOBE,
         wgsl::PAPER,
         visibility_mask::wgsl::SQUARE,
+        visibility_mask::wgsl::ROUND,
+        wgsl::NO_OUTLINE,
         visibility_mask::wgsl::MASK,
     ];
     let header = visibility_mask::wgsl::paper_header(5);

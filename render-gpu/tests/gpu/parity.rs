@@ -5,7 +5,7 @@ use crate::gbuffer::large_floor;
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{FlatLight, InsideLight, Light, SphereLight, SpotLight, SunLight};
+use lighting::{InsideLight, Light, SphereLight, SpotLight, SunLight};
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
@@ -249,7 +249,7 @@ fn of_many_lights(gpu: &Gpu) {
     }
 }
 
-/// Spots, suns and lamps, alone and beside balls; what the GPU does not know is refused.
+/// Spots, suns and lamps, alone and beside balls.
 fn of_spots_and_suns(gpu: &Gpu) {
     let mut view = builtin();
     let ball = |radius| Sphere { center: Vec3::new(1.5, 4.0, 2.0), radius };
@@ -273,12 +273,6 @@ fn of_spots_and_suns(gpu: &Gpu) {
         view.scene.lights = lights;
         view.compare_spheres(gpu, name, 0.003, 5);
     }
-    let panel = FlatLight::rectangle(Vec3::Y * 4.0, Vec3::X, Vec3::Z, Vec3::ONE).expect("a rectangle");
-    view.scene.lights = vec![panel.into()];
-    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
-    let mut out = vec![Vec3::ZERO; view.points.receivers.len()];
-    let refused = shader.shade(&view.points, &view.frame(0.003, 5), &mut out).expect_err("not on the GPU");
-    assert!(refused.to_string().contains("CPU"), "{refused}");
 }
 
 /// The built-in scene's meshes by maps, alone and with the balls by spheres.

@@ -99,7 +99,7 @@ pub(crate) struct Ways {
     pub(crate) gpu: fn(&Gpu, &Scene, &ShadingPoints, &Frame<'_>) -> Shaded,
 }
 
-const RAYS: Ways = Ways { cpu: from_cpu, gpu: from_gpu };
+pub(crate) const RAYS: Ways = Ways { cpu: from_cpu, gpu: from_gpu };
 
 fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2], tolerance: f32, depth: u32) {
     RAYS.compare(gpu, name, scene, size, tolerance, depth);

@@ -56,7 +56,7 @@ fn from_cpu(world: &World<'_>, points: &ShadingPoints, frame: &Frame<'_>) -> Sha
     (out, stats.counts)
 }
 
-const SILHOUETTES: Ways = Ways { cpu: from_cpu, gpu: from_gpu };
+pub(crate) const SILHOUETTES: Ways = Ways { cpu: from_cpu, gpu: from_gpu };
 
 fn compare(gpu: &Gpu, name: &str, scene: &Scene, size: [u32; 2]) {
     SILHOUETTES.compare(gpu, name, scene, size, 0.003, 5);

@@ -4,7 +4,7 @@ use crate::call::trial;
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use lobe_core::{Accuracy, Cone, Coverage, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 use render_gpu::{Gpu, GpuReceiver};
 use visibility_mask::{Blockers, Edges, Fineness, UnitSquare, hooks, wgsl as masks};
@@ -257,7 +257,7 @@ impl Words {
                     out[id.x] = spheres_coverage(id.x / 64u, points[id.x], cone);
                 }
             }";
-        let spheres = [wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES];
+        let spheres = [NO_OUTLINE, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES];
         let pieces = [&[FRAME, GEOMETRY, masks::FACET, MAIN][..], &spheres].concat();
         let out = vec![9; self.points.len() / 16];
         let buffers: [(u32, &[u32]); 6] =
@@ -306,6 +306,8 @@ impl Words {
             LOBE,
             SPECIAL,
             masks::SQUARE,
+            masks::ROUND,
+            NO_OUTLINE,
             masks::MASK,
             masks::EDGES,
             masks::FACET,

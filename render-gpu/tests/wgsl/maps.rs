@@ -1,7 +1,7 @@
 //! The WGSL of shadow maps without a GPU: every variant validates.
 
 use crate::validated::module;
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use visibility_shadowmap::{Pages, wgsl};
 
 /// What kernels declare.
@@ -18,6 +18,8 @@ fn validate(pieces: &[&str]) -> naga::Module {
         LOBE,
         SPECIAL,
         visibility_mask::wgsl::SQUARE,
+        visibility_mask::wgsl::ROUND,
+        NO_OUTLINE,
         visibility_mask::wgsl::FACET,
     ];
     module(&common.iter().chain(pieces).copied().collect::<Vec<_>>())

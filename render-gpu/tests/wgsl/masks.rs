@@ -3,7 +3,7 @@
 use crate::validated::module;
 use lighting::SphereLight;
 use lobe_core::gpu::GpuLight as _;
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, OUTLINE, SPECIAL};
 use visibility_mask::{Fineness, wgsl};
 
 /// Blockers and reflectance, as the kernel asks for them.
@@ -22,11 +22,13 @@ fn variants() -> impl Iterator<Item = (u32, f32)> {
 
 #[test]
 fn pieces_validate_alone() {
-    module(&[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
+    for shown in [[wgsl::ROUND, NO_OUTLINE], [wgsl::FLAT, OUTLINE]] {
+        module(&[[wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL], [shown[0], shown[1], "", ""]].concat());
+    }
     module(&[wgsl::EDGES, GEOMETRY]);
     for (depth, tolerance) in variants() {
         let header = wgsl::header(depth, Fineness::broad(tolerance));
-        module(&[&header, wgsl::MASK, wgsl::SQUARE, GEOMETRY, LOBE, SPECIAL]);
+        module(&[&header, wgsl::MASK, wgsl::SQUARE, wgsl::ROUND, NO_OUTLINE, GEOMETRY, LOBE, SPECIAL]);
         module(&[&header, wgsl::TOTAL]);
     }
 }
@@ -41,7 +43,8 @@ fn penumbrae_validate() {
         SphereLight::WGSL,
         include_str!("../../src/kernels/penumbra.wgsl"),
     ];
-    let common = [wgsl::MASK, wgsl::SQUARE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];
+    let common =
+        [wgsl::MASK, wgsl::SQUARE, wgsl::ROUND, NO_OUTLINE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];
     let core = [GEOMETRY, LOBE, SPECIAL, HOOKS];
     for (depth, tolerance) in variants() {
         let (broad, narrow) = (Fineness::broad(tolerance), Fineness::narrow(tolerance));

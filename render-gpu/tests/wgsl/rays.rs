@@ -1,8 +1,7 @@
 //! The WGSL of rays without a GPU.
 
 use crate::validated::module;
-use lobe_core::wgsl::GEOMETRY;
-use lobe_core::wgsl::{LOBE, SPECIAL};
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use render_gpu::wgsl::{BVH, RAYS, RAYS_SPLAT, TRACE};
 
 #[test]
@@ -23,8 +22,8 @@ fn shadow_rays_validate() {
             depth,
             visibility_mask::Fineness { coarse, ..visibility_mask::Fineness::FINE },
         );
-        use visibility_mask::wgsl::{CONTOUR, EDGES, FACET, MASK, SQUARE};
-        let masks = [header.as_str(), SQUARE, MASK, CONTOUR, EDGES, FACET];
+        use visibility_mask::wgsl::{CONTOUR, EDGES, FACET, MASK, ROUND, SQUARE};
+        let masks = [header.as_str(), SQUARE, ROUND, NO_OUTLINE, MASK, CONTOUR, EDGES, FACET];
         let main = "@compute @workgroup_size(LANES) fn main(@builtin(local_invocation_index) lane: u32) {
             let light = Cone(vec3f(0.0, 0.0, 1.0), 0.01, 5.0);
             var at: Receiver;

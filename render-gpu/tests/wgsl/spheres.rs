@@ -4,7 +4,7 @@ use crate::constant;
 use crate::validated::module;
 use lighting::SphereLight;
 use lobe_core::gpu::GpuLight as _;
-use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use visibility_mask::{Fineness, wgsl as masks};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
 
@@ -38,11 +38,12 @@ fn culling_validates() {
 
 #[test]
 fn classification_validates() {
-    let stub = "fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
+    let stub = "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
     let models = brdf::Models::of(&[brdf::Material::lambert(glam::Vec3::ONE)], false);
     let reflectance = brdf::wgsl::compose(models);
     let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
-    let mut pieces = vec![CLASSIFY, QUEUE, FRAME, SphereLight::WGSL, HOOK, stub, &reflectance, GEOMETRY, LOBE, SPECIAL];
+    let mut pieces =
+        vec![CLASSIFY, QUEUE, FRAME, SphereLight::WGSL, HOOK, stub, &reflectance, GEOMETRY, NO_OUTLINE, LOBE, SPECIAL];
     pieces.extend(parts);
     let classify = module(&pieces);
     assert_eq!(classify.entry_points[0].workgroup_size, [64, 1, 1]);
@@ -67,6 +68,8 @@ fn splats_validate_at_all_depths() {
                 masks::MASK,
                 masks::EDGES,
                 masks::SQUARE,
+                masks::ROUND,
+                NO_OUTLINE,
                 FRAME,
                 GEOMETRY,
                 LOBE,

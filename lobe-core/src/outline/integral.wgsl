@@ -1,0 +1,313 @@
+// `outline_integral` of outline/integral.rs, over what outline.wgsl holds. Needs outline.wgsl, special.wgsl, lobe.wgsl, one of
+// microfacets.wgsl and no_microfacets.wgsl, and one of plain.wgsl and image.wgsl.
+
+// Gauss–Legendre rules on [−1, 1] of 2, 4, 8 and 16 nodes: node and weight, one half; then those of 8 and 16 for what begins and ends
+// like a root.
+var<private> outline_rules: array<vec2f, 27> = array(
+    vec2f(0.57735026, 1.0),
+    vec2f(0.33998105, 0.65214515), vec2f(0.8611363, 0.34785485),
+    vec2f(0.18343464, 0.36268378), vec2f(0.5255324, 0.31370665), vec2f(0.7966665, 0.22238103), vec2f(0.96028984, 0.10122854),
+    vec2f(0.09501251, 0.1894506), vec2f(0.28160355, 0.1826034), vec2f(0.45801678, 0.16915652), vec2f(0.61787624, 0.14959599),
+    vec2f(0.7554044, 0.12462897), vec2f(0.8656312, 0.09515851), vec2f(0.944575, 0.062253524), vec2f(0.9894009, 0.027152460),
+    vec2f(0.28416792, 0.54621613), vec2f(0.7348899, 0.3341894), vec2f(0.9494254, 0.10968247), vec2f(0.9980552, 0.009912028),
+    vec2f(0.14869186, 0.2942802), vec2f(0.42805707, 0.2592256), vec2f(0.6589719, 0.19985877), vec2f(0.82520086, 0.13272868),
+    vec2f(0.9270949, 0.0733786), vec2f(0.9778081, 0.031315292), vec2f(0.99621254, 0.00850277), vec2f(0.9998614, 0.000710062),
+);
+
+// Where in the rules one begins, and half its nodes.
+const OUTLINE_TWO = vec2u(0u, 1u);
+const OUTLINE_FOUR = vec2u(1u, 2u);
+const OUTLINE_EIGHT = vec2u(3u, 4u);
+const OUTLINE_SIXTEEN = vec2u(7u, 8u);
+
+fn outline_turned_rule(length: f32) -> vec2u { return select(vec2u(19u, 8u), vec2u(15u, 4u), length < 0.5); }
+
+// The `k`-th node of a rule.
+fn outline_node(rule: vec2u, k: u32) -> vec2f {
+    let place = select(k - rule.y, rule.y - 1u - k, k < rule.y);
+    let node = outline_rules[rule.x + place];
+    return vec2f(select(node.x, -node.x, k < rule.y), node.y);
+}
+
+// Lobes below this exponent end at their horizon with a kink.
+const OUTLINE_STEEP = 4.0;
+const OUTLINE_ROUND = 0.9942819;
+const OUTLINE_SMALL = 0.04;
+const OUTLINE_NOTHING = 1e-9;
+
+// Where an integrand is largest on the light's plane, and how wide about there.
+struct OutlinePeak {
+    point: vec2f,
+    width: vec2f,
+    // A narrow lobe has its largest value elsewhere: what it gives here is little.
+    is_beside: bool,
+}
+
+const OUTLINE_COSINE = 0u;
+const OUTLINE_POWER = 1u;
+const OUTLINE_FACETS = 2u;
+
+// A reflectance, in a frame of the light's plane.
+struct OutlineValue {
+    kind: u32,
+    has_cosine: bool,
+    half_exponent: f32,
+    normal: vec3f,
+    axis: vec3f,
+}
+
+fn outline_local(right: vec3f, v: vec3f) -> vec3f {
+    return vec3f(dot(right, v), dot(cross(outline.axis, right), v), dot(outline.axis, v));
+}
+
+// What a lobe of flux 1 gives over the outline.
+fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
+    if (is_lambert(at, lobe)) {
+        return outline_lambert(at.normal);
+    }
+    if (lobe.factor >= LOBE_MICROFACETS) {
+        return outline_microfacets(at.normal, lobe);
+    }
+    return outline_power(at.normal, lobe);
+}
+
+// Lambert's formula, and the angles of the edges together.
+fn outline_closed(normal: vec3f) -> vec2f {
+    var sum = 0.0;
+    var around = 0.0;
+    for (var i = 0u; i < outline.count; i++) {
+        let a = outline_corners[i];
+        let b = outline_corners[select(i + 1u, 0u, i + 1u == outline.count)];
+        let normal_of = cross(a, b - a);
+        let size = sqrt(dot(normal_of, normal_of));
+        let angle = atan2_f32(size, dot(a, b));
+        around += angle;
+        if (size > 0.0) {
+            sum += angle * dot(normal, normal_of) / size;
+        }
+    }
+    // The polygon around a disc is larger than it.
+    return vec2f(sum * select(1.0, OUTLINE_ROUND, outline.radius > 0.0) / TAU, around);
+}
+
+// Of narrower lights the formula cancels.
+const OUTLINE_WIDE = 0.6;
+
+fn outline_lambert(normal: vec3f) -> OutlineSum {
+    let closed = outline_closed(normal);
+    if (closed.y > OUTLINE_WIDE && !OUTLINE_SHOWS) {
+        return OutlineSum(closed.x);
+    }
+    let right = outline_frame(normal);
+    outline_project(right);
+    let point = outline_nearest(vec2f(0.0));
+    let width = vec2f(sqrt(1.0 + dot(point, point)));
+    let value = OutlineValue(OUTLINE_COSINE, true, 0.0, outline_local(right, normal), vec3f(0.0));
+    return outline_cubature(right, OutlinePeak(point, width, false), value);
+}
+
+fn outline_power(normal: vec3f, lobe: Lobe) -> OutlineSum {
+    let right = outline_frame(lobe.axis);
+    outline_project(right);
+    let axis = outline_local(right, lobe.axis);
+    // What is behind a lobe's own horizon makes a kink where it begins.
+    if (lobe.exponent < OUTLINE_STEEP) {
+        outline_cut(axis);
+        if (outline_point_count == 0u) {
+            return OutlineSum();
+        }
+    }
+    let e = min(lobe.exponent, 1e8);
+    let length = sqrt(dot(axis.xy, axis.xy));
+    let place = select(vec2f(0.0), axis.xy / length, length > 0.0) * outline_largest_at(length, axis.z, e);
+    let point = outline_nearest(place);
+    let stretch = 1.0 + dot(point, point);
+    let along = dot(axis.xy, point) + axis.z;
+    let aside = cross(axis, vec3f(point, 1.0));
+    let sin_sq = dot(aside, aside) / stretch;
+    if (!(along > 0.0) || exp_f32(0.5 * e * ln_of(along * along / stretch, -sin_sq)) < OUTLINE_NOTHING) {
+        return OutlineSum();
+    }
+    // How it falls from there: by its own width, or with the slope that it has beside its axis.
+    var slope = axis.xy * (e / max(along, 1e-3 / (1.0 + e))) - point * ((e + 3.0) / stretch);
+    if (lobe.exponent < OUTLINE_STEEP) {
+        slope = vec2f(0.0);
+    }
+    let sigma = 1.0 / sqrt(e + 3.0);
+    let sigmas = vec2f(stretch, sqrt(stretch)) * sigma;
+    let width = 1.5 * sigmas / max(0.5 * abs(slope) * sigmas, vec2f(1.0));
+    let value = OutlineValue(OUTLINE_POWER, lobe.factor > 0.0, 0.5 * e, outline_local(right, normal), axis);
+    let apart = point - place;
+    let is_beside = sqrt(dot(apart, apart)) > 2.0 * sigma * stretch;
+    return (e + 1.0) / TAU * outline_cubature(right, OutlinePeak(point, width, is_beside), value);
+}
+
+// How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's
+// `1/r³` is largest.
+fn outline_largest_at(s: f32, c: f32, e: f32) -> f32 {
+    let b = (e + 3.0) * c;
+    let root = sqrt(b * b + 12.0 * e * s * s);
+    if (c > 0.0) {
+        return 2.0 * e * s / (b + root);
+    }
+    return (root - b) / max(6.0 * s, 1e-6);
+}
+
+// Leaves of the projected outline where `n·(x, y, 1)` is not below 0.
+fn outline_cut(n: vec3f) {
+    let points = outline_points;
+    let count = outline_point_count;
+    var is_above = true;
+    for (var i = 0u; i < count; i++) {
+        is_above = is_above && dot(n, vec3f(points[i], 1.0)) >= 0.0;
+    }
+    if (is_above) {
+        return;
+    }
+    outline_point_count = 0u;
+    for (var i = 0u; i < count; i++) {
+        let p = points[i];
+        let q = points[select(i + 1u, 0u, i + 1u == count)];
+        let h = dot(n, vec3f(p, 1.0));
+        let g = dot(n, vec3f(q, 1.0));
+        if (h >= 0.0) {
+            outline_push_point(p);
+        }
+        if ((h >= 0.0) != (g >= 0.0)) {
+            outline_push_point(p + (q - p) * (h / (h - g)));
+        }
+    }
+    if (outline_point_count < 3u) {
+        outline_point_count = 0u;
+    }
+}
+
+fn outline_push_point(p: vec2f) {
+    let apart = outline_points[max(outline_point_count, 1u) - 1u] - p;
+    let is_last = outline_point_count > 0u && dot(apart, apart) <= 1e-11 * (1.0 + dot(p, p));
+    if (outline_point_count < OUTLINE_ROOM && !is_last) {
+        outline_points[outline_point_count] = p;
+        outline_point_count += 1u;
+    }
+}
+
+// A place in widths from the peak, as nodes are even in it.
+fn outline_place(t: f32) -> f32 { return t / sqrt(1.0 + t * t); }
+
+// The reflectance at the point p of the plane at distance 1; `inverse` is one over its squared length.
+fn outline_value(value: OutlineValue, p: vec3f, inverse: f32) -> f32 {
+    let cos = dot(value.normal, p) * sqrt(inverse);
+    if (value.kind == OUTLINE_COSINE) {
+        return FRAC_1_PI * cos;
+    }
+    if (value.kind == OUTLINE_FACETS) {
+        return outline_facets(p * sqrt(inverse));
+    }
+    let along = dot(value.axis, p);
+    let aside = cross(value.axis, p);
+    let power = exp_f32(value.half_exponent * ln_of(along * along * inverse, -dot(aside, aside) * inverse));
+    return select(0.0, power * select(1.0, cos, value.has_cosine), along > 0.0);
+}
+
+// Over the projected outline: rows between its corners, or over a disc, as far as its sides let them.
+fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> OutlineSum {
+    outline_begin(right);
+    let count = outline_point_count;
+    var corners: array<vec2f, OUTLINE_ROOM>;
+    var cuts: array<f32, OUTLINE_ROOM>;
+    for (var i = 0u; i < count; i++) {
+        corners[i] = (outline_points[i] - peak.point) / peak.width;
+        // In order.
+        var k = i;
+        while (k > 0u && cuts[k - 1u] > corners[i].y) {
+            cuts[k] = cuts[k - 1u];
+            k -= 1u;
+        }
+        cuts[k] = corners[i].y;
+    }
+    // A circle in widths is an ellipse, of which the horizon may leave a part.
+    let is_round = outline.radius > 0.0;
+    let circle = outline_circle(right);
+    let middle = (circle.xy - peak.point) / peak.width;
+    let half = vec2f(circle.z) / peak.width;
+    let horizon = vec3f(value.normal.xy * peak.width, value.normal.z + dot(value.normal.xy, peak.point));
+    var used = count;
+    if (is_round) {
+        let ends = vec2f(max(cuts[0], middle.y - half.y), min(cuts[count - 1u], middle.y + half.y));
+        cuts[0] = ends.x;
+        cuts[1] = ends.y;
+        used = 2u;
+    } else {
+        // Without those that only divide what is small.
+        let small = OUTLINE_SMALL * (outline_place(cuts[count - 1u]) - outline_place(cuts[0]));
+        used = 1u;
+        for (var i = 1u; i < count; i++) {
+            if (used >= 2u && outline_place(cuts[i]) - outline_place(cuts[used - 2u]) < small) {
+                used -= 1u;
+            }
+            cuts[used] = cuts[i];
+            used += 1u;
+        }
+    }
+    for (var piece = 0u; piece + 1u < used; piece++) {
+        let low_cut = outline_place(cuts[piece]);
+        let high_cut = outline_place(cuts[piece + 1u]);
+        let length = high_cut - low_cut;
+        if (!(length > 1e-6 * (abs(cuts[piece + 1u]) + 1e-6))) {
+            continue;
+        }
+        var rule = outline_rule(length, peak.is_beside);
+        if (is_round) {
+            rule = outline_turned_rule(length);
+        }
+        for (var k = 0u; k < 2u * rule.y; k++) {
+            let node = outline_node(rule, k);
+            let u = 0.5 * ((low_cut + high_cut) + length * node.x);
+            let rest = 1.0 / max((1.0 - u) * (1.0 + u), 1e-12);
+            let y = u * sqrt(rest);
+            let weight = 0.5 * length * node.y * rest * sqrt(rest);
+            var ends = vec2f(-3e38, 3e38);
+            if (is_round) {
+                let away = (y - middle.y) / half.y;
+                let reach = half.x * sqrt(max((1.0 - away) * (1.0 + away), 0.0));
+                ends = outline_within(vec2f(middle.x - reach, middle.x + reach), horizon, y);
+                if (horizon.x == 0.0 && horizon.y * y + horizon.z <= 0.0) {
+                    ends.y = ends.x;
+                }
+            } else {
+                var p = corners[count - 1u];
+                for (var i = 0u; i < count; i++) {
+                    let q = corners[i];
+                    let edge = q - p;
+                    ends = outline_within(ends, vec3f(-edge.y, edge.x, edge.y * p.x - edge.x * p.y), y);
+                    p = q;
+                }
+            }
+            if (ends.x < ends.y && ends.y - ends.x < 3e38) {
+                outline_row(ends, peak.point.y + peak.width.y * y, weight, peak, value);
+            }
+        }
+    }
+    return outline_end(peak);
+}
+
+// What of a row is where `side·(x, y, 1)` is above 0.
+fn outline_within(ends: vec2f, side: vec3f, y: f32) -> vec2f {
+    let cut = -(side.y * y + side.z) / side.x;
+    return vec2f(select(ends.x, max(ends.x, cut), side.x > 0.0), select(ends.y, min(ends.y, cut), side.x < 0.0));
+}
+
+fn outline_row(ends: vec2f, y: f32, row_weight: f32, peak: OutlinePeak, value: OutlineValue) {
+    let low = outline_place(ends.x);
+    let high = outline_place(ends.y);
+    let rule = outline_rule(high - low, peak.is_beside);
+    for (var k = 0u; k < 2u * rule.y; k++) {
+        let node = outline_node(rule, k);
+        let u = 0.5 * (low + high) + 0.5 * (high - low) * node.x;
+        let rest = 1.0 / max((1.0 - u) * (1.0 + u), 1e-12);
+        let p = vec3f(peak.point.x + peak.width.x * u * sqrt(rest), y, 1.0);
+        let inverse = 1.0 / dot(p, p);
+        let area = row_weight * 0.5 * (high - low) * node.y * rest * sqrt(rest) * peak.width.x * peak.width.y;
+        outline_sample(p, area, inverse * sqrt(inverse), outline_value(value, p, inverse));
+    }
+}

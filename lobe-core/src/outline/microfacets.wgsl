@@ -1,0 +1,42 @@
+// Lobes of microfacets over an outline. Needs integral.wgsl beside it, and microfacets.wgsl.
+
+// Those of the lobe, in the frame of the light's plane.
+var<private> outline_surface: Microfacets;
+var<private> outline_is_edge: bool;
+
+fn outline_facets(v: vec3f) -> f32 {
+    let both = microfacets_both(outline_surface, v);
+    return select(both.x, both.y, outline_is_edge);
+}
+
+fn outline_microfacets(normal: vec3f, lobe: Lobe) -> OutlineSum {
+    let surface = microfacets_of(normal, lobe);
+    let alpha = sqrt(surface.alpha_sq);
+    let mirror = 2.0 * dot(normal, surface.view) * normal - surface.view;
+    // Rows across the plane of incidence: highlights are longer along it.
+    let seen = seen_from(normal, lobe.axis);
+    let turn = normal * seen.y + tangent_toward(normal, lobe.axis) * seen.x;
+    let toward = dot(outline.axis, mirror);
+    let right = outline_frame(select(mirror, turn - mirror * (dot(outline.axis, turn) / toward), toward > 1e-3));
+    outline_project(right);
+    let axis = outline_local(right, mirror);
+    let length = sqrt(dot(axis.xy, axis.xy));
+    let far = select(vec2f(0.0), axis.xy * (1e3 / length), length > 0.0);
+    let place = select(far, axis.xy / axis.z, axis.z > 1e-3);
+    var point = outline_nearest(place);
+    let stretch = 1.0 + dot(point, point);
+    // Their tails are powers of the distance.
+    let apart = place - point;
+    let beside = 0.5 * sqrt(dot(apart, apart));
+    var width = max(2.0 * alpha * vec2f(stretch, max(seen.x, alpha) * sqrt(stretch)), vec2f(beside));
+    // Next to the receiver the light's own `1/r³` may matter more.
+    let foot = outline_nearest(vec2f(0.0));
+    if (min(width.x, width.y) > sqrt(1.0 + dot(foot, foot))) {
+        point = foot;
+    }
+    width = min(width, vec2f(sqrt(1.0 + dot(point, point))));
+    outline_surface = Microfacets(outline_local(right, normal), surface.alpha_sq, outline_local(right, surface.view), surface.shadowing);
+    outline_is_edge = lobe.factor == LOBE_EDGE;
+    let value = OutlineValue(OUTLINE_FACETS, false, 0.0, outline_surface.normal, axis);
+    return outline_cubature(right, OutlinePeak(point, width, beside > 2.0 * alpha * stretch), value);
+}

@@ -1,0 +1,9 @@
+// In place of outline.wgsl where all lights are seen as cones.
+
+fn light_is_flat() -> bool { return false; }
+
+fn light_plane() -> vec4f { return vec4f(0.0); }
+
+fn light_distance(direction: vec3f) -> f32 { return 0.0; }
+
+fn light_middle() -> vec3f { return vec3f(0.0); }

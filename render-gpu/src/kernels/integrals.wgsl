@@ -1,0 +1,12 @@
+// Integrals in the queue, of lights that are as bright everywhere. Needs queue.wgsl.
+
+alias Integral = f32;
+
+// Lobes that an item has room for.
+fn queue_lobes() -> u32 { return frame.queue_stride - 1u; }
+
+fn queue_keep(start: u32, lobe: u32, integral: f32) { queue.items[start + 1u + lobe] = bitcast<u32>(integral); }
+
+fn queue_integral(item: u32, lobe: u32) -> f32 {
+    return bitcast<f32>(queue.items[item * frame.queue_stride + 1u + lobe]);
+}

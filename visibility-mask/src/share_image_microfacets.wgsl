@@ -1,0 +1,24 @@
+// Lobes of microfacets in the light of an image. Needs share_image.wgsl and share_microfacets.wgsl.
+
+// Those of the lobe, in the frame of a mask's square.
+var<private> image_surface: Microfacets;
+var<private> image_is_edge: bool;
+
+fn image_alpha(lobe: Lobe) -> f32 { return sqrt(microfacets_alpha_sq(lobe.exponent)); }
+
+fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare {
+    let widths = clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0);
+    return microfacets_highlight(whole, microfacets_of(at.normal, lobe), at.normal, widths);
+}
+
+fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {
+    let world = microfacets_of(at.normal, lobe);
+    image_surface =
+        Microfacets(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
+    image_is_edge = lobe.factor == LOBE_EDGE;
+}
+
+fn image_facets(v: vec3f) -> f32 {
+    let both = microfacets_both(image_surface, v);
+    return select(both.x, both.y, image_is_edge);
+}
