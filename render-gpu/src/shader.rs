@@ -295,7 +295,6 @@ impl GpuShader {
                 block_count,
                 map: self.blockers.map_of(LightId(number)),
                 rounds: 2,
-                ..GpuFrame::default()
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }

@@ -192,7 +192,7 @@ fn beside_spheres(gpu: &Gpu) {
 fn of_images(gpu: &Gpu) {
     let mut random = Random::new(5);
     let size = UVec2::new(64, 32);
-    let texel = |k: u32| Vec3::new(if k / 8 % 2 == 0 { 2.0 } else { 0.1 }, random.uniform() as f32, 0.5);
+    let texel = |k: u32| Vec3::new(if (k / 8).is_multiple_of(2) { 2.0 } else { 0.1 }, random.uniform() as f32, 0.5);
     let texels: Vec<Vec3> = (0..size.x * size.y).map(texel).collect();
     let (image, mean) = LightImage::new(size, &texels).expect("an image");
     let screen = |center: Vec3, u: Vec3, v: Vec3| -> Light {
