@@ -6,7 +6,8 @@
 //! - [`scene`]: meshes, materials, camera, animation and their files; [`pictures`]: OpenEXR, PNG, comparison.
 //! - [`lobe_core`], [`brdf`], [`lighting`], [`visibility_mask`]: lobes, and the three sources of them: reflectance, light, visibility.
 //! - [`visibility_silhouettes`], [`visibility_spheres`] with [`sphere_sets`], [`visibility_shadowmap`]: what blocks light.
-//! - [`render_cpu`], `render_gpu`: points to radiance.
+//! - [`ray_tracing`]: what rays meet, and the visible points of a picture.
+//! - [`render_cpu`], `render_gpu`: points to radiance; [`reference`]: the same by Monte Carlo, to measure them by.
 //!
 //! ```
 //! use cosine_lobes::renderer::{Renderer, Settings};
@@ -28,6 +29,8 @@ pub use glam;
 pub use lighting;
 pub use lobe_core;
 pub use pictures;
+pub use ray_tracing;
+pub use reference;
 pub use render_cpu;
 #[cfg(feature = "gpu")]
 pub use render_gpu;

@@ -7,9 +7,9 @@ use cosine_lobes::lighting::{
 };
 use cosine_lobes::lobe_core::{Accuracy, LightImage, Sphere, VisibilityLobes};
 use cosine_lobes::pictures::Picture;
-use cosine_lobes::render_cpu::{
-    CpuShader, GBuffer, Geometry, RayBlockers, RayShader, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
-};
+use cosine_lobes::ray_tracing::{GBuffer, World};
+use cosine_lobes::reference::{Geometry, RayShader, Reference, ReferenceJob};
+use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits};
 use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
 use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;

@@ -86,3 +86,4 @@ pub use crate::neumann::Neumann;
 pub use crate::packed::{Models, PackedMaterials};
 pub use crate::phong::Phong;
 pub use crate::residual::residual;
+pub use glam;

@@ -4,7 +4,8 @@ use crate::measure::{How, Timing, frames};
 use crate::models::Models;
 use crate::scenes::close_up;
 use core::sync::atomic::AtomicBool;
-use cosine_lobes::render_cpu::{GBuffer, Geometry, Reference, ReferenceJob, World};
+use cosine_lobes::ray_tracing::{GBuffer, World};
+use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::{Picture, RegionError, ShadowErrors};
 use glam::Vec3;
 

@@ -16,9 +16,9 @@ use crate::sheet::{Cell, Sheet};
 use cosine_lobes::brdf::Material;
 use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::{Accuracy, DynVisibility, LightLobes, Sphere, Unshadowed};
-use cosine_lobes::render_cpu::{
-    CpuShader, Estimate, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
-};
+use cosine_lobes::ray_tracing::{GBuffer, World};
+use cosine_lobes::reference::{Estimate, Geometry, Reference, ReferenceJob};
+use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits};
 use cosine_lobes::scene::{
     BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Strategy, load_animated,
 };

@@ -1,6 +1,7 @@
 //! What the program reads.
 
-use cosine_lobes::render_cpu::{GBuffer, Geometry, Reference, ReferenceJob, World};
+use cosine_lobes::ray_tracing::{GBuffer, World};
+use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::scene::{self, BlockerSet, SCHEMA_EXAMPLE, Scene, Surface, Wrap};
 use cosine_lobes::sphere_sets::{BoundSet, BuildOptions, SphereSet};
 use cosine_lobes::{Comparison, ExrLayer, ExrPart, Output, merge_exr, read_exr, read_exr_layer, read_stamp, write_exr};

@@ -41,3 +41,4 @@ pub use crate::sphere_light::SphereLight;
 pub use crate::spot_light::SpotLight;
 pub use crate::sun_light::SunLight;
 pub use crate::tube_light::TubeLight;
+pub use glam;

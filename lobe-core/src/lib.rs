@@ -39,6 +39,7 @@ pub mod oracle;
 mod outline;
 pub mod paper;
 mod product;
+mod random;
 mod source;
 pub mod special;
 #[cfg(test)]
@@ -59,6 +60,7 @@ pub use crate::microfacets::Microfacets;
 pub use crate::moments::{cone_lobe, exponent_of_spread, mixture_lobe, product_lobe};
 pub use crate::outline::{LightImage, Outline, Places, hash_of, image_integral, nearest_of, outline_integral};
 pub use crate::product::{is_lambert, lobe_product, product_integral, product_of_angle, products_of_angle};
+pub use crate::random::Random;
 pub use crate::source::{
     BrdfLobes, Coverage, DynScratch, DynVisibility, LightLobes, Unshadowed, VisibilityLobes, VisibilityQuery,
     VisibilitySum,
@@ -66,3 +68,4 @@ pub use crate::source::{
 pub use crate::tile::{Tile, TileLight, TileLobes};
 pub use crate::tile_integrator::{TileCall, TileLit};
 pub use crate::visit::{Look, PartlySeen, Visit};
+pub use glam;

@@ -33,3 +33,4 @@ pub use crate::png_file::{srgb_bytes, write_png};
 pub use crate::stamp::read_stamp;
 pub use crate::stream::PictureStream;
 pub use crate::window::Window;
+pub use glam;

@@ -8,7 +8,9 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_gr
 use glam::{Vec2, Vec3};
 use lighting::{Light, SphereLight};
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere, Unshadowed};
-use render_cpu::{CpuShader, RayBlockers, RayShader, World};
+use ray_tracing::World;
+use reference::RayShader;
+use render_cpu::{CpuShader, RayBlockers};
 use scene::{BlockerSet, Camera, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Texture, Wrap};
 use std::fmt::Display;
 use visibility_mask::MaskVisibility;

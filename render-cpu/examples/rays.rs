@@ -10,9 +10,9 @@ use core::sync::atomic::AtomicBool;
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::{Accuracy, Sphere, VisibilityLobes};
-use render_cpu::{
-    CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, SceneSilhouettes, SurfaceHits, World,
-};
+use ray_tracing::{GBuffer, World};
+use reference::{Geometry, Reference, ReferenceJob};
+use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadeStats};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::SilhouetteBlockers;

@@ -1,10 +1,8 @@
-//! Shading on the CPU, what shadow rays and camera rays meet, and the Monte-Carlo reference.
+//! Shading on the CPU by lobe sums, and what blocks light in a scene.
 //!
-//! - [`CpuShader`]: shades points by lobe sums, with any visibility strategy, materials and lights.
-//! - [`World`]: the geometry of a scene, ready for rays; [`GBuffer`]: the visible points of a picture.
-//! - What blocks in a scene: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`], [`RayBlockers`].
-//! - [`Reference`]: Monte Carlo of the same points, which reports its own error and can be kept and resumed; [`RayShader`]: shadow
-//!   rays on the same points, what the lobes are measured against. Both share nothing with the lobes.
+//! - [`CpuShader`]: shades points, with any visibility strategy, materials and lights.
+//! - What blocks: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`], [`RayBlockers`].
+//! - [`World`] and [`GBuffer`], which they ask and shade, are [`ray_tracing`]'s.
 //!
 //! ```
 //! use glam::Vec3;
@@ -22,26 +20,19 @@
 //! ```
 
 mod blockers;
-mod gbuffer;
-mod ray_shader;
+mod blockers_error;
 mod rays;
-mod reference;
 mod scene_silhouettes;
 mod scene_spheres;
 mod shade;
 mod surface_hits;
-#[cfg(test)]
-mod test_scenes;
-mod wide;
-mod world;
 
-pub use crate::blockers::{BlockersError, BlockersProgress, blockers};
-pub use crate::gbuffer::{GBuffer, TILE};
-pub use crate::ray_shader::RayShader;
+pub use crate::blockers::blockers;
+pub use crate::blockers_error::{BlockersError, BlockersProgress};
 pub use crate::rays::{RayBlockers, RayScratch};
-pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};
 pub use crate::scene_silhouettes::SceneSilhouettes;
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
 pub use crate::shade::{CpuShader, Layers};
 pub use crate::surface_hits::{HitScratch, SurfaceHits};
-pub use crate::world::{Hierarchy, World};
+pub use glam;
+pub use ray_tracing::{GBuffer, Hierarchy, TILE, World};

@@ -1,8 +1,7 @@
-use crate::World;
-use crate::world::{Primitive, Region};
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
 use lobe_core::{Cone, Coverage, OWN_NONE, Shaft, VisibilityQuery};
+use ray_tracing::{Primitive, Region, World};
 use visibility_mask::{Blockers, Contour, Edges, Mask, facet_coverage};
 
 /// So many primitives in a group's shaft are tested one by one for each receiver; more are left to the hierarchy.
@@ -27,7 +26,7 @@ const LISTED: usize = 48;
 /// 0.25 %, 233; floor behind a picket fence, three pickets across the light, 0.11 / 0.42 %, 581. Depth 4: 0.17 / 0.63 %, 155
 /// on the bunny's floor, 0.31 / 1.2 % behind the fence. Lit receivers cost next to none.
 ///
-/// What the contour saves costs little: from masks whose every cell is asked (812 rays at depth 5, 3 200 at depth 6) the
+/// What the contour saves costs little: from masks with a ray for every cell (812 rays at depth 5, 3 200 at depth 6) the
 /// share differs by 0.13 / 0.08 % in the mean around a ball, with 232 rays, and by 0.15 / 0.09 % around a picket fence,
 /// with 466.
 #[derive(Debug)]
@@ -127,7 +126,7 @@ impl Blockers for RayBlockers<'_> {
             let hidden = self.hides(scratch.origin, cone.axis, cone.distance);
             return if hidden { Coverage::Dark } else { Coverage::Lit };
         }
-        // No ray is asked for below a facet that cuts the light.
+        // No ray is shot below a facet that cuts the light.
         let above = facet == Coverage::Partial || at.face.dot(cone.axis) >= cone.sin_sq().sqrt();
         let region = Region::new(scratch.origin, cone, above.then_some(at.face));
         scratch.is_met = if scratch.is_listed {
@@ -149,7 +148,7 @@ impl Blockers for RayBlockers<'_> {
         let RayScratch { origin, facet, is_met, contour, .. } = scratch;
         let distance = |v: Vec3| query.outline.map_or_else(|| to_surface(query.cone, v), |light| light.distance(v));
         let hidden = |v: Vec3| self.hides(*origin, v, distance(v));
-        let asked = match *facet {
+        let rays = match *facet {
             None => contour.block(mask, hidden),
             // A ray below the plane would meet the facet or pass its edge.
             Some(face) if *is_met => contour.block_above(mask, face, |v| hidden(lifted(v, face))),
@@ -158,11 +157,11 @@ impl Blockers for RayBlockers<'_> {
                 0
             }
         };
-        self.rays.fetch_add(asked as u64, Ordering::Relaxed);
+        self.rays.fetch_add(rays as u64, Ordering::Relaxed);
     }
 }
 
-/// Sine of the least elevation above a facet at which it is asked for light: rounding does not turn such a ray down.
+/// Sine of the least elevation above a facet of a ray to the light: rounding does not turn such a ray down.
 const GRAZING: f32 = 1e-6;
 
 /// A unit direction, or the nearest one that is above the plane with this normal.

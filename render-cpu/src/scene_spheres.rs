@@ -1,4 +1,4 @@
-use crate::blockers::{BlockersError, BlockersProgress};
+use crate::blockers_error::{BlockersError, BlockersProgress};
 use glam::{Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
 use scene::{Animation, BlockerSet, Doubles, Mesh, Object, Proxy, Scene, Shape};
@@ -24,7 +24,7 @@ pub enum SphereSource {
 /// How an object shadows itself is fitted with its sphere set, sphere by sphere, and follows the spheres' radii; explicit
 /// spheres are measured against a visible mesh for one distance τ.
 /// Exact balls stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
-/// blackening a skin. Equal balls are one, and equal meshes ([`Doubles`]). A ball that coincides with a light blocks nothing: it is how a light is made visible.
+/// blackening a surface. Equal balls are one, and equal meshes ([`Doubles`]). A ball that coincides with a light blocks nothing: it is how a light is made visible.
 ///
 /// # Cost of a pose
 /// One to four matrix products a sphere that follows bones, a copy of the others.

@@ -1,7 +1,6 @@
-use crate::World;
-use crate::world::Primitive;
 use glam::Vec3;
 use lobe_core::{LightId, Shaft, Sphere};
+use ray_tracing::{Primitive, World};
 use scene::Shape;
 use visibility_silhouettes::AnyHit;
 

@@ -6,6 +6,7 @@ use lobe_core::Sphere;
 use lobe_core::conformance::{Limits, Setting, Subject, Visitor, check};
 use render_cpu::{RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use scene::{Camera, Mesh, Object, Scene, Shape};
+use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture};
 use visibility_silhouettes::SilhouetteBlockers;
 use visibility_spheres::SphereBlockers;
@@ -50,23 +51,7 @@ impl Subject for Mixed {
 
 /// A ball of triangles whose outline has the ball's area.
 fn ball(of: &Sphere, rings: u32) -> Mesh {
-    let sides = 2 * rings;
-    let radius = of.radius * (1.0 + (core::f32::consts::PI / rings as f32).powi(2) / 12.0);
-    let mut mesh = Mesh::default();
-    for i in 0..=rings {
-        let (s, c) = (core::f32::consts::PI * i as f32 / rings as f32).sin_cos();
-        for k in 0..sides {
-            let (x, z) = (core::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
-            mesh.positions.push(of.center + radius * Vec3::new(s * x, c, s * z));
-        }
-    }
-    for i in 0..rings {
-        for k in 0..sides {
-            let [a, b] = [i * sides + k, i * sides + (k + 1) % sides];
-            mesh.triangles.extend([[a, a + sides, b], [b, a + sides, b + sides]]);
-        }
-    }
-    mesh
+    globe(rings, of.center, of.radius * (1.0 + (core::f32::consts::PI / rings as f32).powi(2) / 12.0), false)
 }
 
 /// Balls of triangles by their silhouettes.

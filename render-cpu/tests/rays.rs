@@ -5,8 +5,11 @@ use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use lighting::SphereLight;
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
-use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
+use ray_tracing::{GBuffer, World};
+use reference::{Geometry, Reference, ReferenceJob};
+use render_cpu::{CpuShader, RayBlockers};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadingPoints};
+use test_scenes::globe;
 use visibility_mask::{Blockers, Mask, MaskVisibility};
 
 fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
@@ -22,28 +25,6 @@ fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
         objects: meshes.into_iter().enumerate().map(object).collect(),
         lights: vec![SphereLight::new(light, Vec3::ONE).into()],
     }
-}
-
-/// A ball of triangles with smooth normals.
-fn ball(center: Vec3, radius: f32) -> Mesh {
-    let (rings, sides) = (48, 96);
-    let mut mesh = Mesh::default();
-    for i in 0..=rings {
-        let (s, c) = (core::f32::consts::PI * i as f32 / rings as f32).sin_cos();
-        for k in 0..sides {
-            let (x, z) = (core::f32::consts::TAU * k as f32 / sides as f32).sin_cos();
-            mesh.positions.push(center + radius * Vec3::new(s * x, c, s * z));
-        }
-    }
-    for i in 0..rings {
-        for k in 0..sides {
-            let [a, b] = [i * sides + k, i * sides + (k + 1) % sides];
-            mesh.triangles.extend([[a, a + sides, b], [b, a + sides, b + sides]]);
-        }
-    }
-    mesh.remove_degenerate();
-    mesh.smooth_normals();
-    mesh
 }
 
 fn floor(half: f32) -> Mesh {
@@ -66,7 +47,7 @@ fn coverage(rays: &RayBlockers<'_>, at: &Receiver, light: Sphere, entered: bool)
 fn no_surface_shadows_itself() {
     for (scale, shift) in [(1.0, 0.0), (1e-3, 0.0), (1e4, 0.0), (1.0, 1e3)] {
         let place = Mat4::from_translation(Vec3::splat(shift)) * Mat4::from_scale(Vec3::splat(scale));
-        let mut mesh = ball(Vec3::Y, 0.5);
+        let mut mesh = globe(48, Vec3::Y, 0.5, true);
         mesh.transform(&place);
         let center = place.transform_point3(Vec3::new(3.0, 6.0, 4.0));
         let light = Sphere { center, radius: 0.5 * scale };
@@ -221,7 +202,7 @@ fn near_the_full_mask() {
     let mut fence = Mesh::default();
     (0..31).for_each(|k| fence.append(&picket(k)));
     let light = Sphere { center: Vec3::new(-2.0, 4.0, 3.5), radius: 0.5 };
-    for (name, mesh) in [("ball", ball(Vec3::Y * 0.6, 0.5)), ("fence", fence)] {
+    for (name, mesh) in [("ball", globe(48, Vec3::Y * 0.6, 0.5, true)), ("fence", fence)] {
         let scene = scene(vec![floor(10.0), mesh], light);
         let world = World::new(&scene);
         let g = GBuffer::new(&world, 192, 144, 1);

@@ -5,7 +5,9 @@ use core::sync::atomic::AtomicBool;
 use glam::{Affine2, Mat2, Mat3, Vec2, Vec3};
 use lighting::SphereLight;
 use lobe_core::{Accuracy, Sphere};
-use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World};
+use ray_tracing::{GBuffer, World};
+use reference::{Geometry, Reference, ReferenceJob};
+use render_cpu::{CpuShader, RayBlockers};
 use scene::{
     BlockerSet, Camera, Channel, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Surface, Texture,
     TextureMap,

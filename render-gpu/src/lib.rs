@@ -35,6 +35,8 @@ mod occlusion;
 mod paper;
 mod pose;
 mod shader;
+#[cfg(test)]
+mod validated;
 pub mod wgsl;
 
 pub use self::bvh::{GpuWorld, Stops};
@@ -47,3 +49,4 @@ pub use self::log::{CompiledKernel, KernelLog};
 pub use self::occlusion::Occlusion;
 pub use self::pose::GpuPose;
 pub use self::shader::GpuShader;
+pub use glam;

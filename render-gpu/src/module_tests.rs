@@ -3,11 +3,12 @@
 use super::*;
 use crate::kernel::Access;
 use crate::layout::GpuFrame;
+use crate::validated;
 use brdf::Models;
 use glam::Vec3;
 use lighting::{FlatLight, Light, SphereLight};
 use lobe_core::gpu::GpuBlockers as _;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::Capabilities;
 use naga::{AddressSpace, StorageAccess, TypeInner};
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 
@@ -15,10 +16,7 @@ use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 #[track_caller]
 fn check(name: &str, text: &Text) -> naga::Module {
     let Text { entry, text, bindings, .. } = text;
-    let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)));
-    let info = Validator::new(ValidationFlags::all(), Capabilities::all())
-        .validate(&module)
-        .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)));
+    let (module, info) = validated::with_info(name, text, Capabilities::all());
     // What every device has.
     let shared = module.global_variables.iter().filter(|(_, g)| g.space == AddressSpace::WorkGroup);
     let shared: u32 = shared.map(|(_, g)| module.types[g.ty].inner.size(module.to_ctx())).sum();

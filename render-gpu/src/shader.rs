@@ -292,11 +292,11 @@ impl GpuShader {
                 queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
                 image: self.images.start(number),
                 number,
+                pad: [0; 3],
                 sphere_count,
                 block_count,
                 map: self.blockers.map_of(LightId(number)),
                 rounds: 2,
-                ..GpuFrame::default()
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }

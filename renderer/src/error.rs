@@ -23,7 +23,7 @@ pub enum RenderError {
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] render_gpu::GpuError),
-    /// What is asked for does not exist on the GPU.
+    /// What is requested does not exist on the GPU.
     #[error("{0}")]
     NotOnGpu(&'static str),
     /// The paper's light lobes are those of balls.

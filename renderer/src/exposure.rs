@@ -1,6 +1,7 @@
 use core::sync::atomic::AtomicBool;
 use pictures::luminance;
-use render_cpu::{GBuffer, Geometry, Reference, ReferenceJob, World};
+use ray_tracing::{GBuffer, World};
+use reference::{Geometry, Reference, ReferenceJob};
 use scene::BlockerSet;
 
 /// Pixels along the longer side of the picture that is metered.
@@ -25,7 +26,7 @@ const MOST: f64 = 32.0;
 /// 16 shadow rays for each light and metered pixel: about 10 ms of two cores.
 ///
 /// ```
-/// use render_cpu::World;
+/// use ray_tracing::World;
 /// let mut scene = scene::builtin();
 /// let before = renderer::exposure(&World::new(&scene));
 /// scene.lights.clear();

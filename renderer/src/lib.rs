@@ -54,3 +54,4 @@ pub use crate::renderer::Renderer;
 pub use crate::settings::{Device, Method, Settings};
 pub use crate::sphere_cache::{known_set, scene_spheres};
 pub use crate::tables::paper_tables;
+pub use glam;

@@ -121,3 +121,4 @@ pub use crate::shade::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoin
 pub use crate::strategy::Strategy;
 pub use crate::surface::{Channel, Surface, TextureMap, TexturePlace};
 pub use crate::texture::{Encoding, Texture, Wrap};
+pub use glam;

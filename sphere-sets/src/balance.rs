@@ -1,10 +1,7 @@
 use glam::{Vec2, Vec4};
 
 use crate::bits::BitImage;
-use crate::view::View;
-
-/// Side of a cell in pixels.
-pub(crate) const CELL: usize = 4;
+use crate::view::{CELL, View};
 
 /// Half the side of the square over which silhouettes are averaged, in units of D: the penumbra of a light of some
 /// degrees, half of D away.

@@ -135,7 +135,7 @@ fn a_bent_limb_keeps_its_spheres() {
         let joints = [Mat4::IDENTITY, Mat4::from_rotation_z(angle)];
         let spheres = posed(&bound, &joints, &[]);
         let bent = rig.deform(&joints, &[]);
-        // The skin around the bend pinches, as linear blending does: what the spheres follow is the pinched skin.
+        // The surface around the bend pinches, as linear blending does: what the spheres follow is the pinched surface.
         let now = SphereSet::measure(&bent, &rig.triangles, &spheres).expect("a mesh with area").quality;
         assert!(now.silhouette_error < straight + 0.03, "{angle}: {straight} {now:?}");
         let rest = set.quality;

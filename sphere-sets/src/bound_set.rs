@@ -66,7 +66,7 @@ impl BoundSet {
     /// Replaces `out` by the spheres in a pose, and `own` by how their object's own receivers see them: `joints` take bind
     /// space to the world, `morph` are the weights of the morph targets.
     ///
-    /// A radius is that in bind space times `|det Σ_j w_j J_j|^⅓`: spheres shrink and stretch with the skin, and rigid
+    /// A radius is that in bind space times `|det Σ_j w_j J_j|^⅓`: spheres shrink and stretch with the surface, and rigid
     /// motion moves them exactly. Near balls turn with the bones ([`SelfShadow::turned`]). A sphere whose matrices are
     /// singular has radius 0; whatever the matrices are, the spheres are finite. Their number and order are those of the
     /// set. O(spheres × (4 + targets)), no allocation once `out` is large enough. `own` stays empty for a set without

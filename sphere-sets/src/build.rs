@@ -6,12 +6,12 @@ use crate::bounding::bound;
 use crate::cover::greedy_cover;
 use crate::descent::descend;
 use crate::error::BuildError;
-use crate::exchange::{insert, take_any, take_out};
 use crate::goal::Goal;
 use crate::options::{BuildOptions, Progress};
 use crate::random::{Random, fibonacci, quasi_random};
 use crate::solid::Solid;
 use crate::surface::Surface;
+use crate::swap::{insert, take_any, take_out};
 use crate::tree::TriangleTree;
 use crate::view::View;
 
@@ -121,7 +121,7 @@ impl<'a> Builder<'a> {
             // Outlines alone are the better start for what is to hold them.
             (goal.soft, goal.bulge) = (0.0, 0.0);
         }
-        // Few rounds are asked for where time matters: 200 and 300 steps with 40.
+        // Few rounds are requested where time matters: 200 and 300 steps with 40.
         let effort = options.rounds.min(40) as usize;
         descend(&goal, &mut spheres, 80 + 3 * effort, rates(0.004, 0.0006), &mut random);
         let mut best = goal.error(&spheres);

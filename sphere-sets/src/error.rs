@@ -2,7 +2,7 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// No spheres were asked for.
+    /// No spheres were requested.
     #[error("a sphere set needs at least one sphere")]
     NoSpheres,
     /// The mesh has no triangles.
@@ -27,24 +27,24 @@ pub enum BuildError {
     /// All triangles together have no area.
     #[error("the mesh has no area")]
     NoArea,
-    /// A bound was asked of a mesh that encloses nothing.
+    /// A bound was requested of a mesh that encloses nothing.
     #[error("the mesh has no inside that spheres could bound: it is open or a sheet, leave the bound out")]
     NoInside,
     /// The mesh is larger or smaller than single precision can hold.
     #[error("the mesh's extent is outside the range of single precision")]
     ExtentOutOfRange,
-    /// The most spheres allowed do not bring the silhouette error down to what was asked.
+    /// The most spheres allowed do not bring the silhouette error down to what was requested.
     #[error(
-        "{count} spheres leave a silhouette error of {:.2} %, but {:.2} % is asked: allow more spheres or a larger error",
-        .reached * 100.0, .asked * 100.0
+        "{count} spheres leave a silhouette error of {:.2} %, but {:.2} % is requested: allow more spheres or a larger error",
+        .reached * 100.0, .requested * 100.0
     )]
     ToleranceNotReached {
         /// Spheres that were allowed.
         count: usize,
         /// The error that they leave.
         reached: f32,
-        /// The error asked for.
-        asked: f32,
+        /// The error that was requested.
+        requested: f32,
     },
     /// The tolerance is not a number between 0 and 1.
     #[error("the tolerance of a sphere set should be above 0 and at most 1")]

@@ -10,7 +10,7 @@ use core::ops::ControlFlow;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
-    /// Spheres asked for, ≥ 1. The set has fewer where more would not change it (a ball is one sphere).
+    /// Spheres requested, ≥ 1. The set has fewer where more would not change it (a ball is one sphere).
     pub count: usize,
     /// Chooses the random directions of the descent: the same seed gives the same set on any number of threads.
     pub seed: u64,

@@ -68,7 +68,7 @@ impl Pass {
 /// is known, by adding up the rays that no other sphere blocks by where they leave it. Starts from whole spheres with the
 /// set's one distance; balls are tried around the best until now, in smaller and smaller steps.
 ///
-/// The ball is that for skin inside the sphere and becomes the whole sphere with the distance ([`SelfShadow::seen`]).
+/// The ball is that for surfaces inside the sphere and becomes the whole sphere with the distance ([`SelfShadow::seen`]).
 /// Bunny, 64 spheres, points that the fit does not know: V errs by 1.89 % in the mean, 0.25 % of all points are dark by
 /// mistake (by more than 0.3), and dark points get 3.7 % light. With the sphere's own centre instead 2.16, 0.29 and 5.2 %;
 /// with a ball that does not grow back 2.10, 0.30 and 4.0 %. What gains less, or nothing: a distance that depends on the
@@ -312,7 +312,7 @@ mod tests {
         let own = self_shadows(&surface, &tree, &ball);
         let mut rays = rays(&surface, &tree);
         rays.retain(|ray| ray.0.x > unit(Vec3::X * 2.0).x && ray.1.x < 0.0);
-        // Were the ball on the plate what it is on the skin.
+        // Were the ball on the plate what it is on the surface.
         let near = own[0].near(scale);
         let small = [(ball[0].truncate() + near.center).extend(near.radius)];
         let same = [SelfShadow::whole(own[0].distance / own[0].radius)];

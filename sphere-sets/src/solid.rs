@@ -43,7 +43,7 @@ impl Solid {
                 let p = low + (Vec3::new(x as f32, y as f32, z as f32) + 0.5) * cell;
                 let distance = tree.distance(p, reach);
                 reach = (distance + cell) * 1.0001;
-                // Nothing is crossed within the ball of the last point asked, so the answer is the same there.
+                // Nothing is crossed within the ball around the last point of a query, so the answer is the same there.
                 if p.x >= last.0 {
                     last = (p.x + distance, tree.contains(p));
                 }
@@ -110,7 +110,7 @@ impl Solid {
         (p - self.low) / self.cell
     }
 
-    /// Whether `p` is inside the mesh: from the voxel if the surface is far from it, else asked of the tree.
+    /// Whether `p` is inside the mesh: from the voxel if the surface is far from it, else from the tree.
     pub(crate) fn contains(&self, tree: &TriangleTree, p: Vec3) -> bool {
         let q = self.locate(p);
         if q.cmplt(Vec3::ZERO).any() || q.cmpge(self.dims.as_vec3()).any() {

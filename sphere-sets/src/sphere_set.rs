@@ -55,7 +55,7 @@ impl SphereSet {
     /// Work is about linear in the count, plus a part that is linear in the triangles.
     ///
     /// # Errors
-    /// [`BuildError`] for a mesh without triangles or area, with infinite or missing vertices, or for no spheres asked.
+    /// [`BuildError`] for a mesh without triangles or area, with infinite or missing vertices, or for no spheres requested.
     pub fn build(positions: &[Vec3], triangles: &[[u32; 3]], options: &BuildOptions) -> Result<Self, BuildError> {
         Self::build_with_progress(positions, triangles, options, &mut |_| ControlFlow::Continue(()))
     }

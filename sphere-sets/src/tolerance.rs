@@ -73,7 +73,7 @@ fn smallest(
             count = unit.len().min(count);
             enough = Some((count, error, unit));
         } else if count == most {
-            return Err(BuildError::ToleranceNotReached { count, reached: error, asked: tolerance });
+            return Err(BuildError::ToleranceNotReached { count, reached: error, requested: tolerance });
         } else {
             (few, few_error) = (count, error);
         }
@@ -103,16 +103,16 @@ mod tests {
     #[test]
     fn finds_the_smallest_count() {
         for tolerance in [0.9, 0.3, 0.05, 0.011, 0.004] {
-            let mut asked = Vec::new();
+            let mut requested = Vec::new();
             let error = |n: usize| 0.9 * (n as f32).powf(-0.7);
             let unit = smallest(tolerance, 5000, |n| {
-                asked.push(n);
+                requested.push(n);
                 Ok((vec![Vec4::ZERO; n], error(n)))
             });
             let found = unit.expect("enough spheres").len();
             let exact = (1..).find(|n| error(*n) <= tolerance).expect("a falling error");
             assert!(found >= exact && found as f32 <= CLOSE * exact as f32 + 1.0, "{tolerance}: {found}, {exact}");
-            assert!(asked.len() <= 12, "{asked:?}");
+            assert!(requested.len() <= 12, "{requested:?}");
         }
     }
 
@@ -121,7 +121,7 @@ mod tests {
         let left = smallest(0.01, 100, |n| Ok((vec![Vec4::ZERO; n], 0.0275)));
         let message = left.expect_err("too few").to_string();
         assert!(
-            message.starts_with("100 spheres leave a silhouette error of 2.75 %, but 1.00 % is asked"),
+            message.starts_with("100 spheres leave a silhouette error of 2.75 %, but 1.00 % is requested"),
             "{message}"
         );
     }

@@ -1,7 +1,9 @@
 use glam::{Vec2, Vec3, Vec4};
 
-use crate::balance::CELL;
 use crate::bits::BitImage;
+
+/// Side of a cell in pixels.
+pub(crate) const CELL: usize = 4;
 
 /// A parallel projection of unit space onto a square image.
 #[derive(Clone, Copy)]

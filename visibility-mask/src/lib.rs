@@ -78,3 +78,4 @@ pub use crate::row::EightRows;
 pub use crate::shadow_tree::ShadowNode;
 pub use crate::square::UnitSquare;
 pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility, filled};
+pub use glam;

@@ -60,3 +60,4 @@ pub use crate::map::{MapAdvice, MapFineness, ShadowMap};
 pub use crate::options::{MapError, MapOptions, ReceiverBounds};
 pub use crate::packed::PackedMaps;
 pub use crate::pages::Pages;
+pub use glam;

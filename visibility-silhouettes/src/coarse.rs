@@ -1,6 +1,6 @@
 //! Fewer triangles for outlines that are seen from afar.
 
-use crate::topology;
+use crate::topology::{self, WHOLE};
 use core::cmp::Reverse;
 use core::ops::Range;
 use glam::{DVec3, Vec3};
@@ -33,8 +33,6 @@ pub(crate) struct Coarse {
     pub(crate) count: usize,
 }
 
-/// No patch, or one that is always drawn as it is.
-pub(crate) const WHOLE: u16 = u16::MAX;
 /// Patches at most: two of them fit into a [`Tag`](topology::Tag).
 const MOST: usize = 1 << 14;
 

@@ -1,8 +1,5 @@
-use crate::lanes::Lanes3;
+use crate::lanes::{LANES, Lanes3};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
-
-/// Edges that are taken at once.
-pub(crate) const LANES: usize = 8;
 
 /// Numbers of an edge: its two ends, the planes of the triangle that runs from the first end to the second and of the one
 /// that runs back, and the bits of its number.
@@ -118,18 +115,18 @@ impl<const C: usize> Columns<C> {
 }
 
 /// Eight edges, wherever they are.
-pub(crate) trait Eight {
+pub(crate) trait EdgePacket {
     fn column<S: Simd>(&self, simd: S, column: usize) -> f32x8<S>;
 }
 
-impl Eight for Block<COLUMNS> {
+impl EdgePacket for Block<COLUMNS> {
     #[inline(always)]
     fn column<S: Simd>(&self, simd: S, column: usize) -> f32x8<S> {
         f32x8::simd_from(simd, self[column])
     }
 }
 
-impl Eight for (&EdgeList, usize) {
+impl EdgePacket for (&EdgeList, usize) {
     #[inline(always)]
     fn column<S: Simd>(&self, simd: S, column: usize) -> f32x8<S> {
         self.0.load(simd, column, self.1)

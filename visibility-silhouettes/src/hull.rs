@@ -1,4 +1,4 @@
-use crate::edge_list::{Block, COARSE, COLUMNS, ENDS, EdgeList, Eight, PLANES};
+use crate::edge_list::{Block, COARSE, COLUMNS, ENDS, EdgeList, EdgePacket, PLANES};
 use crate::lanes::Lanes3;
 use crate::mesh::SilhouetteMesh;
 use crate::tree::{Node, Tree};
@@ -122,26 +122,26 @@ impl Hull {
 
     /// Which of eight edges certainly are silhouettes for none of the receivers.
     #[inline(always)]
-    fn cancel<S: Simd>(&self, simd: S, eight: &impl Eight) -> mask32x8<S> {
-        let [one, other] = [self.faces(simd, eight, PLANES[0]), self.faces(simd, eight, PLANES[1])];
+    fn cancel<S: Simd>(&self, simd: S, packet: &impl EdgePacket) -> mask32x8<S> {
+        let [one, other] = [self.faces(simd, packet, PLANES[0]), self.faces(simd, packet, PLANES[1])];
         (one[0] & other[0]) | (one[1] & other[1])
     }
 
     /// Appends those of eight edges that `keep` has and that may lie inside of the hull; there must be room.
     #[inline(always)]
-    fn sift<S: Simd>(&self, simd: S, eight: &impl Eight, keep: mask32x8<S>, out: &mut EdgeList) {
+    fn sift<S: Simd>(&self, simd: S, packet: &impl EdgePacket, keep: mask32x8<S>, out: &mut EdgeList) {
         if !keep.any_true() {
             return;
         }
         let mut outside = !keep;
-        let [a, b] = [vectors(simd, eight, ENDS[0]), vectors(simd, eight, ENDS[1])];
+        let [a, b] = [vectors(simd, packet, ENDS[0]), vectors(simd, packet, ENDS[1])];
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
             outside |= a.dot(*n).min(b.dot(*n)).simd_gt(f32x8::splat(simd, *offset));
         }
         let keep = !outside;
         if keep.any_true() {
             for column in 0..COLUMNS {
-                out.put(column, keep, eight.column(simd, column));
+                out.put(column, keep, packet.column(simd, column));
             }
             out.end(keep);
         }
@@ -149,8 +149,8 @@ impl Hull {
 
     /// Whether all receivers are certainly in front of planes, and whether all are behind them.
     #[inline(always)]
-    fn faces<S: Simd>(&self, simd: S, eight: &impl Eight, column: usize) -> [mask32x8<S>; 2] {
-        let (normal, d) = (vectors(simd, eight, column), eight.column(simd, column + 3));
+    fn faces<S: Simd>(&self, simd: S, packet: &impl EdgePacket, column: usize) -> [mask32x8<S>; 2] {
+        let (normal, d) = (vectors(simd, packet, column), packet.column(simd, column + 3));
         let middle = normal.dot(self.center) + d;
         let unsure = d.abs() * (2.0 * UNSURE) + (2.0 * UNSURE * self.reach + 1.000_001 * self.radius);
         let (reach, zero) = (normal.abs().dot(self.half) + unsure, f32x8::splat(simd, 0.0));
@@ -286,6 +286,6 @@ impl Forms<'_> {
 }
 
 #[inline(always)]
-fn vectors<S: Simd>(simd: S, eight: &impl Eight, column: usize) -> Lanes3<S> {
-    Lanes3::new(eight.column(simd, column), eight.column(simd, column + 1), eight.column(simd, column + 2))
+fn vectors<S: Simd>(simd: S, packet: &impl EdgePacket, column: usize) -> Lanes3<S> {
+    Lanes3::new(packet.column(simd, column), packet.column(simd, column + 1), packet.column(simd, column + 2))
 }

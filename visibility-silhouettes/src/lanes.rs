@@ -1,9 +1,11 @@
 //! Eight vectors at once. Functions and no closures: a closure is not told to stay inside the code that has the wide
 //! instructions.
 
-use crate::edge_list::LANES;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
+
+/// Lanes.
+pub(crate) const LANES: usize = 8;
 
 /// x, y and z of eight vectors.
 #[derive(Clone, Copy)]

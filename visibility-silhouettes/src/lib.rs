@@ -70,3 +70,4 @@ mod tree;
 pub use crate::blockers::{AnyHit, SilhouetteBlockers, SilhouetteScratch};
 pub use crate::gpu::GpuSilhouettes;
 pub use crate::mesh::SilhouetteMesh;
+pub use glam;

@@ -1,5 +1,6 @@
 use crate::coarse::{self, Coarse};
-use crate::edge_list::{Block, COLUMNS, ENDS, ID, LANES, PLANES, SOMETIMES};
+use crate::edge_list::{Block, COLUMNS, ENDS, ID, PLANES, SOMETIMES};
+use crate::lanes::LANES;
 use crate::lanes::columns;
 use crate::topology::{self, Edge, Tag, normal};
 use crate::tree::{Reach, Tree};

@@ -1,9 +1,10 @@
 //! Which triangles share an edge.
 
-use crate::coarse::WHOLE;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
+/// No patch, or one that is always drawn as it is.
+pub(crate) const WHOLE: u16 = u16::MAX;
 /// No triangle on that side of an edge.
 pub(crate) const NONE: u32 = u32::MAX >> 1;
 /// Marks an edge between two triangles in one plane, which is never a silhouette.

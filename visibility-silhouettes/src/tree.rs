@@ -43,7 +43,7 @@ pub(crate) struct Tree {
 
 /// Box and cone of normals.
 #[derive(Clone, Copy)]
-struct Bounds {
+struct EdgeBounds {
     low: Vec3,
     high: Vec3,
     axis: Vec3,
@@ -169,7 +169,7 @@ impl Tree {
 
     /// The box of everything, of a tree that is fitted and not empty.
     pub(crate) fn bounds(&self) -> [Vec3; 2] {
-        let Bounds { low, high, .. } = self.nodes[0].all();
+        let EdgeBounds { low, high, .. } = self.nodes[0].all();
         [low, high]
     }
 
@@ -207,7 +207,7 @@ impl Node {
         Lanes3::new(f32x8::simd_from(simd, x), f32x8::simd_from(simd, y), f32x8::simd_from(simd, z))
     }
 
-    fn set(&mut self, k: usize, bounds: &Bounds) {
+    fn set(&mut self, k: usize, bounds: &EdgeBounds) {
         let center = 0.5 * bounds.low + 0.5 * bounds.high;
         // A little more, for the rounding of the middle; an empty box stays one, which every plane parts from everything.
         let half = (bounds.high - center).max(center - bounds.low) * 1.000_001;
@@ -230,14 +230,14 @@ impl Node {
         Vec3::new(self.bounds[0][k], self.bounds[1][k], self.bounds[2][k])
     }
 
-    fn get(&self, k: usize) -> Bounds {
+    fn get(&self, k: usize) -> EdgeBounds {
         let at = |c: usize| Vec3::new(self.bounds[c][k], self.bounds[c + 1][k], self.bounds[c + 2][k]);
         let (center, half) = (at(0), at(3));
-        Bounds { low: center - half, high: center + half, axis: at(6), sin: self.bounds[9][k] }
+        EdgeBounds { low: center - half, high: center + half, axis: at(6), sin: self.bounds[9][k] }
     }
 
     /// What bounds all children.
-    fn all(&self) -> Bounds {
+    fn all(&self) -> EdgeBounds {
         let children = (0..usize::from(self.len)).map(|k| self.get(k)).filter(|b| b.low.cmple(b.high).all());
         let mut bounds = NOTHING;
         let mut axis = Vec3::ZERO;
@@ -254,18 +254,18 @@ impl Node {
             let sum = beside * cos - child.sin * (1.0 - beside * beside).max(0.0).sqrt();
             if child.sin <= 1.0 && beside > 0.0 { sum } else { -1.0 }
         });
-        Bounds { axis, sin: sine(axis, least.fold(1.0, f32::min)), ..bounds }
+        EdgeBounds { axis, sin: sine(axis, least.fold(1.0, f32::min)), ..bounds }
     }
 }
 
-const NOTHING: Bounds = Bounds { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, axis: Vec3::ZERO, sin: WIDEST };
+const NOTHING: EdgeBounds = EdgeBounds { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, axis: Vec3::ZERO, sin: WIDEST };
 
 /// The sine of a half-angle, a little larger, or more than any sine where the angle is near a right one.
 fn sine(axis: Vec3, cos: f32) -> f32 {
     if axis == Vec3::ZERO || cos < 0.1 { WIDEST } else { (1.0 - cos * cos).max(0.0).sqrt() + 1e-3 }
 }
 
-fn around(edges: impl Iterator<Item = Shape> + Clone) -> Bounds {
+fn around(edges: impl Iterator<Item = Shape> + Clone) -> EdgeBounds {
     let (mut bounds, mut axis) = (NOTHING, Vec3::ZERO);
     for ([a, b], one, other) in edges.clone() {
         bounds.low = bounds.low.min(a).min(b);
@@ -278,7 +278,7 @@ fn around(edges: impl Iterator<Item = Shape> + Clone) -> Bounds {
         // A border is a silhouette from everywhere.
         None => -1.0,
     };
-    Bounds { axis, sin: sine(axis, edges.map(cos).fold(1.0, f32::min)), ..bounds }
+    EdgeBounds { axis, sin: sine(axis, edges.map(cos).fold(1.0, f32::min)), ..bounds }
 }
 
 fn of(boxes: &[[Vec3; 2]], numbers: &[u32]) -> [Vec3; 2] {

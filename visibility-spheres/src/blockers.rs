@@ -1,8 +1,8 @@
 use crate::block::{Candidates, LANES};
+use crate::blocked_cones::LightBall;
+use crate::cone_list::ConeList;
 use crate::ellipse::LANE;
-use crate::hits::Hits;
-use crate::looks::LightBall;
-use crate::shaft_test::ShaftTest;
+use crate::shaft::ShaftTest;
 use crate::sphere_tree::SphereTree;
 use crate::splat::Front;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
@@ -194,7 +194,7 @@ pub struct SphereScratch {
     darkener: Option<usize>,
     stack: Vec<(u32, u32)>,
     /// What meets the current receiver's light cone.
-    hits: Hits,
+    cones: ConeList,
     /// The normal of its facet, where that hides a part of the light.
     facet: Option<Vec3>,
 }
@@ -217,8 +217,8 @@ impl SphereScratch {
         self.dark
     }
 
-    pub(crate) fn hits(&self) -> Vec<crate::splat::BlockedCone> {
-        self.hits.iter().collect()
+    pub(crate) fn cones(&self) -> Vec<crate::splat::BlockedCone> {
+        self.cones.iter().collect()
     }
 
     /// How many candidates meet a shaft: one by one.
@@ -235,7 +235,7 @@ impl SphereBlockers {
     pub(crate) fn select_flat(&self, query: &VisibilityQuery<'_>) -> (Coverage, Vec<crate::splat::BlockedCone>) {
         let mut scratch = self.scratch();
         let coverage = self.select_by(query, &mut scratch, false);
-        (coverage, scratch.hits())
+        (coverage, scratch.cones())
     }
 }
 
@@ -271,7 +271,7 @@ impl Blockers for SphereBlockers {
 
     /// The spheres' rims and the facet's edge.
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &SphereScratch, edges: &mut Edges) {
-        dispatch!(Level::new(), simd => scratch.hits.add_edges(simd, query.cone, edges));
+        dispatch!(Level::new(), simd => scratch.cones.add_edges(simd, query.cone, edges));
         if let Some(face) = scratch.facet {
             edges.add_plane(face, query.cone);
         }
@@ -282,7 +282,7 @@ impl Blockers for SphereBlockers {
             mask.block_below(face);
         }
         let light = Front::new(query);
-        dispatch!(Level::new(), simd => scratch.hits.splat(simd, &light, mask));
+        dispatch!(Level::new(), simd => scratch.cones.splat(simd, &light, mask));
     }
 }
 
@@ -290,27 +290,27 @@ impl Blockers for SphereBlockers {
 #[inline(always)]
 fn select_all<S: Simd>(simd: S, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, culls: bool) -> Coverage {
     let (light, object) = (LightBall::new(query, culls), query.at.object);
-    scratch.hits.clear(scratch.candidates.len());
+    scratch.cones.clear(scratch.candidates.len());
     // What hides all of a receiver's light mostly does so to its neighbour too.
     if let Some(number) = scratch.darkener.take()
         && let Some(block) = scratch.blocks.get(number)
-        && light.look(simd, object, block, scratch.lanes(simd, number)).is_some_and(|looks| looks.darkens)
+        && light.blocked_cones(simd, object, block, scratch.lanes(simd, number)).is_some_and(|cones| cones.darkens)
     {
         scratch.darkener = Some(number);
         return Coverage::Dark;
     }
     for (number, block) in scratch.blocks.iter().enumerate() {
-        if let Some(looks) = light.look(simd, object, block, scratch.lanes(simd, number)) {
-            if looks.darkens {
+        if let Some(cones) = light.blocked_cones(simd, object, block, scratch.lanes(simd, number)) {
+            if cones.darkens {
                 scratch.darkener = Some(number);
                 return Coverage::Dark;
             }
-            scratch.hits.extend(&looks);
+            scratch.cones.extend(&cones);
         }
     }
-    if scratch.hits.is_empty() {
+    if scratch.cones.is_empty() {
         return Coverage::Lit;
     }
-    scratch.hits.end();
+    scratch.cones.end();
     Coverage::Partial
 }

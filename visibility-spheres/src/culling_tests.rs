@@ -142,11 +142,11 @@ fn selection_is_that_of_the_flat_loop() {
                 continue;
             }
             let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
-            let (want, hits) = blockers.select_flat(&query);
+            let (want, cones) = blockers.select_flat(&query);
             counts[want as usize] += 1;
             for scratch in [&mut culled, &mut whole] {
                 assert_eq!(blockers.select(&query, scratch), want, "case {case}");
-                assert!(want == Coverage::Dark || scratch.hits() == hits, "case {case}");
+                assert!(want == Coverage::Dark || scratch.cones() == cones, "case {case}");
             }
         }
     }
@@ -165,7 +165,7 @@ fn own_receivers_see_the_smaller_ball() {
         let mut scratch = blockers.scratch();
         let coverage =
             blockers.select(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);
-        (coverage, scratch.hits().to_vec())
+        (coverage, scratch.cones().to_vec())
     };
     let plain = |radius| SphereBlockers::new(&[Sphere { radius, ..ball }], &[7], &[]);
     let own = |radius, distance| plain(1.0).with_self_shadows(&[SelfShadow { radius, ..SelfShadow::whole(distance) }]);
@@ -224,9 +224,9 @@ fn light_of_more_than_a_hemisphere_keeps_everything() {
         let cone = Cone { axis: Vec3::Z, one_minus_cos, distance: f32::INFINITY };
         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         let mut scratch = blockers.scratch();
-        let (want, hits) = blockers.select_flat(&query);
+        let (want, cones) = blockers.select_flat(&query);
         assert_eq!(blockers.select(&query, &mut scratch), want);
-        assert_eq!(scratch.hits(), hits);
+        assert_eq!(scratch.cones(), cones);
     }
 }
 
@@ -341,7 +341,7 @@ fn over_a_floor(count: usize, grows: bool) -> (Vec<Sphere>, f32) {
 fn timings() {
     use visibility_mask::{Mask, UnitSquare};
     println!(
-        "spheres       build  refit | enter a tile (flat) candidates | select a point (no enter) hits | splat | all, a point"
+        "spheres       build  refit | enter a tile (flat) candidates | select a point (no enter) cones | splat | all, a point"
     );
     println!(
         "                   µs     µs |            ns                  |          ns                    |    ns |  ns"
@@ -386,14 +386,14 @@ fn timings() {
             let everything = blockers.scratch();
             let flat_enter = nanoseconds(256, || {
                 for (shaft, _) in &shafts {
-                    std::hint::black_box(everything.meets(&crate::shaft_test::ShaftTest::new(shaft)));
+                    std::hint::black_box(everything.meets(&crate::shaft::ShaftTest::new(shaft)));
                 }
             });
-            let (mut candidates, mut hits, mut partial) = (0, 0, 0_usize);
+            let (mut candidates, mut cones, mut partial) = (0, 0, 0_usize);
             let mut mask = Mask::default();
             // Stage by stage: 0 enter, 1 and select, 2 and splat.
             let mut frame = |stage: usize| {
-                (candidates, hits, partial) = (0, 0, 0);
+                (candidates, cones, partial) = (0, 0, 0);
                 for (shaft, points) in &shafts {
                     blockers.enter(shaft, &mut scratch);
                     candidates += scratch.candidates().len();
@@ -403,7 +403,7 @@ fn timings() {
                         let cone = Cone::of_sphere(at.position, light);
                         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
                         if blockers.select(&query, &mut scratch) == Coverage::Partial {
-                            hits += scratch.hits().len();
+                            cones += scratch.cones().len();
                             partial += 1;
                             if stage > 1 {
                                 mask.reset(&UnitSquare::facing(&cone, blockers.across(&query, &scratch)), 5, at.normal);
@@ -435,8 +435,8 @@ fn timings() {
                 refit / 1e3,
                 candidates as f64 / 256.0,
                 stages[1] - stages[0],
-                hits as f64 / partial.max(1) as f64,
-                (stages[2] - stages[1]) * (256.0 * 64.0) / hits.max(1) as f64,
+                cones as f64 / partial.max(1) as f64,
+                (stages[2] - stages[1]) * (256.0 * 64.0) / cones.max(1) as f64,
                 stages[2],
             );
         }

@@ -14,19 +14,20 @@
 //! ```
 
 mod block;
+mod blocked_cones;
 mod blockers;
+mod cone_list;
 mod ellipse;
-mod hits;
-mod looks;
 mod packed;
-mod shaft_test;
+mod shaft;
 mod sphere_tree;
 mod splat;
 pub mod wgsl;
-mod wide;
+mod wide_cone;
 
 pub use crate::blockers::{SphereBlockers, SphereScratch};
 pub use crate::packed::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK};
+pub use glam;
 
 #[cfg(test)]
 mod culling_tests;

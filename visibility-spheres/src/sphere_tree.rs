@@ -1,5 +1,5 @@
 use crate::block::{Blocks, LANES};
-use crate::shaft_test::ShaftTest;
+use crate::shaft::ShaftTest;
 use glam::Vec3;
 use lobe_core::{Sphere, compact_runs};
 

@@ -1,8 +1,8 @@
 //! Cones that spheres block, and their bits on the mask, against rays in f64.
 
 use crate::block::{LANES, half_of};
-use crate::hits::Hits;
-use crate::looks::{cones, whole_cones};
+use crate::blocked_cones::{cones, whole_cones};
+use crate::cone_list::ConeList;
 use crate::splat::{BlockedCone, Front, order_by_ray};
 use core::f64::consts::PI;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
@@ -23,10 +23,10 @@ fn blocked_cone(to: Vec3, radius: f32, tau: f32) -> Option<BlockedCone> {
 
 /// Blocks what is in cones that don't meet the light.
 fn splat(cones: &[BlockedCone], level: Level, mask: &mut Mask) {
-    let mut hits = Hits::default();
-    cones.iter().for_each(|cone| hits.push(cone));
+    let mut list = ConeList::default();
+    cones.iter().for_each(|cone| list.push(cone));
     let cone = Cone { axis: mask.square().axis, one_minus_cos: 0.1, distance: f32::INFINITY };
-    dispatch!(level, simd => hits.splat(simd, &Front::of_cone(&cone), mask));
+    dispatch!(level, simd => list.splat(simd, &Front::of_cone(&cone), mask));
 }
 
 /// Entry and exit of a ray from the origin into a ball, both possibly negative.

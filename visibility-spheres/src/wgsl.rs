@@ -5,7 +5,7 @@
 /// The struct of a blocker, the layout of a tile's list.
 pub const PACKED: &str = include_str!("packed.wgsl");
 /// Which spheres meet a shaft: for culling.
-pub const SHAFT_TEST: &str = include_str!("shaft_test.wgsl");
+pub const SHAFT_TEST: &str = include_str!("shaft.wgsl");
 /// Which spheres a light's cone may meet.
 pub const CONE_TEST: &str = include_str!("cone_test.wgsl");
 /// The cone that a sphere blocks.
@@ -15,6 +15,6 @@ pub const SPHERES: &str = include_str!("spheres.wgsl");
 /// A ball on a mask: with visibility-mask's mask.
 pub const ELLIPSE: &str = include_str!("ellipse.wgsl");
 /// Other cones on a mask: with [`BLOCKED_CONE`], [`ELLIPSE`] and visibility-mask's mask and edges.
-pub const SPLAT: &str = concat!(include_str!("splat.wgsl"), "\n", include_str!("wide.wgsl"));
+pub const SPLAT: &str = concat!(include_str!("splat.wgsl"), "\n", include_str!("wide_cone.wgsl"));
 /// `spheres_edges` and `spheres_splat`: with all of these but [`SHAFT_TEST`].
 pub const SPHERES_SPLAT: &str = include_str!("spheres_splat.wgsl");

@@ -21,11 +21,10 @@ mod cap;
 mod gauss;
 mod microfacets;
 mod product;
-mod random;
 mod tanh_sinh;
 
 pub use self::brute_force::{Zone, brute_force};
 pub use self::cap::{CapLobe, cap, sphere_light_irradiance};
 pub use self::microfacets::CapMicrofacets;
 pub use self::product::{ln_product, lobe_integral, meridian, product};
-pub use self::random::Random;
+pub use crate::random::Random;

@@ -2,17 +2,12 @@
 
 use super::*;
 use crate::bvh::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuNode, GpuPrimitive, VISIBLE};
+use crate::validated;
 use core::mem::{offset_of, size_of};
 use naga::TypeInner;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn module() -> naga::Module {
-    let text = trace_text(64);
-    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
-    Validator::new(ValidationFlags::all(), Capabilities::default())
-        .validate(&module)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
-    module
+    validated::module(&[&trace_text(64)])
 }
 
 /// Size and offsets of the members of a struct.

@@ -1,5 +1,5 @@
 // The spheres that a tile of 64 points has to look at for one light: those that meet the shaft from the points to the
-// light. One workgroup a tile. Needs frame.wgsl, packed.wgsl, shaft_test.wgsl and lobe-core's geometry.
+// light. One workgroup a tile. Needs frame.wgsl, packed.wgsl, shaft.wgsl and lobe-core's geometry.
 @group(0) @binding(1) var<storage, read> points: array<Receiver>;
 @group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
 @group(0) @binding(7) var<storage, read_write> lists: array<u32>;

@@ -3,7 +3,6 @@
 use crate::call::trial;
 use crate::parity::{View, plain};
 use brdf::Material;
-use core::f32::consts::PI;
 use glam::{Mat4, Quat, Vec3};
 use libtest_mimic::Trial;
 use lighting::{Light, SphereLight};
@@ -11,6 +10,7 @@ use lobe_core::{Receiver, Sphere};
 use render_cpu::{CpuShader, GBuffer, World};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, Occlusion};
 use scene::{Camera, Mesh, Object, Proxy, Scene, Shade, Shape};
+use test_scenes::globe;
 use visibility_mask::MaskVisibility;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -27,27 +27,6 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("points_have_no_cracks", gpu, no_cracks),
         trial("points_of_a_large_floor", gpu, on_a_large_floor),
     ]
-}
-
-/// A globe of `4n²` triangles, smooth or flat.
-pub(crate) fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
-    let at = |i: u32, k: u32| {
-        let ((s, c), (x, z)) = ((PI * i as f32 / n as f32).sin_cos(), (PI * k as f32 / n as f32).sin_cos());
-        center + radius * Vec3::new(s * x, c, s * z)
-    };
-    let positions = (0..=n).flat_map(|i| (0..2 * n).map(move |k| at(i, k))).collect();
-    let number = |i: u32, k: u32| i * 2 * n + k % (2 * n);
-    let quads = (0..n).flat_map(|i| (0..2 * n).map(move |k| [(i, k), (i + 1, k), (i + 1, k + 1), (i, k + 1)]));
-    let triangles = quads.flat_map(|q| {
-        let [a, b, c, d] = q.map(|(i, k)| number(i, k));
-        [[a, b, c], [a, c, d]]
-    });
-    let mut mesh = Mesh { positions, triangles: triangles.collect(), ..Mesh::default() };
-    mesh.remove_degenerate();
-    if smooth {
-        mesh.smooth_normals();
-    }
-    mesh
 }
 
 /// Meshes of some 20 000 triangles, smooth and flat, one that is not seen; balls; a tilted floor.

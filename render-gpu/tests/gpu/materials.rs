@@ -28,17 +28,17 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     ]
 }
 
-/// SplitMix64.
-struct Random(u64);
+/// Numbers, directions and colours.
+struct Random(lobe_core::Random);
 
 impl Random {
+    const fn new(seed: u64) -> Self {
+        Self(lobe_core::Random::new(seed))
+    }
+
     /// In [0, 1).
     fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        (self.0.bits() >> 40) as f32 / (1u64 << 24) as f32
     }
 
     fn direction(&mut self) -> Vec3 {
@@ -60,7 +60,7 @@ impl Random {
 }
 
 fn several(model: fn(&mut Random) -> Material, count: usize) -> Vec<Material> {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let all: Vec<Material> = (0..count).map(|_| model(&mut random)).collect();
     all.iter().for_each(|material| material.validate().expect("a valid material"));
     all
@@ -130,7 +130,7 @@ fn receiver(normal: Vec3, view: Vec3) -> Receiver {
 
 /// Views from along the normal to grazing and below the horizon; normals at the poles, where bases turn.
 fn receivers() -> Vec<Receiver> {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut all = Vec::new();
     for i in 0..40 {
         let normal = match i % 10 {

@@ -1,7 +1,7 @@
 //! The same picture from CPU and GPU.
 
 use crate::call::trial;
-use crate::gbuffer::{globe, large_floor};
+use crate::gbuffer::large_floor;
 use brdf::{
     HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Neumann,
     Phong,
@@ -17,6 +17,7 @@ use scene::{
     TextureMap,
 };
 use std::ops::ControlFlow;
+use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture, facet_coverage};
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 use visibility_spheres::SphereBlockers;

@@ -1,7 +1,7 @@
 //! Shadow rays on the GPU against `RayBlockers`.
 
 use crate::call::trial;
-use crate::gbuffer::{globe, large_floor, placed};
+use crate::gbuffer::{large_floor, placed};
 use crate::parity::plain;
 use brdf::Material;
 use core::ops::ControlFlow;
@@ -11,9 +11,12 @@ use libtest_mimic::Trial;
 use lighting::{Light, SphereLight};
 use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Accuracy, Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
-use render_cpu::{CpuShader, GBuffer, Geometry, RayBlockers, Reference, ReferenceJob, World, blockers};
+use ray_tracing::{GBuffer, World};
+use reference::{Geometry, Reference, ReferenceJob};
+use render_cpu::{CpuShader, RayBlockers, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, Stops};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
+use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility, facet_coverage};
 use visibility_spheres::SphereBlockers;
 

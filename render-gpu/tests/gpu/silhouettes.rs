@@ -1,7 +1,7 @@
 //! Silhouettes on the GPU, by the door for strategies that it does not know, against `SilhouetteBlockers`.
 
 use crate::call::trial;
-use crate::gbuffer::{globe, large_floor};
+use crate::gbuffer::large_floor;
 use crate::parity::plain;
 use crate::rays::{Shaded, Ways, check_alike, check_picture, fence, frame, unshadowed};
 use glam::{Mat4, Vec3};
@@ -13,6 +13,7 @@ use lobe_core::{Method, Sphere};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use render_gpu::{Gpu, GpuError, GpuShader, GpuWorld, Occlusion};
 use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
+use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility};
 use visibility_silhouettes::{AnyHit as _, GpuSilhouettes, SilhouetteBlockers};
 use visibility_spheres::SphereBlockers;

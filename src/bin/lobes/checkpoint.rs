@@ -2,7 +2,7 @@
 
 use crate::console::{self, STOP, note};
 use crate::failure::Failure;
-use cosine_lobes::render_cpu::{CheckpointError, Reference};
+use cosine_lobes::reference::{CheckpointError, Reference};
 use cosine_lobes::{ImageFileError, Output};
 use std::fs::File;
 use std::io::BufReader;

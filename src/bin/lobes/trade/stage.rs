@@ -7,7 +7,9 @@ use crate::teller::Teller;
 use cosine_lobes::Picture;
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::render_cpu::{GBuffer, RayShader, SceneSilhouettes, World};
+use cosine_lobes::ray_tracing::{GBuffer, World};
+use cosine_lobes::reference::RayShader;
+use cosine_lobes::render_cpu::SceneSilhouettes;
 use cosine_lobes::renderer::{
     Backend, Event, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, exposure, seconds,
 };

@@ -1,0 +1,284 @@
+//! Tiles of an image: what their rays meet, and the points there, written where they belong.
+
+use super::{GBuffer, TILE};
+use crate::World;
+use crate::world::{NOTHING, RayHits, RayPacket, Rays, SIDE, varied};
+use brdf::Material;
+use core::ops::Range;
+use glam::{Vec2, Vec3};
+use lobe_core::Receiver;
+use rayon::prelude::*;
+use scene::Surface;
+
+/// Tiles that a thread takes at once.
+const TASK: usize = 8;
+
+/// Some tiles of an image.
+pub(super) struct View<'w> {
+    world: &'w World<'w>,
+    pub(super) rays: Rays,
+    offsets: Vec<Vec2>,
+    /// Columns and rows of tiles of the whole image.
+    across: Range<u32>,
+    down: Range<u32>,
+    /// Pixels of the whole image that are requested.
+    columns: Range<u32>,
+    rows: Range<u32>,
+    /// For each object whether its points have an appearance of their own, if any has.
+    varied: Option<Vec<bool>>,
+}
+
+/// Points of some tiles, where they belong.
+struct Part<'a> {
+    receivers: &'a mut [Receiver],
+    materials: &'a mut [u32],
+    pixels: &'a mut [u32],
+    depths: &'a mut [f32],
+    /// Empty where nothing emits.
+    emission: &'a mut [Vec3],
+}
+
+/// Rays of a tile that have met something, eight at a time.
+#[derive(Default)]
+struct Met {
+    hits: RayHits,
+    pixels: [u32; SIDE],
+    /// Where in the image they pass.
+    places: [Vec2; SIDE],
+    count: usize,
+}
+
+impl<'w> View<'w> {
+    pub(super) fn new(
+        world: &'w World<'w>,
+        [width, height]: [u32; 2],
+        samples: u32,
+        columns: Range<u32>,
+        rows: Range<u32>,
+    ) -> Self {
+        Self {
+            world,
+            rays: Rays::new(&world.scene().camera, width, height),
+            offsets: sub_pixels(samples),
+            across: columns.start / TILE..columns.end.div_ceil(TILE).max(columns.start / TILE),
+            down: rows.start / TILE..rows.end.div_ceil(TILE).max(rows.start / TILE),
+            columns,
+            rows,
+            varied: varied(world.scene()),
+        }
+    }
+
+    fn tile_rays(&self) -> usize {
+        self.offsets.len() * (TILE * TILE) as usize
+    }
+
+    /// Column and row of a tile's first pixel, and which of its columns and rows are requested.
+    fn tile(&self, number: usize) -> ([u32; 2], [Range<usize>; 2]) {
+        let across = self.across.len();
+        let left = (self.across.start + (number % across) as u32) * TILE;
+        let top = (self.down.start + (number / across) as u32) * TILE;
+        let part = |first: u32, all: &Range<u32>| {
+            (all.start.max(first) - first) as usize..(all.end.clamp(first, first + TILE) - first) as usize
+        };
+        ([left, top], [part(left, &self.columns), part(top, &self.rows)])
+    }
+
+    /// For each ray, tile by tile and in each of them offset by offset, what it meets; and how many of the rays of this
+    /// and all tiles before met something.
+    pub(super) fn trace(&self) -> (Vec<u32>, Vec<usize>) {
+        let mut found = vec![0; self.across.len() * self.down.len() * self.tile_rays()];
+        let mut ends: Vec<usize> = found
+            .par_chunks_mut(self.tile_rays())
+            .with_min_len(TASK)
+            .enumerate()
+            .map(|(tile, found)| self.trace_tile(tile, found))
+            .collect();
+        let mut end = 0;
+        for count in &mut ends {
+            end += *count;
+            *count = end;
+        }
+        (found, ends)
+    }
+
+    fn trace_tile(&self, tile: usize, found: &mut [u32]) -> usize {
+        let ([left, top], [columns, rows]) = self.tile(tile);
+        let corner = Vec2::new(left as f32, top as f32);
+        for (offset, found) in self.offsets.iter().zip(found.chunks_exact_mut((TILE * TILE) as usize)) {
+            let mut packet = RayPacket::new(&self.rays, corner, *offset, &columns, &rows);
+            self.world.trace(&mut packet);
+            found.copy_from_slice(packet.found().as_flattened());
+        }
+        found.iter().filter(|f| **f != NOTHING).count()
+    }
+
+    /// Writes the points.
+    pub(super) fn describe(&self, found: &[u32], ends: &[usize], out: &mut GBuffer) {
+        let count = ends.last().copied().unwrap_or(0);
+        let none = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 0 };
+        out.points.receivers.resize(count, none);
+        out.points.materials.resize(count, 0);
+        out.pixels.resize(count, 0);
+        out.depths.resize(count, 0.0);
+        let scene = self.world.scene();
+        out.materials.clone_from(&scene.materials);
+        if scene.surfaces.iter().any(Surface::emits) {
+            out.emission.resize(count, Vec3::ZERO);
+        }
+        let mut rest = Part {
+            receivers: &mut out.points.receivers,
+            materials: &mut out.points.materials,
+            pixels: &mut out.pixels,
+            depths: &mut out.depths,
+            emission: &mut out.emission,
+        };
+        let mut parts = Vec::with_capacity(ends.len().div_ceil(TASK));
+        let mut done = 0;
+        for ends in ends.chunks(TASK) {
+            let end = ends[ends.len() - 1];
+            let (part, after) = rest.split(end - done);
+            (rest, done) = (after, end);
+            parts.push(part);
+        }
+        let tasks = found.par_chunks(self.tile_rays() * TASK).zip(parts).enumerate();
+        let own: Vec<_> = tasks.map(|(task, (found, part))| self.describe_tiles(task * TASK, found, part)).collect();
+        if self.varied.is_none() {
+            return;
+        }
+        // Each part has numbered its own from the same one on.
+        let (first, mut done) = (scene.materials.len() as u32, 0);
+        for (ends, own) in ends.chunks(TASK).zip(own) {
+            let (end, before) = (ends[ends.len() - 1], out.materials.len() as u32 - first);
+            for number in &mut out.points.materials[done..end] {
+                *number += if *number >= first { before } else { 0 };
+            }
+            done = end;
+            out.materials.extend(own);
+        }
+    }
+
+    /// What the rays that met nothing see of the environment, pixel by pixel.
+    pub(super) fn sky(&self, found: &[u32]) -> Vec<Vec3> {
+        let Some(environment) = &self.world.scene().environment else { return Vec::new() };
+        let (map, share) = (environment.map(), 1.0 / self.offsets.len() as f32);
+        let width = self.columns.len();
+        let mut sky = vec![Vec3::ZERO; width * self.rows.len()];
+        sky.par_chunks_mut(width.max(1)).zip(self.rows.clone()).for_each(|(pixels, y)| {
+            for (pixel, x) in pixels.iter_mut().zip(self.columns.clone()) {
+                let (column, row) = (x / TILE - self.across.start, y / TILE - self.down.start);
+                let tile = row as usize * self.across.len() + column as usize;
+                let found = &found[tile * self.tile_rays()..][..self.tile_rays()];
+                for (o, offset) in self.offsets.iter().enumerate() {
+                    let number = (o * SIDE + (y % TILE) as usize) * SIDE + (x % TILE) as usize;
+                    if found[number] == NOTHING {
+                        let direction = self.rays.direction(x as f32 + offset.x, y as f32 + offset.y);
+                        *pixel += map.radiance(direction) * share;
+                    }
+                }
+            }
+        });
+        sky
+    }
+
+    /// Writes the points of some tiles; gives the materials that they have of their own.
+    fn describe_tiles(&self, first: usize, found: &[u32], mut out: Part<'_>) -> Vec<Material> {
+        let (mut met, mut own) = (Met::default(), Vec::new());
+        for (tile, found) in found.chunks_exact(self.tile_rays()).enumerate() {
+            let ([left, top], [columns, rows]) = self.tile(first + tile);
+            let width = self.columns.end - self.columns.start;
+            for row in rows {
+                for column in columns.clone() {
+                    let (x, y) = (left + column as u32, top + row as u32);
+                    for (o, offset) in self.offsets.iter().enumerate() {
+                        let number = found[(o * SIDE + row) * SIDE + column];
+                        if number == NOTHING {
+                            continue;
+                        }
+                        let (place, l) = (Vec2::new(x as f32 + offset.x, y as f32 + offset.y), met.count);
+                        let d = self.rays.direction(place.x, place.y);
+                        met.hits.found[l] = number;
+                        for k in 0..3 {
+                            met.hits.directions[k][l] = d[k];
+                        }
+                        met.places[l] = place;
+                        met.pixels[l] = (y - self.rows.start) * width + (x - self.columns.start);
+                        met.count += 1;
+                        if met.count == SIDE {
+                            out = self.write(&mut met, &mut own, out);
+                        }
+                    }
+                }
+            }
+            if met.count > 0 {
+                met.hits.found[met.count..].fill(NOTHING);
+                out = self.write(&mut met, &mut own, out);
+            }
+        }
+        own
+    }
+
+    /// Writes the next few points and forgets them; gives what is left to be written.
+    fn write<'o>(&self, met: &mut Met, own: &mut Vec<Material>, out: Part<'o>) -> Part<'o> {
+        let count = core::mem::take(&mut met.count);
+        let (now, rest) = out.split(count);
+        self.world.surfaces(self.rays.level, self.rays.eye, &met.hits, now.receivers);
+        now.pixels.copy_from_slice(&met.pixels[..count]);
+        let objects = &self.world.scene().objects;
+        for ((at, material), depth) in now.receivers.iter().zip(&mut *now.materials).zip(now.depths) {
+            *material = objects[at.object as usize].material as u32;
+            *depth = (at.position - self.rays.eye).dot(self.rays.forward);
+        }
+        if let Some(varied) = &self.varied {
+            for l in 0..count {
+                let at = &mut now.receivers[l];
+                if !varied[at.object as usize] {
+                    continue;
+                }
+                let appearance =
+                    self.world.appearance(self.rays.eye, met.hits.found[l], self.beside(met.places[l]), at);
+                if let Some(material) = appearance.material {
+                    now.materials[l] = (self.world.scene().materials.len() + own.len()) as u32;
+                    own.push(material);
+                }
+                if let Some(emission) = now.emission.get_mut(l) {
+                    *emission = appearance.emission;
+                }
+            }
+        }
+        rest
+    }
+
+    /// The rays through the ends of the sides of what a ray stands for: its share of the pixel.
+    fn beside(&self, place: Vec2) -> [Vec3; 2] {
+        let side = 1.0 / (self.offsets.len() as f32).sqrt();
+        [self.rays.direction(place.x + side, place.y), self.rays.direction(place.x, place.y + side)]
+    }
+}
+
+impl<'a> Part<'a> {
+    fn split(self, count: usize) -> (Self, Self) {
+        let (receivers, receivers_after) = self.receivers.split_at_mut(count);
+        let (materials, materials_after) = self.materials.split_at_mut(count);
+        let (pixels, pixels_after) = self.pixels.split_at_mut(count);
+        let (depths, depths_after) = self.depths.split_at_mut(count);
+        let (emission, emission_after) = self.emission.split_at_mut(count.min(self.emission.len()));
+        (
+            Self { receivers, materials, pixels, depths, emission },
+            Self {
+                receivers: receivers_after,
+                materials: materials_after,
+                pixels: pixels_after,
+                depths: depths_after,
+                emission: emission_after,
+            },
+        )
+    }
+}
+
+/// Where in a pixel its `n` rays pass: Hammersley points, moved so that their mean is the centre.
+pub(super) fn sub_pixels(n: u32) -> Vec<Vec2> {
+    let radical_inverse = |i: u32| f64::from(i.reverse_bits()) / 4_294_967_296.0;
+    let shift = 0.5 - (0..n).map(radical_inverse).sum::<f64>() / f64::from(n);
+    let x = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+    (0..n).map(|i| Vec2::new(x(i) as f32, (radical_inverse(i) + shift) as f32)).collect()
+}

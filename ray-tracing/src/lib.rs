@@ -1,0 +1,28 @@
+//! What rays meet in a scene.
+//!
+//! - [`World`]: the triangles and balls of a scene in two hierarchies (obvhs). Single shadow rays ([`World::occluded`]), and the
+//!   questions that spare them: which [`Primitive`]s lie between points and a light ([`World::in_shaft`]), whether any ray of a
+//!   [`Region`] meets something. A [`Hierarchy`] is kept and refitted as things move.
+//! - [`GBuffer`]: the visible points of a picture, found by packets of camera rays.
+//! - [`SphereHierarchy`]: the same for spheres that carry data.
+//!
+//! ```
+//! use glam::Vec3;
+//! use ray_tracing::{GBuffer, World};
+//! let scene = scene::builtin();
+//! let world = World::new(&scene);
+//! let points = GBuffer::new(&world, 32, 18, 1);
+//! let at = &points.points.receivers[0];
+//! let light = scene.lights[0].ball().expect("a sphere").center - at.position;
+//! let hidden = world.occluded(world.leave(at.position, at.face), light.normalize(), light.length());
+//! assert!(!hidden && !points.is_empty());
+//! ```
+
+mod gbuffer;
+mod sphere_hierarchy;
+mod world;
+
+pub use crate::gbuffer::{GBuffer, TILE};
+pub use crate::sphere_hierarchy::SphereHierarchy;
+pub use crate::world::{Hierarchy, Primitive, Region, World};
+pub use glam;

@@ -1,0 +1,227 @@
+//! What textures, vertex colours and emission make of points.
+
+use super::World;
+use super::packet::BALL;
+use brdf::Material;
+use core::f32::consts::{FRAC_1_PI, PI};
+use glam::{DVec3, Mat2, Vec2, Vec3};
+use lobe_core::{Receiver, Sphere};
+use scene::{Mesh, Scene, Shape, Surface, TexturePlace};
+
+/// For each object whether its points differ in more than their place: none where no object has such.
+pub(crate) fn varied(scene: &Scene) -> Option<Vec<bool>> {
+    let has_colors = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if !mesh.colors.is_empty());
+    let differs = |o: &scene::Object| scene.surface(o.material).is_some() || has_colors(&o.shape);
+    let varied: Vec<bool> = scene.objects.iter().map(differs).collect();
+    varied.contains(&true).then_some(varied)
+}
+
+/// For each object the tangents of its vertices along the growing u of its normal map, of length 1 and less where triangles do not agree;
+/// none for objects without such a map or without smooth normals, and nothing at all where no object has any.
+pub(super) fn tangents(scene: &Scene) -> Vec<Vec<Vec3>> {
+    let of = |o: &scene::Object| {
+        let (map, _) = scene.surface(o.material)?.normal.as_ref()?;
+        let Shape::Mesh(mesh) = &o.shape else { return None };
+        let uvs = mesh.uv_sets.get(map.uv_set)?;
+        (!mesh.normals.is_empty()).then(|| vertex_tangents(mesh, uvs, map.transform.matrix2))
+    };
+    let all: Vec<Vec<Vec3>> = scene.objects.iter().map(|o| of(o).unwrap_or_default()).collect();
+    if all.iter().all(Vec::is_empty) { Vec::new() } else { all }
+}
+
+/// Means of the adjoining triangles' tangents, weighted by their angles.
+fn vertex_tangents(mesh: &Mesh, uvs: &[Vec2], transform: Mat2) -> Vec<Vec3> {
+    let mut sums = vec![(Vec3::ZERO, 0.0); mesh.positions.len()];
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
+        let [p, q, r] = triangle.map(|i| transform * uvs[i as usize]);
+        let (e1, e2, d1, d2) = (b - a, c - a, q - p, r - p);
+        // dP/du, but for a positive factor.
+        let turn = f64::from(d1.perp_dot(d2));
+        let tangent = ((e1 * f64::from(d2.y) - e2 * f64::from(d1.y)) * turn.signum()).try_normalize();
+        let (Some(tangent), true) = (tangent, turn.is_normal()) else { continue };
+        for k in 0..3 {
+            let at = |i: usize| mesh.positions[triangle[(k + i) % 3] as usize].as_dvec3();
+            let angle = (at(1) - at(0)).angle_between(at(2) - at(0)) as f32;
+            if angle.is_finite() {
+                let (sum, all) = &mut sums[triangle[k] as usize];
+                *sum += angle * tangent.as_vec3();
+                *all += angle;
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, all)| sum / all.max(f32::MIN_POSITIVE)).collect()
+}
+
+/// What a point has of its own.
+pub(crate) struct Appearance {
+    /// None where its object's is all there is.
+    pub(crate) material: Option<Material>,
+    pub(crate) emission: Vec3,
+}
+
+/// A point of a triangle or ball: what is needed to look up its textures.
+struct Patch<'a> {
+    mesh: Option<&'a Mesh>,
+    /// The triangle's vertices.
+    vertices: [u32; 3],
+    /// How much the point has of the second and third.
+    weights: [f32; 2],
+    /// What these change by with the place; of a ball its coordinates in turns and half turns.
+    gradients: [Vec3; 2],
+    /// Sides of the pixel on the surface.
+    sides: [Vec3; 2],
+}
+
+impl World<'_> {
+    /// What the surface at a point, which a ray from the eye has `found`, makes of it; its normal is turned as the normal map says.
+    /// `beside` are the directions of rays through the ends of the sides of the pixel's part that the ray stands for.
+    pub(crate) fn appearance(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &mut Receiver) -> Appearance {
+        let object = &self.scene.objects[at.object as usize];
+        let plain = Surface::default();
+        let surface = self.scene.surface(object.material).unwrap_or(&plain);
+        let patch = self.patch(eye, found, beside, at);
+        // Most textures share the first set of coordinates.
+        let first = if surface.has_textures() { patch.place(0) } else { TexturePlace::default() };
+        let place = |set: usize| if set == 0 { first } else { patch.place(set) };
+        let color = patch.color();
+        let mut emission = if surface.emits() { surface.emission(&place) } else { Vec3::ZERO };
+        if surface.is_unlit {
+            emission *= color.unwrap_or(Vec3::ONE);
+        }
+        if let (Some(local), Some((map, _))) = (surface.normal(&place), &surface.normal) {
+            let [u, v] = patch.changes(map.uv_set);
+            let (m, [x, y]) = (map.transform.matrix2, [u, v]);
+            let gradients = [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y];
+            let tangents = self.tangents.get(at.object as usize).map_or(&[][..], Vec::as_slice);
+            at.normal = turned(at, gradients, patch.mix(tangents), local);
+        }
+        let material = (color.is_some() || surface.varies()).then(|| {
+            let mut factors = surface.factors(&place);
+            factors.color *= color.unwrap_or(Vec3::ONE);
+            let material = self.scene.materials[object.material].scaled(&factors);
+            let along = surface.follows_u.then(|| along_u(at, patch.changes(0)));
+            along.and_then(|along| material.turned(at.normal, along)).unwrap_or(material)
+        });
+        Appearance { material, emission }
+    }
+
+    fn patch(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &Receiver) -> Patch<'_> {
+        let sides = beside.map(|direction| side(eye, at, direction));
+        if found & BALL != 0 {
+            let ball = self.balls.primitives[(found & !BALL) as usize].sphere;
+            let (weights, gradients) = on_ball(ball, at.position);
+            return Patch { mesh: None, vertices: [0; 3], weights, gradients, sides };
+        }
+        let corners = &self.triangles.primitives[found as usize];
+        let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
+            unreachable!("triangles come from meshes")
+        };
+        let vertices = mesh.triangles[corners.index as usize];
+        let [a, b, c] = vertices.map(|i| mesh.positions[i as usize].as_dvec3());
+        let (e1, e2, p) = (b - a, c - a, at.position.as_dvec3() - a);
+        let n = e1.cross(e2);
+        let inverse = 1.0 / n.length_squared();
+        let gradients =
+            if inverse.is_finite() { [e2.cross(n) * inverse, n.cross(e1) * inverse] } else { [DVec3::ZERO; 2] };
+        let [u, v] = gradients.map(|g| g.dot(p).clamp(0.0, 1.0));
+        let v = v.min(1.0 - u);
+        Patch {
+            mesh: Some(mesh),
+            vertices,
+            weights: [u as f32, v as f32],
+            gradients: gradients.map(|g| g.as_vec3()),
+            sides,
+        }
+    }
+}
+
+impl Patch<'_> {
+    /// Coordinates of the three vertices in a set.
+    fn corners(&self, set: usize) -> Option<[Vec2; 3]> {
+        let uvs = self.mesh?.uv_sets.get(set)?;
+        Some(self.vertices.map(|i| uvs[i as usize]))
+    }
+
+    /// What u and v of a set change by with the place.
+    fn changes(&self, set: usize) -> [Vec3; 2] {
+        let [g1, g2] = self.gradients;
+        match (self.corners(set), self.mesh) {
+            (Some([a, b, c]), _) => {
+                let (b, c) = (b - a, c - a);
+                [g1 * b.x + g2 * c.x, g1 * b.y + g2 * c.y]
+            }
+            (None, None) => [g1, g2],
+            (None, Some(_)) => [Vec3::ZERO; 2],
+        }
+    }
+
+    fn place(&self, set: usize) -> TexturePlace {
+        let [s, t] = self.weights;
+        let uv = match (self.corners(set), self.mesh) {
+            (Some([a, b, c]), _) => a + (b - a) * s + (c - a) * t,
+            (None, None) => Vec2::new(s, t),
+            (None, Some(_)) => Vec2::ZERO,
+        };
+        let [u, v] = self.changes(set);
+        TexturePlace { uv, footprint: self.sides.map(|side| Vec2::new(u.dot(side), v.dot(side))) }
+    }
+
+    fn color(&self) -> Option<Vec3> {
+        self.mix(&self.mesh?.colors)
+    }
+
+    /// What vertices have, at the point; none where they have nothing.
+    fn mix(&self, of_vertices: &[Vec3]) -> Option<Vec3> {
+        let [s, t] = self.weights;
+        let value = |i: usize| of_vertices[self.vertices[i] as usize];
+        (!of_vertices.is_empty()).then(|| value(0) * (1.0 - s - t) + value(1) * s + value(2) * t)
+    }
+}
+
+/// From a point to where another ray meets its plane: not farther than the point is from the eye, four times.
+fn side(eye: Vec3, at: &Receiver, direction: Vec3) -> Vec3 {
+    let to = at.position - eye;
+    let distance = to.length();
+    let along = at.face.dot(to) / at.face.dot(direction);
+    let along = if along > 0.0 { along.min(4.0 * distance) } else { 4.0 * distance };
+    direction * along - to
+}
+
+/// Longitude in turns and, from the upper pole down, latitude in half turns, and what they change by.
+fn on_ball(ball: Sphere, position: Vec3) -> ([f32; 2], [Vec3; 2]) {
+    let d = position - ball.center;
+    let across = d.x.hypot(d.z).max(1e-6 * ball.radius);
+    let u = 0.5 + 0.5 * FRAC_1_PI * d.x.atan2(d.z);
+    let v = (d.y / ball.radius).clamp(-1.0, 1.0).acos() * FRAC_1_PI;
+    let east = Vec3::new(d.z, 0.0, -d.x) / across;
+    let north = Vec3::new(-d.x * d.y, across * across, -d.z * d.y) / (across * ball.radius);
+    ([u, v], [east / (2.0 * PI * across), -north / (PI * ball.radius)])
+}
+
+/// The direction in the surface in which u grows and v does not; of any length.
+fn along_u(at: &Receiver, [u, v]: [Vec3; 2]) -> Vec3 {
+    v.cross(at.face) * u.cross(v).dot(at.face).signum()
+}
+
+/// The normal of a point turned to one in the frame of texture coordinates, on the eye's side; by the tangent of its vertices where that is
+/// near the triangle's own, which coordinates that are mirrored at a vertex leave it not.
+fn turned(at: &Receiver, [u, v]: [Vec3; 2], of_vertices: Option<Vec3>, local: Vec3) -> Vec3 {
+    let n = at.normal;
+    // Along growing u and against growing v, in the surface.
+    let turn = u.cross(v).dot(at.face);
+    let (to_u, to_v) = (along_u(at, [u, v]), u.cross(at.face) * turn.signum());
+    let own = to_u.normalize_or_zero();
+    let to_u = of_vertices.filter(|t| t.dot(own) > 0.5 * t.length().max(0.5)).unwrap_or(own);
+    let tangent = to_u - n * n.dot(to_u);
+    let (Some(tangent), true) = (tangent.try_normalize(), turn.is_normal()) else { return n };
+    let across = n.cross(tangent);
+    let across = if across.dot(to_v) < 0.0 { -across } else { across };
+    let Some(turned) = (tangent * local.x + across * local.y + n * local.z).try_normalize() else { return n };
+    // A normal that looks away from the eye is brought to where it is seen at a grazing angle.
+    let seen = turned.dot(at.view);
+    if seen >= GRAZING { turned } else { (turned + at.view * (GRAZING - seen)).try_normalize().unwrap_or(n) }
+}
+
+/// Least cosine between a mapped normal and the view.
+const GRAZING: f32 = 0.01;

@@ -1,0 +1,314 @@
+//! The rays of one tile of pixels, traced together.
+
+use super::World;
+use super::camera_rays::{Rays, Row, SIDE};
+use super::primitive::{Ball, Corners, EDGE};
+use super::tree::Tree;
+use super::triangle_packet::{TrianglePacket, inside};
+use fearless_simd::dispatch;
+use glam::{Vec2, Vec3};
+use obvhs::cwbvh::node::CwBvhNode;
+
+/// No primitive.
+pub(crate) const NOTHING: u32 = u32::MAX;
+/// Set in the number of a ball.
+pub(crate) const BALL: u32 = 1 << 31;
+
+/// The most by which rounding makes a triangle larger, in barycentric units: edge-on ones would have no end.
+const WIDEST: f32 = 0.05;
+
+type Rows = [Row; SIDE];
+
+/// A ray through each pixel of a tile, and the nearest that each has met.
+pub(crate) struct RayPacket<'r> {
+    rays: &'r Rays,
+    /// Where the first ray passes the image.
+    first: Vec2,
+    directions: [Rows; 3],
+    /// Inner normals of four planes through the eye that hold all rays between them.
+    sides: [Vec3; 4],
+    /// Distances; negative for rays that are not wanted.
+    nearest: Rows,
+    found: [[u32; SIDE]; SIDE],
+    /// Nothing farther away matters.
+    far: f32,
+}
+
+impl<'r> RayPacket<'r> {
+    /// The rays through the points `corner` + (column, row) + `offset`, those of the columns and rows in the ranges.
+    pub(crate) fn new(
+        rays: &'r Rays,
+        corner: Vec2,
+        offset: Vec2,
+        columns: &core::ops::Range<usize>,
+        rows: &core::ops::Range<usize>,
+    ) -> Self {
+        dispatch!(rays.level, _simd => Self::aim(rays, corner, offset, columns, rows))
+    }
+
+    #[inline(always)]
+    fn aim(
+        rays: &'r Rays,
+        corner: Vec2,
+        offset: Vec2,
+        columns: &core::ops::Range<usize>,
+        rows: &core::ops::Range<usize>,
+    ) -> Self {
+        let mut directions = [[[0.0; SIDE]; SIDE]; 3];
+        let mut nearest = [[-1.0; SIDE]; SIDE];
+        for row in 0..SIDE {
+            let [x, y, z] = &mut directions;
+            for (column, ((x, y), z)) in x[row].iter_mut().zip(&mut y[row]).zip(&mut z[row]).enumerate() {
+                let at = corner + Vec2::new(column as f32, row as f32) + offset;
+                (*x, *y, *z) = rays.direction(at.x, at.y).into();
+            }
+            if rows.contains(&row) {
+                nearest[row][columns.clone()].fill(f32::INFINITY);
+            }
+        }
+        let first = corner + offset;
+        // A tenth of a pixel around them.
+        let (low, high) = (first - 0.1, first + (SIDE - 1) as f32 + 0.1);
+        let toward = |x, y| rays.toward(x, y);
+        let corners = [toward(low.x, low.y), toward(high.x, low.y), toward(high.x, high.y), toward(low.x, high.y)];
+        let side = |i: usize| corners[i].cross(corners[(i + 1) % 4]).normalize_or_zero();
+        let sides = core::array::from_fn(|i| if side(i).dot(corners[(i + 2) % 4]) < 0.0 { -side(i) } else { side(i) });
+        Self { rays, first, directions, sides, nearest, found: [[NOTHING; SIDE]; SIDE], far: f32::INFINITY }
+    }
+
+    /// What each ray has met.
+    pub(crate) fn found(&self) -> &[[u32; SIDE]; SIDE] {
+        &self.found
+    }
+
+    #[inline(always)]
+    fn update_far(&mut self) {
+        let mut most = [-1.0f32; SIDE];
+        for row in &self.nearest {
+            for (m, t) in most.iter_mut().zip(row) {
+                *m = if *t > *m { *t } else { *m };
+            }
+        }
+        self.far = most.iter().fold(-1.0, |a: f32, b| a.max(*b));
+    }
+
+    /// For the boxes of a node's children, in the hierarchy's units around the eye: how near, infinite for those that no
+    /// ray meets.
+    fn child_distances(&self, node: &CwBvhNode, eye: Vec3) -> Row {
+        dispatch!(self.rays.level, _simd => self.child_distances_simd(node, eye))
+    }
+
+    #[inline(always)]
+    fn child_distances_simd(&self, node: &CwBvhNode, eye: Vec3) -> Row {
+        let step = node.e.map(|e| f32::from_bits(u32::from(e) << 23));
+        let p = node.p - eye;
+        let mut near = [0.0f32; SIDE];
+        let mut slack = [0.0f32; SIDE];
+        let mut centers = [[0.0f32; SIDE]; 3];
+        let mut halves = [[0.0f32; SIDE]; 3];
+        let bounds = [
+            (&node.child_min_x, &node.child_max_x, p.x, step[0]),
+            (&node.child_min_y, &node.child_max_y, p.y, step[1]),
+            (&node.child_min_z, &node.child_max_z, p.z, step[2]),
+        ];
+        for (axis, (low, high, p, step)) in bounds.into_iter().enumerate() {
+            for l in 0..SIDE {
+                let (low, high) = (f32::from(low[l]), f32::from(high[l]));
+                let (c, h) = (p + (low + high) * (0.5 * step), (high - low) * (0.5 * step));
+                let beside = (c.abs() - h).max(0.0);
+                near[l] += beside * beside;
+                slack[l] += c.abs() + h;
+                (centers[axis][l], halves[axis][l]) = (c, h);
+            }
+        }
+        for l in 0..SIDE {
+            // Far above rounding: a box too many does no harm.
+            near[l] = near[l].sqrt() * 0.999_99;
+            slack[l] *= -1e-6;
+        }
+        for n in &self.sides {
+            let size = n.abs();
+            for l in 0..SIDE {
+                let reach = n.x * centers[0][l]
+                    + n.y * centers[1][l]
+                    + n.z * centers[2][l]
+                    + (size.x * halves[0][l] + size.y * halves[1][l] + size.z * halves[2][l]);
+                near[l] = if reach < slack[l] { f32::INFINITY } else { near[l] };
+            }
+        }
+        near
+    }
+
+    /// Lets the rays meet eight triangles at most.
+    fn meet_triangles(&mut self, numbers: &[u32], all: &[Corners]) {
+        dispatch!(self.rays.level, _simd => self.meet_triangles_simd(numbers, all));
+    }
+
+    #[inline(always)]
+    fn meet_triangles_simd(&mut self, numbers: &[u32], all: &[Corners]) {
+        let mut t = TrianglePacket::default();
+        for (l, number) in numbers.iter().enumerate().take(SIDE) {
+            let c = &all[*number as usize];
+            let (s, e1, e2) = (self.rays.eye - Vec3::from(c.v0), Vec3::from(c.e1), Vec3::from(c.e2));
+            for k in 0..3 {
+                (t.s[k][l], t.e1[k][l], t.e2[k][l]) = (s[k], e1[k], e2[k]);
+            }
+        }
+        t.prepare(self.rays, self.first);
+        for (l, number) in numbers.iter().enumerate().take(SIDE) {
+            for row in t.rows[0][l] as usize..t.rows[1][l] as usize {
+                self.meet_triangle(&t, l, row & 7, *number);
+            }
+        }
+        self.update_far();
+    }
+
+    /// [`Corners::intersect`] for a row of rays: all that does not depend on their directions is in `t`.
+    #[inline(always)]
+    fn meet_triangle(&mut self, t: &TrianglePacket, l: usize, row: usize, number: u32) {
+        let [x, y, z] = &self.directions;
+        let (x, y, z) = (&x[row], &y[row], &z[row]);
+        let (nearest, found) = (&mut self.nearest[row], &mut self.found[row]);
+        let dot = |a: &[Row; 3]| {
+            let (ax, ay, az) = (a[0][l], a[1][l], a[2][l]);
+            let mut out = [0.0f32; SIDE];
+            for i in 0..SIDE {
+                out[i] = x[i] * ax + y[i] * ay + z[i] * az;
+            }
+            out
+        };
+        let (det, u, v, height, blur) = (dot(&t.det), dot(&t.u), dot(&t.v), t.height[l], t.blur[l]);
+        for i in 0..SIDE {
+            let inverse = 1.0 / det[i];
+            let (u, v, along) = (u[i] * inverse, v[i] * inverse, height * inverse);
+            let edge = (EDGE + blur * inverse.abs()).min(WIDEST);
+            // An inverse of ±∞ or NaN (ray in the plane) fails one of the comparisons.
+            let hit = (u >= -edge) & (v >= -edge) & (u + v <= 1.0 + edge) & (along >= 0.0) & (along < nearest[i]);
+            nearest[i] = if hit { along } else { nearest[i] };
+            found[i] = if hit { number } else { found[i] };
+        }
+    }
+
+    /// [`Ball::intersect`] for all rays that may meet it.
+    fn meet_ball(&mut self, ball: &Ball, number: u32) {
+        dispatch!(self.rays.level, _simd => self.meet_ball_simd(ball, number));
+    }
+
+    #[inline(always)]
+    fn meet_ball_simd(&mut self, ball: &Ball, number: u32) {
+        let to = ball.sphere.center - self.rays.eye;
+        let r = ball.sphere.radius;
+        let slack = 1e-6 * (to.abs().element_sum() + r);
+        if self.sides.iter().any(|n| n.dot(to) < -r - slack) {
+            return;
+        }
+        let [x, y, z] = &self.directions;
+        for row in self.rows_of(to, r) {
+            let (x, y, z) = (&x[row], &y[row], &z[row]);
+            let (nearest, found) = (&mut self.nearest[row], &mut self.found[row]);
+            for i in 0..SIDE {
+                let along = to.x * x[i] + to.y * y[i] + to.z * z[i];
+                let (ax, ay, az) = (to.x - x[i] * along, to.y - y[i] * along, to.z - z[i] * along);
+                let half_sq = r * r - (ax * ax + ay * ay + az * az);
+                let half = half_sq.max(0.0).sqrt();
+                let (enter, leave) = (along - half, along + half);
+                let t = if enter >= 0.0 { enter } else { leave };
+                let hit = (half_sq >= 0.0) & (t >= 0.0) & (t < nearest[i]);
+                nearest[i] = if hit { t } else { nearest[i] };
+                found[i] = if hit { number } else { found[i] };
+            }
+        }
+        self.update_far();
+    }
+
+    /// The rows in which a ball is seen.
+    #[inline(always)]
+    fn rows_of(&self, to: Vec3, radius: f32) -> core::ops::Range<usize> {
+        let pixels = self.rays.to_row.length();
+        let (w, y) = (to.dot(self.rays.forward), to.dot(self.rays.to_row) / pixels);
+        let room = (w - radius) * (w + radius);
+        if w <= 1.1 * radius || room <= 0.0 {
+            return 0..SIDE;
+        }
+        // Slopes of the two planes that touch it.
+        let (mid, half) = (y * w, radius * (y * y + room).max(0.0).sqrt());
+        let scale = pixels / room;
+        let first = self.rays.middle.y - self.first.y;
+        let (low, high) = ((mid - half) * scale + first, (mid + half) * scale + first);
+        let margin = self.rays.margin + 1e-5 * (low.abs() + high.abs());
+        let (low, high) = inside(low - margin, high + margin);
+        low as usize..high as usize
+    }
+}
+
+impl<T> Tree<T> {
+    /// Calls `found` with the numbers of primitives in boxes that rays of the packet may meet, near ones first where that is
+    /// cheap.
+    fn visit_packet(&self, packet: &mut RayPacket<'_>, mut found: impl FnMut(&mut RayPacket<'_>, u32)) {
+        let Some(bvh) = &self.bvh else { return };
+        let scale = self.scale();
+        let eye = packet.rays.eye * scale;
+        // Seven siblings wait on each level; the hierarchy is never deeper than 32.
+        let mut stack = [(0u32, 0.0f32); 7 * 32 + 1];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (number, near) = stack[count];
+            if near > packet.far * scale {
+                continue;
+            }
+            let node = &bvh.nodes[number as usize];
+            let near = packet.child_distances(node, eye);
+            let bottom = count;
+            for (child, near) in near.iter().enumerate() {
+                if node.is_child_empty(child) || *near > packet.far * scale || *near == f32::INFINITY {
+                    continue;
+                }
+                if node.is_leaf(child) {
+                    let (first, n) = node.child_primitives(child);
+                    for i in first..first + n {
+                        found(packet, i);
+                    }
+                } else {
+                    // The nearest on top.
+                    let mut place = count;
+                    while place > bottom && stack[place - 1].1 < *near {
+                        stack[place] = stack[place - 1];
+                        place -= 1;
+                    }
+                    stack[place] = (node.child_node_index(child), *near);
+                    count += 1;
+                }
+            }
+        }
+    }
+}
+
+impl World<'_> {
+    /// Finds the nearest visible surface on each ray of the packet.
+    pub(crate) fn trace(&self, packet: &mut RayPacket<'_>) {
+        let all = &self.triangles.primitives[..];
+        let (mut waiting, mut count) = ([0u32; SIDE], 0);
+        self.triangles.visit_packet(packet, |packet, number| {
+            if !all[number as usize].visible {
+                return;
+            }
+            waiting[count] = number;
+            count += 1;
+            if count == SIDE {
+                packet.meet_triangles(&waiting, all);
+                count = 0;
+            }
+        });
+        if count > 0 {
+            packet.meet_triangles(&waiting[..count], all);
+        }
+        let balls = &self.balls.primitives[..];
+        self.balls.visit_packet(packet, |packet, number| {
+            let ball = &balls[number as usize];
+            if ball.visible {
+                packet.meet_ball(ball, number | BALL);
+            }
+        });
+    }
+}

@@ -1,0 +1,156 @@
+//! Triangles and balls, and where rays meet them.
+
+use glam::{DVec3, Vec3, Vec3A};
+use lobe_core::Sphere;
+use obvhs::Boundable;
+use obvhs::aabb::Aabb;
+use obvhs::ray::Ray;
+
+#[derive(Clone, Copy)]
+pub(crate) struct Corners {
+    pub(super) v0: Vec3A,
+    pub(super) e1: Vec3A,
+    pub(super) e2: Vec3A,
+    pub(super) object: u32,
+    pub(super) index: u32,
+    pub(super) visible: bool,
+}
+
+/// How far outside a triangle, in barycentric units, a ray still hits: closes the cracks that rounding leaves along
+/// shared edges.
+pub(super) const EDGE: f32 = 1e-6;
+
+/// Relative error of a distance to a triangle in f32: over the start's distance from the corner and the slant, which is
+/// `|e1||e2|/det`. A few times what rounding loses; a start this near may be on either side of the plane.
+const CLOSE: f32 = 2e-6;
+
+/// The same for spheres, as a part of the squared radius.
+const CLOSE_TO_BALL: f32 = 1e-5;
+
+impl Corners {
+    /// Distance along the ray or infinity, both sides. A ray that starts on it does not meet it: obvhs enters no box that
+    /// ends there, but others.
+    #[cfg(test)]
+    pub(super) fn intersect(&self, ray: &Ray) -> f32 {
+        self.meet(ray, |t| t)
+    }
+
+    /// Distance along the ray or infinity (T. Möller, B. Trumbore, *Fast, Minimum Storage Ray-Triangle Intersection*,
+    /// 1997), both sides. `exact` decides where rounding hides on which side of the plane the ray starts: it is given the
+    /// distance and returns a better one.
+    #[inline]
+    pub(super) fn meet(&self, ray: &Ray, exact: impl FnOnce(f32) -> f32) -> f32 {
+        let p = ray.direction.cross(self.e2);
+        let inverse = 1.0 / self.e1.dot(p);
+        let s = ray.origin - self.v0;
+        let u = s.dot(p) * inverse;
+        let q = s.cross(self.e1);
+        let v = ray.direction.dot(q) * inverse;
+        // An inverse of ±∞ or NaN (ray in the plane) fails one of the comparisons.
+        if u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE {
+            let mut t = self.e2.dot(q) * inverse;
+            let slant_sq = (self.e1.length_squared() * inverse) * (self.e2.length_squared() * inverse);
+            if t.abs() <= CLOSE * (s.length_squared() * slant_sq).sqrt() {
+                t = exact(t);
+            }
+            if t > ray.tmin && t <= ray.tmax {
+                return t;
+            }
+        }
+        f32::INFINITY
+    }
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct Ball {
+    pub(super) sphere: Sphere,
+    pub(super) object: u32,
+    pub(super) index: u32,
+    pub(super) visible: bool,
+    /// Not so when it makes a light visible.
+    pub(super) blocks: bool,
+}
+
+impl Ball {
+    #[inline]
+    pub(super) fn intersect(&self, ray: &Ray) -> f32 {
+        let to = Vec3A::from(self.sphere.center) - ray.origin;
+        let along = to.dot(ray.direction);
+        // The distance of the centre from the ray first: |to|² − along² would cancel.
+        let across = (to - ray.direction * along).length_squared();
+        let half_sq = self.sphere.radius * self.sphere.radius - across;
+        if half_sq < 0.0 {
+            return f32::INFINITY;
+        }
+        let half = half_sq.sqrt();
+        for t in [along - half, along + half] {
+            if t > ray.tmin && t <= ray.tmax {
+                return t;
+            }
+        }
+        f32::INFINITY
+    }
+
+    /// The same in f64 where the ray starts so near to the surface that rounding would decide on which side.
+    #[inline]
+    pub(super) fn meet(&self, ray: &Ray) -> f32 {
+        let off = (Vec3A::from(self.sphere.center) - ray.origin).length_squared() - self.sphere.radius.powi(2);
+        if off.abs() > CLOSE_TO_BALL * self.sphere.radius.powi(2) {
+            return self.intersect(ray);
+        }
+        let to = self.sphere.center.as_dvec3() - Vec3::from(ray.origin).as_dvec3();
+        let (direction, radius) = (Vec3::from(ray.direction).as_dvec3(), f64::from(self.sphere.radius));
+        let along = to.dot(direction);
+        // Its sign is that of the nearer distance where the ball is ahead.
+        let off = to.length_squared() - radius * radius;
+        let half_sq = along * along - off * direction.length_squared();
+        if half_sq < 0.0 {
+            return f32::INFINITY;
+        }
+        let far = (along.abs() + half_sq.sqrt()).copysign(along);
+        let ends = [off / far, far];
+        let met = ends.into_iter().filter(|t| *t > f64::from(ray.tmin) && *t <= f64::from(ray.tmax));
+        met.fold(f64::INFINITY, f64::min) as f32
+    }
+
+    /// The point on the ball nearest to that on a ray, and the normal there on the ray's side: in f64, then rounded.
+    pub(super) fn surface(&self, origin: Vec3, direction: Vec3, t: f32) -> (Vec3, Vec3) {
+        let center = self.sphere.center.as_dvec3();
+        let near = origin.as_dvec3() + direction.as_dvec3() * f64::from(t);
+        let outward = (near - center).normalize_or(DVec3::Z);
+        let position = center + outward * f64::from(self.sphere.radius);
+        let normal = if outward.dot(direction.as_dvec3()) > 0.0 { -outward } else { outward };
+        (position.as_vec3(), normal.as_vec3().normalize())
+    }
+}
+
+impl Boundable for Corners {
+    fn aabb(&self) -> Aabb {
+        let (b, c) = (self.v0 + self.e1, self.v0 + self.e2);
+        Aabb::new(self.v0.min(b).min(c), self.v0.max(b).max(c))
+    }
+}
+
+impl Boundable for Ball {
+    fn aabb(&self) -> Aabb {
+        let (c, r) = (Vec3A::from(self.sphere.center), Vec3A::splat(self.sphere.radius));
+        Aabb::new(c - r, c + r)
+    }
+}
+
+/// What tells that two primitives are the same one of the same object.
+pub(crate) trait Named {
+    fn name(&self) -> (u32, u32);
+}
+
+impl Named for Corners {
+    fn name(&self) -> (u32, u32) {
+        (self.object, self.index)
+    }
+}
+
+impl Named for Ball {
+    fn name(&self) -> (u32, u32) {
+        (self.object, self.index)
+    }
+}

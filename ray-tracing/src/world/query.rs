@@ -1,0 +1,257 @@
+//! Which primitives a whole packet of rays may meet.
+
+use super::World;
+use super::primitive::{Ball, Corners, Named};
+use super::tree::Tree;
+use glam::{Vec3, Vec3A};
+use lobe_core::{Cone, Shaft};
+use obvhs::aabb::Aabb;
+use obvhs::ray::Ray;
+
+/// One triangle or ball of a [`World`]; valid for that world only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Primitive {
+    /// By its place in the hierarchy.
+    Triangle(u32),
+    /// By its place in the hierarchy.
+    Ball(u32),
+}
+
+/// How far above the plane of a receiver's face a shape may seem to be by rounding, over its distance: a large triangle
+/// is not to shade the points on it. What it hides that rises less is a sliver of 3e-7 radians.
+const BLUR: f32 = 3e-7;
+
+/// All rays from a point into a cone, up to a light there.
+#[derive(Clone, Copy, Debug)]
+pub struct Region {
+    origin: Vec3A,
+    axis: Vec3A,
+    sin: f32,
+    cos: f32,
+    /// No ray goes farther along the axis.
+    far: f32,
+    /// No ray goes below the plane with this normal through the origin.
+    face: Option<Vec3A>,
+}
+
+impl Region {
+    /// The rays to the near surface of the light that is seen as `cone`; `face` when all of them are above the surface
+    /// that they leave.
+    #[must_use]
+    pub fn new(origin: Vec3, cone: &Cone, face: Option<Vec3>) -> Self {
+        let (sin_sq, cos) = (cone.sin_sq(), cone.cos());
+        // Where the tangents touch: d cos²θ along the axis, and all of the near surface is nearer.
+        let far = cone.distance * cos * cos;
+        Self {
+            origin: origin.into(),
+            axis: cone.axis.into(),
+            sin: sin_sq.sqrt(),
+            cos,
+            far,
+            face: face.map(Vec3A::from),
+        }
+    }
+
+    /// True when a plane parts the rays from a convex shape: `center` is a point of it relative to the origin, `support`
+    /// its farthest extent along a direction, `blur` how far it may seem to rise above the face by rounding. May be false
+    /// although none meets it.
+    #[inline]
+    fn misses(&self, center: Vec3A, blur: f32, support: impl Fn(Vec3A) -> f32) -> bool {
+        support(self.axis) <= 0.0
+            || -support(-self.axis) >= self.far
+            || self.face.is_some_and(|n| support(n) <= blur)
+            || self.tangent(center).is_some_and(|n| support(n) < 0.0)
+    }
+
+    /// Normal of the cone's tangent plane on the side of a point, turned to the cone; `None` on the axis.
+    #[inline]
+    fn tangent(&self, point: Vec3A) -> Option<Vec3A> {
+        // Twice, since what is left of a point near the axis would lie anywhere.
+        let aside = point - self.axis * point.dot(self.axis);
+        let aside = aside - self.axis * aside.dot(self.axis);
+        let length = aside.length();
+        (length > 1e-6 * point.length()).then(|| self.axis * self.sin - aside * (self.cos / length))
+    }
+
+    fn misses_box(&self, bounds: &Aabb) -> bool {
+        let center = bounds.center() - self.origin;
+        let half = 0.500_001 * bounds.diagonal();
+        // No blur: something nearer may be in it.
+        self.misses(center, 0.0, |n| n.dot(center) + n.abs().dot(half))
+    }
+
+    fn misses_ball(&self, ball: &Ball) -> bool {
+        let center = Vec3A::from(ball.sphere.center) - self.origin;
+        // All planes' normals have length 1.
+        let blur = BLUR * (center.abs().element_sum() + ball.sphere.radius);
+        self.misses(center, blur, |n| n.dot(center) + ball.sphere.radius)
+    }
+
+    /// Apart from rounding exact for a triangle before the light: two cones are parted by a plane that touches the one
+    /// at an edge or corner, or the other.
+    fn misses_triangle(&self, c: &Corners) -> bool {
+        let a = c.v0 - self.origin;
+        let (b, c) = (a + c.e1, a + c.e2);
+        let support = |n: Vec3A| n.dot(a).max(n.dot(b)).max(n.dot(c));
+        let blur = BLUR * a.abs().max(b.abs()).max(c.abs()).element_sum();
+        if self.misses((a + b + c) * (1.0 / 3.0), blur, support) {
+            return true;
+        }
+        let beside_edge = |p: Vec3A, q: Vec3A, r: Vec3A| {
+            let n = p.cross(q);
+            let toward = n.dot(self.axis) * -n.dot(r).signum();
+            toward > self.sin * n.length()
+        };
+        let beside_corner = |p: Vec3A| self.tangent(p).is_some_and(|n| n.dot(a).max(n.dot(b)).max(n.dot(c)) <= 0.0);
+        beside_edge(a, b, c)
+            || beside_edge(b, c, a)
+            || beside_edge(c, a, b)
+            || beside_corner(a)
+            || beside_corner(b)
+            || beside_corner(c)
+    }
+}
+
+/// Whether a box is certainly outside the hull of two balls.
+fn outside(shaft: &Shaft, bounds: &Aabb) -> bool {
+    let (from, to) = (Vec3A::from(shaft.receivers.center), Vec3A::from(shaft.light.center));
+    let (center, half) = (bounds.center(), 0.500_01 * bounds.diagonal());
+    let (wide_from, wide_to) = (Vec3A::splat(shaft.receivers.radius), Vec3A::splat(shaft.light.radius));
+    let (low, high) = ((from - wide_from).min(to - wide_to), (from + wide_from).max(to + wide_to));
+    if (bounds.min.cmpgt(high) | bounds.max.cmplt(low)).any() {
+        return true;
+    }
+    let axis = (to - from).normalize_or_zero();
+    let across = center - from - axis * (center - from).dot(axis);
+    let length = across.length();
+    if length.is_nan() || length <= 0.0 {
+        return false;
+    }
+    let n = across / length;
+    let near = n.dot(center - from) - n.abs().dot(half);
+    near > 1.000_01 * shaft.receivers.radius.max(n.dot(to - from) + shaft.light.radius)
+}
+
+impl<T> Tree<T> {
+    /// Calls `found` for primitives whose boxes meet the shaft, until it says true. Returns whether it did.
+    pub(crate) fn in_shaft(&self, shaft: &Shaft, found: &mut impl FnMut(u32, &T) -> bool) -> bool {
+        self.visit(&|b| outside(shaft, b), found)
+    }
+
+    /// Calls `found` for primitives in boxes that are not `outside`, until it says true. Returns whether it did.
+    fn visit(&self, outside: &impl Fn(&Aabb) -> bool, found: &mut impl FnMut(u32, &T) -> bool) -> bool {
+        let Some(bvh) = &self.bvh else { return false };
+        // Seven siblings wait on each level; the hierarchy is never deeper than 32.
+        let mut stack = [0u32; 7 * 32 + 1];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let node = &bvh.nodes[stack[count] as usize];
+            for child in 0..8 {
+                if node.is_child_empty(child) || outside(&self.unscaled(node.child_aabb(child))) {
+                    continue;
+                }
+                if node.is_leaf(child) {
+                    let (first, n) = node.child_primitives(child);
+                    if (first..first + n).any(|i| found(i, &self.primitives[i as usize])) {
+                        return true;
+                    }
+                } else {
+                    stack[count] = node.child_node_index(child);
+                    count += 1;
+                }
+            }
+        }
+        false
+    }
+}
+
+impl World<'_> {
+    /// Lists the primitives of the objects `of` whose boxes meet the shaft, in `out`. False, and an unfinished list, when
+    /// there are more than `limit`.
+    pub fn in_shaft(&self, shaft: &Shaft, of: impl Fn(u32) -> bool, limit: usize, out: &mut Vec<Primitive>) -> bool {
+        self.triangles_in(shaft, &of, limit, out)
+            && !self.balls.in_shaft(shaft, &mut |i, b| {
+                if b.blocks && of(b.object) {
+                    out.push(Primitive::Ball(i));
+                }
+                out.len() > limit
+            })
+    }
+
+    /// The same with triangles only.
+    pub fn triangles_in(
+        &self,
+        shaft: &Shaft,
+        of: impl Fn(u32) -> bool,
+        limit: usize,
+        out: &mut Vec<Primitive>,
+    ) -> bool {
+        out.clear();
+        !self.triangles.in_shaft(shaft, &mut |i, c| {
+            if of(c.object) {
+                out.push(Primitive::Triangle(i));
+            }
+            out.len() > limit
+        })
+    }
+
+    /// Object and number of primitives.
+    pub fn names(&self, primitives: &[Primitive]) -> impl Iterator<Item = (u32, u32)> {
+        primitives.iter().map(|p| match p {
+            Primitive::Triangle(i) => self.triangles.primitives[*i as usize].name(),
+            Primitive::Ball(i) => self.balls.primitives[*i as usize].name(),
+        })
+    }
+
+    /// Whether one of some primitives lies on a ray of unit direction nearer than `distance`.
+    #[must_use]
+    pub fn meets_one(&self, origin: Vec3, direction: Vec3, distance: f32, of: &[Primitive]) -> bool {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
+        of.iter().any(|p| match p {
+            Primitive::Triangle(i) => self.is_met(&self.triangles.primitives[*i as usize], &ray),
+            Primitive::Ball(i) => self.balls.primitives[*i as usize].meet(&ray).is_finite(),
+        })
+    }
+
+    /// Whether any triangle does of the objects `of`. The one in `last` is tried first, and the one that is met stays there.
+    pub fn first_met(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        distance: f32,
+        of: impl Fn(u32) -> bool,
+        last: &mut Option<u32>,
+    ) -> bool {
+        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
+        if last.is_some_and(|i| self.is_met(&self.triangles.primitives[i as usize], &ray)) {
+            return true;
+        }
+        let meet = |c: &Corners, r: &Ray| {
+            if of(c.object) { c.meet(r, |_| self.distance_to_plane(c, &ray)) } else { f32::INFINITY }
+        };
+        *last = self.triangles.any_number(ray, meet);
+        last.is_some()
+    }
+
+    fn is_met(&self, corners: &Corners, ray: &Ray) -> bool {
+        corners.meet(ray, |_| self.distance_to_plane(corners, ray)).is_finite()
+    }
+
+    /// False when no ray of the region meets one of the primitives; may be true although none does.
+    #[must_use]
+    pub fn meets_any(&self, region: &Region, primitives: &[Primitive]) -> bool {
+        primitives.iter().any(|p| match p {
+            Primitive::Triangle(i) => !region.misses_triangle(&self.triangles.primitives[*i as usize]),
+            Primitive::Ball(i) => !region.misses_ball(&self.balls.primitives[*i as usize]),
+        })
+    }
+
+    /// The same for all primitives of the objects `of`.
+    #[must_use]
+    pub fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
+        let outside = |b: &Aabb| region.misses_box(b);
+        self.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
+            || self.balls.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_ball(b))
+    }
+}

@@ -1,0 +1,141 @@
+//! What surfaces are like where rays meet them, eight at once.
+
+use super::World;
+use super::camera_rays::{Row, SIDE};
+use super::packet::{BALL, NOTHING};
+use fearless_simd::{Level, dispatch};
+use glam::Vec3;
+use lobe_core::Receiver;
+use obvhs::ray::Ray;
+use scene::Shape;
+
+type DVec3x8 = [[f64; SIDE]; 3];
+
+/// Eight rays from the eye that have met something.
+#[derive(Debug, Default)]
+pub(crate) struct RayHits {
+    /// What each has met; [`NOTHING`] where there is none.
+    pub(crate) found: [u32; SIDE],
+    pub(crate) directions: [Row; 3],
+}
+
+/// The same as `DVec3`'s of the same names, lane by lane.
+#[inline(always)]
+fn dot(a: &DVec3x8, b: &DVec3x8, l: usize) -> f64 {
+    a[0][l] * b[0][l] + a[1][l] * b[1][l] + a[2][l] * b[2][l]
+}
+
+#[inline(always)]
+fn cross(a: &DVec3x8, b: &DVec3x8, l: usize) -> [f64; 3] {
+    [
+        a[1][l] * b[2][l] - b[1][l] * a[2][l],
+        a[2][l] * b[0][l] - b[2][l] * a[0][l],
+        a[0][l] * b[1][l] - b[0][l] * a[1][l],
+    ]
+}
+
+#[inline(always)]
+fn set(to: &mut DVec3x8, l: usize, v: [f64; 3]) {
+    (to[0][l], to[1][l], to[2][l]) = (v[0], v[1], v[2]);
+}
+
+#[inline(always)]
+fn normalize_or_zero(v: &mut DVec3x8, l: usize) {
+    let inverse = 1.0 / dot(v, v, l).sqrt();
+    let usable = (inverse > 0.0) & (inverse < f64::INFINITY);
+    for v in v.iter_mut() {
+        v[l] = if usable { v[l] * inverse } else { 0.0 };
+    }
+}
+
+impl World<'_> {
+    /// Writes the receivers for as many of the eight rays as `out` is long, as near to the surface as an f32 point can be: in
+    /// f64 from barycentric coordinates or on the ball, then rounded. Normals are on the rays' side.
+    pub(crate) fn surfaces(&self, level: Level, eye: Vec3, rays: &RayHits, out: &mut [Receiver]) {
+        dispatch!(level, _simd => self.surfaces_simd(eye, rays, out));
+    }
+
+    #[inline(always)]
+    fn surfaces_simd(&self, eye: Vec3, rays: &RayHits, out: &mut [Receiver]) {
+        let mut corner: [DVec3x8; 3] = Default::default();
+        let mut normals: [DVec3x8; 3] = Default::default();
+        let mut smooth = [false; SIDE];
+        let mut objects = [0u32; SIDE];
+        for (l, number) in rays.found.iter().enumerate() {
+            if number & BALL != 0 {
+                continue;
+            }
+            let corners = &self.triangles.primitives[*number as usize];
+            objects[l] = corners.object;
+            let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
+                unreachable!("triangles come from meshes")
+            };
+            let vertices = mesh.triangles[corners.index as usize];
+            smooth[l] = !mesh.normals.is_empty();
+            for (k, i) in vertices.into_iter().enumerate() {
+                set(&mut corner[k], l, mesh.positions[i as usize].as_dvec3().to_array());
+                if smooth[l] {
+                    set(&mut normals[k], l, mesh.normals[i as usize].as_dvec3().to_array());
+                }
+            }
+        }
+        let (mut position, mut normal, mut face) = ([[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3], [[0.0f32; SIDE]; 3]);
+        let o = eye.as_dvec3().to_array();
+        let (mut d, mut e1, mut e2, mut s): (DVec3x8, DVec3x8, DVec3x8, DVec3x8) = Default::default();
+        let (mut n, mut p): (DVec3x8, DVec3x8) = Default::default();
+        let mut shading = DVec3x8::default();
+        for l in 0..SIDE {
+            for k in 0..3 {
+                d[k][l] = f64::from(rays.directions[k][l]);
+                e1[k][l] = corner[1][k][l] - corner[0][k][l];
+                e2[k][l] = corner[2][k][l] - corner[0][k][l];
+                s[k][l] = o[k] - corner[0][k][l];
+            }
+            set(&mut p, l, cross(&d, &e2, l));
+            let inverse = 1.0 / dot(&e1, &p, l);
+            let u = (dot(&s, &p, l) * inverse).clamp(0.0, 1.0);
+            set(&mut p, l, cross(&s, &e1, l));
+            let v = (dot(&d, &p, l) * inverse).max(0.0).min(1.0 - u);
+            set(&mut n, l, cross(&e1, &e2, l));
+            normalize_or_zero(&mut n, l);
+            let turn = if dot(&n, &d, l) > 0.0 { -1.0 } else { 1.0 };
+            for k in 0..3 {
+                n[k][l] *= turn;
+                position[k][l] = (corner[0][k][l] + e1[k][l] * u + e2[k][l] * v) as f32;
+                let [a, b, c] = [normals[0][k][l], normals[1][k][l], normals[2][k][l]];
+                shading[k][l] = a * (1.0 - u - v) + b * u + c * v;
+            }
+            normalize_or_zero(&mut shading, l);
+            // On the side of the face that is seen; a normal that still looks away is no use to a viewer.
+            let turn = if dot(&shading, &n, l) < 0.0 { -1.0 } else { 1.0 };
+            for shading in &mut shading {
+                shading[l] *= turn;
+            }
+            let usable = smooth[l] & (dot(&shading, &d, l) < 0.0);
+            for k in 0..3 {
+                face[k][l] = n[k][l] as f32;
+                normal[k][l] = if usable { shading[k][l] as f32 } else { face[k][l] };
+            }
+            for v in [&mut normal, &mut face] {
+                let inverse = 1.0 / (v[0][l] * v[0][l] + v[1][l] * v[1][l] + v[2][l] * v[2][l]).sqrt();
+                v.iter_mut().for_each(|v| v[l] *= inverse);
+            }
+        }
+        let at = |v: &[Row; 3], l: usize| Vec3::new(v[0][l], v[1][l], v[2][l]);
+        for (l, out) in out.iter_mut().enumerate() {
+            let number = rays.found[l];
+            let direction = at(&rays.directions, l);
+            let (mut position, mut normal, mut face) = (at(&position, l), at(&normal, l), at(&face, l));
+            let mut object = objects[l];
+            if number & BALL != 0 && number != NOTHING {
+                let ball = &self.balls.primitives[(number & !BALL) as usize];
+                let t = ball.intersect(&Ray::new_inf(eye.into(), direction.into()));
+                (position, normal) = ball.surface(eye, direction, t);
+                (face, object) = (normal, ball.object);
+            }
+            // The view from the rounded position, not the ray's: consistent with what shading sees.
+            let view = (eye - position).try_normalize().unwrap_or(-direction);
+            *out = Receiver { position, normal, face, view, object };
+        }
+    }
+}

@@ -1,0 +1,513 @@
+//! The Monte-Carlo reference: no lobe and no mask, only rays.
+
+mod checkpoint;
+mod meridian;
+mod occluders;
+
+pub use self::checkpoint::CheckpointError;
+use self::meridian::{Cap, Meridian};
+use self::occluders::{Occluders, tile_candidates};
+use crate::area::{Area, Seen};
+use crate::cone::LightCone;
+use crate::sky::Sky;
+use crate::sobol::{Sequence, mix};
+use brdf::{Brdf, Material};
+use core::f64::consts::TAU;
+use core::sync::atomic::{AtomicBool, Ordering};
+use glam::{DVec3, Vec3};
+use lighting::Light;
+use lobe_core::{BrdfLobes, LightLobes, LobeBuffer, OWN_NONE, Receiver, Sphere};
+use ray_tracing::{GBuffer, World};
+use rayon::prelude::*;
+use scene::{BlockerSet, Bounds};
+
+/// Independent randomisations, whose spread tells the error.
+pub const REPLICATES: u32 = 8;
+
+/// Points that are sampled together.
+const TILE_POINTS: usize = 64;
+
+/// Samples a replicate that a tile takes before the next tile's turn.
+const CHUNK: u32 = 32;
+
+/// Above this product of a lobe's exponent and the light's `1 − cos θ` the lobe, and not the light, decides where
+/// samples are needed: `e^−2` is how far a lobe falls within such a light.
+const GLOSSY: f64 = 2.0;
+
+/// What casts shadows in a [`Reference`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry<'a> {
+    /// The same blocker spheres that the lobes see, with the same rule for an object's own ones.
+    Spheres,
+    /// The true geometry: triangles and balls.
+    Mesh,
+    /// The true geometry of the objects that the list says yes to, by number, and all blocker spheres: the truth beside a
+    /// [`Mixture`](visibility_mask::Mixture) of strategies.
+    Mixed(&'a [bool]),
+    /// Nothing.
+    None,
+}
+
+impl Geometry<'_> {
+    /// Whether the blocker spheres matter.
+    const fn has_spheres(self) -> bool {
+        matches!(self, Self::Spheres | Self::Mixed(_))
+    }
+}
+
+/// What a [`Reference`] is computed for.
+#[derive(Clone, Copy, Debug)]
+pub struct ReferenceJob<'a> {
+    /// The geometry; its scene gives materials and lights.
+    pub world: &'a World<'a>,
+    /// The visible points.
+    pub gbuffer: &'a GBuffer,
+    /// Blocker spheres, for [`Geometry::Spheres`] and [`Geometry::Mixed`].
+    pub blockers: &'a BlockerSet,
+    /// What casts shadows.
+    pub geometry: Geometry<'a>,
+    /// Chooses the randomisations.
+    pub seed: u64,
+}
+
+/// The replicates of one point: running means of what was sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Tally {
+    radiance: [Vec3; REPLICATES as usize],
+    unshadowed: [Vec3; REPLICATES as usize],
+}
+
+/// What a [`Reference`] knows so far, one entry a point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Radiance toward the eye.
+    pub radiance: Vec<Vec3>,
+    /// The same without blockers, from the same samples: equal to `radiance` to the bit where nothing blocks.
+    pub unshadowed: Vec<Vec3>,
+    /// Standard error of `radiance` per channel: `s/√8` with the standard deviation s of the replicates.
+    pub std_error: Vec<Vec3>,
+}
+
+/// Direct light by Monte-Carlo integration (Eq. 1 with the lights as the only sources), progressive and resumable.
+///
+/// For every point and light each of [`REPLICATES`] Owen-scrambled Sobol' sequences samples the light's cone uniformly;
+/// where a lobe of the material is narrower than the light, as many directions of the reflectance are sampled as well and
+/// both are combined by the power heuristic (E. Veach, L. Guibas, *Optimally Combining Sampling Techniques*, 1995).
+/// The receiver's horizon and the blocker spheres that lie wholly between receiver and light are integrated exactly along
+/// each sampled meridian of the light's cone, which leaves next to no error of shadow edges; all other blockers are met
+/// by rays. Sums are taken in
+/// f64. A direction is blocked when a blocker is met nearer than the light's near surface, and in the true geometry when it
+/// is below the receiver's own facet, which rays that leave it do not meet; the lights
+/// themselves block nothing. A receiver inside a light sees it in all directions.
+///
+/// The result depends on the job and the number of samples, not on threads or interruptions.
+#[derive(Debug)]
+pub struct Reference<'a> {
+    job: ReferenceJob<'a>,
+    /// What the scene's environment shows.
+    sky: Option<Sky<'a>>,
+    tallies: Vec<Tally>,
+    /// Samples a replicate that each tile has.
+    done: Vec<u32>,
+}
+
+impl<'a> Reference<'a> {
+    /// Nothing sampled yet. Needs 192 bytes a point.
+    #[must_use]
+    pub fn new(job: ReferenceJob<'a>) -> Self {
+        let count = job.gbuffer.len();
+        let environment = job.world.scene().environment.as_deref();
+        let sky = environment.map(|environment| Sky::new(environment.map()));
+        Self { job, sky, tallies: vec![Tally::default(); count], done: vec![0; count.div_ceil(TILE_POINTS)] }
+    }
+
+    /// Samples a light that every point has by now.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.done.iter().min().map_or(u32::MAX, |n| n.saturating_mul(REPLICATES))
+    }
+
+    /// Work that [`advance`](Self::advance) to `samples` would do, in the units that it reports: points times samples.
+    #[must_use]
+    pub fn work(&self, samples: u32) -> u64 {
+        let target = samples.div_ceil(REPLICATES);
+        let left = |n: &u32| u64::from(target.saturating_sub(*n)) * u64::from(REPLICATES) * TILE_POINTS as u64;
+        self.done.iter().map(left).sum()
+    }
+
+    /// Brings every point to at least `samples` samples a light (rounded up to a multiple of [`REPLICATES`]; powers of
+    /// two converge best). Returns early, with whole tiles done, when `stop` becomes true. `progress` is told of every
+    /// piece of work done, from any thread.
+    pub fn advance(&mut self, samples: u32, stop: &AtomicBool, progress: &(dyn Fn(u64) + Sync)) {
+        let target = samples.div_ceil(REPLICATES);
+        let (job, sky) = (self.job, self.sky.as_ref());
+        // Round after round, so that an interrupted picture is about equally good everywhere.
+        let mut round = self.done.iter().min().copied().unwrap_or(target);
+        while round < target && !stop.load(Ordering::Relaxed) {
+            round = (round + CHUNK).min(target);
+            self.tallies
+                .par_chunks_mut(TILE_POINTS)
+                .zip(self.done.par_iter_mut())
+                .enumerate()
+                .filter(|(_, (_, done))| **done < round)
+                .for_each_init(Sampler::default, |sampler, (tile, (tallies, done))| {
+                    if stop.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    sampler.tile(&job, sky, tile * TILE_POINTS, tallies, *done..round);
+                    progress(u64::from((round - *done) * REPLICATES) * TILE_POINTS as u64);
+                    *done = round;
+                });
+        }
+    }
+
+    /// The means and their standard errors; zero where nothing was sampled.
+    #[must_use]
+    pub fn estimate(&self) -> Estimate {
+        let n = f64::from(REPLICATES);
+        let mean = |values: &[Vec3]| values.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / n;
+        let error = |t: &Tally| {
+            let mean = mean(&t.radiance);
+            let square = |v: &Vec3| (v.as_dvec3() - mean).powf(2.0);
+            let variance = t.radiance.iter().map(square).sum::<DVec3>() / (n - 1.0);
+            (variance / n).map(f64::sqrt).as_vec3()
+        };
+        Estimate {
+            radiance: self.tallies.iter().map(|t| mean(&t.radiance).as_vec3()).collect(),
+            unshadowed: self.tallies.iter().map(|t| mean(&t.unshadowed).as_vec3()).collect(),
+            std_error: self.tallies.iter().map(error).collect(),
+        }
+    }
+}
+
+/// Working memory of a thread.
+#[derive(Default)]
+struct Sampler {
+    candidates: Vec<u32>,
+    occluders: Occluders,
+    meridian: Meridian,
+    lobes: LobeBuffer,
+}
+
+/// One point and one light.
+struct Pair<'a> {
+    world: &'a World<'a>,
+    geometry: Geometry<'a>,
+    at: &'a Receiver,
+    material: &'a Material,
+    /// Of the light.
+    radiance: Vec3,
+    /// Its shape, where that is no ball.
+    area: Option<Area<'a>>,
+    /// The ball's directions, or those of a ball around the shape.
+    cone: LightCone,
+    occluders: &'a Occluders,
+    /// The directions below the receiver's horizon, where it cuts the light.
+    horizon: Option<Cap>,
+    /// First azimuth at which some of the cone is above the horizon, and how far these azimuths reach.
+    azimuths: (f64, f64),
+    /// Where shadow rays in the true geometry start.
+    origin: Vec3,
+    glossy: bool,
+}
+
+impl Sampler {
+    /// Adds the samples of the range to the points from `first` on.
+    fn tile(
+        &mut self,
+        job: &ReferenceJob<'_>,
+        sky: Option<&Sky<'_>>,
+        first: usize,
+        tallies: &mut [Tally],
+        range: core::ops::Range<u32>,
+    ) {
+        let scene = job.world.scene();
+        let points = &job.gbuffer.points;
+        let receivers = &points.receivers[first..first + tallies.len()];
+        let mut sums = vec![[[DVec3::ZERO; 2]; REPLICATES as usize]; tallies.len()];
+        for (number, light) in scene.lights.iter().enumerate() {
+            // What the environment shows is sampled from its picture.
+            if sky.is_some() && matches!(light, Light::Sky(_)) {
+                continue;
+            }
+            let geometry = if matches!(light, Light::Ambient(_)) { Geometry::None } else { job.geometry };
+            if geometry.has_spheres() {
+                let bounds = receivers.iter().fold(Bounds::EMPTY, |b, at| b.with_point(at.position));
+                let around = Sphere { center: bounds.center(), radius: bounds.radius() };
+                tile_candidates(receivers, light.bounds_from(&around), job.blockers, &mut self.candidates);
+            }
+            for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
+                let Some((ball, area)) = Area::of(light, at.position) else { continue };
+                let cone = LightCone::new(at.position, ball);
+                if cone.one_minus_cos() <= 0.0 {
+                    continue;
+                }
+                if geometry.has_spheres() {
+                    self.occluders.select(at, &cone, &self.candidates, job.blockers);
+                } else {
+                    self.occluders.none();
+                }
+                let material = &job.gbuffer.materials[points.materials[first + i] as usize];
+                let sharpest = self.sharpest(material, at);
+                let below = -at.normal.as_dvec3().normalize_or_zero();
+                let pair = Pair {
+                    horizon: cone.cut_by(below).then(|| Cap::new(&cone, below, 0.0)),
+                    azimuths: cone.azimuths_beside(below),
+                    world: job.world,
+                    geometry,
+                    at,
+                    material,
+                    radiance: light.radiance(at),
+                    area,
+                    cone,
+                    occluders: &self.occluders,
+                    origin: job.world.leave(at.position, at.face),
+                    glossy: sharpest * cone.one_minus_cos() > GLOSSY,
+                };
+                for (replicate, sum) in sums.iter_mut().enumerate() {
+                    let key = mix(mix(mix(job.seed, (first + i) as u64), number as u64), replicate as u64);
+                    pair.sample(key, range.clone(), &mut self.meridian, sum);
+                }
+            }
+        }
+        if let Some(sky) = sky.filter(|sky| !sky.is_black()) {
+            self.sky(job, sky, first, &mut sums, range.clone());
+        }
+        // Running means: old and new ones weighted by their numbers of samples.
+        let (old, new) = (f64::from(range.start), f64::from(range.end - range.start));
+        let merge = |mean: &mut Vec3, sum: DVec3| *mean = ((mean.as_dvec3() * old + sum) / (old + new)).as_vec3();
+        for (tally, sums) in tallies.iter_mut().zip(&sums) {
+            for (r, [radiance, unshadowed]) in sums.iter().enumerate() {
+                merge(&mut tally.radiance[r], *radiance);
+                merge(&mut tally.unshadowed[r], *unshadowed);
+            }
+        }
+    }
+
+    /// Adds what the environment gives to the points from `first` on.
+    fn sky(
+        &mut self,
+        job: &ReferenceJob<'_>,
+        sky: &Sky<'_>,
+        first: usize,
+        sums: &mut [[[DVec3; 2]; REPLICATES as usize]],
+        range: core::ops::Range<u32>,
+    ) {
+        let points = &job.gbuffer.points;
+        let receivers = &points.receivers[first..first + sums.len()];
+        let all = job.world.scene().bounds();
+        // Around all that blocks, wherever receivers are in it.
+        let around = |p: Vec3| Sphere { center: p, radius: 4.0 * all.radius() + 2.0 * p.distance(all.center()) };
+        if job.geometry.has_spheres() {
+            let far = Sphere { radius: 16.0 * all.radius(), center: all.center() };
+            tile_candidates(receivers, far, job.blockers, &mut self.candidates);
+        }
+        for (i, (at, sums)) in receivers.iter().zip(sums).enumerate() {
+            let cone = LightCone::new(at.position, around(at.position));
+            if job.geometry.has_spheres() {
+                self.occluders.select(at, &cone, &self.candidates, job.blockers);
+            } else {
+                self.occluders.none();
+            }
+            let pair = Pair {
+                horizon: None,
+                azimuths: (0.0, TAU),
+                world: job.world,
+                geometry: job.geometry,
+                at,
+                material: &job.gbuffer.materials[points.materials[first + i] as usize],
+                radiance: Vec3::ONE,
+                area: None,
+                cone,
+                occluders: &self.occluders,
+                origin: job.world.leave(at.position, at.face),
+                glossy: true,
+            };
+            for (replicate, sum) in sums.iter_mut().enumerate() {
+                let key = mix(mix(mix(job.seed, (first + i) as u64), u64::MAX), replicate as u64);
+                pair.sky_sample(key, sky, range.clone(), sum);
+            }
+        }
+    }
+
+    /// Largest exponent among the material's lobes: only used to choose how to sample.
+    fn sharpest(&mut self, material: &Material, at: &Receiver) -> f64 {
+        if self.lobes.capacity() < material.max_lobes() {
+            self.lobes = LobeBuffer::with_capacity(material.max_lobes());
+        }
+        match material.brdf_lobes(at, &mut self.lobes.writer()) {
+            Ok(()) => self.lobes.lobes().iter().map(|l| f64::from(l.exponent)).fold(0.0, f64::max),
+            Err(_) => f64::INFINITY,
+        }
+    }
+}
+
+/// As f32, which does not round it up to 1.
+fn below_one(x: f64) -> f32 {
+    (x as f32).min(1.0 - f32::EPSILON / 2.0)
+}
+
+impl Pair<'_> {
+    /// Adds samples of one replicate to its sums, shadowed and unshadowed.
+    fn sample(&self, key: u64, range: core::ops::Range<u32>, meridian: &mut Meridian, sums: &mut [DVec3; 2]) {
+        let on_light = Sequence::new(mix(key, 1));
+        let on_brdf = Sequence::new(mix(key, 2));
+        let caps = self.occluders.caps();
+        for i in range {
+            let (x, y) = (on_light.get(i, 0), on_light.get(i, 1));
+            if let Some(area) = &self.area {
+                self.area_sample(area, [x, y], core::array::from_fn(|d| on_brdf.get(i, d)), sums);
+                continue;
+            }
+            if caps.is_empty() && self.horizon.is_none() {
+                let v = self.cone.sample(x, y);
+                let value = self.light_sample(v);
+                self.add(v, value, sums);
+            } else {
+                self.meridian_sample(x, y, meridian, sums);
+            }
+            if !self.glossy {
+                continue;
+            }
+            let u = core::array::from_fn(|d| below_one(on_brdf.get(i, d)));
+            let Some(sample) = self.material.sample(self.at, u) else { continue };
+            let v = sample.direction.as_dvec3().normalize();
+            if self.cone.contains(v) {
+                let reflectance = self.material.eval(self.at, sample.direction);
+                self.add(v, self.weighted(reflectance, f64::from(sample.pdf), self.cone.pdf()), sums);
+            }
+        }
+    }
+
+    /// Adds directions of a picture of all directions, and as many of the reflectance.
+    fn sky_sample(&self, key: u64, sky: &Sky<'_>, range: core::ops::Range<u32>, sums: &mut [DVec3; 2]) {
+        let on_sky = Sequence::new(mix(key, 1));
+        let on_brdf = Sequence::new(mix(key, 2));
+        let far = self.cone.surface(self.at.normal.as_dvec3());
+        let mut add = |v: DVec3, reflectance: Vec3, p: f64, q: f64| {
+            self.add_before(v, far, self.weighted(reflectance * sky.radiance(v), p, q), sums);
+        };
+        for i in range {
+            let (v, p) = sky.sample(on_sky.get(i, 0), on_sky.get(i, 1));
+            let reflectance = self.material.eval(self.at, v.as_vec3());
+            if reflectance != Vec3::ZERO && p > 0.0 {
+                add(v, reflectance, p, f64::from(self.material.pdf(self.at, v.as_vec3())));
+            }
+            let u = core::array::from_fn(|d| below_one(on_brdf.get(i, d)));
+            if let Some(sample) = self.material.sample(self.at, u) {
+                let v = sample.direction.as_dvec3().normalize();
+                add(v, self.material.eval(self.at, sample.direction), f64::from(sample.pdf), sky.pdf(v));
+            }
+        }
+    }
+
+    /// Adds a point of a surface of light, and a direction of a reflectance that is narrow beside it.
+    fn area_sample(&self, area: &Area<'_>, [x, y]: [f64; 2], on_brdf: [f64; 3], sums: &mut [DVec3; 2]) {
+        if let Some(Seen { direction, distance, pdf, shows }) = area.sample(x, y) {
+            let reflectance = self.material.eval(self.at, direction.as_vec3());
+            if reflectance != Vec3::ZERO {
+                let other = if self.glossy { f64::from(self.material.pdf(self.at, direction.as_vec3())) } else { 0.0 };
+                self.add_before(direction, distance, self.weighted(reflectance * shows, pdf, other), sums);
+            }
+        }
+        if !self.glossy {
+            return;
+        }
+        let u = on_brdf.map(below_one);
+        let Some(sample) = self.material.sample(self.at, u) else { return };
+        if let Some(Seen { direction, distance, pdf, shows }) = area.hit(sample.direction.as_dvec3().normalize()) {
+            let reflectance = self.material.eval(self.at, sample.direction);
+            let value = self.weighted(reflectance * shows, f64::from(sample.pdf), pdf);
+            self.add_before(direction, distance, value, sums);
+        }
+    }
+
+    fn add_before(&self, v: DVec3, distance: f64, value: DVec3, sums: &mut [DVec3; 2]) {
+        sums[1] += value;
+        let by_spheres = || self.geometry.has_spheres() && self.occluders.block(v, distance);
+        if value != DVec3::ZERO && !by_spheres() && !self.blocked_by_surfaces(v, distance) {
+            sums[0] += value;
+        }
+    }
+
+    /// Adds a sample at a random meridian of the light's cone: what the horizon and caps hide of it is left out exactly,
+    /// and a ray tests the other occluders alone.
+    fn meridian_sample(&self, x: f64, y: f64, meridian: &mut Meridian, sums: &mut [DVec3; 2]) {
+        let (start, span) = self.azimuths;
+        let (azimuth, share) = (start + span * x, span / TAU);
+        let mut part = |caps: &[Cap]| {
+            meridian.set(&self.cone, self.horizon.iter().chain(caps), azimuth);
+            let visible = meridian.visible();
+            let v = self.cone.on_meridian(meridian.point(y), azimuth);
+            (visible, v)
+        };
+        let (above, v) = part(&[]);
+        let whole = if above > 0.0 { self.light_sample(v) * (above * share) } else { DVec3::ZERO };
+        sums[1] += whole;
+        let caps = self.occluders.caps();
+        let (visible, v) = if caps.is_empty() { (above, v) } else { part(caps) };
+        if visible > 0.0 && !self.blocked_beside_caps(v) {
+            sums[0] += if visible < above { self.light_sample(v) * (visible * share) } else { whole };
+        }
+    }
+
+    /// What a direction of the light is worth that was drawn uniformly from the cone.
+    #[inline]
+    fn light_sample(&self, v: DVec3) -> DVec3 {
+        let reflectance = self.material.eval(self.at, v.as_vec3());
+        if reflectance == Vec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let other = if self.glossy { f64::from(self.material.pdf(self.at, v.as_vec3())) } else { 0.0 };
+        self.weighted(reflectance, self.cone.pdf(), other)
+    }
+
+    /// `f̃·L·w/p` with the power heuristic's `w = p²/(p² + q²)` for a direction drawn with density p that the other
+    /// technique draws with density q.
+    #[inline]
+    fn weighted(&self, reflectance: Vec3, p: f64, q: f64) -> DVec3 {
+        let ratio = q / p;
+        let value = (reflectance * self.radiance).as_dvec3() / (p * (1.0 + ratio * ratio));
+        if value.is_finite() { value } else { DVec3::ZERO }
+    }
+
+    #[inline]
+    fn add(&self, v: DVec3, value: DVec3, sums: &mut [DVec3; 2]) {
+        sums[1] += value;
+        if value != DVec3::ZERO && !self.blocked(v) {
+            sums[0] += value;
+        }
+    }
+
+    #[inline]
+    fn blocked(&self, v: DVec3) -> bool {
+        (self.geometry.has_spheres() && self.occluders.block(v, self.cone.surface(v)))
+            || self.blocked_by_surfaces(v, self.cone.surface(v))
+    }
+
+    #[inline]
+    fn blocked_beside_caps(&self, v: DVec3) -> bool {
+        let by_spheres = self.geometry.has_spheres() && self.occluders.block_beside_caps(v, self.cone.surface(v));
+        by_spheres || self.blocked_by_surfaces(v, self.cone.surface(v))
+    }
+
+    /// Whether the true geometry hides a direction, where it counts.
+    #[inline]
+    fn blocked_by_surfaces(&self, v: DVec3, distance: f64) -> bool {
+        if !matches!(self.geometry, Geometry::Mesh | Geometry::Mixed(_)) {
+            return false;
+        }
+        let counts = |object: u32| match self.geometry {
+            Geometry::Mixed(objects) => objects.get(object as usize).is_some_and(|solid| *solid),
+            _ => true,
+        };
+        let own = self.at.object;
+        if self.at.face.as_dvec3().dot(v) <= 0.0 && own != OWN_NONE && counts(own) {
+            return true;
+        }
+        distance > 0.0 && self.world.occluded_by(self.origin, v.as_vec3(), distance as f32, counts)
+    }
+}
+
+#[cfg(test)]
+mod tests;

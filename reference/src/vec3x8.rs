@@ -1,0 +1,74 @@
+//! Eight vectors side by side.
+
+use core::ops::{Add, Mul, Sub};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+use glam::Vec3;
+
+/// Lanes.
+pub(crate) const LANES: usize = 8;
+
+/// Eight [`Vec3`]s: operations in the same order as theirs.
+#[derive(Clone, Copy)]
+pub(crate) struct Vec3x8<S: Simd> {
+    pub(crate) x: f32x8<S>,
+    pub(crate) y: f32x8<S>,
+    pub(crate) z: f32x8<S>,
+}
+
+impl<S: Simd> Vec3x8<S> {
+    #[inline(always)]
+    pub(crate) fn splat(simd: S, v: Vec3) -> Self {
+        Self { x: f32x8::splat(simd, v.x), y: f32x8::splat(simd, v.y), z: f32x8::splat(simd, v.z) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn dot(self, with: Self) -> f32x8<S> {
+        self.x * with.x + self.y * with.y + self.z * with.z
+    }
+
+    #[inline(always)]
+    pub(crate) fn dot_one(self, with: Vec3) -> f32x8<S> {
+        self.x * with.x + self.y * with.y + self.z * with.z
+    }
+
+    #[inline(always)]
+    pub(crate) fn length_squared(self) -> f32x8<S> {
+        self.dot(self)
+    }
+
+    #[inline(always)]
+    pub(crate) fn minus(self, v: Vec3) -> Self {
+        Self { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
+    }
+
+    /// One of them.
+    #[inline(always)]
+    pub(crate) fn get(self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+}
+
+impl<S: Simd> Add for Vec3x8<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, v: Self) -> Self {
+        Self { x: self.x + v.x, y: self.y + v.y, z: self.z + v.z }
+    }
+}
+
+impl<S: Simd> Sub for Vec3x8<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, v: Self) -> Self {
+        Self { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
+    }
+}
+
+impl<S: Simd> Mul<f32x8<S>> for Vec3x8<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, v: f32x8<S>) -> Self {
+        Self { x: self.x * v, y: self.y * v, z: self.z * v }
+    }
+}

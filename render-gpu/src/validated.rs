@@ -1,0 +1,18 @@
+//! WGSL as naga reads it, for the tests of this crate.
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+
+/// Pieces that are joined, with what every device can do.
+#[track_caller]
+pub(crate) fn module(pieces: &[&str]) -> naga::Module {
+    with_info("pieces", &pieces.join("\n"), Capabilities::default()).0
+}
+
+/// A text, and what is used where in it.
+#[track_caller]
+pub(crate) fn with_info(name: &str, text: &str, capabilities: Capabilities) -> (naga::Module, ModuleInfo) {
+    let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)));
+    let checked = Validator::new(ValidationFlags::all(), capabilities).validate(&module);
+    let info = checked.unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)));
+    (module, info)
+}

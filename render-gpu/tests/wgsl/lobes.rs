@@ -1,0 +1,113 @@
+//! The WGSL without a GPU: pieces validate, layouts and constants are Rust's.
+
+use crate::validated::module;
+use lighting::SphereLight;
+use lobe_core::gpu::GpuLight as _;
+use lobe_core::wgsl;
+
+/// Size and member offsets of a struct.
+fn layout(module: &naga::Module, name: &str) -> (u32, Vec<(String, u32)>) {
+    for (_, ty) in module.types.iter() {
+        if let (Some(found), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner)
+            && found == name
+        {
+            let members = members.iter().map(|member| (member.name.clone().unwrap_or_default(), member.offset));
+            return (*span, members.collect());
+        }
+    }
+    panic!("no struct {name}");
+}
+
+#[test]
+fn lobe_core_pieces_validate() {
+    module(&[wgsl::SPECIAL]);
+    module(&[wgsl::GEOMETRY]);
+    module(&[wgsl::LOBE, wgsl::SPECIAL, wgsl::GEOMETRY]);
+}
+
+#[test]
+fn a_lobe_has_rusts_layout() {
+    use std::mem::{offset_of, size_of};
+    let (size, members) = layout(&module(&[wgsl::LOBE, wgsl::SPECIAL, wgsl::GEOMETRY]), "Lobe");
+    assert_eq!(size as usize, size_of::<lobe_core::Lobe>());
+    let want = [
+        ("axis", offset_of!(lobe_core::Lobe, axis)),
+        ("exponent", offset_of!(lobe_core::Lobe, exponent)),
+        ("flux", offset_of!(lobe_core::Lobe, flux)),
+        ("factor", offset_of!(lobe_core::Lobe, factor)),
+    ];
+    assert_eq!(members, want.map(|(name, offset)| (name.to_owned(), offset as u32)));
+}
+
+#[test]
+fn integrals_validate() {
+    let microfacets = [wgsl::CAP, wgsl::MICROFACETS, wgsl::CAP_MICROFACETS];
+    for cap in [[wgsl::CAP_LAMBERT].as_slice(), &[wgsl::CAP, wgsl::CAP_NO_MICROFACETS], &microfacets] {
+        module(&[&[wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::LOBE], cap].concat());
+    }
+}
+
+/// Reflectance and blockers, as the paper's kernels ask for them.
+const HOOKS: &str = "
+    fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 { return PARTIAL; }
+    fn brdf_lobe_count(material: u32) -> u32 { return materials[0]; }
+    fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe { return Lobe(at.normal, 1.0, vec3f(1.0), 0.0); }";
+
+#[test]
+fn kernels_of_the_paper_validate() {
+    use visibility_mask::wgsl as masks;
+    let frame = [include_str!("../../src/kernels/frame.wgsl"), include_str!("../../src/kernels/queue.wgsl"), HOOKS];
+    let core = [wgsl::SPECIAL, wgsl::GEOMETRY, wgsl::NO_OUTLINE, wgsl::LOBE, wgsl::PAPER];
+    module(
+        &[
+            frame.as_slice(),
+            &core,
+            &[
+                SphereLight::WGSL,
+                include_str!("../../src/kernels/points.wgsl"),
+                include_str!("../../src/kernels/tiles.wgsl"),
+                include_str!("../../src/kernels/paper_classify.wgsl"),
+            ],
+        ]
+        .concat(),
+    );
+    let splat = "fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
+        mask_block_span(mask, lane, 0.0, 1.0);
+    }";
+    let masks = [masks::SQUARE, masks::ROUND, masks::MASK, masks::TOTAL, masks::PAPER];
+    for depth in 1..=visibility_mask::MAX_DEPTH {
+        let header = visibility_mask::wgsl::paper_header(depth);
+        let points = include_str!("../../src/kernels/points.wgsl");
+        let kernel =
+            [SphereLight::WGSL, points, include_str!("../../src/kernels/paper_penumbra.wgsl"), splat, header.as_str()];
+        let module = module(&[frame.as_slice(), &core, &masks, &kernel].concat());
+        let entry = &module.entry_points[0];
+        assert_eq!(entry.workgroup_size, [if depth < 5 { 32 } else { 64 }, 1, 1]);
+    }
+}
+
+#[test]
+fn a_receiver_has_rusts_layout() {
+    use render_gpu::GpuReceiver;
+    use std::mem::{offset_of, size_of};
+    let module = module(&[wgsl::GEOMETRY, "@group(0) @binding(0) var<storage, read> points: array<Receiver>;"]);
+    let (size, members) = layout(&module, "Receiver");
+    assert_eq!(size as usize, size_of::<GpuReceiver>());
+    let want = [
+        ("position", offset_of!(GpuReceiver, position)),
+        ("object", offset_of!(GpuReceiver, object)),
+        ("normal", offset_of!(GpuReceiver, normal)),
+        ("material", offset_of!(GpuReceiver, material)),
+        ("face", offset_of!(GpuReceiver, face)),
+        ("pad0", offset_of!(GpuReceiver, pad0)),
+        ("view", offset_of!(GpuReceiver, view)),
+        ("pad1", offset_of!(GpuReceiver, pad1)),
+    ];
+    assert_eq!(members, want.map(|(name, offset)| (name.to_owned(), offset as u32)));
+}
+
+#[test]
+fn constants_are_rusts() {
+    assert_eq!(lobe_core::OWN_NONE, u32::MAX);
+    assert!(wgsl::GEOMETRY.contains("const OWN_NONE = 0xffffffffu;"));
+}

@@ -1,0 +1,51 @@
+//! The WGSL of shadow maps without a GPU: every variant validates.
+
+use crate::validated::module;
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
+use visibility_shadowmap::{Pages, wgsl};
+
+/// What kernels declare.
+const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
+    @group(0) @binding(0) var<uniform> frame: Frame;";
+
+fn validate(pieces: &[&str]) -> naga::Module {
+    let words = Pages::of(3 << 27, 1 << 27).wgsl();
+    let common = [
+        FRAME,
+        &words,
+        wgsl::COMMON,
+        GEOMETRY,
+        LOBE,
+        SPECIAL,
+        visibility_mask::wgsl::SQUARE,
+        visibility_mask::wgsl::ROUND,
+        NO_OUTLINE,
+        visibility_mask::wgsl::FACET,
+    ];
+    module(&common.iter().chain(pieces).copied().collect::<Vec<_>>())
+}
+
+#[test]
+fn coverage_validates() {
+    validate(&[wgsl::COVERAGE]);
+}
+
+#[test]
+fn splat_validates_for_every_mask_and_keeps_two_words_a_row_and_line() {
+    for depth in 1..=visibility_mask::MAX_DEPTH {
+        for coarse in [false, true] {
+            let header = visibility_mask::wgsl::header(
+                depth,
+                visibility_mask::Fineness { coarse, ..visibility_mask::Fineness::FINE },
+            );
+            let module = validate(&[&header, visibility_mask::wgsl::MASK, wgsl::SPLAT]);
+            let (_, bits) = module
+                .global_variables
+                .iter()
+                .find(|(_, v)| v.name.as_deref() == Some("canvas_bits"))
+                .expect("a canvas");
+            // Four lines of 16 samples a cell.
+            assert_eq!(module.types[bits.ty].inner.size(module.to_ctx()), (4 * 16 / 8) << depth);
+        }
+    }
+}

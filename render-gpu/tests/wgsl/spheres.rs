@@ -1,0 +1,106 @@
+//! The WGSL of sphere blockers without a GPU: every composed variant validates, layouts and constants are Rust's.
+
+use crate::constant;
+use crate::validated::module;
+use lighting::SphereLight;
+use lobe_core::gpu::GpuLight as _;
+use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
+use visibility_mask::{Fineness, wgsl as masks};
+use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
+
+const FRAME: &str = include_str!("../../src/kernels/frame.wgsl");
+const QUEUE: &str = include_str!("../../src/kernels/queue.wgsl");
+const BOUNDS: &str = include_str!("../../src/kernels/bounds.wgsl");
+const CULL: &str = include_str!("../../src/kernels/cull.wgsl");
+const CLASSIFY: &str = concat!(
+    include_str!("../../src/kernels/points.wgsl"),
+    include_str!("../../src/kernels/tiles.wgsl"),
+    include_str!("../../src/kernels/classify.wgsl")
+);
+const ARGS: &str = include_str!("../../src/kernels/args.wgsl");
+
+/// The hook of `classify`, for spheres only.
+const HOOK: &str = "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
+    return spheres_coverage(tile, at, cone);
+}";
+
+#[test]
+fn culling_validates() {
+    let bounds = module(&[BOUNDS, FRAME, wgsl::PACKED]);
+    let cull = module(&[CULL, FRAME, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY]);
+    assert_eq!(constant(&cull, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
+    let args = module(&[ARGS, QUEUE, FRAME]);
+    let groups = [(&bounds, "bounds", 64), (&cull, "cull", 64), (&args, "args_of_queue", 1)];
+    for (module, name, threads) in groups {
+        assert_eq!((module.entry_points[0].name.as_str(), module.entry_points[0].workgroup_size[0]), (name, threads));
+    }
+}
+
+#[test]
+fn classification_validates() {
+    let stub = "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
+    let models = brdf::Models::of(&[brdf::Material::lambert(glam::Vec3::ONE)], false);
+    let reflectance = brdf::wgsl::compose(models);
+    let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
+    let mut pieces =
+        vec![CLASSIFY, QUEUE, FRAME, SphereLight::WGSL, HOOK, stub, &reflectance, GEOMETRY, NO_OUTLINE, LOBE, SPECIAL];
+    pieces.extend(parts);
+    let classify = module(&pieces);
+    assert_eq!(classify.entry_points[0].workgroup_size, [64, 1, 1]);
+    assert_eq!(constant(&classify, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
+}
+
+#[test]
+fn splats_validate_at_all_depths() {
+    for depth in 1..=visibility_mask::MAX_DEPTH {
+        for coarse in [false, true] {
+            let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
+            module(&[
+                &header,
+                wgsl::SPHERES_SPLAT,
+                wgsl::SPHERES,
+                masks::FACET,
+                wgsl::ELLIPSE,
+                wgsl::SPLAT,
+                wgsl::BLOCKED_CONE,
+                wgsl::CONE_TEST,
+                wgsl::PACKED,
+                masks::MASK,
+                masks::EDGES,
+                masks::SQUARE,
+                masks::ROUND,
+                NO_OUTLINE,
+                FRAME,
+                GEOMETRY,
+                LOBE,
+                SPECIAL,
+            ]);
+        }
+    }
+}
+
+#[test]
+fn a_blocker_has_rusts_layout() {
+    use std::mem::{offset_of, size_of};
+    let module = module(&[wgsl::PACKED]);
+    let found = module.types.iter().find_map(|(_, ty)| match &ty.inner {
+        naga::TypeInner::Struct { members, span } if ty.name.as_deref() == Some("BlockerSphere") => {
+            Some((*span, members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect::<Vec<_>>()))
+        }
+        _ => None,
+    });
+    let want = [
+        ("center", offset_of!(BlockerSphere, center)),
+        ("radius", offset_of!(BlockerSphere, radius)),
+        ("own_offset", offset_of!(BlockerSphere, own_offset)),
+        ("own_radius", offset_of!(BlockerSphere, own_radius)),
+        ("object", offset_of!(BlockerSphere, object)),
+        ("own_distance", offset_of!(BlockerSphere, own_distance)),
+        ("caster", offset_of!(BlockerSphere, caster)),
+        ("pad", offset_of!(BlockerSphere, pad)),
+    ];
+    let want = want.map(|(name, offset)| (name.to_owned(), offset as u32)).to_vec();
+    assert_eq!(found, Some((size_of::<BlockerSphere>() as u32, want)));
+    assert_eq!(constant(&module, "SPHERE_BLOCK") as usize, SPHERE_BLOCK);
+    assert_eq!(constant(&module, "LIST_WORDS") as usize, LIST_WORDS);
+}

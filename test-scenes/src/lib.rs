@@ -1,0 +1,73 @@
+//! Small scenes and meshes for the tests of the workspace.
+
+use brdf::Material;
+use core::f32::consts::PI;
+use glam::Vec3;
+use lighting::SphereLight;
+use lobe_core::Sphere;
+use scene::{Camera, Mesh, Object, Proxy, Scene, Shape};
+
+/// A gray diffuse material.
+#[must_use]
+pub fn material() -> Material {
+    Material::lambert(Vec3::splat(0.5))
+}
+
+/// A horizontal square of half side 4 at height 0, a ball of radius 0.5 above its middle, one light above both.
+#[must_use]
+pub fn floor_and_ball() -> Scene {
+    let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * 4.0;
+    let mesh = Mesh {
+        positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
+        normals: Vec::new(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let ball = Sphere { center: Vec3::Y, radius: 0.5 };
+    let object = |name: &str, shape, proxy| Object {
+        name: name.into(),
+        shape,
+        material: 0,
+        proxy,
+        visible: true,
+        strategy: None,
+    };
+    Scene {
+        surfaces: Vec::new(),
+        camera: Camera { eye: Vec3::new(0.0, 3.0, 8.0), target: Vec3::Y, up: Vec3::Y, vertical_fov: 0.6 },
+        width: 50,
+        height: 30,
+        background: Vec3::ZERO,
+        environment: None,
+        materials: vec![material()],
+        objects: vec![
+            object("floor", Shape::Mesh(mesh), Proxy::None),
+            object("ball", Shape::Spheres(vec![ball]), Proxy::Spheres(vec![ball])),
+        ],
+        lights: vec![
+            SphereLight::new(Sphere { center: Vec3::new(1.0, 5.0, 0.5), radius: 0.7 }, Vec3::splat(3.0)).into(),
+        ],
+    }
+}
+
+/// A globe of about `4n²` triangles, smooth or flat.
+#[must_use]
+pub fn globe(n: u32, center: Vec3, radius: f32, smooth: bool) -> Mesh {
+    let at = |i: u32, k: u32| {
+        let ((s, c), (x, z)) = ((PI * i as f32 / n as f32).sin_cos(), (PI * k as f32 / n as f32).sin_cos());
+        center + radius * Vec3::new(s * x, c, s * z)
+    };
+    let positions = (0..=n).flat_map(|i| (0..2 * n).map(move |k| at(i, k))).collect();
+    let number = |i: u32, k: u32| i * 2 * n + k % (2 * n);
+    let quads = (0..n).flat_map(|i| (0..2 * n).map(move |k| [(i, k), (i + 1, k), (i + 1, k + 1), (i, k + 1)]));
+    let triangles = quads.flat_map(|q| {
+        let [a, b, c, d] = q.map(|(i, k)| number(i, k));
+        [[a, b, c], [a, c, d]]
+    });
+    let mut mesh = Mesh { positions, triangles: triangles.collect(), ..Mesh::default() };
+    mesh.remove_degenerate();
+    if smooth {
+        mesh.smooth_normals();
+    }
+    mesh
+}
