@@ -216,7 +216,7 @@ impl Variant {
         match (self.shown, has_microfacets) {
             (Shown::Image, true) => pieces.extend([masks::IMAGE, masks::IMAGE_MICROFACETS]),
             (Shown::Image, false) => pieces.extend([masks::IMAGE, masks::IMAGE_NO_MICROFACETS]),
-            _ => pieces.push(ALIKE),
+            _ => pieces.push(masks::ALIKE),
         }
         pieces
     }
@@ -287,10 +287,6 @@ const SHADED: [Binding; 5] = [
 
 const OVER_CONES: &str =
     "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cap_integral(at, lobe, cone); }";
-/// All channels see the same fraction.
-const ALIKE: &str = "fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
-    return visible_share(lane, tile, at, light, tolerance, whole, lobe);
-}";
 const IMAGES: &str = "@group(0) @binding(8) var<storage, read> light_images: array<u32>;";
 
 /// What every point sees of a light.

@@ -51,7 +51,9 @@ pub const LOBES: &str = concat!(
 /// What lobes of microfacets see, where [`header_of_lobes`] says that there are some; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
 pub const MICROFACETS: &str = include_str!("share_microfacets.wgsl");
 
-/// What is seen of a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and [`IMAGE_MICROFACETS`] or
+/// The fraction that all channels see, `visible_fraction`; needs [`LAMBERT`] or [`LOBES`].
+pub const ALIKE: &str = include_str!("share_alike.wgsl");
+/// The same by channel of a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and [`IMAGE_MICROFACETS`] or
 /// [`IMAGE_NO_MICROFACETS`].
 pub const IMAGE: &str = include_str!("share_image.wgsl");
 /// Lobes of microfacets in its light; needs [`MICROFACETS`].

@@ -1,10 +1,10 @@
-// The `rays` strategy: shadow rays to the true triangles and balls. `World` and `RayBlockers` of render-cpu. Needs bvh.wgsl,
+// The `rays` strategy: shadow rays to the true triangles and balls. `World` of ray-tracing and `RayBlockers` of render-cpu. Needs bvh.wgsl,
 // geometry.wgsl, visibility-mask's facet.wgsl and STACK, at least the depth of the hierarchy.
 
 // How far above the plane of a receiver's face a shape may seem to be by rounding, over its distance.
 const BLUR = 3e-7;
 
-// All rays from a point into a cone, up to a light there: `Region` of render-cpu. In units of the hierarchy.
+// All rays from a point into a cone, up to a light there: `Region` of ray-tracing. In units of the hierarchy.
 struct Region {
     origin: vec3f,
     sin: f32,

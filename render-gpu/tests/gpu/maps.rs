@@ -182,19 +182,8 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
     let masks =
         [&header, visibility_mask::wgsl::MASK, visibility_mask::wgsl::SQUARE, visibility_mask::wgsl::ROUND, NO_OUTLINE];
     let words = Pages::ONE.wgsl();
-    let pieces = [
-        FRAME,
-        &words,
-        wgsl::COMMON,
-        wgsl::SPLAT,
-        GEOMETRY,
-        LOBE,
-        SPECIAL,
-        visibility_mask::wgsl::FACET,
-        masks[0],
-        masks[1],
-        masks[2],
-    ];
+    let pieces = [FRAME, &words, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, visibility_mask::wgsl::FACET];
+    let pieces = [pieces.as_slice(), &masks].concat();
     let body = "let at = receiver();
         let cone = cone_of_sphere(at.position, frame.light);
         var square = square_facing(cone, v(16u));

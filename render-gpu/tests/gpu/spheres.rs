@@ -3,6 +3,7 @@
 use crate::call::trial;
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
+use lobe_core::gpu::GPU_SHAPE;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use lobe_core::{Accuracy, Cone, Coverage, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
@@ -222,8 +223,9 @@ impl Words {
         let [x, y, z] = setup.light.center.to_array().map(f32::to_bits);
         let count = setup.receivers.len() as u32;
         let light = [x, y, z, setup.light.radius.to_bits()];
-        let frame =
-            [light, [0; 4], [0, count, 0, packed.len() as u32], [blocks as u32, 0, 0, 0], [0; 4], [0; 4]].concat();
+        let mut frame = [light, [0; 4], [0, count, 0, packed.len() as u32], [blocks as u32, 0, 0, 0]].concat();
+        // And nothing of the light's shape.
+        frame.resize(20 + 4 * GPU_SHAPE, 0);
         let points: Vec<_> = setup.receivers.iter().map(|at| GpuReceiver::new(at, 0)).collect();
         let points = bytemuck::cast_slice(&points).to_vec();
         let spheres: Vec<u32> = bytemuck::cast_slice(&packed).to_vec();

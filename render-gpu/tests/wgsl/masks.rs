@@ -39,6 +39,7 @@ fn penumbrae_validate() {
     let kernel = [
         include_str!("../../src/kernels/frame.wgsl"),
         include_str!("../../src/kernels/queue.wgsl"),
+        include_str!("../../src/kernels/integrals.wgsl"),
         include_str!("../../src/kernels/points.wgsl"),
         SphereLight::WGSL,
         include_str!("../../src/kernels/penumbra.wgsl"),
@@ -50,7 +51,8 @@ fn penumbrae_validate() {
         let (broad, narrow) = (Fineness::broad(tolerance), Fineness::narrow(tolerance));
         let headers = [wgsl::header(depth, broad), wgsl::header_of_lobes(depth, broad, narrow, false)];
         for (form, header) in [wgsl::LAMBERT, wgsl::LOBES].into_iter().zip(&headers) {
-            let module = module(&[[header.as_str()].as_slice(), &kernel, &common, &core, &[form]].concat());
+            let module =
+                module(&[[header.as_str()].as_slice(), &kernel, &common, &core, &[form, wgsl::ALIKE]].concat());
             let entry = &module.entry_points[0];
             let lanes = (1 << depth).max(32);
             assert_eq!((entry.name.as_str(), entry.workgroup_size), ("penumbra", [lanes, 1, 1]));

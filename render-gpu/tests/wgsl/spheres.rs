@@ -14,6 +14,7 @@ const BOUNDS: &str = include_str!("../../src/kernels/bounds.wgsl");
 const CULL: &str = include_str!("../../src/kernels/cull.wgsl");
 const CLASSIFY: &str = concat!(
     include_str!("../../src/kernels/points.wgsl"),
+    include_str!("../../src/kernels/integrals.wgsl"),
     include_str!("../../src/kernels/tiles.wgsl"),
     include_str!("../../src/kernels/classify.wgsl")
 );
