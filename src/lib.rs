@@ -7,7 +7,7 @@
 //! - [`lobe_core`], [`brdf`], [`lighting`], [`visibility_mask`]: lobes, and the three sources of them: reflectance, light, visibility.
 //! - [`visibility_silhouettes`], [`visibility_spheres`] with [`sphere_sets`], [`visibility_shadowmap`]: what blocks light.
 //! - [`ray_tracing`]: what rays meet, and the visible points of a picture.
-//! - [`render_cpu`], `render_gpu`: points to radiance; [`reference`]: the same by Monte Carlo, to measure them by.
+//! - [`render_cpu`], `render_gpu`: points to radiance; [`reference`](mod@reference): the same by Monte Carlo, to measure them by.
 //!
 //! ```
 //! use cosine_lobes::renderer::{Renderer, Settings};
