@@ -5,7 +5,7 @@ use scene::{BlockerSet, Scene};
 /// The blocker spheres of all objects, from their proxies, in a scene that stands still: [`SceneSpheres`] once.
 ///
 /// # Errors
-/// [`BlockersError`]; a build that `progress` breaks off is [`BuildError::Cancelled`].
+/// [`BlockersError`]; a build that `progress` breaks off is [`BuildError::Cancelled`](sphere_sets::BuildError::Cancelled).
 pub fn blockers(scene: &Scene, progress: &mut BlockersProgress<'_>) -> Result<BlockerSet, BlockersError> {
     let mut set = BlockerSet::default();
     SceneSpheres::new(scene, None, |_| SphereSource::Proxy, progress)?.pose(scene, None, &mut set)?;
