@@ -49,6 +49,7 @@ const PAIRS: &[Pair] = &[
     ("lobe-core/src/outline/outline.wgsl", "OUTLINE_BEYOND", Is("lobe-core/src/outline/mod.rs", "BEYOND")),
     ("lobe-core/src/outline/outline.wgsl", "OUTLINE_WIDEST", Is("lobe-core/src/outline/mod.rs", "WIDEST")),
     ("lobe-core/src/outline/outline.wgsl", "OUTLINE_OCTAGON", Is("lobe-core/src/outline/mod.rs", "OCTAGON")),
+    ("lobe-core/src/outline/image.wgsl", "IMAGE_BORDER", Is("lobe-core/src/outline/image.rs", "BORDER")),
     ("lobe-core/src/outline/integral.wgsl", "OUTLINE_WIDE", Is("lobe-core/src/outline/integral.rs", "WIDE")),
     (
         "lobe-core/src/outline/image_integral.wgsl",

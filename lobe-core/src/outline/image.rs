@@ -141,10 +141,13 @@ pub fn hash_of(texels: &[Vec3]) -> u64 {
     bits.fold(0xcbf2_9ce4_8422_2325, |hash, bits| (hash ^ u64::from(bits)).wrapping_mul(0x0100_0000_01b3))
 }
 
+/// Places this part of a texel before the next one are in that: middles of a mask's cells lie on borders, and rounding shall not choose.
+const BORDER: f32 = 1e-3;
+
 /// Which of so many parts of [−1, 1] a number is in.
 #[inline]
 fn index(place: f32, count: u32) -> usize {
-    let part = 0.5 * (place + 1.0) * count as f32;
+    let part = 0.5 * (place + 1.0) * count as f32 + BORDER;
     (part as usize).min(count as usize - 1)
 }
 

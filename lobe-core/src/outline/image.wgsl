@@ -14,9 +14,12 @@ fn image_texel(copy: vec3u, x: u32, y: u32) -> vec3f {
     return bitcast<vec3f>(vec3u(light_images[at], light_images[at + 1u], light_images[at + 2u]));
 }
 
+// Places this part of a texel before the next one are in that.
+const IMAGE_BORDER = 1e-3;
+
 // The texel that a place is in.
 fn image_nearest(copy: vec3u, place: vec2f) -> vec3f {
-    let part = clamp(0.5 * (place + 1.0) * vec2f(copy.xy), vec2f(0.0), vec2f(copy.xy) - 1.0);
+    let part = clamp(0.5 * (place + 1.0) * vec2f(copy.xy) + IMAGE_BORDER, vec2f(0.0), vec2f(copy.xy) - 1.0);
     return image_texel(copy, u32(part.x), u32(part.y));
 }
 

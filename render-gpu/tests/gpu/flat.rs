@@ -193,11 +193,11 @@ fn by_silhouettes(gpu: &Gpu) {
     }
 }
 
-/// Screens of stripes and noise, one cut by the floor's horizon.
+/// Screens of waves, one cut by the floor's horizon.
 fn of_images(gpu: &Gpu) {
-    let mut random = Random::new(5);
     let size = UVec2::new(64, 32);
-    let texel = |k: u32| Vec3::new(if (k / 8).is_multiple_of(2) { 2.0 } else { 0.1 }, random.uniform() as f32, 0.5);
+    let wave = |place: u32, step: f32| 1.0 + 0.9 * (place as f32 * step).sin();
+    let texel = |k: u32| Vec3::new(wave(k % 64, 0.4), wave(k / 64, 0.7), 0.5);
     let texels: Vec<Vec3> = (0..size.x * size.y).map(texel).collect();
     let (image, mean) = LightImage::new(size, &texels).expect("an image");
     let screen = |center: Vec3, u: Vec3, v: Vec3| -> Light {
