@@ -10,6 +10,7 @@ use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
 #[cfg(feature = "gpu")]
 use {
+    lighting::Light,
     lobe_core::Sphere,
     lobe_core::gpu::GpuLight as _,
     render_gpu::Stops,
@@ -118,7 +119,12 @@ impl<'a> FrameBlockers<'a> {
         let mut cut = Vec::new();
         for light in &self.world.scene().lights {
             let is_flat = light.gpu_roundness().is_some();
-            let ball = if is_flat { Some(light.gpu_bounds()) } else { light.ball() };
+            let ball = match light {
+                // All that blocks is before the sky, whose ball may hold the scene.
+                Light::Sky(_) => None,
+                light if is_flat => Some(light.gpu_bounds()),
+                light => light.ball(),
+            };
             let triangles = ball.filter(|ball| ball.radius > 0.0).map(meeting).unwrap_or_default();
             if !is_flat && !triangles.is_empty() {
                 return None;

@@ -7,14 +7,11 @@ var<private> image_is_edge: bool;
 fn image_alpha(lobe: Lobe) -> f32 { return sqrt(microfacets_alpha_sq(lobe.exponent)); }
 
 fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare {
-    let widths = clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0);
-    return microfacets_highlight(whole, microfacets_of(at.normal, lobe), at.normal, widths);
+    return microfacets_highlight(whole, microfacets_of(at.normal, lobe), at.normal, tolerance);
 }
 
 fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {
-    let world = microfacets_of(at.normal, lobe);
-    image_surface =
-        Microfacets(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
+    image_surface = microfacets_in(square, microfacets_of(at.normal, lobe));
     image_is_edge = lobe.factor == LOBE_EDGE;
 }
 

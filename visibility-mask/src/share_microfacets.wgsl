@@ -15,7 +15,7 @@ fn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
     }
     let microfacets = microfacets_of(at.normal, lobe);
     let alpha = sqrt(microfacets.alpha_sq);
-    var square = microfacets_highlight(whole, microfacets, at.normal, clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0));
+    var square = microfacets_highlight(whole, microfacets, at.normal, tolerance);
     let is_part = any(square.half < whole.half);
     let is_finer = IS_NARROW_FINER && !is_part && light_size(whole) > 2.0 * alpha;
     // What the highlight's masks show is not counted in those of the whole light.
@@ -49,7 +49,8 @@ fn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
 }
 
 // The part of the window that shows the highlight, along its cells; all of it where that is most.
-fn microfacets_highlight(whole: UnitSquare, microfacets: Microfacets, normal: vec3f, widths: f32) -> UnitSquare {
+fn microfacets_highlight(whole: UnitSquare, microfacets: Microfacets, normal: vec3f, tolerance: f32) -> UnitSquare {
+    let widths = clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0);
     let mirror = 2.0 * dot(microfacets.normal, microfacets.view) * microfacets.normal - microfacets.view;
     let peak = square_peak(whole, Lobe(mirror, 1.0, vec3f(1.0), 0.0), normal).point;
     let along = dot(whole.axis, mirror);
@@ -73,12 +74,16 @@ fn microfacets_highlight(whole: UnitSquare, microfacets: Microfacets, normal: ve
     return whole;
 }
 
+// In the frame of a mask's square.
+fn microfacets_in(square: UnitSquare, world: Microfacets) -> Microfacets {
+    return Microfacets(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
+}
+
 // Of all rows, in steradians of samples: both lobes over the lit samples, and over those that emit. Samples between `low` and
 // `high` do not count. Only where all threads come by.
 fn microfacet_sums(lane: u32, mask: Mask, world: Microfacets, low: vec2f, high: vec2f) -> vec4f {
     let square = mask.square;
-    let microfacets =
-        Microfacets(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
+    let microfacets = microfacets_in(square, world);
     var sum = vec4f(0.0);
     if (emitting.x < emitting.y) {
         let y = mask_row_y(mask, lane);
