@@ -1,4 +1,5 @@
-use glam::{UVec2, Vec2, Vec3};
+use crate::special::ln_of;
+use glam::{UVec2, Vec2, Vec3, Vec3A};
 
 /// Where a flat light is how bright: factors of its radiance, of mean one in each channel, and coarser and coarser copies of them.
 ///
@@ -6,7 +7,7 @@ use glam::{UVec2, Vec2, Vec3};
 /// the middles of texels values are linear; beyond the outermost ones they stay.
 ///
 /// ```
-/// use glam::{UVec2, Vec2, Vec3};
+/// use glam::{UVec2, Vec2, Vec3, Vec3A};
 /// use lobe_core::LightImage;
 /// let (image, mean) = LightImage::new(UVec2::new(2, 1), &[Vec3::splat(1.0), Vec3::splat(3.0)]).unwrap();
 /// assert_eq!(mean, Vec3::splat(2.0));
@@ -23,7 +24,7 @@ pub struct LightImage {
 #[derive(Clone, PartialEq)]
 struct Level {
     size: UVec2,
-    texels: Vec<Vec3>,
+    texels: Vec<Vec3A>,
 }
 
 impl LightImage {
@@ -42,7 +43,7 @@ impl LightImage {
             return None;
         }
         let finest = size.map(|n| n.next_power_of_two().min(Self::MOST));
-        let mut levels = vec![Level { size, texels: texels.to_vec() }.resized(finest)];
+        let mut levels = vec![Level { size, texels: texels.iter().map(|t| Vec3A::from(*t)).collect() }.resized(finest)];
         while let Some(last) = levels.last()
             && last.size != UVec2::ONE
         {
@@ -50,9 +51,9 @@ impl LightImage {
             levels.push(coarser);
         }
         let mean = levels.last()?.texels[0];
-        let one = |t: Vec3| Vec3::select(mean.cmpgt(Vec3::ZERO), t / mean, Vec3::ONE);
+        let one = |t: Vec3A| Vec3A::select(mean.cmpgt(Vec3A::ZERO), t / mean, Vec3A::ONE);
         levels.iter_mut().flat_map(|level| &mut level.texels).for_each(|t| *t = one(*t));
-        mean.is_finite().then_some((Self { levels, vectors: None }, mean))
+        mean.is_finite().then_some((Self { levels, vectors: None }, mean.into()))
     }
 
     /// The same image of a light that all receivers see in the same directions: with `∫ L v dv` of each channel over all of it, for a mean
@@ -100,13 +101,13 @@ impl LightImage {
         let level = level.clamp(0.0, (self.levels.len() - 1) as f32);
         let (fine, part) = (level as usize, level.fract());
         let here = self.levels[fine].at(place);
-        if part > 0.0 { here.lerp(self.levels[fine + 1].at(place), part) } else { here }
+        if part > 0.0 { here.lerp(self.levels[fine + 1].at(place), part).into() } else { here.into() }
     }
 
     /// The texels of a copy, or of the coarsest, in the row of a place's y.
     #[must_use]
     #[inline]
-    pub fn row(&self, level: usize, y: f32) -> &[Vec3] {
+    pub fn row(&self, level: usize, y: f32) -> &[Vec3A] {
         let Level { size, texels } = &self.levels[level.min(self.levels.len() - 1)];
         let width = size.x as usize;
         &texels[index(y, size.y) * width..][..width]
@@ -123,21 +124,23 @@ impl LightImage {
     #[must_use]
     #[inline]
     pub fn level(&self, area: f32) -> f32 {
-        0.5 * (area * (0.25 * (self.size().x * self.size().y) as f32)).max(1.0).log2()
+        let texels = area * (0.25 * (self.size().x * self.size().y) as f32);
+        let texels = if texels > 1.0 { texels } else { 1.0 };
+        (0.5 * core::f32::consts::LOG2_E) * ln_of(texels, texels - 1.0)
     }
 }
 
 /// Its size and a hash of what it shows.
 impl core::fmt::Debug for LightImage {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "LightImage {{ {}, {:016x} }}", self.size(), hash_of(&self.levels[0].texels))
+        write!(f, "LightImage {{ {}, {:016x} }}", self.size(), hash_of(self.levels[0].texels.iter().map(|t| (*t).into())))
     }
 }
 
 /// A hash of radiances (FNV-1a): the same for the same bits.
 #[must_use]
-pub fn hash_of(texels: &[Vec3]) -> u64 {
-    let bits = texels.iter().flat_map(|t| t.to_array()).map(f32::to_bits);
+pub fn hash_of(texels: impl Iterator<Item = Vec3>) -> u64 {
+    let bits = texels.flat_map(|t| t.to_array()).map(f32::to_bits);
     bits.fold(0xcbf2_9ce4_8422_2325, |hash, bits| (hash ^ u64::from(bits)).wrapping_mul(0x0100_0000_01b3))
 }
 
@@ -152,15 +155,19 @@ fn index(place: f32, count: u32) -> usize {
 }
 
 impl Level {
-    fn at(&self, place: Vec2) -> Vec3 {
+    #[inline(always)]
+    fn at(&self, place: Vec2) -> Vec3A {
         let last = (self.size - 1).as_vec2();
         let p = (0.5 * (place + 1.0) * self.size.as_vec2() - 0.5).clamp(Vec2::ZERO, last);
         let low = p.as_uvec2();
-        let high = (low + 1).min(self.size - 1);
         let part = p - low.as_vec2();
-        let texel = |x: u32, y: u32| self.texels[(y * self.size.x + x) as usize];
-        let row = |y| texel(low.x, y).lerp(texel(high.x, y), part.x);
-        row(low.y).lerp(row(high.y), part.y)
+        let width = self.size.x as usize;
+        let row = |y: u32| {
+            let texels = &self.texels[y as usize * width..][..width];
+            let x = low.x as usize;
+            texels[x].lerp(texels[(x + 1).min(width - 1)], part.x)
+        };
+        row(low.y).lerp(row((low.y + 1).min(self.size.y - 1)), part.y)
     }
 
     /// By the area that old texels have of new ones.
@@ -170,7 +177,7 @@ impl Level {
         let mut texels = Vec::with_capacity((size.x * size.y) as usize);
         for rows in &upward {
             for columns in &across {
-                let mut sum = Vec3::ZERO;
+                let mut sum = Vec3A::ZERO;
                 for (y, by_row) in rows {
                     for (x, by_column) in columns {
                         sum += self.texels[(y * self.size.x + x) as usize] * (by_row * by_column);

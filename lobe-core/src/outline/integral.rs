@@ -3,7 +3,7 @@ use crate::microfacets::seen_from;
 use crate::special::{atan2, exp, ln_of};
 use crate::{Cone, Lobe, Microfacets, Receiver, cap_integral, is_lambert};
 use core::f32::consts::{FRAC_1_PI, TAU};
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use glam::{Vec2, Vec3};
 
 /// Samples that are evaluated together, and that wait to be at most.
@@ -228,6 +228,7 @@ fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightI
 }
 
 /// Where an integrand is largest on the light's plane, and how wide about there.
+#[derive(Clone, Copy)]
 struct Peak {
     point: Vec2,
     width: Vec2,
@@ -235,23 +236,24 @@ struct Peak {
     is_beside: bool,
 }
 
-/// A reflectance in the direction of a point of the plane at distance 1; `inverse` is one over its squared length. `N` numbers, for a
-/// sample of some area.
-trait Value<const N: usize> {
-    fn at(&self, p: Vec3, inverse: f32, area: f32) -> [f32; N];
+/// A reflectance in the direction of a point of the plane at distance 1; `inverse` is one over its squared length.
+trait Value: Copy {
+    fn at(&self, p: Vec3, inverse: f32) -> f32;
 }
 
+#[derive(Clone, Copy)]
 struct Cosine {
     normal: Vec3,
 }
 
-impl Value<1> for Cosine {
+impl Value for Cosine {
     #[inline(always)]
-    fn at(&self, p: Vec3, inverse: f32, _: f32) -> [f32; 1] {
-        [FRAC_1_PI * self.normal.dot(p) * inverse.sqrt()]
+    fn at(&self, p: Vec3, inverse: f32) -> f32 {
+        FRAC_1_PI * self.normal.dot(p) * inverse.sqrt()
     }
 }
 
+#[derive(Clone, Copy)]
 struct Power {
     axis: Vec3,
     half_exponent: f32,
@@ -259,43 +261,103 @@ struct Power {
     has_cosine: bool,
 }
 
-impl Value<1> for Power {
+impl Value for Power {
     #[inline(always)]
-    fn at(&self, p: Vec3, inverse: f32, _: f32) -> [f32; 1] {
+    fn at(&self, p: Vec3, inverse: f32) -> f32 {
         let along = self.axis.dot(p);
         // sin² by the cross product, since 1 − cos² has lost its digits.
         let sin_sq = self.axis.cross(p).length_squared() * inverse;
         let value = exp(self.half_exponent * ln_of(along * along * inverse, -sin_sq));
         let cos = self.normal.dot(p) * inverse.sqrt();
         let factor = if self.has_cosine { cos } else { 1.0 };
-        [if along > 0.0 { value * factor } else { 0.0 }]
+        if along > 0.0 { value * factor } else { 0.0 }
     }
 }
 
+#[derive(Clone, Copy)]
 struct Facets(Microfacets);
 
-impl Value<1> for Facets {
+impl Value for Facets {
     #[inline(always)]
-    fn at(&self, p: Vec3, inverse: f32, _: f32) -> [f32; 1] {
-        [self.0.value(p * inverse.sqrt())]
+    fn at(&self, p: Vec3, inverse: f32) -> f32 {
+        self.0.value(p * inverse.sqrt())
     }
 }
 
-/// A reflectance times an image, and alone; the image alone, and one, over the light's plane.
-struct Shown<'a, V> {
-    value: V,
+/// What is summed beside a reflectance: `N` numbers a sample, the reflectance itself among them.
+trait Shown<const N: usize> {
+    /// Of a group of samples: their places, the areas for which they stand on the light's plane, what they weigh, the reflectances,
+    /// and one over their squared distances.
+    fn of(&self, at: &Group) -> [[f32; LANES]; N];
+}
+
+/// Samples side by side. Those that weigh nothing are none.
+struct Group {
+    x: [f32; LANES],
+    y: [f32; LANES],
+    area: [f32; LANES],
+    weight: [f32; LANES],
+    value: [f32; LANES],
+    inverse: [f32; LANES],
+}
+
+/// The reflectance alone.
+struct Alone;
+
+impl Shown<1> for Alone {
+    #[inline(always)]
+    fn of(&self, at: &Group) -> [[f32; LANES]; 1] {
+        [at.value]
+    }
+}
+
+/// The reflectance times an image, and alone.
+struct Picture<'a> {
     image: &'a LightImage,
     places: Places,
 }
 
-impl<V: Value<1>> Value<8> for Shown<'_, V> {
+impl Picture<'_> {
+    /// By channel.
     #[inline(always)]
-    fn at(&self, p: Vec3, inverse: f32, area: f32) -> [f32; 8] {
-        let [value] = self.value.at(p, inverse, area);
-        let level = self.image.level(self.places.area(area));
-        let Vec3 { x, y, z } = self.image.at(self.places.at(p.x, p.y), level);
-        let plane = 1.0 / (inverse * inverse.sqrt());
-        [x * value, y * value, z * value, value, x * plane, y * plane, z * plane, plane]
+    fn looked_up(&self, at: &Group) -> [[f32; LANES]; 3] {
+        let mut level = [0.0; LANES];
+        for (level, area) in level.iter_mut().zip(at.area) {
+            *level = self.image.level(self.places.area(area));
+        }
+        let mut out = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            if at.weight[lane] != 0.0 {
+                let Vec3 { x, y, z } = self.image.at(self.places.at(at.x[lane], at.y[lane]), level[lane]);
+                [out[0][lane], out[1][lane], out[2][lane]] = [x, y, z];
+            }
+        }
+        out
+    }
+}
+
+#[inline(always)]
+fn times(a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
+    core::array::from_fn(|lane| a[lane] * b[lane])
+}
+
+impl Shown<4> for Picture<'_> {
+    #[inline(always)]
+    fn of(&self, at: &Group) -> [[f32; LANES]; 4] {
+        let [r, g, b] = self.looked_up(at).map(|channel| times(channel, at.value));
+        [r, g, b, at.value]
+    }
+}
+
+/// The same; the image alone, and one, over the light's plane.
+impl Shown<8> for Picture<'_> {
+    #[inline(always)]
+    fn of(&self, at: &Group) -> [[f32; LANES]; 8] {
+        let plane = at.inverse.map(|inverse| 1.0 / (inverse * inverse.sqrt()));
+        let channels = self.looked_up(at);
+        let [r, g, b] = channels.map(|channel| times(channel, at.value));
+        let [x, y, z] = channels.map(|channel| times(channel, plane));
+        [r, g, b, at.value, x, y, z, plane]
     }
 }
 
@@ -311,18 +373,20 @@ struct Samples {
 impl Samples {
     /// Takes a row's samples; the sum of those that had no room beside them.
     #[inline(always)]
-    fn row<const N: usize, V: Value<N>>(
+    fn row<S: Simd, const N: usize>(
         &mut self,
+        simd: S,
         [low, high]: [f32; 2],
         y: f32,
         weight: f32,
         peak: &Peak,
-        value: &V,
+        value: &impl Value,
+        shown: &impl Shown<N>,
     ) -> [f32; N] {
         let [middle, half] = [0.5 * (low + high), 0.5 * (high - low)];
         let rule = rule::<N>(high - low, peak);
         let full = self.count + 2 * rule.len() > BATCH;
-        let sum = if full { self.sum(peak, value) } else { [0.0; N] };
+        let sum = if full { self.sum(simd, peak, value, shown) } else { [0.0; N] };
         for (node, part) in both_halves(rule) {
             self.u[self.count] = middle + half * node;
             self.y[self.count] = y;
@@ -334,62 +398,77 @@ impl Samples {
 
     /// The sum of those that wait.
     #[inline(always)]
-    fn sum<const N: usize, V: Value<N>>(&mut self, peak: &Peak, value: &V) -> [f32; N] {
-        let mut sums = [[0.0; LANES]; N];
-        for first in (0..self.count.next_multiple_of(LANES)).step_by(LANES) {
+    fn sum<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        peak: &Peak,
+        value: &impl Value,
+        shown: &impl Shown<N>,
+    ) -> [f32; N] {
+        let mut sums = [f32x16::splat(simd, 0.0); N];
+        // In registers, not behind a reference that stores might change.
+        let (value, Peak { point, width, .. }) = (*value, *peak);
+        let [(u, _), (y, _), (weight, _)] = [&self.u, &self.y, &self.weight].map(|column| column.as_chunks::<LANES>());
+        for ((u, y), weight) in u.iter().zip(y).zip(weight).take(self.count.div_ceil(LANES)) {
+            let [mut x, mut area, mut by_angle, mut values, mut inverses] = [[0.0; LANES]; 5];
             for lane in 0..LANES {
-                let [u, y, weight] = [self.u[first + lane], self.y[first + lane], self.weight[first + lane]];
-                let rest = (1.0 - u) * (1.0 + u);
+                let rest = (1.0 - u[lane]) * (1.0 + u[lane]);
                 let rest = 1.0 / if rest > 1e-12 { rest } else { 1e-12 };
                 let root = rest.sqrt();
-                let x = peak.point.x + peak.width.x * u * root;
-                let inverse = 1.0 / (1.0 + x * x + y * y);
-                let angle = inverse * inverse.sqrt();
-                let area = weight * rest * root;
-                let values = value.at(Vec3::new(x, y, 1.0), inverse, area * peak.width.x * peak.width.y);
-                for (sums, value) in sums.iter_mut().zip(values) {
-                    sums[lane] += area * angle * value;
-                }
+                x[lane] = point.x + width.x * u[lane] * root;
+                let inverse = 1.0 / (1.0 + x[lane] * x[lane] + y[lane] * y[lane]);
+                let of_widths = weight[lane] * rest * root;
+                area[lane] = of_widths * width.x * width.y;
+                by_angle[lane] = of_widths * (inverse * inverse.sqrt());
+                values[lane] = value.at(Vec3::new(x[lane], y[lane], 1.0), inverse);
+                inverses[lane] = inverse;
+            }
+            let group = Group { x, y: *y, area, weight: by_angle, value: values, inverse: inverses };
+            let weight = f32x16::simd_from(simd, group.weight);
+            for (sum, values) in sums.iter_mut().zip(shown.of(&group)) {
+                *sum += weight * f32x16::simd_from(simd, values);
             }
         }
         // Lanes behind the last sample weigh nothing from now on.
         self.weight = [0.0; BATCH];
         self.count = 0;
-        sums.map(|sums| sums.into_iter().fold(0.0, |sum, x| sum + x))
+        sums.map(|sums| <[f32; LANES]>::from(sums).into_iter().fold(0.0, |sum, x| sum + x))
     }
 }
 
-fn cubature<V: Value<1>>(
+fn cubature(
     normal: Vec3,
     light: &Outline,
     frame: [Vec3; 2],
     peak: &Peak,
-    value: V,
+    value: impl Value,
     image: Option<&LightImage>,
 ) -> [f32; 4] {
     let Some(image) = image else {
-        let [sum] = dispatch!(Level::new(), _simd => of_rows(normal, light, frame, peak, &value));
+        let [sum] = dispatch!(Level::new(), simd => of_rows(simd, normal, light, frame, peak, &value, &Alone));
         return [0.0, 0.0, 0.0, sum];
     };
-    let shown = Shown { value, image, places: light.places(frame) };
-    let [r, g, b, alone, x, y, z, plane] =
-        dispatch!(Level::new(), _simd => of_rows(normal, light, frame, peak, &shown));
+    let shown = Picture { image, places: light.places(frame) };
     let is_small = light.on_plane(frame).all(|p| ((p - peak.point) / peak.width).length_squared() < SMALL_LIGHT);
     if !is_small || light.is_cut {
-        return [r, g, b, alone];
+        return dispatch!(Level::new(), simd => of_rows::<_, 4>(simd, normal, light, frame, peak, &value, &shown));
     }
+    let [r, g, b, alone, x, y, z, plane] =
+        dispatch!(Level::new(), simd => of_rows::<_, 8>(simd, normal, light, frame, peak, &value, &shown));
     // What the nodes miss of the image, whose mean over the whole light is one, they miss of the product.
     let off = |sum: f32| alone * (1.0 - sum / plane);
     [r + off(x), g + off(y), b + off(z), alone]
 }
 
 #[inline(always)]
-fn of_rows<const N: usize, V: Value<N>>(
+fn of_rows<S: Simd, const N: usize>(
+    simd: S,
     normal: Vec3,
     light: &Outline,
     frame: [Vec3; 2],
     peak: &Peak,
-    value: &V,
+    value: &impl Value,
+    shown: &impl Shown<N>,
 ) -> [f32; N] {
     // Relative to the peak, in its widths.
     let mut corners = [Vec2::ZERO; Outline::ROOM];
@@ -413,7 +492,7 @@ fn of_rows<const N: usize, V: Value<N>>(
         let n = Vec3::new(frame[0].dot(normal), frame[1].dot(normal), light.axis().dot(normal));
         let above = n.z + n.x * peak.point.x + n.y * peak.point.y;
         sides[0] = [n.x * peak.width.x, n.y * peak.width.y, above];
-        return over_pieces(&ends, &sides[..1], Some((center, half)), peak, value);
+        return over_pieces(simd, &ends, &sides[..1], Some((center, half)), peak, value, shown);
     }
     for (i, side) in sides.iter_mut().enumerate().take(count) {
         let (p, q) = (corners[i], corners[(i + 1) % count]);
@@ -422,17 +501,19 @@ fn of_rows<const N: usize, V: Value<N>>(
     }
     // Rows of a piece between two corners are smooth.
     cuts.sort_unstable_by(f32::total_cmp);
-    over_pieces(few(cuts), &sides[..count], None, peak, value)
+    over_pieces(simd, few(cuts), &sides[..count], None, peak, value, shown)
 }
 
 /// Rows between cuts, each as far as half-planes and an ellipse let it.
 #[inline(always)]
-fn over_pieces<const N: usize, V: Value<N>>(
+fn over_pieces<S: Simd, const N: usize>(
+    simd: S,
     cuts: &[f32],
     sides: &[[f32; 3]],
     ellipse: Option<(Vec2, Vec2)>,
     peak: &Peak,
-    value: &V,
+    value: &impl Value,
+    shown: &impl Shown<N>,
 ) -> [f32; N] {
     let mut samples = Samples { u: [0.0; BATCH], y: [0.0; BATCH], weight: [0.0; BATCH], count: 0 };
     let mut sum = [0.0; N];
@@ -467,11 +548,11 @@ fn over_pieces<const N: usize, V: Value<N>>(
             }
             if low < high && high - low < f32::INFINITY {
                 let y = peak.point.y + peak.width.y * y;
-                add(&mut sum, samples.row([place(low), place(high)], y, weight, peak, value));
+                add(&mut sum, samples.row(simd, [place(low), place(high)], y, weight, peak, value, shown));
             }
         }
     }
-    add(&mut sum, samples.sum(peak, value));
+    add(&mut sum, samples.sum(simd, peak, value, shown));
     sum.map(|sum| sum * peak.width.x * peak.width.y)
 }
 
