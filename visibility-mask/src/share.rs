@@ -142,7 +142,7 @@ fn shown_sums(
     let weight = |x: f32, y: f32| {
         let inverse = 1.0 / (x * x + y * y + 1.0);
         let value = value(Vec3::new(x, y, 1.0), inverse) * inverse * inverse.sqrt();
-        if value > 0.0 && outside(x, y) { value } else { 0.0 }
+        if (value > 0.0) & outside(x, y) { value } else { 0.0 }
     };
     dispatch!(Level::new(), simd => {
         if mask.width() == WIDTH {
@@ -208,7 +208,7 @@ fn by_texel<S: Simd, const B: usize>(
 fn outside(skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool {
     let none = [Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)];
     let [low, high] = skip.map_or(none, |skip| [skip.center - skip.half, skip.center + skip.half]);
-    move |x, y| !(x > low.x && x < high.x && y > low.y && y < high.y)
+    move |x, y| !((x > low.x) & (x < high.x) & (y > low.y) & (y < high.y))
 }
 
 /// The exponent of lobes as narrow as the cells: a mirror sees some samples.
