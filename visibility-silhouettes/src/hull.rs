@@ -54,6 +54,21 @@ impl Fineness {
     }
 }
 
+/// What a search keeps from one to the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Memory {
+    forms: Vec<Option<bool>>,
+    stack: Vec<u32>,
+    leaves: Vec<Leaf>,
+}
+
+/// Some edges of a mesh.
+#[derive(Clone, Copy, Debug)]
+struct Leaf {
+    first: u32,
+    count: u8,
+}
+
 impl Hull {
     /// Receivers in the box `center ± half`, or in a ball of `radius` about each of its points. `margin` is for the rounding
     /// of positions.
@@ -158,7 +173,7 @@ impl Hull {
     }
 
     /// Appends the edges of a mesh that may be silhouettes inside of the hull. `base` is the number of its first edge. Gives
-    /// up, with `false`, where more than `leaves` leaves are met, which it counts down.
+    /// up, with `false` and before it reads edges, where more than `most` leaves are met, which it counts down.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "memory that is kept")]
     pub(crate) fn find<S: Simd>(
@@ -167,77 +182,104 @@ impl Hull {
         mesh: &SilhouetteMesh,
         base: u32,
         fineness: Fineness,
-        forms: &mut Vec<Option<bool>>,
-        stack: &mut Vec<u32>,
-        leaves: &mut usize,
+        memory: &mut Memory,
+        most: &mut usize,
         out: &mut EdgeList,
     ) -> bool {
-        if mesh.patches().is_empty() || fineness.is_exact(self.light) {
-            return self.find_in(simd, mesh, mesh.trees()[0], base, None, stack, leaves, out);
-        }
+        let Memory { forms, stack, leaves } = memory;
+        leaves.clear();
+        let [fine, coarse] = mesh.trees();
         let radius = self.half.length() + self.radius;
         let scales = fineness.scales(self.center, radius, self.light);
         forms.clear();
-        forms.extend(mesh.patches().iter().map(|patch| patch.is_coarse_from(self.center, radius, scales)));
-        let [fine, coarse] = mesh.trees();
+        if !fineness.is_exact(self.light) {
+            forms.extend(mesh.patches().iter().map(|patch| patch.is_coarse_from(self.center, radius, scales)));
+        }
         if forms.iter().all(|form| *form == Some(false)) {
-            return self.find_in(simd, mesh, fine, base, None, stack, leaves, out);
+            let found = self.leaves(simd, fine, None, stack, most, leaves);
+            if found {
+                self.edges(simd, mesh, base, None, leaves, out);
+            }
+            return found;
         }
         let mut forms = Forms { forms, is_coarse: false, radius, scales };
-        if !self.find_in(simd, mesh, fine, base, Some(&forms), stack, leaves, out) {
+        if !self.leaves(simd, fine, Some(&forms), stack, most, leaves) {
             return false;
         }
+        let fine_leaves = leaves.len();
         forms.is_coarse = true;
-        self.find_in(simd, mesh, coarse, base, Some(&forms), stack, leaves, out)
+        if !self.leaves(simd, coarse, Some(&forms), stack, most, leaves) {
+            return false;
+        }
+        let (of_fine, of_coarse) = leaves.split_at(fine_leaves);
+        forms.is_coarse = false;
+        self.edges(simd, mesh, base, Some(&forms), of_fine, out);
+        forms.is_coarse = true;
+        self.edges(simd, mesh, base, Some(&forms), of_coarse, out);
+        true
     }
 
+    /// Appends the leaves of a tree that may have silhouettes inside of the hull.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "memory that is kept")]
-    fn find_in<S: Simd>(
+    fn leaves<S: Simd>(
         &self,
         simd: S,
-        mesh: &SilhouetteMesh,
         tree: &Tree,
-        base: u32,
         forms: Option<&Forms<'_>>,
         stack: &mut Vec<u32>,
-        leaves: &mut usize,
-        out: &mut EdgeList,
+        most: &mut usize,
+        out: &mut Vec<Leaf>,
     ) -> bool {
         let nodes = tree.nodes();
         stack.clear();
         stack.extend((!nodes.is_empty()).then_some(0));
-        let mark = if forms.is_some_and(|forms| forms.is_coarse) { COARSE } else { 0 };
-        let mut block: Block<COLUMNS> = [[0.0; 8]; COLUMNS];
         while let Some(number) = stack.pop() {
             let node = &nodes[number as usize];
             let mut met = self.meets(simd, node, forms.zip(tree.reach(number as usize)));
             while met != 0 {
                 let k = met.trailing_zeros() as usize & 7;
                 met &= met - 1;
-                let count = usize::from(node.count[k]);
+                let (first, count) = (node.first[k], node.count[k]);
                 if count == 0 {
-                    stack.push(node.first[k]);
+                    stack.push(first);
                     continue;
                 }
-                let Some(left) = leaves.checked_sub(1) else { return false };
-                *leaves = left;
-                let first = node.first[k] as usize;
-                let lanes = mask32x8::from_bitmask(simd, u64::from(mesh.fetch_planes(simd, first, count, &mut block)));
-                let mut keep = (lanes & !self.cancel(simd, &block)).to_bitmask() as u32;
-                let mut sometimes = 0;
-                if let Some(forms) = forms {
-                    (keep, sometimes) = forms.drawn(mesh, first, keep);
-                }
-                if keep == 0 {
-                    continue;
-                }
-                mesh.fetch_ends(simd, first, keep, [sometimes, mark], base, &mut block);
-                out.reserve(8);
-                self.sift(simd, &block, mask32x8::from_bitmask(simd, u64::from(keep)), out);
+                let Some(left) = most.checked_sub(1) else { return false };
+                *most = left;
+                out.push(Leaf { first, count });
             }
         }
         true
+    }
+
+    /// Appends the edges of leaves.
+    #[inline(always)]
+    fn edges<S: Simd>(
+        &self,
+        simd: S,
+        mesh: &SilhouetteMesh,
+        base: u32,
+        forms: Option<&Forms<'_>>,
+        leaves: &[Leaf],
+        out: &mut EdgeList,
+    ) {
+        let mark = if forms.is_some_and(|forms| forms.is_coarse) { COARSE } else { 0 };
+        let mut block: Block<COLUMNS> = [[0.0; 8]; COLUMNS];
+        for leaf in leaves {
+            let (first, count) = (leaf.first as usize, usize::from(leaf.count));
+            let lanes = mask32x8::from_bitmask(simd, u64::from(mesh.fetch_planes(simd, first, count, &mut block)));
+            let mut keep = (lanes & !self.cancel(simd, &block)).to_bitmask() as u32;
+            let mut sometimes = 0;
+            if let Some(forms) = forms {
+                (keep, sometimes) = forms.drawn(mesh, first, keep);
+            }
+            if keep == 0 {
+                continue;
+            }
+            mesh.fetch_ends(simd, first, keep, [sometimes, mark], base, &mut block);
+            out.reserve(8);
+            self.sift(simd, &block, mask32x8::from_bitmask(simd, u64::from(keep)), out);
+        }
     }
 
     /// Those of a list that may be silhouettes inside of the hull.

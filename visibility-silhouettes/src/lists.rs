@@ -2,7 +2,7 @@
 
 use crate::SilhouetteMesh;
 use crate::edge_list::EdgeList;
-use crate::hull::{Fineness, Hull};
+use crate::hull::{Fineness, Hull, Memory};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use lobe_core::{LightId, Shaft, Sphere};
@@ -60,10 +60,10 @@ impl<'m> Meshes<'m> {
     /// more than `most`.
     fn list(&self, hull: &Hull, most: usize, memory: &mut Memory, out: &mut EdgeList) -> Option<usize> {
         out.clear();
-        let (mut left, Memory { forms, stack }) = (most, memory);
+        let mut left = most;
         let all = self.meshes.iter().zip(&self.bases).all(|(mesh, base)| {
             dispatch!(Level::new(), simd => {
-                hull.find(simd, mesh, *base, self.fineness, forms, stack, &mut left, out)
+                hull.find(simd, mesh, *base, self.fineness, memory, &mut left, out)
             })
         });
         all.then(|| most - left)
@@ -92,13 +92,6 @@ pub(crate) struct Lists {
     /// So many receivers are still to have lists of their own.
     alone: u32,
     memory: Memory,
-}
-
-/// What a search keeps from one to the next.
-#[derive(Clone, Debug, Default)]
-struct Memory {
-    forms: Vec<Option<bool>>,
-    stack: Vec<u32>,
 }
 
 #[derive(Clone, Debug, Default)]
