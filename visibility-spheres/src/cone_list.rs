@@ -114,13 +114,14 @@ impl ConeList {
             let local = [x * u.x + y * u.y + z * u.z, x * v.x + y * v.y + z * v.z, x * w.x + y * w.y + z * w.z];
             let ellipses = Ellipses::new(simd, local, tangent_radius, mask);
             let meets = meeting.simd_gt(zero).to_bitmask() as u32;
-            let narrow = ellipses.are_in_front() & wide.simd_gt(zero).to_bitmask() as u32 & !meets;
+            let narrow = ellipses.are_in_front() & wide.simd_gt(zero).to_bitmask() as u32;
             let all = (1 << (self.len - first).min(LANES)) - 1;
             let mut left = all & !(narrow & ellipses.misses(simd, &lit));
+            let whole = narrow & !meets;
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
-                if narrow >> lane & 1 != 0 {
+                if whole >> lane & 1 != 0 {
                     ellipses.splat(simd, lane, mask);
                     continue;
                 }

@@ -1,6 +1,7 @@
 //! Balls wholly in front of the receiver, on the mask.
 
 use crate::block::LANES;
+use crate::splat::IN_FRONT;
 use core::ops::Range;
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use visibility_mask::{LitBounds, Mask, Raster};
@@ -54,7 +55,7 @@ impl Ellipses {
         let half_width = r * across.sqrt() * of_g * samples;
         let side = mask.side() as f32;
         Self {
-            in_front: z.simd_gt(r * 1.001).to_bitmask() as u32,
+            in_front: z.simd_gt(r * IN_FRONT).to_bitmask() as u32,
             x: cx.into(),
             y: cy.into(),
             shear: (x * y * of_u * aspect).into(),

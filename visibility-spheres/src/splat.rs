@@ -4,6 +4,11 @@ use glam::Vec3;
 use lobe_core::{Cone, VisibilityQuery};
 use visibility_mask::Mask;
 
+/// The squared sine between a plane and a mask that is along it.
+const ALONG: f32 = 1e-10;
+/// Balls whose centre is at least so many radii in front of the plane through the receiver are ellipses on a mask.
+pub(crate) const IN_FRONT: f32 = 1.001;
+
 /// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BlockedCone {
@@ -47,10 +52,21 @@ impl BlockedCone {
         }
     }
 
-    /// Blocks where the ball is in front of the light that it meets: runs of cell centres, their ends found between two
-    /// centres by bisection.
+    /// Blocks where the ball is in front of the light that it meets: before a plane along the mask in closed form, else runs of cell
+    /// centres, their ends found between two centres by bisection.
     pub(crate) fn splat_in_front(&self, light: &Front, mask: &mut Mask) {
         let square = *mask.square();
+        if let Front::Plane(normal, height) = *light
+            && square.local(normal).truncate().length_squared() < ALONG
+            && let Some(part) = PartBefore::new(square.local(self.to), self, height)
+        {
+            for j in 0..mask.side() {
+                if let Some((from, to)) = part.row(mask.row_y(j)) {
+                    mask.block_span(j, from, to);
+                }
+            }
+            return;
+        }
         for j in 0..mask.side() {
             if mask.is_row_dark(j) {
                 continue;
@@ -88,6 +104,58 @@ impl BlockedCone {
                 mask.block_span(j, from, f32::INFINITY);
             }
         }
+    }
+}
+
+/// What of a ball is before a plane, seen from in front of both: on the plane the disc that it cuts out of the ball, and the ellipse
+/// that the whole ball hides, where rays pass their point nearest to the centre before they come to the plane.
+///
+/// Along a ray to a point q that is outside of the ball, both hits are before q or both behind it: before it where `|q|² > c·q`, outside of
+/// Thales' sphere over the centre c. On this sphere q is itself the point nearest to the centre, so that inside of the ellipse it is in the
+/// ball, too: where an end of the ellipse's row is inside of the sphere, the disc's end takes its place.
+pub(crate) struct PartBefore {
+    /// Centre and radius, in distances of the plane.
+    center: Vec3,
+    radius: f32,
+    /// The ellipse: middle, shear, and half its span at a height t above the middle, `√(k₀ − k₂t²)`.
+    middle: [f32; 2],
+    shear: f32,
+    k: [f32; 2],
+}
+
+impl PartBefore {
+    /// None where the ball is not wholly in front of the receiver, or blocks what it does not hold.
+    pub(crate) fn new(to: Vec3, cone: &BlockedCone, height: f32) -> Option<Self> {
+        let is_ball = cone.cos > 0.0 && cone.tangent_radius == cone.radius && to.z > IN_FRONT * cone.radius;
+        let (center, radius) = (to / height, cone.radius / height);
+        // As `Ellipses`.
+        let Vec3 { x, y, z } = center;
+        let g = (z - radius) * (z + radius);
+        let u = y * y + g;
+        let w = x * x + u;
+        let k = [radius * radius * w / (g * u), w * g / (u * u)];
+        let part = Self { center, radius, middle: [x * z / g, y * z / g], shear: x * y / u, k };
+        (is_ball && k[0].is_finite() && k[1].is_finite()).then_some(part)
+    }
+
+    /// Its span at a height of the plane at distance 1.
+    fn row(&self, y: f32) -> Option<(f32, f32)> {
+        let t = y - self.middle[1];
+        let square = self.k[0] - self.k[1] * t * t;
+        if square.is_nan() || square <= 0.0 {
+            return None;
+        }
+        let (middle, half) = (self.middle[0] + self.shear * t, square.sqrt());
+        let away = [y - self.center.y, 1.0 - self.center.z];
+        let disc = (self.radius * self.radius - away[0] * away[0] - away[1] * away[1]).max(0.0).sqrt();
+        let of_ellipse = [middle - half, middle + half];
+        let is_before = of_ellipse.map(|x| x * (x - self.center.x) + y * away[0] + away[1] > 0.0);
+        if disc <= 0.0 && !(is_before[0] || is_before[1]) {
+            return None;
+        }
+        let [from, to] = [self.center.x - disc, self.center.x + disc];
+        let end = |is_before: bool, ellipse: f32, disc: f32| if is_before { ellipse } else { disc };
+        Some((end(is_before[0], of_ellipse[0], from), end(is_before[1], of_ellipse[1], to)))
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::block::{LANES, half_of};
 use crate::blocked_cones::{cones, whole_cones};
 use crate::cone_list::ConeList;
-use crate::splat::{BlockedCone, Front, order_by_ray};
+use crate::splat::{BlockedCone, Front, PartBefore, order_by_ray};
 use core::f64::consts::PI;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{DVec3, Vec2, Vec3};
@@ -313,6 +313,51 @@ fn order_is_the_rays() {
         }
     }
     println!("{counts:?} behind, in front");
+}
+
+/// The closed form of a ball that a flat light's plane cuts, against rays in f64: cell centres, but for those within rounding of the
+/// outline.
+#[test]
+fn part_before_a_plane_is_the_rays() {
+    let mut random = Random::new(9);
+    let (mut counts, mut cut) = ([0; 2], 0);
+    for _ in 0..3000 {
+        let height = random.log_uniform(0.01, 100.0);
+        let half = random.log_uniform(0.02, 3.0);
+        let middle = [random.between(-2.0, 2.0), random.between(-2.0, 2.0)];
+        let radius = height * half * random.log_uniform(0.05, 5.0);
+        let off = random.between(-1.0, 1.0) * radius;
+        let place = |k: usize| (middle[k] + half * random.between(-1.5, 1.5)) * height;
+        let [x, y] = [0, 1].map(place);
+        let to = DVec3::new(x, y, height + off).as_vec3();
+        let Some(cone) = blocked_cone(to, radius as f32, 0.0).filter(|cone| cone.cos > 0.0) else { continue };
+        let cone = BlockedCone { radius: radius as f32, meets_light: true, ..cone };
+        let center = Vec2::new(middle[0] as f32, middle[1] as f32);
+        let half = Vec2::splat(half as f32);
+        let square = UnitSquare { right: Vec3::X, up: Vec3::Y, axis: Vec3::Z, center, half, disc: 100.0 };
+        let mut mask = Mask::default();
+        mask.reset(&square, 5, Vec3::Z);
+        let before = mask.clone();
+        cone.splat_in_front(&Front::Plane(Vec3::Z, height as f32), &mut mask);
+        for j in 0..mask.side() {
+            for i in 0..mask.side() {
+                let hides = |at: Vec2| {
+                    let q = DVec3::new(f64::from(at.x), f64::from(at.y), 1.0) * f64::from(height as f32);
+                    chord(q.normalize(), to.as_dvec3(), radius).is_some_and(|hit| hit.1 > 0.0 && hit.0 < q.length())
+                };
+                let (at, cell) = (mask.cell_center(i, j), mask.cell());
+                let bit = |mask: &Mask| mask.lit_cells(j) >> i & 1 == 1;
+                let around = [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y].map(|d| hides(at + d * cell));
+                let wanted = hides(at);
+                if bit(&before) && around.iter().all(|other| *other == wanted) {
+                    counts[usize::from(wanted)] += 1;
+                    assert_eq!(!bit(&mask), wanted, "{to} {radius} before {height}, row {j}, cell {i}");
+                }
+            }
+        }
+        cut += usize::from(PartBefore::new(to, &cone, height as f32).is_some());
+    }
+    assert!(cut > 1000 && counts.iter().all(|count| *count > 100_000), "{cut} cut, {counts:?} lit and hidden");
 }
 
 /// Spheres are drawn as the same bits with any vector instructions.
