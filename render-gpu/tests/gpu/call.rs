@@ -1,15 +1,25 @@
 //! Calls WGSL functions on rows of numbers, and makes trials.
 
 use libtest_mimic::Trial;
-use render_gpu::Gpu;
+use render_gpu::{Gpu, GpuOptions};
+use std::sync::{Mutex, PoisonError};
 use wgpu::util::DeviceExt;
+
+/// Devices that no test is using, with the kernels that they have compiled. Each test that runs has a device of its own: a
+/// software driver compiles all kernels of a device in one thread.
+static FREE: Mutex<Vec<Gpu>> = Mutex::new(Vec::new());
+
+fn free() -> std::sync::MutexGuard<'static, Vec<Gpu>> {
+    FREE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A test of the GPU, ignored where there is none.
 pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Send + 'static) -> Trial {
-    let there = gpu.cloned();
     let run = move || {
-        let gpu = there.ok_or("there is no GPU adapter")?;
+        let known = free().pop();
+        let gpu = known.map_or_else(|| Gpu::blocking(&GpuOptions::default()), Ok)?;
         test(&gpu);
+        free().push(gpu);
         Ok(())
     };
     Trial::test(name, run).with_ignored_flag(gpu.is_none())
