@@ -28,9 +28,12 @@ fn row_indices(positions: vec4f) -> vec4u {
     return vec4u(round(min(x, vec4f(f32(row_width)))));
 }
 
+// Rows of the same mask below those of the own band, where masks are drawn by bands.
+var<private> row_first: u32 = 0u;
+
 // Shift of the samples of row `j`, in samples within ±½: the fraction of a multiple of the golden section, by its bits.
 fn row_phase(j: u32) -> f32 {
-    return f32(bitcast<i32>((2u * j + 1u) * GOLDEN ^ 0x80000000u)) * 0x1p-32f;
+    return f32(bitcast<i32>((2u * (j + row_first) + 1u) * GOLDEN ^ 0x80000000u)) * 0x1p-32f;
 }
 
 // Height of line `k` above the row's own, in rows within ±½.

@@ -25,6 +25,20 @@ pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Sen
     Trial::test(name, run).with_ignored_flag(gpu.is_none())
 }
 
+/// The kernels that took longest to compile: nearly all of the time that these tests take on a software driver.
+pub(crate) fn report_kernels() {
+    let mut all: Vec<_> = free().iter().flat_map(|gpu| gpu.kernels().compiled()).collect();
+    if all.is_empty() {
+        return;
+    }
+    all.sort_by_key(|kernel| core::cmp::Reverse(kernel.time));
+    let sum: f32 = all.iter().map(|kernel| kernel.time.as_secs_f32()).sum();
+    println!("{} kernels of shaders, {sum:.0} s; the slowest:", all.len());
+    for kernel in all.iter().take(8) {
+        println!("{:6.1} s {}", kernel.time.as_secs_f32(), kernel.name);
+    }
+}
+
 /// Evaluates WGSL statements for rows of `inputs` numbers each: `pieces` are joined before; `body` reads `x(0), x(1) …` and
 /// calls `y(0, value)`, … up to `outputs`.
 pub(crate) fn call(gpu: &Gpu, pieces: &[&str], body: &str, rows: &[f32], inputs: usize, outputs: usize) -> Vec<f32> {
