@@ -28,7 +28,8 @@ fn row_indices(positions: vec4f) -> vec4u {
     return vec4u(round(min(x, vec4f(f32(row_width)))));
 }
 
-// Rows of the same mask below those of the own band, where masks are drawn by bands.
+// Bands of SIDE rows that a mask is drawn by, and its rows below those of the own band.
+var<private> row_bands: u32 = 1u;
 var<private> row_first: u32 = 0u;
 
 // Shift of the samples of row `j`, in samples within ±½: the fraction of a multiple of the golden section, by its bits.

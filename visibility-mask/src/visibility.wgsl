@@ -43,9 +43,11 @@ fn visibility_fineness(light: Cone, tolerance: f32) {
 fn visibility_draw(
     lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, k: u32, panes: vec2u, bands: u32
 ) -> Mask {
+    row_bands = bands;
     row_first = SIDE * (k / panes.x % bands);
     let mask = mask_reset(square_pane(window, k, panes), lane, at.normal);
     blockers_splat(lane, tile, at, light, mask);
+    row_bands = 1u;
     row_first = 0u;
     return mask;
 }

@@ -132,11 +132,11 @@ fn at_terminators_of_spheres(gpu: &Gpu) {
 
 /// Pictures the same to the stated differences, and as many points in each class but for some on its limit.
 pub(crate) fn assert_same(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Counts)) {
-    assert_same_but(name, want, got, 1 + want.0.len() as u64 / 2000);
+    assert_same_but(name, want, got, LARGEST, 1 + want.0.len() as u64 / 2000);
 }
 
-/// The same with so many points in other classes.
-fn assert_same_but(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Counts), others: u64) {
+/// The same with another largest difference, and so many points in other classes.
+fn assert_same_but(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Counts), most: f32, others: u64) {
     let peak = want.0.iter().map(|v| v.max_element()).fold(0.0, f32::max);
     let (mut largest, mut sum, mut place) = (0.0_f32, 0.0, 0);
     for (i, (want, got)) in want.0.iter().zip(&got.0).enumerate() {
@@ -163,7 +163,7 @@ fn assert_same_but(name: &str, want: &(Vec<Vec3>, Counts), got: &(Vec<Vec3>, Cou
         g.pruned
     );
     assert!(peak > 0.0, "{name}: nothing is lit");
-    assert!(largest <= LARGEST && mean <= MEAN, "{name}: largest {largest:.2e} at point {place}, mean {mean:.2e}");
+    assert!(largest <= most && mean <= MEAN, "{name}: largest {largest:.2e} at point {place}, mean {mean:.2e}");
     // Whose coverage is within rounding of a limit may change its class.
     let apart = |a: u64, b: u64| assert!(a.abs_diff(b) <= others, "{name}: {w:?} {g:?}");
     apart(w.lit_points, g.lit_points);
@@ -322,8 +322,10 @@ fn of_wide_lights(gpu: &Gpu) {
             let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
             let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
             let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
-            // A mask of thousands of samples is lit or not by one of them.
-            assert_same_but(&name, &want, &view.gpu(&mut shader, &frame), view.points.receivers.len() as u64 / 100);
+            // In the middle of the widest one sample, which rounding decides, is 0.4 % of the light. One at the horizon, 1e-5 of it,
+            // decides whether a point is lit.
+            let others = view.points.receivers.len() as u64 / 30;
+            assert_same_but(&name, &want, &view.gpu(&mut shader, &frame), 5e-3, others);
         }
     }
 }
