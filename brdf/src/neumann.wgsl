@@ -22,13 +22,20 @@ fn neumann_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
     let first = min(u32(place), u32(NEUMANN_STEEPEST) - 1u);
     let t = place - f32(first);
     let is_plain = which == 3u;
-    let tilt = neumann_number(first, select(1u, 5u, is_plain), t);
-    let ratio = neumann_number(first, select(2u, 6u, is_plain), t);
-    let beside = sqrt(neumann_number(first, 3u, t));
+    // One copy of the table, read twice: drivers copy it for each place that reads it, and take minutes for twenty of them.
+    var shapes = NEUMANN_SHAPES;
+    let low = shapes[first];
+    let high = shapes[first + 1u];
+    // Weight, tilt, ratio and spread of the pair; of the third lobe weight, tilt and ratio, and a correction of the pair's weight.
+    let pair = low[0] + (high[0] - low[0]) * t;
+    let plain = low[1] + (high[1] - low[1]) * t;
+    let tilt = select(pair.y, plain.y, is_plain);
+    let ratio = select(pair.z, plain.z, is_plain);
+    let beside = sqrt(pair.w);
     let aside = select(select(-beside, beside, which == 1u), 0.0, is_plain);
-    var weight = 0.5 * neumann_number(first, 0u, t) * (1.0 + neumann_number(first, 7u, t) / (e + 5.0)) / divisor;
+    var weight = 0.5 * pair.x * (1.0 + plain.w / (e + 5.0)) / divisor;
     if is_plain {
-        weight = neumann_number(first, 4u, t);
+        weight = plain.x;
     }
     let up = cos_sin(tilt * sigma);
     let across = cos_sin(aside * sigma);
@@ -37,9 +44,4 @@ fn neumann_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
     let exponent = e * ratio;
     let flux = material_vec3(offset + 4u) * (weight / (exponent + 1.0));
     return Lobe(axis, exponent, flux, select(1.0, 0.0, is_plain));
-}
-
-fn neumann_number(first: u32, k: u32, t: f32) -> f32 {
-    let low = NEUMANN_SHAPES[8u * first + k];
-    return low + (NEUMANN_SHAPES[8u * first + 8u + k] - low) * t;
 }

@@ -80,9 +80,12 @@ pub fn compose(models: Models) -> String {
         let _ = write!(text, "\nconst METAL_ROWS = {rows}u;\nconst METAL_ROW_WORDS = {words}u;\n");
     }
     if pieces.contains(&NEUMANN) {
-        let shapes: Vec<String> = neumann::SHAPES.as_flattened().iter().map(|x| format!("{x:?}")).collect();
+        let shape = |[a, b, c, d, e, f, g, h]: &[f32; 8]| {
+            format!("mat2x4f({a:?}, {b:?}, {c:?}, {d:?}, {e:?}, {f:?}, {g:?}, {h:?})")
+        };
+        let shapes: Vec<String> = neumann::SHAPES.iter().map(shape).collect();
         let _ = write!(text, "\nconst NEUMANN_STEEPEST = {:?};\n", neumann::STEEPEST);
-        let _ = writeln!(text, "const NEUMANN_SHAPES = array<f32, {}>({});", shapes.len(), shapes.join(", "));
+        let _ = writeln!(text, "const NEUMANN_SHAPES = array<mat2x4f, {}>({});", shapes.len(), shapes.join(", "));
     }
     let call = |model: u32| format!("return {}(material_offset(material), at, k);", MODELS[model as usize].0);
     let body = match models.as_slice() {

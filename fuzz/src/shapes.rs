@@ -41,9 +41,10 @@ pub(crate) fn builder(data: &[u8]) {
     let mut bytes = Bytes::new(data);
     let mesh = soup(&mut bytes);
     let options = BuildOptions {
-        count: 1 + bytes.below(6) as usize,
+        count: 1 + bytes.below(6).min(bytes.below(6)) as usize,
         seed: u64::from(bytes.byte()),
-        rounds: bytes.below(3) as _,
+        // Rounds and spheres take most of the time: fewer inputs have many.
+        rounds: bytes.below(8).saturating_sub(5) as _,
         bounding: bytes.byte().is_multiple_of(2),
     };
     if let Ok(set) = SphereSet::build(&mesh.positions, &mesh.triangles, &options) {

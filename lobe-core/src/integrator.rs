@@ -196,6 +196,10 @@ impl Integrator<'_> {
         let mut lit = Lit::default();
         let mut seen = None;
         for f in call.brdf.iter() {
+            // A lobe without flux is not there.
+            if f.flux == Vec3::ZERO {
+                continue;
+            }
             // c_a of Eq. 12; a receiver's cosine is one more lobe.
             let f = if f.factor > 0.0 {
                 let cosine = Lobe::new(call.at.normal, 1.0, Vec3::ONE);

@@ -1,3 +1,4 @@
+use crate::kernel::KernelCache;
 use crate::{GpuError, KernelLog};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -20,7 +21,8 @@ pub struct GpuOptions {
     pub software: bool,
 }
 
-/// A GPU: device, queue, and what is known of them. Cheap to clone; several may exist at once.
+/// A GPU: device, queue, and what is known of them. Cheap to clone; several may exist at once. Kernels that were compiled stay
+/// with it, for all shaders, until its last clone is gone.
 ///
 /// ```no_run
 /// let gpu = render_gpu::Gpu::blocking(&render_gpu::GpuOptions::default())?;
@@ -33,6 +35,7 @@ pub struct Gpu {
     queue: wgpu::Queue,
     lost: Arc<Mutex<Option<String>>>,
     kernels: KernelLog,
+    compiled: KernelCache,
 }
 
 impl Gpu {
@@ -82,7 +85,7 @@ impl Gpu {
     /// The caller keeps its own callbacks for a lost device.
     #[must_use]
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, lost: Arc::default(), kernels: KernelLog::default() }
+        Self { device, queue, lost: Arc::default(), kernels: KernelLog::default(), compiled: KernelCache::default() }
     }
 
     /// The device.
@@ -113,6 +116,11 @@ impl Gpu {
     #[must_use]
     pub const fn kernels(&self) -> &KernelLog {
         &self.kernels
+    }
+
+    /// The kernels themselves: a text is compiled once for all shaders of the device.
+    pub(crate) const fn kernel_cache(&self) -> &KernelCache {
+        &self.compiled
     }
 
     /// The most bytes of shadow maps that kernels can read: of the sum of

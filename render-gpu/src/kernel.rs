@@ -1,10 +1,12 @@
 use crate::module::Text;
 use crate::{Gpu, GpuError};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 use visibility_shadowmap::Pages;
 use wgpu::BufferUsages;
 
 /// The buffers of kernels, each with a binding of its own in group 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Slot {
     Frame,
     Points,
@@ -56,7 +58,7 @@ impl Slot {
 }
 
 /// How a kernel uses a buffer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Access {
     Uniform,
     Read,
@@ -69,8 +71,35 @@ pub(crate) type Binding = (Slot, Access);
 /// Bytes of the buffers of a kernel that runs no workgroups: at least the fixed part of each.
 const EMPTY: u64 = 4096;
 
-/// One compiled entry point and the buffers that it wants.
-#[derive(Debug)]
+/// The compiled kernels of a device, by what they are compiled from. Clones share them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct KernelCache {
+    kernels: Arc<Mutex<HashMap<Source, Entry>>>,
+}
+
+/// Entry point, text and bindings.
+type Source = (&'static str, String, Vec<Binding>);
+/// Locked while it is compiled, so that other threads wait for it instead of compiling it again.
+type Entry = Arc<Mutex<Option<Kernel>>>;
+
+impl KernelCache {
+    /// The kernel of this text, compiled if it is new. Errors are not kept.
+    fn get(&self, text: &Text, compile: impl FnOnce() -> Result<Kernel, GpuError>) -> Result<Kernel, GpuError> {
+        let source = (text.entry, text.text.clone(), text.bindings.clone());
+        let entry = {
+            let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::clone(kernels.entry(source).or_default())
+        };
+        let mut kernel = entry.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = &*kernel {
+            return Ok(known.clone());
+        }
+        Ok(kernel.insert(compile()?).clone())
+    }
+}
+
+/// One compiled entry point and the buffers that it wants. Clones are the same kernel.
+#[derive(Clone, Debug)]
 pub(crate) struct Kernel {
     label: &'static str,
     pipeline: wgpu::ComputePipeline,
@@ -79,14 +108,16 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
-    /// Compiles a kernel.
+    /// Compiles a kernel, unless the device has it already.
     pub(crate) fn new(gpu: &Gpu, text: &Text) -> Result<Self, GpuError> {
-        gpu.kernels().compile(&text.name, || {
-            let kernel = Self::create(gpu, text)?;
-            if gpu.is_software() {
-                kernel.run_empty(gpu)?;
-            }
-            Ok(kernel)
+        gpu.kernel_cache().get(text, || {
+            gpu.kernels().compile(&text.name, || {
+                let kernel = Self::create(gpu, text)?;
+                if gpu.is_software() {
+                    kernel.run_empty(gpu)?;
+                }
+                Ok(kernel)
+            })
         })
     }
 

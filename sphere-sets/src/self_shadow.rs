@@ -11,6 +11,8 @@ use crate::tree::TriangleTree;
 /// horizon and within some degrees of it are left out. A quarter of the points lets many spheres fit their own rays only:
 /// 128 spheres then err by 9 % more.
 const POINTS: usize = 48_000;
+/// Sets of up to so many spheres take a part of the points: for each sphere as many as one of 128 has.
+const FEW: usize = 8;
 const DIRECTIONS: usize = 24;
 const LOWEST: f32 = 0.1;
 /// What a lit ray that is blocked costs, one that is wrongly lit costing 1: dark spots show more than missing shade. Bunny,
@@ -76,7 +78,8 @@ impl Pass {
 /// that lose much of their light.
 pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Vec4]) -> Vec<SelfShadow> {
     let start = self_distance(surface, spheres);
-    let rays = rays(surface, tree);
+    let points = if spheres.len() > FEW { POINTS } else { POINTS / 128 * spheres.len() };
+    let rays = rays(surface, tree, points);
     let whole = SelfShadow::whole(start);
     let passes: Vec<Vec<Pass>> = spheres
         .par_iter()
@@ -180,7 +183,7 @@ fn farthest(
 }
 
 /// Rays that leave the mesh: start, direction, and whether the mesh is in the way.
-fn rays(surface: &Surface, tree: &TriangleTree) -> Vec<(Vec3, Vec3, bool)> {
+fn rays(surface: &Surface, tree: &TriangleTree, points: usize) -> Vec<(Vec3, Vec3, bool)> {
     const OFF: f32 = 2e-6;
     let spread = surface.spread();
     let normals: Vec<Vec3> = surface.normals().map(Vec3::normalize_or_zero).collect();
@@ -206,7 +209,7 @@ fn rays(surface: &Surface, tree: &TriangleTree) -> Vec<(Vec3, Vec3, bool)> {
             .filter(move |v| v.dot(normal) > LOWEST)
             .map(move |v| (p + normal * OFF, v, tree.blocks(p + normal * OFF, v)))
     };
-    (0..POINTS).into_par_iter().flat_map_iter(of_point).collect()
+    (0..points).into_par_iter().flat_map_iter(of_point).collect()
 }
 
 #[cfg(test)]
@@ -238,7 +241,7 @@ mod tests {
     fn a_ball_that_bulges_out_does_not_blacken_its_mesh() {
         let surface = surface(&shapes::bumpy_ball(16));
         let tree = TriangleTree::new(&surface.triangles);
-        let rays = rays(&surface, &tree);
+        let rays = rays(&surface, &tree, POINTS);
         assert!(rays.len() > POINTS * DIRECTIONS / 3);
         let [lo, hi] = surface.unit_bounds();
         let ball = (0.5 * (lo + hi)).extend(0.55 * (hi - lo).max_element());
@@ -263,7 +266,7 @@ mod tests {
         let at = |x: f32| ((Vec3::X * x - surface.center.as_vec3()) * scale).extend(scale);
         let spheres = [at(0.0), at(2.6)];
         let own = self_shadows(&surface, &tree, &spheres);
-        let rays = rays(&surface, &tree);
+        let rays = rays(&surface, &tree, POINTS);
         let dark = rays.iter().filter(|r| r.2).count() as f32 / rays.len() as f32;
         let missed = wrong(&rays, &spheres, &own);
         println!("{dark} dark, {missed} wrong; {own:?}");
@@ -288,7 +291,7 @@ mod tests {
         let own = self_shadows(&surface, &tree, &ball);
         let rim = unit(Vec3::Z * 0.59).z;
         let hollow = |p: Vec3| p.z > unit(Vec3::ZERO).z && p.distance(ball[0].truncate()) < 0.97 * scale && p.z < rim;
-        let rays = rays(&surface, &tree);
+        let rays = rays(&surface, &tree, POINTS);
         let lit: Vec<_> = rays.iter().filter(|r| !r.2 && hollow(r.0)).collect();
         let lost =
             |own: &[SelfShadow]| lit.iter().filter(|r| blocked(&ball, own, r.0, r.1)).count() as f32 / lit.len() as f32;
@@ -310,7 +313,7 @@ mod tests {
         let unit = |p: Vec3| (p - surface.center.as_vec3()) * scale;
         let ball = [unit(Vec3::ZERO).extend(scale)];
         let own = self_shadows(&surface, &tree, &ball);
-        let mut rays = rays(&surface, &tree);
+        let mut rays = rays(&surface, &tree, POINTS);
         rays.retain(|ray| ray.0.x > unit(Vec3::X * 2.0).x && ray.1.x < 0.0);
         // Were the ball on the plate what it is on the surface.
         let near = own[0].near(scale);

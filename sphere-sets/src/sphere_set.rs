@@ -46,7 +46,7 @@ pub struct SphereSet {
 
 impl SphereSet {
     /// Version of the builder: one more with every change that gives other sets, so that sets which are kept are built anew.
-    pub const BUILDER: u32 = 8;
+    pub const BUILDER: u32 = 9;
 
     /// Builds a sphere set from any triangles: closed or open, in several parts, intersecting, of mixed winding.
     ///

@@ -28,9 +28,13 @@ fn row_indices(positions: vec4f) -> vec4u {
     return vec4u(round(min(x, vec4f(f32(row_width)))));
 }
 
+// Bands of SIDE rows that a mask is drawn by, and its rows below those of the own band.
+var<private> row_bands: u32 = 1u;
+var<private> row_first: u32 = 0u;
+
 // Shift of the samples of row `j`, in samples within ±½: the fraction of a multiple of the golden section, by its bits.
 fn row_phase(j: u32) -> f32 {
-    return f32(bitcast<i32>((2u * j + 1u) * GOLDEN ^ 0x80000000u)) * 0x1p-32f;
+    return f32(bitcast<i32>((2u * (j + row_first) + 1u) * GOLDEN ^ 0x80000000u)) * 0x1p-32f;
 }
 
 // Height of line `k` above the row's own, in rows within ±½.

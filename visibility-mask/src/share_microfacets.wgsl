@@ -13,31 +13,38 @@ fn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
         known_edge.x = -1.0;
         return known_edge.y;
     }
+    let counts = workgroupUniformLoad(&pane_counts);
+    let forms = workgroupUniformLoad(&pane_forms);
     let microfacets = microfacets_of(at.normal, lobe);
     let alpha = sqrt(microfacets.alpha_sq);
     var square = microfacets_highlight(whole, microfacets, at.normal, tolerance);
     let is_part = any(square.half < whole.half);
-    let is_finer = IS_NARROW_FINER && !is_part && light_size(whole) > 2.0 * alpha;
-    // What the highlight's masks show is not counted in those of the whole light.
+    let is_finer = forms.z > 0u && !is_part && light_size(whole) > 2.0 * alpha;
+    // First those of the highlight, then those of the whole light, where what they show is not counted.
+    let own = select(0u, counts.z * counts.w, decide(lane, is_part || is_finer));
+    let broad = select(counts.x * counts.y, 0u, decide(lane, is_finer));
     var sum = vec4f(0.0);
-    if (decide(lane, is_part || is_finer)) {
-        row_refine(true);
-        for (var k = 0u; k < NARROW_PANES.x * NARROW_PANES.y; k++) {
-            let mask = mask_reset(square_pane(square, k, NARROW_PANES), lane, at.normal);
-            blockers_splat(lane, tile, at, light, mask);
-            sum += microfacet_sums(lane, mask, microfacets, vec2f(1e30), vec2f(-1e30));
+    for (var k = 0u; k < own + broad; k++) {
+        let is_own = k < own;
+        var window = whole;
+        if (is_own) {
+            window = square;
         }
-        row_refine(false);
-    }
-    if (decide(lane, !is_finer)) {
-        let low = select(vec2f(1e30), square.center - square.half, is_part);
-        let high = select(vec2f(-1e30), square.center + square.half, is_part);
-        for (var k = 0u; k < BROAD_COUNT; k++) {
-            emitting = broad_emitting[k];
-            lit = broad_lit[k];
-            sum += microfacet_sums(lane, mask_of(square_pane(whole, k, BROAD_PANES)), microfacets, low, high);
+        let panes = select(counts.xy, counts.zw, is_own);
+        let pane = select(k - own, k, is_own);
+        row_refine(is_own || forms.y > 0u);
+        if (is_own || forms.w > 0u) {
+            visibility_draw(lane, tile, at, light, window, pane, panes, forms.x);
+        } else {
+            emitting = broad_emitting[pane];
+            lit = broad_lit[pane];
         }
+        let is_cut = is_part && !is_own;
+        let low = select(vec2f(1e30), square.center - square.half, is_cut);
+        let high = select(vec2f(-1e30), square.center + square.half, is_cut);
+        sum += microfacet_sums(lane, mask_of(square_pane(window, pane, panes)), microfacets, low, high);
     }
+    row_refine(forms.y > 0u);
     var shares = sum.xy / sum.zw;
     // Where the weights say nothing every sample counts alike.
     let areas = visibility_areas(lane);
@@ -61,7 +68,7 @@ fn microfacets_highlight(whole: UnitSquare, microfacets: Microfacets, normal: ve
         beside = sqrt(dot(away, away));
     }
     let reach = widths * max(2.0 * sqrt(microfacets.alpha_sq) * (1.0 + dot(peak, peak)), 0.5 * beside);
-    let most = vec2f(BROAD_PANES * vec2u(4u * row_groups, SIDE));
+    let most = vec2f(pane_counts.xy * vec2u(4u * row_groups, SIDE));
     let cell = 2.0 * whole.half / most;
     let origin = whole.center - whole.half;
     let low = clamp(floor((peak - reach - origin) / cell), vec2f(0.0), most - 1.0);

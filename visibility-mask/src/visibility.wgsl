@@ -1,33 +1,77 @@
 // What MaskVisibility makes of blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, share.wgsl, and of the
 // strategies that there are `blockers_edges(lane, tile, at, light, window) -> vec4f` (a thread's part of the sums of edges)
-// and `blockers_splat(lane, tile, at, light, mask)`.
+// and `blockers_splat(lane, tile, at, light, mask)`; and one of visibility_whole.wgsl and visibility_window.wgsl.
 
-// What emits and what is lit of the own row of each pane of the whole light.
-var<private> broad_emitting: array<vec2u, BROAD_COUNT>;
-var<private> broad_lit: array<Row, BROAD_COUNT>;
-const BROAD_COUNT = BROAD_PANES.x * BROAD_PANES.y;
+// How finely the light is seen, found by the first thread: panes of broad lobes and of narrow ones, the bands of masks that are one above
+// the other among them.
+var<workgroup> pane_counts: vec4u;
+// Bands of a mask; whether broad lobes have fine masks; whether narrow ones have finer ones; whether the masks of the whole light are too
+// many to be kept, and drawn for each lobe.
+var<workgroup> pane_forms: vec4u;
+// Samples of all masks of the whole light, of the own rows: lit ones, and those that emit.
+var<private> broad_areas: vec2u;
 
-// Draws the masks of the whole light, whose window it returns. This and what follows only where all threads come by.
-fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone) -> UnitSquare {
+// From so many times their mean solid angle in the middle on there are more samples: lights of 65° and more.
+const CROWDED = 4.0;
+// Tolerances from which on masks are coarse, and in one piece.
+const COARSE = 0.005;
+const FINEST = 0.002;
+
+// As `MaskVisibility::depth` and the tolerance that its masks are made for. A deeper mask is here several bands of SIDE rows.
+fn visibility_fineness(light: Cone, tolerance: f32) {
+    pane_counts = vec4u(BROAD_PANES, NARROW_PANES);
+    pane_forms = vec4u(1u, 0u, u32(IS_NARROW_FINER), 0u);
+    let cos = max(1.0 - light.one_minus_cos, 1.0 / WIDEST_TAN);
+    let crowding = (1.0 + cos) / (2.0 * cos * cos);
+    if (light_is_flat() || crowding < CROWDED) {
+        return;
+    }
+    let bands = min(select(2u, 4u, crowding >= 4.0 * CROWDED), MOST_BANDS);
+    let finer = tolerance * min(2.0 * CROWDED / crowding, 1.0);
+    let is_fine = finer < COARSE;
+    let is_finest = finer < FINEST;
+    let broad = select(vec2u(1u), vec2u(2u), is_finest);
+    let narrow = select(select(vec2u(1u), vec2u(2u), is_fine), vec2u(3u, 2u), is_finest);
+    // Where all rows have 64 samples, four of them beside each other have 256.
+    row_refine(is_fine);
+    let parts = select(1u, 256u / row_width, is_fine);
+    pane_counts = vec4u(broad * vec2u(parts, bands), narrow * vec2u(1u, bands));
+    pane_forms = vec4u(bands, u32(is_fine), u32(!is_fine || any(broad != narrow)), 1u);
+}
+
+// Draws the mask of pane `k` of so many. This and what follows only where all threads come by.
+fn visibility_draw(
+    lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, k: u32, panes: vec2u, bands: u32
+) -> Mask {
+    row_bands = bands;
+    row_first = SIDE * (k / panes.x % bands);
+    let mask = mask_reset(square_pane(window, k, panes), lane, at.normal);
+    blockers_splat(lane, tile, at, light, mask);
+    row_bands = 1u;
+    row_first = 0u;
+    return mask;
+}
+
+// Draws the masks of the whole light, whose window it returns.
+fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32) -> UnitSquare {
+    if (lane == 0u) {
+        visibility_fineness(light, tolerance);
+    }
     let window = light_window(light, visibility_across(lane, tile, at, light, light_turn(light)), at.normal);
-    for (var k = 0u; k < BROAD_COUNT; k++) {
-        let mask = mask_reset(square_pane(window, k, BROAD_PANES), lane, at.normal);
-        blockers_splat(lane, tile, at, light, mask);
-        broad_emitting[k] = emitting;
-        broad_lit[k] = lit;
+    let panes = workgroupUniformLoad(&pane_counts).xy;
+    let forms = workgroupUniformLoad(&pane_forms);
+    row_refine(forms.y > 0u);
+    broad_areas = vec2u(0u);
+    for (var k = 0u; k < panes.x * panes.y; k++) {
+        let mask = visibility_draw(lane, tile, at, light, window, k, panes, forms.x);
+        broad_areas += vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
+        visibility_drawn(lane, k, mask, window, at);
     }
     return window;
 }
 
 // Samples that are lit and samples that emit, of all masks.
-fn visibility_areas(lane: u32) -> vec2f {
-    var counts = vec2u(0u);
-    for (var k = 0u; k < BROAD_COUNT; k++) {
-        let emits = broad_emitting[k].y - min(broad_emitting[k].x, broad_emitting[k].y);
-        counts += vec2u(row_count(broad_lit[k]), emits);
-    }
-    return total(lane, vec4f(vec2f(counts), 0.0, 0.0)).xy;
-}
+fn visibility_areas(lane: u32) -> vec2f { return total(lane, vec4f(vec2f(broad_areas), 0.0, 0.0)).xy; }
 
 // How much of what emits the masks leave.
 fn visibility_coverage(lane: u32) -> u32 {
@@ -36,17 +80,6 @@ fn visibility_coverage(lane: u32) -> u32 {
         return LIT;
     }
     return select(PARTIAL, DARK, areas.x == 0.0);
-}
-
-// The share of the light that a lobe sees through these masks.
-fn broad_share(lane: u32, window: UnitSquare, at: Receiver, lobe: Lobe) -> f32 {
-    var sum = vec4f(0.0);
-    for (var k = 0u; k < BROAD_COUNT; k++) {
-        emitting = broad_emitting[k];
-        lit = broad_lit[k];
-        sum += share_sums(lane, mask_of(square_pane(window, k, BROAD_PANES)), window, at, lobe);
-    }
-    return share_of(sum);
 }
 
 // Across most edges that cross a window: those of blockers and, where it cuts the light, the horizon.

@@ -1,4 +1,17 @@
-// Only Lambert lobes: all are seen through the masks of the whole light. Needs visibility.wgsl.
+// Only Lambert lobes: all are seen through the masks of the whole light, and alike. Needs visibility.wgsl.
+
+const NARROW_PANES = BROAD_PANES;
+const IS_NARROW_FINER = false;
+
+// What masks of the whole light say, as `share_sums`.
+var<private> broad_sums: vec4f;
+
+// What each mask of the whole light is for.
+fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Receiver) {
+    let sums = share_sums(lane, mask, window, at, Lobe());
+    broad_sums = select(broad_sums + sums, sums, k == 0u);
+}
+
 fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, window: UnitSquare, lobe: Lobe) -> f32 {
-    return broad_share(lane, window, at, lobe);
+    return share_of(broad_sums);
 }

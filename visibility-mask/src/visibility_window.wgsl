@@ -1,21 +1,34 @@
 // Lobes narrower than the light are seen through masks of their own, with 256 samples a row. Needs visibility.wgsl, and
 // special.wgsl of lobe-core.
 
+// What emits and what is lit of the own row of each pane of the whole light, where these are few enough to be kept.
+var<private> broad_emitting: array<vec2u, BROAD_COUNT>;
+var<private> broad_lit: array<Row, BROAD_COUNT>;
+const BROAD_COUNT = BROAD_PANES.x * BROAD_PANES.y;
+
+// What each mask of the whole light is for.
+fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Receiver) {
+    if (k < BROAD_COUNT) {
+        broad_emitting[k] = emitting;
+        broad_lit[k] = lit;
+    }
+}
+
 // The share of the light that a lobe sees. Only where all threads come by.
 fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
     if (HAS_MICROFACETS && decide(lane, lobe.factor >= LOBE_MICROFACETS)) {
         return microfacet_share(lane, tile, at, light, tolerance, whole, lobe);
     }
+    let counts = workgroupUniformLoad(&pane_counts);
+    let forms = workgroupUniformLoad(&pane_forms);
     let sigmas = zoom_sigmas(tolerance);
     let peak = square_peak(whole, lobe, at.normal);
     let square = square_around(whole, peak, sigmas);
     let is_part = any(square.half < whole.half);
-    let is_steep = IS_NARROW_FINER && peak_fall(peak, whole) > STEEP;
-    if (!decide(lane, !is_lambert(at, lobe) && (is_part || is_steep))) {
-        return broad_share(lane, whole, at, lobe);
-    }
+    let is_steep = forms.z > 0u && peak_fall(peak, whole) > STEEP;
+    let is_own = decide(lane, !is_lambert(at, lobe) && (is_part || is_steep));
     var window = whole;
-    if (decide(lane, is_part)) {
+    if (is_own && decide(lane, is_part)) {
         // Windows on a flat light are all turned alike.
         var turned = whole;
         if (!light_is_flat()) {
@@ -24,14 +37,19 @@ fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32
         }
         window = square_zoomed(turned, lobe, at.normal, sigmas);
     }
-    row_refine(true);
+    let panes = select(counts.xy, counts.zw, is_own);
+    row_refine(is_own || forms.y > 0u);
     var sum = vec4f(0.0);
-    for (var k = 0u; k < NARROW_PANES.x * NARROW_PANES.y; k++) {
-        let mask = mask_reset(square_pane(window, k, NARROW_PANES), lane, at.normal);
-        blockers_splat(lane, tile, at, light, mask);
-        sum += share_sums(lane, mask, window, at, lobe);
+    for (var k = 0u; k < panes.x * panes.y; k++) {
+        if (is_own || forms.w > 0u) {
+            visibility_draw(lane, tile, at, light, window, k, panes, forms.x);
+        } else {
+            emitting = broad_emitting[k];
+            lit = broad_lit[k];
+        }
+        sum += share_sums(lane, mask_of(square_pane(window, k, panes)), window, at, lobe);
     }
-    row_refine(false);
+    row_refine(forms.y > 0u);
     return share_of(sum);
 }
 

@@ -83,7 +83,7 @@ pub fn paper_header(depth: u32) -> String {
 const GOLDEN: u32 = 0x4f1b_bcdd;
 
 /// The constants `DEPTH`, `SIDE` (rows), `WIDTH` (samples in a row at most), `LANES` (threads), `COLUMNS` (groups of samples
-/// with one weight at most) and `BROAD_PANES`, and the type `Row` with its functions, `row_width` among them: samples in a row.
+/// with one weight at most), `BROAD_PANES` and `MOST_BANDS` (which a mask may be deeper by), and the type `Row` with its functions, `row_width` among them: samples in a row.
 ///
 /// # Panics
 /// When `depth` is not in 1…[`MAX_DEPTH`].
@@ -120,9 +120,10 @@ fn header_of(depth: u32, width: usize, fineness: Fineness, row: &str) -> String 
     let lanes = side.max(32);
     let columns = if width == COARSE { 16 } else { 32 };
     let [across, upward] = fineness.panes;
+    let bands = 1 << (MAX_DEPTH - depth);
     format!(
         "const DEPTH = {depth}u;\nconst SIDE = {side}u;\nconst WIDTH = {width}u;\nconst LANES = {lanes}u;\nconst COLUMNS = \
-         {columns}u;\nconst BROAD_PANES = vec2u({across}u, {upward}u);\nconst GOLDEN = {GOLDEN}u;\n{row}"
+         {columns}u;\nconst BROAD_PANES = vec2u({across}u, {upward}u);\nconst MOST_BANDS = {bands}u;\nconst GOLDEN = {GOLDEN}u;\n{row}"
     )
 }
 

@@ -35,7 +35,7 @@ fn ellipse(c: vec3f, r: f32, mask: Mask) -> Ellipse {
         k2,
         r * sqrt(u) * of_g * raster.rows,
         k0 * k2 * (1.0 / 24.0),
-        FLAT * f32(row_width / SIDE),
+        FLAT * f32(row_width / (SIDE * row_bands)),
     );
 }
 

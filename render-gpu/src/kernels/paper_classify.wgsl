@@ -13,7 +13,12 @@ fn classify_point(tile: u32, point: u32) {
     var sum = vec3f(0.0);
     var coverage = UNKNOWN;
     for (var k = 0u; k < lobes; k++) {
-        let unshadowed = paper_reflected(at, brdf_lobe(at.material, at, k), light).flux;
+        let lobe = brdf_lobe(at.material, at, k);
+        // A lobe without flux is not there.
+        if (all(lobe.flux == vec3f(0.0))) {
+            continue;
+        }
+        let unshadowed = paper_reflected(at, lobe, light).flux;
         count(INTEGRALS);
         if (max(max(unshadowed.x, unshadowed.y), unshadowed.z) <= frame.threshold) {
             count(PRUNED);

@@ -16,7 +16,7 @@ fn penumbra(
     let at = points[point];
     let light = light_cone(at);
     let bright = light_radiance(at);
-    let window = visibility_window(lane, tile, at, light);
+    let window = visibility_window(lane, tile, at, light, frame.tolerance);
     let coverage = visibility_coverage(lane);
     var sum = vec3f(0.0);
     for (var k = 0u; k < queue_lobes(); k++) {

@@ -1,18 +1,42 @@
 //! Calls WGSL functions on rows of numbers, and makes trials.
 
 use libtest_mimic::Trial;
-use render_gpu::Gpu;
+use render_gpu::{Gpu, GpuOptions};
+use std::sync::{Mutex, PoisonError};
 use wgpu::util::DeviceExt;
+
+/// Devices that no test is using, with the kernels that they have compiled. Each test that runs has a device of its own: a
+/// software driver compiles all kernels of a device in one thread.
+static FREE: Mutex<Vec<Gpu>> = Mutex::new(Vec::new());
+
+fn free() -> std::sync::MutexGuard<'static, Vec<Gpu>> {
+    FREE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A test of the GPU, ignored where there is none.
 pub(crate) fn trial(name: &str, gpu: Option<&Gpu>, test: impl FnOnce(&Gpu) + Send + 'static) -> Trial {
-    let there = gpu.cloned();
     let run = move || {
-        let gpu = there.ok_or("there is no GPU adapter")?;
+        let known = free().pop();
+        let gpu = known.map_or_else(|| Gpu::blocking(&GpuOptions::default()), Ok)?;
         test(&gpu);
+        free().push(gpu);
         Ok(())
     };
     Trial::test(name, run).with_ignored_flag(gpu.is_none())
+}
+
+/// The kernels that took longest to compile: nearly all of the time that these tests take on a software driver.
+pub(crate) fn report_kernels() {
+    let mut all: Vec<_> = free().iter().flat_map(|gpu| gpu.kernels().compiled()).collect();
+    if all.is_empty() {
+        return;
+    }
+    all.sort_by_key(|kernel| core::cmp::Reverse(kernel.time));
+    let sum: f32 = all.iter().map(|kernel| kernel.time.as_secs_f32()).sum();
+    println!("{} kernels of shaders, {sum:.0} s; the slowest:", all.len());
+    for kernel in all.iter().take(8) {
+        println!("{:6.1} s {}", kernel.time.as_secs_f32(), kernel.name);
+    }
 }
 
 /// Evaluates WGSL statements for rows of `inputs` numbers each: `pieces` are joined before; `body` reads `x(0), x(1) …` and

@@ -40,5 +40,7 @@ fn main() {
     trials.extend(silhouettes::trials(gpu.as_ref()));
     trials.extend(spheres::trials(gpu.as_ref()));
     trials.extend(canvas::trials(gpu.as_ref()));
-    libtest_mimic::run(&arguments, trials).exit();
+    let conclusion = libtest_mimic::run(&arguments, trials);
+    call::report_kernels();
+    conclusion.exit();
 }

@@ -3,6 +3,7 @@
 use crate::call::trial;
 use crate::gbuffer::{large_floor, placed};
 use crate::parity::plain;
+use crate::silhouettes::SILHOUETTES;
 use brdf::Material;
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
@@ -28,6 +29,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("rays_of_tiny_lights", gpu, tiny_lights),
         trial("rays_from_an_edge", gpu, from_an_edge),
         trial("rays_at_all_scales", gpu, at_all_scales),
+        trial("rays_under_a_wide_light", gpu, |gpu| RAYS.compare_wide(gpu)),
         trial("rays_at_terminators", gpu, at_terminators),
         trial("rays_from_a_large_floor", gpu, from_a_large_floor),
         trial("rays_follow_motion", gpu, follow_motion),
@@ -121,6 +123,27 @@ impl Ways {
         for (depth, tolerance) in [(3, 0.003), (4, 0.01), (6, 0.001)] {
             self.compare(gpu, &format!("depth {depth}"), &fence(), [48, 36], tolerance, depth);
         }
+    }
+
+    /// Below a light of 70° to 74°, whose masks are bands on a GPU: as near to silhouettes, which are exact, as on a CPU. Rays look for
+    /// blockers in each band by itself, and miss less.
+    pub(crate) fn compare_wide(self, gpu: &Gpu) {
+        let light = SphereLight::new(Sphere { center: Vec3::Y * 20.85, radius: 20.0 }, Vec3::ONE).into();
+        let scene = Scene { lights: vec![light], ..fence() };
+        let world = World::new(&scene);
+        let points = GBuffer::new(&world, 32, 24, 1).points;
+        let frame = frame(&scene, 0.003, 5);
+        let whole = unshadowed(&points, &frame);
+        let (exact, _) = (SILHOUETTES.cpu)(&world, &points, &frame);
+        let (want, counts) = (self.cpu)(&world, &points, &frame);
+        let (got, ours) = (self.gpu)(gpu, &scene, &points, &frame);
+        let [want, got] = [want, got].map(|found| {
+            let apart = exact.iter().zip(&found).zip(&whole).filter(|(_, whole)| **whole > 0.0);
+            apart.map(|((a, b), whole)| f64::from((a.element_sum() - b.element_sum()).abs() / whole)).sum::<f64>()
+                / whole.len() as f64
+        });
+        println!("wide light: {want:.1e} off by CPU, {got:.1e} by GPU; {counts:?} {ours:?}");
+        assert!(counts.penumbra_points > 300 && got < 1.05 * want + 1e-5, "{want} off by CPU, {got} by GPU");
     }
 
     /// The unit of length does not matter, nor does the place.

@@ -24,6 +24,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("silhouettes_through_masks_of_all_depths", gpu, masks_of_all_depths),
         trial("silhouettes_at_all_scales", gpu, at_all_scales),
         trial("silhouettes_at_terminators", gpu, at_terminators),
+        trial("silhouettes_under_a_wide_light", gpu, |gpu| SILHOUETTES.compare_wide(gpu)),
         trial("silhouettes_more_than_are_kept", gpu, more_than_are_kept),
         trial("silhouettes_follow_motion", gpu, follow_motion),
         trial("silhouettes_beside_spheres", gpu, beside_spheres),

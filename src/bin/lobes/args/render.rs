@@ -181,7 +181,7 @@ pub(crate) enum Device {
     /// All cores
     Cpu,
     /// The strongest graphics adapter, by Vulkan, Metal or Direct3D 12; a software one where there is no other. The same picture
-    /// to a thousandth of its maximum, but for penumbrae of lights wider than 65°. Without --layers
+    /// to a thousandth of its maximum, but for single points under lights wider than 65°. Without --layers
     Gpu,
     /// The graphics adapter if it is hardware and has what the picture needs, else all cores; says which
     Auto,
