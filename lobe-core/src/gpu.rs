@@ -132,10 +132,17 @@ pub struct GpuBuffer {
 ///   of them call it: there may be barriers and workgroup memory;
 /// - where [`has_edges`](Self::has_edges), of the same: `fn NAME_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f`, a thread's part of the
 ///   sum of edges, and of that of four times the angles of straight ones (or 0);
-/// - for use where [`asks_any_hit`](Self::asks_any_hit): `any_hit(origin: vec3f, direction: vec3f, distance: f32) -> bool`, whether a triangle lies on a
-///   ray; `any_hit_leave(at: Receiver) -> vec3f`, where rays start that leave a receiver; `any_hit_has(object: u32) -> bool`, whether an object's triangles
+/// - for use where [`asks_any_hit`](Self::asks_any_hit), of a scene's triangles and balls: `any_hit(origin: vec3f, direction: vec3f, distance: f32)
+///   -> bool`, whether one lies on a ray; `any_hit_cone(origin: vec3f, cone: Cone, face: vec3f) -> bool`, false only where no ray meets any that
+///   leaves into the cone, on the side of `face` of the plane through the origin (or 0: all), up to the light; `any_hit_leave(at: Receiver) -> vec3f`,
+///   where rays start that leave a receiver; `any_hit_of(object: u32)`, said before the rays of a receiver on an object where the scene knows objects
+///   that block for their like alone; `any_hit_has(object: u32) -> bool`, whether an object's shapes
 ///   are among them; `any_hit_side(a: vec3f, b: vec3f, c: vec3f, x: vec3f) -> f32`, above 0 where a point is in front of a triangle, below 0 behind it, to 2⁻⁴⁰ of
 ///   the triangle's size.
+///
+/// # Texts that are there
+/// Of `lobe-core` `SPECIAL`, `GEOMETRY`, `LOBE` and what it has for outlines; of visibility-mask its `FACET` and, for masks, `SQUARE`, `MASK`, `EDGES` and
+/// `TOTAL`; what else a part needs of the crates' texts it says by [`coverage_needs`](Self::coverage_needs) and [`splat_needs`](Self::splat_needs).
 pub trait GpuBlockers: Debug + Sync {
     /// What the names of its functions and buffers start with.
     fn name(&self) -> &'static str;
@@ -148,8 +155,18 @@ pub trait GpuBlockers: Debug + Sync {
     /// The text of `NAME_coverage`.
     fn coverage(&self) -> String;
 
+    /// Texts that [`coverage`](Self::coverage) needs beside it. Each is there once, however many parts need it.
+    fn coverage_needs(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
     /// The text of `NAME_splat`, and of `NAME_edges` where there is one.
     fn splat(&self) -> String;
+
+    /// Texts that [`splat`](Self::splat) needs beside it. Each is there once, however many parts need it.
+    fn splat_needs(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
 
     /// Whether masks are turned across its edges.
     fn has_edges(&self) -> bool {

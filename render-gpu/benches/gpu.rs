@@ -9,6 +9,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
 use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
+use render_cpu::GpuRays;
 use render_gpu::{Gpu, GpuOptions, GpuShader, GpuWorld, Occlusion};
 use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadeStats, ShadingPoints, Shape};
 use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
@@ -130,7 +131,7 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
         ("none", none),
         ("64 spheres", Occlusion { spheres: Some(&spheres), ..none }),
         ("cube by its map", Occlusion { maps: Some(&maps), ..none }),
-        ("cube by rays", Occlusion { rays: Some(&world), ..none }),
+        ("cube by rays", Occlusion { own: &[&GpuRays], any_hit: Some(&world), ..none }),
         ("cube by silhouettes", Occlusion { own: &[&silhouettes], any_hit: Some(&world), ..none }),
     ];
     for (name, occlusion) in strategies {

@@ -5,7 +5,7 @@ use crate::kernel::{
     Binding, Slot,
 };
 use crate::{kernels, wgsl};
-use lobe_core::gpu::GpuLight;
+use lobe_core::gpu::{GpuBlockers, GpuLight};
 use lobe_core::wgsl as lobes;
 use visibility_mask::{Fineness, wgsl as masks};
 use visibility_shadowmap::{Pages, wgsl as maps};
@@ -75,9 +75,7 @@ pub(crate) struct Strategies {
     pub(crate) spheres: bool,
     /// How the shadow maps are bound.
     pub(crate) maps: Option<Pages>,
-    /// Size of the stack of shadow rays.
-    pub(crate) rays: Option<u32>,
-    /// The same of rays that strategies of others ask for.
+    /// Size of the stack of the rays that strategies ask for.
     pub(crate) any_hit: Option<u32>,
 }
 
@@ -87,13 +85,28 @@ pub(crate) struct OwnText {
     pub(crate) name: &'static str,
     pub(crate) shared: String,
     pub(crate) coverage: String,
+    pub(crate) coverage_needs: Vec<&'static str>,
     pub(crate) splat: String,
+    pub(crate) splat_needs: Vec<&'static str>,
     pub(crate) has_edges: bool,
     /// Number, name and type of its buffers.
     pub(crate) buffers: Vec<(u32, &'static str, &'static str)>,
 }
 
 impl OwnText {
+    pub(crate) fn new(blockers: &dyn GpuBlockers, buffers: Vec<(u32, &'static str, &'static str)>) -> Self {
+        Self {
+            name: blockers.name(),
+            shared: blockers.shared(),
+            coverage: blockers.coverage(),
+            coverage_needs: blockers.coverage_needs(),
+            splat: blockers.splat(),
+            splat_needs: blockers.splat_needs(),
+            has_edges: blockers.has_edges(),
+            buffers,
+        }
+    }
+
     /// The declarations of its buffers.
     fn declarations(&self) -> String {
         let declare = |(number, name, element): &(u32, &str, &str)| {
@@ -106,7 +119,7 @@ impl OwnText {
 
 impl Strategies {
     pub(crate) const fn any(self) -> bool {
-        self.spheres || self.maps.is_some() || self.rays.is_some()
+        self.spheres || self.maps.is_some()
     }
 
     /// The bindings of those that there are.
@@ -118,20 +131,15 @@ impl Strategies {
         if let Some(pages) = self.maps {
             bindings.extend((0..pages.count()).map(|page| (Slot::Maps(page), Read)));
         }
-        if self.traces() {
+        if self.any_hit.is_some() {
             bindings.extend([(Slot::Nodes, Read), (Slot::Primitives, Read)]);
         }
         bindings
     }
 
-    /// Whether there are rays, whoever asks for them.
-    const fn traces(self) -> bool {
-        self.rays.is_some() || self.any_hit.is_some()
-    }
-
-    /// The size of their stack.
+    /// The size of the stack of rays.
     fn stack(self) -> String {
-        self.rays.or(self.any_hit).map_or_else(String::new, |size| format!("const STACK = {size}u;"))
+        self.any_hit.map_or_else(String::new, |size| format!("const STACK = {size}u;"))
     }
 
     /// The code that reads the shadow maps.
@@ -141,7 +149,7 @@ impl Strategies {
 
     /// Calls of those that there are.
     fn calls(self) -> impl Iterator<Item = &'static str> {
-        let all = [(self.spheres, "spheres"), (self.maps.is_some(), "maps"), (self.rays.is_some(), "rays")];
+        let all = [(self.spheres, "spheres"), (self.maps.is_some(), "maps")];
         all.into_iter().filter_map(|(has, name)| has.then_some(name))
     }
 }
@@ -237,8 +245,15 @@ pub(crate) struct Text {
 }
 
 impl Text {
+    /// Pieces that several parts need are there once.
     pub(crate) fn new(entry: &'static str, pieces: &[&str], bindings: &[Binding]) -> Self {
-        Self { entry, name: entry.to_owned(), text: pieces.join("\n"), bindings: bindings.to_vec() }
+        let mut once: Vec<&str> = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            if !once.contains(piece) {
+                once.push(piece);
+            }
+        }
+        Self { entry, name: entry.to_owned(), text: once.join("\n"), bindings: bindings.to_vec() }
     }
 
     fn of(self, variant: &Variant) -> Self {
@@ -300,7 +315,6 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     let strategies = variant.strategies;
     let all = strategies.calls().map(|name| match name {
         "spheres" => "coverage = max(coverage, spheres_coverage(tile, at, cone));",
-        "rays" => "coverage = max(coverage, rays_coverage(at, cone));",
         _ => "coverage = max(coverage, maps_coverage(at, cone));",
     });
     let own = variant.own.iter().map(|own| format!("coverage = max(coverage, {}_coverage(tile, at, cone));", own.name));
@@ -326,11 +340,8 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     if strategies.spheres {
         pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
     }
-    if strategies.traces() {
-        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
-    }
     if strategies.any_hit.is_some() {
-        pieces.push(wgsl::ANY_HIT);
+        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::ANY_HIT]);
     }
     if variant.is_blocked() {
         pieces.push(masks::FACET);
@@ -338,6 +349,7 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     let declarations: Vec<String> = variant.own.iter().map(OwnText::declarations).collect();
     for (own, declarations) in variant.own.iter().zip(&declarations) {
         pieces.extend([own.shared.as_str(), declarations, &own.coverage]);
+        pieces.extend(&own.coverage_needs);
     }
     if strategies.maps.is_some() {
         pieces.extend([masks::SQUARE, variant.window(), words.as_str(), maps::COMMON, maps::COVERAGE]);
@@ -357,7 +369,6 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let strategies = variant.strategies;
     let edges = strategies.calls().map(|name| match name {
         "spheres" => "edges += vec4f(spheres_edges(lane, tile, at, light, window), 0.0, 0.0);",
-        "rays" => "edges += vec4f(rays_edges(lane, at, light, window), 0.0, 0.0);",
         _ => "",
     });
     let own = variant.own.iter().filter(|own| own.has_edges);
@@ -365,7 +376,6 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let edges: String = edges.map(str::to_owned).chain(own).collect();
     let splats = strategies.calls().map(|name| match name {
         "spheres" => "spheres_splat(lane, tile, at, light, mask);",
-        "rays" => "rays_splat(lane, at, light, mask);",
         _ => "maps_splat(lane, at, light, mask);",
     });
     let own = variant.own.iter().map(|own| format!("{}_splat(lane, tile, at, light, mask);", own.name));
@@ -410,14 +420,8 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
             spheres::SPHERES_SPLAT,
         ]);
     }
-    if strategies.traces() {
-        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
-    }
-    if strategies.rays.is_some() {
-        pieces.extend([masks::CONTOUR, wgsl::RAYS_SPLAT]);
-    }
     if strategies.any_hit.is_some() {
-        pieces.push(wgsl::ANY_HIT);
+        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::ANY_HIT]);
     }
     if variant.is_blocked() {
         pieces.push(masks::FACET);
@@ -425,6 +429,7 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let declarations: Vec<String> = variant.own.iter().map(OwnText::declarations).collect();
     for (own, declarations) in variant.own.iter().zip(&declarations) {
         pieces.extend([own.shared.as_str(), declarations, &own.splat]);
+        pieces.extend(&own.splat_needs);
     }
     if strategies.maps.is_some() {
         pieces.extend([words.as_str(), maps::COMMON, maps::SPLAT]);

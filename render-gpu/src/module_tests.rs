@@ -7,7 +7,7 @@ use crate::validated;
 use brdf::Models;
 use glam::Vec3;
 use lighting::{FlatLight, Light, SphereLight};
-use lobe_core::gpu::GpuBlockers as _;
+use lobe_core::gpu::GpuBlockers;
 use naga::valid::Capabilities;
 use naga::{AddressSpace, StorageAccess, TypeInner};
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
@@ -52,6 +52,11 @@ fn set(models: Models) -> MaterialText {
     MaterialText { has_microfacets: name.contains("microfacets"), name, wgsl, is_lambert }
 }
 
+fn own(blockers: &dyn GpuBlockers) -> OwnText {
+    let buffers = blockers.buffers().iter().zip(0..).map(|(buffer, k)| (k, buffer.name, buffer.element)).collect();
+    OwnText::new(blockers, buffers)
+}
+
 fn variants() -> impl Iterator<Item = Variant> {
     let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b10_0000, 0b100_0000, 0b1_0000_0000, 0b11, 0b1_1111_1111]
         .map(Models::from_bits);
@@ -59,9 +64,9 @@ fn variants() -> impl Iterator<Item = Variant> {
     models.into_iter().flat_map(move |models| {
         strategies.into_iter().flat_map(move |(spheres, maps)| {
             (1..=6).flat_map(move |depth| {
-                let rays = (!spheres).then_some(64);
+                let own = if spheres { Vec::new() } else { vec![own(&render_cpu::GpuRays)] };
                 let maps = maps.then(|| if depth % 2 == 0 { Pages::ONE } else { Pages::of(3 << 27, 1 << 27) });
-                let strategies = Strategies { spheres, maps, rays, any_hit: None };
+                let strategies = Strategies { spheres, maps, any_hit: (!spheres).then_some(64) };
                 [(0.001, false), (0.003, false), (0.01, false), (0.003, true)].map(move |(tolerance, paper)| Variant {
                     depth,
                     fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
@@ -69,7 +74,7 @@ fn variants() -> impl Iterator<Item = Variant> {
                     light: LIGHT,
                     shown: Shown::Cone,
                     strategies,
-                    own: Vec::new(),
+                    own: own.clone(),
                     paper,
                 })
             })
@@ -111,16 +116,10 @@ fn kernels_of_flat_lights_are_valid() {
 fn kernels_of_silhouettes_are_valid() {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let blockers = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
-    let own = OwnText {
-        name: blockers.name(),
-        // Of ten million edges in a thousand objects.
-        shared: blockers.shared().replace("DEPTH = 4u", "DEPTH = 12u"),
-        coverage: blockers.coverage(),
-        splat: blockers.splat(),
-        has_edges: blockers.has_edges(),
-        buffers: blockers.buffers().iter().zip(0..).map(|(buffer, k)| (k, buffer.name, buffer.element)).collect(),
-    };
-    let is_some = |v: &Variant| v.strategies.rays.is_none() && [1, 5, 6].contains(&v.depth);
+    let mut own = own(&blockers);
+    // Of ten million edges in a thousand objects.
+    own.shared = own.shared.replace("DEPTH = 4u", "DEPTH = 12u");
+    let is_some = |v: &Variant| v.strategies.any_hit.is_none() && [1, 5, 6].contains(&v.depth);
     for variant in variants().chain(flat_variants()).filter(is_some) {
         let strategies = Strategies { any_hit: Some(64), ..variant.strategies };
         let variant = Variant { own: vec![own.clone()], strategies, ..variant };

@@ -10,7 +10,7 @@ use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers};
 use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
 use wgpu::BufferUsages;
 
-const ONE_WORLD: &str = "blockers that ask what rays meet need `any_hit`, and no `rays` beside it";
+const NO_SCENE: &str = "blockers that ask what rays meet need `any_hit`";
 
 /// What hides lights from points: any of these together; nothing by default.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,11 +19,9 @@ pub struct Occlusion<'a> {
     pub spheres: Option<&'a SphereBlockers>,
     /// The `shadow-map` strategy.
     pub maps: Option<&'a ShadowMapBlockers>,
-    /// The `rays` strategy: everything there. Given anew after each of its updates.
-    pub rays: Option<&'a GpuWorld>,
     /// Strategies that this crate does not know.
     pub own: &'a [&'a dyn GpuBlockers],
-    /// The scene that rays of those meet: the objects that block there. Not together with `rays`.
+    /// The scene that rays of those meet: the objects that block there. Given anew after each of its updates.
     pub any_hit: Option<&'a GpuWorld>,
 }
 
@@ -70,15 +68,20 @@ impl Blockers {
     /// Takes over what blocks now; after an error nothing does.
     pub(crate) fn hold(&mut self, gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
         let asks = occlusion.own.iter().any(|own| own.asks_any_hit());
-        let (rays, any_hit) = (occlusion.rays, occlusion.any_hit.filter(|_| asks));
+        let any_hit = occlusion.any_hit.filter(|_| asks);
         self.strategies = Strategies::default();
         self.own.clear();
-        if asks && (rays.is_some() || any_hit.is_none()) {
-            return Err(GpuError::Unsupported(ONE_WORLD.to_owned()));
+        if asks && any_hit.is_none() {
+            return Err(GpuError::Unsupported(NO_SCENE.to_owned()));
         }
-        let stack = |world: Option<&GpuWorld>| world.map(GpuWorld::stack);
-        let mut strategies = Strategies { rays: stack(rays), any_hit: stack(any_hit), ..Strategies::default() };
-        self.world = rays.or(any_hit).and_then(GpuWorld::buffers);
+        let names = |k: usize| occlusion.own[..k].iter().map(|own| own.name());
+        if let Some((_, own)) =
+            occlusion.own.iter().enumerate().find(|(k, own)| names(*k).any(|name| name == own.name()))
+        {
+            return Err(GpuError::Unsupported(format!("blockers called `{}` are there twice", own.name())));
+        }
+        let mut strategies = Strategies { any_hit: any_hit.map(GpuWorld::stack), ..Strategies::default() };
+        self.world = any_hit.and_then(GpuWorld::buffers);
         self.packed.clear();
         if let Some(spheres) = occlusion.spheres {
             spheres.pack(&mut self.packed);
@@ -121,14 +124,7 @@ impl Blockers {
                 buffers.push((count as u32, buffer.name, buffer.element));
                 count += 1;
             }
-            texts.push(OwnText {
-                name: blockers.name(),
-                shared: blockers.shared(),
-                coverage: blockers.coverage(),
-                splat: blockers.splat(),
-                has_edges: blockers.has_edges(),
-                buffers,
-            });
+            texts.push(OwnText::new(*blockers, buffers));
         }
         Ok(texts)
     }

@@ -11,6 +11,7 @@ use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use {
     lobe_core::Method,
     lobe_core::gpu::GpuBlockers,
+    render_cpu::GpuRays,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, Stops},
     scene::Scene,
     visibility_shadowmap::ShadowMapBlockers,
@@ -127,12 +128,10 @@ impl GpuBackend {
             self.world = None;
         }
         self.shader.set_method(method);
-        let own = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
-        let (rays, any_hit) = match (self.world.as_ref().map(|(world, _)| world), own) {
-            (world, None) => (world, None),
-            (world, Some(_)) => (None, world),
-        };
-        self.shader.occlude(Occlusion { spheres, maps, rays, own: own.as_slice(), any_hit })?;
+        let any_hit = self.world.as_ref().map(|(world, _)| world);
+        let silhouettes = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
+        let own = silhouettes.or_else(|| any_hit.map(|_| &GpuRays as &dyn GpuBlockers));
+        self.shader.occlude(Occlusion { spheres, maps, own: own.as_slice(), any_hit })?;
         Ok(&mut self.shader)
     }
 }

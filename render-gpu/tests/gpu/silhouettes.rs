@@ -193,15 +193,15 @@ fn twice_the_same_bits(gpu: &Gpu) {
     assert_eq!(from_gpu(gpu, &scene, &points, &frame), from_gpu(gpu, &scene, &points, &frame));
 }
 
-/// Without a scene for its rays, or with another strategy's, the shader says so.
+/// Without a scene for its rays, or twice, the shader says so.
 fn want_any_hit(gpu: &Gpu) {
     let scene = fence();
     let world = GpuWorld::new(gpu, &scene).expect("geometry");
     let blockers = GpuSilhouettes::new(SceneSilhouettes::new(&scene, |_| true).meshes());
     let own: &[&dyn GpuBlockers] = &[&blockers];
-    let both = Occlusion { own, rays: Some(&world), any_hit: Some(&world), ..Occlusion::default() };
-    for occlusion in [Occlusion { own, ..Occlusion::default() }, both] {
+    let twice = Occlusion { own: &[&blockers, &blockers], any_hit: Some(&world), ..Occlusion::default() };
+    for (occlusion, word) in [(Occlusion { own, ..Occlusion::default() }, "any_hit"), (twice, "twice")] {
         let error = GpuShader::new(gpu, occlusion).map(|_| ());
-        assert!(matches!(&error, Err(GpuError::Unsupported(why)) if why.contains("any_hit")), "{error:?}");
+        assert!(matches!(&error, Err(GpuError::Unsupported(why)) if why.contains(word)), "{error:?}");
     }
 }
