@@ -29,6 +29,8 @@ pub mod conformance;
 mod geometry;
 pub mod gpu;
 mod integrator;
+// For the workspace alone: its signatures are another crate's.
+#[doc(hidden)]
 pub mod lanes;
 mod lobe;
 mod lobes;
