@@ -7,6 +7,9 @@
 
 use crate::{BrdfLobes, LightLobes, Outline, Sphere};
 use core::fmt::Debug;
+use std::borrow::Cow;
+
+pub use crate::gpu_pages::GpuPages;
 
 /// Materials as kernels read them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -110,15 +113,69 @@ pub trait GpuLight: LightLobes {
     }
 }
 
-/// A buffer that kernels read: `var<storage, read> NAME: array<ELEMENT>`.
+/// A buffer of a part. Kernels that shade read it: `var<storage, read> NAME: array<ELEMENT>`, which render-gpu declares.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GpuBuffer {
+pub struct GpuBuffer<'a> {
     /// Its name in WGSL; starts with that of its part.
     pub name: &'static str,
     /// Type of its elements in WGSL: `u32`, `vec4f`, or a struct of the part's text.
     pub element: &'static str,
-    /// What it holds. Not empty.
-    pub words: Vec<u32>,
+    /// What it holds. Not empty. `arrayLength` counts just that.
+    pub contents: GpuContents<'a>,
+}
+
+impl<'a> GpuBuffer<'a> {
+    /// One of words that a CPU has.
+    #[must_use]
+    pub fn of(name: &'static str, element: &'static str, words: impl Into<Cow<'a, [u32]>>) -> Self {
+        Self { name, element, contents: GpuContents::Words(words.into()) }
+    }
+}
+
+/// What a buffer holds.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum GpuContents<'a> {
+    /// These words. What differs from the last time is uploaded.
+    Words(Cow<'a, [u32]>),
+    /// More words than a binding may have to hold. They are in [`GpuPages`] and read by `fn NAME_word(k: u32) -> u32`; elements are `u32`.
+    Pages {
+        /// The words.
+        words: &'a [u32],
+        /// A number that is another one whenever the words are: equal words are not compared.
+        revision: u64,
+    },
+    /// So many words that [passes](GpuBlockers::passes) write.
+    Room(u32),
+    /// So many for each tile of 64 points.
+    RoomPerTile(u32),
+}
+
+/// Work before the points of a light are classified.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GpuPass {
+    /// The entry point, of workgroups of any size.
+    pub entry: &'static str,
+    /// Its text, without declarations of buffers. `GEOMETRY` of lobe-core is there, and `frame`.
+    pub text: String,
+    /// Texts that it needs beside it.
+    pub needs: Vec<&'static str>,
+    /// Names of the part's buffers that it reads; `points` are the points of the slice, an `array<Receiver>`.
+    pub reads: Vec<&'static str>,
+    /// Names of those that it writes, too.
+    pub writes: Vec<&'static str>,
+    /// Its workgroups, and when they run.
+    pub run: GpuRun,
+}
+
+/// When a [`GpuPass`] runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GpuRun {
+    /// For each light, with a workgroup for each tile of 64 points: `frame` is the light's.
+    Tiles,
+    /// So many workgroups, when what it reads has changed. Its `frame` says nothing.
+    Changed(u32),
 }
 
 /// Blockers that a GPU can shade with.
@@ -178,6 +235,16 @@ pub trait GpuBlockers: Debug + Sync {
         false
     }
 
+    /// Whether nothing of it blocks now: kernels are made without it.
+    fn is_empty(&self) -> bool {
+        false
+    }
+
     /// What its functions read, as of now.
-    fn buffers(&self) -> Vec<GpuBuffer>;
+    fn buffers(&self) -> Vec<GpuBuffer<'_>>;
+
+    /// What is to be done before its functions are called, in this order.
+    fn passes(&self) -> Vec<GpuPass> {
+        Vec::new()
+    }
 }

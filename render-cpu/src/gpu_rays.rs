@@ -39,7 +39,7 @@ impl GpuBlockers for GpuRays {
         true
     }
 
-    fn buffers(&self) -> Vec<GpuBuffer> {
+    fn buffers(&self) -> Vec<GpuBuffer<'_>> {
         Vec::new()
     }
 }

@@ -141,7 +141,7 @@ const PAIRS: &[Pair] = &[
     ("visibility-spheres/src/shaft.wgsl", "SHAFT_NEARLY", Own),
     ("visibility-spheres/src/shaft.wgsl", "MARGIN", Is("visibility-spheres/src/shaft.rs", "MARGIN")),
     ("visibility-spheres/src/wide_cone.wgsl", "WIDE_LIMIT", Is("visibility-spheres/src/wide_cone.rs", "LIMIT")),
-    ("render-gpu/src/kernels/bounds.wgsl", "BOUNDS_EVERYTHING", Own),
+    ("visibility-spheres/src/bounds.wgsl", "BOUNDS_EVERYTHING", Own),
     ("render-gpu/src/kernels/bvh.wgsl", "NEVER", Own),
     ("render-gpu/src/kernels/bvh.wgsl", "BVH_EDGE", Is("ray-tracing/src/world/primitive.rs", "EDGE")),
     ("render-gpu/src/kernels/bvh.wgsl", "WIDEST", Is("ray-tracing/src/world/packet.rs", "WIDEST")),

@@ -51,7 +51,7 @@ fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>)
         triangles
     };
     let blockers = blockers.with_cut(&scene.lights.iter().map(cut).collect::<Vec<_>>());
-    let occlusion = Occlusion { own: &[&blockers], any_hit: Some(&world), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(&world) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let mut out = vec![Vec3::NAN; points.receivers.len()];
     let stats = shader.shade(points, frame, &mut out).expect("the GPU shades");
@@ -119,7 +119,7 @@ fn follow_motion(gpu: &Gpu) {
     let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
     let mut shade = |world: &GpuWorld, meshes: &SceneSilhouettes, scene: &Scene| {
         let blockers = GpuSilhouettes::new(meshes.meshes());
-        let occlusion = Occlusion { own: &[&blockers], any_hit: Some(world), ..Occlusion::default() };
+        let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(world) };
         shader.occlude(occlusion).expect("a shader");
         let mut out = vec![Vec3::NAN; points.receivers.len()];
         shader.shade(&points, &frame(scene, 0.003, 5), &mut out).expect("the GPU shades");
@@ -156,8 +156,8 @@ fn beside_spheres(gpu: &Gpu) {
         .counts;
     let ours = GpuWorld::only(gpu, &scene, by_silhouettes).expect("geometry");
     let blockers = GpuSilhouettes::new(silhouettes.meshes());
-    let own: &[&dyn GpuBlockers] = &[&blockers];
-    let occlusion = Occlusion { spheres: Some(&spheres), own, any_hit: Some(&ours), ..Occlusion::default() };
+    let own: &[&dyn GpuBlockers] = &[&spheres, &blockers];
+    let occlusion = Occlusion { blockers: own, any_hit: Some(&ours) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let mut got = vec![Vec3::NAN; points.receivers.len()];
     let found = shader.shade(&points, &frame, &mut got).expect("the GPU shades").counts;
@@ -179,7 +179,7 @@ fn by_the_papers_method(gpu: &Gpu) {
     cpu.shade(&points, &frame, &mut want).expect("room for all lobes");
     let ours = GpuWorld::new(gpu, &scene).expect("geometry");
     let blockers = GpuSilhouettes::new(silhouettes.meshes());
-    let occlusion = Occlusion { own: &[&blockers], any_hit: Some(&ours), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(&ours) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_method(Method::Paper(&tables));
     let mut got = vec![Vec3::NAN; points.receivers.len()];
     shader.shade(&points, &frame, &mut got).expect("the GPU shades");
@@ -199,8 +199,8 @@ fn want_any_hit(gpu: &Gpu) {
     let world = GpuWorld::new(gpu, &scene).expect("geometry");
     let blockers = GpuSilhouettes::new(SceneSilhouettes::new(&scene, |_| true).meshes());
     let own: &[&dyn GpuBlockers] = &[&blockers];
-    let twice = Occlusion { own: &[&blockers, &blockers], any_hit: Some(&world), ..Occlusion::default() };
-    for (occlusion, word) in [(Occlusion { own, ..Occlusion::default() }, "any_hit"), (twice, "twice")] {
+    let twice = Occlusion { blockers: &[&blockers, &blockers], any_hit: Some(&world) };
+    for (occlusion, word) in [(Occlusion::of(own), "any_hit"), (twice, "twice")] {
         let error = GpuShader::new(gpu, occlusion).map(|_| ());
         assert!(matches!(&error, Err(GpuError::Unsupported(why)) if why.contains(word)), "{error:?}");
     }
