@@ -133,7 +133,7 @@ fn gpu_coverage(gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<C
 
 fn gpu_coverage_in(pages: GpuPages, gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
     let words = pages.wgsl("maps", 8);
-    let rows: Vec<f32> = questions.iter().flat_map(|q| numbers(q)).collect();
+    let rows: Vec<f32> = questions.iter().flat_map(numbers).collect();
     let pieces = [
         FRAME,
         &words,
