@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     let gpu = Gpu::blocking(&GpuOptions::default())?;
-    let mut on_gpu = GpuShader::new(&gpu, Occlusion { spheres: Some(&spheres), ..Occlusion::default() })?;
+    let mut on_gpu = GpuShader::new(&gpu, Occlusion::of(&[&spheres]))?;
     let got = shade(&gpu.name(), &mut on_gpu, &g, &frame)?;
     let want = shade("cpu", &mut CpuShader::new(MaskVisibility::new(&spheres)), &g, &frame)?;
 

@@ -50,7 +50,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
     let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
     let spheres = spheres.with_self_shadows(&set.self_shadows);
     let gpu = Gpu::from_device(device.clone(), queue.clone());
-    let mut shader = GpuShader::new(&gpu, Occlusion { spheres: Some(&spheres), ..Occlusion::default() })?;
+    let mut shader = GpuShader::new(&gpu, Occlusion::of(&[&spheres]))?;
     let canvas = GpuCanvas::new(&gpu, texture.format())?;
     let mut view = GpuGBuffer::new(&gpu, &scene)?;
     let points = view.trace(&scene.camera, WIDTH, HEIGHT, 0..WIDTH, 0..HEIGHT)?;

@@ -39,6 +39,7 @@ pub struct EmissiveMesh {
 
 /// Why a mesh is not taken as lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum EmissiveMeshError {
     /// It has no area, or numbers that are not finite.
     Degenerate,

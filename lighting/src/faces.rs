@@ -14,6 +14,7 @@ const ROUND: f32 = 0.01;
 
 /// Why a mesh is not taken as lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FacesError {
     /// It has no area, or numbers that are not finite.
     Degenerate,

@@ -37,6 +37,7 @@ pub struct FlatLight {
 
 /// The fault of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FlatLightError {
     /// Not so many corners, or a number that is not finite.
     Corners,

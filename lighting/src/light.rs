@@ -7,6 +7,7 @@ use lobe_core::{
 /// The built-in kinds of lights.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a scene has few lights, and they are copied once a frame")]
+#[non_exhaustive]
 pub enum Light {
     /// A ball.
     Sphere(SphereLight),

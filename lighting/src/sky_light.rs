@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 /// A part of an [`Environment`](crate::Environment): a patch of the sky, or a sun.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum SkyLight {
     /// Part of a cube's side.
     Patch(SkyPatch),

@@ -7,6 +7,9 @@
 
 use crate::{BrdfLobes, LightLobes, Outline, Sphere};
 use core::fmt::Debug;
+use std::borrow::Cow;
+
+pub use crate::gpu_pages::GpuPages;
 
 /// Materials as kernels read them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -110,15 +113,69 @@ pub trait GpuLight: LightLobes {
     }
 }
 
-/// A buffer that kernels read: `var<storage, read> NAME: array<ELEMENT>`.
+/// A buffer of a part. Kernels that shade read it: `var<storage, read> NAME: array<ELEMENT>`, which render-gpu declares.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GpuBuffer {
+pub struct GpuBuffer<'a> {
     /// Its name in WGSL; starts with that of its part.
     pub name: &'static str,
     /// Type of its elements in WGSL: `u32`, `vec4f`, or a struct of the part's text.
     pub element: &'static str,
-    /// What it holds. Not empty.
-    pub words: Vec<u32>,
+    /// What it holds. Not empty. `arrayLength` counts just that.
+    pub contents: GpuContents<'a>,
+}
+
+impl<'a> GpuBuffer<'a> {
+    /// One of words that a CPU has.
+    #[must_use]
+    pub fn of(name: &'static str, element: &'static str, words: impl Into<Cow<'a, [u32]>>) -> Self {
+        Self { name, element, contents: GpuContents::Words(words.into()) }
+    }
+}
+
+/// What a buffer holds.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum GpuContents<'a> {
+    /// These words. What differs from the last time is uploaded.
+    Words(Cow<'a, [u32]>),
+    /// More words than a binding may have to hold. They are in [`GpuPages`] and read by `fn NAME_word(k: u32) -> u32`; elements are `u32`.
+    Pages {
+        /// The words.
+        words: &'a [u32],
+        /// A number that is another one whenever the words are: equal words are not compared.
+        revision: u64,
+    },
+    /// So many words that [passes](GpuBlockers::passes) write.
+    Room(u32),
+    /// So many for each tile of 64 points.
+    RoomPerTile(u32),
+}
+
+/// Work before the points of a light are classified.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GpuPass {
+    /// The entry point, of workgroups of any size.
+    pub entry: &'static str,
+    /// Its text, without declarations of buffers. `GEOMETRY` of lobe-core is there, and `frame`.
+    pub text: String,
+    /// Texts that it needs beside it.
+    pub needs: Vec<&'static str>,
+    /// Names of the part's buffers that it reads; `points` are the points of the slice, an `array<Receiver>`.
+    pub reads: Vec<&'static str>,
+    /// Names of those that it writes, too.
+    pub writes: Vec<&'static str>,
+    /// Its workgroups, and when they run.
+    pub run: GpuRun,
+}
+
+/// When a [`GpuPass`] runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GpuRun {
+    /// For each light, with a workgroup for each tile of 64 points: `frame` is the light's.
+    Tiles,
+    /// So many workgroups, when what it reads has changed. Its `frame` says nothing.
+    Changed(u32),
 }
 
 /// Blockers that a GPU can shade with.
@@ -132,10 +189,17 @@ pub struct GpuBuffer {
 ///   of them call it: there may be barriers and workgroup memory;
 /// - where [`has_edges`](Self::has_edges), of the same: `fn NAME_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f`, a thread's part of the
 ///   sum of edges, and of that of four times the angles of straight ones (or 0);
-/// - for use where [`asks_any_hit`](Self::asks_any_hit): `any_hit(origin: vec3f, direction: vec3f, distance: f32) -> bool`, whether a triangle lies on a
-///   ray; `any_hit_leave(at: Receiver) -> vec3f`, where rays start that leave a receiver; `any_hit_has(object: u32) -> bool`, whether an object's triangles
+/// - for use where [`asks_any_hit`](Self::asks_any_hit), of a scene's triangles and balls: `any_hit(origin: vec3f, direction: vec3f, distance: f32)
+///   -> bool`, whether one lies on a ray; `any_hit_cone(origin: vec3f, cone: Cone, face: vec3f) -> bool`, false only where no ray meets any that
+///   leaves into the cone, on the side of `face` of the plane through the origin (or 0: all), up to the light; `any_hit_leave(at: Receiver) -> vec3f`,
+///   where rays start that leave a receiver; `any_hit_of(object: u32)`, said before the rays of a receiver on an object where the scene knows objects
+///   that block for their like alone; `any_hit_has(object: u32) -> bool`, whether an object's shapes
 ///   are among them; `any_hit_side(a: vec3f, b: vec3f, c: vec3f, x: vec3f) -> f32`, above 0 where a point is in front of a triangle, below 0 behind it, to 2⁻⁴⁰ of
 ///   the triangle's size.
+///
+/// # Texts that are there
+/// Of `lobe-core` `SPECIAL`, `GEOMETRY`, `LOBE` and what it has for outlines; of visibility-mask its `FACET` and, for masks, `SQUARE`, `MASK`, `EDGES` and
+/// `TOTAL`; what else a part needs of the crates' texts it says by [`coverage_needs`](Self::coverage_needs) and [`splat_needs`](Self::splat_needs).
 pub trait GpuBlockers: Debug + Sync {
     /// What the names of its functions and buffers start with.
     fn name(&self) -> &'static str;
@@ -148,8 +212,18 @@ pub trait GpuBlockers: Debug + Sync {
     /// The text of `NAME_coverage`.
     fn coverage(&self) -> String;
 
+    /// Texts that [`coverage`](Self::coverage) needs beside it. Each is there once, however many parts need it.
+    fn coverage_needs(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
     /// The text of `NAME_splat`, and of `NAME_edges` where there is one.
     fn splat(&self) -> String;
+
+    /// Texts that [`splat`](Self::splat) needs beside it. Each is there once, however many parts need it.
+    fn splat_needs(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
 
     /// Whether masks are turned across its edges.
     fn has_edges(&self) -> bool {
@@ -161,6 +235,16 @@ pub trait GpuBlockers: Debug + Sync {
         false
     }
 
+    /// Whether nothing of it blocks now: kernels are made without it.
+    fn is_empty(&self) -> bool {
+        false
+    }
+
     /// What its functions read, as of now.
-    fn buffers(&self) -> Vec<GpuBuffer>;
+    fn buffers(&self) -> Vec<GpuBuffer<'_>>;
+
+    /// What is to be done before its functions are called, in this order.
+    fn passes(&self) -> Vec<GpuPass> {
+        Vec::new()
+    }
 }

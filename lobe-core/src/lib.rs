@@ -28,7 +28,10 @@ mod compact;
 pub mod conformance;
 mod geometry;
 pub mod gpu;
+mod gpu_pages;
 mod integrator;
+// For the workspace alone: its signatures are another crate's.
+#[doc(hidden)]
 pub mod lanes;
 mod lobe;
 mod lobes;

@@ -83,6 +83,8 @@ impl<'l> Area<'l> {
                 let shown = patch.image.as_deref().map(|image| Shown { image, middle, sides });
                 (bounds, Some(Self { shape, shown }))
             }
+            // Without its shape a picture to compare with would be wrong.
+            other => unreachable!("the reference has no shape for {other:?}"),
         })
     }
 

@@ -1,7 +1,8 @@
 //! Shading on the CPU by lobe sums, and what blocks light in a scene.
 //!
 //! - [`CpuShader`]: shades points, with any visibility strategy, materials and lights.
-//! - What blocks: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`], [`RayBlockers`].
+//! - What blocks: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`], [`RayBlockers`];
+//!   [`GpuRays`], the same for a GPU.
 //! - [`World`] and [`GBuffer`], which they ask and shade, are [`ray_tracing`]'s.
 //!
 //! ```
@@ -21,6 +22,7 @@
 
 mod blockers;
 mod blockers_error;
+mod gpu_rays;
 mod rays;
 mod scene_silhouettes;
 mod scene_spheres;
@@ -29,6 +31,7 @@ mod surface_hits;
 
 pub use crate::blockers::blockers;
 pub use crate::blockers_error::{BlockersError, BlockersProgress};
+pub use crate::gpu_rays::GpuRays;
 pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::scene_silhouettes::SceneSilhouettes;
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};

@@ -7,6 +7,7 @@ use std::path::Path;
 
 /// Where an object's blocker spheres come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SphereSource {
     /// It has none: it blocks nothing, or another strategy has it.
     Nothing,

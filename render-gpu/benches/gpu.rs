@@ -9,6 +9,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
 use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
+use render_cpu::GpuRays;
 use render_gpu::{Gpu, GpuOptions, GpuShader, GpuWorld, Occlusion};
 use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadeStats, ShadingPoints, Shape};
 use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
@@ -83,9 +84,7 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let sides: &[usize] = if gpu.is_software() { &[32, 64] } else { &[256, 512, 1024, 1440] };
     let usual = sides[sides.len() - 1];
     let spheres = |count: usize| SphereBlockers::new(&blob(count), &vec![0; count], &[]);
-    let shader = |of: &SphereBlockers| {
-        GpuShader::new(gpu, Occlusion { spheres: Some(of), ..Occlusion::default() }).expect("a shader")
-    };
+    let shader = |of: &SphereBlockers| GpuShader::new(gpu, Occlusion::of(&[of])).expect("a shader");
     let mut group = c.benchmark_group("gpu frame by points");
     for side in sides {
         let id = BenchmarkId::from_parameter(side * side);
@@ -110,7 +109,7 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let options = MapOptions { resolution: 1024, ..MapOptions::default() };
     let map =
         ShadowMap::build(&cube.positions, &cube.triangles, lights[0].ball().expect("a ball"), &options).expect("a map");
-    let maps = ShadowMapBlockers::new(vec![map]);
+    let maps = ShadowMapBlockers::new(vec![map]).pack();
     let scene = Scene {
         surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(0.0, 4.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
@@ -128,10 +127,10 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let (none, spheres) = (Occlusion::default(), spheres(64));
     let strategies = [
         ("none", none),
-        ("64 spheres", Occlusion { spheres: Some(&spheres), ..none }),
-        ("cube by its map", Occlusion { maps: Some(&maps), ..none }),
-        ("cube by rays", Occlusion { rays: Some(&world), ..none }),
-        ("cube by silhouettes", Occlusion { own: &[&silhouettes], any_hit: Some(&world), ..none }),
+        ("64 spheres", Occlusion { blockers: &[&spheres], any_hit: None }),
+        ("cube by its map", Occlusion { blockers: &[&maps], any_hit: None }),
+        ("cube by rays", Occlusion { blockers: &[&GpuRays], any_hit: Some(&world) }),
+        ("cube by silhouettes", Occlusion { blockers: &[&silhouettes], any_hit: Some(&world) }),
     ];
     for (name, occlusion) in strategies {
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");

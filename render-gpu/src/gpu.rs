@@ -1,15 +1,15 @@
 use crate::kernel::KernelCache;
 use crate::{GpuError, KernelLog};
+use lobe_core::gpu::GpuPages;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-use visibility_shadowmap::Pages;
 
 /// Storage buffers that a kernel may have: what every adapter allows.
 const STORAGE_BUFFERS: u32 = 8;
 
-/// Storage buffers of a kernel beside the shadow maps, at most: 4 of points and results, 3 of spheres, 2 of rays, the paper's
+/// Storage buffers of a kernel beside one in pages, at most: 4 of points and results, 3 of another strategy, 2 of rays, the paper's
 /// tables, and the light's on software devices.
-const BESIDE_MAPS: u32 = 11;
+const BESIDE_PAGES: u32 = 11;
 
 /// How long another thread that waits for the same device may take to pass on what it was told.
 const TELLING: Duration = Duration::from_secs(10);
@@ -123,14 +123,13 @@ impl Gpu {
         &self.compiled
     }
 
-    /// The most bytes of shadow maps that kernels can read: of the sum of
-    /// [`ShadowMap::packed_bytes`](visibility_shadowmap::ShadowMap::packed_bytes). What else a kernel reads is taken for the most that
-    /// it can be.
+    /// The most bytes of a buffer in [pages](lobe_core::gpu::GpuContents::Pages), such as shadow maps, that kernels can read. What else a
+    /// kernel reads is taken for the most that it can be.
     #[must_use]
-    pub fn room_for_maps(&self) -> u64 {
+    pub fn room_for_pages(&self) -> u64 {
         let limits = self.device.limits();
-        let pages = limits.max_storage_buffers_per_shader_stage.saturating_sub(BESIDE_MAPS);
-        Pages::room(pages, limits.max_storage_buffer_binding_size).min(limits.max_buffer_size)
+        let pages = limits.max_storage_buffers_per_shader_stage.saturating_sub(BESIDE_PAGES);
+        GpuPages::room(pages, limits.max_storage_buffer_binding_size).min(limits.max_buffer_size)
     }
 
     /// Refuses a device that no kernel runs on.

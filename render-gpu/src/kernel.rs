@@ -2,7 +2,6 @@ use crate::module::Text;
 use crate::{Gpu, GpuError};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use visibility_shadowmap::Pages;
 use wgpu::BufferUsages;
 
 /// The buffers of kernels, each with a binding of its own in group 0.
@@ -15,18 +14,14 @@ pub(crate) enum Slot {
     Queue,
     Indirect,
     Spheres,
-    Lists,
     Images,
     Tables,
     Nodes,
-    Bounds,
     Rig,
     Bones,
     Primitives,
     Normals,
-    /// A page of the shadow maps.
-    Maps(u32),
-    /// A buffer of somebody's own blockers.
+    /// A buffer of blockers, or a page of one.
     Own(u32),
 }
 
@@ -41,18 +36,14 @@ impl Slot {
             Self::Queue => 4,
             Self::Indirect => 5,
             Self::Spheres => 6,
-            Self::Lists => 7,
             Self::Images => 8,
             Self::Tables => 9,
             Self::Nodes => 10,
-            Self::Bounds => 11,
             Self::Rig => 12,
             Self::Bones => 13,
             Self::Primitives => 14,
             Self::Normals => 15,
-            Self::Maps(page) => Pages::binding(page),
-            // Pages do not reach so far.
-            Self::Own(number) => 512 + number,
+            Self::Own(number) => 16 + number,
         }
     }
 }

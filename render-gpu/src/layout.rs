@@ -56,14 +56,11 @@ pub(crate) struct GpuFrame {
     pub(crate) threshold: f32,
     pub(crate) point_count: u32,
     pub(crate) queue_stride: u32,
-    pub(crate) sphere_count: u32,
-    pub(crate) block_count: u32,
-    pub(crate) map: u32,
     /// 2.
     pub(crate) rounds: u32,
     pub(crate) image: u32,
     pub(crate) number: u32,
-    pub(crate) pad: [u32; 3],
+    pub(crate) pad: [u32; 2],
     /// What else the kind of light is told by.
     pub(crate) shape: [[f32; 4]; GPU_SHAPE],
 }

@@ -3,7 +3,8 @@
 //! - [`Gpu`]: a device, one's own or the strongest that is there; [`KernelLog`] tells what its driver compiles.
 //! - [`GpuShader`]: shades points, as `CpuShader` does; materials, lights and own blockers come by the parts of
 //!   [`lobe_core::gpu`].
-//! - [`Occlusion`]: what blocks: spheres, shadow maps, rays ([`GpuWorld`]), and anybody's own.
+//! - [`Occlusion`]: what blocks: spheres, shadow maps, and any [`GpuBlockers`](lobe_core::gpu::GpuBlockers); [`GpuWorld`]: the scene that
+//!   their rays meet.
 //! - [`GpuGBuffer`]: visible points found on the GPU; [`GpuPose`]: spheres that follow bones; [`GpuCanvas`]: radiance to a texture.
 //!
 //! ```no_run

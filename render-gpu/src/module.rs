@@ -1,18 +1,13 @@
 //! The texts of the kernels: each is a module of its own, of the pieces that a frame uses and no other.
 
 use crate::kernel::{
-    Access::{Read, Uniform, Write},
+    Access::{self, Read, Uniform, Write},
     Binding, Slot,
 };
 use crate::{kernels, wgsl};
-use lobe_core::gpu::GpuLight;
+use lobe_core::gpu::{GpuBlockers, GpuLight, GpuPages, GpuPass};
 use lobe_core::wgsl as lobes;
 use visibility_mask::{Fineness, wgsl as masks};
-use visibility_shadowmap::{Pages, wgsl as maps};
-use visibility_spheres::wgsl as spheres;
-
-/// Bytes of a tile's list.
-pub(crate) const LIST_BYTES: u64 = 4 * visibility_spheres::LIST_WORDS as u64;
 
 /// What the kernels of a frame depend on.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,9 +19,10 @@ pub(crate) struct Variant {
     /// Name and text of the kind of light.
     pub(crate) light: [&'static str; 2],
     pub(crate) shown: Shown,
-    pub(crate) strategies: Strategies,
-    /// Somebody's own strategies.
+    /// The strategies that block something.
     pub(crate) own: Vec<OwnText>,
+    /// Size of the stack of the rays that they ask for.
+    pub(crate) stack: Option<u32>,
     /// By the paper's method, and not by moments.
     pub(crate) paper: bool,
 }
@@ -69,80 +65,64 @@ impl Shown {
     }
 }
 
-/// Which strategies have blockers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Strategies {
-    pub(crate) spheres: bool,
-    /// How the shadow maps are bound.
-    pub(crate) maps: Option<Pages>,
-    /// Size of the stack of shadow rays.
-    pub(crate) rays: Option<u32>,
-    /// The same of rays that strategies of others ask for.
-    pub(crate) any_hit: Option<u32>,
+/// A buffer of a strategy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct OwnBuffer {
+    /// The first number of its slots.
+    pub(crate) first: u32,
+    /// Of one that is read by words.
+    pub(crate) pages: Option<GpuPages>,
+    pub(crate) name: &'static str,
+    pub(crate) element: &'static str,
 }
 
-/// The texts of somebody's own strategy.
+impl OwnBuffer {
+    pub(crate) fn slots(&self) -> impl Iterator<Item = Slot> {
+        let count = self.pages.map_or(1, GpuPages::count);
+        (self.first..self.first + count).map(Slot::Own)
+    }
+
+    pub(crate) fn declaration(&self, access: Access) -> String {
+        let binding = Slot::Own(self.first).binding();
+        if let Some(pages) = self.pages {
+            return pages.wgsl(self.name, binding);
+        }
+        let access = if access == Write { "read_write" } else { "read" };
+        let Self { name, element, .. } = self;
+        format!("@group(0) @binding({binding}) var<storage, {access}> {name}: array<{element}>;\n")
+    }
+}
+
+/// The texts of a strategy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct OwnText {
     pub(crate) name: &'static str,
     pub(crate) shared: String,
     pub(crate) coverage: String,
+    pub(crate) coverage_needs: Vec<&'static str>,
     pub(crate) splat: String,
+    pub(crate) splat_needs: Vec<&'static str>,
     pub(crate) has_edges: bool,
-    /// Number, name and type of its buffers.
-    pub(crate) buffers: Vec<(u32, &'static str, &'static str)>,
+    pub(crate) buffers: Vec<OwnBuffer>,
 }
 
 impl OwnText {
+    pub(crate) fn new(blockers: &dyn GpuBlockers, buffers: Vec<OwnBuffer>) -> Self {
+        Self {
+            name: blockers.name(),
+            shared: blockers.shared(),
+            coverage: blockers.coverage(),
+            coverage_needs: blockers.coverage_needs(),
+            splat: blockers.splat(),
+            splat_needs: blockers.splat_needs(),
+            has_edges: blockers.has_edges(),
+            buffers,
+        }
+    }
+
     /// The declarations of its buffers.
     fn declarations(&self) -> String {
-        let declare = |(number, name, element): &(u32, &str, &str)| {
-            let binding = Slot::Own(*number).binding();
-            format!("@group(0) @binding({binding}) var<storage, read> {name}: array<{element}>;\n")
-        };
-        self.buffers.iter().map(declare).collect()
-    }
-}
-
-impl Strategies {
-    pub(crate) const fn any(self) -> bool {
-        self.spheres || self.maps.is_some() || self.rays.is_some()
-    }
-
-    /// The bindings of those that there are.
-    fn bindings(self) -> Vec<Binding> {
-        let mut bindings = Vec::new();
-        if self.spheres {
-            bindings.extend([(Slot::Spheres, Read), (Slot::Lists, Read), (Slot::Bounds, Read)]);
-        }
-        if let Some(pages) = self.maps {
-            bindings.extend((0..pages.count()).map(|page| (Slot::Maps(page), Read)));
-        }
-        if self.traces() {
-            bindings.extend([(Slot::Nodes, Read), (Slot::Primitives, Read)]);
-        }
-        bindings
-    }
-
-    /// Whether there are rays, whoever asks for them.
-    const fn traces(self) -> bool {
-        self.rays.is_some() || self.any_hit.is_some()
-    }
-
-    /// The size of their stack.
-    fn stack(self) -> String {
-        self.rays.or(self.any_hit).map_or_else(String::new, |size| format!("const STACK = {size}u;"))
-    }
-
-    /// The code that reads the shadow maps.
-    fn words(self) -> String {
-        self.maps.map_or_else(String::new, Pages::wgsl)
-    }
-
-    /// Calls of those that there are.
-    fn calls(self) -> impl Iterator<Item = &'static str> {
-        let all = [(self.spheres, "spheres"), (self.maps.is_some(), "maps"), (self.rays.is_some(), "rays")];
-        all.into_iter().filter_map(|(has, name)| has.then_some(name))
+        self.buffers.iter().map(|buffer| buffer.declaration(Read)).collect()
     }
 }
 
@@ -150,15 +130,17 @@ impl Variant {
     /// The buffers of the kernels that shade.
     fn bindings(&self) -> Vec<Binding> {
         let tables: &[Binding] = if self.paper { &[(Slot::Tables, Read)] } else { &[] };
-        let own: Vec<Binding> =
-            self.own.iter().flat_map(|own| &own.buffers).map(|(number, ..)| (Slot::Own(*number), Read)).collect();
+        let own = self.own.iter().flat_map(|own| &own.buffers).flat_map(OwnBuffer::slots).map(|slot| (slot, Read));
+        let own: Vec<Binding> = own.collect();
+        let world: &[Binding] =
+            if self.stack.is_some() { &[(Slot::Nodes, Read), (Slot::Primitives, Read)] } else { &[] };
         let images: &[Binding] = if self.shown == Shown::Image { &[(Slot::Images, Read)] } else { &[] };
-        [SHADED.as_slice(), &self.strategies.bindings(), &own, tables, images].concat()
+        [SHADED.as_slice(), &own, world, tables, images].concat()
     }
 
     /// The purpose of the kernel, in words.
     fn name(&self) -> String {
-        let strategies: Vec<&str> = self.strategies.calls().chain(self.own.iter().map(|own| own.name)).collect();
+        let strategies: Vec<&str> = self.own.iter().map(|own| own.name).collect();
         let strategies = if strategies.is_empty() { "no blockers".to_owned() } else { strategies.join(" + ") };
         let method = if self.paper { ", paper" } else { "" };
         format!("{strategies}, {}, {}, depth {}{method}", self.light[0], self.materials.name, self.depth)
@@ -223,11 +205,18 @@ impl Variant {
 
     /// Whether anything blocks.
     pub(crate) fn is_blocked(&self) -> bool {
-        self.strategies.any() || !self.own.is_empty()
+        !self.own.is_empty()
+    }
+
+    /// What answers questions about rays.
+    fn world(&self) -> Vec<String> {
+        let of = |size: u32| vec![format!("const STACK = {size}u;"), wgsl::BVH.to_owned(), wgsl::ANY_HIT.to_owned()];
+        self.stack.map_or_else(Vec::new, of)
     }
 }
 
 /// A kernel's entry point, text and bindings.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Text {
     pub(crate) entry: &'static str,
     /// The entry point, and what the text was made for.
@@ -237,8 +226,15 @@ pub(crate) struct Text {
 }
 
 impl Text {
+    /// Pieces that several parts need are there once.
     pub(crate) fn new(entry: &'static str, pieces: &[&str], bindings: &[Binding]) -> Self {
-        Self { entry, name: entry.to_owned(), text: pieces.join("\n"), bindings: bindings.to_vec() }
+        let mut once: Vec<&str> = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            if !once.contains(piece) {
+                once.push(piece);
+            }
+        }
+        Self { entry, name: entry.to_owned(), text: once.join("\n"), bindings: bindings.to_vec() }
     }
 
     fn of(self, variant: &Variant) -> Self {
@@ -246,28 +242,14 @@ impl Text {
     }
 }
 
-/// Follows spheres with the bounds of their blocks: [`bound_groups`] workgroups.
-pub(crate) fn bounds() -> Text {
-    let pieces = [kernels::FRAME, spheres::PACKED, kernels::BOUNDS];
-    Text::new("bounds", &pieces, &[(Slot::Frame, Uniform), (Slot::Spheres, Read), (Slot::Bounds, Write)])
-}
+/// The points where a kernel declares nothing else of [`kernels::POINTS`].
+pub(crate) const POINTS_ALONE: &str = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;\n";
 
-/// Workgroups for so many blocks.
-pub(crate) const fn bound_groups(blocks: u32) -> u32 {
-    blocks.div_ceil(64)
-}
-
-/// The spheres that each tile has to look at.
-pub(crate) fn cull() -> Text {
-    let pieces = [kernels::FRAME, spheres::PACKED, spheres::SHAFT_TEST, lobes::GEOMETRY, kernels::CULL];
-    let bindings = [
-        (Slot::Frame, Uniform),
-        (Slot::Points, Read),
-        (Slot::Spheres, Read),
-        (Slot::Lists, Write),
-        (Slot::Bounds, Read),
-    ];
-    Text::new("cull", &pieces, &bindings)
+/// A strategy's own pass.
+pub(crate) fn pass(pass: &GpuPass, declarations: &str, bindings: &[Binding]) -> Text {
+    let mut pieces = vec![kernels::FRAME, lobes::GEOMETRY, declarations, &pass.text];
+    pieces.extend(&pass.needs);
+    Text::new(pass.entry, &pieces, bindings)
 }
 
 /// The size of the penumbra kernel's dispatch.
@@ -297,18 +279,12 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     } else {
         (variant.integral(), kernels::CLASSIFY)
     };
-    let strategies = variant.strategies;
-    let all = strategies.calls().map(|name| match name {
-        "spheres" => "coverage = max(coverage, spheres_coverage(tile, at, cone));",
-        "rays" => "coverage = max(coverage, rays_coverage(at, cone));",
-        _ => "coverage = max(coverage, maps_coverage(at, cone));",
-    });
-    let own = variant.own.iter().map(|own| format!("coverage = max(coverage, {}_coverage(tile, at, cone));", own.name));
-    let all: String = all.map(str::to_owned).chain(own).collect();
+    let of = |own: &OwnText| format!("coverage = max(coverage, {}_coverage(tile, at, cone));", own.name);
+    let all: String = variant.own.iter().map(of).collect();
     let hook = format!(
         "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {{ var coverage = LIT; {all} return coverage; }}"
     );
-    let (stack, words) = (strategies.stack(), strategies.words());
+    let world = variant.world();
     let mut pieces = vec![
         kernels::FRAME,
         kernels::QUEUE,
@@ -323,24 +299,17 @@ pub(crate) fn classify(variant: &Variant) -> Text {
     ];
     pieces.extend(variant.light());
     pieces.extend(integral);
-    if strategies.spheres {
-        pieces.extend([spheres::PACKED, spheres::CONE_TEST, spheres::BLOCKED_CONE, spheres::SPHERES]);
-    }
-    if strategies.traces() {
-        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
-    }
-    if strategies.any_hit.is_some() {
-        pieces.push(wgsl::ANY_HIT);
-    }
+    pieces.extend(world.iter().map(String::as_str));
     if variant.is_blocked() {
         pieces.push(masks::FACET);
     }
     let declarations: Vec<String> = variant.own.iter().map(OwnText::declarations).collect();
     for (own, declarations) in variant.own.iter().zip(&declarations) {
         pieces.extend([own.shared.as_str(), declarations, &own.coverage]);
+        pieces.extend(&own.coverage_needs);
     }
-    if strategies.maps.is_some() {
-        pieces.extend([masks::SQUARE, variant.window(), words.as_str(), maps::COMMON, maps::COVERAGE]);
+    if pieces.contains(&masks::SQUARE) {
+        pieces.push(variant.window());
     }
     Text::new("classify", &pieces, &variant.bindings()).of(variant)
 }
@@ -354,23 +323,12 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         (false, true) => masks::header(variant.depth, broad),
         (false, false) => masks::header_of_lobes(variant.depth, broad, narrow, variant.materials.has_microfacets),
     };
-    let strategies = variant.strategies;
-    let edges = strategies.calls().map(|name| match name {
-        "spheres" => "edges += vec4f(spheres_edges(lane, tile, at, light, window), 0.0, 0.0);",
-        "rays" => "edges += vec4f(rays_edges(lane, at, light, window), 0.0, 0.0);",
-        _ => "",
-    });
-    let own = variant.own.iter().filter(|own| own.has_edges);
-    let own = own.map(|own| format!("edges += {}_edges(lane, tile, at, light, window);", own.name));
-    let edges: String = edges.map(str::to_owned).chain(own).collect();
-    let splats = strategies.calls().map(|name| match name {
-        "spheres" => "spheres_splat(lane, tile, at, light, mask);",
-        "rays" => "rays_splat(lane, at, light, mask);",
-        _ => "maps_splat(lane, at, light, mask);",
-    });
-    let own = variant.own.iter().map(|own| format!("{}_splat(lane, tile, at, light, mask);", own.name));
-    let splats: String = splats.map(str::to_owned).chain(own).collect();
-    let (stack, words) = (strategies.stack(), strategies.words());
+    let edges = variant.own.iter().filter(|own| own.has_edges);
+    let edges = edges.map(|own| format!("edges += {}_edges(lane, tile, at, light, window);", own.name));
+    let edges: String = edges.collect();
+    let splats = variant.own.iter().map(|own| format!("{}_splat(lane, tile, at, light, mask);", own.name));
+    let splats: String = splats.collect();
+    let world = variant.world();
     let hooks = format!(
         "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {{ \
         var edges = vec4f(0.0); {edges} return edges; }}\n\
@@ -399,35 +357,14 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
         pieces.extend(variant.fractions());
     }
     pieces.extend(variant.light());
-    if strategies.spheres {
-        pieces.extend([
-            spheres::PACKED,
-            spheres::CONE_TEST,
-            spheres::BLOCKED_CONE,
-            spheres::SPHERES,
-            spheres::ELLIPSE,
-            spheres::SPLAT,
-            spheres::SPHERES_SPLAT,
-        ]);
-    }
-    if strategies.traces() {
-        pieces.extend([stack.as_str(), wgsl::BVH, wgsl::RAYS]);
-    }
-    if strategies.rays.is_some() {
-        pieces.extend([masks::CONTOUR, wgsl::RAYS_SPLAT]);
-    }
-    if strategies.any_hit.is_some() {
-        pieces.push(wgsl::ANY_HIT);
-    }
+    pieces.extend(world.iter().map(String::as_str));
     if variant.is_blocked() {
         pieces.push(masks::FACET);
     }
     let declarations: Vec<String> = variant.own.iter().map(OwnText::declarations).collect();
     for (own, declarations) in variant.own.iter().zip(&declarations) {
         pieces.extend([own.shared.as_str(), declarations, &own.splat]);
-    }
-    if strategies.maps.is_some() {
-        pieces.extend([words.as_str(), maps::COMMON, maps::SPLAT]);
+        pieces.extend(&own.splat_needs);
     }
     Text::new("penumbra", &pieces, &variant.bindings()).of(variant)
 }

@@ -3,14 +3,18 @@
 use super::*;
 use crate::kernel::Access;
 use crate::layout::GpuFrame;
-use crate::validated;
+use crate::occlusion::pass_text;
+use crate::{GpuError, validated};
 use brdf::Models;
 use glam::Vec3;
 use lighting::{FlatLight, Light, SphereLight};
-use lobe_core::gpu::GpuBlockers as _;
+use lobe_core::Sphere;
+use lobe_core::gpu::{GpuBlockers, GpuContents};
 use naga::valid::Capabilities;
 use naga::{AddressSpace, StorageAccess, TypeInner};
+use visibility_shadowmap::PackedMaps;
 use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
+use visibility_spheres::SphereBlockers;
 
 /// Validates a kernel, and that it is told of just the buffers that it declares.
 #[track_caller]
@@ -52,24 +56,43 @@ fn set(models: Models) -> MaterialText {
     MaterialText { has_microfacets: name.contains("microfacets"), name, wgsl, is_lambert }
 }
 
+/// A strategy whose slots begin with this one.
+fn own(blockers: &dyn GpuBlockers, mut first: u32, pages: GpuPages) -> OwnText {
+    let buffers = blockers.buffers().into_iter().map(|buffer| {
+        let pages = matches!(buffer.contents, GpuContents::Pages { .. }).then_some(pages);
+        let buffer = OwnBuffer { first, pages, name: buffer.name, element: buffer.element };
+        first += pages.map_or(1, GpuPages::count);
+        buffer
+    });
+    let buffers = buffers.collect();
+    OwnText::new(blockers, buffers)
+}
+
+fn spheres() -> SphereBlockers {
+    SphereBlockers::new(&[Sphere { center: Vec3::Y, radius: 0.5 }], &[0], &[])
+}
+
 fn variants() -> impl Iterator<Item = Variant> {
     let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b10_0000, 0b100_0000, 0b1_0000_0000, 0b11, 0b1_1111_1111]
         .map(Models::from_bits);
     let strategies = [(true, false), (false, true), (true, true), (false, false)];
     models.into_iter().flat_map(move |models| {
-        strategies.into_iter().flat_map(move |(spheres, maps)| {
+        strategies.into_iter().flat_map(move |(has_spheres, has_maps)| {
             (1..=6).flat_map(move |depth| {
-                let rays = (!spheres).then_some(64);
-                let maps = maps.then(|| if depth % 2 == 0 { Pages::ONE } else { Pages::of(3 << 27, 1 << 27) });
-                let strategies = Strategies { spheres, maps, rays, any_hit: None };
+                let pages = if depth % 2 == 0 { GpuPages::ONE } else { GpuPages::of(3 << 27, 1 << 27) };
+                let mut all =
+                    vec![if has_spheres { own(&spheres(), 0, pages) } else { own(&render_cpu::GpuRays, 0, pages) }];
+                if has_maps {
+                    all.push(own(&PackedMaps::default(), 3, pages));
+                }
                 [(0.001, false), (0.003, false), (0.01, false), (0.003, true)].map(move |(tolerance, paper)| Variant {
                     depth,
                     fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
                     materials: set(models),
                     light: LIGHT,
                     shown: Shown::Cone,
-                    strategies,
-                    own: Vec::new(),
+                    own: all.clone(),
+                    stack: (!has_spheres).then_some(64),
                     paper,
                 })
             })
@@ -77,10 +100,23 @@ fn variants() -> impl Iterator<Item = Variant> {
     })
 }
 
+/// Passes of the blockers that have some.
+#[test]
+fn passes_are_valid() {
+    let spheres = spheres();
+    let buffers = own(&spheres, 0, GpuPages::ONE).buffers;
+    let passes = spheres.passes();
+    assert_eq!(passes.len(), 2);
+    for pass in passes {
+        let text = pass_text(&pass, &buffers).expect("its buffers are there");
+        check(pass.entry, &text);
+    }
+    let lost = GpuPass { reads: vec!["spheres", "lost"], ..spheres.passes().remove(0) };
+    assert!(matches!(pass_text(&lost, &buffers), Err(GpuError::Unsupported(why)) if why.contains("lost")));
+}
+
 #[test]
 fn every_kernel_is_valid() {
-    check("bounds", &bounds());
-    check("cull", &cull());
     check("args", &args());
     for variant in variants() {
         check(&format!("classify {variant:?}"), &classify(&variant));
@@ -88,11 +124,15 @@ fn every_kernel_is_valid() {
     }
 }
 
+fn uses(variant: &Variant, name: &str) -> bool {
+    variant.own.iter().any(|own| own.name == name)
+}
+
 /// Lights with outlines.
 fn flat_variants() -> impl Iterator<Item = Variant> {
     let panel = FlatLight::rectangle(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE).expect("a rectangle");
     let light = Light::gpu_text(&[&panel.into()]).expect("for a GPU");
-    let of = |v: &Variant| !v.paper && v.strategies.maps.is_none() && [1, 5, 6].contains(&v.depth);
+    let of = |v: &Variant| !v.paper && !uses(v, "maps") && [1, 5, 6].contains(&v.depth);
     let of_shown =
         move |variant: Variant| [Shown::Outline, Shown::Image].map(|shown| Variant { light, shown, ..variant.clone() });
     variants().filter(of).flat_map(of_shown)
@@ -111,19 +151,13 @@ fn kernels_of_flat_lights_are_valid() {
 fn kernels_of_silhouettes_are_valid() {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let blockers = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
-    let own = OwnText {
-        name: blockers.name(),
-        // Of ten million edges in a thousand objects.
-        shared: blockers.shared().replace("DEPTH = 4u", "DEPTH = 12u"),
-        coverage: blockers.coverage(),
-        splat: blockers.splat(),
-        has_edges: blockers.has_edges(),
-        buffers: blockers.buffers().iter().zip(0..).map(|(buffer, k)| (k, buffer.name, buffer.element)).collect(),
-    };
-    let is_some = |v: &Variant| v.strategies.rays.is_none() && [1, 5, 6].contains(&v.depth);
+    let mut own = own(&blockers, 8, GpuPages::ONE);
+    // Of ten million edges in a thousand objects.
+    own.shared = own.shared.replace("DEPTH = 4u", "DEPTH = 12u");
+    let is_some = |v: &Variant| v.stack.is_none() && [1, 5, 6].contains(&v.depth);
     for variant in variants().chain(flat_variants()).filter(is_some) {
-        let strategies = Strategies { any_hit: Some(64), ..variant.strategies };
-        let variant = Variant { own: vec![own.clone()], strategies, ..variant };
+        let all = variant.own.iter().chain([&own]).cloned().collect();
+        let variant = Variant { own: all, stack: Some(64), ..variant };
         check(&format!("classify ({})", variant.name()), &classify(&variant));
         check(&format!("penumbra ({})", variant.name()), &penumbra(&variant));
     }
@@ -137,11 +171,11 @@ fn a_kernel_has_only_what_its_scene_uses() {
         materials: set(Models::from_bits(1)),
         light: LIGHT,
         shown: Shown::Cone,
-        own: Vec::new(),
-        strategies: Strategies { spheres: true, ..Strategies::default() },
+        own: vec![own(&spheres(), 0, GpuPages::ONE)],
+        stack: None,
         paper: false,
     };
-    let unshadowed = Variant { strategies: Strategies::default(), ..lambert.clone() };
+    let unshadowed = Variant { own: Vec::new(), ..lambert.clone() };
     let text = classify(&unshadowed).text;
     assert!(!text.contains("slab") && !text.contains("spheres_") && !text.contains("phong"), "one closed integral");
     let text = penumbra(&lambert).text;
@@ -159,20 +193,6 @@ fn the_frame_is_laid_out_as_in_rust() {
     macro_rules! rust {
         ($($field:ident),*) => { [$((stringify!($field), core::mem::offset_of!(GpuFrame, $field) as u32)),*] };
     }
-    let rust = rust!(
-        light,
-        radiance,
-        tolerance,
-        threshold,
-        point_count,
-        queue_stride,
-        sphere_count,
-        block_count,
-        map,
-        rounds,
-        image,
-        number,
-        shape
-    );
+    let rust = rust!(light, radiance, tolerance, threshold, point_count, queue_stride, rounds, image, number, shape);
     assert_eq!(offsets, rust);
 }

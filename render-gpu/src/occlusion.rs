@@ -1,199 +1,293 @@
-use crate::kernel::{Kernel, Slot};
+use crate::kernel::{
+    Access::{Read, Uniform, Write},
+    Binding, Kernel, Slot,
+};
 use crate::memory::Memory;
-use crate::module::{self, OwnText, Strategies};
+use crate::module::{self, OwnBuffer, OwnText, Text};
 use crate::{Gpu, GpuError, GpuPose, GpuWorld};
 use core::num::NonZeroU64;
+use core::ops::Range;
 use glam::Mat4;
-use lobe_core::LightId;
-use lobe_core::gpu::GpuBlockers;
-use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers};
-use visibility_spheres::{BlockerSphere, SPHERE_BLOCK, SphereBlockers};
+use lobe_core::gpu::{GpuBlockers, GpuContents, GpuPages, GpuPass, GpuRun};
 use wgpu::BufferUsages;
 
-const ONE_WORLD: &str = "blockers that ask what rays meet need `any_hit`, and no `rays` beside it";
+const NO_SCENE: &str = "blockers that ask what rays meet need `any_hit`";
 
-/// What hides lights from points: any of these together; nothing by default.
+/// What hides lights from points: any of these strategies together; nothing by default.
+///
+/// The spheres of `visibility-spheres`, the packed maps of `visibility-shadowmap`, silhouettes, rays, and anybody's own.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Occlusion<'a> {
-    /// The `spheres` strategy.
-    pub spheres: Option<&'a SphereBlockers>,
-    /// The `shadow-map` strategy.
-    pub maps: Option<&'a ShadowMapBlockers>,
-    /// The `rays` strategy: everything there. Given anew after each of its updates.
-    pub rays: Option<&'a GpuWorld>,
-    /// Strategies that this crate does not know.
-    pub own: &'a [&'a dyn GpuBlockers],
-    /// The scene that rays of those meet: the objects that block there. Not together with `rays`.
+    /// The strategies.
+    pub blockers: &'a [&'a dyn GpuBlockers],
+    /// The scene that rays of those meet: the objects that block there. Given anew after each of its updates.
     pub any_hit: Option<&'a GpuWorld>,
 }
 
-/// Blockers on the GPU.
-#[derive(Debug)]
-pub(crate) struct Blockers {
-    strategies: Strategies,
-    sphere_count: u32,
-    packed: Vec<BlockerSphere>,
-    spheres: Memory,
-    bounds: Memory,
-    /// Nodes and primitives of what shadow rays meet.
-    world: Option<[wgpu::Buffer; 2]>,
-    /// Makes the bounds; and whether it has to.
-    bound: Option<Kernel>,
-    moved: bool,
-    packed_maps: Option<PackedMaps>,
-    maps: Memory,
-    own: Vec<OwnText>,
-    own_buffers: Vec<Memory>,
+impl<'a> Occlusion<'a> {
+    /// Strategies that ask no rays.
+    #[must_use]
+    pub const fn of(blockers: &'a [&'a dyn GpuBlockers]) -> Self {
+        Self { blockers, any_hit: None }
+    }
 }
 
-impl Default for Blockers {
-    fn default() -> Self {
-        let storage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
+/// A buffer of a strategy.
+#[derive(Debug)]
+struct Part {
+    name: &'static str,
+    memory: Memory,
+    /// Bytes that are there.
+    bytes: u64,
+    /// Bytes for each tile of a slice, of those that have no fixed size.
+    per_tile: u64,
+    pages: GpuPages,
+    /// The first number of its slots.
+    first: u32,
+    revision: Option<u64>,
+    /// Whether it is new, or something was written to it that passes do not know of.
+    has_changed: bool,
+}
+
+impl Part {
+    fn new(name: &'static str, is_paged: bool) -> Self {
+        let memory = Memory::new(name, BufferUsages::STORAGE | BufferUsages::COPY_DST);
         Self {
-            strategies: Strategies::default(),
-            sphere_count: 0,
-            packed: Vec::new(),
-            spheres: Memory::new("blocker spheres", storage),
-            bounds: Memory::new("bounds of blockers", storage),
-            world: None,
-            bound: None,
-            moved: false,
-            packed_maps: None,
-            maps: Memory::new("shadow maps", storage).paged(),
-            own: Vec::new(),
-            own_buffers: Vec::new(),
+            name,
+            memory: if is_paged { memory.paged() } else { memory },
+            bytes: 0,
+            per_tile: 0,
+            pages: GpuPages::ONE,
+            first: 0,
+            revision: None,
+            has_changed: true,
         }
     }
+
+    fn hold(&mut self, gpu: &Gpu, contents: &GpuContents<'_>) -> Result<(), GpuError> {
+        self.per_tile = 0;
+        match contents {
+            GpuContents::Words(words) => self.upload(gpu, words)?,
+            GpuContents::Pages { words, revision } => {
+                if self.revision != Some(*revision) {
+                    self.upload(gpu, words)?;
+                    self.revision = Some(*revision);
+                }
+                let most = gpu.device().limits().max_storage_buffer_binding_size;
+                self.pages = GpuPages::of(self.bytes, most);
+            }
+            GpuContents::Room(words) => self.room(gpu, 4 * u64::from(*words))?,
+            GpuContents::RoomPerTile(words) => self.per_tile = 4 * u64::from(*words),
+            _ => return Err(GpuError::Unsupported(format!("contents of the buffer `{}`", self.name))),
+        }
+        Ok(())
+    }
+
+    fn upload(&mut self, gpu: &Gpu, words: &[u32]) -> Result<(), GpuError> {
+        // Until it is uploaded.
+        self.revision = None;
+        let bytes = size_of_val(words) as u64;
+        let uploaded = self.memory.hold(gpu, bytemuck::cast_slice(words))?;
+        self.has_changed |= uploaded > 0 || bytes != self.bytes;
+        self.bytes = bytes;
+        Ok(())
+    }
+
+    fn room(&mut self, gpu: &Gpu, bytes: u64) -> Result<(), GpuError> {
+        self.memory.sized(gpu, bytes)?;
+        // A buffer that grows loses what passes have written.
+        self.has_changed |= bytes != self.bytes;
+        self.bytes = bytes;
+        Ok(())
+    }
+
+    /// What a slot of it is bound to: just what it holds.
+    fn binding(&self, page: u32) -> Option<wgpu::BufferBinding<'_>> {
+        let Range { start, end } = self.pages.range(page, self.bytes);
+        let size = NonZeroU64::new(end.checked_sub(start)?);
+        Some(wgpu::BufferBinding { buffer: self.memory.get()?, offset: start, size })
+    }
+
+    fn slots(&self) -> Range<u32> {
+        self.first..self.first + self.pages.count()
+    }
+}
+
+/// A pass of a strategy.
+#[derive(Debug)]
+struct Pass {
+    text: Text,
+    run: GpuRun,
+    kernel: Option<Kernel>,
+}
+
+/// Blockers on the GPU.
+#[derive(Debug, Default)]
+pub(crate) struct Blockers {
+    own: Vec<OwnText>,
+    parts: Vec<Part>,
+    passes: Vec<Pass>,
+    /// Size of the stack of rays, nodes and primitives of what they meet.
+    world: Option<(u32, [wgpu::Buffer; 2])>,
 }
 
 impl Blockers {
     /// Takes over what blocks now; after an error nothing does.
     pub(crate) fn hold(&mut self, gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
-        let asks = occlusion.own.iter().any(|own| own.asks_any_hit());
-        let (rays, any_hit) = (occlusion.rays, occlusion.any_hit.filter(|_| asks));
-        self.strategies = Strategies::default();
+        let held = self.try_hold(gpu, occlusion);
+        if held.is_err() {
+            *self = Self::default();
+        }
+        held
+    }
+
+    fn try_hold(&mut self, gpu: &Gpu, occlusion: Occlusion<'_>) -> Result<(), GpuError> {
+        let blockers: Vec<_> = occlusion.blockers.iter().filter(|blockers| !blockers.is_empty()).collect();
+        for (k, own) in blockers.iter().enumerate() {
+            if blockers[..k].iter().any(|other| other.name() == own.name()) {
+                return Err(GpuError::Unsupported(format!("blockers called `{}` are there twice", own.name())));
+            }
+        }
+        let asks = blockers.iter().any(|own| own.asks_any_hit());
+        let world = occlusion.any_hit.filter(|_| asks);
+        if asks && world.is_none() {
+            return Err(GpuError::Unsupported(NO_SCENE.to_owned()));
+        }
+        self.world = world.and_then(|world| Some((world.stack(), world.buffers()?)));
+        let (mut old, mut old_passes) = (core::mem::take(&mut self.parts), core::mem::take(&mut self.passes));
         self.own.clear();
-        if asks && (rays.is_some() || any_hit.is_none()) {
-            return Err(GpuError::Unsupported(ONE_WORLD.to_owned()));
-        }
-        let stack = |world: Option<&GpuWorld>| world.map(GpuWorld::stack);
-        let mut strategies = Strategies { rays: stack(rays), any_hit: stack(any_hit), ..Strategies::default() };
-        self.world = rays.or(any_hit).and_then(GpuWorld::buffers);
-        self.packed.clear();
-        if let Some(spheres) = occlusion.spheres {
-            spheres.pack(&mut self.packed);
-        }
-        let old_maps = self.packed_maps.take();
-        if let Some(maps) = occlusion.maps {
-            let mut packed = old_maps.unwrap_or_default();
-            if packed.update(maps) > 0 {
-                self.maps.hold(gpu, bytemuck::cast_slice(packed.words()))?;
+        let mut slots = 0;
+        for own in blockers {
+            let mut buffers = Vec::new();
+            for buffer in own.buffers() {
+                let is_paged = matches!(buffer.contents, GpuContents::Pages { .. });
+                let known = old.iter().position(|part| part.name == buffer.name);
+                let part = known.map_or_else(|| Part::new(buffer.name, is_paged), |known| old.swap_remove(known));
+                self.parts.push(Part { first: slots, ..part });
+                let Some(part) = self.parts.last_mut() else { continue };
+                part.hold(gpu, &buffer.contents)?;
+                slots += part.pages.count();
+                let pages = is_paged.then_some(part.pages);
+                buffers.push(OwnBuffer { first: part.first, pages, name: buffer.name, element: buffer.element });
             }
-            let most = gpu.device().limits().max_storage_buffer_binding_size;
-            strategies.maps = Some(Pages::of(size_of_val(packed.words()) as u64, most));
-            self.packed_maps = Some(packed);
-        }
-        self.sphere_count = self.packed.len() as u32;
-        strategies.spheres = self.sphere_count > 0;
-        if strategies.spheres {
-            self.moved |= self.spheres.hold(gpu, bytemuck::cast_slice(&self.packed))? > 0;
-            self.bounds.sized(gpu, 16 * u64::from(self.block_count()))?;
-            if self.bound.is_none() {
-                self.bound = Some(Kernel::new(gpu, &module::bounds())?);
+            for pass in own.passes() {
+                let text = pass_text(&pass, &buffers)?;
+                let known = old_passes.iter().position(|old| old.text == text);
+                let kernel = known.and_then(|known| old_passes.swap_remove(known).kernel);
+                self.passes.push(Pass { text, run: pass.run, kernel });
             }
+            self.own.push(OwnText::new(*own, buffers));
         }
-        self.own = self.hold_own(gpu, occlusion.own)?;
-        self.strategies = strategies;
+        self.compile(gpu, |run| run != GpuRun::Tiles)
+    }
+
+    /// Compiles those passes that have no kernel yet.
+    fn compile(&mut self, gpu: &Gpu, which: impl Fn(GpuRun) -> bool) -> Result<(), GpuError> {
+        for pass in self.passes.iter_mut().filter(|pass| pass.kernel.is_none() && which(pass.run)) {
+            pass.kernel = Some(Kernel::new(gpu, &pass.text)?);
+        }
         Ok(())
     }
 
-    /// The texts of somebody's own strategies, whose buffers are uploaded.
-    fn hold_own(&mut self, gpu: &Gpu, own: &[&dyn GpuBlockers]) -> Result<Vec<OwnText>, GpuError> {
-        let (mut texts, mut count) = (Vec::new(), 0);
-        for blockers in own {
-            let mut buffers = Vec::new();
-            for buffer in blockers.buffers() {
-                if count == self.own_buffers.len() {
-                    let usage = BufferUsages::STORAGE | BufferUsages::COPY_DST;
-                    self.own_buffers.push(Memory::new("own blockers", usage));
-                }
-                self.own_buffers[count].hold(gpu, bytemuck::cast_slice(&buffer.words))?;
-                buffers.push((count as u32, buffer.name, buffer.element));
-                count += 1;
-            }
-            texts.push(OwnText {
-                name: blockers.name(),
-                shared: blockers.shared(),
-                coverage: blockers.coverage(),
-                splat: blockers.splat(),
-                has_edges: blockers.has_edges(),
-                buffers,
-            });
+    /// Makes ready for slices of so many tiles.
+    pub(crate) fn prepare(&mut self, gpu: &Gpu, tiles: u64) -> Result<(), GpuError> {
+        for part in self.parts.iter_mut().filter(|part| part.per_tile > 0) {
+            part.room(gpu, part.per_tile * tiles)?;
         }
-        Ok(texts)
+        Ok(())
     }
 
-    /// Somebody's own strategies.
+    /// Compiles what runs for each light.
+    pub(crate) fn compile_all(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
+        self.compile(gpu, |_| true)
+    }
+
+    /// The strategies.
     pub(crate) fn own(&self) -> &[OwnText] {
         &self.own
     }
 
+    /// Size of the stack of the rays that they ask for.
+    pub(crate) fn stack(&self) -> Option<u32> {
+        self.world.as_ref().map(|(stack, _)| *stack)
+    }
+
+    /// The most bytes that a strategy wants for a tile.
+    pub(crate) fn bytes_per_tile(&self) -> u64 {
+        self.parts.iter().map(|part| part.per_tile).max().unwrap_or(0)
+    }
+
     /// Moves the spheres that follow bones.
     pub(crate) fn pose(&mut self, gpu: &Gpu, pose: &mut GpuPose, poses: &[(&[Mat4], &[f32])]) -> Result<(), GpuError> {
-        if let Some(spheres) = self.spheres.whole().filter(|_| self.strategies.spheres) {
-            pose.submit(gpu, poses, &spheres)?;
-            self.spheres.forget();
-            self.moved = true;
+        if let Some(part) = self.parts.iter_mut().find(|part| part.name == GpuPose::BUFFER && part.bytes > 0) {
+            if let Some(binding) = part.binding(0) {
+                pose.submit(gpu, poses, &binding)?;
+            }
+            part.memory.forget();
+            part.has_changed = true;
         }
         Ok(())
     }
 
-    pub(crate) const fn strategies(&self) -> Strategies {
-        self.strategies
-    }
-
-    pub(crate) const fn sphere_count(&self) -> u32 {
-        self.sphere_count
-    }
-
-    /// Blocks of neighbours, a bound each.
-    pub(crate) const fn block_count(&self) -> u32 {
-        self.sphere_count.div_ceil(SPHERE_BLOCK as u32)
-    }
-
-    /// Where a light's shadow map is.
-    pub(crate) fn map_of(&self, light: LightId) -> u32 {
-        self.packed_maps.as_ref().map_or(0, |maps| maps.map_of(light))
-    }
-
     /// Its buffer for a slot.
     pub(crate) fn resource(&self, slot: Slot) -> Option<wgpu::BufferBinding<'_>> {
+        let world = self.world.as_ref().map(|(_, buffers)| buffers);
         match slot {
-            Slot::Spheres => self.spheres.whole(),
-            Slot::Bounds => self.bounds.whole(),
-            Slot::Nodes => self.world.as_ref().map(|[nodes, _]| nodes.as_entire_buffer_binding()),
-            Slot::Primitives => self.world.as_ref().map(|[_, all]| all.as_entire_buffer_binding()),
-            Slot::Maps(page) => self.page(page),
-            Slot::Own(number) => self.own_buffers.get(number as usize).and_then(Memory::whole),
+            Slot::Nodes => world.map(|[nodes, _]| nodes.as_entire_buffer_binding()),
+            Slot::Primitives => world.map(|[_, all]| all.as_entire_buffer_binding()),
+            Slot::Own(number) => {
+                let part = self.parts.iter().find(|part| part.slots().contains(&number))?;
+                part.binding(number - part.first)
+            }
             _ => None,
         }
     }
 
-    /// A page of the shadow maps.
-    fn page(&self, page: u32) -> Option<wgpu::BufferBinding<'_>> {
-        let bytes = size_of_val(self.packed_maps.as_ref()?.words()) as u64;
-        let range = self.strategies.maps?.range(page, bytes);
-        let size = NonZeroU64::new(range.end - range.start);
-        Some(wgpu::BufferBinding { buffer: self.maps.get()?, offset: range.start, size })
+    /// Whether each pass that follows changes has to run. They are forgotten.
+    pub(crate) fn take_changes(&mut self) -> Vec<bool> {
+        let parts = &self.parts;
+        let is_changed = |slot: Slot| match slot {
+            Slot::Own(number) => parts.iter().any(|part| part.has_changed && part.slots().contains(&number)),
+            _ => false,
+        };
+        // What it writes, too: a buffer may be a new one.
+        let of = |pass: &Pass| pass.text.bindings.iter().any(|(slot, _)| is_changed(*slot));
+        let changes = self.passes.iter().map(|pass| pass.run != GpuRun::Tiles && of(pass)).collect();
+        self.parts.iter_mut().for_each(|part| part.has_changed = false);
+        changes
     }
 
-    /// Whether spheres have moved since this was asked last.
-    pub(crate) fn take_moved(&mut self) -> bool {
-        core::mem::take(&mut self.moved)
+    /// The kernels of those passes that have changed, and their workgroups.
+    pub(crate) fn followers(&self, changes: &[bool]) -> impl Iterator<Item = (&Kernel, u64)> {
+        let changed = self.passes.iter().zip(changes).filter(|(_, changed)| **changed);
+        changed.filter_map(|(pass, _)| match pass.run {
+            GpuRun::Changed(groups) => Some((pass.kernel.as_ref()?, groups.into())),
+            _ => None,
+        })
     }
 
-    /// The kernel that follows moved spheres, and its workgroups.
-    pub(crate) fn follower(&self) -> Option<(&Kernel, u64)> {
-        self.bound.as_ref().map(|kernel| (kernel, module::bound_groups(self.block_count()).into()))
+    /// The kernels that run for each light, a workgroup a tile.
+    pub(crate) fn of_tiles(&self) -> impl Iterator<Item = &Kernel> {
+        self.passes.iter().filter(|pass| pass.run == GpuRun::Tiles).filter_map(|pass| pass.kernel.as_ref())
     }
+}
+
+/// The text of a pass of the strategy that has these buffers.
+pub(crate) fn pass_text(pass: &GpuPass, buffers: &[OwnBuffer]) -> Result<Text, GpuError> {
+    let mut bindings: Vec<Binding> = vec![(Slot::Frame, Uniform)];
+    let mut declarations = String::new();
+    let reads = pass.reads.iter().map(|name| (*name, Read));
+    for (name, access) in reads.chain(pass.writes.iter().map(|name| (*name, Write))) {
+        if (name, access) == ("points", Read) {
+            bindings.push((Slot::Points, Read));
+            declarations.push_str(module::POINTS_ALONE);
+            continue;
+        }
+        let buffer = buffers.iter().find(|buffer| buffer.name == name).ok_or_else(|| {
+            GpuError::Unsupported(format!("the pass `{}` of buffers that its strategy has not: `{name}`", pass.entry))
+        })?;
+        bindings.extend(buffer.slots().map(|slot| (slot, access)));
+        declarations.push_str(&buffer.declaration(access));
+    }
+    Ok(module::pass(pass, &declarations, &bindings))
 }

@@ -39,6 +39,9 @@ pub struct GpuPose {
 const GROUP: u32 = 64;
 
 impl GpuPose {
+    /// The buffer of [`SphereBlockers`](visibility_spheres::SphereBlockers) that it writes to.
+    pub(crate) const BUFFER: &str = "spheres";
+
     /// Compiles the kernel and uploads what never changes.
     ///
     /// # Errors

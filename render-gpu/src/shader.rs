@@ -12,7 +12,7 @@ use crate::{Gpu, GpuError, GpuPose};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
-use lobe_core::{Accuracy, LightId, LightLobes, Method};
+use lobe_core::{Accuracy, LightLobes, Method};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 use visibility_mask::{Fineness, MAX_DEPTH};
@@ -70,7 +70,6 @@ pub struct GpuShader {
     frames: Memory,
     queue: Memory,
     indirect: Memory,
-    lists: Memory,
     clock: Option<Clock>,
     /// Of points that come from the CPU.
     points: Memory,
@@ -81,7 +80,6 @@ pub struct GpuShader {
 /// The kernels of a variant.
 #[derive(Debug)]
 struct Kernels {
-    cull: Option<Kernel>,
     classify: Kernel,
     args: Option<Kernel>,
     penumbra: Option<Kernel>,
@@ -107,7 +105,6 @@ impl GpuShader {
             frames: Memory::new("lights", storage | BufferUsages::UNIFORM),
             queue: Memory::new("queue", storage | BufferUsages::COPY_SRC),
             indirect: Memory::new("dispatch", storage | BufferUsages::INDIRECT),
-            lists: Memory::new("lists", storage),
             clock: Clock::new(gpu),
             points: Memory::new("points", storage),
             radiance: Memory::new("radiance", storage | BufferUsages::COPY_SRC),
@@ -167,7 +164,8 @@ impl GpuShader {
     fn slice(&self, stride: u64) -> u64 {
         let limits = self.gpu.device().limits();
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let per_point = (size_of::<GpuReceiver>() as u64).max(4 * stride).max(module::LIST_BYTES / TILE + 1);
+        let per_point =
+            (size_of::<GpuReceiver>() as u64).max(4 * stride).max(self.blockers.bytes_per_tile() / TILE + 1);
         let groups = u64::from(limits.max_compute_workgroups_per_dimension) * TILE;
         let fits = (most.saturating_sub(HEADER) / per_point).min(groups);
         self.slice.min((fits / TILE).max(1) * TILE)
@@ -191,17 +189,17 @@ impl GpuShader {
             materials,
             light,
             shown,
-            strategies: self.blockers.strategies(),
             own: self.blockers.own().to_vec(),
+            stack: self.blockers.stack(),
             paper: self.paper.is_some(),
         };
+        self.blockers.compile_all(&self.gpu)?;
         if let Some(known) = self.kernels.iter().position(|(known, _)| *known == variant) {
             return Ok(known);
         }
         let make = |text: module::Text| Kernel::new(&self.gpu, &text);
         let blocked = variant.is_blocked();
         let kernels = Kernels {
-            cull: variant.strategies.spheres.then(|| make(module::cull())).transpose()?,
             classify: make(module::classify(&variant))?,
             args: blocked.then(|| make(module::args())).transpose()?,
             penumbra: blocked.then(|| make(module::penumbra(&variant))).transpose()?,
@@ -277,7 +275,6 @@ impl GpuShader {
     /// One uniform a light.
     fn uniforms<M, L: GpuLight>(&self, frame: &Frame<'_, M, L>, part: &Part<'_>) -> Vec<u8> {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
-        let (sphere_count, block_count) = (self.blockers.sphere_count(), self.blockers.block_count());
         for ((number, light), bytes) in (0..).zip(frame.lights).zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
             let bounds = light.gpu_bounds();
             let mut shape = [[0.0; 4]; GPU_SHAPE];
@@ -292,10 +289,7 @@ impl GpuShader {
                 queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
                 image: self.images.start(number),
                 number,
-                pad: [0; 3],
-                sphere_count,
-                block_count,
-                map: self.blockers.map_of(LightId(number)),
+                pad: [0; 2],
                 rounds: 2,
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));
@@ -317,12 +311,10 @@ impl GpuShader {
         self.frames.hold(&gpu, &uniforms)?;
         let queue = self.queue.sized(&gpu, HEADER + 4 * part.stride * part.count)?.clone();
         let indirect = self.indirect.sized(&gpu, 12)?.clone();
-        if self.blockers.strategies().spheres {
-            self.lists.sized(&gpu, tiles * module::LIST_BYTES)?;
-        }
-        let (clock, moved) = (self.clock.take(), self.blockers.take_moved());
+        self.blockers.prepare(&gpu, tiles)?;
+        let (clock, changes) = (self.clock.take(), self.blockers.take_changes());
         let recorder = Recorder { shader: self, part, tiles, queue: &queue, indirect: &indirect, clock };
-        let recorded = gpu.scoped("the commands of a slice", || recorder.record(kernels, moved));
+        let recorded = gpu.scoped("the commands of a slice", || recorder.record(kernels, &changes));
         let (encoder, clock) = recorded?;
         self.clock = clock;
         Ok(encoder)
@@ -345,7 +337,6 @@ impl GpuShader {
             Slot::Materials => self.materials.whole(),
             Slot::Queue => self.queue.whole(),
             Slot::Indirect => self.indirect.whole(),
-            Slot::Lists => self.lists.whole(),
             Slot::Images => self.images.whole(),
             Slot::Tables => self.paper.as_ref().and_then(Paper::resource),
             _ => self.blockers.resource(slot),
@@ -375,20 +366,21 @@ type Step<'a> = (&'a Kernel, wgpu::BindGroup, Stage, Work<'a>);
 
 impl Recorder<'_> {
     /// The kernels of each light are given by their number.
-    fn record(mut self, kernels: &[usize], moved: bool) -> (wgpu::CommandEncoder, Option<Clock>) {
+    fn record(mut self, kernels: &[usize], changes: &[bool]) -> (wgpu::CommandEncoder, Option<Clock>) {
         let (shader, gpu) = (self.shader, &self.shader.gpu);
         let bind = |kernel: &Kernel| kernel.bind(gpu, |slot| shader.resource(slot, self.part));
         let steps_of = |number: usize| -> Vec<Step<'_>> {
             let kernels = &shader.kernels[number].1;
-            [
-                (kernels.cull.as_ref(), Stage::Cull, Work::Groups(self.tiles)),
+            let before = shader.blockers.of_tiles().map(|kernel| (Some(kernel), Stage::Cull, Work::Groups(self.tiles)));
+            let own = [
                 (Some(&kernels.classify), Stage::Classify, Work::Groups(self.tiles)),
                 (kernels.args.as_ref(), Stage::Classify, Work::Groups(1)),
                 (kernels.penumbra.as_ref(), Stage::Penumbra, Work::Indirect(self.indirect)),
-            ]
-            .into_iter()
-            .filter_map(|(kernel, stage, work)| kernel.map(|kernel| (kernel, bind(kernel), stage, work)))
-            .collect()
+            ];
+            before
+                .chain(own)
+                .filter_map(|(kernel, stage, work)| kernel.map(|kernel| (kernel, bind(kernel), stage, work)))
+                .collect()
         };
         let mut steps: Vec<(usize, Vec<Step<'_>>)> = Vec::new();
         for number in kernels {
@@ -396,15 +388,16 @@ impl Recorder<'_> {
                 steps.push((*number, steps_of(*number)));
             }
         }
-        let follower = self.shader.blockers.follower().filter(|_| moved);
-        let moved = follower.map(|(kernel, groups)| (kernel, bind(kernel), Stage::Cull, Work::Groups(groups)));
+        let followers = shader.blockers.followers(changes);
+        let followers: Vec<Step<'_>> =
+            followers.map(|(kernel, groups)| (kernel, bind(kernel), Stage::Cull, Work::Groups(groups))).collect();
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(self.part.radiance, 16 * self.part.first, Some(16 * self.part.count));
         encoder.clear_buffer(self.queue, 0, Some(HEADER));
         if let Some(clock) = &mut self.clock {
             clock.restart();
         }
-        if let Some(step) = &moved {
+        for step in &followers {
             self.pass(&mut encoder, 0, step);
         }
         for (light, number) in (0..).zip(kernels) {

@@ -144,14 +144,14 @@ const PAIRS: &[Pair] = &[
     ("visibility-spheres/src/shaft.wgsl", "SHAFT_NEARLY", Own),
     ("visibility-spheres/src/shaft.wgsl", "MARGIN", Is("visibility-spheres/src/shaft.rs", "MARGIN")),
     ("visibility-spheres/src/wide_cone.wgsl", "WIDE_LIMIT", Is("visibility-spheres/src/wide_cone.rs", "LIMIT")),
-    ("render-gpu/src/kernels/bounds.wgsl", "BOUNDS_EVERYTHING", Own),
+    ("visibility-spheres/src/bounds.wgsl", "BOUNDS_EVERYTHING", Own),
     ("render-gpu/src/kernels/bvh.wgsl", "NEVER", Own),
     ("render-gpu/src/kernels/bvh.wgsl", "BVH_EDGE", Is("ray-tracing/src/world/primitive.rs", "EDGE")),
     ("render-gpu/src/kernels/bvh.wgsl", "WIDEST", Is("ray-tracing/src/world/packet.rs", "WIDEST")),
     ("render-gpu/src/kernels/bvh.wgsl", "CLOSE", Is("ray-tracing/src/world/primitive.rs", "CLOSE")),
     ("render-gpu/src/kernels/bvh.wgsl", "CLOSE_TO_BALL", Is("ray-tracing/src/world/primitive.rs", "CLOSE_TO_BALL")),
-    ("render-gpu/src/kernels/rays.wgsl", "BLUR", Is("ray-tracing/src/world/query.rs", "BLUR")),
-    ("render-gpu/src/kernels/rays_splat.wgsl", "GRAZING", Is("render-cpu/src/rays.rs", "GRAZING")),
+    ("render-gpu/src/kernels/any_hit.wgsl", "BLUR", Is("ray-tracing/src/world/query.rs", "BLUR")),
+    ("render-cpu/src/rays_splat.wgsl", "GRAZING", Is("render-cpu/src/rays.rs", "GRAZING")),
 ];
 
 /// The folder of all crates; none where this one was unpacked alone.

@@ -11,9 +11,10 @@ use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use {
     lobe_core::Method,
     lobe_core::gpu::GpuBlockers,
+    render_cpu::GpuRays,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, Stops},
     scene::Scene,
-    visibility_shadowmap::ShadowMapBlockers,
+    visibility_shadowmap::{PackedMaps, ShadowMapBlockers},
     visibility_silhouettes::GpuSilhouettes,
     visibility_spheres::SphereBlockers,
 };
@@ -45,7 +46,7 @@ impl Backend {
             Device::Gpu => {
                 let gpu = Gpu::blocking(&GpuOptions::default())?;
                 let shader = GpuShader::new(&gpu, Occlusion::default())?;
-                Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None })))
+                Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None, maps: None })))
             }
             #[cfg(not(feature = "gpu"))]
             Device::Gpu => Err(RenderError::NotOnGpu(NOT_BUILT)),
@@ -78,7 +79,7 @@ impl Backend {
         match self {
             Self::Cpu => u64::MAX,
             #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => gpu.shader.gpu().room_for_maps(),
+            Self::Gpu(gpu) => gpu.shader.gpu().room_for_pages(),
         }
     }
 
@@ -100,6 +101,8 @@ pub struct GpuBackend {
     shader: GpuShader,
     /// With what stops its rays.
     world: Option<(GpuWorld, Vec<Stops>)>,
+    /// What the GPU has of the shadow maps.
+    maps: Option<PackedMaps>,
 }
 
 #[cfg(feature = "gpu")]
@@ -127,12 +130,19 @@ impl GpuBackend {
             self.world = None;
         }
         self.shader.set_method(method);
-        let own = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
-        let (rays, any_hit) = match (self.world.as_ref().map(|(world, _)| world), own) {
-            (world, None) => (world, None),
-            (world, Some(_)) => (None, world),
-        };
-        self.shader.occlude(Occlusion { spheres, maps, rays, own: own.as_slice(), any_hit })?;
+        let any_hit = self.world.as_ref().map(|(world, _)| world);
+        let silhouettes = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
+        let traced = silhouettes.or_else(|| any_hit.map(|_| &GpuRays as &dyn GpuBlockers));
+        if let Some(maps) = maps {
+            // Only what has changed is packed and uploaded.
+            self.maps.get_or_insert_default().update(maps);
+        } else {
+            self.maps = None;
+        }
+        let spheres = spheres.map(|spheres| spheres as &dyn GpuBlockers);
+        let maps = self.maps.as_ref().map(|maps| maps as &dyn GpuBlockers);
+        let blockers: Vec<&dyn GpuBlockers> = [spheres, maps, traced].into_iter().flatten().collect();
+        self.shader.occlude(Occlusion { blockers: &blockers, any_hit })?;
         Ok(&mut self.shader)
     }
 }

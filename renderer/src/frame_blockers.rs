@@ -19,6 +19,7 @@ use {
 
 /// In which form visibility meets reflectance, ready to be used.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum Form<'t> {
     /// Visible fractions of lobes.
     Fractions,

@@ -30,9 +30,9 @@ impl Plan {
             let strategy = strategy.or(o.strategy).unwrap_or(usual);
             let blocks = match strategy {
                 Strategy::Spheres => o.proxy != Proxy::None,
-                // The true geometry also of things that nobody gave a proxy.
-                Strategy::ShadowMap | Strategy::Silhouettes | Strategy::Rays => o.visible || o.proxy != Proxy::None,
                 Strategy::None => false,
+                // The true geometry also of things that nobody gave a proxy.
+                _ => o.visible || o.proxy != Proxy::None,
             };
             if blocks { strategy } else { Strategy::None }
         };
@@ -146,9 +146,10 @@ impl Plan {
             Ok(scene.lights.par_iter().map(|light| map(ball(light))).collect::<Result<_, _>>()?)
         };
         let mut maps = draw(FITTED)?;
-        // Which objects cast comes before them.
+        // Which objects cast and which lights have maps comes before them.
         let bytes = |maps: &[ShadowMap]| {
-            maps.iter().map(ShadowMap::packed_bytes).sum::<u64>() + PackedMaps::bytes_of_objects(self.objects.len())
+            let before = PackedMaps::bytes_before_maps(self.objects.len(), scene.lights.len());
+            maps.iter().map(ShadowMap::packed_bytes).sum::<u64>() + before
         };
         let finest = |maps: &[ShadowMap]| maps.iter().map(ShadowMap::resolution).max().unwrap_or(0);
         let (wanted, needed) = (finest(&maps), bytes(&maps));

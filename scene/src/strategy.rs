@@ -1,5 +1,6 @@
 /// How an object's shadow is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Strategy {
     /// Its [`Proxy`](crate::Proxy): spheres.
     Spheres,

@@ -4,6 +4,7 @@ use std::sync::{Arc, LazyLock};
 
 /// How the numbers of an image are meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Encoding {
     /// Colours: IEC 61966-2-1. Alpha is linear.
     Srgb,

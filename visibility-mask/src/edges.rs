@@ -64,6 +64,7 @@ impl Edges {
 
     /// [`add`](Self::add) of eight edges; a length of zero or less adds nothing. Whatever the order in which edges are added so,
     /// the sum is the same to the bit.
+    #[doc(hidden)]
     #[inline(always)]
     pub fn add_lines<S: Simd>(&mut self, simd: S, across: [f32x8<S>; 3], length: f32x8<S>) {
         let (zero, u, v) = (f32x8::splat(simd, 0.0), self.right, self.up);
@@ -105,6 +106,7 @@ impl Edges {
     }
 
     /// [`add_circle`](Self::add_circle) of eight; a radius of zero adds nothing.
+    #[doc(hidden)]
     #[inline(always)]
     pub fn add_circles<S: Simd>(&mut self, simd: S, to: [f32x8<S>; 3], radius: f32x8<S>) {
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));

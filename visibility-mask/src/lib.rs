@@ -4,6 +4,8 @@
 //! [`MaskVisibility`] turns any [`Blockers`] into visible fractions of lobes, or into lobes; [`PaperVisibility`] does it as the
 //! paper does. [`Mixture`] puts two kinds of blockers into one mask; [`Contour`] fills it by asking whether a direction is blocked.
 //!
+//! What takes eight rows or edges at once is for the workspace's own strategies: it is hidden, since its signatures are another crate's.
+//!
 //! Out of scope: what blocks (the other `visibility-*` crates), lights, scenes, images.
 //!
 //! ```

@@ -360,6 +360,7 @@ impl Mask {
 
     /// Blocks samples `from[k]..to[k]` of the row `j + k`, eight rows at once: for shapes that find the ends of many rows
     /// together, with [`raster`](Self::raster). An empty interval blocks nothing; ends are at most the raster's width.
+    #[doc(hidden)]
     #[inline(always)]
     pub fn block_rows<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
         if self.coarse {
@@ -377,6 +378,7 @@ impl Mask {
     }
 
     /// [`block_area`](Self::block_area) with the ends of the eight lines in samples, without a shift.
+    #[doc(hidden)]
     #[inline(always)]
     pub fn block_lines<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
         if self.coarse {
@@ -466,6 +468,7 @@ impl Mask {
     }
 
     /// Which of the eight rows from `j` on have anything lit between two samples, as bits.
+    #[doc(hidden)]
     #[must_use]
     #[inline(always)]
     pub fn rows_lit_between<S: Simd>(&self, simd: S, j: usize, from: u32, to: u32) -> u32 {
@@ -484,6 +487,7 @@ impl Mask {
     }
 
     /// The rows and the samples that all that is lit lies in; empty when nothing is.
+    #[doc(hidden)]
     #[must_use]
     #[inline(always)]
     pub fn lit_bounds<S: Simd>(&self, simd: S) -> LitBounds {

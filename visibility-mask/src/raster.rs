@@ -52,6 +52,7 @@ impl Raster {
     }
 
     /// The first sample at or after each position.
+    #[doc(hidden)]
     #[inline(always)]
     pub fn indices<S: Simd>(&self, simd: S, position: f32x8<S>) -> u32x8<S> {
         let clamped = position.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, self.width));

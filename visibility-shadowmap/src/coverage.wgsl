@@ -8,8 +8,8 @@ fn map_cells(tolerance: f32) -> f32 {
     return select(select(64.0, 32.0, tolerance >= 0.002), 16.0, tolerance >= 0.008);
 }
 
-fn maps_coverage(at: Receiver, cone: Cone) -> u32 {
-    let map = frame.map;
+fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
+    let map = map_of_light();
     if map == 0u || map_leaves(at.object) {
         return LIT;
     }
@@ -19,7 +19,7 @@ fn maps_coverage(at: Receiver, cone: Cone) -> u32 {
     }
     let square = square_facing(cone, vec3f(0.0));
     let cell = 2.0 * square.disc / map_cells(frame.tolerance);
-    for (var f = 0u; f < map_word(map); f++) {
+    for (var f = 0u; f < maps_word(map); f++) {
         let face = map + 1u + MAP_FACE * f;
         let probe = map_probe(face, frame.light, at, square, -square.half, square.half, cell);
         // All of the cells at the rim.
@@ -28,7 +28,7 @@ fn maps_coverage(at: Receiver, cone: Cone) -> u32 {
         let aside = (rows[0] + rows[1]) * MAP_DIAGONAL;
         let across = (rows[0] - rows[1]) * MAP_DIAGONAL;
         let rim = transpose(mat4x4f(disc - aside, disc + aside, disc - across, disc + across));
-        for (var l = 0u; l < map_word(face + 15u); l++) {
+        for (var l = 0u; l < maps_word(face + 15u); l++) {
             let layer = map_layer(face, l);
             var item = MapItem(layer.top, 0u, 0u);
             loop {

@@ -1,4 +1,4 @@
-// Depth layers and their pyramids, as packed.rs lays them out. Needs `map_word` of pages.rs.
+// Depth layers and their pyramids, as packed.rs lays them out. Needs `maps_word`.
 
 // Part of a layer: `2^level` texels a side, at most.
 struct MapItem { level: u32, i: u32, j: u32 }
@@ -15,14 +15,14 @@ const MAP_NO_CORNERS = 0xffffffffu;
 // Words of a face.
 const MAP_FACE = 20u;
 
-fn map_f32(k: u32) -> f32 { return bitcast<f32>(map_word(k)); }
+fn map_f32(k: u32) -> f32 { return bitcast<f32>(maps_word(k)); }
 
 fn map_vec3(k: u32) -> vec3f { return vec3f(map_f32(k), map_f32(k + 1u), map_f32(k + 2u)); }
 
 // Layer `k` of a face that begins at `face`.
 fn map_layer(face: u32, k: u32) -> MapLayer {
-    let at = map_word(face + 16u + k);
-    return MapLayer(map_word(at + 1u), at + 1u, map_word(at), map_word(face + 13u), map_word(face + 14u));
+    let at = maps_word(face + 16u + k);
+    return MapLayer(maps_word(at + 1u), at + 1u, maps_word(at), maps_word(face + 13u), maps_word(face + 14u));
 }
 
 fn map_q(layer: MapLayer, i: u32, j: u32) -> f32 { return map_f32(layer.q + j * layer.width + i); }
@@ -35,7 +35,7 @@ fn map_size(layer: MapLayer, level: u32) -> vec2u {
 // Where a node of level 1 or more is.
 fn map_node_at(layer: MapLayer, level: u32, i: u32, j: u32) -> u32 {
     let columns = (layer.width + (1u << level) - 1u) >> level;
-    return map_word(layer.nodes + level) + 4u * (j * columns + i);
+    return maps_word(layer.nodes + level) + 4u * (j * columns + i);
 }
 
 fn map_node(layer: MapLayer, item: MapItem) -> MapNode {
@@ -80,7 +80,7 @@ fn map_next(layer: MapLayer, item: MapItem) -> MapItem {
 // q at corner `k` of a texel, counter-clockwise from the lower left. Where all texels around the node of level 1 are of one
 // surface it is a mean, else it is in a table.
 fn map_corner(layer: MapLayer, i: u32, j: u32, k: u32) -> f32 {
-    let table = map_word(map_node_at(layer, 1u, i >> 1u, j >> 1u) + 3u);
+    let table = maps_word(map_node_at(layer, 1u, i >> 1u, j >> 1u) + 3u);
     if table != MAP_NO_CORNERS {
         return map_f32(table + 4u * ((i & 1u) + 2u * (j & 1u)) + k);
     }

@@ -1,11 +1,20 @@
-// How a receiver's own face lies to a light, and whether maps speak of it. Needs layer.wgsl and facet.wgsl of lighting.
+// How a receiver's own face lies to a light, and whether maps speak of it. Needs layer.wgsl and facet.wgsl of visibility-mask.
+
+// Where the map of the light is, or 0.
+fn map_of_light() -> u32 {
+    let table = 1u + (maps_word(0u) + 15u) / 16u;
+    if frame.number >= maps_word(table) {
+        return 0u;
+    }
+    return maps_word(table + 1u + frame.number);
+}
 
 // Of an object: bit 0 whether maps were made of it, bit 1 whether its receivers are left to others.
 fn map_object(object: u32) -> u32 {
-    if object >= map_word(0) {
+    if object >= maps_word(0u) {
         return 0u;
     }
-    return (map_word(1u + (object >> 4u)) >> (2u * (object & 15u))) & 3u;
+    return (maps_word(1u + (object >> 4u)) >> (2u * (object & 15u))) & 3u;
 }
 
 // Whether receivers on it are for other blockers.

@@ -2,7 +2,8 @@
 //!
 //! Floats are by their bits. Word 0 is the number n of objects that [`ShadowMapBlockers::with_casters`] and
 //! [`ShadowMapBlockers::leaving`] speak of; of word `1 + k / 16` bit `2 (k % 16)` says whether object k casts, the next one whether its
-//! receivers are left to others. Then, each at a place that others name:
+//! receivers are left to others. Then how many numbers of lights follow, and for each light of the frame where its map is, 0 without one.
+//! Then, each at a place that others name:
 //!
 //! | what | words |
 //! |---|---|
@@ -19,8 +20,12 @@ use crate::blockers::ShadowMapBlockers;
 use crate::face::Face;
 use crate::layer::{Layer, MEANS};
 use crate::map::ShadowMap;
+use crate::wgsl;
+use core::sync::atomic::{AtomicU64, Ordering};
+use lobe_core::gpu::{GpuBlockers, GpuBuffer, GpuContents};
 use lobe_core::{LightId, Sphere};
 use std::sync::{Arc, Weak};
+use visibility_mask::wgsl::SQUARE;
 
 /// Words of a face.
 const FACE: usize = 20;
@@ -34,6 +39,8 @@ const UNEVEN: f32 = 1e20;
 pub struct PackedMaps {
     words: Vec<u32>,
     maps: Vec<Place>,
+    /// Another one for other words, of all that there ever were.
+    revision: u64,
 }
 
 /// Where a map is.
@@ -59,14 +66,14 @@ impl Place {
 }
 
 impl PackedMaps {
-    /// What the kernels read by `map_word`: 9.3 bytes a texel and layer, 16 more for texels at outlines
-    /// (a body over a floor, four layers: 39 MiB at 1024², 155 MiB at 2048²). Where a device binds less they go in [`Pages`](crate::Pages).
+    /// What the kernels read by `maps_word`: 9.3 bytes a texel and layer, 16 more for texels at outlines
+    /// (a body over a floor, four layers: 39 MiB at 1024², 155 MiB at 2048²). Where a device binds less they go in [`GpuPages`](lobe_core::gpu::GpuPages).
     #[must_use]
     pub fn words(&self) -> &[u32] {
         &self.words
     }
 
-    /// What the kernels know as `frame.map`: where a light's map is, 0 for a light without one, which is not shadowed.
+    /// Where a light's map is, 0 for a light without one, which is not shadowed.
     #[must_use]
     pub fn map_of(&self, light: LightId) -> u32 {
         self.maps.iter().find(|place| place.id == light).map_or(0, |place| place.from as u32)
@@ -76,18 +83,23 @@ impl PackedMaps {
     /// the same order) are left as they are, others take the place of those that they replace; all are packed anew where one
     /// finds no room. Returns the number of words written, 0 where nothing has changed.
     pub fn update(&mut self, blockers: &ShadowMapBlockers) -> usize {
-        let (head, maps) = (pack_objects(blockers.objects()), blockers.maps());
+        let maps = blockers.maps();
+        if self.maps.len() != maps.len() {
+            return self.renew(blockers);
+        }
+        for (place, id) in self.maps.iter_mut().zip(blockers.lights()) {
+            place.id = *id;
+        }
+        let mut head = pack_objects(blockers.objects());
+        self.pack_lights(&mut head, blockers.lights());
         let room = self.maps.first().map_or(self.words.len(), |place| place.from);
-        if self.maps.len() != maps.len() || room != head.len() {
+        if room != head.len() {
             return self.renew(blockers);
         }
         let mut written = 0;
         if self.words[..head.len()] != head {
             self.words[..head.len()].copy_from_slice(&head);
             written = head.len();
-        }
-        for (place, id) in self.maps.iter_mut().zip(blockers.lights()) {
-            place.id = *id;
         }
         let mut words = Vec::new();
         for (place, map) in self.maps.iter_mut().zip(maps).filter(|(place, map)| !place.is_of(map)) {
@@ -100,27 +112,82 @@ impl PackedMaps {
             written += words.len();
             *place = Place::new(place.id, map, place.from, place.to);
         }
+        if written > 0 {
+            self.revision = next_revision();
+        }
         written
     }
 
+    /// Appends where the map of each light is, as far as is known.
+    fn pack_lights(&self, words: &mut Vec<u32>, lights: &[LightId]) {
+        let count = count_of_numbers(lights);
+        words.push(count);
+        words.extend((0..count).map(|number| self.map_of(LightId(number))));
+    }
+
     fn renew(&mut self, blockers: &ShadowMapBlockers) -> usize {
+        self.revision = next_revision();
         self.words = pack_objects(blockers.objects());
+        let lights = self.words.len();
+        self.words.resize(lights + 1 + count_of_numbers(blockers.lights()) as usize, 0);
         self.maps.clear();
         for (id, map) in blockers.lights().iter().zip(blockers.maps()) {
             let from = self.words.len();
             pack_map(map, 0, &mut self.words);
             self.maps.push(Place::new(*id, map, from, self.words.len()));
         }
+        let mut table = Vec::new();
+        self.pack_lights(&mut table, blockers.lights());
+        self.words[lights..][..table.len()].copy_from_slice(&table);
         self.words.len()
+    }
+
+    /// Bytes of what [`words`](Self::words) say of so many objects and lights, before all maps.
+    #[must_use]
+    pub const fn bytes_before_maps(objects: usize, lights: usize) -> u64 {
+        4 * (2 + objects.div_ceil(16) + lights) as u64
     }
 }
 
-impl PackedMaps {
-    /// Bytes of what [`words`](Self::words) say of a scene's objects, before all maps.
-    #[must_use]
-    pub const fn bytes_of_objects(count: usize) -> u64 {
-        4 * (1 + count.div_ceil(16)) as u64
+/// As a strategy of the GPU: [`update`](Self::update) it and give it to the shader again.
+impl GpuBlockers for PackedMaps {
+    fn name(&self) -> &'static str {
+        "maps"
     }
+
+    fn shared(&self) -> String {
+        wgsl::COMMON.to_owned()
+    }
+
+    fn coverage(&self) -> String {
+        wgsl::COVERAGE.to_owned()
+    }
+
+    fn coverage_needs(&self) -> Vec<&'static str> {
+        vec![SQUARE]
+    }
+
+    fn splat(&self) -> String {
+        wgsl::SPLAT.to_owned()
+    }
+
+    fn buffers(&self) -> Vec<GpuBuffer<'_>> {
+        let contents = GpuContents::Pages { words: &self.words, revision: self.revision };
+        vec![GpuBuffer { name: "maps", element: "u32", contents }]
+    }
+}
+
+/// More lights than a frame has: no place is kept for their numbers.
+const LIGHTS: u32 = 1 << 20;
+
+/// Numbers of lights up to the last that has a map.
+fn count_of_numbers(lights: &[LightId]) -> u32 {
+    lights.iter().map(|light| light.0).filter(|light| *light < LIGHTS).map(|light| light + 1).max().unwrap_or(0)
+}
+
+fn next_revision() -> u64 {
+    static LAST: AtomicU64 = AtomicU64::new(0);
+    LAST.fetch_add(1, Ordering::Relaxed) + 1
 }
 
 impl ShadowMap {
@@ -262,8 +329,8 @@ mod tests {
         let all = packed.words.len();
         assert_eq!(packed.update(&of(&[&a, &b, &c])), 0);
         // The casters alone.
-        assert_eq!(packed.update(&of(&[&a, &b, &c]).with_casters(vec![false, true])), 2);
-        assert_eq!(packed.update(&of(&[&a, &b, &c])), 2);
+        assert_eq!(packed.update(&of(&[&a, &b, &c]).with_casters(vec![false, true])), 6);
+        assert_eq!(packed.update(&of(&[&a, &b, &c])), 6);
         // One that is smaller takes the place of the second.
         for map in [&a, &b, &c] {
             let mut alone = Vec::new();
@@ -289,7 +356,7 @@ mod tests {
             assert_eq!(packed.update(&of(maps)), want.words.len());
             assert_eq!(packed.words, want.words);
         }
-        assert_eq!(packed.update(&of(&[]).with_casters(vec![true; 40])), 4);
+        assert_eq!(packed.update(&of(&[]).with_casters(vec![true; 40])), 5);
     }
 
     #[test]

@@ -52,7 +52,7 @@ fn map_probe(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec
     let distance = max(length(to_light), 1e-30);
     let receiver = -vec3f(dot(right, to_light), dot(up, to_light), dot(forward, to_light));
     // The face's middle, or where the receiver is seen, and how far the light's direction is from there.
-    var seen = corner + (0.5 * texel) * vec2f(vec2u(map_word(face + 13u), map_word(face + 14u)));
+    var seen = corner + (0.5 * texel) * vec2f(vec2u(maps_word(face + 13u), maps_word(face + 14u)));
     var toward = seen.x * right + seen.y * up + forward;
     var off = toward;
     var depth = -1.0;

@@ -2,8 +2,8 @@
 // Needs probe.wgsl, own_face.wgsl, canvas.wgsl and `frame`.
 
 // Clears bits of the own row `lit`; every thread of the workgroup calls it.
-fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
-    let map = frame.map;
+fn maps_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
+    let map = map_of_light();
     if map == 0u || map_leaves(at.object) || lane >= SIDE || emitting.x >= emitting.y {
         return;
     }
@@ -16,10 +16,10 @@ fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
     // The own row's lines are 3/8 of a cell from its middle at most, and edges move by an eighth of one.
     let y = mask_row_y(mask, lane) + vec2f(-0.53125, 0.53125) * cell.y;
     let x = canvas_range() + vec2f(-0.15625, 0.15625) * cell.x;
-    for (var f = 0u; f < map_word(map); f++) {
+    for (var f = 0u; f < maps_word(map); f++) {
         let face = map + 1u + MAP_FACE * f;
         let probe = map_probe(face, frame.light, at, square, vec2f(x.x, y.x), vec2f(x.y, y.y), min(cell.x, cell.y));
-        for (var l = 0u; l < map_word(face + 15u); l++) {
+        for (var l = 0u; l < maps_word(face + 15u); l++) {
             map_draw_layer(probe, map_layer(face, l));
         }
     }

@@ -1,10 +1,8 @@
 //! The same in WGSL: texts that are joined to a shader module, in any order.
 //!
-//! All need `map_word`, which reads one of [`PackedMaps::words`](crate::PackedMaps::words): [`Pages::wgsl`](crate::Pages::wgsl);
-//! a variable `frame` with
-//! `light: vec4f` (centre and radius), `tolerance: f32` and `map: u32`, which is
-//! [`PackedMaps::map_of`](crate::PackedMaps::map_of) the light; `geometry.wgsl` and `lobe.wgsl` of `lobe-core`,
-//! `square.wgsl` and `facet.wgsl` of `visibility-mask`, and [`COMMON`].
+//! All need `maps_word`, which reads one of [`PackedMaps::words`](crate::PackedMaps::words) ([`GpuPages::wgsl`](lobe_core::gpu::GpuPages::wgsl));
+//! a variable `frame` with `light: vec4f` (centre and radius), `tolerance: f32` and `number: u32`, the light's in its frame; `geometry.wgsl` and
+//! `lobe.wgsl` of `lobe-core`, `square.wgsl` and `facet.wgsl` of `visibility-mask`, and [`COMMON`].
 //!
 //! # Accuracy
 //! What Rust works out in f64 is in f32 here, with texels and depths counted from where the receiver is seen: 1e-7 of the
@@ -17,11 +15,11 @@
 pub const COMMON: &str =
     concat!(include_str!("layer.wgsl"), "\n", include_str!("probe.wgsl"), "\n", include_str!("own_face.wgsl"));
 
-/// `fn maps_coverage(at: Receiver, cone: Cone) -> u32`, one thread a receiver: whether texels can hide some of a light. As
+/// `fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32`, one thread a receiver: whether texels can hide some of a light. As
 /// [`Blockers::select`](visibility_mask::Blockers::select) of [`ShadowMapBlockers`](crate::ShadowMapBlockers).
 pub const COVERAGE: &str = include_str!("coverage.wgsl");
 
-/// `fn maps_splat(lane: u32, at: Receiver, light: Cone, mask: Mask)`, one thread a row of the mask: clears of the row `lit`
+/// `fn maps_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask)`, one thread a row of the mask: clears of the row `lit`
 /// what [`Blockers::splat`](visibility_mask::Blockers::splat) does. Has no barriers. Needs `mask.wgsl` and the header of `visibility-mask`.
 ///
 /// A thread keeps four lines of `16 · 2^depth` samples: 256 bytes at depth 5, 512 at depth 6.

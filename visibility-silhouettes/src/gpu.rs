@@ -35,7 +35,7 @@ type Row = [u32; 4];
 /// use visibility_silhouettes::{GpuSilhouettes, SilhouetteMesh};
 /// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
 /// let silhouettes = GpuSilhouettes::new(&[SilhouetteMesh::new(0, &corners, &[[0, 1, 2]])]);
-/// assert!(silhouettes.asks_any_hit() && !silhouettes.buffers()[0].words.is_empty());
+/// assert!(silhouettes.asks_any_hit() && silhouettes.buffers()[0].name == "silhouettes_data");
 /// ```
 #[derive(Clone, Debug)]
 pub struct GpuSilhouettes {
@@ -213,7 +213,7 @@ impl GpuBlockers for GpuSilhouettes {
         true
     }
 
-    fn buffers(&self) -> Vec<GpuBuffer> {
-        vec![GpuBuffer { name: "silhouettes_data", element: "vec4u", words: self.rows.as_flattened().to_vec() }]
+    fn buffers(&self) -> Vec<GpuBuffer<'_>> {
+        vec![GpuBuffer::of("silhouettes_data", "vec4u", self.rows.as_flattened())]
     }
 }

@@ -18,6 +18,7 @@ mod blocked_cones;
 mod blockers;
 mod cone_list;
 mod ellipse;
+mod gpu;
 mod packed;
 mod shaft;
 mod sphere_tree;

@@ -1,8 +1,5 @@
 // What spheres hide of one light: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
-// blocked_cone, frame, lobe-core's geometry and outline, and visibility-mask's facet.
-@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
-@group(0) @binding(7) var<storage, read> lists: array<u32>;
-@group(0) @binding(11) var<storage, read> sphere_bounds: array<vec4f>;
+// blocked_cone, the buffers of gpu.rs, lobe-core's geometry and outline, and visibility-mask's facet.
 
 // The light as a ball, and the power of the receiver with respect to it.
 struct LightBall {
@@ -83,7 +80,7 @@ fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look 
 // Whether an object has a sphere.
 fn spheres_cast(object: u32) -> bool {
     var first = 0u;
-    var end = frame.sphere_count;
+    var end = arrayLength(&spheres);
     while (first < end) {
         let middle = (first + end) / 2u;
         if (spheres[middle].caster < object) {
@@ -92,7 +89,7 @@ fn spheres_cast(object: u32) -> bool {
             end = middle;
         }
     }
-    return object != OWN_NONE && first < frame.sphere_count && spheres[min(first, frame.sphere_count - 1u)].caster == object;
+    return object != OWN_NONE && first < arrayLength(&spheres) && spheres[min(first, arrayLength(&spheres) - 1u)].caster == object;
 }
 
 // How much of the light the receiver's own facet hides, and its horizon does not.
@@ -110,7 +107,7 @@ fn spheres_facet(at: Receiver, cone: Cone) -> u32 {
 // How much of the light a receiver of a tile sees, for one thread.
 fn spheres_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     let list = tile * LIST_WORDS;
-    let flags = lists[list + 1u];
+    let flags = spheres_lists[list + 1u];
     if ((flags & LIST_DARK) != 0u) {
         return DARK;
     }
@@ -121,9 +118,9 @@ fn spheres_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
         return DARK;
     }
     if ((flags & LIST_FULL) == 0u) {
-        let count = lists[list];
+        let count = spheres_lists[list];
         for (var k = 0u; k < count; k++) {
-            let index = lists[list + 2u + k];
+            let index = spheres_lists[list + 2u + k];
             coverage = spheres_cover(index, coverage, test, at, cone, light);
             if (coverage == DARK) {
                 break;
@@ -131,12 +128,12 @@ fn spheres_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
         }
         return coverage;
     }
-    for (var block = 0u; block < frame.block_count; block++) {
-        let bounds = sphere_bounds[block];
+    for (var block = 0u; block < arrayLength(&spheres_bounds); block++) {
+        let bounds = spheres_bounds[block];
         if (!cone_meets(test, bounds.xyz, bounds.w)) {
             continue;
         }
-        let end = min((block + 1u) * SPHERE_BLOCK, frame.sphere_count);
+        let end = min((block + 1u) * SPHERE_BLOCK, arrayLength(&spheres));
         for (var index = block * SPHERE_BLOCK; index < end; index++) {
             coverage = spheres_cover(index, coverage, test, at, cone, light);
             if (coverage == DARK) {

@@ -19,27 +19,27 @@ const SPLATS_USED = 6u;
 // How many spheres the threads take in turn: those of the list, or all of them.
 fn spheres_count(tile: u32) -> u32 {
     let list = tile * LIST_WORDS;
-    return select(lists[list], frame.sphere_count, (lists[list + 1u] & LIST_FULL) != 0u);
+    return select(spheres_lists[list], arrayLength(&spheres), (spheres_lists[list + 1u] & LIST_FULL) != 0u);
 }
 
 // The `k`-th of them.
 fn spheres_index(tile: u32, k: u32) -> u32 {
     let list = tile * LIST_WORDS;
-    if ((lists[list + 1u] & LIST_FULL) != 0u) {
+    if ((spheres_lists[list + 1u] & LIST_FULL) != 0u) {
         return k;
     }
-    return lists[list + 2u + k];
+    return spheres_lists[list + 2u + k];
 }
 
 // Whether the spheres from `first` on, one a thread, may hide something: of a list all do.
 fn spheres_near(tile: u32, first: u32, test: ConeTest) -> bool {
-    if ((lists[tile * LIST_WORDS + 1u] & LIST_FULL) == 0u) {
+    if ((spheres_lists[tile * LIST_WORDS + 1u] & LIST_FULL) == 0u) {
         return true;
     }
     var near = false;
-    let end = min((first + LANES + (SPHERE_BLOCK - 1u)) / SPHERE_BLOCK, frame.block_count);
+    let end = min((first + LANES + (SPHERE_BLOCK - 1u)) / SPHERE_BLOCK, arrayLength(&spheres_bounds));
     for (var block = first / SPHERE_BLOCK; block < end; block++) {
-        let bounds = sphere_bounds[block];
+        let bounds = spheres_bounds[block];
         near = near || cone_meets(test, bounds.xyz, bounds.w);
     }
     return near;
@@ -47,7 +47,7 @@ fn spheres_near(tile: u32, first: u32, test: ConeTest) -> bool {
 
 // This thread's part of the sum of edges: the rims of those spheres that meet `light`, as they cross `window`, and of the
 // first thread the facet's edge.
-fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
+fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
     let ball = light_ball(light);
     let test = cone_test(at.position, light);
     let across = edges_frame(window.axis);
@@ -66,7 +66,7 @@ fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) 
             sum += blocked_add_edge(seen.blocked, across, window.axis, tan);
         }
     }
-    return sum;
+    return vec4f(sum, 0.0, 0.0);
 }
 
 // Blocks what the spheres hide of the mask: each thread makes one ready, then takes all of these to its own row.

@@ -118,13 +118,13 @@ impl GpuBlockers for Capsules {
         include_str!("capsules_splat.wgsl").to_owned()
     }
 
-    fn buffers(&self) -> Vec<GpuBuffer> {
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    fn buffers(&self) -> Vec<GpuBuffer<'_>> {
         let numbers = |c: &Capsule| [c.ends[0].extend(c.radius), c.ends[1].extend(0.0)].map(|v| v.to_array()).concat();
-        let mut words: Vec<u32> = self.0.iter().flat_map(numbers).map(f32::to_bits).collect();
-        if words.is_empty() {
-            // No buffer is empty: a capsule that hides nothing.
-            words = vec![0; 8];
-        }
-        vec![GpuBuffer { name: "capsules_all", element: "Capsule", words }]
+        let words: Vec<u32> = self.0.iter().flat_map(numbers).map(f32::to_bits).collect();
+        vec![GpuBuffer::of("capsules_all", "Capsule", words)]
     }
 }

@@ -88,7 +88,7 @@ impl Own {
 
     pub fn on_gpu(&self, gpu: &Gpu, points: &GBuffer) -> Result<Vec<Vec3>, Box<dyn Error>> {
         let mut radiance = vec![Vec3::ZERO; points.len()];
-        let occlusion = Occlusion { own: &[&self.capsules], ..Occlusion::default() };
+        let occlusion = Occlusion { blockers: &[&self.capsules], any_hit: None };
         GpuShader::new(gpu, occlusion)?.shade(&points.points, &self.frame(), &mut radiance)?;
         Ok(radiance)
     }

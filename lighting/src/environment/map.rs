@@ -15,6 +15,7 @@ pub struct EnvironmentMap {
 
 /// The fault of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum EnvironmentError {
     /// So many texels do not make a picture of this size.
     Size,

@@ -8,10 +8,6 @@ struct Frame {
     point_count: u32,
     // Words of a queue item: the point and the integral of each of its lobes.
     queue_stride: u32,
-    sphere_count: u32,
-    block_count: u32,
-    // Where the light's shadow map is, or what says that it has none.
-    map: u32,
     // 2: what a loop that nobody ends early comes to.
     rounds: u32,
     // Where the image that the light shows begins in the buffer of images.
@@ -20,7 +16,6 @@ struct Frame {
     number: u32,
     pad0: u32,
     pad1: u32,
-    pad2: u32,
     // What else the kind of light is told by.
     shape: array<vec4f, 26>,
 }

@@ -190,7 +190,7 @@ fn shaded(gpu: &Gpu) {
     CpuShader::new(visibility).shade(&window.points, &frame, &mut want).expect("room for all lobes");
     let want = window.resolve(&want, Vec3::ZERO);
 
-    let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&view.spheres], any_hit: None };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let mut ours = GpuGBuffer::new(gpu, &view.scene).expect("geometry");
     let points = ours.trace(&view.scene.camera, 80, 45, columns, rows).expect("points");

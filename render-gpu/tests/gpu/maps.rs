@@ -7,12 +7,13 @@ use self::mesh::{FLOOR, Mesh};
 use crate::call::{call_with, trial};
 use glam::{Vec2, Vec3};
 use libtest_mimic::Trial;
+use lobe_core::gpu::GpuPages;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Sphere, VisibilityQuery};
 use render_gpu::Gpu;
 use visibility_mask::{Blockers as _, Fineness, MAX_DEPTH, Mask, UnitSquare};
-use visibility_shadowmap::{PackedMaps, Pages, ShadowMapBlockers, wgsl};
+use visibility_shadowmap::{PackedMaps, ShadowMapBlockers, wgsl};
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
@@ -91,7 +92,7 @@ fn questions(random: &mut Random, receivers: &[Receiver], light: Sphere, depth: 
 /// Numbers of a question for WGSL.
 const INPUTS: usize = 23;
 
-const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
+const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, number: u32 }
     var<private> frame: Frame;
     fn v(k: u32) -> vec3f { return vec3f(x(k), x(k + 1u), x(k + 2u)); }
     fn receiver() -> Receiver {
@@ -99,11 +100,11 @@ const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
         return Receiver(v(0u), u32(x(3u)), v(4u), 0u, v(7u), 0u, v(4u), 0u);
     }";
 
-fn numbers(question: &Question, packed: &PackedMaps) -> [f32; INPUTS] {
+fn numbers(question: &Question) -> [f32; INPUTS] {
     let Question { at, light, id, tolerance, across, window } = question;
     let mut out = [0.0; INPUTS];
     let object = [at.object as f32];
-    let rest = [light.radius, *tolerance, packed.map_of(*id) as f32];
+    let rest = [light.radius, *tolerance, id.0 as f32];
     let parts: [&[f32]; 8] = [
         &at.position.to_array(),
         &object,
@@ -119,20 +120,20 @@ fn numbers(question: &Question, packed: &PackedMaps) -> [f32; INPUTS] {
 }
 
 /// The words as so many buffers, with their bindings.
-fn bound(packed: &PackedMaps, pages: Pages) -> Vec<(u32, &[u32])> {
+fn bound(packed: &PackedMaps, pages: GpuPages) -> Vec<(u32, &[u32])> {
     let words = packed.words();
     let page = |k| pages.range(k, size_of_val(words) as u64);
     let words = |k| &words[page(k).start as usize / 4..page(k).end as usize / 4];
-    (0..pages.count()).map(|k| (Pages::binding(k), words(k))).collect()
+    (0..pages.count()).map(|k| (8 + k, words(k))).collect()
 }
 
 fn gpu_coverage(gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
-    gpu_coverage_in(Pages::ONE, gpu, packed, questions)
+    gpu_coverage_in(GpuPages::ONE, gpu, packed, questions)
 }
 
-fn gpu_coverage_in(pages: Pages, gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
-    let words = pages.wgsl();
-    let rows: Vec<f32> = questions.iter().flat_map(|q| numbers(q, packed)).collect();
+fn gpu_coverage_in(pages: GpuPages, gpu: &Gpu, packed: &PackedMaps, questions: &[Question]) -> Vec<Coverage> {
+    let words = pages.wgsl("maps", 8);
+    let rows: Vec<f32> = questions.iter().flat_map(numbers).collect();
     let pieces = [
         FRAME,
         &words,
@@ -147,7 +148,7 @@ fn gpu_coverage_in(pages: Pages, gpu: &Gpu, packed: &PackedMaps, questions: &[Qu
         visibility_mask::wgsl::FACET,
     ];
     let body = "let at = receiver();
-        y(0u, f32(maps_coverage(at, cone_of_sphere(at.position, frame.light))));";
+        y(0u, f32(maps_coverage(0u, at, cone_of_sphere(at.position, frame.light))));";
     let got = call_with(gpu, &pieces, body, &rows, [INPUTS, 1], &bound(packed, pages));
     got.into_iter().map(|c| [Coverage::Lit, Coverage::Partial, Coverage::Dark][c as usize]).collect()
 }
@@ -172,7 +173,7 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
     let side = 1 << depth;
     let mut rows = Vec::with_capacity(questions.len() * side * (INPUTS + 1));
     for question in questions {
-        let numbers = numbers(question, packed);
+        let numbers = numbers(question);
         for lane in 0..side {
             rows.extend(numbers);
             rows.push(lane as f32);
@@ -181,7 +182,7 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
     let header = visibility_mask::wgsl::header(depth, Fineness::FINE);
     let masks =
         [&header, visibility_mask::wgsl::MASK, visibility_mask::wgsl::SQUARE, visibility_mask::wgsl::ROUND, NO_OUTLINE];
-    let words = Pages::ONE.wgsl();
+    let words = GpuPages::ONE.wgsl("maps", 8);
     let pieces = [FRAME, &words, wgsl::COMMON, wgsl::SPLAT, GEOMETRY, LOBE, SPECIAL, visibility_mask::wgsl::FACET];
     let pieces = [pieces.as_slice(), &masks].concat();
     let body = "let at = receiver();
@@ -191,7 +192,7 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
         square.half = square.disc * vec2f(x(21u), x(22u));
         let lane = u32(x(23u));
         let mask = mask_reset(square, lane, at.normal);
-        maps_splat(lane, at, cone, mask);
+        maps_splat(lane, 0u, at, cone, mask);
         y(0u, f32(emitting.y - min(emitting.x, emitting.y)));
         y(1u, f32(row_count(lit)));
         for (var k = 0u; k < 4u; k++) {
@@ -203,7 +204,7 @@ fn gpu_masks(gpu: &Gpu, packed: &PackedMaps, questions: &[Question], depth: u32)
             }
             y(2u + k, f32(cells));
         }";
-    let got = call_with(gpu, &pieces, body, &rows, [INPUTS + 1, 6], &bound(packed, Pages::ONE));
+    let got = call_with(gpu, &pieces, body, &rows, [INPUTS + 1, 6], &bound(packed, GpuPages::ONE));
     let cell = (256 >> depth) as f32;
     let seen = |rows: &[f32]| {
         let mut seen = Seen { emitting: 0.0, lit: 0.0, cells: [0; 1 << MAX_DEPTH] };
@@ -364,7 +365,7 @@ fn pages(gpu: &Gpu) {
     assert!([Coverage::Lit, Coverage::Partial].iter().all(|kind| want.iter().filter(|c| *c == kind).count() > 20));
     let bytes = size_of_val(packed.words()) as u64;
     for (most, count) in [(bytes - 4, 2), (bytes / 3, 4)] {
-        let pages = Pages::of(bytes, most);
+        let pages = GpuPages::of(bytes, most);
         assert!(pages.count() >= count, "{}", pages.count());
         assert!(gpu_coverage_in(pages, gpu, &packed, &questions) == want, "{} pages", pages.count());
     }

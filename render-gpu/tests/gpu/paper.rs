@@ -140,7 +140,7 @@ fn paper_caps(gpu: &Gpu) {
 
 /// [`compare_blockers`] with the spheres.
 fn compare(gpu: &Gpu, view: &View, tables: &Tables, name: &str, depth: u32, threshold: f32) {
-    let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&view.spheres], any_hit: None };
     let frame = scene::Frame { threshold, ..view.frame(0.003, depth) };
     compare_blockers(gpu, view, tables, name, &frame, view.spheres.clone(), occlusion);
 }
@@ -214,12 +214,13 @@ fn parity_of_the_paper_with_maps(gpu: &Gpu) {
     let tables = tables();
     let view = View::new(scene::builtin(), 64, 36);
     let maps = view.maps();
+    let packed = maps.pack();
     for depth in 3..=6 {
         let frame = view.frame(0.003, depth);
-        let alone = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        let alone = Occlusion { blockers: &[&packed], any_hit: None };
         compare_blockers(gpu, &view, &tables, "maps", &frame, maps.clone(), alone);
         let mixture = Mixture::new(maps.clone(), view.spheres.clone());
-        let both = Occlusion { spheres: Some(&view.spheres), ..alone };
+        let both = Occlusion { blockers: &[&view.spheres, &packed], any_hit: None };
         compare_blockers(gpu, &view, &tables, "maps and spheres", &frame, mixture, both);
     }
 }

@@ -103,7 +103,7 @@ impl View {
     pub(crate) fn compare_spheres(&self, gpu: &Gpu, name: &str, tolerance: f32, depth: u32) {
         let frame = self.frame(tolerance, depth);
         let want = self.cpu(MaskVisibility::new(self.spheres.clone()), &frame);
-        let occlusion = Occlusion { spheres: Some(&self.spheres), ..Occlusion::default() };
+        let occlusion = Occlusion { blockers: &[&self.spheres], any_hit: None };
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
         assert_same(name, &want, &self.gpu(&mut shader, &frame));
     }
@@ -320,7 +320,7 @@ fn of_wide_lights(gpu: &Gpu) {
             let name = format!("lights of {least:.0}° to {most:.0}°, tolerance {tolerance}");
             let frame = view.frame(tolerance, depth);
             let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
-            let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
+            let occlusion = Occlusion { blockers: &[&view.spheres], any_hit: None };
             let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
             // In the middle of the widest one sample, which rounding decides, is 0.4 % of the light. One at the horizon, 1e-5 of it,
             // decides whether a point is lit.
@@ -337,13 +337,13 @@ fn of_shadow_maps(gpu: &Gpu) {
     for (tolerance, depth) in [(0.003, 5), (0.01, 4)] {
         let frame = view.frame(tolerance, depth);
         let want = view.cpu(MaskVisibility::new(maps.clone()), &frame);
-        let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
         let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
         assert_same(&format!("maps, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
 
         let mixture = Mixture::new(maps.clone(), view.spheres.clone());
         let want = view.cpu(MaskVisibility::new(mixture), &frame);
-        let both = Occlusion { spheres: Some(&view.spheres), maps: Some(&maps), ..Occlusion::default() };
+        let both = Occlusion { blockers: &[&view.spheres, &maps.pack()], any_hit: None };
         shader.occlude(both).expect("room for them");
         assert_same(&format!("maps and spheres, depth {depth}"), &want, &view.gpu(&mut shader, &frame));
     }
@@ -353,14 +353,14 @@ fn of_shadow_maps(gpu: &Gpu) {
 fn maps_that_change(gpu: &Gpu) {
     let mut view = View::new(scene::builtin(), 48, 27);
     let before = view.maps();
-    let mut shader = GpuShader::new(gpu, Occlusion { maps: Some(&before), ..Occlusion::default() }).expect("a shader");
+    let mut shader = GpuShader::new(gpu, Occlusion::of(&[&before.pack()])).expect("a shader");
     let first = view.gpu(&mut shader, &view.frame(0.003, 5));
     view.scene.lights[1].as_sphere_mut().expect("a ball").ball.center.x += 0.4;
     let casters = view.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
     let maps = vec![before.maps()[0].clone(), view.maps().maps()[1].clone()];
     let after = ShadowMapBlockers::new(maps).with_casters(casters);
     let frame = view.frame(0.003, 5);
-    let occlusion = Occlusion { maps: Some(&after), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&after.pack()], any_hit: None };
     shader.occlude(occlusion).expect("room for it");
     let got = view.gpu(&mut shader, &frame);
     assert_same("a map that changed", &view.cpu(MaskVisibility::new(after.clone()), &frame), &got);
@@ -370,7 +370,7 @@ fn maps_that_change(gpu: &Gpu) {
 fn slices_change_nothing(gpu: &Gpu) {
     let view = builtin();
     let frame = view.frame(0.003, 5);
-    let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&view.spheres], any_hit: None };
     let shader = || GpuShader::new(gpu, occlusion).expect("a shader");
     let whole = view.gpu(&mut shader(), &frame);
     let sliced = view.gpu(&mut shader().with_slice(500), &frame);
@@ -380,7 +380,7 @@ fn slices_change_nothing(gpu: &Gpu) {
 fn two_runs_give_the_same_bits(gpu: &Gpu) {
     let view = builtin();
     let frame = view.frame(0.003, 5);
-    let occlusion = Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&view.spheres], any_hit: None };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let first = view.gpu(&mut shader, &frame);
     assert_eq!(first, view.gpu(&mut shader, &frame), "the same shader");

@@ -257,10 +257,7 @@ fn moves_shadows(gpu: &Gpu) {
         shader.shade(&points, &frame, &mut out).expect("it fits");
         out
     };
-    fn occlusion(spheres: &SphereBlockers) -> Occlusion<'_> {
-        Occlusion { spheres: Some(spheres), ..Occlusion::default() }
-    }
-    let mut shader = GpuShader::new(gpu, occlusion(&crowd.blockers)).expect("it fits");
+    let mut shader = GpuShader::new(gpu, Occlusion::of(&[&crowd.blockers])).expect("it fits");
     let mut pose = crowd.pose(gpu);
     let still = shade(&mut shader);
     let mut random = Random(5);
@@ -286,7 +283,7 @@ fn moves_shadows(gpu: &Gpu) {
         }
         let mut blockers = crowd.blockers.clone().with_self_shadows(&own);
         blockers.update(&spheres);
-        let want = shade(&mut GpuShader::new(gpu, occlusion(&blockers)).expect("it fits"));
+        let want = shade(&mut GpuShader::new(gpu, Occlusion::of(&[&blockers])).expect("it fits"));
         let apart = |a: &[Vec3], b: &[Vec3]| {
             a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
                 / a.iter().map(|v| v.max_element()).fold(0.0, f32::max)
@@ -296,6 +293,6 @@ fn moves_shadows(gpu: &Gpu) {
         assert!(apart(&want, &got) < 1e-3 && apart(&want, &still) > 0.1);
     }
     // What was posed is forgotten.
-    shader.occlude(occlusion(&crowd.blockers)).expect("it fits");
+    shader.occlude(Occlusion::of(&[&crowd.blockers])).expect("it fits");
     assert_eq!(shade(&mut shader), still);
 }

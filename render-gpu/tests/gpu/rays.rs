@@ -14,7 +14,7 @@ use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{Accuracy, Coverage, LightLobes, Method, Receiver, Sphere, Unshadowed};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
-use render_cpu::{CpuShader, RayBlockers, blockers};
+use render_cpu::{CpuShader, GpuRays, RayBlockers, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, Stops};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use test_scenes::globe;
@@ -76,7 +76,7 @@ pub(crate) fn frame(scene: &Scene, tolerance: f32, depth: u32) -> Frame<'_> {
 /// The radiance from the GPU, and the counts.
 fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>) -> Shaded {
     let world = GpuWorld::new(gpu, scene).expect("geometry");
-    let mut shader = GpuShader::new(gpu, Occlusion { rays: Some(&world), ..Occlusion::default() }).expect("a shader");
+    let mut shader = GpuShader::new(gpu, Occlusion { blockers: &[&GpuRays], any_hit: Some(&world) }).expect("a shader");
     let mut out = vec![Vec3::NAN; points.receivers.len()];
     let stats = shader.shade(points, frame, &mut out).expect("the GPU shades");
 
@@ -289,7 +289,7 @@ fn of_receivers_on_their_like(gpu: &Gpu) {
     let frame = frame(&scene, 0.003, 5);
     let shade = |fence: Stops| {
         let world = GpuWorld::stopping(gpu, &scene, |o| if o == 1 { fence } else { Stops::None }).expect("geometry");
-        let occlusion = Occlusion { rays: Some(&world), ..Occlusion::default() };
+        let occlusion = Occlusion { blockers: &[&GpuRays], any_hit: Some(&world) };
         let mut out = vec![Vec3::NAN; points.receivers.len()];
         GpuShader::new(gpu, occlusion).expect("a shader").shade(&points, &frame, &mut out).expect("the GPU shades");
         out
@@ -321,7 +321,7 @@ fn of_some_objects(gpu: &Gpu) {
     let visibility = MaskVisibility::new(mixture);
     let counts = CpuShader::new(visibility).shade(&points, &frame, &mut want).expect("room for all lobes").counts;
     let ours = GpuWorld::only(gpu, &scene, by_rays).expect("geometry");
-    let occlusion = Occlusion { spheres: Some(&spheres), rays: Some(&ours), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&spheres, &GpuRays], any_hit: Some(&ours) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let found = shader.shade(&points, &frame, &mut got).expect("the GPU shades").counts;
     check_picture(&want, &got, 1e-3);
@@ -340,7 +340,7 @@ fn by_the_papers_method(gpu: &Gpu) {
     let mut cpu = CpuShader::with_method(visibility, Method::Paper(&tables));
     let counts = cpu.shade(&points, &frame, &mut want).expect("room for all lobes").counts;
     let ours = GpuWorld::new(gpu, &scene).expect("geometry");
-    let occlusion = Occlusion { rays: Some(&ours), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&GpuRays], any_hit: Some(&ours) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_method(Method::Paper(&tables));
     let found = shader.shade(&points, &frame, &mut got).expect("the GPU shades").counts;
     check_picture(&want, &got, 1e-3);
@@ -362,7 +362,7 @@ fn follow_motion(gpu: &Gpu) {
     let mut scene = fence();
     let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
     let mut world = GpuWorld::new(gpu, &scene).expect("geometry");
-    let mut shader = GpuShader::new(gpu, Occlusion { rays: Some(&world), ..Occlusion::default() }).expect("a shader");
+    let mut shader = GpuShader::new(gpu, Occlusion { blockers: &[&GpuRays], any_hit: Some(&world) }).expect("a shader");
     let shade = |shader: &mut GpuShader, scene: &Scene| {
         let mut out = vec![Vec3::NAN; points.receivers.len()];
         shader.shade(&points, &frame(scene, 0.003, 5), &mut out).expect("the GPU shades");
@@ -372,7 +372,7 @@ fn follow_motion(gpu: &Gpu) {
     let Shape::Mesh(mesh) = &mut scene.objects[1].shape else { unreachable!("a mesh") };
     mesh.transform(&Mat4::from_translation(Vec3::new(0.03, 0.0, -0.1)));
     world.update(&scene).expect("geometry");
-    shader.occlude(Occlusion { rays: Some(&world), ..Occlusion::default() }).expect("a shader");
+    shader.occlude(Occlusion { blockers: &[&GpuRays], any_hit: Some(&world) }).expect("a shader");
     let moved = shade(&mut shader, &scene);
     assert!(before != moved && moved == from_gpu(gpu, &scene, &points, &frame(&scene, 0.003, 5)).0);
 }

@@ -6,6 +6,7 @@ use glam::Vec3;
 use libtest_mimic::Trial;
 use lighting::SphereLight;
 use lobe_core::Sphere;
+use lobe_core::gpu::GpuBlockers;
 use render_gpu::{Gpu, GpuError, GpuShader, Occlusion};
 use scene::{Frame, Shade, ShadingPoints};
 use visibility_mask::MaskVisibility;
@@ -28,17 +29,13 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     ]
 }
 
-fn spheres(view: &View) -> Occlusion<'_> {
-    Occlusion { spheres: Some(&view.spheres), ..Occlusion::default() }
-}
-
 fn small() -> View {
     View::new(scene::builtin(), 32, 18)
 }
 
 fn nothing_to_shade(gpu: &Gpu) {
     let view = small();
-    let mut shader = GpuShader::new(gpu, spheres(&view)).expect("a shader");
+    let mut shader = GpuShader::new(gpu, Occlusion::of(&[&view.spheres])).expect("a shader");
     let none = shader.shade(&ShadingPoints::default(), &view.frame(0.003, 5), &mut []).expect("nothing is fine");
     assert_eq!(none.counts.integrals, 0);
     let dark = Frame { lights: &[], ..view.frame(0.003, 5) };
@@ -59,10 +56,10 @@ fn no_spheres_at_all(gpu: &Gpu) {
     let none = SphereBlockers::new(&[], &[], &[]);
     let frame = view.frame(0.003, 5);
     let want = view.cpu(MaskVisibility::new(none.clone()), &frame);
-    let mut shader = GpuShader::new(gpu, Occlusion { spheres: Some(&none), ..Occlusion::default() }).expect("a shader");
+    let mut shader = GpuShader::new(gpu, Occlusion::of(&[&none])).expect("a shader");
     assert_same("no spheres", &want, &view.gpu(&mut shader, &frame));
     // And some afterwards.
-    shader.occlude(spheres(&view)).expect("room for them");
+    shader.occlude(Occlusion::of(&[&view.spheres])).expect("room for them");
     let want = view.cpu(MaskVisibility::new(view.spheres.clone()), &frame);
     assert_same("spheres again", &want, &view.gpu(&mut shader, &frame));
 }
@@ -98,7 +95,7 @@ fn loops_that_are_cut_are_an_error(gpu: &Gpu) {
         let motes: Vec<Sphere> = (0..count).map(mote).collect();
         view.spheres = SphereBlockers::new(&motes, &vec![99; motes.len()], &[]);
         let frame = view.frame(0.003, 5);
-        let mut shader = GpuShader::new(gpu, spheres(&view)).expect("a shader");
+        let mut shader = GpuShader::new(gpu, Occlusion::of(&[&view.spheres])).expect("a shader");
         let mut out = vec![Vec3::NAN; view.points.receivers.len()];
         match shader.shade(&view.points, &frame, &mut out) {
             Err(error) => {
@@ -125,8 +122,10 @@ fn sixty_four_lights(gpu: &Gpu) {
 
 fn points_that_are_not_finite_stay_alone(gpu: &Gpu) {
     let mut view = small();
-    let frame =
-        |view: &View| view.gpu(&mut GpuShader::new(gpu, spheres(view)).expect("a shader"), &view.frame(0.003, 5)).0;
+    let frame = |view: &View| {
+        let mut shader = GpuShader::new(gpu, Occlusion::of(&[&view.spheres])).expect("a shader");
+        view.gpu(&mut shader, &view.frame(0.003, 5)).0
+    };
     let before = frame(&view);
     let broken = [3, 100, 101, 300];
     view.points.receivers[3].position.x = f32::NAN;
@@ -149,7 +148,7 @@ fn a_lost_device_is_an_error(_: &Gpu) {
     let gpu = Gpu::blocking(&render_gpu::GpuOptions::default()).expect("another device");
     let view = small();
     let frame = view.frame(0.003, 5);
-    let mut shader = GpuShader::new(&gpu, spheres(&view)).expect("a shader");
+    let mut shader = GpuShader::new(&gpu, Occlusion::of(&[&view.spheres])).expect("a shader");
     let mut out = vec![Vec3::ZERO; view.points.receivers.len()];
     shader.shade(&view.points, &frame, &mut out).expect("still there");
     gpu.device().destroy();
@@ -157,7 +156,8 @@ fn a_lost_device_is_an_error(_: &Gpu) {
         let error = shader.shade(&view.points, &frame, &mut out).expect_err("the device is gone");
         assert!(matches!(error, GpuError::Lost { .. }), "{error:?}");
     }
-    let error = GpuShader::new(&gpu, spheres(&view)).map(|_| ()).expect_err("nor is there a new shader");
+    let error =
+        GpuShader::new(&gpu, Occlusion::of(&[&view.spheres])).map(|_| ()).expect_err("nor is there a new shader");
     assert!(matches!(error, GpuError::Lost { .. }), "{error:?}");
 }
 
@@ -178,20 +178,20 @@ fn maps_larger_than_a_binding(gpu: &Gpu) {
     let (maps, frame) = (view.maps(), view.frame(0.003, 5));
     let bytes = size_of_val(maps.pack().words()) as u64;
     let picture = |gpu: &Gpu| {
-        let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
         view.gpu(&mut GpuShader::new(gpu, occlusion).expect("a shader"), &frame)
     };
     // Two or three pages: the most that leave a kernel with what every device has.
     let most = bytes / 4 * 3;
     let small = device(wgpu::Limits { max_storage_buffer_binding_size: most, ..wgpu::Limits::default() });
-    assert_eq!(small.room_for_maps(), most);
+    assert_eq!(small.room_for_pages(), most);
     assert_eq!(picture(&small), picture(gpu));
     // Too many for a kernel, and more than a buffer may be.
     let tiny = device(wgpu::Limits { max_storage_buffer_binding_size: bytes / 20, ..wgpu::Limits::default() });
     let narrow = device(wgpu::Limits { max_buffer_size: bytes / 2, ..wgpu::Limits::default() });
     for gpu in [tiny, narrow] {
-        assert!(gpu.room_for_maps() < bytes);
-        let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        assert!(gpu.room_for_pages() < bytes);
+        let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
         let shaded = GpuShader::new(&gpu, occlusion)
             .and_then(|mut shader| shader.shade(&ShadingPoints::default(), &frame, &mut []).map(|_| ()));
         let error = shaded.expect_err("no room");
@@ -203,7 +203,7 @@ fn maps_larger_than_a_binding(gpu: &Gpu) {
 fn kernels_are_named_with_their_time(_: &Gpu) {
     let gpu = Gpu::blocking(&render_gpu::GpuOptions::default()).expect("another device");
     let (view, log) = (small(), gpu.kernels().clone());
-    let mut shader = GpuShader::new(&gpu, spheres(&view)).expect("a shader");
+    let mut shader = GpuShader::new(&gpu, Occlusion::of(&[&view.spheres])).expect("a shader");
     assert_eq!(log.compiled().len(), 1, "the bounds of blocks");
     shader.shade(&ShadingPoints::default(), &view.frame(0.02, 2), &mut []).expect("no points");
     let done = log.compiled();
@@ -223,25 +223,26 @@ fn small_limits(_: &Gpu) {
 
     // Room for three tiles' points.
     let gpu = device(wgpu::Limits { max_storage_buffer_binding_size: 3 * 64 * 64, ..wgpu::Limits::default() });
-    let mut shader = GpuShader::new(&gpu, spheres(&view)).expect("a shader");
+    let mut shader = GpuShader::new(&gpu, Occlusion::of(&[&view.spheres])).expect("a shader");
     assert_same("bindings of 12 kB", &want, &view.gpu(&mut shader, &frame));
 
     let gpu = device(wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..wgpu::Limits::default() });
-    let error = GpuShader::new(&gpu, spheres(&view)).map(|_| ()).expect_err("too few buffers");
+    let error = GpuShader::new(&gpu, Occlusion::of(&[&view.spheres])).map(|_| ()).expect_err("too few buffers");
     assert!(matches!(error, GpuError::Limits { needed: 8, allowed: 4, .. }), "{error:?}");
     assert!(error.to_string().contains("use the CPU"));
 
     let gpu = device(wgpu::Limits { max_storage_buffer_binding_size: 3 * 64 * 64, ..wgpu::Limits::default() });
     let many = SphereBlockers::new(&vec![Sphere { center: Vec3::ZERO, radius: 1.0 }; 1000], &vec![0; 1000], &[]);
-    let error = GpuShader::new(&gpu, Occlusion { spheres: Some(&many), ..Occlusion::default() }).map(|_| ());
+    let error = GpuShader::new(&gpu, Occlusion::of(&[&many])).map(|_| ());
     assert!(matches!(error, Err(GpuError::Limits { needed: 48_000, .. })), "{error:?}");
     // What finds no room leaves nothing that blocks, and what was there before finds room again.
     let few = SphereBlockers::new(&[Sphere { center: Vec3::Y, radius: 0.5 }], &[99], &[]);
-    let few = Occlusion { spheres: Some(&few), ..Occlusion::default() };
+    let few: [&dyn GpuBlockers; 1] = [&few];
+    let few = Occlusion::of(&few);
     let mut shader = GpuShader::new(&gpu, few).expect("a shader");
     let counts = |shader: &mut GpuShader| view.gpu(shader, &frame).1;
     let before = counts(&mut shader);
-    assert!(shader.occlude(Occlusion { spheres: Some(&many), ..few }).is_err() && before.penumbra_points > 0);
+    assert!(shader.occlude(Occlusion::of(&[&many])).is_err() && before.penumbra_points > 0);
     let unshadowed = counts(&mut shader);
     assert_eq!((unshadowed.penumbra_points, unshadowed.dark_points), (0, 0));
     shader.occlude(few).expect("room for it");
@@ -251,9 +252,9 @@ fn small_limits(_: &Gpu) {
 fn several_at_once(gpu: &Gpu) {
     let view = small();
     let frame = view.frame(0.003, 5);
-    let alone = view.gpu(&mut GpuShader::new(gpu, spheres(&view)).expect("a shader"), &frame);
+    let alone = view.gpu(&mut GpuShader::new(gpu, Occlusion::of(&[&view.spheres])).expect("a shader"), &frame);
     let all: Vec<_> = std::thread::scope(|scope| {
-        let run = || view.gpu(&mut GpuShader::new(gpu, spheres(&view)).expect("a shader"), &frame);
+        let run = || view.gpu(&mut GpuShader::new(gpu, Occlusion::of(&[&view.spheres])).expect("a shader"), &frame);
         let threads: Vec<_> = (0..3).map(|_| scope.spawn(run)).collect();
         threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
     });

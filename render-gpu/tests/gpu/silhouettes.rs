@@ -52,7 +52,7 @@ fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>)
         triangles
     };
     let blockers = blockers.with_cut(&scene.lights.iter().map(cut).collect::<Vec<_>>());
-    let occlusion = Occlusion { own: &[&blockers], any_hit: Some(&world), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(&world) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let mut out = vec![Vec3::NAN; points.receivers.len()];
     let stats = shader.shade(points, frame, &mut out).expect("the GPU shades");
@@ -120,7 +120,7 @@ fn follow_motion(gpu: &Gpu) {
     let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader");
     let mut shade = |world: &GpuWorld, meshes: &SceneSilhouettes, scene: &Scene| {
         let blockers = GpuSilhouettes::new(meshes.meshes());
-        let occlusion = Occlusion { own: &[&blockers], any_hit: Some(world), ..Occlusion::default() };
+        let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(world) };
         shader.occlude(occlusion).expect("a shader");
         let mut out = vec![Vec3::NAN; points.receivers.len()];
         shader.shade(&points, &frame(scene, 0.003, 5), &mut out).expect("the GPU shades");
@@ -157,8 +157,8 @@ fn beside_spheres(gpu: &Gpu) {
         .counts;
     let ours = GpuWorld::only(gpu, &scene, by_silhouettes).expect("geometry");
     let blockers = GpuSilhouettes::new(silhouettes.meshes());
-    let own: &[&dyn GpuBlockers] = &[&blockers];
-    let occlusion = Occlusion { spheres: Some(&spheres), own, any_hit: Some(&ours), ..Occlusion::default() };
+    let own: &[&dyn GpuBlockers] = &[&spheres, &blockers];
+    let occlusion = Occlusion { blockers: own, any_hit: Some(&ours) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let mut got = vec![Vec3::NAN; points.receivers.len()];
     let found = shader.shade(&points, &frame, &mut got).expect("the GPU shades").counts;
@@ -180,7 +180,7 @@ fn by_the_papers_method(gpu: &Gpu) {
     cpu.shade(&points, &frame, &mut want).expect("room for all lobes");
     let ours = GpuWorld::new(gpu, &scene).expect("geometry");
     let blockers = GpuSilhouettes::new(silhouettes.meshes());
-    let occlusion = Occlusion { own: &[&blockers], any_hit: Some(&ours), ..Occlusion::default() };
+    let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(&ours) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_method(Method::Paper(&tables));
     let mut got = vec![Vec3::NAN; points.receivers.len()];
     shader.shade(&points, &frame, &mut got).expect("the GPU shades");
@@ -194,15 +194,15 @@ fn twice_the_same_bits(gpu: &Gpu) {
     assert_eq!(from_gpu(gpu, &scene, &points, &frame), from_gpu(gpu, &scene, &points, &frame));
 }
 
-/// Without a scene for its rays, or with another strategy's, the shader says so.
+/// Without a scene for its rays, or twice, the shader says so.
 fn want_any_hit(gpu: &Gpu) {
     let scene = fence();
     let world = GpuWorld::new(gpu, &scene).expect("geometry");
     let blockers = GpuSilhouettes::new(SceneSilhouettes::new(&scene, |_| true).meshes());
     let own: &[&dyn GpuBlockers] = &[&blockers];
-    let both = Occlusion { own, rays: Some(&world), any_hit: Some(&world), ..Occlusion::default() };
-    for occlusion in [Occlusion { own, ..Occlusion::default() }, both] {
+    let twice = Occlusion { blockers: &[&blockers, &blockers], any_hit: Some(&world) };
+    for (occlusion, word) in [(Occlusion::of(own), "any_hit"), (twice, "twice")] {
         let error = GpuShader::new(gpu, occlusion).map(|_| ());
-        assert!(matches!(&error, Err(GpuError::Unsupported(why)) if why.contains("any_hit")), "{error:?}");
+        assert!(matches!(&error, Err(GpuError::Unsupported(why)) if why.contains(word)), "{error:?}");
     }
 }

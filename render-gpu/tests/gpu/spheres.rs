@@ -13,8 +13,6 @@ use visibility_spheres::{BlockerSphere, LIST_WORDS, SphereBlockers, wgsl};
 use wgpu::util::DeviceExt;
 
 const FRAME: &str = include_str!("../../src/kernels/frame.wgsl");
-const BOUNDS: &str = include_str!("../../src/kernels/bounds.wgsl");
-const CULL: &str = include_str!("../../src/kernels/cull.wgsl");
 
 const TILE: usize = 64;
 /// `LIST_FULL` of `packed.wgsl`.
@@ -205,6 +203,11 @@ impl Setup {
     }
 }
 
+/// The buffers, as kernels that shade have them.
+const BUFFERS: &str = "@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
+    @group(0) @binding(7) var<storage, read> spheres_lists: array<u32>;
+    @group(0) @binding(11) var<storage, read> spheres_bounds: array<vec4f>;";
+
 /// What the kernels read of a setup.
 struct Words {
     frame: Vec<u32>,
@@ -223,18 +226,21 @@ impl Words {
         let [x, y, z] = setup.light.center.to_array().map(f32::to_bits);
         let count = setup.receivers.len() as u32;
         let light = [x, y, z, setup.light.radius.to_bits()];
-        let mut frame = [light, [0; 4], [0, count, 0, packed.len() as u32], [blocks as u32, 0, 0, 0]].concat();
+        let mut frame = [light, [0; 4], [0, count, 0, 0], [0; 4]].concat();
         // And nothing of the light's shape.
-        frame.resize(20 + 4 * GPU_SHAPE, 0);
+        frame.resize(16 + 4 * GPU_SHAPE, 0);
         let points: Vec<_> = setup.receivers.iter().map(|at| GpuReceiver::new(at, 0)).collect();
         let points = bytemuck::cast_slice(&points).to_vec();
         let spheres: Vec<u32> = bytemuck::cast_slice(&packed).to_vec();
         let empty = vec![0; 4 * blocks];
-        let buffers: [(u32, &[u32]); 3] = [(0, &frame), (6, &spheres), (11, &empty)];
-        let bounds = dispatch(gpu, &[FRAME, wgsl::PACKED, BOUNDS], &buffers, 11, blocks.div_ceil(64));
+        let buffers: [(u32, &[u32]); 2] = [(6, &spheres), (11, &empty)];
+        let declared = BUFFERS.replace("read> spheres_bounds", "read_write> spheres_bounds");
+        let bounds = dispatch(gpu, &[&declared, wgsl::PACKED, wgsl::BOUNDS], &buffers, 11, blocks.div_ceil(64));
         let tiles = setup.receivers.len().div_ceil(TILE);
         let empty = vec![7; tiles * LIST_WORDS];
-        let pieces = [FRAME, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY, CULL];
+        let declared = BUFFERS.replace("read> spheres_lists", "read_write> spheres_lists");
+        let of_points = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;";
+        let pieces = [FRAME, &declared, of_points, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY, wgsl::CULL];
         let buffers: [(u32, &[u32]); 5] = [(0, &frame), (1, &points), (6, &spheres), (7, &empty), (11, &bounds)];
         let lists = dispatch(gpu, &pieces, &buffers, 7, tiles);
         Self { frame, points, spheres, bounds, lists }
@@ -259,7 +265,7 @@ impl Words {
                     out[id.x] = spheres_coverage(id.x / 64u, points[id.x], cone);
                 }
             }";
-        let spheres = [NO_OUTLINE, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES];
+        let spheres = [BUFFERS, NO_OUTLINE, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES];
         let pieces = [&[FRAME, GEOMETRY, masks::FACET, MAIN][..], &spheres].concat();
         let out = vec![9; self.points.len() / 16];
         let buffers: [(u32, &[u32]); 6] =
@@ -294,7 +300,7 @@ impl Words {
                         out[begin + 8u * lane + k] = row_samples(lit, k);
                     }
                 }
-                let sum = total(lane, vec4f(spheres_edges(lane, point / 64u, at, light, light), 0.0, 0.0));
+                let sum = total(lane, spheres_edges(lane, point / 64u, at, light, light));
                 if (lane == 0u) {
                     out[begin + 8u * SIDE] = bitcast<u32>(sum.x);
                     out[begin + 8u * SIDE + 1u] = bitcast<u32>(sum.y);
@@ -314,6 +320,7 @@ impl Words {
             masks::EDGES,
             masks::FACET,
             masks::TOTAL,
+            BUFFERS,
             wgsl::PACKED,
             wgsl::CONE_TEST,
             wgsl::BLOCKED_CONE,

@@ -1,15 +1,16 @@
 //! The WGSL of shadow maps without a GPU: every variant validates.
 
 use crate::validated::module;
+use lobe_core::gpu::GpuPages;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
-use visibility_shadowmap::{Pages, wgsl};
+use visibility_shadowmap::wgsl;
 
 /// What kernels declare.
-const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, map: u32 }
+const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, number: u32 }
     @group(0) @binding(0) var<uniform> frame: Frame;";
 
 fn validate(pieces: &[&str]) -> naga::Module {
-    let words = Pages::of(3 << 27, 1 << 27).wgsl();
+    let words = GpuPages::of(3 << 27, 1 << 27).wgsl("maps", 8);
     let common = [
         FRAME,
         &words,

@@ -1,8 +1,10 @@
 //! The WGSL of rays without a GPU.
 
 use crate::validated::module;
+use lobe_core::gpu::GpuBlockers;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
-use render_gpu::wgsl::{BVH, RAYS, RAYS_SPLAT, TRACE};
+use render_cpu::GpuRays;
+use render_gpu::wgsl::{ANY_HIT, BVH, TRACE};
 
 #[test]
 fn visible_points_validate() {
@@ -16,7 +18,8 @@ fn visible_points_validate() {
 #[test]
 fn shadow_rays_validate() {
     const STACK: &str = "const STACK = 32u;";
-    module(&[RAYS, STACK, BVH, GEOMETRY, visibility_mask::wgsl::FACET]);
+    let [rays, coverage, splat] = [GpuRays.shared(), GpuRays.coverage(), GpuRays.splat()];
+    module(&[&rays, &coverage, ANY_HIT, STACK, BVH, GEOMETRY, visibility_mask::wgsl::FACET]);
     for (depth, coarse) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
         let header = visibility_mask::wgsl::header(
             depth,
@@ -28,9 +31,9 @@ fn shadow_rays_validate() {
             let light = Cone(vec3f(0.0, 0.0, 1.0), 0.01, 5.0);
             var at: Receiver;
             let mask = mask_reset(square_facing(light, vec3f(1.0)), lane, light.axis);
-            rays_splat(lane, at, light, mask);
+            rays_splat(lane, 0u, at, light, mask);
         }";
-        let pieces = [&masks[..], &[RAYS_SPLAT, RAYS, STACK, BVH, GEOMETRY, LOBE, SPECIAL, main]].concat();
+        let pieces = [&masks[..], &[&splat, &rays, ANY_HIT, STACK, BVH, GEOMETRY, LOBE, SPECIAL, main]].concat();
         module(&pieces);
     }
 }

@@ -10,8 +10,6 @@ use visibility_spheres::{BlockerSphere, LIST_WORDS, SPHERE_BLOCK, wgsl};
 
 const FRAME: &str = include_str!("../../src/kernels/frame.wgsl");
 const QUEUE: &str = include_str!("../../src/kernels/queue.wgsl");
-const BOUNDS: &str = include_str!("../../src/kernels/bounds.wgsl");
-const CULL: &str = include_str!("../../src/kernels/cull.wgsl");
 const CLASSIFY: &str = concat!(
     include_str!("../../src/kernels/points.wgsl"),
     include_str!("../../src/kernels/integrals.wgsl"),
@@ -20,6 +18,11 @@ const CLASSIFY: &str = concat!(
 );
 const ARGS: &str = include_str!("../../src/kernels/args.wgsl");
 
+/// The buffers, as kernels that shade have them.
+const BUFFERS: &str = "@group(0) @binding(16) var<storage, read> spheres: array<BlockerSphere>;
+    @group(0) @binding(17) var<storage, read> spheres_bounds: array<vec4f>;
+    @group(0) @binding(18) var<storage, read> spheres_lists: array<u32>;";
+
 /// The hook of `classify`, for spheres only.
 const HOOK: &str = "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     return spheres_coverage(tile, at, cone);
@@ -27,8 +30,11 @@ const HOOK: &str = "fn blockers_coverage(tile: u32, at: Receiver, cone: Cone) ->
 
 #[test]
 fn culling_validates() {
-    let bounds = module(&[BOUNDS, FRAME, wgsl::PACKED]);
-    let cull = module(&[CULL, FRAME, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY]);
+    let points = "@group(0) @binding(1) var<storage, read> points: array<Receiver>;";
+    let of_bounds = BUFFERS.replace("read> spheres_bounds", "read_write> spheres_bounds");
+    let of_lists = BUFFERS.replace("read> spheres_lists", "read_write> spheres_lists");
+    let bounds = module(&[wgsl::BOUNDS, &of_bounds, wgsl::PACKED]);
+    let cull = module(&[wgsl::CULL, &of_lists, points, FRAME, wgsl::PACKED, wgsl::SHAFT_TEST, GEOMETRY]);
     assert_eq!(constant(&cull, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
     let args = module(&[ARGS, QUEUE, FRAME]);
     let groups = [(&bounds, "bounds", 64), (&cull, "cull", 64), (&args, "args_of_queue", 1)];
@@ -42,7 +48,7 @@ fn classification_validates() {
     let stub = "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
     let models = brdf::Models::of(&[brdf::Material::lambert(glam::Vec3::ONE)], false);
     let reflectance = brdf::wgsl::compose(models);
-    let parts = [wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
+    let parts = [BUFFERS, wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
     let mut pieces =
         vec![CLASSIFY, QUEUE, FRAME, SphereLight::WGSL, HOOK, stub, &reflectance, GEOMETRY, NO_OUTLINE, LOBE, SPECIAL];
     pieces.extend(parts);
@@ -58,6 +64,7 @@ fn splats_validate_at_all_depths() {
             let header = masks::header(depth, Fineness { coarse, ..Fineness::FINE });
             module(&[
                 &header,
+                BUFFERS,
                 wgsl::SPHERES_SPLAT,
                 wgsl::SPHERES,
                 masks::FACET,

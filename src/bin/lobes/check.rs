@@ -84,7 +84,7 @@ fn requirement(scene: &Scene, animation: &Animation, plan: &Plan, number: usize)
     let (count, quality) = spheres(object)?;
     let spheres = match plan.spheres(scene, number) {
         SphereSource::Nothing => 0,
-        SphereSource::Proxy | SphereSource::Shape => count,
+        _ => count,
     };
     let advice = advise(scene, animation, number, quality.as_ref());
     Ok(Requirement { strategy: plan.of(number), spheres, advice, quality })

@@ -46,7 +46,7 @@ pub(super) fn agree(gpu: &Gpu) {
             threshold: 1e-5,
         };
         let want = shade(CpuShader::new(MaskVisibility::new(maps.clone())), &points, &frame);
-        let occlusion = Occlusion { maps: Some(&maps), ..Occlusion::default() };
+        let occlusion = Occlusion { blockers: &[&maps.pack()], any_hit: None };
         let got = shade(GpuShader::new(gpu, occlusion).expect("a shader"), &points, &frame);
         assert_same(name, &want, &got);
     }

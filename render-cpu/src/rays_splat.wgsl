@@ -13,16 +13,16 @@ fn light_is_hidden(v: vec3f) -> bool {
     // A ray below the plane would meet the facet or pass its edge.
     let below = GRAZING - dot(v, rays_face);
     let above = select(v, unit(v + rays_face * below), below > 0.0 && any(rays_face != vec3f(0.0)));
-    return rays_occluded(rays_origin, above, rays_to_surface(above) * nodes[0].low.x);
+    return any_hit(rays_origin, above, rays_to_surface(above));
 }
 
 // Distance of the light's near surface along a unit direction inside the cone, or of its middle beside it.
 fn rays_to_surface(v: vec3f) -> f32 {
     if light_is_flat() {
-        return min(light_distance(v), 1e30 / nodes[0].low.x);
+        return light_distance(v);
     }
     if rays_light.distance > 1e30 {
-        return 1e30 / nodes[0].low.x;
+        return rays_light.distance;
     }
     let along = dot(rays_light.axis, v);
     let aside = rays_light.axis - v * along;
@@ -32,17 +32,17 @@ fn rays_to_surface(v: vec3f) -> f32 {
 }
 
 // The facet's edge, by the first thread.
-fn rays_edges(lane: u32, at: Receiver, light: Cone, window: Cone) -> vec2f {
+fn rays_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
     if lane > 0u || rays_facet(at, light) != PARTIAL {
-        return vec2f(0.0);
+        return vec4f(0.0);
     }
-    return edges_add_plane(edges_frame(window.axis), at.face, window);
+    return vec4f(edges_add_plane(edges_frame(window.axis), at.face, window), 0.0, 0.0);
 }
 
 // Blocks what is hidden. Requires uniform control flow.
-fn rays_splat(lane: u32, at: Receiver, light: Cone, mask: Mask) {
-    rays_of(at.object);
-    rays_origin = rays_leave(at);
+fn rays_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
+    any_hit_of(at.object);
+    rays_origin = any_hit_leave(at);
     rays_light = light;
     rays_face = vec3f(0.0);
     var span = emitting;

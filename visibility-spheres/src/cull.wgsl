@@ -1,9 +1,5 @@
 // The spheres that a tile of 64 points has to look at for one light: those that meet the shaft from the points to the
-// light. One workgroup a tile. Needs frame.wgsl, packed.wgsl, shaft.wgsl and lobe-core's geometry.
-@group(0) @binding(1) var<storage, read> points: array<Receiver>;
-@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
-@group(0) @binding(7) var<storage, read_write> lists: array<u32>;
-@group(0) @binding(11) var<storage, read> sphere_bounds: array<vec4f>;
+// light. One workgroup a tile. Needs packed.wgsl, shaft.wgsl, lobe-core's geometry, `frame`, `points`, and the buffers of gpu.rs.
 
 const NO_MATERIAL = 0xffffffffu;
 const TILE = 64u;
@@ -79,12 +75,12 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     let test = shaft_test(ball, frame.light);
     var count = 0u;
     // Where no point is there is nothing to look at.
-    let rounds = select((frame.block_count + (TILE - 1u)) / TILE, 0u, ball.w < 0.0);
+    let rounds = select((arrayLength(&spheres_bounds) + (TILE - 1u)) / TILE, 0u, ball.w < 0.0);
     for (var round = 0u; round < rounds; round++) {
         let block = round * TILE + lane;
-        var meets = block < frame.block_count;
+        var meets = block < arrayLength(&spheres_bounds);
         if (meets) {
-            let bounds = sphere_bounds[block];
+            let bounds = spheres_bounds[block];
             meets = shaft_meets(test, bounds.xyz, bounds.w);
         }
         let slot = place(lane, meets);
@@ -95,11 +91,11 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         // Two blocks at a time.
         for (var first = 0u; first < slot.y; first += 2u) {
             let half = first + lane / SPHERE_BLOCK;
-            var index = frame.sphere_count;
+            var index = arrayLength(&spheres);
             if (half < slot.y) {
                 index = blocks[half] * SPHERE_BLOCK + lane % SPHERE_BLOCK;
             }
-            var hit = index < frame.sphere_count;
+            var hit = index < arrayLength(&spheres);
             if (hit) {
                 let sphere = spheres[index];
                 hit = shaft_meets(test, sphere.center, sphere.radius);
@@ -110,7 +106,7 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
             }
             let entry = place(lane, hit);
             if (hit && count + entry.x < LIST_ROOM) {
-                lists[list + 2u + count + entry.x] = index;
+                spheres_lists[list + 2u + count + entry.x] = index;
             }
             count += entry.y;
         }
@@ -122,7 +118,7 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     workgroupBarrier();
     if (lane == 0u) {
         let full = select(0u, LIST_FULL, count > LIST_ROOM);
-        lists[list] = min(count, LIST_ROOM);
-        lists[list + 1u] = full | select(0u, LIST_DARK, atomicLoad(&dark) != 0u);
+        spheres_lists[list] = min(count, LIST_ROOM);
+        spheres_lists[list + 1u] = full | select(0u, LIST_DARK, atomicLoad(&dark) != 0u);
     }
 }

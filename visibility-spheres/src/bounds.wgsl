@@ -1,6 +1,4 @@
-// A ball around each block of spheres, one block a thread, as `Block::bounds`. Needs frame.wgsl and packed.wgsl.
-@group(0) @binding(6) var<storage, read> spheres: array<BlockerSphere>;
-@group(0) @binding(11) var<storage, read_write> sphere_bounds: array<vec4f>;
+// A ball around each block of spheres, one block a thread, as `Block::bounds`. Needs packed.wgsl and the buffers of gpu.rs.
 
 // What is larger is a float no more.
 const BOUNDS_EVERYTHING = 3e38;
@@ -8,11 +6,11 @@ const BOUNDS_EVERYTHING = 3e38;
 @compute @workgroup_size(64)
 fn bounds(@builtin(global_invocation_id) id: vec3u) {
     let block = id.x;
-    if (block >= frame.block_count) {
+    if (block >= arrayLength(&spheres_bounds)) {
         return;
     }
     let first = block * SPHERE_BLOCK;
-    let end = min(first + SPHERE_BLOCK, frame.sphere_count);
+    let end = min(first + SPHERE_BLOCK, arrayLength(&spheres));
     var low = vec3f(BOUNDS_EVERYTHING);
     var high = vec3f(-BOUNDS_EVERYTHING);
     for (var k = first; k < end; k++) {
@@ -32,8 +30,8 @@ fn bounds(@builtin(global_invocation_id) id: vec3u) {
     // Not by the distances: squares overflow before them.
     let all = max(max(max(abs(low.x), abs(low.y)), abs(low.z)), max(max(abs(high.x), abs(high.y)), abs(high.z)));
     if (all < 1e18) {
-        sphere_bounds[block] = vec4f(center, reach);
+        spheres_bounds[block] = vec4f(center, reach);
     } else {
-        sphere_bounds[block] = vec4f(0.0, 0.0, 0.0, BOUNDS_EVERYTHING);
+        spheres_bounds[block] = vec4f(0.0, 0.0, 0.0, BOUNDS_EVERYTHING);
     }
 }

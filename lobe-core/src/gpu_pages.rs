@@ -1,25 +1,25 @@
 use core::fmt::Write;
 use core::ops::Range;
 
-/// How the words of [`PackedMaps`](crate::PackedMaps) are bound: as one buffer, or, where that is more than a binding may be, as
+/// How the words of a [`GpuBuffer`](crate::gpu::GpuBuffer) in pages are bound: as one buffer, or, where that is more than a binding may be, as
 /// pages of it, each a binding of its own.
 ///
 /// ```
-/// use visibility_shadowmap::Pages;
+/// use lobe_core::gpu::GpuPages;
 /// let bytes = 181_930_368;
-/// let pages = Pages::of(bytes, 128 << 20);
+/// let pages = GpuPages::of(bytes, 128 << 20);
 /// assert_eq!(pages.count(), 2);
 /// assert_eq!(pages.range(1, bytes), 128 << 20..bytes);
-/// assert_eq!(Pages::of(bytes, 1 << 30), Pages::ONE);
+/// assert_eq!(GpuPages::of(bytes, 1 << 30), GpuPages::ONE);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pages {
+pub struct GpuPages {
     count: u32,
     /// A page has `2^bits` words, the last one fewer.
     bits: u32,
 }
 
-impl Pages {
+impl GpuPages {
     /// All in one.
     pub const ONE: Self = Self { count: 1, bits: 32 };
 
@@ -65,32 +65,25 @@ impl Pages {
         from.min(bytes)..(from + size).min(bytes)
     }
 
-    /// The number of a page's binding in group 0: 8, and from 16 on.
+    /// The bindings in WGSL, from this number on, and `fn NAME_word(k: u32) -> u32`, which reads a word.
     #[must_use]
-    pub const fn binding(page: u32) -> u32 {
-        if page == 0 { 8 } else { 15 + page }
-    }
-
-    /// The bindings in WGSL, and `fn map_word(k: u32) -> u32`, which reads a word.
-    #[must_use]
-    pub fn wgsl(self) -> String {
-        let name = |page: u32| if page == 0 { "shadow_map".to_owned() } else { format!("shadow_map{page}") };
+    pub fn wgsl(self, name: &str, binding: u32) -> String {
         let mut text = String::new();
         for page in 0..self.count {
-            let (binding, name) = (Self::binding(page), name(page));
+            let binding = binding + page;
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "@group(0) @binding({binding}) var<storage, read> {name}: array<u32>;");
+            let _ = writeln!(text, "@group(0) @binding({binding}) var<storage, read> {name}{page}: array<u32>;");
         }
-        text.push_str("fn map_word(k: u32) -> u32 {\n");
+        let _ = writeln!(text, "fn {name}_word(k: u32) -> u32 {{");
         let rest = match self.bits {
             32.. => "k".to_owned(),
             bits => format!("k & {}u", (1_u64 << bits) - 1),
         };
         for page in 0..self.count - 1 {
             let end = u64::from(page + 1) << self.bits;
-            let _ = writeln!(text, "if k < {end}u {{ return {}[{rest}]; }}", name(page));
+            let _ = writeln!(text, "if k < {end}u {{ return {name}{page}[{rest}]; }}");
         }
-        let _ = writeln!(text, "return {}[{rest}];\n}}", name(self.count - 1));
+        let _ = writeln!(text, "return {name}{}[{rest}];\n}}", self.count - 1);
         text
     }
 }
@@ -110,7 +103,7 @@ mod tests {
             (155 << 20, (1 << 31) - 1, 1),
             (3 << 30, (1 << 31) - 1, 3),
         ] {
-            let pages = Pages::of(bytes, most);
+            let pages = GpuPages::of(bytes, most);
             assert_eq!(pages.count(), count, "{bytes} {most}");
             let mut end = 0;
             for page in 0..count {
@@ -119,14 +112,8 @@ mod tests {
                 end = range.end;
             }
             assert_eq!(end, bytes);
-            assert!(Pages::room(count, most) >= bytes && (count == 1 || Pages::room(count - 1, most) < bytes));
+            assert!(GpuPages::room(count, most) >= bytes && (count == 1 || GpuPages::room(count - 1, most) < bytes));
         }
-        assert_eq!(Pages::room(0, 100), 100);
-    }
-
-    #[test]
-    fn bindings_are_apart() {
-        let bindings: Vec<u32> = (0..4).map(Pages::binding).collect();
-        assert_eq!(bindings, [8, 16, 17, 18]);
+        assert_eq!(GpuPages::room(0, 100), 100);
     }
 }

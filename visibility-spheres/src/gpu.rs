@@ -1,0 +1,73 @@
+//! The `spheres` strategy for a GPU.
+
+use crate::packed::{LIST_WORDS, SPHERE_BLOCK};
+use crate::{SphereBlockers, wgsl};
+use lobe_core::gpu::{GpuBlockers, GpuBuffer, GpuContents, GpuPass, GpuRun};
+
+const SPHERES: &str = "spheres";
+const BOUNDS: &str = "spheres_bounds";
+const LISTS: &str = "spheres_lists";
+
+/// Threads of the workgroups that make bounds.
+const GROUP: usize = 64;
+
+/// The same spheres, culled for each tile of points before these are classified.
+impl GpuBlockers for SphereBlockers {
+    fn name(&self) -> &'static str {
+        "spheres"
+    }
+
+    fn shared(&self) -> String {
+        [wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, wgsl::SPHERES].join("\n")
+    }
+
+    fn coverage(&self) -> String {
+        String::new()
+    }
+
+    fn splat(&self) -> String {
+        [wgsl::ELLIPSE, wgsl::SPLAT, wgsl::SPHERES_SPLAT].join("\n")
+    }
+
+    fn has_edges(&self) -> bool {
+        true
+    }
+
+    fn is_empty(&self) -> bool {
+        self.order().is_empty()
+    }
+
+    fn buffers(&self) -> Vec<GpuBuffer<'_>> {
+        let mut packed = Vec::new();
+        self.pack(&mut packed);
+        let blocks = packed.len().div_ceil(SPHERE_BLOCK) as u32;
+        let room = |name, element, contents| GpuBuffer { name, element, contents };
+        vec![
+            GpuBuffer::of(SPHERES, "BlockerSphere", bytemuck::cast_slice(&packed).to_vec()),
+            room(BOUNDS, "vec4f", GpuContents::Room(4 * blocks)),
+            room(LISTS, "u32", GpuContents::RoomPerTile(LIST_WORDS as u32)),
+        ]
+    }
+
+    fn passes(&self) -> Vec<GpuPass> {
+        let groups = self.order().len().div_ceil(SPHERE_BLOCK).div_ceil(GROUP) as u32;
+        vec![
+            GpuPass {
+                entry: "bounds",
+                text: wgsl::BOUNDS.to_owned(),
+                needs: vec![wgsl::PACKED],
+                reads: vec![SPHERES],
+                writes: vec![BOUNDS],
+                run: GpuRun::Changed(groups),
+            },
+            GpuPass {
+                entry: "cull",
+                text: wgsl::CULL.to_owned(),
+                needs: vec![wgsl::PACKED, wgsl::SHAFT_TEST],
+                reads: vec!["points", SPHERES, BOUNDS],
+                writes: vec![LISTS],
+                run: GpuRun::Tiles,
+            },
+        ]
+    }
+}
