@@ -133,7 +133,12 @@ impl LightImage {
 /// Its size and a hash of what it shows.
 impl core::fmt::Debug for LightImage {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "LightImage {{ {}, {:016x} }}", self.size(), hash_of(self.levels[0].texels.iter().map(|t| (*t).into())))
+        write!(
+            f,
+            "LightImage {{ {}, {:016x} }}",
+            self.size(),
+            hash_of(self.levels[0].texels.iter().map(|t| (*t).into()))
+        )
     }
 }
 

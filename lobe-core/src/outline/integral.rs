@@ -155,7 +155,7 @@ fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4
     let peak = nearest_of(light.on_plane(frame), Vec2::ZERO);
     let width = Vec2::splat((1.0 + peak.length_squared()).sqrt());
     let peak = Peak { point: peak, width, is_beside: false };
-    cubature(normal, light, frame, &peak, lobe, image)
+    cubature(normal, light, frame, peak, lobe, image)
 }
 
 fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
@@ -188,7 +188,7 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>)
     let peak = Peak { point, width, is_beside };
     let f = Power { axis, half_exponent: 0.5 * e, normal: local(normal), has_cosine: lobe.factor > 0.0 };
     let norm = (e + 1.0) / TAU;
-    cubature(normal, light, frame, &peak, f, image).map(|value| norm * value)
+    cubature(normal, light, frame, peak, f, image).map(|value| norm * value)
 }
 
 /// How far from the foot of the receiver's perpendicular on the plane at distance 1, toward a lobe's axis, the lobe times the light's
@@ -224,7 +224,7 @@ fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightI
     let point = if width.min_element() > (1.0 + foot.length_squared()).sqrt() { foot } else { point };
     let width = width.min(Vec2::splat((1.0 + point.length_squared()).sqrt()));
     let peak = Peak { point, width, is_beside: beside > 2.0 * alpha * stretch };
-    cubature(normal, light, frame, &peak, facets, image)
+    cubature(normal, light, frame, peak, facets, image)
 }
 
 /// Where an integrand is largest on the light's plane, and how wide about there.
@@ -361,6 +361,13 @@ impl Shown<8> for Picture<'_> {
     }
 }
 
+/// What is summed, and where it is largest.
+struct Integrand<V, W> {
+    peak: Peak,
+    value: V,
+    shown: W,
+}
+
 /// Samples of rows, to be evaluated side by side.
 struct Samples {
     /// Place along the row, height of the row, weight.
@@ -379,14 +386,12 @@ impl Samples {
         [low, high]: [f32; 2],
         y: f32,
         weight: f32,
-        peak: &Peak,
-        value: &impl Value,
-        shown: &impl Shown<N>,
+        integrand: &Integrand<impl Value, impl Shown<N>>,
     ) -> [f32; N] {
         let [middle, half] = [0.5 * (low + high), 0.5 * (high - low)];
-        let rule = rule::<N>(high - low, peak);
+        let rule = rule::<N>(high - low, &integrand.peak);
         let full = self.count + 2 * rule.len() > BATCH;
-        let sum = if full { self.sum(simd, peak, value, shown) } else { [0.0; N] };
+        let sum = if full { self.sum(simd, integrand) } else { [0.0; N] };
         for (node, part) in both_halves(rule) {
             self.u[self.count] = middle + half * node;
             self.y[self.count] = y;
@@ -398,16 +403,10 @@ impl Samples {
 
     /// The sum of those that wait.
     #[inline(always)]
-    fn sum<S: Simd, const N: usize>(
-        &mut self,
-        simd: S,
-        peak: &Peak,
-        value: &impl Value,
-        shown: &impl Shown<N>,
-    ) -> [f32; N] {
+    fn sum<S: Simd, const N: usize>(&mut self, simd: S, integrand: &Integrand<impl Value, impl Shown<N>>) -> [f32; N] {
         let mut sums = [f32x16::splat(simd, 0.0); N];
         // In registers, not behind a reference that stores might change.
-        let (value, Peak { point, width, .. }) = (*value, *peak);
+        let (value, Peak { point, width, .. }) = (integrand.value, integrand.peak);
         let [(u, _), (y, _), (weight, _)] = [&self.u, &self.y, &self.weight].map(|column| column.as_chunks::<LANES>());
         for ((u, y), weight) in u.iter().zip(y).zip(weight).take(self.count.div_ceil(LANES)) {
             let [mut x, mut area, mut by_angle, mut values, mut inverses] = [[0.0; LANES]; 5];
@@ -425,7 +424,7 @@ impl Samples {
             }
             let group = Group { x, y: *y, area, weight: by_angle, value: values, inverse: inverses };
             let weight = f32x16::simd_from(simd, group.weight);
-            for (sum, values) in sums.iter_mut().zip(shown.of(&group)) {
+            for (sum, values) in sums.iter_mut().zip(integrand.shown.of(&group)) {
                 *sum += weight * f32x16::simd_from(simd, values);
             }
         }
@@ -440,21 +439,23 @@ fn cubature(
     normal: Vec3,
     light: &Outline,
     frame: [Vec3; 2],
-    peak: &Peak,
+    peak: Peak,
     value: impl Value,
     image: Option<&LightImage>,
 ) -> [f32; 4] {
     let Some(image) = image else {
-        let [sum] = dispatch!(Level::new(), simd => of_rows(simd, normal, light, frame, peak, &value, &Alone));
+        let integrand = Integrand { peak, value, shown: Alone };
+        let [sum] = dispatch!(Level::new(), simd => of_rows(simd, normal, light, frame, &integrand));
         return [0.0, 0.0, 0.0, sum];
     };
     let shown = Picture { image, places: light.places(frame) };
     let is_small = light.on_plane(frame).all(|p| ((p - peak.point) / peak.width).length_squared() < SMALL_LIGHT);
+    let integrand = Integrand { peak, value, shown };
     if !is_small || light.is_cut {
-        return dispatch!(Level::new(), simd => of_rows::<_, 4>(simd, normal, light, frame, peak, &value, &shown));
+        return dispatch!(Level::new(), simd => of_rows::<_, 4>(simd, normal, light, frame, &integrand));
     }
     let [r, g, b, alone, x, y, z, plane] =
-        dispatch!(Level::new(), simd => of_rows::<_, 8>(simd, normal, light, frame, peak, &value, &shown));
+        dispatch!(Level::new(), simd => of_rows::<_, 8>(simd, normal, light, frame, &integrand));
     // What the nodes miss of the image, whose mean over the whole light is one, they miss of the product.
     let off = |sum: f32| alone * (1.0 - sum / plane);
     [r + off(x), g + off(y), b + off(z), alone]
@@ -466,10 +467,9 @@ fn of_rows<S: Simd, const N: usize>(
     normal: Vec3,
     light: &Outline,
     frame: [Vec3; 2],
-    peak: &Peak,
-    value: &impl Value,
-    shown: &impl Shown<N>,
+    integrand: &Integrand<impl Value, impl Shown<N>>,
 ) -> [f32; N] {
+    let peak = &integrand.peak;
     // Relative to the peak, in its widths.
     let mut corners = [Vec2::ZERO; Outline::ROOM];
     let count = light.corners().len();
@@ -492,7 +492,7 @@ fn of_rows<S: Simd, const N: usize>(
         let n = Vec3::new(frame[0].dot(normal), frame[1].dot(normal), light.axis().dot(normal));
         let above = n.z + n.x * peak.point.x + n.y * peak.point.y;
         sides[0] = [n.x * peak.width.x, n.y * peak.width.y, above];
-        return over_pieces(simd, &ends, &sides[..1], Some((center, half)), peak, value, shown);
+        return over_pieces(simd, &ends, &sides[..1], Some((center, half)), integrand);
     }
     for (i, side) in sides.iter_mut().enumerate().take(count) {
         let (p, q) = (corners[i], corners[(i + 1) % count]);
@@ -501,7 +501,7 @@ fn of_rows<S: Simd, const N: usize>(
     }
     // Rows of a piece between two corners are smooth.
     cuts.sort_unstable_by(f32::total_cmp);
-    over_pieces(simd, few(cuts), &sides[..count], None, peak, value, shown)
+    over_pieces(simd, few(cuts), &sides[..count], None, integrand)
 }
 
 /// Rows between cuts, each as far as half-planes and an ellipse let it.
@@ -511,10 +511,9 @@ fn over_pieces<S: Simd, const N: usize>(
     cuts: &[f32],
     sides: &[[f32; 3]],
     ellipse: Option<(Vec2, Vec2)>,
-    peak: &Peak,
-    value: &impl Value,
-    shown: &impl Shown<N>,
+    integrand: &Integrand<impl Value, impl Shown<N>>,
 ) -> [f32; N] {
+    let peak = &integrand.peak;
     let mut samples = Samples { u: [0.0; BATCH], y: [0.0; BATCH], weight: [0.0; BATCH], count: 0 };
     let mut sum = [0.0; N];
     for pair in cuts.windows(2) {
@@ -548,11 +547,11 @@ fn over_pieces<S: Simd, const N: usize>(
             }
             if low < high && high - low < f32::INFINITY {
                 let y = peak.point.y + peak.width.y * y;
-                add(&mut sum, samples.row(simd, [place(low), place(high)], y, weight, peak, value, shown));
+                add(&mut sum, samples.row(simd, [place(low), place(high)], y, weight, integrand));
             }
         }
     }
-    add(&mut sum, samples.sum(simd, peak, value, shown));
+    add(&mut sum, samples.sum(simd, integrand));
     sum.map(|sum| sum * peak.width.x * peak.width.y)
 }
 
