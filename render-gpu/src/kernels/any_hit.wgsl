@@ -16,12 +16,6 @@ struct Region {
     far: f32,
 }
 
-// Start of a shadow ray, off the surface by 5e-7 of the point's largest coordinate, in units of the hierarchy.
-fn world_leave(at: Receiver) -> vec3f {
-    let size = max(max(abs(at.position.x), abs(at.position.y)), abs(at.position.z));
-    return (at.position + at.face * (5e-7 * size)) * nodes[0].low.x;
-}
-
 // What stops rays: a flag of primitives, or two.
 var<private> world_stop: u32 = BLOCKS;
 
@@ -201,7 +195,11 @@ fn any_hit_of(object: u32) {
     world_stop = select(BLOCKS, BLOCKS | BLOCKS_ALIKE, world_stops(object) == 2u);
 }
 
-fn any_hit_leave(at: Receiver) -> vec3f { return world_leave(at) / nodes[0].low.x; }
+// Off the surface by 5e-7 of the point's largest coordinate.
+fn any_hit_leave(at: Receiver) -> vec3f {
+    let size = max(max(abs(at.position.x), abs(at.position.y)), abs(at.position.z));
+    return at.position + at.face * (5e-7 * size);
+}
 
 fn any_hit_has(object: u32) -> bool { return world_stops(object) != 0u; }
 
