@@ -181,7 +181,7 @@ fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
     }
 }
 
-/// What hides lights from points.
+/// The blockers of a scene.
 #[derive(Clone, Copy, PartialEq)]
 enum Blocks {
     /// Furniture, and two balls.

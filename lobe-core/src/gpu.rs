@@ -120,7 +120,7 @@ pub struct GpuBuffer<'a> {
     pub name: &'static str,
     /// Type of its elements in WGSL: `u32`, `vec4f`, or a struct of the part's text.
     pub element: &'static str,
-    /// What it holds. Not empty. `arrayLength` counts just that.
+    /// Its contents, which are not empty. `arrayLength` counts just these.
     pub contents: GpuContents<'a>,
 }
 
@@ -132,7 +132,7 @@ impl<'a> GpuBuffer<'a> {
     }
 }
 
-/// What a buffer holds.
+/// Contents of a buffer.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum GpuContents<'a> {
@@ -243,7 +243,7 @@ pub trait GpuBlockers: Debug + Sync {
     /// What its functions read, as of now.
     fn buffers(&self) -> Vec<GpuBuffer<'_>>;
 
-    /// What is to be done before its functions are called, in this order.
+    /// Its passes, which run in this order before its functions are called.
     fn passes(&self) -> Vec<GpuPass> {
         Vec::new()
     }

@@ -284,7 +284,7 @@ impl Value for Facets {
     }
 }
 
-/// What is summed beside a reflectance: `N` numbers a sample, the reflectance itself among them.
+/// The `N` numbers of a sample that are summed, a reflectance among them.
 trait Shown<const N: usize> {
     /// Of a group of samples: their places, the areas for which they stand on the light's plane, what they weigh, the reflectances,
     /// and one over their squared distances.
@@ -361,7 +361,7 @@ impl Shown<8> for Picture<'_> {
     }
 }
 
-/// What is summed, and where it is largest.
+/// An integrand: a reflectance, the numbers that are summed with it, and where it is largest.
 struct Integrand<V, W> {
     peak: Peak,
     value: V,
