@@ -1,5 +1,6 @@
 //! Flat lights: what a receiver sees of a convex polygon.
 
+mod cubature;
 mod image;
 mod integral;
 #[cfg(test)]
