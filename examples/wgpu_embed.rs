@@ -6,7 +6,7 @@
 
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::blockers;
-use cosine_lobes::render_gpu::{Gpu, GpuCanvas, GpuGBuffer, GpuShader, Occlusion};
+use cosine_lobes::render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuTextureWriter, Occlusion};
 use cosine_lobes::scene::{Frame, builtin};
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Output, Picture, srgb_bytes, write_png};
@@ -51,7 +51,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
     let spheres = spheres.with_self_shadows(&set.self_shadows);
     let gpu = Gpu::from_device(device.clone(), queue.clone());
     let mut shader = GpuShader::new(&gpu, Occlusion::of(&[&spheres]))?;
-    let canvas = GpuCanvas::new(&gpu, texture.format())?;
+    let writer = GpuTextureWriter::new(&gpu, texture.format())?;
     let mut view = GpuGBuffer::new(&gpu, &scene)?;
     let points = view.trace(&scene.camera, WIDTH, HEIGHT, 0..WIDTH, 0..HEIGHT)?;
     let radiance = device.create_buffer(&wgpu::BufferDescriptor {
@@ -73,7 +73,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
             threshold: 0.0,
         };
         shader.submit(&frame, points.buffer, points.count, &radiance)?;
-        canvas.submit(&gpu, points.buffer, &radiance, &texture)?;
+        writer.submit(&gpu, points.buffer, &radiance, &texture)?;
         let texels = read(&device, &queue, &texture)?;
         println!("picture {picture}: {:.0} ms, read back", 1e3 * start.elapsed().as_secs_f64());
         save(&format!("{prefix}-{picture}.png"), &texels, scene.background)?;

@@ -15,7 +15,7 @@ pub enum Method<'a> {
     Paper(&'a paper::Tables),
 }
 
-/// A stage of the paper's Table 1, told to a [`Probe`] when it ends.
+/// A stage of the paper's Table 1, told to a [`Observer`] when it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// (b) Light lobes and unshadowed integrals.
@@ -29,7 +29,7 @@ pub enum Stage {
 }
 
 /// Listens to what the integrator does: counters and clocks. `()` listens to nothing and costs nothing.
-pub trait Probe {
+pub trait Observer {
     /// A stage has ended.
     fn end(&mut self, stage: Stage) {
         let _ = stage;
@@ -46,7 +46,7 @@ pub trait Probe {
     }
 }
 
-impl Probe for () {}
+impl Observer for () {}
 
 /// One light as a receiver sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +82,7 @@ impl LightTerm {
     #[must_use]
     pub fn above(&self, normal: Vec3) -> Self {
         // What is cut already lies on the horizon, but for rounding.
-        let Some(outline) = self.outline.as_ref().filter(|outline| !outline.is_cut()) else { return *self };
+        let Some(outline) = self.outline.as_ref().filter(|outline| !outline.is_clipped()) else { return *self };
         let outline = outline.above(normal);
         // The cone alone would be a light.
         let one_minus_cos = if outline.is_some() { self.cone.one_minus_cos } else { 0.0 };
@@ -136,11 +136,11 @@ impl Integrator<'_> {
         call: &Call<'_>,
         visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
-        probe: &mut impl Probe,
+        observer: &mut impl Observer,
     ) -> Result<Lit, LobesFull> {
         match self.method {
-            Method::Moments => self.by_moments(call, visit, sum, probe),
-            Method::Paper(tables) => self.by_paper(tables, call, visit, sum, probe),
+            Method::Moments => self.by_moments(call, visit, sum, observer),
+            Method::Paper(tables) => self.by_paper(tables, call, visit, sum, observer),
         }
     }
 
@@ -149,7 +149,7 @@ impl Integrator<'_> {
         call: &Call<'_>,
         visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
-        probe: &mut impl Probe,
+        observer: &mut impl Observer,
     ) -> Result<Lit, LobesFull> {
         let mut lit = Lit::default();
         let mut seen = None;
@@ -161,21 +161,21 @@ impl Integrator<'_> {
                 Some((image, outline)) => outline::of_image(call.at, &f, outline, image),
             };
             let unshadowed = f.flux * call.light.radiance * integral;
-            probe.count(0, 1);
-            probe.end(Stage::Lighting);
+            observer.count(0, 1);
+            observer.end(Stage::Lighting);
             lit.unshadowed += unshadowed;
             if unshadowed.max_element() <= self.threshold {
                 if unshadowed.max_element() > 0.0 {
-                    probe.prune();
+                    observer.prune();
                 }
                 continue;
             }
             let fraction =
-                match seen.get_or_insert_with(|| look(visit, call.at, &light.cone, light.outline.as_ref(), probe)) {
+                match seen.get_or_insert_with(|| look(visit, call.at, &light.cone, light.outline.as_ref(), observer)) {
                     Look::Lit => Vec3::ONE,
                     Look::Dark => Vec3::ZERO,
                     Look::Partial(seen) => {
-                        let part = partly_seen(visit, seen, &f, integral.max_element(), sum, probe)?;
+                        let part = partly_seen(visit, seen, &f, integral.max_element(), sum, observer)?;
                         sum.by_channel.unwrap_or(Vec3::splat(part))
                     }
                 };
@@ -190,7 +190,7 @@ impl Integrator<'_> {
         call: &Call<'_>,
         visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
-        probe: &mut impl Probe,
+        observer: &mut impl Observer,
     ) -> Result<Lit, LobesFull> {
         let light_lobe = tables.light_lobe(&call.light.cone, call.light.radiance);
         let mut lit = Lit::default();
@@ -209,14 +209,14 @@ impl Integrator<'_> {
             };
             let product = tables.product(&f, &light_lobe);
             let unshadowed = product.flux;
-            probe.count(0, 1);
-            probe.end(Stage::Lighting);
+            observer.count(0, 1);
+            observer.end(Stage::Lighting);
             lit.unshadowed += unshadowed;
             if unshadowed.max_element() <= self.threshold {
-                probe.prune();
+                observer.prune();
                 continue;
             }
-            match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, None, probe)) {
+            match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, None, observer)) {
                 Look::Lit => {
                     lit.radiance += unshadowed;
                     continue;
@@ -224,36 +224,36 @@ impl Integrator<'_> {
                 Look::Dark => continue,
                 Look::Partial(seen) => visit.lobes(seen, &f, unshadowed.max_element(), sum)?,
             }
-            probe.end(Stage::VisibilityLobes);
+            observer.end(Stage::VisibilityLobes);
             let lobes = sum.lobes.lobes();
             let mut shadow = Vec3::ZERO;
             for c in lobes.iter() {
                 let taken = tables.product(&product, &c).flux;
                 if taken.abs().max_element() < self.threshold {
-                    probe.prune();
+                    observer.prune();
                 } else {
                     shadow += taken;
                 }
             }
             lit.radiance += (unshadowed * sum.base + shadow).max(Vec3::ZERO);
-            probe.count(lobes.len(), lobes.len());
-            probe.end(Stage::Integration);
+            observer.count(lobes.len(), lobes.len());
+            observer.end(Stage::Integration);
         }
         Ok(lit)
     }
 }
 
-/// A receiver looks, and the probe is told.
+/// A receiver looks, and the observer is told.
 pub(crate) fn look<'q, 'v: 'q, V: VisibilityLobes + ?Sized>(
     visit: &mut Visit<'v, V>,
     at: &'q Receiver,
     cone: &'q Cone,
     outline: Option<&'q Outline>,
-    probe: &mut impl Probe,
+    observer: &mut impl Observer,
 ) -> Look<'q> {
     let seen = visit.look_through(at, cone, outline);
-    probe.coverage(seen.coverage());
-    probe.end(Stage::Mask);
+    observer.coverage(seen.coverage());
+    observer.end(Stage::Mask);
     seen
 }
 
@@ -264,18 +264,18 @@ pub(crate) fn partly_seen<V: VisibilityLobes + ?Sized>(
     f: &Lobe,
     unshadowed: f32,
     sum: &mut VisibilitySum,
-    probe: &mut impl Probe,
+    observer: &mut impl Observer,
 ) -> Result<f32, LobesFull> {
     visit.lobes(seen, f, unshadowed, sum)?;
-    probe.end(Stage::VisibilityLobes);
+    observer.end(Stage::VisibilityLobes);
     let fraction = visible_fraction(seen.at, f, unshadowed, sum);
     let lobes = sum.lobes.lobes().len();
-    probe.count(lobes, lobes + sum.whole.lobes().len());
-    probe.end(Stage::Integration);
+    observer.count(lobes, lobes + sum.whole.lobes().len());
+    observer.end(Stage::Integration);
     Ok(fraction)
 }
 
-/// The share of an unshadowed integral that a visibility sum lets through, for one reflectance lobe.
+/// The fraction of an unshadowed integral that a visibility sum lets through, for one reflectance lobe.
 ///
 /// With lobes of the whole light beside: `Σ P(f, lit)/Σ P(f, whole)`, exact where all or nothing is lit. Without:
 /// `base + Σ P(f, lobes)/unshadowed`. In [0, 1]; `unshadowed` is the integral of `f` at flux 1.

@@ -56,7 +56,7 @@ pub use crate::accuracy::Accuracy;
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::compact::compact_runs;
 pub use crate::geometry::{Cone, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
-pub use crate::integrator::{Call, Integrator, LightTerm, Lit, Method, Probe, Stage, visible_fraction};
+pub use crate::integrator::{Call, Integrator, LightTerm, Lit, Method, Observer, Stage, visible_fraction};
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
 pub use crate::microfacets::Microfacets;

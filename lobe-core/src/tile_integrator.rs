@@ -2,8 +2,8 @@ use crate::integrator::{look, partly_seen};
 use crate::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
 use crate::tile::TileRadiance;
 use crate::{
-    Call, Coverage, Integrator, Lit, Lobe, LobeBuffer, LobesFull, Look, Method, Probe, Receiver, TileLight, TileLobes,
-    VisibilityLobes, VisibilitySum, Visit,
+    Call, Coverage, Integrator, Lit, Lobe, LobeBuffer, LobesFull, Look, Method, Observer, Receiver, TileLight,
+    TileLobes, VisibilityLobes, VisibilitySum, Visit,
 };
 use glam::Vec3;
 
@@ -77,14 +77,14 @@ impl Integrator<'_> {
         call: &TileCall<'_>,
         visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
-        probe: &mut impl Probe,
+        observer: &mut impl Observer,
         out: &mut TileLit,
     ) -> Result<(), LobesFull> {
         out.blocks.resize(call.at.len().div_ceil(WIDTH), Kept::default());
         out.blocks.iter_mut().for_each(|block| block.0[1..].as_flattened_mut().fill(0.0));
         match self.method {
-            Method::Moments if visit.image().is_none() => self.tile_by_moments(call, visit, sum, probe, out),
-            Method::Moments | Method::Paper(_) => self.tile_one_by_one(call, visit, sum, probe, out),
+            Method::Moments if visit.image().is_none() => self.tile_by_moments(call, visit, sum, observer, out),
+            Method::Moments | Method::Paper(_) => self.tile_one_by_one(call, visit, sum, observer, out),
         }
     }
 
@@ -93,7 +93,7 @@ impl Integrator<'_> {
         call: &TileCall<'_>,
         visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
-        probe: &mut impl Probe,
+        observer: &mut impl Observer,
         out: &mut TileLit,
     ) -> Result<(), LobesFull> {
         let (level, threshold) = (Level::new(), self.threshold);
@@ -117,10 +117,10 @@ impl Integrator<'_> {
             let [.., integrals, _, seen, dropped] = &out.blocks[first / WIDTH].0;
             let rows = WIDTH.min(call.at.len() - first);
             let total = |column: &[f32; WIDTH]| total(column, rows);
-            probe.count(0, total(integrals));
-            (0..total(dropped)).for_each(|_| probe.prune());
+            observer.count(0, total(integrals));
+            (0..total(dropped)).for_each(|_| observer.prune());
             for j in ones(rows_above(seen, 0.0) & ((1 << rows) - 1)) {
-                self.look_at(call, first + j, visit, sum, probe, out)?;
+                self.look_at(call, first + j, visit, sum, observer, out)?;
             }
         }
         Ok(())
@@ -133,14 +133,14 @@ impl Integrator<'_> {
         i: usize,
         visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
-        probe: &mut impl Probe,
+        observer: &mut impl Observer,
         out: &mut TileLit,
     ) -> Result<(), LobesFull> {
         if visit.entered() == Coverage::Lit {
-            probe.coverage(Coverage::Lit);
+            observer.coverage(Coverage::Lit);
             return Ok(());
         }
-        match look(visit, &call.at[i], &call.light.cone(i), call.light.outline(i), probe) {
+        match look(visit, &call.at[i], &call.light.cone(i), call.light.outline(i), observer) {
             Look::Lit => {}
             Look::Dark => out.set(i, Vec3::ZERO, [0, 0]),
             Look::Partial(seen) => {
@@ -150,7 +150,7 @@ impl Integrator<'_> {
                     let integral = call.integrals[number];
                     let unshadowed = f.flux * light * integral;
                     if unshadowed.max_element() > self.threshold {
-                        radiance += unshadowed * partly_seen(visit, &seen, &f, integral, sum, probe)?;
+                        radiance += unshadowed * partly_seen(visit, &seen, &f, integral, sum, observer)?;
                         let [lobes, whole] = [&sum.lobes, &sum.whole].map(|sum| sum.lobes().len());
                         counts = [counts[0] + lobes, counts[1] + lobes + whole];
                     }
@@ -166,7 +166,7 @@ impl Integrator<'_> {
         call: &TileCall<'_>,
         visit: &mut Visit<'_, V>,
         sum: &mut VisibilitySum,
-        probe: &mut impl Probe,
+        observer: &mut impl Observer,
         out: &mut TileLit,
     ) -> Result<(), LobesFull> {
         let mut brdf = core::mem::take(&mut out.brdf);
@@ -178,7 +178,7 @@ impl Integrator<'_> {
             call.lobes.of(i).try_for_each(|(_, lobe)| writer.push(lobe))?;
             let light = call.light.term(i);
             let one = Call { at, brdf: brdf.lobes(), light: &light };
-            let mut counted = Counted { probe: &mut *probe, counts: [0, 0] };
+            let mut counted = Counted { observer: &mut *observer, counts: [0, 0] };
             let lit = self.radiance(&one, visit, sum, &mut counted)?;
             out.set(i, lit.radiance, counted.counts);
             for (column, value) in out.blocks[i / WIDTH].0[4..7].iter_mut().zip(lit.unshadowed.to_array()) {
@@ -203,23 +203,23 @@ fn total(column: &[f32; WIDTH], rows: usize) -> usize {
 
 /// Counts for one receiver, and passes all on.
 struct Counted<'p, P> {
-    probe: &'p mut P,
+    observer: &'p mut P,
     counts: [usize; 2],
 }
 
-impl<P: Probe> Probe for Counted<'_, P> {
+impl<P: Observer> Observer for Counted<'_, P> {
     fn end(&mut self, stage: crate::Stage) {
-        self.probe.end(stage);
+        self.observer.end(stage);
     }
     fn count(&mut self, lobes: usize, integrals: usize) {
         self.counts = [self.counts[0] + lobes, self.counts[1] + integrals];
-        self.probe.count(lobes, integrals);
+        self.observer.count(lobes, integrals);
     }
     fn prune(&mut self) {
-        self.probe.prune();
+        self.observer.prune();
     }
     fn coverage(&mut self, coverage: Coverage) {
-        self.probe.coverage(coverage);
+        self.observer.coverage(coverage);
     }
 }
 

@@ -1,8 +1,8 @@
 use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
-    Accuracy, BrdfLobes, Coverage, Integrator, LightId, LightLobes, LobesFull, Method, Probe, Receiver, Shaft, Stage,
-    Tile, TileCall, TileLight, TileLit, TileLobes, VisibilityLobes, VisibilitySum, Visit, cap_integrals,
+    Accuracy, BrdfLobes, Coverage, Integrator, LightId, LightLobes, LobesFull, Method, Observer, Receiver, Shaft,
+    Stage, Tile, TileCall, TileLight, TileLit, TileLobes, VisibilityLobes, VisibilitySum, Visit, cap_integrals,
 };
 use rayon::prelude::*;
 use scene::{Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds};
@@ -334,7 +334,7 @@ impl Work {
     }
 }
 
-impl Probe for Work {
+impl Observer for Work {
     fn end(&mut self, stage: Stage) {
         self.lap(match stage {
             Stage::Lighting => 1,

@@ -5,7 +5,7 @@
 //!   [`lobe_core::gpu`].
 //! - [`Occlusion`]: what blocks: spheres, shadow maps, and any [`GpuBlockers`](lobe_core::gpu::GpuBlockers); [`GpuWorld`]: the scene that
 //!   their rays meet.
-//! - [`GpuGBuffer`]: visible points found on the GPU; [`GpuPose`]: spheres that follow bones; [`GpuCanvas`]: radiance to a texture.
+//! - [`GpuGBuffer`]: visible points found on the GPU; [`GpuPose`]: spheres that follow bones; [`GpuTextureWriter`]: radiance to a texture.
 //!
 //! ```no_run
 //! use lobe_core::Accuracy;
@@ -20,7 +20,6 @@
 pub use wgpu;
 
 mod bvh;
-mod canvas;
 mod clock;
 mod error;
 mod gbuffer;
@@ -36,12 +35,12 @@ mod occlusion;
 mod paper;
 mod pose;
 mod shader;
+mod texture_writer;
 #[cfg(test)]
 mod validated;
 pub mod wgsl;
 
 pub use self::bvh::{GpuWorld, Stops};
-pub use self::canvas::GpuCanvas;
 pub use self::error::GpuError;
 pub use self::gbuffer::{GpuGBuffer, GpuPoints, TILE};
 pub use self::gpu::{Gpu, GpuOptions};
@@ -50,4 +49,5 @@ pub use self::log::{CompiledKernel, KernelLog};
 pub use self::occlusion::Occlusion;
 pub use self::pose::GpuPose;
 pub use self::shader::GpuShader;
+pub use self::texture_writer::GpuTextureWriter;
 pub use glam;

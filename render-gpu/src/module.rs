@@ -190,7 +190,7 @@ impl Variant {
     /// What lobes see through masks.
     fn fractions(&self) -> Vec<&'static str> {
         let MaterialText { is_lambert, has_microfacets, .. } = self.materials;
-        let mut pieces = vec![masks::SHARE, masks::VISIBILITY];
+        let mut pieces = vec![masks::FRACTION, masks::VISIBILITY];
         pieces.push(if is_lambert && self.shown != Shown::Image { masks::LAMBERT } else { masks::LOBES });
         if has_microfacets {
             pieces.extend([lobes::MICROFACETS, masks::MICROFACETS]);

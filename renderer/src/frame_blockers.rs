@@ -132,7 +132,7 @@ impl<'a> FrameBlockers<'a> {
             }
             cut.push(triangles);
         }
-        Some(GpuSilhouettes::new(self.meshes.iter().copied()).with_cut(&cut))
+        Some(GpuSilhouettes::new(self.meshes.iter().copied()).with_clipped(&cut))
     }
 
     /// Does the work with the shader that these blockers make. What is not there is not in the shader; mixtures of any kinds

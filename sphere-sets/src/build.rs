@@ -23,7 +23,7 @@ const PLACES: usize = 4000;
 
 /// Steps of the descent after an exchange and the length of the first. Few spheres have farther to go, and are cheap; on the
 /// bunny 32 of them err by 0.0230 instead of 0.0243 in shadows with the longer steps (mean of four seeds), 16 by more.
-const fn exchange_descent(count: usize) -> (usize, f32) {
+const fn swap_descent(count: usize) -> (usize, f32) {
     match count {
         0..=23 => (120, 0.002),
         24..=48 => (120, 0.004),
@@ -126,7 +126,7 @@ impl<'a> Builder<'a> {
         descend(&goal, &mut spheres, 80 + 3 * effort, rates(0.004, 0.0006), &mut random);
         let mut best = goal.error(&spheres);
         let mut history = vec![best];
-        let (steps, rate) = exchange_descent(options.count);
+        let (steps, rate) = swap_descent(options.count);
         let cycle = cycle(options.count).min(options.rounds);
         // What the exchanges start from: worse than the best for a while after chance had its turn.
         let (mut walk, mut reached) = (spheres.clone(), best);

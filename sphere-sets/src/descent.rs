@@ -3,7 +3,7 @@ use core::f32::consts::TAU;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-use crate::balance::Balance;
+use crate::blurred_difference::BlurredDifference;
 use crate::goal::Goal;
 use crate::random::{Random, fibonacci};
 use crate::solid::Solid;
@@ -82,7 +82,7 @@ struct Gradient {
     sums: Vec<Vec4>,
     discs: Vec<(Vec2, f32)>,
     near: Vec<(Vec2, f32)>,
-    balance: Balance,
+    blurred: BlurredDifference,
 }
 
 impl Gradient {
@@ -91,13 +91,13 @@ impl Gradient {
             sums: vec![Vec4::ZERO; spheres],
             discs: Vec::with_capacity(spheres),
             near: Vec::with_capacity(spheres),
-            balance: Balance::new(size),
+            blurred: BlurredDifference::new(size),
         }
     }
 
     /// O(n²) tests for overlap, then the points of each disc against the discs that meet it.
     fn compute(&mut self, view: &View, soft: f32, spheres: &[Vec4], turn: f32) {
-        self.balance.weigh(view, spheres);
+        self.blurred.weigh(view, spheres);
         self.discs.clear();
         self.discs.extend(spheres.iter().map(|sphere| view.frame.disc(*sphere)));
         let mut circle = [Vec2::ZERO; POINTS];
@@ -128,7 +128,7 @@ impl Gradient {
             for k in 0..POINTS {
                 if free[k] >= 0.0 {
                     let at = center + Vec2::new(xs[k], ys[k]);
-                    let sign = view.sign(at) + soft * self.balance.force(at);
+                    let sign = view.sign(at) + soft * self.blurred.force(at);
                     grow += sign;
                     shift += circle[k] * sign;
                 }

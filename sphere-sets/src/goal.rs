@@ -1,8 +1,8 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
-use crate::balance::Balance;
 use crate::bits::BitImage;
+use crate::blurred_difference::BlurredDifference;
 use crate::solid::Solid;
 use crate::view::View;
 
@@ -42,9 +42,9 @@ impl<'a> Goal<'a> {
             .views
             .par_iter()
             .map_init(
-                || (BitImage::new(2 * size), Balance::new(size)),
-                |(image, balance), view| {
-                    (view.difference(spheres, image) + self.soft * balance.error(view, spheres)) * view.inverse_area
+                || (BitImage::new(2 * size), BlurredDifference::new(size)),
+                |(image, blurred), view| {
+                    (view.difference(spheres, image) + self.soft * blurred.error(view, spheres)) * view.inverse_area
                 },
             )
             .collect();

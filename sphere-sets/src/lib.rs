@@ -11,9 +11,9 @@
 //! assert_eq!(set.spheres.len(), 6);
 //! ```
 
-mod balance;
 mod bind;
 mod bits;
+mod blurred_difference;
 mod bound_file;
 mod bound_set;
 mod bounding;

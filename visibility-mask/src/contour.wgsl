@@ -1,5 +1,5 @@
 // The Contour of contour.rs, followed by a workgroup: each thread has a row, and all share the questions. Needs mask.wgsl and
-// `light_is_hidden(v: vec3f) -> bool` for unit directions. Everything only where all threads come by.
+// `light_is_hidden(v: vec3f) -> bool` for unit directions. Everything requires uniform control flow.
 //
 // Cells of a row are bits of two words. What is asked does not depend on the order of the answers, so neither do they.
 

@@ -1,6 +1,6 @@
 //! For tests of the WGSL alone: what a mask is made of.
 
-use crate::share::{Counts, sums};
+use crate::visible_fraction::{Counts, sums};
 use crate::{Mask, UnitSquare};
 use core::slice;
 use glam::Vec3;
@@ -21,8 +21,8 @@ pub fn row(mask: &Mask, j: usize) -> [u64; 4] {
     mask.lit(j).0
 }
 
-/// The share of a lobe's light that the mask leaves.
+/// The fraction of a lobe's light that the mask leaves.
 #[must_use]
-pub fn share_of(mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
+pub fn fraction_of(mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
     sums(mask, mask.square(), at, lobe, &mut Counts::default()).ratio(slice::from_ref(mask))
 }

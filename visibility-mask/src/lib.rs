@@ -41,7 +41,6 @@
 //! ```
 
 mod contour;
-mod cut;
 mod edges;
 mod facet;
 mod fineness;
@@ -50,22 +49,23 @@ pub mod hooks;
 mod lanes;
 mod mask;
 mod mixture;
-mod node;
+mod moments;
 mod optional;
-mod panes;
 mod paper_visibility;
 mod paper_weights;
+mod quadtree_cut;
 mod raster;
 mod row;
 mod shadow_tree;
-mod share;
 mod square;
 #[cfg(test)]
 mod square_tests;
 #[cfg(test)]
 mod tests;
 mod visibility;
+mod visible_fraction;
 pub mod wgsl;
+mod window_masks;
 
 pub use crate::contour::Contour;
 pub use crate::edges::Edges;

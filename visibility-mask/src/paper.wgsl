@@ -58,7 +58,7 @@ fn twice(bits: vec2u) -> vec2u {
     return even | (even << vec2u(1u));
 }
 
-// `ShadowTree::read`, and its levels above. Only where all threads come by.
+// `ShadowTree::read`, and its levels above. Requires uniform control flow.
 fn paper_tree(lane: u32) {
     if lane < SIDE {
         tree_touched[SIDE + lane] = emitting_cells();

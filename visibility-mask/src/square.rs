@@ -206,7 +206,7 @@ impl UnitSquare {
     }
 
     /// The part `k` of the window divided into so many across and upward.
-    pub(crate) fn pane(&self, k: u32, across: UVec2) -> Self {
+    pub(crate) fn part(&self, k: u32, across: UVec2) -> Self {
         if across == UVec2::ONE {
             return *self;
         }

@@ -130,7 +130,7 @@ fn square_cone(square: UnitSquare, distance: f32) -> Cone {
 }
 
 // The part `k` of the window divided into so many across and upward.
-fn square_pane(window: UnitSquare, k: u32, across: vec2u) -> UnitSquare {
+fn square_part(window: UnitSquare, k: u32, across: vec2u) -> UnitSquare {
     if (all(across == vec2u(1u))) {
         return window;
     }

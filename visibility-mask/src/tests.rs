@@ -1,6 +1,6 @@
 //! Masks, windows and node moments against brute force in f64.
 
-use crate::node::{Discs, Moments, Part, Pyramid, block};
+use crate::moments::{Discs, Moments, Part, Pyramid, block};
 use crate::row::{self, WIDTH};
 use crate::*;
 use core::f64::consts::PI;

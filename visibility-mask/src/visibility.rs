@@ -1,7 +1,7 @@
-use crate::cut::{Cut, CutScratch};
-use crate::panes::{Panes, image_shares, microfacet_shares};
-use crate::share::Counts;
+use crate::quadtree_cut::{QuadtreeCut, QuadtreeMoments};
 use crate::square::WIDEST_TAN;
+use crate::visible_fraction::Counts;
+use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{
@@ -93,18 +93,18 @@ pub trait Blockers: Sync {
 /// # Method
 /// The blockers fill a mask of the whole light; a lobe narrower than the light has a mask of its own over the part of the
 /// light that it sees, since there the cells would limit the accuracy. As things move, samples come and go: below a
-/// tolerance of 0.5 % what a narrow lobe sees is divided into 2 × 2 panes with a mask each, below 0.2 % into 3 × 2 and the
+/// tolerance of 0.5 % what a narrow lobe sees is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the
 /// whole light into 2 × 2 ([`Fineness`]), so that no pop is larger than the tolerance. What a reflectance lobe sees of the
 /// light is then
-/// - a *share* (the default), summed over the mask's samples: the sum of one lobe times every sample in closed form, at
-///   the price of a few visibility lobes; no lobe is written, the share is [`VisibilitySum::base`]. Or
+/// - a *visible fraction* (the default), summed over the mask's samples: the sum of one lobe times every sample in closed form, at
+///   the price of a few visibility lobes; no lobe is written, the fraction is [`VisibilitySum::base`]. Or
 /// - *lobes* ([`with_lobes`](Self::with_lobes)): a Lambert lobe takes one lobe of the mask, whose total and mean vector are
 ///   those of the lit part; a glossy lobe takes a cut of the quad-tree, refined where the reflectance varies over a node
-///   and the node is partly lit. Each node gives a lobe of its lit part and one of its whole part; the visible share is
+///   and the node is partly lit. Each node gives a lobe of its lit part and one of its whole part; the visible fraction is
 ///   their ratio.
 ///
 /// # Cost
-/// Nothing for lit and fully hidden receivers; else one mask, plus one for each narrow lobe; as many as there are panes where
+/// Nothing for lit and fully hidden receivers; else one mask, plus one for each narrow lobe; as many as there are parts where
 /// the tolerance divides them.
 #[derive(Clone, Copy, Debug)]
 pub struct MaskVisibility<B> {
@@ -119,7 +119,7 @@ impl<B: Blockers> MaskVisibility<B> {
         Self { blockers, lobes: false }
     }
 
-    /// Writes the lobes of a cut instead of the share that is seen: for whoever integrates them.
+    /// Writes the lobes of a cut instead of the fraction that is seen: for whoever integrates them.
     #[must_use]
     pub fn with_lobes(self) -> Self {
         Self { lobes: true, ..self }
@@ -182,15 +182,15 @@ impl<B: Blockers> MaskVisibility<B> {
         scratch: &mut MaskScratch<B::Scratch>,
         by_channel: &mut Option<Vec3>,
     ) -> f32 {
-        if let (Lobe::EDGE, Some((exponent, share))) = (lobe.factor, scratch.edge.take())
+        if let (Lobe::EDGE, Some((exponent, fraction))) = (lobe.factor, scratch.edge.take())
             && exponent == lobe.exponent
         {
-            return share;
+            return fraction;
         }
         let [broad, narrow] = [self.broad(query), self.narrow(query)];
         let microfacets = Microfacets::new(query.at.normal, lobe);
         let whole = *scratch.full.window();
-        let cells = UVec2::from(broad.panes) * UVec2::new(broad.columns(), 1 << self.depth(query));
+        let cells = UVec2::from(broad.grid) * UVec2::new(broad.columns(), 1 << self.depth(query));
         let near = whole.highlight(&microfacets, query.at.normal, cells, query.accuracy.tolerance, query.outline);
         let size = if query.outline.is_some() { whole.half.max_element() } else { whole.disc };
         let finer = near.is_none() && broad != narrow && size > 2.0 * microfacets.highlight().1;
@@ -204,11 +204,11 @@ impl<B: Blockers> MaskVisibility<B> {
         let near = near.map(|_| &scratch.own);
         let [counts, own_counts] = &mut scratch.counts;
         if let Some(shown) = shown(query) {
-            let seen = image_shares(whole, near, query.at, lobe, shown, counts);
+            let seen = image_fractions(whole, near, query.at, lobe, shown, counts);
             *by_channel = Some(seen);
             return seen.element_sum() / 3.0;
         }
-        let [base, edge] = microfacet_shares(whole, near, query.at, lobe, [counts, own_counts]);
+        let [base, edge] = microfacet_fractions(whole, near, query.at, lobe, [counts, own_counts]);
         scratch.edge = (lobe.factor == Lobe::MICROFACETS).then_some((lobe.exponent, edge));
         if lobe.factor == Lobe::EDGE { edge } else { base }
     }
@@ -235,11 +235,11 @@ impl<B: Blockers> MaskVisibility<B> {
         fineness: Fineness,
         query: &VisibilityQuery<'_>,
         blockers: &mut B::Scratch,
-        panes: &mut Panes,
+        masks: &mut WindowMasks,
     ) {
         let depth = self.depth(query);
         let draw = |mask: &mut Mask| self.blockers.splat(query, blockers, mask);
-        panes.draw(square, fineness, depth, query.at.normal, query.outline, draw);
+        masks.draw(square, fineness, depth, query.at.normal, query.outline, draw);
     }
 
     /// The blockers.
@@ -252,12 +252,12 @@ impl<B: Blockers> MaskVisibility<B> {
 #[derive(Clone, Debug)]
 pub struct MaskScratch<S> {
     blockers: S,
-    full: Panes,
-    own: Panes,
+    full: WindowMasks,
+    own: WindowMasks,
     /// Whether `own` shows the whole light of the query.
     is_whole: bool,
     counts: [Counts; 2],
-    cut: CutScratch,
+    cut: QuadtreeMoments,
     /// What is seen of the microfacets' edge that follows, and its exponent.
     edge: Option<(f32, f32)>,
 }
@@ -268,11 +268,11 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
     fn scratch(&self) -> Self::Scratch {
         MaskScratch {
             blockers: self.blockers.scratch(),
-            full: Panes::default(),
-            own: Panes::default(),
+            full: WindowMasks::default(),
+            own: WindowMasks::default(),
             is_whole: false,
             counts: Default::default(),
-            cut: CutScratch::default(),
+            cut: QuadtreeMoments::default(),
             edge: None,
         }
     }
@@ -322,7 +322,7 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         }
         let [counts, own_counts] = &mut scratch.counts;
         let whole = scratch.full.window();
-        let (panes, counts) = match self.window(query, brdf, whole, &scratch.blockers) {
+        let (masks, counts) = match self.window(query, brdf, whole, &scratch.blockers) {
             None => (&scratch.full, counts),
             Some(square) => {
                 let is_whole = square == *whole;
@@ -337,18 +337,18 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             out.lobes.writer();
             out.whole.writer();
             out.base = match shown(query) {
-                None => panes.share(query.at, brdf, counts),
+                None => masks.fraction(query.at, brdf, counts),
                 Some(shown) => {
-                    let seen = image_shares(panes, None, query.at, brdf, shown, counts);
+                    let seen = image_fractions(masks, None, query.at, brdf, shown, counts);
                     out.by_channel = Some(seen);
                     seen.element_sum() / 3.0
                 }
             };
             return Ok(());
         }
-        let [mask] = panes.masks() else { return Ok(()) };
+        let [mask] = masks.masks() else { return Ok(()) };
         scratch.cut.build(mask);
-        Cut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.accuracy.tolerance).write(out)
+        QuadtreeCut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.accuracy.tolerance).write(out)
     }
 }
 

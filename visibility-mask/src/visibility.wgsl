@@ -1,13 +1,13 @@
-// What MaskVisibility makes of blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, share.wgsl, and of the
+// What MaskVisibility makes of blockers, by a workgroup. Needs mask.wgsl, edges.wgsl, total.wgsl, fraction.wgsl, and of the
 // strategies that there are `blockers_edges(lane, tile, at, light, window) -> vec4f` (a thread's part of the sums of edges)
 // and `blockers_splat(lane, tile, at, light, mask)`; and one of visibility_whole.wgsl and visibility_window.wgsl.
 
-// How finely the light is seen, found by the first thread: panes of broad lobes and of narrow ones, the bands of masks that are one above
+// How finely the light is seen, found by the first thread: masks of broad lobes and of narrow ones, the bands of masks that are one above
 // the other among them.
-var<workgroup> pane_counts: vec4u;
+var<workgroup> grid_counts: vec4u;
 // Bands of a mask; whether broad lobes have fine masks; whether narrow ones have finer ones; whether the masks of the whole light are too
 // many to be kept, and drawn for each lobe.
-var<workgroup> pane_forms: vec4u;
+var<workgroup> grid_forms: vec4u;
 // Samples of all masks of the whole light, of the own rows: lit ones, and those that emit.
 var<private> broad_areas: vec2u;
 
@@ -19,8 +19,8 @@ const FINEST = 0.002;
 
 // As `MaskVisibility::depth` and the tolerance that its masks are made for. A deeper mask is here several bands of SIDE rows.
 fn visibility_fineness(light: Cone, tolerance: f32) {
-    pane_counts = vec4u(BROAD_PANES, NARROW_PANES);
-    pane_forms = vec4u(1u, 0u, u32(IS_NARROW_FINER), 0u);
+    grid_counts = vec4u(BROAD_GRID, NARROW_GRID);
+    grid_forms = vec4u(1u, 0u, u32(IS_NARROW_FINER), 0u);
     let cos = max(1.0 - light.one_minus_cos, 1.0 / WIDEST_TAN);
     let crowding = (1.0 + cos) / (2.0 * cos * cos);
     if (light_is_flat() || crowding < CROWDED) {
@@ -35,17 +35,17 @@ fn visibility_fineness(light: Cone, tolerance: f32) {
     // Where all rows have 64 samples, four of them beside each other have 256.
     row_refine(is_fine);
     let parts = select(1u, 256u / row_width, is_fine);
-    pane_counts = vec4u(broad * vec2u(parts, bands), narrow * vec2u(1u, bands));
-    pane_forms = vec4u(bands, u32(is_fine), u32(!is_fine || any(broad != narrow)), 1u);
+    grid_counts = vec4u(broad * vec2u(parts, bands), narrow * vec2u(1u, bands));
+    grid_forms = vec4u(bands, u32(is_fine), u32(!is_fine || any(broad != narrow)), 1u);
 }
 
-// Draws the mask of pane `k` of so many. This and what follows only where all threads come by.
+// Draws the mask of part `k` of so many. This and what follows require uniform control flow.
 fn visibility_draw(
-    lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, k: u32, panes: vec2u, bands: u32
+    lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, k: u32, grid: vec2u, bands: u32
 ) -> Mask {
     row_bands = bands;
-    row_first = SIDE * (k / panes.x % bands);
-    let mask = mask_reset(square_pane(window, k, panes), lane, at.normal);
+    row_first = SIDE * (k / grid.x % bands);
+    let mask = mask_reset(square_part(window, k, grid), lane, at.normal);
     blockers_splat(lane, tile, at, light, mask);
     row_bands = 1u;
     row_first = 0u;
@@ -58,12 +58,12 @@ fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance:
         visibility_fineness(light, tolerance);
     }
     let window = light_window(light, visibility_across(lane, tile, at, light, light_turn(light)), at.normal);
-    let panes = workgroupUniformLoad(&pane_counts).xy;
-    let forms = workgroupUniformLoad(&pane_forms);
+    let grid = workgroupUniformLoad(&grid_counts).xy;
+    let forms = workgroupUniformLoad(&grid_forms);
     row_refine(forms.y > 0u);
     broad_areas = vec2u(0u);
-    for (var k = 0u; k < panes.x * panes.y; k++) {
-        let mask = visibility_draw(lane, tile, at, light, window, k, panes, forms.x);
+    for (var k = 0u; k < grid.x * grid.y; k++) {
+        let mask = visibility_draw(lane, tile, at, light, window, k, grid, forms.x);
         broad_areas += vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
         visibility_drawn(lane, k, mask, window, at);
     }

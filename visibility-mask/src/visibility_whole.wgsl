@@ -1,17 +1,17 @@
 // Only Lambert lobes: all are seen through the masks of the whole light, and alike. Needs visibility.wgsl.
 
-const NARROW_PANES = BROAD_PANES;
+const NARROW_GRID = BROAD_GRID;
 const IS_NARROW_FINER = false;
 
-// What masks of the whole light say, as `share_sums`.
+// What masks of the whole light say, as `fraction_sums`.
 var<private> broad_sums: vec4f;
 
 // What each mask of the whole light is for.
 fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Receiver) {
-    let sums = share_sums(lane, mask, window, at, Lobe());
+    let sums = fraction_sums(lane, mask, window, at, Lobe());
     broad_sums = select(broad_sums + sums, sums, k == 0u);
 }
 
-fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, window: UnitSquare, lobe: Lobe) -> f32 {
-    return share_of(broad_sums);
+fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, window: UnitSquare, lobe: Lobe) -> f32 {
+    return fraction_of(broad_sums);
 }

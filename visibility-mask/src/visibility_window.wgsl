@@ -1,10 +1,10 @@
 // Lobes narrower than the light are seen through masks of their own, with 256 samples a row. Needs visibility.wgsl, and
 // special.wgsl of lobe-core.
 
-// What emits and what is lit of the own row of each pane of the whole light, where these are few enough to be kept.
+// What emits and what is lit of the own row of each part of the whole light, where these are few enough to be kept.
 var<private> broad_emitting: array<vec2u, BROAD_COUNT>;
 var<private> broad_lit: array<Row, BROAD_COUNT>;
-const BROAD_COUNT = BROAD_PANES.x * BROAD_PANES.y;
+const BROAD_COUNT = BROAD_GRID.x * BROAD_GRID.y;
 
 // What each mask of the whole light is for.
 fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Receiver) {
@@ -14,13 +14,13 @@ fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Recei
     }
 }
 
-// The share of the light that a lobe sees. Only where all threads come by.
-fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
+// The fraction of the light that a lobe sees. Requires uniform control flow.
+fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
     if (HAS_MICROFACETS && decide(lane, lobe.factor >= LOBE_MICROFACETS)) {
-        return microfacet_share(lane, tile, at, light, tolerance, whole, lobe);
+        return microfacet_fraction(lane, tile, at, light, tolerance, whole, lobe);
     }
-    let counts = workgroupUniformLoad(&pane_counts);
-    let forms = workgroupUniformLoad(&pane_forms);
+    let counts = workgroupUniformLoad(&grid_counts);
+    let forms = workgroupUniformLoad(&grid_forms);
     let sigmas = zoom_sigmas(tolerance);
     let peak = square_peak(whole, lobe, at.normal);
     let square = square_around(whole, peak, sigmas);
@@ -37,20 +37,20 @@ fn visible_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32
         }
         window = square_zoomed(turned, lobe, at.normal, sigmas);
     }
-    let panes = select(counts.xy, counts.zw, is_own);
+    let grid = select(counts.xy, counts.zw, is_own);
     row_refine(is_own || forms.y > 0u);
     var sum = vec4f(0.0);
-    for (var k = 0u; k < panes.x * panes.y; k++) {
+    for (var k = 0u; k < grid.x * grid.y; k++) {
         if (is_own || forms.w > 0u) {
-            visibility_draw(lane, tile, at, light, window, k, panes, forms.x);
+            visibility_draw(lane, tile, at, light, window, k, grid, forms.x);
         } else {
             emitting = broad_emitting[k];
             lit = broad_lit[k];
         }
-        sum += share_sums(lane, mask_of(square_pane(window, k, panes)), window, at, lobe);
+        sum += fraction_sums(lane, mask_of(square_part(window, k, grid)), window, at, lobe);
     }
     row_refine(forms.y > 0u);
-    return share_of(sum);
+    return fraction_of(sum);
 }
 
 // A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one.

@@ -30,34 +30,34 @@ pub const FACET: &str = include_str!("facet.wgsl");
 
 /// What threads find together; needs [`header`].
 pub const TOTAL: &str = include_str!("total.wgsl");
-/// The share of a lobe's light that masks leave; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
-pub const SHARE: &str = include_str!("share.wgsl");
-/// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], [`SHARE`], `blockers_edges` and `blockers_splat`.
+/// The fraction of a lobe's light that masks leave; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
+pub const FRACTION: &str = include_str!("fraction.wgsl");
+/// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], [`FRACTION`], `blockers_edges` and `blockers_splat`.
 pub const VISIBILITY: &str = include_str!("visibility.wgsl");
 /// What a lobe sees where all lobes are Lambert's; needs [`VISIBILITY`].
 pub const LAMBERT: &str = concat!(
     include_str!("visibility_whole.wgsl"),
-    include_str!("share_lambert.wgsl"),
-    include_str!("share_lambert_only.wgsl")
+    include_str!("fraction_lambert.wgsl"),
+    include_str!("fraction_lambert_only.wgsl")
 );
 /// What any lobe sees; needs [`VISIBILITY`], [`header_of_lobes`] and `special.wgsl` of `lobe-core`.
 pub const LOBES: &str = concat!(
     include_str!("visibility_window.wgsl"),
-    include_str!("share_lambert.wgsl"),
-    include_str!("share_glossy.wgsl"),
-    include_str!("share_both.wgsl")
+    include_str!("fraction_lambert.wgsl"),
+    include_str!("fraction_glossy.wgsl"),
+    include_str!("fraction_both.wgsl")
 );
 
 /// What lobes of microfacets see, where [`header_of_lobes`] says that there are some; needs [`LOBES`] and `MICROFACETS` of `lobe-core`.
-pub const MICROFACETS: &str = include_str!("share_microfacets.wgsl");
+pub const MICROFACETS: &str = include_str!("fraction_microfacets.wgsl");
 
 /// The fraction that all channels see, `visible_fraction`; needs [`LAMBERT`] or [`LOBES`].
-pub const ALIKE: &str = include_str!("share_alike.wgsl");
+pub const ALIKE: &str = include_str!("fraction_alike.wgsl");
 /// The same by channel of a light that shows an image; needs [`FLAT`], [`LOBES`], `IMAGE` of `lobe-core`, and [`IMAGE_MICROFACETS`] or
 /// [`IMAGE_NO_MICROFACETS`].
-pub const IMAGE: &str = include_str!("share_image.wgsl");
+pub const IMAGE: &str = include_str!("fraction_image.wgsl");
 /// Lobes of microfacets in its light; needs [`MICROFACETS`].
-pub const IMAGE_MICROFACETS: &str = include_str!("share_image_microfacets.wgsl");
+pub const IMAGE_MICROFACETS: &str = include_str!("fraction_image_microfacets.wgsl");
 /// In place of [`IMAGE_MICROFACETS`] where there are none.
 pub const IMAGE_NO_MICROFACETS: &str = "fn image_alpha(lobe: Lobe) -> f32 { return 0.0; }
 fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) -> UnitSquare { return whole; }
@@ -83,7 +83,7 @@ pub fn paper_header(depth: u32) -> String {
 const GOLDEN: u32 = 0x4f1b_bcdd;
 
 /// The constants `DEPTH`, `SIDE` (rows), `WIDTH` (samples in a row at most), `LANES` (threads), `COLUMNS` (groups of samples
-/// with one weight at most), `BROAD_PANES` and `MOST_BANDS` (which a mask may be deeper by), and the type `Row` with its functions, `row_width` among them: samples in a row.
+/// with one weight at most), `BROAD_GRID` and `MOST_BANDS` (which a mask may be deeper by), and the type `Row` with its functions, `row_width` among them: samples in a row.
 ///
 /// # Panics
 /// When `depth` is not in 1…[`MAX_DEPTH`].
@@ -94,7 +94,7 @@ pub fn header(depth: u32, fineness: Fineness) -> String {
     header_of(depth, width, fineness, row)
 }
 
-/// The same for broad lobes and narrow ones, whose masks are fine, with `NARROW_PANES`, `IS_NARROW_FINER` and `HAS_MICROFACETS`: if so,
+/// The same for broad lobes and narrow ones, whose masks are fine, with `NARROW_GRID`, `IS_NARROW_FINER` and `HAS_MICROFACETS`: if so,
 /// [`MICROFACETS`] belongs to it.
 ///
 /// # Panics
@@ -103,27 +103,27 @@ pub fn header(depth: u32, fineness: Fineness) -> String {
 pub fn header_of_lobes(depth: u32, broad: Fineness, narrow: Fineness, has_microfacets: bool) -> String {
     let both = concat!(include_str!("row.wgsl"), include_str!("row_both.wgsl"));
     let header = if broad.coarse { header_of(depth, WIDTH, broad, both) } else { header(depth, broad) };
-    let [across, upward] = narrow.panes;
+    let [across, upward] = narrow.grid;
     let is_finer = narrow != broad;
     let microfacets = if has_microfacets { "const HAS_MICROFACETS = true;\n" } else { NO_MICROFACETS };
     format!(
-        "const NARROW_PANES = vec2u({across}u, {upward}u);\nconst IS_NARROW_FINER = {is_finer};\n{microfacets}{header}"
+        "const NARROW_GRID = vec2u({across}u, {upward}u);\nconst IS_NARROW_FINER = {is_finer};\n{microfacets}{header}"
     )
 }
 
 /// In place of [`MICROFACETS`]; a part of [`header_of_lobes`] without.
-pub const NO_MICROFACETS: &str = "const HAS_MICROFACETS = false;\nfn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 { return 0.0; }\n";
+pub const NO_MICROFACETS: &str = "const HAS_MICROFACETS = false;\nfn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 { return 0.0; }\n";
 
 fn header_of(depth: u32, width: usize, fineness: Fineness, row: &str) -> String {
     assert!((1..=MAX_DEPTH).contains(&depth), "mask depth {depth} is not in 1..={MAX_DEPTH}");
     let side = 1_u32 << depth;
     let lanes = side.max(32);
     let columns = if width == COARSE { 16 } else { 32 };
-    let [across, upward] = fineness.panes;
+    let [across, upward] = fineness.grid;
     let bands = 1 << (MAX_DEPTH - depth);
     format!(
         "const DEPTH = {depth}u;\nconst SIDE = {side}u;\nconst WIDTH = {width}u;\nconst LANES = {lanes}u;\nconst COLUMNS = \
-         {columns}u;\nconst BROAD_PANES = vec2u({across}u, {upward}u);\nconst MOST_BANDS = {bands}u;\nconst GOLDEN = {GOLDEN}u;\n{row}"
+         {columns}u;\nconst BROAD_GRID = vec2u({across}u, {upward}u);\nconst MOST_BANDS = {bands}u;\nconst GOLDEN = {GOLDEN}u;\n{row}"
     )
 }
 

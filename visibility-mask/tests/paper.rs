@@ -5,7 +5,7 @@ use lobe_core::oracle::Random;
 use lobe_core::paper::Tables;
 use lobe_core::{
     Accuracy, Call, Cone, Coverage, Integrator, LightId, LightTerm, Lit, Lobe, LobeBuffer, Look, Method, OWN_NONE,
-    Probe, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, Visit,
+    Observer, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, Visit,
 };
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -413,7 +413,7 @@ fn error_against_brute_force() {
 fn threshold_drops_visibility_products() {
     #[derive(Default)]
     struct Pruned(usize);
-    impl Probe for Pruned {
+    impl Observer for Pruned {
         fn prune(&mut self) {
             self.0 += 1;
         }
@@ -430,17 +430,17 @@ fn threshold_drops_visibility_products() {
     let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes(accuracy)));
     let mut before = (0, 0.0);
     for threshold in [0.0, 1e-5, 3e-5, 1e-4, 1e-3] {
-        let mut probe = Pruned::default();
+        let mut observer = Pruned::default();
         let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
         let call = Call { at: &at, brdf: brdf.lobes(), light: &light };
         let lit = Integrator { method: Method::Paper(tables()), threshold }
-            .radiance(&call, &mut visit, &mut sum, &mut probe)
+            .radiance(&call, &mut visit, &mut sum, &mut observer)
             .unwrap();
-        println!("{threshold} {} of {} {}", probe.0, sum.lobes.lobes().len(), lit.radiance.x);
+        println!("{threshold} {} of {} {}", observer.0, sum.lobes.lobes().len(), lit.radiance.x);
         // Each lost lobe is less shadow, by less than the threshold.
-        assert!(probe.0 >= before.0 && lit.radiance.x >= before.1);
+        assert!(observer.0 >= before.0 && lit.radiance.x >= before.1);
         assert!(lit.radiance.x <= lit.unshadowed.x);
-        before = (probe.0, lit.radiance.x);
+        before = (observer.0, lit.radiance.x);
     }
     assert!(before.0 > 0);
 }

@@ -1,7 +1,7 @@
-use crate::canvas::Canvas;
 use crate::clip::{MOST, Polygon};
+use crate::face_view::{Block, FaceView, Image, Item, NEAR, TileView, Verdict};
 use crate::map::ShadowMap;
-use crate::probe::{Block, Image, Item, NEAR, Probe, TileProbe, Verdict};
+use crate::polygon_union::PolygonUnion;
 use fearless_simd::{Level, dispatch};
 use glam::{Vec2, Vec3};
 use lobe_core::{Accuracy, Coverage, LightId, Shaft, VisibilityQuery};
@@ -115,10 +115,10 @@ impl ShadowMapBlockers {
     }
 
     /// The map's faces as a receiver sees them.
-    fn look(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: Vec2, out: &mut Vec<Probe>) {
+    fn look(map: &ShadowMap, query: &VisibilityQuery<'_>, square: &UnitSquare, cell: Vec2, out: &mut Vec<FaceView>) {
         out.clear();
-        let probe = |face| Probe::new(face, &map.light, query.at.position, query.at.face, square, cell);
-        out.extend(map.faces.iter().map(probe));
+        let view = |face| FaceView::new(face, &map.light, query.at.position, query.at.face, square, cell);
+        out.extend(map.faces.iter().map(view));
     }
 }
 
@@ -133,9 +133,9 @@ pub struct ShadowMapScratch {
     frontier: Vec<Item>,
     /// Of the query's own face.
     own_face: Option<Vec3>,
-    probes: Vec<Probe>,
+    views: Vec<FaceView>,
     stack: Vec<Item>,
-    canvas: Canvas,
+    union: PolygonUnion,
     visited: u64,
     drawn: u64,
 }
@@ -167,12 +167,12 @@ impl Blockers for ShadowMapBlockers {
         scratch.entered = Some(index);
         scratch.frontier.clear();
         let Some(map) = index.map(|k| &self.maps[k]) else { return Coverage::Partial };
-        let probes: Vec<TileProbe> = map.faces.iter().map(|face| TileProbe::new(face, shaft)).collect();
+        let views: Vec<TileView> = map.faces.iter().map(|face| TileView::new(face, shaft)).collect();
         let layer = |item: Item| map.layer(item);
-        let meets = |item: &Item| probes[usize::from(item.face)].meets(*item, layer(*item));
+        let meets = |item: &Item| views[usize::from(item.face)].meets(*item, layer(*item));
         let mut nodes: Vec<Item> = roots(map).filter(meets).collect();
         // A node that some receiver draws as one must stay: the group must change nothing.
-        let splits = |item: &Item| probes[usize::from(item.face)].splits(*item, layer(*item));
+        let splits = |item: &Item| views[usize::from(item.face)].splits(*item, layer(*item));
         while nodes.len() < FRONTIER && nodes.iter().any(splits) {
             let mut next = Vec::with_capacity(4 * nodes.len());
             for item in nodes {
@@ -216,20 +216,20 @@ impl Blockers for ShadowMapBlockers {
         }
         let square = UnitSquare::facing(query.cone, Vec3::ZERO);
         let cell = 2.0 * square.half / (1 << Accuracy::new(query.accuracy.tolerance).depth) as f32;
-        let ShadowMapScratch { frontier, probes, stack, visited, .. } = scratch;
-        Self::look(map, query, &square, cell, probes);
+        let ShadowMapScratch { frontier, views, stack, visited, .. } = scratch;
+        Self::look(map, query, &square, cell, views);
         stack.clear();
         stack.extend_from_slice(frontier);
         while let Some(item) = stack.pop() {
             *visited += 1;
             let layer = map.layer(item);
-            let probe = &probes[usize::from(item.face)];
+            let view = &views[usize::from(item.face)];
             let Some((node, block)) = Block::around(item, layer) else { continue };
-            match probe.judge(item, &node, &block) {
+            match view.judge(item, &node, &block) {
                 Verdict::No => {}
                 Verdict::Split => item.split(layer, stack),
                 Verdict::Blocks => return Coverage::Partial,
-                Verdict::Partly(small) => match probe.parts(item, layer, small) {
+                Verdict::Partly(small) => match view.parts(item, layer, small) {
                     None => item.split(layer, stack),
                     Some([None, None]) => {}
                     Some(_) => return Coverage::Partial,
@@ -248,31 +248,31 @@ impl ShadowMapBlockers {
     #[inline(always)]
     fn splat_all(&self, query: &VisibilityQuery<'_>, scratch: &mut ShadowMapScratch, mask: &mut Mask) {
         let Some(map) = scratch.map.map(|k| &self.maps[k]) else { return };
-        let ShadowMapScratch { frontier, own_face, probes, stack, canvas, visited, drawn, .. } = scratch;
-        Self::look(map, query, mask.square(), mask.cell(), probes);
-        canvas.begin(mask);
+        let ShadowMapScratch { frontier, own_face, views, stack, union, visited, drawn, .. } = scratch;
+        Self::look(map, query, mask.square(), mask.cell(), views);
+        union.begin(mask);
         if let Some(face) = own_face {
-            draw_below(*face, mask.square(), canvas);
+            draw_below(*face, mask.square(), union);
         }
         stack.clear();
         stack.extend_from_slice(frontier);
         while let Some(item) = stack.pop() {
             *visited += 1;
             let layer = map.layer(item);
-            let probe = &probes[usize::from(item.face)];
+            let view = &views[usize::from(item.face)];
             let Some((node, block)) = Block::around(item, layer) else { continue };
             // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
-            let is_covered = || probe.image.bounds(&block).is_some_and(|[low, high]| canvas.is_covered(low, high));
-            match probe.judge(item, &node, &block) {
+            let is_covered = || view.image.bounds(&block).is_some_and(|[low, high]| union.is_covered(low, high));
+            match view.judge(item, &node, &block) {
                 Verdict::No => {}
                 _ if is_covered() => {}
                 Verdict::Split => item.split(layer, stack),
-                Verdict::Partly(small) => match probe.parts(item, layer, small) {
+                Verdict::Partly(small) => match view.parts(item, layer, small) {
                     None => item.split(layer, stack),
                     Some(parts) => {
                         for part in parts.into_iter().flatten() {
                             *drawn += 1;
-                            draw(&probe.image, part.corners, [part.q; 4], [0.0; 4], canvas);
+                            draw(&view.image, part.corners, [part.q; 4], [0.0; 4], union);
                         }
                     }
                 },
@@ -282,11 +282,11 @@ impl ShadowMapBlockers {
                     let texels = item.texels(layer);
                     let deviations = layer.edge_deviations(texels, node.deviation);
                     let [x0, x1, y0, y1] = texels.map(|x| x as f32);
-                    draw(&probe.image, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]], q, deviations, canvas);
+                    draw(&view.image, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]], q, deviations, union);
                 }
             }
         }
-        canvas.write(mask);
+        union.write(mask);
     }
 }
 
@@ -295,7 +295,7 @@ fn first_layer_last(items: &mut [Item]) {
 }
 
 /// The part of the window below a plane through the receiver.
-fn draw_below(normal: Vec3, square: &UnitSquare, canvas: &mut Canvas) {
+fn draw_below(normal: Vec3, square: &UnitSquare, union: &mut PolygonUnion) {
     let n = square.local(normal);
     let ([x0, y0], [x1, y1]) = ((square.center - square.half).to_array(), (square.center + square.half).to_array());
     let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Vec3::new(x, y, 1.0));
@@ -304,27 +304,27 @@ fn draw_below(normal: Vec3, square: &UnitSquare, canvas: &mut Canvas) {
     let count = below.corners().len();
     if count >= 3 {
         points.iter_mut().zip(below.corners()).for_each(|(to, p)| *to = p.truncate());
-        canvas.polygon(&mut points[..count], [0.0; 4]);
+        union.polygon(&mut points[..count], [0.0; 4]);
     }
 }
 
 /// A quadrilateral in the picture with q at its corners, and how far its neighbours' q may be from the edges.
 #[inline(always)]
-fn draw(image: &Image, at: [[f32; 2]; 4], q: [f32; 4], deviations: [f32; 4], canvas: &mut Canvas) {
+fn draw(image: &Image, at: [[f32; 2]; 4], q: [f32; 4], deviations: [f32; 4], union: &mut PolygonUnion) {
     let corners = image.corners(at, q);
     let near = NEAR * corners.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     let nearest = corners.iter().map(|p| p.z).fold(f32::INFINITY, f32::min);
     if nearest >= near {
         let mut points = corners.map(|p| p.truncate() / p.z);
         let grow = if deviations == [0.0; 4] { deviations } else { image.shifts(&points, nearest, deviations) };
-        canvas.polygon(&mut points, grow);
+        union.polygon(&mut points, grow);
     } else {
         let clipped = Polygon::new(&corners).clip(|p: Vec3| p.z - near);
         let mut points = [Vec2::ZERO; MOST];
         let count = clipped.corners().len();
         if count >= 3 {
             points.iter_mut().zip(clipped.corners()).for_each(|(to, p)| *to = p.truncate() / p.z);
-            canvas.polygon(&mut points[..count], [0.0; 4]);
+            union.polygon(&mut points[..count], [0.0; 4]);
         }
     }
 }

@@ -1,5 +1,5 @@
 // Whether texels may hide some of a light, one thread a receiver: `select` of blockers.rs, from the pyramids' roots.
-// Needs probe.wgsl, own_face.wgsl and `frame`.
+// Needs face_view.wgsl, own_face.wgsl and `frame`.
 
 const MAP_DIAGONAL = 0.70710678;
 
@@ -21,9 +21,9 @@ fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     let cell = 2.0 * square.disc / map_cells(frame.tolerance);
     for (var f = 0u; f < maps_word(map); f++) {
         let face = map + 1u + MAP_FACE * f;
-        let probe = map_probe(face, frame.light, at, square, -square.half, square.half, cell);
+        let view = map_view(face, frame.light, at, square, -square.half, square.half, cell);
         // All of the cells at the rim.
-        let rows = transpose(probe.image);
+        let rows = transpose(view.image);
         let disc = rows[2] * (square.disc + 1.5 * cell);
         let aside = (rows[0] + rows[1]) * MAP_DIAGONAL;
         let across = (rows[0] - rows[1]) * MAP_DIAGONAL;
@@ -36,14 +36,14 @@ fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
                 var verdict = MAP_NO;
                 var block: MapBlock;
                 if node.low <= node.high {
-                    block = map_block(probe, layer, item, node);
-                    verdict = map_judge(probe, layer, item, node, block);
+                    block = map_block(view, layer, item, node);
+                    verdict = map_judge(view, layer, item, node, block);
                     if verdict != MAP_NO && map_is_outside(rim, block) {
                         verdict = MAP_NO;
                     }
                 }
                 if verdict >= MAP_PARTLY {
-                    let parts = map_parts(probe, layer, item, node, block, verdict);
+                    let parts = map_parts(view, layer, item, node, block, verdict);
                     verdict = select(MAP_NO, MAP_BLOCKS, parts.near.share + parts.far.share > 0.0);
                     verdict = select(verdict, MAP_SPLIT, parts.is_split);
                 }

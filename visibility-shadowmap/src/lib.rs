@@ -38,16 +38,16 @@
 //! Out of scope: fitting proxies, deciding what casts shadows.
 
 mod blockers;
-mod canvas;
 mod clip;
 mod contacts;
 mod face;
+mod face_view;
 mod fit;
 mod layer;
 mod map;
 mod options;
 mod packed;
-mod probe;
+mod polygon_union;
 mod raster;
 mod suits;
 #[cfg(test)]

@@ -1,9 +1,9 @@
 use crate::contacts::shaft_texels;
 use crate::face::Face;
+use crate::face_view::Item;
 use crate::fit::{Fit, Triangle, corners};
 use crate::layer::Layer;
 use crate::options::{MapError, MapOptions, ReceiverBounds};
-use crate::probe::Item;
 use crate::raster::draw;
 use core::fmt;
 use glam::Vec3;

@@ -1,5 +1,5 @@
 // What texels hide of a light: `splat` of blockers.rs for the thread's own row, from the pyramids' roots. No barriers.
-// Needs probe.wgsl, own_face.wgsl, canvas.wgsl and `frame`.
+// Needs face_view.wgsl, own_face.wgsl, polygon_union.wgsl and `frame`.
 
 // Clears bits of the own row `lit`; every thread of the workgroup calls it.
 fn maps_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
@@ -9,34 +9,34 @@ fn maps_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
     }
     let square = mask.square;
     let cell = mask_cell(mask);
-    canvas_begin(lane, mask);
+    union_begin(lane, mask);
     if map_own_face(at, light) == PARTIAL {
         map_draw_below(square_local(square, at.face), square);
     }
     // The own row's lines are 3/8 of a cell from its middle at most, and edges move by an eighth of one.
     let y = mask_row_y(mask, lane) + vec2f(-0.53125, 0.53125) * cell.y;
-    let x = canvas_range() + vec2f(-0.15625, 0.15625) * cell.x;
+    let x = union_range() + vec2f(-0.15625, 0.15625) * cell.x;
     for (var f = 0u; f < maps_word(map); f++) {
         let face = map + 1u + MAP_FACE * f;
-        let probe = map_probe(face, frame.light, at, square, vec2f(x.x, y.x), vec2f(x.y, y.y), min(cell.x, cell.y));
+        let view = map_view(face, frame.light, at, square, vec2f(x.x, y.x), vec2f(x.y, y.y), min(cell.x, cell.y));
         for (var l = 0u; l < maps_word(face + 15u); l++) {
-            map_draw_layer(probe, map_layer(face, l));
+            map_draw_layer(view, map_layer(face, l));
         }
     }
-    canvas_write(lane, mask);
+    union_write(lane, mask);
 }
 
-fn map_draw_layer(probe: MapProbe, layer: MapLayer) {
+fn map_draw_layer(view: MapView, layer: MapLayer) {
     var item = MapItem(layer.top, 0u, 0u);
     loop {
         let node = map_node(layer, item);
         var verdict = MAP_NO;
         var block: MapBlock;
         if node.low <= node.high {
-            block = map_block(probe, layer, item, node);
-            verdict = map_judge(probe, layer, item, node, block);
+            block = map_block(view, layer, item, node);
+            verdict = map_judge(view, layer, item, node, block);
             // The far side of an object is mostly behind its near side: what can add nothing is not looked into.
-            if verdict != MAP_NO && map_is_covered(probe, block) {
+            if verdict != MAP_NO && map_is_covered(view, block) {
                 verdict = MAP_NO;
             }
         }
@@ -45,7 +45,7 @@ fn map_draw_layer(probe: MapProbe, layer: MapLayer) {
         var quad: MapQuad;
         var next: MapQuad;
         if verdict >= MAP_PARTLY {
-            let parts = map_parts(probe, layer, item, node, block, verdict);
+            let parts = map_parts(view, layer, item, node, block, verdict);
             if parts.is_split {
                 verdict = MAP_SPLIT;
             } else {
@@ -62,7 +62,7 @@ fn map_draw_layer(probe: MapProbe, layer: MapLayer) {
         }
         for (var k = 0u; k < quads; k++) {
             if quad.is_there {
-                map_draw(probe, quad);
+                map_draw(view, quad);
             }
             quad = next;
         }
@@ -78,9 +78,9 @@ fn map_draw_layer(probe: MapProbe, layer: MapLayer) {
 }
 
 // Whether all of a node's image on the own row is covered already.
-fn map_is_covered(probe: MapProbe, block: MapBlock) -> bool {
-    let middle = probe.image * block.middle;
-    let spread = abs(probe.image[0]) * block.half.x + abs(probe.image[1]) * block.half.y + abs(probe.image[2]) * block.half.z;
+fn map_is_covered(view: MapView, block: MapBlock) -> bool {
+    let middle = view.image * block.middle;
+    let spread = abs(view.image[0]) * block.half.x + abs(view.image[1]) * block.half.y + abs(view.image[2]) * block.half.z;
     let low = middle - spread;
     let high = middle + spread;
     let most = max(abs(low), abs(high));
@@ -90,9 +90,9 @@ fn map_is_covered(probe: MapProbe, block: MapBlock) -> bool {
     }
     let far = 1.0 / high.z;
     let near = 1.0 / low.z;
-    return canvas_is_covered(
-        min(low.xy * far, low.xy * near) - probe.slack,
-        max(high.xy * far, high.xy * near) + probe.slack
+    return union_is_covered(
+        min(low.xy * far, low.xy * near) - view.slack,
+        max(high.xy * far, high.xy * near) + view.slack
     );
 }
 
@@ -103,16 +103,16 @@ fn map_part_quad(part: MapPart) -> MapQuad {
     return MapQuad(part.x, part.y, vec4f(part.q), vec4f(0.0), part.share > 0.0);
 }
 
-fn map_draw(probe: MapProbe, quad: MapQuad) {
+fn map_draw(view: MapView, quad: MapQuad) {
     let deviations = quad.deviations;
-    let i = quad.x - probe.origin.x;
-    let j = quad.y - probe.origin.y;
-    let k = quad.q - probe.origin.z;
+    let i = quad.x - view.origin.x;
+    let j = quad.y - view.origin.y;
+    let k = quad.q - view.origin.z;
     let corners = mat4x3f(
-        probe.image * vec4f(i.x, j.x, k.x, 1.0),
-        probe.image * vec4f(i.y, j.y, k.y, 1.0),
-        probe.image * vec4f(i.z, j.z, k.z, 1.0),
-        probe.image * vec4f(i.w, j.w, k.w, 1.0)
+        view.image * vec4f(i.x, j.x, k.x, 1.0),
+        view.image * vec4f(i.y, j.y, k.y, 1.0),
+        view.image * vec4f(i.z, j.z, k.z, 1.0),
+        view.image * vec4f(i.w, j.w, k.w, 1.0)
     );
     let most = max(max(abs(corners[0]), abs(corners[1])), max(abs(corners[2]), abs(corners[3])));
     let near = MAP_NEAR * max(max(most.x, most.y), most.z);
@@ -131,10 +131,10 @@ fn map_draw(probe: MapProbe, quad: MapQuad) {
             );
             let farthest = sqrt(max(max(lengths.x, lengths.y), max(lengths.z, lengths.w)));
             // Within the window it is no more than what a node is merged for; slack is twice that.
-            let shift = min(farthest * (probe.image[2].z * deviations / nearest + 1e-5), vec4f(0.5 * probe.slack));
+            let shift = min(farthest * (view.image[2].z * deviations / nearest + 1e-5), vec4f(0.5 * view.slack));
             grow = select(vec4f(0.0), shift, deviations > vec4f(0.0));
         }
-        canvas_quadrilateral(points, grow);
+        union_quadrilateral(points, grow);
     } else {
         map_draw_clipped(corners, near);
     }
@@ -142,7 +142,7 @@ fn map_draw(probe: MapProbe, quad: MapQuad) {
 
 // The part of a quadrilateral in homogeneous plane coordinates that is before the receiver.
 fn map_draw_clipped(corners: mat4x3f, near: f32) {
-    canvas_open();
+    union_open();
     var before = corners;
     for (var k = 0u; k < 4u; k++) {
         let p = before[k];
@@ -150,7 +150,7 @@ fn map_draw_clipped(corners: mat4x3f, near: f32) {
         let here = p.z - near;
         let there = next.z - near;
         if here >= 0.0 {
-            canvas_corner(p.xy / p.z);
+            union_corner(p.xy / p.z);
         }
         if (here >= 0.0) != (there >= 0.0) {
             // From the inner end, so that both neighbours of an edge find the same point.
@@ -158,10 +158,10 @@ fn map_draw_clipped(corners: mat4x3f, near: f32) {
             if here >= 0.0 {
                 at = p + (next - p) * (here / (here - there));
             }
-            canvas_corner(at.xy / at.z);
+            union_corner(at.xy / at.z);
         }
     }
-    canvas_close();
+    union_close();
 }
 
 // The part of the window below a plane through the receiver; `n` in the square's frame.
@@ -169,22 +169,22 @@ fn map_draw_below(n: vec3f, square: UnitSquare) {
     let low = square.center - square.half;
     let high = square.center + square.half;
     var before = mat4x2f(low, vec2f(high.x, low.y), high, vec2f(low.x, high.y));
-    canvas_open();
+    union_open();
     for (var k = 0u; k < 4u; k++) {
         let p = before[k];
         let next = before[(k + 1u) & 3u];
         let here = -(dot(n.xy, p) + n.z);
         let there = -(dot(n.xy, next) + n.z);
         if here >= 0.0 {
-            canvas_corner(p);
+            union_corner(p);
         }
         if (here >= 0.0) != (there >= 0.0) {
             if here >= 0.0 {
-                canvas_corner(p + (next - p) * (here / (here - there)));
+                union_corner(p + (next - p) * (here / (here - there)));
             } else {
-                canvas_corner(next + (p - next) * (there / (there - here)));
+                union_corner(next + (p - next) * (there / (there - here)));
             }
         }
     }
-    canvas_close();
+    union_close();
 }

@@ -1,7 +1,7 @@
-use crate::canvas::Canvas;
 use crate::clip::Polygon;
 use crate::fit::tangents;
 use crate::layer::{EMPTY, Layer, Part};
+use crate::polygon_union::PolygonUnion;
 use glam::{DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
 use visibility_mask::{Mask, UnitSquare};
@@ -12,10 +12,10 @@ fn mask(depth: u32) -> Mask {
     mask
 }
 
-/// Share of the unit disc that the canvas leaves.
-fn seen(canvas: &Canvas, depth: u32) -> f32 {
+/// Share of the unit disc that the union leaves.
+fn seen(union: &PolygonUnion, depth: u32) -> f32 {
     let mut mask = mask(depth);
-    canvas.write(&mut mask);
+    union.write(&mut mask);
     let (all, seen) = mask.areas();
     seen / all
 }
@@ -32,10 +32,10 @@ fn polygons_cover_their_area() {
             turns.sort_by(f32::total_cmp);
             let mut points = turns.map(|t| Vec2::from_angle(t) * radius);
             let area: f32 = (0..4).map(|k| 0.5 * points[k].perp_dot(points[(k + 1) % 4])).sum();
-            let mut canvas = Canvas::default();
-            canvas.begin(&mask(depth));
-            canvas.polygon(&mut points, [0.0; 4]);
-            let error = f64::from(1.0 - seen(&canvas, depth) - area / std::f32::consts::PI).abs();
+            let mut union = PolygonUnion::default();
+            union.begin(&mask(depth));
+            union.polygon(&mut points, [0.0; 4]);
+            let error = f64::from(1.0 - seen(&union, depth) - area / std::f32::consts::PI).abs();
             sum += error;
             worst = worst.max(error);
         }
@@ -59,33 +59,33 @@ fn a_tiling_leaves_no_gap_in_any_order() {
         for k in (1..tiles.len()).rev() {
             tiles.swap(k, random.bits() as usize % (k + 1));
         }
-        let mut canvas = Canvas::default();
-        canvas.begin(&mask(5));
+        let mut union = PolygonUnion::default();
+        union.begin(&mask(5));
         for tile in tiles {
             let (i, j) = (tile % n, tile / n);
-            canvas.polygon(&mut [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)], [0.0; 4]);
+            union.polygon(&mut [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)], [0.0; 4]);
         }
-        assert_eq!(seen(&canvas, 5), 0.0, "{n}");
-        assert!(canvas.is_covered(Vec2::splat(-1.0), Vec2::splat(1.0)));
+        assert_eq!(seen(&union, 5), 0.0, "{n}");
+        assert!(union.is_covered(Vec2::splat(-1.0), Vec2::splat(1.0)));
     }
 }
 
 #[test]
 fn covered_is_what_was_drawn() {
-    let mut canvas = Canvas::default();
-    canvas.begin(&mask(4));
-    canvas.polygon(&mut [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| Vec2::new(x, y)), [0.0; 4]);
-    assert!(canvas.is_covered(Vec2::splat(-0.5), Vec2::splat(0.5)));
-    assert!(!canvas.is_covered(Vec2::splat(-0.51), Vec2::splat(0.5)));
-    assert!(!canvas.is_covered(Vec2::splat(0.4), Vec2::new(0.45, 0.55)));
+    let mut union = PolygonUnion::default();
+    union.begin(&mask(4));
+    union.polygon(&mut [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| Vec2::new(x, y)), [0.0; 4]);
+    assert!(union.is_covered(Vec2::splat(-0.5), Vec2::splat(0.5)));
+    assert!(!union.is_covered(Vec2::splat(-0.51), Vec2::splat(0.5)));
+    assert!(!union.is_covered(Vec2::splat(0.4), Vec2::new(0.45, 0.55)));
     // Growth of single edges: below, right, above, left.
     for (k, side) in [Vec2::NEG_Y, Vec2::X, Vec2::Y, Vec2::NEG_X].into_iter().enumerate() {
         let mut grow = [0.0; 4];
         grow[k] = 0.1;
-        let mut canvas = Canvas::default();
-        canvas.begin(&mask(4));
-        canvas.polygon(&mut [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| Vec2::new(x, y)), grow);
-        let beyond = |at: Vec2| canvas.is_covered(at - 0.01, at + 0.01);
+        let mut union = PolygonUnion::default();
+        union.begin(&mask(4));
+        union.polygon(&mut [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| Vec2::new(x, y)), grow);
+        let beyond = |at: Vec2| union.is_covered(at - 0.01, at + 0.01);
         for (other, to) in [Vec2::NEG_Y, Vec2::X, Vec2::Y, Vec2::NEG_X].into_iter().enumerate() {
             // An edge along the lines moves only where both its neighbours do: a gap there is less than a line.
             assert_eq!(beyond(to * 0.55), other == k && side.x != 0.0, "{k} {other}");

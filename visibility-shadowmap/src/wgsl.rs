@@ -11,9 +11,9 @@
 //! 6e-5 for 0.5° (2e-3 at most), 2e-4 for 0.1° (3e-3 at most), penumbrae of bodies on themselves included; scenes moved by
 //! 1e4 lose no more.
 
-/// Layers, probes and own faces.
+/// Layers, views and own faces.
 pub const COMMON: &str =
-    concat!(include_str!("layer.wgsl"), "\n", include_str!("probe.wgsl"), "\n", include_str!("own_face.wgsl"));
+    concat!(include_str!("layer.wgsl"), "\n", include_str!("face_view.wgsl"), "\n", include_str!("own_face.wgsl"));
 
 /// `fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32`, one thread a receiver: whether texels can hide some of a light. As
 /// [`Blockers::select`](visibility_mask::Blockers::select) of [`ShadowMapBlockers`](crate::ShadowMapBlockers).
@@ -23,4 +23,4 @@ pub const COVERAGE: &str = include_str!("coverage.wgsl");
 /// what [`Blockers::splat`](visibility_mask::Blockers::splat) does. Has no barriers. Needs `mask.wgsl` and the header of `visibility-mask`.
 ///
 /// A thread keeps four lines of `16 · 2^depth` samples: 256 bytes at depth 5, 512 at depth 6.
-pub const SPLAT: &str = concat!(include_str!("canvas.wgsl"), "\n", include_str!("splat.wgsl"));
+pub const SPLAT: &str = concat!(include_str!("polygon_union.wgsl"), "\n", include_str!("splat.wgsl"));

@@ -1,6 +1,6 @@
 use crate::SilhouetteMesh;
+use crate::clip::{Ball, Behind, Chord, Front};
 use crate::count::{Counter, Fewest};
-use crate::cut::{Ball, Behind, Chord, Front};
 use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes};
 use crate::mesh::side;
@@ -122,10 +122,10 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
         if scratch.light != shaft.light {
             scratch.light = shaft.light;
             scratch.cutting.clear();
-            scratch.is_cut = false;
+            scratch.is_clipped = false;
             self.hits.triangles_meeting(shaft.light, &mut |corners| {
-                scratch.is_cut = true;
-                if Ball::may_cut(shaft.light, corners) {
+                scratch.is_clipped = true;
+                if Ball::may_clip(shaft.light, corners) {
                     scratch.cutting.push(corners);
                 }
             });
@@ -134,7 +134,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     }
 
     /// Finds the outlines in which a flat light's plane cuts triangles near it; whether there are any.
-    fn cut_by_plane(&self, light: &Outline, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
+    fn clip_by_plane(&self, light: &Outline, scratch: &mut SilhouetteScratch<H::Scratch>) -> bool {
         if scratch.near_of != scratch.light {
             scratch.near_of = scratch.light;
             scratch.near.clear();
@@ -148,7 +148,7 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
             let plane = Behind::new(light);
             arcs.extend(near.iter().filter_map(|corners| {
                 let cut = corners.map(|p| p - *origin);
-                plane.cut(cut, || side(*corners, *origin))
+                plane.clip(cut, || side(*corners, *origin))
             }));
             if !arcs.is_empty() {
                 plane.before(silhouettes, outside);
@@ -178,7 +178,7 @@ pub struct SilhouetteScratch<H> {
     /// False when rays in the shaft meet nothing.
     is_met: bool,
     /// Whether the light holds parts of triangles, those that its surface cuts, and which light that is.
-    is_cut: bool,
+    is_clipped: bool,
     light: Sphere,
     cutting: Vec<[Vec3; 3]>,
     /// The triangles near a flat light, which its plane may cut before it, and which light that is.
@@ -211,7 +211,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             entered: false,
             lists: Lists::default(),
             is_met: true,
-            is_cut: false,
+            is_clipped: false,
             // None that a caller could mean.
             light: Sphere { center: Vec3::NAN, radius: 0.0 },
             cutting: Vec::new(),
@@ -270,11 +270,11 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if cone.one_minus_cos > 0.0 && !scratch.lists.is_empty() {
             dispatch!(Level::new(), simd => self.look(simd, query, scratch));
         }
-        let is_cut = match query.outline {
-            None => scratch.is_cut,
-            Some(outline) => self.cut_by_plane(outline, scratch),
+        let is_clipped = match query.outline {
+            None => scratch.is_clipped,
+            Some(outline) => self.clip_by_plane(outline, scratch),
         };
-        let is_whole = scratch.silhouettes.is_empty() && !is_cut && scratch.facet.is_none();
+        let is_whole = scratch.silhouettes.is_empty() && !is_clipped && scratch.facet.is_none();
         if cone.one_minus_cos > 0.0 && !is_whole {
             return Coverage::Partial;
         }
@@ -319,7 +319,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             arcs,
             is_outside_known,
             light,
-            is_cut,
+            is_clipped,
             cutting,
             crossings,
             counter,
@@ -334,14 +334,14 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         crossings.clear();
         // Where the light holds parts of triangles, what blocks ends at its front side; else at its plane.
         let is_flat = query.outline.is_some();
-        let ball = (*is_cut && !is_flat).then(|| Ball::new(*light, *origin));
+        let ball = (*is_clipped && !is_flat).then(|| Ball::new(*light, *origin));
         if let Some(ball) = &ball {
             if !*is_outside_known {
                 // The same for all windows of the receiver.
                 arcs.clear();
                 let front = Front { axis: query.cone.axis, distance: view.far };
                 for corners in cutting.iter() {
-                    ball.cut(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
+                    ball.clip(&front, corners.map(|p| p - *origin), || side(*corners, *origin), arcs);
                 }
                 ball.outside(silhouettes, outside);
                 *is_outside_known = true;
@@ -349,12 +349,12 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
         }
         // Where a flat light's plane cuts triangles it has cut the silhouettes, too.
-        let is_cut_by_plane = is_flat && !arcs.is_empty();
-        if is_cut_by_plane {
+        let is_clipped_by_plane = is_flat && !arcs.is_empty();
+        if is_clipped_by_plane {
             crossings.extend(arcs.iter().filter_map(|(a, b, step)| Crossing::of_segment(&view, *a, *b, *step)));
-            view.cut = f32::INFINITY;
+            view.clip = f32::INFINITY;
         }
-        let drawn = if ball.is_some() || is_cut_by_plane { &*outside } else { &*silhouettes };
+        let drawn = if ball.is_some() || is_clipped_by_plane { &*outside } else { &*silhouettes };
         dispatch!(Level::new(), simd => {
             project(simd, drawn, &view, crossings);
             counter.count(simd, &view, crossings, mask);

@@ -24,7 +24,7 @@ type Row = [u32; 4];
 ///
 /// # Domain
 /// Balls of light that no triangle reaches into. Of flat lights the triangles that their planes may cut are to be told
-/// ([`with_cut`](Self::with_cut)). What rays meet are the same triangles, no more.
+/// ([`with_clipped`](Self::with_clipped)). What rays meet are the same triangles, no more.
 ///
 /// # Cost
 /// 100 bytes a triangle, packed anew by each [`new`](Self::new).
@@ -99,7 +99,7 @@ impl GpuSilhouettes {
     /// For each light of the frames the triangles of these meshes that its plane may cut next to it: of a light with an outline all that
     /// meet the ball of [`gpu_bounds`](lobe_core::gpu::GpuLight::gpu_bounds), of others none. Surfaces block up to that plane.
     #[must_use]
-    pub fn with_cut(mut self, triangles: &[Vec<[Vec3; 3]>]) -> Self {
+    pub fn with_clipped(mut self, triangles: &[Vec<[Vec3; 3]>]) -> Self {
         self.rows[1] = [self.rows.len() as u32, triangles.len() as u32, 0, 0];
         let mut start = self.rows.len() + triangles.len();
         for of_light in triangles {

@@ -53,9 +53,9 @@
 //! Out of scope: tracing rays, deciding what casts shadows.
 
 mod blockers;
+mod clip;
 mod coarse;
 mod count;
-mod cut;
 mod edge_list;
 mod gpu;
 mod hull;

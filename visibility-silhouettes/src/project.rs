@@ -22,7 +22,7 @@ pub(crate) struct View {
     /// Depth of the light along the square's axis: of the circle where the cone touches it.
     pub(crate) far: f32,
     /// Where silhouettes are cut: there, or nowhere if they have been.
-    pub(crate) cut: f32,
+    pub(crate) clip: f32,
     /// Position in samples of an upright line that meets, in every row, all that the window shows of the disc.
     middle: f32,
 }
@@ -37,7 +37,7 @@ impl View {
         let left = square.center.x - square.half.x;
         let middle = (0.0_f32.clamp(left, left + 2.0 * square.half.x) - left) * raster.samples;
         let far = far.max(near);
-        Self { square, raster, rows, near, far, cut: far, middle }
+        Self { square, raster, rows, near, far, clip: far, middle }
     }
 
     /// The unit direction of a sample, and the distance to the light's plane along it.
@@ -121,7 +121,7 @@ impl Crossing {
 pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, out: &mut Vec<Crossing>) {
     let UnitSquare { right, up, axis, .. } = view.square;
     let Raster { left, bottom, samples, rows, width } = view.raster;
-    let (near, far) = (f32x8::splat(simd, view.near), f32x8::splat(simd, view.cut));
+    let (near, far) = (f32x8::splat(simd, view.near), f32x8::splat(simd, view.clip));
     let (zero, last) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, view.rows as f32));
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
@@ -139,7 +139,7 @@ pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, 
         let mut drop = (is_near[0] & is_near[1]) | (is_far[0] & is_far[1]);
         for (plane, cut) in [(near, is_near), (far, is_far)] {
             if (cut[0] | cut[1]).any_true() {
-                let [from_b, from_a] = [cut_at(plane, b, a), cut_at(plane, a, b)];
+                let [from_b, from_a] = [clip_at(plane, b, a), clip_at(plane, a, b)];
                 (a, b) = (a.or(cut[0], from_b), b.or(cut[1], from_a));
             }
         }
@@ -180,7 +180,7 @@ fn limit<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
 /// Where an edge meets a plane of equal depth, from the end that is on the right side of it: whoever cuts the same edge finds
 /// the same point.
 #[inline(always)]
-fn cut_at<S: Simd>(plane: f32x8<S>, from: Lanes3<S>, to: Lanes3<S>) -> Lanes3<S> {
+fn clip_at<S: Simd>(plane: f32x8<S>, from: Lanes3<S>, to: Lanes3<S>) -> Lanes3<S> {
     let t = (plane - from.z) / (to.z - from.z);
     Lanes3::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), plane)
 }

@@ -37,7 +37,7 @@ fn silhouettes_any(eye: SilhouetteEye) -> bool {
 }
 
 // Whether a flat light's plane cuts any triangle next to it.
-fn silhouettes_are_cut(eye: SilhouetteEye) -> bool {
+fn silhouettes_are_clipped(eye: SilhouetteEye) -> bool {
     let near = silhouettes_near();
     let plane = light_plane();
     for (var row = near.x; row < near.x + 3u * near.y; row += 3u) {
@@ -58,7 +58,7 @@ fn silhouettes_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
         return DARK;
     }
     let eye = silhouettes_eye(at, cone);
-    if (cone.one_minus_cos > 0.0 && (facet == PARTIAL || silhouettes_any(eye) || silhouettes_are_cut(eye))) {
+    if (cone.one_minus_cos > 0.0 && (facet == PARTIAL || silhouettes_any(eye) || silhouettes_are_clipped(eye))) {
         return PARTIAL;
     }
     // As many surfaces before all of the light.

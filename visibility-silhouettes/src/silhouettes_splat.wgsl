@@ -239,7 +239,7 @@ fn silhouettes_length(cone: Cone, a: vec3f, b: vec3f, normal: vec3f) -> f32 {
 fn silhouettes_limit(x: f32) -> f32 { return clamp(x, -SILHOUETTES_FAR_OUTSIDE, SILHOUETTES_FAR_OUTSIDE); }
 
 // Where an edge meets a plane of equal depth, from the end that is on the right side of it.
-fn silhouettes_cut(depth: f32, start: vec3f, end: vec3f) -> vec3f {
+fn silhouettes_clip(depth: f32, start: vec3f, end: vec3f) -> vec3f {
     return vec3f(start.xy + (end.xy - start.xy) * ((depth - start.z) / (end.z - start.z)), depth);
 }
 
@@ -261,10 +261,10 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
             let depth = select(view.near, view.far, k == 1u);
             let old = a;
             if (cut.x) {
-                a = silhouettes_cut(depth, b, a);
+                a = silhouettes_clip(depth, b, a);
             }
             if (cut.y) {
-                b = silhouettes_cut(depth, old, b);
+                b = silhouettes_clip(depth, old, b);
             }
         }
     }
@@ -272,7 +272,7 @@ fn silhouettes_draw(world_a: vec3f, world_b: vec3f, step: i32) {
 }
 
 // The outlines in which a flat light's plane cuts triangles: from where a triangle goes behind it to where it comes back.
-fn silhouettes_draw_cut(lane: u32, eye: SilhouetteEye) {
+fn silhouettes_draw_clipped(lane: u32, eye: SilhouetteEye) {
     let near = silhouettes_near();
     for (var t = lane; t < near.y; t += LANES) {
         var corners: array<vec3f, 3>;
@@ -288,9 +288,9 @@ fn silhouettes_draw_cut(lane: u32, eye: SilhouetteEye) {
             let a = local[k];
             let b = local[(k + 1u) % 3u];
             if (a.z >= far && b.z < far) {
-                end = silhouettes_cut(far, b, a);
+                end = silhouettes_clip(far, b, a);
             } else if (a.z < far && b.z >= far) {
-                start = silhouettes_cut(far, a, b);
+                start = silhouettes_clip(far, a, b);
             }
         }
         let side = any_hit_side(corners[0], corners[1], corners[2], eye.x);
@@ -373,7 +373,7 @@ fn silhouettes_scan(lane: u32, eye: SilhouetteEye, above: i32) -> SilhouetteFewe
             }
         }
         workgroupBarrier();
-        silhouettes_draw_cut(lane, eye);
+        silhouettes_draw_clipped(lane, eye);
         silhouettes_each(lane, eye);
         if (first == 0u) {
             for (var j = 0u; j <= lane; j++) {

@@ -33,7 +33,7 @@ fn differences(change: impl Fn(&mut Random, &Moment) -> Moment) -> Vec<f64> {
     for case in 0..CASES {
         let moment = moment(&mut random, case);
         let changed = change(&mut random, &moment);
-        let [(before, matters), (after, _)] = [moment.share(), changed.share()];
+        let [(before, matters), (after, _)] = [moment.fraction(), changed.fraction()];
         if before > 0.0 && before < 1.0 {
             found.push((before - after).abs() * matters);
         } else {

@@ -9,7 +9,7 @@ const SWEEPS: [&str; 5] = ["lobe", "blocker", "light", "receiver", "normal"];
 
 /// The largest step beyond its neighbours' along a sweep.
 fn pop(steps: usize, at: impl Fn(f64) -> Moment) -> f64 {
-    let seen: Vec<_> = (0..steps).map(|k| at(k as f64 / steps as f64).share()).collect();
+    let seen: Vec<_> = (0..steps).map(|k| at(k as f64 / steps as f64).fraction()).collect();
     let changes: Vec<f64> = seen.windows(2).map(|w| w[1].0 - w[0].0).collect();
     let beyond = |k: usize| {
         let around = [k - 2, k - 1, k + 1, k + 2].map(|i| changes[i].abs()).into_iter().fold(0.0, f64::max);

@@ -148,7 +148,7 @@ impl Case {
         }
     }
 
-    /// Visible share of the light's solid angle when the first ball is the only one: two caps overlap (closed; E. Todhunter,
+    /// Visible fraction of the light's solid angle when the first ball is the only one: two caps overlap (closed; E. Todhunter,
     /// *Spherical Trigonometry*, 1886, gives the sides' formulas that the segments follow from).
     pub(super) fn closed(&self) -> f64 {
         let (axis, theta) = self.cone();
@@ -182,7 +182,7 @@ impl Case {
         Lobe { flux: Vec3::ONE, ..Lobe::new(axis, exponent as f32, Vec3::ONE) }
     }
 
-    /// Coverage, and the visible share of what the lobe reflects.
+    /// Coverage, and the visible fraction of what the lobe reflects.
     fn ask<V: VisibilityLobes>(
         &self,
         strategy: &V,
@@ -201,7 +201,7 @@ impl Case {
         if visit.entered() == Coverage::Lit && look.coverage() != Coverage::Lit {
             return Err(LobesFull);
         }
-        let share = match &look {
+        let fraction = match &look {
             Look::Lit => 1.0,
             Look::Dark => 0.0,
             Look::Partial(seen) => {
@@ -212,7 +212,7 @@ impl Case {
                 if constant { sum.base } else { visible_fraction(&at, &brdf, unshadowed, sum) }
             }
         };
-        Ok((look.coverage(), share))
+        Ok((look.coverage(), fraction))
     }
 
     fn with<Q: Visitor>(&self, subject: &impl Subject, visitor: Q) -> Q::Answer {
@@ -221,9 +221,9 @@ impl Case {
         subject.visit(&Setting { balls: &balls, light, receiver }, visitor)
     }
 
-    /// Coverage and visible share.
-    pub(super) fn share(&self, subject: &impl Subject, how: Use) -> (Coverage, f32) {
-        self.with(subject, Share { case: self, how })
+    /// Coverage and visible fraction.
+    pub(super) fn fraction(&self, subject: &impl Subject, how: Use) -> (Coverage, f32) {
+        self.with(subject, Fraction { case: self, how })
     }
 
     /// What comes of buffers without room; `None` for a strategy that needs none.
@@ -232,12 +232,12 @@ impl Case {
     }
 }
 
-struct Share<'a> {
+struct Fraction<'a> {
     case: &'a Case,
     how: Use,
 }
 
-impl Visitor for Share<'_> {
+impl Visitor for Fraction<'_> {
     type Answer = (Coverage, f32);
 
     fn visit<V>(self, strategy: &V) -> Self::Answer
@@ -284,7 +284,7 @@ impl Visitor for Share<'_> {
                 if answers.all(|other| other == Ok(first)) { Ok(first) } else { Err(LobesFull) }
             }),
         };
-        // A strategy that needs more lobes than it says has no share.
+        // A strategy that needs more lobes than it says has no fraction.
         answer.unwrap_or((Coverage::Partial, f32::NAN))
     }
 }

@@ -1,10 +1,10 @@
-//! The visible share of any number of balls, by quadrature in f64: what strategies are measured against.
+//! The visible fraction of any number of balls, by quadrature in f64: what strategies are measured against.
 
 use super::case::{Ball, Case};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
-/// Rows over the light's disc; the error of a share is below 1e-4.
+/// Rows over the light's disc; the error of a fraction is below 1e-4.
 const ROWS: u32 = 320;
 /// Nodes and weights of Gauss and Legendre on [−1, 1].
 const NODES: [(f64, f64); 3] =
@@ -34,7 +34,7 @@ impl Cap {
 }
 
 impl Case {
-    /// Visible share of what the lobe reflects: rows of the plane at distance 1 before the light, whose disc has radius
+    /// Visible fraction of what the lobe reflects: rows of the plane at distance 1 before the light, whose disc has radius
     /// `tan θ` there, cut where something begins or ends.
     pub(super) fn exact(&self) -> f64 {
         let (axis, theta) = self.cone();

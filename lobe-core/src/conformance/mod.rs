@@ -182,7 +182,7 @@ pub struct Limits {
     pub order: f64,
     /// Largest change when everything is turned.
     pub turn: f64,
-    /// Largest change in a small step, a hundredth of the light's half-angle or so, that the exact share does not make. The
+    /// Largest change in a small step, a hundredth of the light's half-angle or so, that the exact fraction does not make. The
     /// suite asks with a tolerance of 0.003.
     pub jump: f64,
     /// The same with several balls, any light and lobe.

@@ -33,7 +33,7 @@ fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random, 
     for _ in 0..limits.cases {
         let mut case = Case::random(random);
         for how in [Use::Fresh, Use::Entered, Use::Boxed] {
-            let (coverage, _) = case.share(subject, how);
+            let (coverage, _) = case.fraction(subject, how);
             out.ensure(coverage == Coverage::Lit, "no blocker is lit at no cost", || {
                 format!("{coverage:?} of {case:?}")
             });
@@ -57,12 +57,12 @@ fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random, 
             case.balls.push(ball);
         }
         let beside = case.balls.remove(0);
-        let (_, share) = case.share(subject, Use::Fresh);
-        out.ensure(share == 1.0, "what is behind receiver or light blocks nothing", || {
-            format!("V = {share} in {case:?}")
+        let (_, fraction) = case.fraction(subject, Use::Fresh);
+        out.ensure(fraction == 1.0, "what is behind receiver or light blocks nothing", || {
+            format!("V = {fraction} in {case:?}")
         });
         case.balls = vec![beside];
-        let dark = 1.0 - f64::from(case.share(subject, Use::Fresh).1);
+        let dark = 1.0 - f64::from(case.fraction(subject, Use::Fresh).1);
         out.within(dark, ("beside", limits.beside), "what is beside blocks nothing", || {
             format!("1 - V = {dark} in {case:?}")
         });
@@ -79,9 +79,11 @@ fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
         let distance = random.between(1.0, 0.3 * FAR);
         case.balls.push(case.ball(random, size, off, distance));
         for how in [Use::Fresh, Use::Entered, Use::Boxed] {
-            let share = f64::from(case.share(subject, how).1);
-            out.within(share, ("cover", limits.cover), "full cover is dark", || format!("V = {share} in {case:?}"));
-            out.measured.cover = out.measured.cover.max(share);
+            let fraction = f64::from(case.fraction(subject, how).1);
+            out.within(fraction, ("cover", limits.cover), "full cover is dark", || {
+                format!("V = {fraction} in {case:?}")
+            });
+            out.measured.cover = out.measured.cover.max(fraction);
         }
     }
 }
@@ -112,10 +114,10 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
                 let off = random.between((size - theta).max(0.0), size + theta);
                 let distance = random.between(0.5, 0.4 * FAR);
                 case.balls.push(case.ball(random, size, off, distance));
-                let (_, share) = case.share(subject, Use::Fresh);
-                let error = (f64::from(share) - case.closed()).abs();
+                let (_, fraction) = case.fraction(subject, Use::Fresh);
+                let error = (f64::from(fraction) - case.closed()).abs();
                 out.within(error, ("overlap", limits.overlap), "overlap of two discs", || {
-                    format!("V = {share}, closed {} in {case:?}", case.closed())
+                    format!("V = {fraction}, closed {} in {case:?}", case.closed())
                 });
                 out.measured.overlap = out.measured.overlap.max(error);
                 (sum, count) = (sum + error, count + 1);
@@ -138,10 +140,10 @@ fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
         for _ in 0..2 + random.bits() % 4 {
             case.balls.push(case.blocker_anywhere(random));
         }
-        let (share, exact) = (f64::from(case.share(subject, Use::Fresh).1), case.exact());
-        let error = (share - exact).abs();
+        let (fraction, exact) = (f64::from(case.fraction(subject, Use::Fresh).1), case.exact());
+        let error = (fraction - exact).abs();
         out.within(error, ("several", limits.several), "several balls against quadrature", || {
-            format!("V = {share}, exactly {exact} in {case:?}")
+            format!("V = {fraction}, exactly {exact} in {case:?}")
         });
         out.measured.several = out.measured.several.max(error);
         sum += error;
@@ -166,8 +168,10 @@ fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
         };
         let distance = random.between(0.5, 0.4 * FAR);
         case.balls.push(case.ball(random, size, off, distance));
-        let (_, share) = case.share(subject, Use::Fresh);
-        out.ensure((0.0..=1.0).contains(&share), "V is in [0, 1] at slivers", || format!("V = {share} in {case:?}"));
+        let (_, fraction) = case.fraction(subject, Use::Fresh);
+        out.ensure((0.0..=1.0).contains(&fraction), "V is in [0, 1] at slivers", || {
+            format!("V = {fraction} in {case:?}")
+        });
     }
 }
 
@@ -178,20 +182,20 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
         let mut last = 1.0;
         if k % CROWDED == 0 {
             case.balls = case.crowd(random);
-            last = f64::from(case.share(subject, Use::Fresh).1);
+            last = f64::from(case.fraction(subject, Use::Fresh).1);
         }
         for _ in 0..1 + random.bits() % 5 {
             case.balls.push(case.blocker(random));
-            let (coverage, share) = case.share(subject, Use::Fresh);
-            out.ensure((0.0..=1.0).contains(&share), "V is in [0, 1]", || format!("V = {share} in {case:?}"));
+            let (coverage, fraction) = case.fraction(subject, Use::Fresh);
+            out.ensure((0.0..=1.0).contains(&fraction), "V is in [0, 1]", || format!("V = {fraction} in {case:?}"));
             for (how, property) in [
                 (Use::Used, "used scratch changes nothing"),
                 (Use::Entered, "enter changes nothing"),
                 (Use::Boxed, "a boxed strategy is the same"),
                 (Use::Threads, "threads change nothing"),
             ] {
-                let (_, again) = case.share(subject, how);
-                out.ensure(share == again, property, || format!("V = {share}, then {again} in {case:?}"));
+                let (_, again) = case.fraction(subject, how);
+                out.ensure(fraction == again, property, || format!("V = {fraction}, then {again} in {case:?}"));
             }
             if coverage == Coverage::Partial {
                 let full = case.overflow(subject);
@@ -199,26 +203,26 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
                     format!("{full:?} in {case:?}")
                 });
             }
-            let brighter = f64::from(share) - last;
+            let brighter = f64::from(fraction) - last;
             out.within(brighter, ("brighter", limits.brighter), "a further blocker never brightens", || {
-                format!("V from {last} to {share} in {case:?}")
+                format!("V from {last} to {fraction} in {case:?}")
             });
             out.measured.brighter = out.measured.brighter.max(brighter);
-            last = f64::from(share);
+            last = f64::from(fraction);
         }
         let mut reversed = case.clone();
         reversed.balls.reverse();
-        let (_, share) = reversed.share(subject, Use::Fresh);
-        let change = (f64::from(share) - last).abs();
+        let (_, fraction) = reversed.fraction(subject, Use::Fresh);
+        let change = (f64::from(fraction) - last).abs();
         out.within(change, ("order", limits.order), "order does not matter", || {
-            format!("V = {last}, reversed {share} in {case:?}")
+            format!("V = {last}, reversed {fraction} in {case:?}")
         });
         out.measured.order = out.measured.order.max(change);
         let turn = DQuat::from_axis_angle(random.axis(), random.between(0.0, PI));
-        let (_, share) = case.turned(turn).share(subject, Use::Fresh);
-        let change = (f64::from(share) - last).abs();
+        let (_, fraction) = case.turned(turn).fraction(subject, Use::Fresh);
+        let change = (f64::from(fraction) - last).abs();
         out.within(change, ("turn", limits.turn), "turning everything changes nothing", || {
-            format!("V = {last}, turned {share} in {case:?}")
+            format!("V = {last}, turned {fraction} in {case:?}")
         });
         out.measured.turn = out.measured.turn.max(change);
     }
@@ -296,11 +300,14 @@ fn sweep(
             last = None;
             continue;
         }
-        let now = (f64::from(case.share(subject, Use::Fresh).1), exact(&case));
-        if let Some((share, truth)) = last {
-            let jump = ((now.0 - share) - (now.1 - truth)).abs();
+        let now = (f64::from(case.fraction(subject, Use::Fresh).1), exact(&case));
+        if let Some((fraction, truth)) = last {
+            let jump = ((now.0 - fraction) - (now.1 - truth)).abs();
             out.within(jump, limit, "nothing pops", || {
-                format!("V from {share} to {}, exactly from {truth} to {} as {moves:?} moves in {case:?}", now.0, now.1)
+                format!(
+                    "V from {fraction} to {}, exactly from {truth} to {} as {moves:?} moves in {case:?}",
+                    now.0, now.1
+                )
             });
             largest = largest.max(jump);
         }

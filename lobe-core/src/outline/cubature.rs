@@ -230,7 +230,7 @@ pub(super) fn cubature(
     let shown = Picture { image, places: light.places(frame) };
     let is_small = light.on_plane(frame).all(|p| ((p - peak.point) / peak.width).length_squared() < SMALL_LIGHT);
     let integrand = Integrand { peak, value, shown };
-    if !is_small || light.is_cut {
+    if !is_small || light.is_clipped {
         return dispatch!(Level::new(), simd => of_rows::<_, 4>(simd, normal, light, frame, &integrand));
     }
     let [r, g, b, alone, x, y, z, plane] =

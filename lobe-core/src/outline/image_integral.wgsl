@@ -33,7 +33,7 @@ fn outline_sample(p: vec3f, area: f32, angle: f32, value: f32) {
 }
 
 fn outline_end(peak: OutlinePeak) -> vec4f {
-    var is_small = !outline.is_cut;
+    var is_small = !outline.is_clipped;
     for (var i = 0u; i < outline_point_count; i++) {
         let away = (outline_points[i] - peak.point) / peak.width;
         is_small = is_small && dot(away, away) < OUTLINE_SMALL_LIGHT;
@@ -48,7 +48,7 @@ fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> vec3f {
         return vec3f(0.0);
     }
     let is_diffuse = is_lambert(at, lobe);
-    if (is_diffuse && !outline.is_cut && light_images[frame.image + 1u] != 0u) {
+    if (is_diffuse && !outline.is_clipped && light_images[frame.image + 1u] != 0u) {
         var irradiance = vec3f(0.0);
         for (var k = 0u; k < 3u; k++) {
             let word = frame.image + 2u + 3u * k;

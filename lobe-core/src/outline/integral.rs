@@ -63,7 +63,7 @@ fn integral(at: &Receiver, lobe: &Lobe, light: &Outline) -> f32 {
 /// The same of an image.
 pub(crate) fn of_image(at: &Receiver, lobe: &Lobe, light: &Outline, image: &LightImage) -> Vec3 {
     if is_lambert(at, lobe)
-        && !light.is_cut
+        && !light.is_clipped
         && let Some(irradiance) = image.irradiance(at.normal)
     {
         return irradiance.max(Vec3::ZERO) * FRAC_1_PI;

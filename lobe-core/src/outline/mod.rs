@@ -40,7 +40,7 @@ pub struct Outline {
     /// What places on the light are measured with: a step along a half side times its own is one, times the other's zero.
     sides: [Vec3; 2],
     /// Whether a horizon has cut something off it.
-    is_cut: bool,
+    is_clipped: bool,
     /// See [`with_roundness`](Self::with_roundness).
     roundness: Option<f32>,
 }
@@ -117,7 +117,7 @@ impl Outline {
             height,
             radius: None,
             sides: [Vec3::ZERO; 2],
-            is_cut: false,
+            is_clipped: false,
             roundness: None,
         };
         out.corners[..count].copy_from_slice(corners);
@@ -209,7 +209,7 @@ impl Outline {
         if heights.iter().all(|h| *h >= 0.0) {
             return Some(*self);
         }
-        let mut out = Self { count: 0, is_cut: true, ..*self };
+        let mut out = Self { count: 0, is_clipped: true, ..*self };
         for (i, (p, h)) in corners.iter().zip(heights).enumerate() {
             let next = (i + 1) % self.count;
             let (q, g) = (corners[next], heights[next]);
@@ -232,8 +232,8 @@ impl Outline {
     }
 
     /// Whether a horizon has cut something off it.
-    pub(crate) const fn is_cut(&self) -> bool {
-        self.is_cut
+    pub(crate) const fn is_clipped(&self) -> bool {
+        self.is_clipped
     }
 
     fn push(&mut self, p: Vec3) {

@@ -9,7 +9,7 @@ struct Outline {
     // Corners.
     count: u32,
     // Whether a horizon has cut something off it.
-    is_cut: bool,
+    is_clipped: bool,
     axis: vec3f,
     height: f32,
     // The middle of the whole light.
@@ -137,7 +137,7 @@ fn outline_keep_above(normal: vec3f) {
     if (is_above) {
         return;
     }
-    outline.is_cut = true;
+    outline.is_clipped = true;
     outline.count = 0u;
     for (var i = 0u; i < count; i++) {
         let p = corners[i];

@@ -1,7 +1,6 @@
 //! Tests that want a GPU, a software one at least: shown as ignored where there is none.
 
 mod call;
-mod canvas;
 mod flat;
 mod functions;
 mod gbuffer;
@@ -15,6 +14,7 @@ mod rays;
 mod robust;
 mod silhouettes;
 mod spheres;
+mod texture_writer;
 
 use render_gpu::{Gpu, GpuOptions};
 
@@ -39,7 +39,7 @@ fn main() {
     trials.extend(robust::trials(gpu.as_ref()));
     trials.extend(silhouettes::trials(gpu.as_ref()));
     trials.extend(spheres::trials(gpu.as_ref()));
-    trials.extend(canvas::trials(gpu.as_ref()));
+    trials.extend(texture_writer::trials(gpu.as_ref()));
     let conclusion = libtest_mimic::run(&arguments, trials);
     call::report_kernels();
     conclusion.exit();

@@ -188,7 +188,7 @@ fn pieces(header: &str) -> Vec<&str> {
         NO_OUTLINE,
         wgsl::MASK,
         wgsl::TOTAL,
-        wgsl::SHARE,
+        wgsl::FRACTION,
         wgsl::EDGES,
         wgsl::VISIBILITY,
         wgsl::LOBES,
@@ -200,7 +200,7 @@ fn pieces(header: &str) -> Vec<&str> {
 /// 2⁻¹⁶ of a sample at most: a bit in some ten thousand ends may differ.
 fn masks(gpu: &Gpu, coarse: bool) {
     const HOOKS: &str = "
-        const NARROW_PANES = vec2u(1u);
+        const NARROW_GRID = vec2u(1u);
         const IS_NARROW_FINER = false;
         fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f { return vec4f(0.0); }
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {}";
@@ -228,7 +228,7 @@ fn masks(gpu: &Gpu, coarse: bool) {
                 y(WIDTH / 16u * lane + k, f32((word >> (16u * (k & 1u))) & 0xffffu));
             }
         }
-        let seen = share_of(share_sums(lane, mask, mask.square, at, lobe));
+        let seen = fraction_of(fraction_sums(lane, mask, mask.square, at, lobe));
         if (lane == 0u) {
             y(WIDTH / 16u * SIDE, seen);
         }";
@@ -281,7 +281,7 @@ fn masks(gpu: &Gpu, coarse: bool) {
                     (true, _) => usize::from(mask.square().disc > 0.2),
                     (false, zoomed) => 2 + usize::from(zoomed),
                 };
-                forms[form].add(got[words * side], hooks::share_of(mask, &case.at, &case.lobe));
+                forms[form].add(got[words * side], hooks::fraction_of(mask, &case.at, &case.lobe));
             }
         }
     }
@@ -350,7 +350,7 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
             if (k == 1u) {{
                 own = Lobe(at.normal, 1.0, vec3f(1.0), 1.0);
             }}
-            let seen = visible_share(lane, 0u, at, light, x(16u), window, own);
+            let seen = lobe_fraction(lane, 0u, at, light, x(16u), window, own);
             if (lane == 0u) {{
                 y(1u + k, seen);
             }}

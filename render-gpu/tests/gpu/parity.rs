@@ -121,9 +121,9 @@ fn at_terminators_of_spheres(gpu: &Gpu) {
     let ball = |x: f32| Sphere { center: Vec3::new(x, 0.3, 0.0), radius: 0.47 };
     let spheres = SphereBlockers::new(&[ball(-0.5), ball(4.0)], &[1, 3], &[0.0, 0.3]);
     let cut = |object: u32| {
-        let is_cut =
+        let is_clipped =
             |at: &&Receiver| at.object == object && facet_coverage(at, &scene.lights[0].cone(at)) == Coverage::Partial;
-        points.receivers.iter().filter(is_cut).count()
+        points.receivers.iter().filter(is_clipped).count()
     };
     let counts = [cut(1), cut(2)];
     assert!(counts.iter().all(|n| *n > 50), "{counts:?}");

@@ -51,7 +51,7 @@ fn from_gpu(gpu: &Gpu, scene: &Scene, points: &ShadingPoints, frame: &Frame<'_>)
         }
         triangles
     };
-    let blockers = blockers.with_cut(&scene.lights.iter().map(cut).collect::<Vec<_>>());
+    let blockers = blockers.with_clipped(&scene.lights.iter().map(cut).collect::<Vec<_>>());
     let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(&world) };
     let mut shader = GpuShader::new(gpu, occlusion).expect("a shader");
     let mut out = vec![Vec3::NAN; points.receivers.len()];

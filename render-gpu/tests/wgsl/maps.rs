@@ -40,11 +40,8 @@ fn splat_validates_for_every_mask_and_keeps_two_words_a_row_and_line() {
                 visibility_mask::Fineness { coarse, ..visibility_mask::Fineness::FINE },
             );
             let module = validate(&[&header, visibility_mask::wgsl::MASK, wgsl::SPLAT]);
-            let (_, bits) = module
-                .global_variables
-                .iter()
-                .find(|(_, v)| v.name.as_deref() == Some("canvas_bits"))
-                .expect("a canvas");
+            let (_, bits) =
+                module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some("union_bits")).expect("a union");
             // Four lines of 16 samples a cell.
             assert_eq!(module.types[bits.ty].inner.size(module.to_ctx()), (4 * 16 / 8) << depth);
         }

@@ -45,7 +45,7 @@ fn penumbrae_validate() {
         include_str!("../../src/kernels/penumbra.wgsl"),
     ];
     let common =
-        [wgsl::MASK, wgsl::SQUARE, wgsl::ROUND, NO_OUTLINE, wgsl::EDGES, wgsl::TOTAL, wgsl::SHARE, wgsl::VISIBILITY];
+        [wgsl::MASK, wgsl::SQUARE, wgsl::ROUND, NO_OUTLINE, wgsl::EDGES, wgsl::TOTAL, wgsl::FRACTION, wgsl::VISIBILITY];
     let core = [GEOMETRY, LOBE, SPECIAL, HOOKS];
     for (depth, tolerance) in variants() {
         let (broad, narrow) = (Fineness::broad(tolerance), Fineness::narrow(tolerance));

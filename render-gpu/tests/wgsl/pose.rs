@@ -1,4 +1,4 @@
-//! The kernels of poses and canvases without a GPU: they validate, and their constants are Rust's.
+//! The kernels of poses and texture writers without a GPU: they validate, and their constants are Rust's.
 
 use crate::constant;
 use crate::validated::module;
@@ -37,11 +37,11 @@ fn a_rig_has_the_words_that_its_kernel_reads() {
 }
 
 #[test]
-fn a_canvas_of_either_format_validates() {
+fn a_texture_writer_of_either_format_validates() {
     for format in ["rgba16float", "rgba32float"] {
-        let binding = format!("@group(0) @binding(10) var canvas: texture_storage_2d<{format}, write>;");
-        let canvas = module(&[&binding, GEOMETRY, include_str!("../../src/kernels/canvas.wgsl")]);
-        assert_eq!(canvas.entry_points[0].workgroup_size, [render_gpu::TILE, render_gpu::TILE, 1]);
-        assert_eq!(constant(&canvas, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
+        let binding = format!("@group(0) @binding(10) var target_texture: texture_storage_2d<{format}, write>;");
+        let writer = module(&[&binding, GEOMETRY, include_str!("../../src/kernels/texture_writer.wgsl")]);
+        assert_eq!(writer.entry_points[0].workgroup_size, [render_gpu::TILE, render_gpu::TILE, 1]);
+        assert_eq!(constant(&writer, "NO_MATERIAL"), render_gpu::NO_MATERIAL);
     }
 }

@@ -71,7 +71,7 @@ impl Moment {
 
     /// Share of the light seen through the lobe, and how far it is to be seen: 1 from a hundredth of the lobe's possible
     /// radiance on.
-    pub(crate) fn share(&self) -> (f64, f64) {
+    pub(crate) fn fraction(&self) -> (f64, f64) {
         let normal = self.normal.as_vec3().normalize();
         let at = Receiver { position: self.position.as_vec3(), normal, face: normal, view: normal, object: OWN_NONE };
         let cone = Cone::of_sphere(at.position, Sphere { center: self.light.as_vec3(), radius: self.radius as f32 });
@@ -85,8 +85,8 @@ impl Moment {
         let mut scratch = strategy.scratch();
         let unshadowed = cap_integral(&at, &lobe, &cone);
         let mut visit = Visit::alone(&strategy, LightId(0), Accuracy::new(self.tolerance), &mut scratch);
-        let share = visit.fraction(&at, &cone, &lobe, unshadowed, &mut VisibilitySum::default()).expect("no lobes");
+        let fraction = visit.fraction(&at, &cone, &lobe, unshadowed, &mut VisibilitySum::default()).expect("no lobes");
         let on_axis = 1.0 - ((self.lobe.1 + 1.0) * f64::from(cone.cos()).ln()).exp();
-        (f64::from(share), (100.0 * f64::from(unshadowed) / on_axis).min(1.0))
+        (f64::from(fraction), (100.0 * f64::from(unshadowed) / on_axis).min(1.0))
     }
 }

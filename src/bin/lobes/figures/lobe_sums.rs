@@ -12,7 +12,7 @@ use cosine_lobes::brdf::Material;
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{
-    BrdfLobes, Call, Integrator, LightId, LightLobes, Lobe, LobeBuffer, LobesFull, Look, Method, Probe, Receiver,
+    BrdfLobes, Call, Integrator, LightId, LightLobes, Lobe, LobeBuffer, LobesFull, Look, Method, Observer, Receiver,
     VisibilityLobes, VisibilitySum, Visit, orthonormal_basis,
 };
 use cosine_lobes::scene::{BlockerSet, Scene, ShadingPoints};
@@ -161,7 +161,7 @@ struct Products {
     dropped: usize,
 }
 
-impl Probe for Products {
+impl Observer for Products {
     fn count(&mut self, _: usize, integrals: usize) {
         self.computed += integrals;
     }

@@ -3,7 +3,7 @@
 use super::super::canvas::{Draw, failed, heat};
 use super::super::gallery::Page;
 use super::super::studio::Studio;
-use super::setting::{DIST, Pane, Seen, Setting, corners, three, words};
+use super::setting::{DIST, Panel, Seen, Setting, corners, three, words};
 use crate::drawing::COLORS;
 use crate::failure::Failure;
 use cosine_lobes::lobe_core::Lobe;
@@ -18,7 +18,7 @@ fn visibility(setting: &Setting, seen: &Seen, p: Vec2) -> f64 {
     1.0 + f64::from(seen.lobes.iter().map(|l| l.eval(d).x).sum::<f32>())
 }
 
-/// Pixels a side of a pane in Fig. 10.
+/// Pixels a side of a panel in Fig. 10.
 const PIXELS: i32 = 220;
 
 struct Lobes<'a> {
@@ -35,19 +35,19 @@ impl Draw for Lobes<'_> {
     where
         B::ErrorType: 'static,
     {
-        let pane = |k: i32| Pane { left: 12 + 240 * k, top: 32, side: PIXELS };
+        let panel = |k: i32| Panel { left: 12 + 240 * k, top: 32, side: PIXELS };
         words(root, "shadow nodes and their spheres", (12, 8))?;
         words(root, "1 − V: lobes", (252, 8))?;
         words(root, "1 − V: the spheres themselves", (492, 8))?;
         for node in &self.seen.nodes {
             let [low, high] = corners(*node);
-            root.draw(&pane(0).rectangle([low, high], RGBColor(110, 190, 120).filled())).map_err(failed)?;
-            root.draw(&pane(0).rectangle([low, high], BLACK.stroke_width(1))).map_err(failed)?;
+            root.draw(&panel(0).rectangle([low, high], RGBColor(110, 190, 120).filled())).map_err(failed)?;
+            root.draw(&panel(0).rectangle([low, high], BLACK.stroke_width(1))).map_err(failed)?;
         }
         for node in &self.seen.nodes {
             let [low, high] = corners(*node);
             let radius = (0.5 * (high - low).length() * PIXELS as f32) as i32;
-            let circle = Circle::new(pane(0).at(0.5 * (low + high)), radius, COLORS[1].stroke_width(1));
+            let circle = Circle::new(panel(0).at(0.5 * (low + high)), radius, COLORS[1].stroke_width(1));
             root.draw(&circle).map_err(failed)?;
         }
         for (k, exact) in [(1, false), (2, true)] {
@@ -60,13 +60,13 @@ impl Draw for Lobes<'_> {
                     1.0 - visibility(self.setting, self.seen, p)
                 };
                 let [r, g, b] = heat(hidden / 1.5);
-                root.draw_pixel((pane(k).left + x, pane(k).top + PIXELS - 1 - y), &RGBColor(r, g, b))
+                root.draw_pixel((panel(k).left + x, panel(k).top + PIXELS - 1 - y), &RGBColor(r, g, b))
                     .map_err(failed)?;
             }
         }
         for k in 0..3 {
-            root.draw(&pane(k).disc()).map_err(failed)?;
-            root.draw(&pane(k).frame()).map_err(failed)?;
+            root.draw(&panel(k).disc()).map_err(failed)?;
+            root.draw(&panel(k).frame()).map_err(failed)?;
         }
         for i in 0..160 {
             let [r, g, b] = heat(f64::from(i) / 159.0);

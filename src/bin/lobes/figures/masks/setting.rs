@@ -107,13 +107,13 @@ pub(super) fn corners(node: ShadowNode) -> [Vec2; 2] {
 
 /// The unit square in a drawing.
 #[derive(Clone, Copy)]
-pub(super) struct Pane {
+pub(super) struct Panel {
     pub(super) left: i32,
     pub(super) top: i32,
     pub(super) side: i32,
 }
 
-impl Pane {
+impl Panel {
     pub(super) fn at(&self, p: Vec2) -> (i32, i32) {
         let place = |t: f32| ((t + 0.5) * self.side as f32).round() as i32;
         (self.left + place(p.x), self.top + self.side - place(p.y))

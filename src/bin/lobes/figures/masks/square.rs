@@ -3,7 +3,7 @@
 use super::super::canvas::{Draw, failed};
 use super::super::gallery::Page;
 use super::super::studio::Studio;
-use super::setting::{DIST, LIGHT, Pane, Setting, ball, words};
+use super::setting::{DIST, LIGHT, Panel, Setting, ball, words};
 use crate::drawing::COLORS;
 use crate::failure::Failure;
 use cosine_lobes::lobe_core::Sphere;
@@ -80,15 +80,15 @@ impl Draw for Splat<'_> {
         words(root, "(b) what is left after clipping", (255, 8))?;
         self.side(root, 245, true)?;
         words(root, "(c) splatted onto the square", (510, 8))?;
-        let pane = Pane { left: 510, top: 60, side: 230 };
+        let panel = Panel { left: 510, top: 60, side: 230 };
         for (ball, _) in self.setting.balls.iter().zip(self.kept).filter(|(_, kept)| **kept) {
-            let path = pane.path(&self.setting.outline(ball));
+            let path = panel.path(&self.setting.outline(ball));
             root.draw(&Polygon::new(path.clone(), COLORS[0].mix(0.45))).map_err(failed)?;
             root.draw(&PathElement::new(path, COLORS[0].stroke_width(1))).map_err(failed)?;
         }
-        root.draw(&pane.disc()).map_err(failed)?;
-        root.draw(&pane.frame()).map_err(failed)?;
-        words(root, &format!("{} shadow nodes at depth 5", self.nodes), (pane.left, 304))
+        root.draw(&panel.disc()).map_err(failed)?;
+        root.draw(&panel.frame()).map_err(failed)?;
+        words(root, &format!("{} shadow nodes at depth 5", self.nodes), (panel.left, 304))
     }
 }
 

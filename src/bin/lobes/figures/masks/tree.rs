@@ -3,7 +3,7 @@
 use super::super::canvas::{Draw, failed};
 use super::super::gallery::Page;
 use super::super::studio::Studio;
-use super::setting::{DIST, GREY, Pane, Setting, corners, three, words};
+use super::setting::{DIST, GREY, Panel, Setting, corners, three, words};
 use crate::failure::Failure;
 use cosine_lobes::visibility_mask::ShadowNode;
 use glam::Vec2;
@@ -57,21 +57,21 @@ impl Draw for Tree<'_> {
     where
         B::ErrorType: 'static,
     {
-        let pane = |k: i32| Pane { left: 10 + 203 * k, top: 32, side: 190 };
-        let outlines = |pane: &Pane| {
+        let panel = |k: i32| Panel { left: 10 + 203 * k, top: 32, side: 190 };
+        let outlines = |panel: &Panel| {
             for ball in &self.setting.balls {
-                let path = pane.path(&self.setting.outline(ball));
+                let path = panel.path(&self.setting.outline(ball));
                 root.draw(&PathElement::new(path, GREY.stroke_width(2))).map_err(failed)?;
             }
-            root.draw(&pane.disc()).map_err(failed)?;
-            root.draw(&pane.frame()).map_err(failed)
+            root.draw(&panel.disc()).map_err(failed)?;
+            root.draw(&panel.frame()).map_err(failed)
         };
-        words(root, "three spheres", (pane(0).left, 8))?;
-        outlines(&pane(0))?;
+        words(root, "three spheres", (panel(0).left, 8))?;
+        outlines(&panel(0))?;
         let [red, yellow, green] = [RGBColor(240, 120, 110), RGBColor(250, 225, 120), RGBColor(110, 190, 120)];
         for (k, nodes) in self.steps.iter().enumerate() {
-            let (level, pane) = (k as u32 + 1, pane(k as i32 + 1));
-            words(root, &format!("depth {level}"), (pane.left, 8))?;
+            let (level, panel) = (k as u32 + 1, panel(k as i32 + 1));
+            words(root, &format!("depth {level}"), (panel.left, 8))?;
             let side = 1_usize << level;
             let black = BLACK.stroke_width(1);
             for i in 0..side * side {
@@ -87,14 +87,14 @@ impl Draw for Tree<'_> {
                     State::Partly => red,
                     _ => WHITE,
                 };
-                root.draw(&pane.rectangle(corners(node), color.filled())).map_err(failed)?;
-                root.draw(&pane.rectangle(corners(node), GREY.stroke_width(1))).map_err(failed)?;
+                root.draw(&panel.rectangle(corners(node), color.filled())).map_err(failed)?;
+                root.draw(&panel.rectangle(corners(node), GREY.stroke_width(1))).map_err(failed)?;
             }
             for node in nodes {
-                root.draw(&pane.rectangle(corners(*node), green.filled())).map_err(failed)?;
-                root.draw(&pane.rectangle(corners(*node), black)).map_err(failed)?;
+                root.draw(&panel.rectangle(corners(*node), green.filled())).map_err(failed)?;
+                root.draw(&panel.rectangle(corners(*node), black)).map_err(failed)?;
             }
-            outlines(&pane)?;
+            outlines(&panel)?;
         }
         let keys =
             [(red, "partly covered: subdivided"), (green, "covered: frozen"), (yellow, "partly covered leaf: ignored")];

@@ -16,7 +16,7 @@ const CELLS: usize = 64 / ACROSS;
 /// A texel covers a fraction of a cell, and a cell's open part in a [`Mask`] is one interval: many texels would fuse as
 /// if they lay at random. So they fuse here, and the mask gets what they cover.
 #[derive(Clone, Debug)]
-pub(crate) struct Canvas {
+pub(crate) struct PolygonUnion {
     side: usize,
     /// Words in a line.
     words: usize,
@@ -26,7 +26,7 @@ pub(crate) struct Canvas {
     spans: Vec<(f32, f32)>,
 }
 
-impl Default for Canvas {
+impl Default for PolygonUnion {
     fn default() -> Self {
         Self {
             side: 0,
@@ -39,7 +39,7 @@ impl Default for Canvas {
     }
 }
 
-impl Canvas {
+impl PolygonUnion {
     /// Starts anew over a mask's window.
     pub(crate) fn begin(&mut self, mask: &Mask) {
         let square = mask.square();

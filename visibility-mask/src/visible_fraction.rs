@@ -1,4 +1,4 @@
-//! The share of a reflectance lobe's light that a mask leaves, summed over its samples.
+//! The fraction of a reflectance lobe's light that a mask leaves, summed over its samples.
 
 use crate::lanes::{NUMBERS, sum};
 use crate::row::{self, EIGHT, Row, WIDTH};
@@ -240,12 +240,12 @@ impl Mul<f32> for Sums {
 }
 
 impl Sums {
-    /// The share of the light that is lit. Where the weights say nothing, since all of the light is far out of the lobe,
+    /// The fraction of the light that is lit. Where the weights say nothing, since all of the light is far out of the lobe,
     /// every sample of the masks counts alike.
     pub(crate) fn ratio(self, masks: &[Mask]) -> f32 {
-        let share = self.lit / self.all;
-        if self.all > 0.0 && share.is_finite() {
-            return share.clamp(0.0, 1.0);
+        let fraction = self.lit / self.all;
+        if self.all > 0.0 && fraction.is_finite() {
+            return fraction.clamp(0.0, 1.0);
         }
         let (all, lit) = masks.iter().map(Mask::areas).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
         if all > 0.0 { lit / all } else { 0.0 }
@@ -547,5 +547,5 @@ fn by_sample<S: Simd, const B: usize, const N: usize>(
 }
 
 #[cfg(test)]
-#[path = "share_tests.rs"]
+#[path = "visible_fraction_tests.rs"]
 mod tests;

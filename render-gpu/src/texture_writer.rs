@@ -15,21 +15,21 @@ use wgpu::util::DeviceExt;
 /// ```no_run
 /// # fn of(gpu: &render_gpu::Gpu, shader: &mut render_gpu::GpuShader, frame: &scene::Frame<'_>, points: &wgpu::Buffer,
 /// # radiance: &wgpu::Buffer, texture: &wgpu::Texture) -> Result<(), render_gpu::GpuError> {
-/// use render_gpu::GpuCanvas;
-/// let canvas = GpuCanvas::new(gpu, texture.format())?;
-/// shader.submit(frame, points, GpuCanvas::points(texture.width(), texture.height()), radiance)?;
-/// canvas.submit(gpu, points, radiance, texture)?;
+/// use render_gpu::GpuTextureWriter;
+/// let writer = GpuTextureWriter::new(gpu, texture.format())?;
+/// shader.submit(frame, points, GpuTextureWriter::points(texture.width(), texture.height()), radiance)?;
+/// writer.submit(gpu, points, radiance, texture)?;
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Debug)]
-pub struct GpuCanvas {
+pub struct GpuTextureWriter {
     format: wgpu::TextureFormat,
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
 }
 
-impl GpuCanvas {
+impl GpuTextureWriter {
     /// Compiles the kernel for textures of a format: `Rgba16Float` or `Rgba32Float`.
     ///
     /// # Errors
@@ -44,8 +44,8 @@ impl GpuCanvas {
                 return Err(GpuError::Unsupported(message));
             }
         };
-        let binding = format!("@group(0) @binding(10) var canvas: texture_storage_2d<{name}, write>;");
-        let text = [binding.as_str(), GEOMETRY, include_str!("kernels/canvas.wgsl")].join("\n");
+        let binding = format!("@group(0) @binding(10) var target_texture: texture_storage_2d<{name}, write>;");
+        let text = [binding.as_str(), GEOMETRY, include_str!("kernels/texture_writer.wgsl")].join("\n");
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
@@ -59,9 +59,9 @@ impl GpuCanvas {
             format,
             view_dimension: wgpu::TextureViewDimension::D2,
         };
-        gpu.scoped("the kernel of a canvas", || {
+        gpu.scoped("the kernel of a texture writer", || {
             let device = gpu.device();
-            let label = Some("canvas_of_points");
+            let label = Some("write_points");
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label,
                 source: wgpu::ShaderSource::Wgsl(text.into()),
@@ -126,7 +126,7 @@ impl GpuCanvas {
         // As many rows of tiles as may be bound at a time.
         let most = gpu.device().limits().max_storage_buffer_binding_size / (POINT * in_row);
         let band = rows.min(most.max(1) as u32);
-        gpu.scoped("the commands of a canvas", || {
+        gpu.scoped("the commands of a texture writer", || {
             let device = gpu.device();
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -147,7 +147,7 @@ impl GpuCanvas {
                 });
                 let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
                 let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("canvas_of_points"),
+                    label: Some("write_points"),
                     layout: &self.layout,
                     entries: &[
                         entry(0, uniform.as_entire_binding()),

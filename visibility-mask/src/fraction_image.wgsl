@@ -1,7 +1,7 @@
-// What is seen of a light that shows an image, by channel: as `image_shares`. Needs visibility.wgsl, LOBES, image.wgsl of lobe-core, and
-// share_image_microfacets.wgsl or what stands for it.
+// What is seen of a light that shows an image, by channel: as `image_fractions`. Needs visibility.wgsl, LOBES, image.wgsl of lobe-core, and
+// fraction_image_microfacets.wgsl or what stands for it.
 
-// The fraction of the light that a lobe sees. Only where all threads come by.
+// The fraction of the light that a lobe sees. Requires uniform control flow.
 fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> vec3f {
     let is_facets = HAS_MICROFACETS && lobe.factor >= LOBE_MICROFACETS;
     var square = whole;
@@ -20,8 +20,8 @@ fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
     var all = vec3f(0.0);
     if (decide(lane, is_part || is_finer)) {
         row_refine(true);
-        for (var k = 0u; k < NARROW_PANES.x * NARROW_PANES.y; k++) {
-            let mask = mask_reset(square_pane(square, k, NARROW_PANES), lane, at.normal);
+        for (var k = 0u; k < NARROW_GRID.x * NARROW_GRID.y; k++) {
+            let mask = mask_reset(square_part(square, k, NARROW_GRID), lane, at.normal);
             blockers_splat(lane, tile, at, light, mask);
             let sums = image_sums(lane, mask, at, lobe, is_facets, vec2f(1e30), vec2f(-1e30));
             seen += sums[0];
@@ -36,7 +36,7 @@ fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
         for (var k = 0u; k < BROAD_COUNT; k++) {
             emitting = broad_emitting[k];
             lit = broad_lit[k];
-            let sums = image_sums(lane, mask_of(square_pane(whole, k, BROAD_PANES)), at, lobe, is_facets, low, high);
+            let sums = image_sums(lane, mask_of(square_part(whole, k, BROAD_GRID)), at, lobe, is_facets, low, high);
             seen += sums[0];
             all += sums[1];
         }
@@ -49,8 +49,8 @@ fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
     return clamp(select(vec3f(alike), fraction, is_known), vec3f(0.0), vec3f(1.0));
 }
 
-// Of all rows, in steradians of samples: what is lit, and what emits. Samples between `low` and `high` do not count. Only where all
-// threads come by.
+// Of all rows, in steradians of samples: what is lit, and what emits. Samples between `low` and `high` do not count. Requires uniform control
+// flow.
 fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, low: vec2f, high: vec2f) -> array<vec3f, 2> {
     let square = mask.square;
     let axis = square_local(square, lobe.axis);
@@ -58,7 +58,7 @@ fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, 
     let is_diffuse = is_lambert(at, lobe);
     let cell = mask_cell(mask);
     let widest = max(cell.x, cell.y);
-    let half_exponent = 0.5 * min(lobe.exponent, max(2.0 / (widest * widest), MIRROR_SHARE));
+    let half_exponent = 0.5 * min(lobe.exponent, max(2.0 / (widest * widest), MIRROR_EXPONENT));
     if (is_facets) {
         image_facets_in(square, at, lobe);
     }

@@ -106,7 +106,7 @@ impl Ball {
     }
 
     /// Whether its surface may cut a triangle, seen from whatever receiver: nearly so counts.
-    pub(crate) fn may_cut(light: Sphere, corners: [Vec3; 3]) -> bool {
+    pub(crate) fn may_clip(light: Sphere, corners: [Vec3; 3]) -> bool {
         let ball = |scale: f64| {
             let ball = Self::new(light, Vec3::ZERO);
             Self { radius: ball.radius * scale, ..ball }
@@ -145,7 +145,7 @@ impl Ball {
     ///
     /// What of the triangle is inside is convex: along the triangle's outline an arc begins where it leaves the ball and ends
     /// where it comes back.
-    pub(crate) fn cut(&self, front: &Front, corners: [Vec3; 3], side: impl Fn() -> f32, out: &mut Vec<Chord>) {
+    pub(crate) fn clip(&self, front: &Front, corners: [Vec3; 3], side: impl Fn() -> f32, out: &mut Vec<Chord>) {
         if front.sides(&corners)[1] {
             return;
         }
@@ -266,8 +266,8 @@ impl Behind {
         keep_outside(silhouettes, |a, b| self.inside(a, b), out);
     }
 
-    /// The outline in which the plane cuts a triangle, as [`Ball::cut`].
-    pub(crate) fn cut(&self, corners: [Vec3; 3], side: impl Fn() -> f32) -> Option<Chord> {
+    /// The outline in which the plane cuts a triangle, as [`Ball::clip`].
+    pub(crate) fn clip(&self, corners: [Vec3; 3], side: impl Fn() -> f32) -> Option<Chord> {
         let held = corners.map(|p| self.holds(p));
         if held[0] == held[1] && held[1] == held[2] {
             return None;

@@ -1,4 +1,4 @@
-// Lobes of microfacets in the light of an image. Needs share_image.wgsl and share_microfacets.wgsl.
+// Lobes of microfacets in the light of an image. Needs fraction_image.wgsl and fraction_microfacets.wgsl.
 
 // Those of the lobe, in the frame of a mask's square.
 var<private> image_surface: Microfacets;

@@ -153,7 +153,7 @@ impl Item {
     }
 }
 
-/// What a probe says of a node.
+/// What a view says of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
     /// None of it blocks.
@@ -162,7 +162,7 @@ pub(crate) enum Verdict {
     Split,
     /// It blocks, as one quadrilateral.
     Blocks,
-    /// It is small and some of it may block, see [`Probe::parts`].
+    /// It is small and some of it may block, see [`FaceView::parts`].
     Partly(Small),
 }
 
@@ -179,7 +179,7 @@ pub(crate) struct Small {
 
 /// One face as seen from one receiver through one window.
 #[derive(Clone, Debug)]
-pub(crate) struct Probe {
+pub(crate) struct FaceView {
     pub(crate) image: Image,
     /// `INNER` tests that hold for the whole of what blocks, then those that bound the window.
     tests: Tests,
@@ -195,7 +195,7 @@ const INNER: usize = 3;
 /// A change of q by `depth/reach` moves an image by [`SHIFT`] cells.
 const PART_RANGE: f32 = (2.0 * PART_SHIFT / SHIFT) as f32;
 
-impl Probe {
+impl FaceView {
     /// `cell`: sides of a mask cell in plane coordinates.
     pub(crate) fn new(face: &Face, light: &Sphere, x: Vec3, normal: Vec3, square: &UnitSquare, cell: Vec2) -> Self {
         let center = light.center.as_dvec3();
@@ -284,7 +284,7 @@ impl Probe {
 
 /// Whether nodes can matter to a group of receivers.
 #[derive(Clone, Debug)]
-pub(crate) struct TileProbe {
+pub(crate) struct TileView {
     tests: Tests,
     /// The light's diameter and the receivers' largest distance from it.
     diameter: f64,
@@ -297,7 +297,7 @@ pub(crate) struct TileProbe {
 /// be drawn as one by some receiver: a mask has eight cells a side or more, and [`SMALL`] is less than one.
 const WIDE: f64 = 1.0 / 6.0;
 
-impl TileProbe {
+impl TileView {
     pub(crate) fn new(face: &Face, shaft: &Shaft) -> Self {
         let (light, receivers) = (shaft.light, shaft.receivers);
         let radius = f64::from(light.radius);

@@ -3,18 +3,18 @@
 // Microfacets' highlights have a mask of their own up to so many of their widths 2α, over the root of the tolerance.
 const HIGHLIGHT = 0.2;
 
-// The exponent of microfacets whose share is known, and that of their edge.
+// The exponent of microfacets whose visible fraction is known, and that of their edge.
 var<private> known_edge: vec2f = vec2f(-1.0, 0.0);
 
-// Only where all threads come by.
-fn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
+// Requires uniform control flow.
+fn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
     let is_edge = lobe.factor == LOBE_EDGE;
     if (decide(lane, is_edge && known_edge.x == lobe.exponent)) {
         known_edge.x = -1.0;
         return known_edge.y;
     }
-    let counts = workgroupUniformLoad(&pane_counts);
-    let forms = workgroupUniformLoad(&pane_forms);
+    let counts = workgroupUniformLoad(&grid_counts);
+    let forms = workgroupUniformLoad(&grid_forms);
     let microfacets = microfacets_of(at.normal, lobe);
     let alpha = sqrt(microfacets.alpha_sq);
     var square = microfacets_highlight(whole, microfacets, at.normal, tolerance);
@@ -30,29 +30,29 @@ fn microfacet_share(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
         if (is_own) {
             window = square;
         }
-        let panes = select(counts.xy, counts.zw, is_own);
-        let pane = select(k - own, k, is_own);
+        let grid = select(counts.xy, counts.zw, is_own);
+        let part = select(k - own, k, is_own);
         row_refine(is_own || forms.y > 0u);
         if (is_own || forms.w > 0u) {
-            visibility_draw(lane, tile, at, light, window, pane, panes, forms.x);
+            visibility_draw(lane, tile, at, light, window, part, grid, forms.x);
         } else {
-            emitting = broad_emitting[pane];
-            lit = broad_lit[pane];
+            emitting = broad_emitting[part];
+            lit = broad_lit[part];
         }
         let is_cut = is_part && !is_own;
         let low = select(vec2f(1e30), square.center - square.half, is_cut);
         let high = select(vec2f(-1e30), square.center + square.half, is_cut);
-        sum += microfacet_sums(lane, mask_of(square_pane(window, pane, panes)), microfacets, low, high);
+        sum += microfacet_sums(lane, mask_of(square_part(window, part, grid)), microfacets, low, high);
     }
     row_refine(forms.y > 0u);
-    var shares = sum.xy / sum.zw;
+    var fractions = sum.xy / sum.zw;
     // Where the weights say nothing every sample counts alike.
     let areas = visibility_areas(lane);
     let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
-    let is_known = (sum.zw > vec2f(0.0)) & (sum.zw < vec2f(3e38)) & (abs(shares) < vec2f(3e38));
-    shares = clamp(select(vec2f(alike), shares, is_known), vec2f(0.0), vec2f(1.0));
-    known_edge = vec2f(select(lobe.exponent, -1.0, is_edge), shares.y);
-    return select(shares.x, shares.y, is_edge);
+    let is_known = (sum.zw > vec2f(0.0)) & (sum.zw < vec2f(3e38)) & (abs(fractions) < vec2f(3e38));
+    fractions = clamp(select(vec2f(alike), fractions, is_known), vec2f(0.0), vec2f(1.0));
+    known_edge = vec2f(select(lobe.exponent, -1.0, is_edge), fractions.y);
+    return select(fractions.x, fractions.y, is_edge);
 }
 
 // The part of the window that shows the highlight, along its cells; all of it where that is most.
@@ -68,7 +68,7 @@ fn microfacets_highlight(whole: UnitSquare, microfacets: Microfacets, normal: ve
         beside = sqrt(dot(away, away));
     }
     let reach = widths * max(2.0 * sqrt(microfacets.alpha_sq) * (1.0 + dot(peak, peak)), 0.5 * beside);
-    let most = vec2f(pane_counts.xy * vec2u(4u * row_groups, SIDE));
+    let most = vec2f(grid_counts.xy * vec2u(4u * row_groups, SIDE));
     let cell = 2.0 * whole.half / most;
     let origin = whole.center - whole.half;
     let low = clamp(floor((peak - reach - origin) / cell), vec2f(0.0), most - 1.0);
@@ -87,7 +87,7 @@ fn microfacets_in(square: UnitSquare, world: Microfacets) -> Microfacets {
 }
 
 // Of all rows, in steradians of samples: both lobes over the lit samples, and over those that emit. Samples between `low` and
-// `high` do not count. Only where all threads come by.
+// `high` do not count. Requires uniform control flow.
 fn microfacet_sums(lane: u32, mask: Mask, world: Microfacets, low: vec2f, high: vec2f) -> vec4f {
     let square = mask.square;
     let microfacets = microfacets_in(square, world);

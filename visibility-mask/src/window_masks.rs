@@ -1,18 +1,18 @@
-use crate::share::{Counts, Shown, Sums, image_sums, microfacet_sums, sums};
+use crate::visible_fraction::{Counts, Shown, Sums, image_sums, microfacet_sums, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{Coverage, LightImage, Lobe, Outline, Receiver};
 
 /// The masks of a window: one, or several side by side where the tolerance wants more samples than one has.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Panes {
+pub(crate) struct WindowMasks {
     window: UnitSquare,
     masks: Vec<Mask>,
     used: usize,
 }
 
-impl Panes {
-    /// Starts anew and has `draw` block what is blocked of each pane on which anything emits.
+impl WindowMasks {
+    /// Starts anew and has `draw` block what is blocked of each part on which anything emits.
     ///
     /// # Panics
     /// As [`Mask::reset`].
@@ -30,10 +30,10 @@ impl Panes {
         if self.masks.len() < self.used {
             self.masks.resize_with(self.used, Mask::default);
         }
-        let across = UVec2::from(fineness.panes);
+        let across = UVec2::from(fineness.grid);
         for (k, mask) in (0..).zip(&mut self.masks[..self.used]) {
             mask.set_coarse(fineness.coarse);
-            mask.reset_to(&window.pane(k, across), depth, normal, outline);
+            mask.reset_to(&window.part(k, across), depth, normal, outline);
             if across == UVec2::ONE || !mask.is_dark() {
                 draw(mask);
             }
@@ -61,8 +61,8 @@ impl Panes {
         }
     }
 
-    /// Share of the lobe's light that is lit.
-    pub(crate) fn share(&self, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
+    /// Fraction of the lobe's light that is lit.
+    pub(crate) fn fraction(&self, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
         let of_mask = |mask| sums(mask, &self.window, at, lobe, counts);
         let total = self.masks().iter().map(of_mask).fold(Sums::default(), |a, b| a + b);
         total.ratio(self.masks())
@@ -70,9 +70,9 @@ impl Panes {
 }
 
 /// What two masks, of a part of the light and of all of it, leave of microfacets' light: in `near`, if there is one, it counts what that shows.
-pub(crate) fn microfacet_shares(
-    whole: &Panes,
-    near: Option<&Panes>,
+pub(crate) fn microfacet_fractions(
+    whole: &WindowMasks,
+    near: Option<&WindowMasks>,
     at: &Receiver,
     lobe: &Lobe,
     counts: [&mut Counts; 2],
@@ -81,18 +81,18 @@ pub(crate) fn microfacet_shares(
     let mut total = [Sums::default(); 2];
     let mut add = |sums: [Sums; 2]| total = [total[0] + sums[0], total[1] + sums[1]];
     for mask in whole.masks() {
-        add(microfacet_sums(mask, at, lobe, near.map(Panes::window), whole_counts));
+        add(microfacet_sums(mask, at, lobe, near.map(WindowMasks::window), whole_counts));
     }
-    for mask in near.map(Panes::masks).unwrap_or_default() {
+    for mask in near.map(WindowMasks::masks).unwrap_or_default() {
         add(microfacet_sums(mask, at, lobe, None, near_counts));
     }
     total.map(|sums| sums.ratio(whole.masks()))
 }
 
 /// What is left of the light of an image, by channel: of all of the light's, or of all but what the masks in `near` show, and theirs.
-pub(crate) fn image_shares(
-    whole: &Panes,
-    near: Option<&Panes>,
+pub(crate) fn image_fractions(
+    whole: &WindowMasks,
+    near: Option<&WindowMasks>,
     at: &Receiver,
     lobe: &Lobe,
     (image, outline): (&LightImage, &Outline),
@@ -102,9 +102,9 @@ pub(crate) fn image_shares(
     let UnitSquare { right, up, .. } = whole.window;
     let shown = Shown { image, places: outline.places([right, up]) };
     let mut total = [Sums::default(); 3];
-    let skip = near.map(Panes::window);
+    let skip = near.map(WindowMasks::window);
     let masks = whole.masks().iter().map(|mask| (mask, skip));
-    for (mask, skip) in masks.chain(near.into_iter().flat_map(Panes::masks).map(|mask| (mask, None))) {
+    for (mask, skip) in masks.chain(near.into_iter().flat_map(WindowMasks::masks).map(|mask| (mask, None))) {
         let sums = image_sums(mask, at, lobe, &shown, skip, counts);
         total = core::array::from_fn(|k| total[k] + sums[k]);
     }
@@ -117,10 +117,10 @@ mod tests {
     use lobe_core::oracle::Random;
     use lobe_core::{Cone, OWN_NONE};
 
-    /// A straight edge across a light that lobes of all widths see: the share through panes is that through one mask, but for
+    /// A straight edge across a light that lobes of all widths see: the fraction through many masks is that through one mask, but for
     /// the samples of each.
     #[test]
-    fn panes_see_what_one_mask_sees() {
+    fn many_masks_see_what_one_mask_sees() {
         let mut random = Random::new(31);
         let (mut worst, mut counted) = ([0.0_f32; 2], 0);
         for case in 0..400 {
@@ -141,22 +141,22 @@ mod tests {
             let window = if case % 3 == 0 { whole } else { whole.zoomed(&lobe, normal, 3.6) };
             let edge = window.center.x + window.half.x * random.between(-0.8, 0.8) as f32;
             let slope = random.between(-0.5, 0.5) as f32 * window.half.x / window.half.y;
-            let share = |panes| {
-                let mut drawn = Panes::default();
-                let fineness = Fineness { panes, ..Fineness::FINE };
+            let fraction = |grid| {
+                let mut drawn = WindowMasks::default();
+                let fineness = Fineness { grid, ..Fineness::FINE };
                 drawn.draw(&window, fineness, 6, normal, None, |mask| {
                     for j in 0..mask.side() {
                         let y = mask.row_y(j) - window.center.y;
                         mask.block_span(j, f32::NEG_INFINITY, edge + slope * y);
                     }
                 });
-                (drawn.coverage(), drawn.share(&at, &lobe, &mut Counts::default()))
+                (drawn.coverage(), drawn.fraction(&at, &lobe, &mut Counts::default()))
             };
-            let [one, panes] = [share([1, 1]), share([3, 2])];
+            let [one, many] = [fraction([1, 1]), fraction([3, 2])];
             if one.0 == Coverage::Partial {
-                assert_eq!(one.0, panes.0, "case {case}");
+                assert_eq!(one.0, many.0, "case {case}");
                 let k = usize::from(window != whole);
-                worst[k] = worst[k].max((one.1 - panes.1).abs());
+                worst[k] = worst[k].max((one.1 - many.1).abs());
                 counted += 1;
             }
         }
@@ -164,22 +164,22 @@ mod tests {
         assert!(counted > 250 && worst.iter().all(|w| *w < 0.004), "{worst:?}");
     }
 
-    /// A light that is lit in one pane and hidden in the others is partly lit.
+    /// A light that is lit in one part and hidden in the others is partly lit.
     #[test]
     fn coverage_is_that_of_all() {
         let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.01, distance: f32::INFINITY };
         let window = UnitSquare::facing(&cone, Vec3::X);
-        let fineness = Fineness { panes: [2, 2], ..Fineness::FINE };
+        let fineness = Fineness { grid: [2, 2], ..Fineness::FINE };
         for dark in 0..=4 {
-            let (mut panes, mut drawn) = (Panes::default(), 0);
-            panes.draw(&window, fineness, 5, Vec3::Z, None, |mask| {
+            let (mut masks, mut drawn) = (WindowMasks::default(), 0);
+            masks.draw(&window, fineness, 5, Vec3::Z, None, |mask| {
                 if drawn < dark {
                     mask.block_all();
                 }
                 drawn += 1;
             });
             let want = [Coverage::Lit, Coverage::Partial, Coverage::Partial, Coverage::Partial, Coverage::Dark];
-            assert_eq!((panes.coverage(), drawn), (want[dark], 4));
+            assert_eq!((masks.coverage(), drawn), (want[dark], 4));
         }
     }
 }

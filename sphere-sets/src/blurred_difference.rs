@@ -12,7 +12,7 @@ const FULL: f32 = 0.03;
 
 /// Where a set's silhouette is too large or too small *on average*, as a soft shadow shows it: next to the outline of
 /// a hard shadow, whose misses and excesses cannot make up for each other, the second thing that a set is judged by.
-pub(crate) struct Balance {
+pub(crate) struct BlurredDifference {
     image: BitImage,
     /// Cells a side.
     side: usize,
@@ -21,7 +21,7 @@ pub(crate) struct Balance {
     sums: Vec<f32>,
 }
 
-impl Balance {
+impl BlurredDifference {
     /// For views of `size`² pixels.
     pub(crate) fn new(size: usize) -> Self {
         let side = size / CELL;
@@ -119,35 +119,35 @@ mod tests {
     #[test]
     fn the_mesh_itself_is_balanced() {
         let view = view();
-        let mut balance = Balance::new(192);
+        let mut blurred = BlurredDifference::new(192);
         let area = 1.0 / view.inverse_area;
         // The polyhedron is up to 1 % smaller than the ball.
-        assert!(balance.error(&view, &[Vec4::new(0.0, 0.0, 0.0, 0.3)]) < 0.01 * area);
+        assert!(blurred.error(&view, &[Vec4::new(0.0, 0.0, 0.0, 0.3)]) < 0.01 * area);
         // Nothing at all: everything is missing, and blurring keeps areas but for what it carries over the picture's edge.
-        let missing = balance.error(&view, &[]) / area;
+        let missing = blurred.error(&view, &[]) / area;
         assert!((0.99..1.001).contains(&missing), "{missing}");
-        balance.weigh(&view, &[Vec4::new(0.0, 0.0, 0.0, 0.33)]);
+        blurred.weigh(&view, &[Vec4::new(0.0, 0.0, 0.0, 0.33)]);
         let at = |x: f32| view.frame.project(Vec3::new(x, 0.0, 0.0));
-        assert!(balance.force(at(0.3)) > 0.3 && balance.force(at(0.0)).abs() < 1e-6);
-        balance.weigh(&view, &[Vec4::new(0.0, 0.0, 0.0, 0.27)]);
-        assert!(balance.force(at(0.3)) < -0.3);
+        assert!(blurred.force(at(0.3)) > 0.3 && blurred.force(at(0.0)).abs() < 1e-6);
+        blurred.weigh(&view, &[Vec4::new(0.0, 0.0, 0.0, 0.27)]);
+        assert!(blurred.force(at(0.3)) < -0.3);
     }
 
     /// The running sums against the definition.
     #[test]
     fn blur_is_the_mean_of_a_square() {
-        let mut balance = Balance::new(48);
+        let mut blurred = BlurredDifference::new(48);
         let side = 12;
         let image: Vec<f32> = (0..side * side).map(|i| shapes::scattered(i).x).collect();
         for reach in [0, 1, 3] {
-            balance.cells.clone_from(&image);
-            balance.blur(reach);
+            blurred.cells.clone_from(&image);
+            blurred.blur(reach);
             for y in 0..side {
                 for x in 0..side {
                     let near = |a: usize, b: usize| a.abs_diff(b) <= reach;
                     let all = (0..side * side).filter(|i| near(i % side, x) && near(i / side, y));
                     let mean = all.map(|i| image[i]).sum::<f32>() / ((2 * reach + 1) * (2 * reach + 1)) as f32;
-                    assert!((balance.cells[y * side + x] - mean).abs() < 1e-5);
+                    assert!((blurred.cells[y * side + x] - mean).abs() < 1e-5);
                 }
             }
         }

@@ -1,12 +1,12 @@
-// The share of a reflectance lobe's light that a mask leaves, summed over its samples: each thread its own row, with weights
-// of columns shared. Needs mask.wgsl, total.wgsl, and one of share_lambert_only.wgsl and share_both.wgsl.
+// The fraction of a reflectance lobe's light that a mask leaves, summed over its samples: each thread its own row, with weights
+// of columns shared. Needs mask.wgsl, total.wgsl, and one of fraction_lambert_only.wgsl and fraction_both.wgsl.
 
 // Four columns each: the weights u, u·dx, u·dx² where they are products of one by row and one by column.
 var<workgroup> columns: array<mat3x4f, COLUMNS / 4u>;
 
 // Of all rows: Σ w over the lit samples, Σ w over those that emit, and the numbers of both. The unit is that of `window`, the
-// same for all masks that are parts of it. Only where all threads come by.
-fn share_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: Lobe) -> vec4f {
+// same for all masks that are parts of it. Requires uniform control flow.
+fn fraction_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: Lobe) -> vec4f {
     let weights = weights_of(mask, window, at, lobe);
     if (lane < row_groups) {
         columns[lane] = weights_columns(weights, middles(mask, lane));
@@ -37,8 +37,8 @@ fn share_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: Lob
     return total(lane, sum);
 }
 
-// Share of the lobe's light that is lit.
-fn share_of(sum: vec4f) -> f32 {
+// Fraction of the lobe's light that is lit.
+fn fraction_of(sum: vec4f) -> f32 {
     // Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.
     let ratio = sum.x / sum.y;
     if (sum.y > 0.0 && sum.y < 3e38 && abs(ratio) < 3e38) {

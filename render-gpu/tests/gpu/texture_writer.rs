@@ -2,14 +2,14 @@
 
 use crate::call::trial;
 use libtest_mimic::Trial;
-use render_gpu::{Gpu, GpuCanvas, GpuError, GpuReceiver, NO_MATERIAL};
+use render_gpu::{Gpu, GpuError, GpuReceiver, GpuTextureWriter, NO_MATERIAL};
 use wgpu::TextureFormat::{Rgba8Unorm, Rgba32Float};
 use wgpu::util::DeviceExt;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     vec![
-        trial("canvas_has_each_point_at_its_pixel", gpu, each_point_at_its_pixel),
-        trial("canvas_refuses_other_textures", gpu, other_textures),
+        trial("texture_writer_has_each_point_at_its_pixel", gpu, each_point_at_its_pixel),
+        trial("texture_writer_refuses_other_textures", gpu, other_textures),
     ]
 }
 
@@ -39,21 +39,21 @@ fn pixel(x: u32, y: u32) -> (f32, bool) {
 fn each_point_at_its_pixel(gpu: &Gpu) {
     // Rows of 16 pixels are 256 bytes, as copies want them; neither side whole tiles.
     for (width, height) in [(16, 8), (48, 27), (16, 1)] {
-        let count = GpuCanvas::points(width, height) as usize;
+        let count = GpuTextureWriter::points(width, height) as usize;
         let mut points = vec![GpuReceiver { material: NO_MATERIAL, ..GpuReceiver::default() }; count];
         let mut radiance = vec![[-1.0_f32; 4]; count];
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-            let place = GpuCanvas::place(width, x, y) as usize;
+            let place = GpuTextureWriter::place(width, x, y) as usize;
             assert_eq!(radiance[place], [-1.0; 4], "taken");
             let (red, there) = pixel(x, y);
             radiance[place] = [red, 0.25, 1e6, 0.0];
             points[place].material = if there { 0 } else { NO_MATERIAL };
         }
         let texture = texture(gpu, Rgba32Float, width, height);
-        let canvas = GpuCanvas::new(gpu, Rgba32Float).expect("it fits");
+        let writer = GpuTextureWriter::new(gpu, Rgba32Float).expect("it fits");
         let (points, radiance) =
             (filled(gpu, bytemuck::cast_slice(&points)), filled(gpu, bytemuck::cast_slice(&radiance)));
-        canvas.submit(gpu, &points, &radiance, &texture).expect("it fits");
+        writer.submit(gpu, &points, &radiance, &texture).expect("it fits");
         let read = gpu.device().create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: u64::from(16 * width * height),
@@ -77,15 +77,15 @@ fn each_point_at_its_pixel(gpu: &Gpu) {
 }
 
 fn other_textures(gpu: &Gpu) {
-    let error = GpuCanvas::new(gpu, Rgba8Unorm).expect_err("refused");
+    let error = GpuTextureWriter::new(gpu, Rgba8Unorm).expect_err("refused");
     assert!(matches!(&error, GpuError::Unsupported(_)) && error.to_string().contains("Rgba16Float"), "{error}");
-    let canvas = GpuCanvas::new(gpu, Rgba32Float).expect("it fits");
+    let writer = GpuTextureWriter::new(gpu, Rgba32Float).expect("it fits");
     let buffer = filled(gpu, &[0; 4096]);
     let other = texture(gpu, wgpu::TextureFormat::Rgba16Float, 8, 8);
-    let error = canvas.submit(gpu, &buffer, &buffer, &other).expect_err("refused");
+    let error = writer.submit(gpu, &buffer, &buffer, &other).expect_err("refused");
     assert!(matches!(&error, GpuError::Refused { .. }), "{error}");
     // 4096 bytes are 64 points, 16 × 8 pixels are 128.
-    let error = canvas.submit(gpu, &buffer, &buffer, &texture(gpu, Rgba32Float, 16, 8)).expect_err("refused");
+    let error = writer.submit(gpu, &buffer, &buffer, &texture(gpu, Rgba32Float, 16, 8)).expect_err("refused");
     assert!(matches!(&error, GpuError::Refused { .. }), "{error}");
-    canvas.submit(gpu, &buffer, &buffer, &texture(gpu, Rgba32Float, 8, 8)).expect("it fits");
+    writer.submit(gpu, &buffer, &buffer, &texture(gpu, Rgba32Float, 8, 8)).expect("it fits");
 }

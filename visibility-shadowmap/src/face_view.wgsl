@@ -1,4 +1,4 @@
-// What of a face can block one receiver's light. Needs layer.wgsl, geometry.wgsl of lobe-core and square.wgsl of lighting.
+// What of a face can block one receiver's light. Needs layer.wgsl, `lobe_core::wgsl::GEOMETRY` and `visibility_mask::wgsl::SQUARE`.
 //
 // In f32, where the Rust has f64: texels and q are counted from the place in the picture where the receiver itself is
 // seen. With T = L − x, that place at depth −F·T and q_x = z₀/(−F·T) − 1,
@@ -22,7 +22,7 @@ const MAP_PARTLY = 4u;
 const MAP_INSIDE = 1u;
 const MAP_STEP = 2u;
 
-struct MapProbe {
+struct MapView {
     // From (Δi, Δj, Δq, 1) to homogeneous plane coordinates.
     image: mat4x3f,
     // Where texels and q are counted from.
@@ -40,7 +40,7 @@ struct MapProbe {
 struct MapBlock { middle: vec4f, half: vec3f }
 
 // One face as seen from one receiver through the window from `low` to `high` of a square; `cell`: side of a mask's cell.
-fn map_probe(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec2f, high: vec2f, cell: f32) -> MapProbe {
+fn map_view(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec2f, high: vec2f, cell: f32) -> MapView {
     let right = map_vec3(face);
     let up = map_vec3(face + 3u);
     let forward = map_vec3(face + 6u);
@@ -82,7 +82,7 @@ fn map_probe(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec
     let front = vec4f(dot(back, i), dot(back, j), -touch, z0 * dot(back, toward) - (1.0 + depth) * touch);
 
     let farthest = length(square.center) + max(square.half.x, square.half.y);
-    return MapProbe(
+    return MapView(
         image,
         vec3f((seen - corner) / texel, depth),
         transpose(mat4x4f(above, clear, front, vec4f(0.0, 0.0, 0.0, 1.0))),
@@ -100,7 +100,7 @@ fn map_probe(face: u32, light: vec4f, at: Receiver, square: UnitSquare, low: vec
 }
 
 // All of a node's texels, corners included.
-fn map_block(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode) -> MapBlock {
+fn map_block(view: MapView, layer: MapLayer, item: MapItem, node: MapNode) -> MapBlock {
     let box = vec4f(map_texels(layer, item));
     var low = node.low;
     var high = node.high;
@@ -110,7 +110,7 @@ fn map_block(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode) -> 
         low = map_f32(above);
         high = map_f32(above + 1u);
     }
-    let middle = 0.5 * vec3f(box.xz + box.yw, low + high) - probe.origin;
+    let middle = 0.5 * vec3f(box.xz + box.yw, low + high) - view.origin;
     return MapBlock(vec4f(middle, 1.0), 0.5 * vec3f(box.yw - box.xz, high - low));
 }
 
@@ -130,27 +130,27 @@ fn map_is_inside(functions: mat4x4f, block: MapBlock) -> bool {
 }
 
 // The least depth of a block toward the light.
-fn map_nearest(probe: MapProbe, block: MapBlock) -> f32 {
-    let depth = vec4f(probe.image[0].z, probe.image[1].z, probe.image[2].z, probe.image[3].z);
+fn map_nearest(view: MapView, block: MapBlock) -> f32 {
+    let depth = vec4f(view.image[0].z, view.image[1].z, view.image[2].z, view.image[3].z);
     return dot(depth, block.middle) - dot(abs(depth.xyz), block.half);
 }
 
-fn map_judge(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, block: MapBlock) -> u32 {
-    if map_is_outside(probe.window, block) || map_is_outside(probe.inner, block) {
+fn map_judge(view: MapView, layer: MapLayer, item: MapItem, node: MapNode, block: MapBlock) -> u32 {
+    if map_is_outside(view.window, block) || map_is_outside(view.inner, block) {
         return MAP_NO;
     }
     if item.level == 0u {
         // A texel is there with its centre.
-        let middle = vec4f(block.middle.xy, node.low - probe.origin.z, 1.0);
-        return select(MAP_NO, MAP_BLOCKS, all(probe.inner * middle > vec4f(0.0)));
+        let middle = vec4f(block.middle.xy, node.low - view.origin.z, 1.0);
+        return select(MAP_NO, MAP_BLOCKS, all(view.inner * middle > vec4f(0.0)));
     }
-    let inside = map_is_inside(probe.inner, block);
-    let nearest = map_nearest(probe, block);
-    if inside && node.deviation * probe.reach <= nearest {
+    let inside = map_is_inside(view.inner, block);
+    let nearest = map_nearest(view, block);
+    if inside && node.deviation * view.reach <= nearest {
         return MAP_BLOCKS;
     }
-    if f32(1u << item.level) * probe.small <= nearest {
-        let flat = block.half.z * probe.reach <= nearest;
+    if f32(1u << item.level) * view.small <= nearest {
+        let flat = block.half.z * view.reach <= nearest;
         return MAP_PARTLY + select(0u, MAP_INSIDE, inside) + select(MAP_STEP, 0u, flat);
     }
     return MAP_SPLIT;
@@ -161,7 +161,7 @@ fn map_judge(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, blo
 struct MapParts { near: MapPart, far: MapPart, is_split: bool }
 
 // Of a large node 4 × 4 texels are looked at.
-fn map_parts(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, block: MapBlock, verdict: u32) -> MapParts {
+fn map_parts(view: MapView, layer: MapLayer, item: MapItem, node: MapNode, block: MapBlock, verdict: u32) -> MapParts {
     let texels = map_texels(layer, item);
     let step = 1u << (max(item.level, 2u) - 2u);
     let inside = (verdict & MAP_INSIDE) != 0u;
@@ -176,7 +176,7 @@ fn map_parts(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, blo
         for (var x = texels.x + step / 2u; x < texels.y; x += step) {
             count += 1.0;
             let at = vec4f(f32(x) + 0.5, f32(y) + 0.5, map_q(layer, x, y), 1.0);
-            if at.z > MAP_EMPTY && (inside || all(probe.inner * (at - vec4f(probe.origin, 0.0)) > vec4f(0.0))) {
+            if at.z > MAP_EMPTY && (inside || all(view.inner * (at - vec4f(view.origin, 0.0)) > vec4f(0.0))) {
                 if at.z < middle {
                     far += at;
                     far_bounds = vec2f(min(far_bounds.x, at.z), max(far_bounds.y, at.z));
@@ -187,7 +187,7 @@ fn map_parts(probe: MapProbe, layer: MapLayer, item: MapItem, node: MapNode, blo
             }
         }
     }
-    let range = (2.0 * MAP_PART_SHIFT / MAP_SHIFT) * map_nearest(probe, block) / probe.reach;
+    let range = (2.0 * MAP_PART_SHIFT / MAP_SHIFT) * map_nearest(view, block) / view.reach;
     let is_split = max(near_bounds.y - near_bounds.x, far_bounds.y - far_bounds.x) > range;
     return MapParts(map_part(texels, near, count), map_part(texels, far, count), is_split);
 }

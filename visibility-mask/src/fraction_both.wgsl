@@ -1,4 +1,4 @@
-// Lambert's lobes and others. Needs share_lambert.wgsl and share_glossy.wgsl.
+// Lambert's lobes and others. Needs fraction_lambert.wgsl and fraction_glossy.wgsl.
 
 struct Weights {
     by_row: bool,

@@ -19,7 +19,7 @@ struct GlossyWeights {
 // The third and fourth order of a weight's logarithm that are left out, at most.
 const LEFT_OUT = 0.004;
 // Exponents beyond are taken only up to where a lobe is as narrow as a cell: a mirror sees some samples.
-const MIRROR_SHARE = 1e6;
+const MIRROR_EXPONENT = 1e6;
 
 fn glossy_of(mask: Mask, square: UnitSquare, at: Receiver, lobe: Lobe) -> GlossyWeights {
     var weights: GlossyWeights;
@@ -29,7 +29,7 @@ fn glossy_of(mask: Mask, square: UnitSquare, at: Receiver, lobe: Lobe) -> Glossy
     let cell = mask_cell(mask);
     let widest = max(cell.x, cell.y);
     let half = max(square.half.x, square.half.y);
-    let e = min(lobe.exponent, max(2.0 / (widest * widest), MIRROR_SHARE));
+    let e = min(lobe.exponent, max(2.0 / (widest * widest), MIRROR_EXPONENT));
     weights.exponent = e;
     let m = e + 3.0;
     let aside = weights.axis.xy;

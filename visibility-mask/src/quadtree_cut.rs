@@ -1,7 +1,7 @@
 //! The quad-tree cut: which nodes of the mask become lobes.
 
 use crate::Mask;
-use crate::node::{Discs, Moments, Part, Pyramid, block};
+use crate::moments::{Discs, Moments, Part, Pyramid, block};
 use glam::Vec3;
 use lobe_core::{Lobe, LobesFull, LobesMut, Receiver, VisibilitySum, is_lambert};
 
@@ -16,13 +16,13 @@ const NARROWEST: f32 = 1e9;
 
 /// Working memory of a cut.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct CutScratch {
+pub(crate) struct QuadtreeMoments {
     lit: Pyramid,
     whole: Pyramid,
     discs: Discs,
 }
 
-impl CutScratch {
+impl QuadtreeMoments {
     /// Sums the moments of a filled mask.
     pub(crate) fn build(&mut self, mask: &Mask) {
         self.whole.build_emitting(mask, &mut self.discs);
@@ -31,9 +31,9 @@ impl CutScratch {
 }
 
 /// What a cut is made for.
-pub(crate) struct Cut<'a> {
+pub(crate) struct QuadtreeCut<'a> {
     pub(crate) mask: &'a Mask,
-    pub(crate) scratch: &'a CutScratch,
+    pub(crate) scratch: &'a QuadtreeMoments,
     pub(crate) at: &'a Receiver,
     pub(crate) brdf: &'a Lobe,
     /// Threshold on the error estimate of a node, in the units of a lobe of scale 1.
@@ -43,11 +43,11 @@ pub(crate) struct Cut<'a> {
     axis: Vec3,
 }
 
-impl<'a> Cut<'a> {
+impl<'a> QuadtreeCut<'a> {
     /// `unshadowed` is the lobe's integral at flux 1.
     pub(crate) fn new(
         mask: &'a Mask,
-        scratch: &'a CutScratch,
+        scratch: &'a QuadtreeMoments,
         at: &'a Receiver,
         brdf: &'a Lobe,
         unshadowed: f32,
