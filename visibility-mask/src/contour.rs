@@ -1,4 +1,4 @@
-use crate::mask::Bits;
+use crate::bits::Bits;
 use crate::{MAX_DEPTH, Mask, Raster};
 use glam::{Vec2, Vec3};
 

@@ -1,6 +1,7 @@
 //! For tests of the WGSL alone: what a mask is made of.
 
-use crate::visible_fraction::{Counts, sums};
+use crate::counts::Counts;
+use crate::visible_fraction::sums;
 use crate::{Mask, UnitSquare};
 use core::slice;
 use glam::Vec3;

@@ -40,7 +40,9 @@
 //! assert!((fraction - 0.5).abs() < 0.01);
 //! ```
 
+mod bits;
 mod contour;
+mod counts;
 mod edges;
 mod facet;
 mod fineness;
@@ -71,12 +73,12 @@ pub use crate::contour::Contour;
 pub use crate::edges::Edges;
 pub use crate::facet::facet_coverage;
 pub use crate::fineness::Fineness;
-pub use crate::mask::{MAX_DEPTH, Mask};
+pub use crate::mask::Mask;
 pub use crate::mixture::{Mixture, MixtureScratch};
 pub use crate::paper_visibility::{PaperScratch, PaperVisibility};
 pub use crate::paper_weights::PaperWeights;
 pub use crate::raster::{LitBounds, Raster};
-pub use crate::row::EightRows;
+pub use crate::row::{EightRows, MAX_DEPTH};
 pub use crate::shadow_tree::ShadowNode;
 pub use crate::square::UnitSquare;
 pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility, filled};

@@ -1,14 +1,13 @@
+use crate::bits::ones;
 use crate::lanes::NUMBERS;
-use crate::row::{self, COARSE, EIGHT, EightRows, ROWS, Row, SUBLINES, WIDTH};
+use crate::row::{self, COARSE, EIGHT, EightRows, MAX_DEPTH, ROWS, Row, SIDE, WIDTH};
 use crate::{LitBounds, Raster, UnitSquare};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use glam::{Vec2, Vec3};
 use lobe_core::Outline;
 use std::sync::LazyLock;
 
-/// The deepest quad-tree: 64 × 64 cells.
-pub const MAX_DEPTH: u32 = 6;
-const SIDE: usize = 1 << MAX_DEPTH;
+mod blocking;
 
 /// The visibility mask: the leaves of the complete quad-tree of a depth (§5.3 of the paper, Fig. 9), sampled as bits.
 ///
@@ -191,20 +190,6 @@ impl Mask {
         }
     }
 
-    #[inline(always)]
-    fn set(&mut self, j: usize, row: Row) {
-        if self.coarse {
-            (self.halves[0][j], self.halves[1][j]) = (row.0[0] as u32, (row.0[0] >> 32) as u32);
-        } else {
-            self.lit[j] = row;
-        }
-    }
-
-    #[inline(always)]
-    fn block(&mut self, j: usize, row: &Row) {
-        self.set(j, row::without(&self.lit(j), row));
-    }
-
     /// Whether the window shows all of the light's disc and the horizon cuts nothing off it.
     pub(crate) fn is_whole_disc(&self) -> bool {
         self.whole_disc
@@ -261,42 +246,6 @@ impl Mask {
         }
     }
 
-    /// Blocks row `j` between two plane coordinates x; infinite ones are fine, an empty or NaN interval blocks nothing.
-    pub fn block_span(&mut self, j: usize, from: f32, to: f32) {
-        let (from, to) = self.samples(j, from, to);
-        self.block(j, &row::span(from, to));
-    }
-
-    /// Blocks of row `j` what a shape covers of it on eight lines: for shapes whose edge runs along the row, which would
-    /// else enter or leave it all at once. `span` gives plane coordinates x of the shape at a height y.
-    ///
-    /// Each line has an eighth of the samples, so that two edges that pass through the same row fuse as they should.
-    pub fn block_area(&mut self, j: usize, span: impl Fn(f32) -> (f32, f32)) {
-        let (y, cell) = (self.row_y(j), self.cell().y);
-        let mut from = [0; SUBLINES];
-        let mut to = [0; SUBLINES];
-        for k in 0..SUBLINES {
-            let (a, b) = span(y + cell * row::height(k));
-            let (a, b) = if a < b { (a, b) } else { (self.left, self.left) };
-            let at = |x: f32| self.index((x - self.left) * self.scale);
-            (from[k], to[k]) = (at(a), at(b));
-        }
-        dispatch!(Level::new(), simd => {
-            self.block_lines(simd, j, u32x8::simd_from(simd, from), u32x8::simd_from(simd, to));
-        });
-    }
-
-    /// Blocks everything below the plane through the receiver with this normal (world space).
-    ///
-    /// Exact on the rows' lines: turn the mask across the plane's edge, with [`Edges::add_plane`](crate::Edges::add_plane).
-    pub fn block_below(&mut self, normal: Vec3) {
-        let n = self.square.local(normal);
-        for j in 0..self.side() {
-            let (from, to) = below(n, self.row_y(j));
-            self.block_span(j, from, to);
-        }
-    }
-
     /// Samples of row `j` that emit and are not below a plane through the receiver, with its normal in the square's frame:
     /// from, to. None where `to` is not above `from`.
     #[must_use]
@@ -313,28 +262,6 @@ impl Mask {
         }
     }
 
-    /// Blocks every sample.
-    pub fn block_all(&mut self) {
-        self.lit = [row::NONE; ROWS];
-        self.halves = [[0; ROWS]; 2];
-    }
-
-    /// Blocks each cell for whose centre's unit direction (in world space) `test` says so: the slow way, for shapes
-    /// without spans.
-    pub fn block_where(&mut self, test: impl Fn(Vec3) -> bool) {
-        // A cell of a coarse mask may be as small as a sample.
-        let width = (self.width() >> self.depth) as u32;
-        for j in 0..self.side() {
-            for i in Bits(self.lit_cells(j)) {
-                let p = self.cell_center(i, j);
-                if test(self.square.world(p.extend(1.0)).normalize()) {
-                    let cell = row::span(i as u32 * width, (i as u32 + 1) * width);
-                    self.block(j, &cell);
-                }
-            }
-        }
-    }
-
     /// The lit samples of the eight rows from `j` on, a multiple of eight: 64 in each word, as many words as are asked for.
     /// Rows that the mask does not have are dark.
     #[inline(always)]
@@ -346,54 +273,6 @@ impl Mask {
                 *bits = self.lit(j + k).0.get(number).copied().unwrap_or_default();
             }
         }
-    }
-
-    /// Blocks all samples of the eight rows from `j` on but these, 64 in each word; `j` is a multiple of eight.
-    #[inline(always)]
-    pub fn keep_rows(&mut self, j: usize, samples: &[EightRows]) {
-        for k in 0..EIGHT.min(self.side() - j) {
-            let mut kept = row::NONE;
-            kept.0.iter_mut().zip(samples).for_each(|(kept, word)| *kept = word[k]);
-            self.set(j + k, row::and(&self.lit(j + k), &kept));
-        }
-    }
-
-    /// Blocks samples `from[k]..to[k]` of the row `j + k`, eight rows at once: for shapes that find the ends of many rows
-    /// together, with [`raster`](Self::raster). An empty interval blocks nothing; ends are at most the raster's width.
-    #[doc(hidden)]
-    #[inline(always)]
-    pub fn block_rows<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
-        if self.coarse {
-            let blocked = row::halves(simd, from, to);
-            for (rows, blocked) in self.halves.iter_mut().zip(blocked) {
-                let rows = row::eight_mut(rows, j);
-                (u32x8::from_slice(simd, rows) & !blocked).store_slice(rows);
-            }
-        } else {
-            let (from, to): ([u32; EIGHT], [u32; EIGHT]) = (from.into(), to.into());
-            for (row, (from, to)) in row::eight_mut(&mut self.lit, j).iter_mut().zip(from.iter().zip(&to)) {
-                *row = row::without(row, &row::span(*from, *to));
-            }
-        }
-    }
-
-    /// [`block_area`](Self::block_area) with the ends of the eight lines in samples, without a shift.
-    #[doc(hidden)]
-    #[inline(always)]
-    pub fn block_lines<S: Simd>(&mut self, simd: S, j: usize, from: u32x8<S>, to: u32x8<S>) {
-        if self.coarse {
-            let blocked = row::of_lines(simd, j, from, to);
-            self.halves[0][j] &= !blocked[0];
-            self.halves[1][j] &= !blocked[1];
-            return;
-        }
-        let (from, to): ([u32; EIGHT], [u32; EIGHT]) = (from.into(), to.into());
-        let mut blocked = row::NONE;
-        for k in 0..SUBLINES {
-            let line = row::span(from[k], to[k]);
-            blocked = row::with(&blocked, &row::of_line(&line, j, k));
-        }
-        self.lit[j] = row::without(&self.lit[j], &blocked);
     }
 
     /// How plane coordinates become rows and samples.
@@ -572,26 +451,5 @@ fn below(n: Vec3, y: f32) -> (f32, f32) {
         (f32::NEG_INFINITY, f32::INFINITY)
     } else {
         (0.0, 0.0)
-    }
-}
-
-/// The lowest `n` bits, n ≤ 64.
-pub(crate) fn ones(n: u32) -> u64 {
-    if n >= 64 { u64::MAX } else { (1 << n) - 1 }
-}
-
-/// The positions of the set bits.
-pub(crate) struct Bits(pub(crate) u64);
-
-impl Iterator for Bits {
-    type Item = usize;
-
-    fn next(&mut self) -> Option<usize> {
-        if self.0 == 0 {
-            return None;
-        }
-        let i = self.0.trailing_zeros() as usize;
-        self.0 &= self.0 - 1;
-        Some(i)
     }
 }

@@ -1,8 +1,11 @@
 //! One row of a mask: 256 samples as bits, and what is done to them.
 
-use crate::MAX_DEPTH;
 use fearless_simd::{Simd, prelude::*, u32x8};
 
+/// The deepest quad-tree: 64 × 64 cells.
+pub const MAX_DEPTH: u32 = 6;
+/// Most rows of a mask, and most cells in a row.
+pub(crate) const SIDE: usize = 1 << MAX_DEPTH;
 /// Samples in a row, and in one of a coarse mask, which takes the first word.
 pub(crate) const WIDTH: usize = 256;
 pub(crate) const COARSE: usize = 64;
@@ -50,8 +53,8 @@ static FROM: [Row; 2 * WIDTH] = {
 /// Shifts of the rows' samples, in samples: multiples of the golden section, whose fractions fill an interval evenly.
 ///
 /// Eight more than there are rows, for whoever takes eight rows at once.
-pub(crate) static PHASE: [f32; (1 << MAX_DEPTH) + 8] = {
-    let mut phase = [0.0; (1 << MAX_DEPTH) + 8];
+pub(crate) static PHASE: [f32; SIDE + 8] = {
+    let mut phase = [0.0; SIDE + 8];
     let mut j = 0;
     while j < phase.len() {
         let x = (j as f64 + 0.5) * 0.618_033_988_749_894_9;
@@ -64,7 +67,7 @@ pub(crate) static PHASE: [f32; (1 << MAX_DEPTH) + 8] = {
 /// The shifts of eight rows from `j` on.
 #[inline(always)]
 pub(crate) fn phases(j: usize) -> &'static [f32; 8] {
-    PHASE[j & ((1 << MAX_DEPTH) - 1)..].first_chunk().unwrap_or(&[0.0; 8])
+    PHASE[j & (SIDE - 1)..].first_chunk().unwrap_or(&[0.0; 8])
 }
 
 /// The order in which eight neighbouring samples take the eight heights: bits reversed, so that any few of them are spread.
@@ -177,19 +180,19 @@ pub(crate) fn of_lines<S: Simd>(simd: S, j: usize, from: u32x8<S>, to: u32x8<S>)
 }
 
 /// Room for a mask's rows, and for eight that begin at any of them.
-pub(crate) const ROWS: usize = (1 << MAX_DEPTH) + EIGHT;
+pub(crate) const ROWS: usize = SIDE + EIGHT;
 
 /// Those of eight rows from `j` on. In a form in which nothing is left to be checked.
 #[inline(always)]
 pub(crate) fn eight<T: Copy>(rows: &[T; ROWS], j: usize) -> [T; EIGHT] {
-    let j = j & ((1 << MAX_DEPTH) - 1);
+    let j = j & (SIDE - 1);
     core::array::from_fn(|k| rows[j + k])
 }
 
 /// [`eight`], to be written.
 #[inline(always)]
 pub(crate) fn eight_mut<T>(rows: &mut [T; ROWS], j: usize) -> &mut [T] {
-    let j = j & ((1 << MAX_DEPTH) - 1);
+    let j = j & (SIDE - 1);
     &mut rows[j..j + EIGHT]
 }
 

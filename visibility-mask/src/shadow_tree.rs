@@ -1,8 +1,7 @@
 //! The paper's quad-tree of shadow nodes, from a mask.
 
+use crate::row::SIDE;
 use crate::{MAX_DEPTH, Mask, UnitSquare};
-
-const SIDE: usize = 1 << MAX_DEPTH;
 
 /// A node of the paper's quad-tree (Fig. 9): column `x` and row `y` among the `2^level` of its level, from the square's left and lower
 /// side; level 0 is the unit square.

@@ -1,6 +1,6 @@
+use crate::counts::Counts;
 use crate::quadtree_cut::{QuadtreeCut, QuadtreeMoments};
 use crate::square::WIDEST_TAN;
-use crate::visible_fraction::Counts;
 use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec3};

@@ -1,18 +1,14 @@
 //! The fraction of a reflectance lobe's light that a mask leaves, summed over its samples.
 
+use crate::counts::{COARSE, Counts, FINE, middles};
 use crate::lanes::{NUMBERS, sum};
-use crate::row::{self, EIGHT, Row, WIDTH};
+use crate::row::{EIGHT, SIDE, WIDTH};
 use crate::{Mask, UnitSquare};
 use core::ops::{Add, Mul};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::special::{exp, ln_1p};
 use lobe_core::{LightImage, Lobe, Microfacets, Places, Receiver, is_lambert};
-
-const ROWS: usize = 1 << crate::MAX_DEPTH;
-/// Blocks of eight columns: what a weight is taken for. A column of a fine mask has eight samples, of a coarse one four.
-const FINE: usize = 4;
-const COARSE: usize = 2;
 
 /// The third and fourth order of a weight's logarithm that are left out, at most.
 pub(crate) const LEFT_OUT: f32 = 0.004;
@@ -252,87 +248,6 @@ impl Sums {
     }
 }
 
-/// Samples of a mask in each column of each row: those that emit and those that are lit.
-#[derive(Clone, Debug)]
-pub(crate) struct Counts {
-    bytes: [u8; ROWS * FINE * EIGHT],
-    lit: [f32; ROWS * FINE * EIGHT],
-    emitting: [f32; ROWS * FINE * EIGHT],
-    /// Depth and width of the mask of a whole disc that `emitting` is of, if it is.
-    disc: Option<(u32, usize)>,
-}
-
-impl Default for Counts {
-    fn default() -> Self {
-        let none = [0.0; ROWS * FINE * EIGHT];
-        Self { bytes: [0; ROWS * FINE * EIGHT], lit: none, emitting: none, disc: None }
-    }
-}
-
-impl Counts {
-    #[inline(always)]
-    fn fill<const B: usize>(&mut self, mask: &Mask) {
-        let (side, all) = (mask.side(), mask.side() * B * EIGHT);
-        let Self { bytes, lit, emitting, disc } = self;
-        if B == FINE {
-            add_up::<B>(mask.fine_rows().iter().copied(), &mut bytes[..all], &mut lit[..all]);
-        } else {
-            let [low, high] = mask.halves();
-            let rows = low.iter().zip(high).map(|(low, high)| row::coarse(*low, *high));
-            add_up::<B>(rows, &mut bytes[..all], &mut lit[..all]);
-        }
-        let whole = mask.is_whole_disc().then(|| (mask.depth(), mask.width()));
-        if whole.is_none() || whole != *disc {
-            let rows = (0..side).map(|j| row::span(mask.emitting(j).0, mask.emitting(j).1));
-            add_up::<B>(rows, &mut bytes[..all], &mut emitting[..all]);
-            *disc = whole;
-        }
-    }
-}
-
-/// Bits of each byte or, of coarse rows, half byte: added up in pairs, fours and eights. The even half bytes come first,
-/// then the odd ones.
-#[inline(always)]
-fn add_up<const B: usize>(rows: impl Iterator<Item = Row>, bytes: &mut [u8], out: &mut [f32]) {
-    for (row, bytes) in rows.zip(bytes.chunks_exact_mut(B * EIGHT)) {
-        let mut words = row.0;
-        for word in &mut words {
-            let pairs = *word - (*word >> 1 & 0x5555_5555_5555_5555);
-            *word = (pairs & 0x3333_3333_3333_3333) + (pairs >> 2 & 0x3333_3333_3333_3333);
-        }
-        if B == FINE {
-            for word in &mut words {
-                *word = (*word + (*word >> 4)) & 0x0f0f_0f0f_0f0f_0f0f;
-            }
-        } else {
-            words[1] = words[0] >> 4 & 0x0f0f_0f0f_0f0f_0f0f;
-            words[0] &= 0x0f0f_0f0f_0f0f_0f0f;
-        }
-        for (word, bytes) in words.iter().zip(bytes.chunks_exact_mut(EIGHT)) {
-            bytes.copy_from_slice(&word.to_le_bytes());
-        }
-    }
-    for (out, byte) in out.iter_mut().zip(bytes) {
-        *out = f32::from(*byte);
-    }
-}
-
-/// Plane coordinates x of the middles of the columns, in the order of the counts.
-#[inline(always)]
-fn middles<const B: usize>(mask: &Mask) -> [[f32; EIGHT]; B] {
-    let square = mask.square();
-    let width = 2.0 * square.half.x / (B * EIGHT) as f32;
-    let left = square.center.x - square.half.x + 0.5 * width;
-    let mut x = [[0.0; EIGHT]; B];
-    for (block, x) in x.iter_mut().enumerate() {
-        for (k, x) in x.iter_mut().enumerate() {
-            let column = if B == FINE { block * EIGHT + k } else { k * B + block };
-            *x = left + width * column as f32;
-        }
-    }
-    x
-}
-
 #[inline(always)]
 fn lambert<S: Simd, const B: usize>(simd: S, mask: &Mask, window: &UnitSquare, counts: &Counts, normal: Vec3) -> Sums {
     let corner = window.center.abs() + window.half;
@@ -477,7 +392,7 @@ fn by_row<S: Simd, const B: usize, R: Rows>(
     rows: &R,
 ) -> Sums {
     let side = mask.side();
-    let mut factors = [[0.0; ROWS]; 3];
+    let mut factors = [[0.0; SIDE]; 3];
     let mut y = f32x8::simd_from(simd, NUMBERS) * mask.cell().y + mask.row_y(0);
     for first in (0..side).step_by(EIGHT) {
         for (column, factor) in factors.iter_mut().zip(rows.factors(simd, y)) {

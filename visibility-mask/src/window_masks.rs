@@ -1,4 +1,5 @@
-use crate::visible_fraction::{Counts, Shown, Sums, image_sums, microfacet_sums, sums};
+use crate::counts::Counts;
+use crate::visible_fraction::{Shown, Sums, image_sums, microfacet_sums, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{Coverage, LightImage, Lobe, Outline, Receiver};
