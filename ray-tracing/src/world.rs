@@ -7,6 +7,7 @@ mod query;
 mod refit_tests;
 mod surface;
 mod tree;
+mod triangle_list;
 mod triangle_packet;
 
 pub(crate) use self::appearance::varied;
@@ -16,6 +17,7 @@ use self::primitive::{Ball, Corners};
 pub use self::query::{Primitive, Region};
 pub(crate) use self::surface::RayHits;
 pub(crate) use self::tree::{Tree, hierarchy_scale};
+pub use self::triangle_list::TriangleList;
 use core::time::Duration;
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;

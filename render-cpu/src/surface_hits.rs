@@ -1,6 +1,6 @@
 use glam::Vec3;
 use lobe_core::{LightId, Shaft, Sphere};
-use ray_tracing::{Primitive, World};
+use ray_tracing::{TriangleList, World};
 use scene::Shape;
 use visibility_silhouettes::AnyHit;
 
@@ -27,7 +27,7 @@ impl<'w> SurfaceHits<'w> {
 #[derive(Clone, Debug, Default)]
 pub struct HitScratch {
     /// Triangles in the current shaft, where they are few.
-    listed: Vec<Primitive>,
+    listed: TriangleList,
     is_listed: bool,
     /// The triangle that hid the light from the last receiver: it mostly hides it from the next one.
     last: Option<u32>,
@@ -42,7 +42,7 @@ impl AnyHit for SurfaceHits<'_> {
 
     fn enter(&self, shaft: &Shaft, scratch: &mut HitScratch) -> bool {
         scratch.last = None;
-        scratch.is_listed = self.world.triangles_in(shaft, |o| self.has(o), LISTED, &mut scratch.listed);
+        scratch.is_listed = self.world.list_triangles(shaft, |o| self.has(o), LISTED, &mut scratch.listed);
         !(scratch.is_listed && scratch.listed.is_empty())
     }
 

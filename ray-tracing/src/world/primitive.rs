@@ -22,7 +22,7 @@ pub(super) const EDGE: f32 = 1e-6;
 
 /// Relative error of a distance to a triangle in f32: over the start's distance from the corner and the slant, which is
 /// `|e1||e2|/det`. A few times what rounding loses; a start this near may be on either side of the plane.
-const CLOSE: f32 = 2e-6;
+pub(super) const CLOSE: f32 = 2e-6;
 
 /// The same for spheres, as a part of the squared radius.
 const CLOSE_TO_BALL: f32 = 1e-5;

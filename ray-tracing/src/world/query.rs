@@ -204,17 +204,8 @@ impl World<'_> {
         })
     }
 
-    /// Whether one of some primitives lies on a ray of unit direction nearer than `distance`.
-    #[must_use]
-    pub fn meets_one(&self, origin: Vec3, direction: Vec3, distance: f32, of: &[Primitive]) -> bool {
-        let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
-        of.iter().any(|p| match p {
-            Primitive::Triangle(i) => self.is_met(&self.triangles.primitives[*i as usize], &ray),
-            Primitive::Ball(i) => self.balls.primitives[*i as usize].meet(&ray).is_finite(),
-        })
-    }
-
-    /// Whether any triangle does of the objects `of`. The one in `last` is tried first, and the one that is met stays there.
+    /// Whether any triangle of the objects `of` lies on a ray of unit direction nearer than `distance`. The one in `last` is
+    /// tried first, and the one that is met stays there.
     pub fn first_met(
         &self,
         origin: Vec3,
