@@ -202,7 +202,7 @@ pub(crate) fn read_uri(path: &Path, uri: &str) -> Result<Vec<u8>, String> {
     if !relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) {
         return Err(format!("\"{name}\" lies outside the file's folder"));
     }
-    crate::load::read(&path.with_file_name("").join(relative)).map_err(|e| e.to_string())
+    crate::files::read(&path.with_file_name("").join(relative)).map_err(|e| e.to_string())
 }
 
 pub(crate) fn percent_decoded(text: &str) -> Option<String> {

@@ -1,6 +1,7 @@
 //! glTF 2.0: triangle meshes of the shown scene, moved by a clip, with base materials and a perspective camera.
 
 use crate::animation::CameraMover;
+use crate::context::Context;
 use crate::deformer::Deformer;
 use crate::gltf_animation::{clip_name, find_clip, play};
 use crate::gltf_buffers::Buffers;
@@ -9,8 +10,9 @@ use crate::gltf_material::read_material;
 use crate::gltf_mesh::{Influences, Shapes, read_influences, read_primitive, read_skin};
 use crate::gltf_nodes::{read_camera, shown_nodes, skeleton};
 use crate::gltf_texture::Images;
-use crate::load::{Context, Look, Part};
+use crate::look::Look;
 use crate::mesh::MAX_COORDINATE;
+use crate::part::Part;
 use crate::skeleton::{Carrier, Skeleton};
 use crate::{Camera, Mesh, SceneError};
 use glam::Mat4;

@@ -3,7 +3,7 @@
 use crate::cut_out::CutOut;
 use crate::gltf_buffers::Buffers;
 use crate::gltf_texture::{Images, Reference};
-use crate::load::Look;
+use crate::look::Look;
 use crate::texture::unit;
 use crate::{Channel, Encoding, Surface};
 use brdf::{Material, MetallicRoughness};

@@ -1,4 +1,5 @@
-use crate::load::{Context, Part};
+use crate::context::Context;
+use crate::part::Part;
 use crate::{Camera, gltf_file};
 use brdf::{Brdf, Material, MetallicRoughness};
 use glam::Vec3;

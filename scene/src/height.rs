@@ -1,6 +1,6 @@
 //! Images of one number: opacities and heights.
 
-use crate::texture::Texel;
+use crate::texture_level::Texel;
 use crate::{Encoding, Texture};
 
 /// Which number of a texel counts.

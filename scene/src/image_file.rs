@@ -1,6 +1,7 @@
 //! Images that surfaces show.
 
-use crate::texture::{Texel, srgb_decoded};
+use crate::texture::srgb_decoded;
+use crate::texture_level::Texel;
 use crate::{Encoding, Texture};
 use glam::{UVec2, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};

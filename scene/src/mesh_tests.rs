@@ -1,4 +1,4 @@
-use crate::load::Context;
+use crate::context::Context;
 use crate::{Mesh, obj, ply};
 use core::f32::consts::FRAC_1_SQRT_2;
 use glam::{DVec3, Mat4, Quat, Vec3};

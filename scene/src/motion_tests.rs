@@ -1,4 +1,4 @@
-use crate::load::Context;
+use crate::context::Context;
 use crate::{Animation, Proxy, Scene, Shape, load_animated, scene_file};
 use glam::{Quat, Vec3};
 use std::path::Path;

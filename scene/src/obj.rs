@@ -1,6 +1,8 @@
 //! Wavefront OBJ: positions, normals, texture coordinates, colours, polygons by material. Lines and curves are ignored.
 
-use crate::load::{Context, Look, Part, counted};
+use crate::context::{Context, counted};
+use crate::look::Look;
+use crate::part::Part;
 use crate::texture::{srgb_decoded, unit};
 use crate::{Mesh, SceneError, mtl};
 use brdf::Lambert;
@@ -19,6 +21,25 @@ struct Lists {
     uvs: Vec<Vec2>,
     /// Of positions; shorter than those where some have none.
     colors: Vec<Vec3>,
+}
+
+/// The text of an OBJ file. Names and comments may be in any encoding: what is not UTF-8 in them is replaced.
+pub(crate) fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
+    const WORDS: [&[u8]; 6] = [b"o", b"g", b"s", b"usemtl", b"mtllib", b"usemap"];
+    String::from_utf8(bytes).or_else(|e| {
+        let bytes = e.into_bytes();
+        for (number, line) in bytes.split(|b| *b == b'\n').enumerate() {
+            let begin = line.trim_ascii_start();
+            let word = begin.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+            let free = begin.starts_with(b"#") || WORDS.contains(&word);
+            // A comment may follow numbers.
+            let read = line.split(|b| *b == b'#').next().unwrap_or_default();
+            if !free && std::str::from_utf8(read).is_err() {
+                return Err(SceneError::at_line(path, number + 1, "not UTF-8 text"));
+            }
+        }
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    })
 }
 
 /// The meshes of a file: one for each material in use, or a single one where there are no materials.

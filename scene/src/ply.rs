@@ -1,6 +1,6 @@
 //! Stanford PLY: ascii and binary, positions, normals, colours, texture coordinates, polygons. Other elements and properties are skipped.
 
-use crate::load::Part;
+use crate::part::Part;
 use crate::texture::{srgb_decoded, unit};
 use crate::{Mesh, SceneError};
 use brdf::Lambert;

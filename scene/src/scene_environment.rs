@@ -1,7 +1,7 @@
 //! Light from all around, in a scene file.
 
+use crate::files;
 use crate::image_file;
-use crate::load;
 use crate::toml_reader::{Table, Value};
 use crate::{Bounds, SceneError};
 use glam::{UVec2, Vec3};
@@ -36,6 +36,6 @@ fn read_map(value: Value<'_>, path: &Path) -> Result<EnvironmentMap, SceneError>
 pub(crate) fn read_linear(value: Value<'_>, path: &Path) -> Result<(UVec2, Vec<Vec3>), SceneError> {
     let name = value.string()?;
     let file = path.with_file_name("").join(name);
-    let bytes = load::read(&file).map_err(|e| value.error(e))?;
-    image_file::decode_linear(name, &load::extension(&file), &bytes).map_err(|e| value.error(e))
+    let bytes = files::read(&file).map_err(|e| value.error(e))?;
+    image_file::decode_linear(name, &files::extension(&file), &bytes).map_err(|e| value.error(e))
 }

@@ -1,28 +1,24 @@
 //! The scene file.
 
 use crate::animation::CameraMover;
-use crate::cut_out::CutOut;
+use crate::context::Context;
+use crate::defaults::{DEFAULT_FOV, DEFAULT_SIZE, default_camera};
 use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
-use crate::load::{self, Context, Look};
+use crate::look::Look;
 use crate::mesh::MAX_COORDINATE;
 use crate::scene_light::{Around, SceneLights};
-use crate::scene_material::{ImageFiles, read_material};
+use crate::scene_material::{ImageFiles, Materials, read_material};
 use crate::scene_object::read_object;
 use crate::toml_reader::{Source, Table, Value};
-use crate::{Animation, Camera, Object, Scene, SceneError, Strategy, Surface};
+use crate::{Animation, Camera, Scene, SceneError, Strategy};
 use glam::{DVec3, Vec3};
 use lighting::Light;
 use lobe_core::LightLobes;
-use std::collections::HashMap;
 use std::path::Path;
 use toml::de::DeTable;
 
 /// Every key of a scene file, with its meaning and its default: a complete file, as an example and as the reference.
 pub const SCHEMA_EXAMPLE: &str = include_str!("example.toml");
-
-pub(crate) const DEFAULT_SPHERES: usize = 64;
-pub(crate) const DEFAULT_FOV: f32 = 35.0;
-pub(crate) const DEFAULT_SIZE: (u32, u32) = (960, 540);
 
 /// Lights in place of a mesh are worth a warning from this error on.
 const WORTH_SAYING: f32 = 0.02;
@@ -134,7 +130,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     }
     let (camera, camera_keys) = match camera {
         Some(value) => read_camera(value, origin)?,
-        None => (load::default_camera(bounds, width, height), None),
+        None => (default_camera(bounds, width, height), None),
     };
     let animation = Animation {
         origin,
@@ -156,39 +152,6 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
 pub(crate) fn place_of(light: &Light) -> Option<Vec3> {
     let is_nowhere = matches!(light, Light::Sun(_) | Light::Sky(_) | Light::Ambient(_));
     (!is_nowhere).then(|| light.bounds().center)
-}
-
-/// The materials so far, by number and by name.
-#[derive(Default)]
-pub(crate) struct Materials {
-    all: Vec<Look>,
-    pub(crate) names: HashMap<String, usize>,
-    default: Option<usize>,
-}
-
-impl Materials {
-    pub(crate) fn push(&mut self, look: Look) -> usize {
-        self.all.push(look);
-        self.all.len() - 1
-    }
-
-    /// What of the surfaces of a material is there; all without.
-    pub(crate) fn cut_out(&self, material: usize) -> Option<&CutOut> {
-        self.all[material].cut_out.as_ref()
-    }
-
-    /// What the surfaces of an object show.
-    fn surface(&self, object: &Object) -> &Surface {
-        &self.all[object.material].surface
-    }
-
-    pub(crate) fn fallback(&mut self) -> usize {
-        if let Some(index) = self.default {
-            return index;
-        }
-        let index = self.push(load::default_material().into());
-        *self.default.insert(index)
-    }
 }
 
 fn read_camera(value: Value<'_>, origin: DVec3) -> Result<(Camera, Option<CameraKeys>), SceneError> {

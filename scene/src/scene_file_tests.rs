@@ -1,4 +1,4 @@
-use crate::load::Context;
+use crate::context::Context;
 use crate::{Proxy, SCHEMA_EXAMPLE, Scene, SceneError, Shape, Strategy, load, load_with_warnings, scene_file};
 use brdf::Material;
 use glam::Vec3;

@@ -1,9 +1,12 @@
 //! The materials of a scene file.
 
+use crate::context::Context;
 use crate::cut_out::CutOut;
-use crate::load::{Context, Look};
+use crate::defaults::default_material;
+use crate::files;
+use crate::look::Look;
 use crate::toml_reader::{Table, Value};
-use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file, load};
+use crate::{Channel, Encoding, Object, SceneError, Surface, Texture, TextureMap, Wrap, image_file};
 use brdf::{
     HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, MAX_FITTED, Material, Merl, MetallicRoughness,
     ModifiedPhong, Neumann, Phong, fit,
@@ -24,11 +27,44 @@ impl ImageFiles {
         if let Some(known) = self.0.get(&key) {
             return Ok(known.clone());
         }
-        let bytes = load::read(&key.0).map_err(|e| value.error(e))?;
+        let bytes = files::read(&key.0).map_err(|e| value.error(e))?;
         let texture =
-            image_file::decode(name, &load::extension(&key.0), &bytes, encoding).map_err(|e| value.error(e))?;
+            image_file::decode(name, &files::extension(&key.0), &bytes, encoding).map_err(|e| value.error(e))?;
         self.0.insert(key, texture.clone());
         Ok(texture)
+    }
+}
+
+/// The materials so far, by number and by name.
+#[derive(Default)]
+pub(crate) struct Materials {
+    pub(crate) all: Vec<Look>,
+    pub(crate) names: HashMap<String, usize>,
+    default: Option<usize>,
+}
+
+impl Materials {
+    pub(crate) fn push(&mut self, look: Look) -> usize {
+        self.all.push(look);
+        self.all.len() - 1
+    }
+
+    /// What of the surfaces of a material is there; all without.
+    pub(crate) fn cut_out(&self, material: usize) -> Option<&CutOut> {
+        self.all[material].cut_out.as_ref()
+    }
+
+    /// What the surfaces of an object show.
+    pub(crate) fn surface(&self, object: &Object) -> &Surface {
+        &self.all[object.material].surface
+    }
+
+    pub(crate) fn fallback(&mut self) -> usize {
+        if let Some(index) = self.default {
+            return index;
+        }
+        let index = self.push(default_material().into());
+        *self.default.insert(index)
     }
 }
 
@@ -130,7 +166,7 @@ pub(crate) fn read_material(
 
 /// Lobes for a table of measurements beside the scene file; which they are and how far from it is told.
 fn measured(file: Value<'_>, lobes: usize, path: &Path, context: &mut Context) -> Result<Material, SceneError> {
-    let bytes = load::read(&path.with_file_name("").join(file.string()?)).map_err(|e| file.error(e))?;
+    let bytes = files::read(&path.with_file_name("").join(file.string()?)).map_err(|e| file.error(e))?;
     let table = Merl::read(&bytes).map_err(|e| file.error(e))?;
     let fitted = fit(|i, o| table.eval(i, o), lobes).map_err(|e| file.error(e))?;
     let (name, percent) = (file.string()?, 100.0 * fitted.residual);

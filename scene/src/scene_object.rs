@@ -1,13 +1,16 @@
 //! The objects of a scene file.
 
 use crate::animation::{Body, Mover};
+use crate::context::Context;
+use crate::defaults::DEFAULT_SPHERES;
 use crate::deformer::BoundBall;
 use crate::keys::{Keys, Stand, read_rotation, read_scale};
-use crate::load::{self, Context, Normals, Part, share_out};
+use crate::mesh_file::mesh_parts;
 use crate::origin::{Origins, relative};
+use crate::part::{Normals, Part, share_out};
 use crate::placement::Placement;
 use crate::scene::check_balls;
-use crate::scene_file::{DEFAULT_SPHERES, Materials};
+use crate::scene_material::Materials;
 use crate::toml_reader::{Table, Value};
 use crate::{Mesh, Object, Proxy, SceneError, Shape, Strategy};
 use glam::{DVec3, Mat4, Vec3};
@@ -246,7 +249,7 @@ fn geometry(
     if shape == "mesh" {
         let file = path.with_file_name("").join(value.string()?);
         let (place, clip) = clip.map_or((value, None), |(place, name)| (place, Some(name)));
-        let parts = load::mesh_parts(&file, clip.as_deref(), context).map_err(|e| place.error(e))?;
+        let parts = mesh_parts(&file, clip.as_deref(), context).map_err(|e| place.error(e))?;
         return Ok((Geometry::Solid(parts), Origins { own: context.origin, world: origin }));
     }
     let mut t = value.table()?;

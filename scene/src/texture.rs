@@ -1,4 +1,4 @@
-use crate::texture_level::{FAR, Level, Stored, near};
+use crate::texture_level::{FAR, Level, Stored, Texel, Wrap, near};
 use glam::{Vec2, Vec4, Vec4Swizzles};
 use std::sync::{Arc, LazyLock};
 
@@ -10,18 +10,6 @@ pub enum Encoding {
     Srgb,
     /// Numbers: value/255.
     Linear,
-}
-
-/// What lies outside [0, 1]².
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// The image again.
-    #[default]
-    Repeat,
-    /// The image mirrored.
-    Mirror,
-    /// Its edge.
-    Clamp,
 }
 
 /// An image as surfaces show it: 8 bits a channel, with the pyramid of its means, each half as large as the one before.
@@ -52,9 +40,6 @@ macro_rules! with {
         }
     };
 }
-
-/// Red, green, blue, alpha.
-pub(crate) type Texel = [u8; 4];
 
 /// Texels row by row.
 struct Rows {

@@ -1,8 +1,21 @@
-//! One level of a texture's pyramid: how memory holds its texels, and lookups in it.
+//! One level of a texture's pyramid: how memory holds its texels, how its edges wrap, and lookups in it.
 
-use crate::Wrap;
-use crate::texture::Texel;
 use glam::{BVec4A, Vec4};
+
+/// What lies outside [0, 1]².
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image mirrored.
+    Mirror,
+    /// Its edge.
+    Clamp,
+}
+
+/// Red, green, blue, alpha.
+pub(crate) type Texel = [u8; 4];
 
 /// A texel as memory holds it.
 pub(crate) trait Stored: Copy + Default + PartialEq {

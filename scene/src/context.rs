@@ -1,0 +1,75 @@
+//! What reading a file gathers beside its meshes: warnings, skeletons, clips. All readers write to it.
+
+use crate::animation::{Body, Mover};
+use crate::cut_out::CutOut;
+use crate::deformer::BoundBall;
+use crate::skeleton::Skeleton;
+use crate::{Animation, Mesh, Pose, Proxy, SceneError};
+use glam::DVec3;
+use std::path::Path;
+
+/// What a file brings besides its objects.
+#[derive(Default)]
+pub(crate) struct Context {
+    /// Things that were left out or replaced, one line each.
+    pub(crate) warnings: Vec<String>,
+    /// The nodes of the glTF files with a clip that moves.
+    pub(crate) skeletons: Vec<Skeleton>,
+    /// Names of all clips.
+    pub(crate) clips: Vec<String>,
+    /// What the coordinates of the mesh file that was read last are relative to.
+    pub(crate) origin: DVec3,
+    /// The objects whose emission is a light.
+    pub(crate) emitters: Vec<usize>,
+}
+
+impl Context {
+    /// The animation of what was read.
+    pub(crate) fn animation(&mut self) -> Animation {
+        let (skeletons, clips) = (std::mem::take(&mut self.skeletons), std::mem::take(&mut self.clips));
+        Animation { skeletons, clips, ..Animation::default() }
+    }
+
+    /// Binds the spheres of an explicit proxy to a mesh at its first moment.
+    pub(crate) fn bind_proxy(&self, mover: &Mover, mesh: &Mesh, proxy: &Proxy) -> Vec<BoundBall> {
+        let (Proxy::Spheres(balls), Body::Mesh(deformer, carrier)) = (proxy, &mover.body) else { return Vec::new() };
+        let skeleton = carrier.as_ref().map(|c| &self.skeletons[c.skeleton]);
+        let worlds = skeleton.map_or_else(Vec::new, |s| s.worlds(0.0));
+        let mut pose = Pose::default();
+        mover.pose(0.0, skeleton, &worlds, &mut pose);
+        balls.iter().map(|&b| deformer.bind_ball(b, &mesh.positions, &pose.joints)).collect()
+    }
+
+    pub(crate) fn warn(&mut self, path: &Path, message: impl std::fmt::Display) {
+        self.warnings.push(SceneError::file(path, message.to_string()).to_string());
+    }
+
+    /// Cuts what is not there out of a mesh.
+    pub(crate) fn cut_out(&mut self, path: &Path, name: &str, cut_out: &CutOut, mesh: &mut Mesh, moves: bool) {
+        if moves {
+            self.warn(path, format!("\"{name}\" moves: it is opaque where its alpha would cut it out"));
+        } else if !cut_out.cut(mesh) {
+            self.warn(path, format!("\"{name}\" repeats its image too often to be cut out: it is opaque"));
+        }
+    }
+
+    /// Warns of what a file has that is left out, if anything; an error where there is nothing else in it.
+    pub(crate) fn left_out(&mut self, path: &Path, is_all: bool, what: &str) -> Result<(), SceneError> {
+        match (is_all, what.is_empty()) {
+            (true, true) => return Err(SceneError::file(path, "no triangles")),
+            (true, false) => return Err(SceneError::file(path, format!("no triangles: {what}"))),
+            (false, true) => {}
+            (false, false) => self.warn(path, what),
+        }
+        Ok(())
+    }
+}
+
+/// How many of something were left out and why; empty for none.
+pub(crate) fn counted(count: usize, noun: &str, why: &str) -> String {
+    match count {
+        0 => String::new(),
+        1 => format!("1 {noun} left out for {why}"),
+        _ => format!("{count} {noun}s left out for {why}"),
+    }
+}

@@ -1,0 +1,86 @@
+//! Mesh files of all kinds (`.obj`, `.ply`, `.gltf`, `.glb`) as parts: the ending picks the reader.
+
+use crate::context::{Context, counted};
+use crate::files::{extension, read};
+use crate::gltf_file::Read;
+use crate::part::Part;
+use crate::{Bounds, SceneError, gltf_file, obj, ply};
+use glam::DVec3;
+use std::path::Path;
+
+/// The meshes of a file, degenerate triangles taken out; of a glTF with the clip of that name or number. Relative to
+/// [`Context::origin`], which is not zero where the file's meshes are far from its origin.
+pub(crate) fn mesh_parts(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<Vec<Part>, SceneError> {
+    let file = near_parts(path, clip, context, ".obj, .ply, .gltf or .glb")?;
+    if !file.lights.is_empty() {
+        context.warn(path, "its lights are left out: the scene file has its own");
+    }
+    Ok(file.parts)
+}
+
+pub(crate) fn near_parts(
+    path: &Path,
+    clip: Option<&str>,
+    context: &mut Context,
+    endings: &str,
+) -> Result<Read, SceneError> {
+    let (lines, skeletons, clips) = (context.warnings.len(), context.skeletons.len(), context.clips.len());
+    context.origin = DVec3::ZERO;
+    let file = file_parts(path, clip, context, endings)?;
+    let bounds = file.parts.iter().fold(Bounds::EMPTY, |b, part| b.union(part.mesh.bounds()));
+    context.origin = crate::origin::near(bounds.center(), bounds.radius());
+    if context.origin == DVec3::ZERO {
+        return Ok(file);
+    }
+    context.warnings.truncate(lines);
+    context.skeletons.truncate(skeletons);
+    context.clips.truncate(clips);
+    file_parts(path, clip, context, endings)
+}
+
+pub(crate) fn file_parts(
+    path: &Path,
+    clip: Option<&str>,
+    context: &mut Context,
+    endings: &str,
+) -> Result<Read, SceneError> {
+    let extension = extension(path);
+    if !["obj", "ply", "gltf", "glb"].contains(&extension.as_str()) {
+        read(path)?;
+        return Err(SceneError::file(path, format!("unknown kind of file: expected {endings}")));
+    }
+    let bytes = read(path)?;
+    if bytes.is_empty() {
+        return Err(SceneError::file(path, "file is empty"));
+    }
+    let is = |magic: &[u8]| bytes.starts_with(magic);
+    if clip.is_some() && ["obj", "ply"].contains(&extension.as_str()) {
+        return Err(SceneError::file(path, "only glTF files have clips"));
+    }
+    let meshes = |parts| Read { parts, ..Read::default() };
+    let mut file = match extension.as_str() {
+        "obj" if is(b"ply\n") || is(b"ply\r") => {
+            return Err(SceneError::file(path, "looks like a PLY file: expected the ending .ply"));
+        }
+        "obj" => meshes(obj::parse(path, &obj::obj_text(path, bytes)?, context)?),
+        "ply" => meshes(vec![ply::parse(path, &bytes, context.origin)?]),
+        "glb" if is(b"\x89PNG") => return Err(SceneError::file(path, "not a GLB file: looks like a PNG image")),
+        _ => gltf_file::parse(path, &bytes, clip, context)?,
+    };
+    let mut dropped = 0;
+    let parts = &mut file.parts;
+    for part in parts.iter_mut() {
+        // Indices first: the geometry below relies on them.
+        if !part.mesh.triangles.is_empty() {
+            part.mesh.validate().map_err(|e| SceneError::file(path, format!("{}: {e}", part.name)))?;
+        }
+        dropped += part.clean();
+    }
+    parts.retain(|part| !part.mesh.triangles.is_empty());
+    let mut what = counted(dropped, "triangle", "having no area");
+    if parts.is_empty() && dropped > 0 {
+        what += " (corners equal or in a line, or nearer to each other than about 1e-18)";
+    }
+    context.left_out(path, parts.is_empty(), &what)?;
+    Ok(file)
+}

@@ -1,0 +1,117 @@
+//! A mesh file as a scene of its own: with a floor, and a light and a camera where it has none.
+
+use crate::animation::{LightMover, LightPlace};
+use crate::context::Context;
+use crate::defaults::{DEFAULT_SIZE, DEFAULT_SPHERES, default_camera, default_material};
+use crate::gltf_file::Read;
+use crate::gltf_light::PlacedLight;
+use crate::look::Look;
+use crate::mesh_file::near_parts;
+use crate::part::{Normals, share_out};
+use crate::placement::Placement;
+use crate::{Animation, Bounds, Camera, Mesh, Object, Proxy, Scene, SceneError};
+use brdf::ModifiedPhong;
+use glam::{Mat4, Vec3};
+use lighting::SphereLight;
+use lobe_core::Sphere;
+use std::path::Path;
+
+pub(crate) const MESH_OR_SCENE: &str = ".toml, .obj, .ply, .gltf or .glb";
+
+/// What a mesh file shows, without the floor and the light that [`bare`] adds. The objects are not posed yet.
+pub(crate) struct Bare {
+    pub(crate) objects: Vec<Object>,
+    looks: Vec<Look>,
+    pub(crate) animation: Animation,
+    camera: Option<Camera>,
+    lights: Vec<PlacedLight>,
+}
+
+pub(crate) fn bare_objects(file: Read, context: &mut Context) -> Bare {
+    let Read { mut parts, camera, moving_camera, lights } = file;
+    let mut animation = Animation { origin: context.origin, camera: moving_camera, ..context.animation() };
+    let here = Placement::Fixed(Mat4::IDENTITY);
+    animation.movers = parts.iter_mut().map(|part| part.place(Normals::File, &here)).collect();
+    let floor = ModifiedPhong { kd: Vec3::splat(0.32), ks: Vec3::splat(0.18), exponent: 50.0 };
+    let mut looks: Vec<Look> = vec![floor.into(), default_material().into()];
+    let mut keys: Vec<(usize, usize)> = Vec::new();
+    let counts = share_out(DEFAULT_SPHERES, &parts);
+    let mut objects = Vec::new();
+    for (part, count) in parts.into_iter().zip(counts) {
+        let material = match part.material {
+            None => 1,
+            Some((key, look)) => match keys.iter().find(|(k, _)| *k == key) {
+                Some(&(_, index)) => index,
+                None => {
+                    looks.push(look);
+                    keys.push((key, looks.len() - 1));
+                    looks.len() - 1
+                }
+            },
+        };
+        objects.push(Object::mesh(part.name, part.mesh, material, Proxy::Count(count)));
+    }
+    Bare { objects, looks, animation, camera, lights }
+}
+
+/// The box that holds the objects at all times, near enough: at so many moments.
+fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
+    const MOMENTS: u32 = 16;
+    let moments = if animation.is_still() { 1 } else { MOMENTS };
+    let mut bounds = Bounds::EMPTY;
+    // The first moment last: it is what remains.
+    for i in (0..moments).rev() {
+        let time = animation.duration() * i as f32 / MOMENTS as f32;
+        animation.move_objects(time, &animation.worlds(time), objects);
+        bounds = objects.iter().fold(bounds, |b, o| b.union(o.shape.bounds()));
+    }
+    bounds
+}
+
+/// A mesh file as a scene of its own. Floor, light and camera suit the whole animation.
+pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
+    let file = near_parts(path, clip, context, MESH_OR_SCENE)?;
+    let Bare { mut objects, looks, mut animation, camera, lights: own } = bare_objects(file, context);
+    let bounds = swept_bounds(&animation, &mut objects);
+    let radius = bounds.radius();
+    let (width, height) = DEFAULT_SIZE;
+    // A little below the lowest point: a model with a floor of its own must not lie in ours.
+    let ground = Vec3::new(bounds.center().x, bounds.min.y - 1e-3 * radius, bounds.center().z);
+    let half = 60.0 * radius;
+    let floor = Mesh::quad(ground, Vec3::X * half, Vec3::NEG_Z * half);
+    objects.insert(0, Object::mesh("floor", floor, 0, Proxy::None));
+    animation.movers.insert(0, None);
+    // Half-angle 6° from the middle of the model, and an irradiance of π there.
+    let distance = 5.0 * radius;
+    let sin = 6.0_f32.to_radians().sin();
+    let center = bounds.center() + distance * Vec3::new(-0.5, 0.9, 0.55).normalize();
+    let ball = Sphere { center, radius: distance * sin };
+    let mut lights = vec![SphereLight::new(ball, Vec3::splat(1.0 / (sin * sin))).into()];
+    if !own.is_empty() {
+        lights = own.iter().map(|own| own.light.at_origin(&bounds).moved(own.world)).collect();
+        animation.lights = own
+            .iter()
+            .enumerate()
+            .filter_map(|(first, own)| {
+                let (skeleton, node) = own.mover?;
+                let placement = LightPlace::Node { skeleton, node };
+                Some(LightMover { first, lights: vec![own.light.at_origin(&bounds)], placement })
+            })
+            .collect();
+    }
+    let camera = camera.unwrap_or_else(|| default_camera(bounds, width, height));
+    let (materials, surfaces) = Look::parted(looks);
+    let scene = Scene {
+        camera,
+        width,
+        height,
+        background: Vec3::ZERO,
+        environment: None,
+        materials,
+        surfaces,
+        objects,
+        lights,
+    };
+    scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
+    Ok((scene, animation))
+}

@@ -1,0 +1,88 @@
+//! A mesh of a file before it is an object: its look, its rig and its place.
+
+use crate::Mesh;
+use crate::animation::{Body, Mover};
+use crate::deformer::Deformer;
+use crate::look::Look;
+use crate::placement::Placement;
+use crate::skeleton::Carrier;
+
+/// A mesh of a file, with the look that the file gives it: a number that is the same for the same look, and it.
+pub(crate) struct Part {
+    pub(crate) name: String,
+    pub(crate) mesh: Mesh,
+    pub(crate) material: Option<(usize, Look)>,
+    /// What its file moves it with.
+    pub(crate) rig: Option<(Deformer, Carrier)>,
+}
+
+/// Which normals a mesh is to have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Normals {
+    /// The file's; smooth ones where it has none.
+    File,
+    Face,
+    Smooth,
+}
+
+impl Part {
+    pub(crate) fn fixed(name: String, mesh: Mesh, material: Option<(usize, Look)>) -> Self {
+        Self { name, mesh, material, rig: None }
+    }
+
+    /// Takes out the triangles that never have an area and tells how many there were; those that are there twice, too.
+    pub(crate) fn clean(&mut self) -> usize {
+        let dropped = match self.rig {
+            None => self.mesh.remove_degenerate(),
+            // What is flat at the first moment may open later.
+            Some(_) => self.mesh.remove_repeated(),
+        };
+        self.mesh.remove_doubles(self.rig.is_some());
+        dropped
+    }
+
+    /// Gives the mesh its normals and puts it where it stands first; what moves it then, if anything does.
+    pub(crate) fn place(&mut self, normals: Normals, placement: &Placement) -> Option<Mover> {
+        let smooth = match normals {
+            Normals::File => self.mesh.normals.is_empty(),
+            Normals::Face => {
+                self.mesh.normals.clear();
+                false
+            }
+            Normals::Smooth => true,
+        };
+        if smooth {
+            self.mesh.smooth_normals();
+        }
+        let body = match self.rig.take() {
+            Some((mut deformer, carrier)) => {
+                match normals {
+                    Normals::Face => deformer.drop_normals(),
+                    _ if smooth => deformer.smooth_normals(&self.mesh),
+                    _ => {}
+                }
+                Some(Body::Mesh(Box::new(deformer), Some(carrier)))
+            }
+            None if placement.is_fixed() => None,
+            None => Some(Body::Mesh(Box::new(Deformer::rigid(&self.mesh)), None)),
+        };
+        self.mesh.transform(&placement.at(0.0));
+        let fixed = body.is_none();
+        if fixed {
+            self.mesh.remove_degenerate();
+        }
+        body.map(|body| Mover { placement: placement.clone(), body, proxy: Vec::new() })
+    }
+}
+
+/// Shares a number of spheres out among parts in proportion to their areas, at least four each (fewer when fewer were
+/// asked for).
+pub(crate) fn share_out(total: usize, parts: &[Part]) -> Vec<usize> {
+    let areas: Vec<f64> = parts.iter().map(|p| p.mesh.area()).collect();
+    let sum: f64 = areas.iter().sum();
+    let least = total.min(4);
+    if parts.len() == 1 {
+        return vec![total];
+    }
+    areas.iter().map(|a| ((total as f64 * a / sum).round() as usize).max(least)).collect()
+}
