@@ -1,7 +1,8 @@
 use crate::error::{MAX_COEFFICIENT, check_coefficient, check_exponent};
 use crate::lafortune_term::{IsotropicTerm, LafortuneTerm, spectral_norm};
 use crate::sampling::{density, draw};
-use crate::term::{Diffuse, Term};
+use crate::shape::Diffuse;
+use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Mat3, Vec3};

@@ -1,8 +1,8 @@
 //! One lobe of the Lafortune model as constants.
 
 use crate::error::MAX_COEFFICIENT;
+use crate::shape::Shape;
 use crate::symmetric::eigen;
-use crate::term::Shape;
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use lobe_core::special::{exp, ln_of};
 use lobe_core::{Lobe, orthonormal_basis};

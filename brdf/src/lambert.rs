@@ -1,6 +1,7 @@
 use crate::error::check_coefficient;
 use crate::sampling::{density, draw};
-use crate::term::{Diffuse, Term};
+use crate::shape::Diffuse;
+use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;

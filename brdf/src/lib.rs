@@ -45,6 +45,8 @@ pub mod conformance;
 mod error;
 mod factors;
 mod fit;
+#[cfg(test)]
+mod fit_tests;
 mod ggx;
 #[cfg(test)]
 mod ggx_tests;
@@ -53,9 +55,11 @@ mod lafortune;
 mod lafortune_term;
 mod lambert;
 mod material;
+mod material_lobes;
 mod merl;
 mod metallic_roughness;
 mod model;
+mod models;
 mod modified_phong;
 mod neumann;
 mod packed;
@@ -63,11 +67,11 @@ mod phong;
 mod residual;
 mod rows;
 mod sampling;
+mod shape;
 #[cfg(test)]
 mod suite;
 mod symmetric;
 mod term;
-mod tile;
 mod visible_normals;
 pub mod wgsl;
 
@@ -81,9 +85,10 @@ pub use crate::material::Material;
 pub use crate::merl::Merl;
 pub use crate::metallic_roughness::MetallicRoughness;
 pub use crate::model::{Brdf, BrdfSample};
+pub use crate::models::Models;
 pub use crate::modified_phong::ModifiedPhong;
 pub use crate::neumann::Neumann;
-pub use crate::packed::{Models, PackedMaterials};
+pub use crate::packed::PackedMaterials;
 pub use crate::phong::Phong;
 pub use crate::residual::residual;
 pub use glam;

@@ -1,10 +1,9 @@
-use crate::term::Term;
-use crate::tile::tile_lobes;
 use crate::{
-    Brdf, BrdfSample, HalfVector, Lafortune, Lambert, MaterialError, MetallicRoughness, ModifiedPhong, Neumann, Phong,
+    Brdf, BrdfSample, Factors, HalfVector, Lafortune, LafortuneLobe, Lambert, MaterialError, MetallicRoughness,
+    ModifiedPhong, Neumann, Phong,
 };
 use glam::Vec3;
-use lobe_core::{BrdfLobes, LobesFull, LobesMut, Receiver, Tile, TileLobes};
+use lobe_core::Receiver;
 
 /// Any of the built-in models: the closed set that scene files name. The open set is the [`Brdf`](crate::Brdf) trait.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +39,7 @@ macro_rules! each {
         }
     };
 }
+pub(crate) use each;
 
 impl Material {
     /// A diffuse material.
@@ -79,47 +79,47 @@ impl Material {
         }
     }
 
-    /// The most lobes that it has, with those of microfacets, as the default method takes them, or without.
+    /// The material as it is at a point of this normal with this tangent: [`Lafortune::turned`]; none if the tangent has no say.
     #[must_use]
-    pub fn lobe_count(&self, takes_microfacets: bool) -> usize {
+    pub fn turned(&self, normal: Vec3, tangent: Vec3) -> Option<Self> {
         match self {
-            Self::MetallicRoughness(_) if takes_microfacets => MetallicRoughness::MICROFACET_LOBES,
-            Self::HalfVector(m) if takes_microfacets => m.microfacet_lobes(),
-            material => material.max_lobes(),
+            Self::Lafortune(m) if m.is_anisotropic() => Some(m.turned(normal, tangent).into()),
+            _ => None,
         }
     }
 
-    /// What the lobe at a place is made of; none beyond the last, and of models whose lobes have no such constants.
-    pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {
+    /// The material with its parameters times factors, which are taken within [0, 1]: [valid](Self::validate) if this one is.
+    ///
+    /// Of metallic–roughness and half-vector lobes, the lobes of directions are those of the nearest of 256 roughnesses and four reflectances; their
+    /// microfacets are exact.
+    ///
+    /// # Cost
+    /// Some nanoseconds, and an allocation for Lafortune's.
+    #[must_use]
+    pub fn scaled(&self, by: &Factors) -> Self {
+        let by = by.clamped();
+        let Factors { color, specular, exponent, roughness, .. } = by;
         match self {
-            Self::Lambert(m) => m.term(place),
-            Self::Phong(m) => m.term(place),
-            Self::ModifiedPhong(m) => m.term(place),
-            Self::Lafortune(m) => m.term(place),
-            Self::MetallicRoughness(_) | Self::Neumann(_) | Self::HalfVector(_) => None,
+            Self::Lambert(m) => Lambert { albedo: m.albedo * color }.into(),
+            Self::Phong(m) => Phong { kd: m.kd * color, ks: m.ks * specular, exponent: m.exponent * exponent }.into(),
+            Self::ModifiedPhong(m) => {
+                ModifiedPhong { kd: m.kd * color, ks: m.ks * specular, exponent: m.exponent * exponent }.into()
+            }
+            Self::Neumann(m) => {
+                let exponent = (m.exponent * exponent).max(1.0);
+                Neumann { kd: m.kd * color, ks: m.ks * specular, exponent }.into()
+            }
+            Self::Lafortune(m) => {
+                let scaled =
+                    |l: &LafortuneLobe| LafortuneLobe::new(l.matrix(), l.exponent() * exponent, l.scale() * specular);
+                Lafortune { diffuse: m.diffuse * color, lobes: m.lobes.iter().map(scaled).collect() }.into()
+            }
+            Self::MetallicRoughness(m) => m.scaled(&by).into(),
+            Self::HalfVector(m) => {
+                let lobes = m.lobes.iter().map(|lobe| lobe.scaled(roughness, specular)).collect();
+                HalfVector { diffuse: m.diffuse * color, lobes }.into()
+            }
         }
-    }
-}
-
-impl BrdfLobes for Material {
-    fn max_lobes(&self) -> usize {
-        each!(self, m => m.max_lobes())
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        each!(self, m => m.brdf_lobes(at, out))
-    }
-
-    /// Sixteen receivers at a time.
-    fn tile_lobes(
-        materials: &[Self],
-        of: &[u32],
-        _: &[Receiver],
-        tile: &Tile,
-        out: &mut TileLobes,
-    ) -> Result<(), LobesFull> {
-        tile_lobes(materials, of, tile, out);
-        Ok(())
     }
 }
 

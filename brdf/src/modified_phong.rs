@@ -1,7 +1,7 @@
 use crate::error::{check_coefficient, check_exponent};
-use crate::phong::mirrored_view;
 use crate::sampling::{density, draw};
-use crate::term::{Diffuse, Mirror, Term};
+use crate::shape::{Diffuse, Mirror, mirrored_view};
+use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;

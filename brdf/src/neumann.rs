@@ -1,6 +1,6 @@
 use crate::error::{check_coefficient, check_metal_exponent};
-use crate::phong::mirrored_view;
 use crate::sampling::{density, draw};
+use crate::shape::mirrored_view;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;

@@ -1,6 +1,7 @@
 use crate::error::{check_coefficient, check_exponent};
 use crate::sampling::{density, draw};
-use crate::term::{Diffuse, Mirror, Term};
+use crate::shape::{Diffuse, Mirror, mirrored_view};
+use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
@@ -44,12 +45,6 @@ impl Phong {
             _ => None,
         }
     }
-}
-
-/// `r = 2(n·ω_o)n − ω_o`.
-#[inline(always)]
-pub(crate) fn mirrored_view(normal: Vec3, view: Vec3) -> Vec3 {
-    2.0 * normal.dot(view) * normal - view
 }
 
 impl BrdfLobes for Phong {

@@ -482,7 +482,7 @@ fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
             let of: Vec<u32> = (0..receivers.len()).map(|i| ((i / run * 7 + run) % count) as u32).collect();
             for (level, microfacets) in [(Level::new(), false), (Level::baseline(), false), (Level::new(), true)] {
                 lobes.take_microfacets(microfacets);
-                crate::tile::lobes_at(level, &materials, &of, &tile, &mut lobes);
+                crate::material_lobes::lobes_at(level, &materials, &of, &tile, &mut lobes);
                 for (i, at) in receivers.iter().enumerate() {
                     let material = &materials[of[i] as usize];
                     let mut buffer = LobeBuffer::with_capacity(material.max_lobes());

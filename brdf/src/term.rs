@@ -1,7 +1,7 @@
-//! What a material's lobe is made of: constants, and a function of normal and view.
+//! One lobe of any built-in model, whatever its shape.
 
 use crate::lafortune_term::{IsotropicTerm, LafortuneTerm};
-use crate::phong::mirrored_view;
+use crate::shape::{Diffuse, Mirror, Shape};
 use glam::Vec3;
 use lobe_core::{Lobe, Receiver};
 
@@ -24,39 +24,5 @@ impl Term<'_> {
             Self::Isotropic(shape) => shape.lobe(at.normal, at.view),
         };
         (lobe.flux != Vec3::ZERO).then_some(lobe)
-    }
-}
-
-/// A lobe as `P` constants. What reflects nothing has a flux of zero.
-pub(crate) trait Shape<const P: usize>: bytemuck::Pod {
-    /// To be inlined, and without branches: sixteen at a time are taken of it.
-    fn lobe(&self, normal: Vec3, view: Vec3) -> Lobe;
-}
-
-/// A Lambert lobe: its flux.
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(crate) struct Diffuse(pub(crate) Vec3);
-
-impl Shape<3> for Diffuse {
-    #[inline(always)]
-    fn lobe(&self, normal: Vec3, _: Vec3) -> Lobe {
-        Lobe::with_flux(normal, 1.0, self.0)
-    }
-}
-
-/// A lobe about the mirrored view.
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(crate) struct Mirror {
-    pub(crate) flux: Vec3,
-    pub(crate) exponent: f32,
-    pub(crate) cosine: f32,
-}
-
-impl Shape<5> for Mirror {
-    #[inline(always)]
-    fn lobe(&self, normal: Vec3, view: Vec3) -> Lobe {
-        Lobe { axis: mirrored_view(normal, view), exponent: self.exponent, flux: self.flux, factor: self.cosine }
     }
 }

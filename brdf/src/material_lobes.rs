@@ -1,16 +1,59 @@
-use crate::Material;
+//! The lobes of materials: receiver by receiver, and of tiles sixteen receivers at a time.
+
 use crate::lafortune_term::{IsotropicTerm, LafortuneTerm};
-use crate::term::{Diffuse, Mirror, Shape, Term};
+use crate::material::each;
+use crate::shape::{Diffuse, Mirror, Shape};
+use crate::term::Term;
+use crate::{Material, MetallicRoughness};
 use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
-use lobe_core::{Lobe, OWN_NONE, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, OWN_NONE, Receiver, Tile, TileLobes};
 
-/// [`BrdfLobes::tile_lobes`] of the built-in models: sixteen receivers at a time, as many in one instruction as the processor
-/// offers; least where neighbours have the same material.
-pub(crate) fn tile_lobes(materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
-    lobes_at(Level::new(), materials, of, tile, out);
+impl Material {
+    /// The most lobes that it has, with those of microfacets, as the default method takes them, or without.
+    #[must_use]
+    pub fn lobe_count(&self, takes_microfacets: bool) -> usize {
+        match self {
+            Self::MetallicRoughness(_) if takes_microfacets => MetallicRoughness::MICROFACET_LOBES,
+            Self::HalfVector(m) if takes_microfacets => m.microfacet_lobes(),
+            material => material.max_lobes(),
+        }
+    }
+
+    /// What the lobe at a place is made of; none beyond the last, and of models whose lobes have no such constants.
+    pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {
+        match self {
+            Self::Lambert(m) => m.term(place),
+            Self::Phong(m) => m.term(place),
+            Self::ModifiedPhong(m) => m.term(place),
+            Self::Lafortune(m) => m.term(place),
+            Self::MetallicRoughness(_) | Self::Neumann(_) | Self::HalfVector(_) => None,
+        }
+    }
+}
+
+impl BrdfLobes for Material {
+    fn max_lobes(&self) -> usize {
+        each!(self, m => m.max_lobes())
+    }
+
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+        each!(self, m => m.brdf_lobes(at, out))
+    }
+
+    /// Sixteen receivers at a time, as many in one instruction as the processor offers; least where neighbours have the same material.
+    fn tile_lobes(
+        materials: &[Self],
+        of: &[u32],
+        _: &[Receiver],
+        tile: &Tile,
+        out: &mut TileLobes,
+    ) -> Result<(), LobesFull> {
+        lobes_at(Level::new(), materials, of, tile, out);
+        Ok(())
+    }
 }
 
 pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
