@@ -1,7 +1,8 @@
-use crate::product::normalized_total;
+//! The integrator: the light, the reflectance and the visibility of one receiver, put together.
+
 use crate::{
-    Cone, Coverage, Lobe, Lobes, LobesFull, Look, Outline, PartlySeen, Receiver, VisibilityLobes, VisibilitySum, Visit,
-    cone_lobe, outline, paper,
+    Cone, Coverage, LightTerm, Lobe, Lobes, LobesFull, Look, Outline, PartlySeen, Receiver, VisibilityLobes,
+    VisibilitySum, Visit, outline, paper, visible_fraction,
 };
 use glam::Vec3;
 
@@ -47,48 +48,6 @@ pub trait Observer {
 }
 
 impl Observer for () {}
-
-/// One light as a receiver sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightTerm {
-    /// Its cone.
-    pub cone: Cone,
-    /// Its radiance, W·m⁻²·sr⁻¹ per channel.
-    pub radiance: Vec3,
-    /// What of the cone is bright, where that is not all of it.
-    pub outline: Option<Outline>,
-}
-
-impl LightTerm {
-    /// A light that is bright in all of its cone.
-    #[must_use]
-    pub const fn of_cone(cone: Cone, radiance: Vec3) -> Self {
-        Self { cone, radiance, outline: None }
-    }
-
-    /// The cosine lobe with its flux and mean vector: of the outline, or of the whole cone.
-    #[must_use]
-    pub fn lobe(&self) -> Lobe {
-        self.outline.as_ref().map_or_else(
-            || {
-                let lobe = cone_lobe(&self.cone);
-                Lobe { flux: lobe.flux * self.radiance, ..lobe }
-            },
-            |outline| outline.lobe(self.radiance),
-        )
-    }
-
-    /// The same light as far as a flat one is above the horizon of `normal`: with an empty cone where nothing of it is.
-    #[must_use]
-    pub fn above(&self, normal: Vec3) -> Self {
-        // What is cut already lies on the horizon, but for rounding.
-        let Some(outline) = self.outline.as_ref().filter(|outline| !outline.is_clipped()) else { return *self };
-        let outline = outline.above(normal);
-        // The cone alone would be a light.
-        let one_minus_cos = if outline.is_some() { self.cone.one_minus_cos } else { 0.0 };
-        Self { cone: Cone { one_minus_cos, ..self.cone }, outline, ..*self }
-    }
-}
 
 /// What one light adds to the radiance toward the eye.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -273,23 +232,4 @@ pub(crate) fn partly_seen<V: VisibilityLobes + ?Sized>(
     observer.count(lobes, lobes + sum.whole.lobes().len());
     observer.end(Stage::Integration);
     Ok(fraction)
-}
-
-/// The fraction of an unshadowed integral that a visibility sum lets through, for one reflectance lobe.
-///
-/// With lobes of the whole light beside: `Σ P(f, lit)/Σ P(f, whole)`, exact where all or nothing is lit. Without:
-/// `base + Σ P(f, lobes)/unshadowed`. In [0, 1]; `unshadowed` is the integral of `f` at flux 1.
-#[must_use]
-pub fn visible_fraction(at: &Receiver, f: &Lobe, unshadowed: f32, sum: &VisibilitySum) -> f32 {
-    if sum.lobes.lobes().is_empty() && sum.whole.lobes().is_empty() {
-        return sum.base.clamp(0.0, 1.0);
-    }
-    let seen = normalized_total(at, f, sum.lobes.lobes());
-    let fraction = if sum.whole.lobes().is_empty() {
-        sum.base + if unshadowed > 0.0 { seen / unshadowed } else { 0.0 }
-    } else {
-        let whole = normalized_total(at, f, sum.whole.lobes());
-        if whole > 0.0 { seen / whole } else { sum.base }
-    };
-    fraction.clamp(0.0, 1.0)
 }

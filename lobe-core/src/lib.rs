@@ -22,10 +22,12 @@
 //! dynamic scenes*, Computers & Graphics 34 (2010) 767–778: "the paper" in every comment here; equation numbers are its.
 
 mod accuracy;
+mod brdf_lobes;
 mod cap;
 mod compact;
 #[cfg(any(test, feature = "oracle"))]
 pub mod conformance;
+mod dyn_visibility;
 mod geometry;
 pub mod gpu;
 mod gpu_pages;
@@ -33,6 +35,8 @@ mod integrator;
 // For the workspace alone: its signatures are another crate's.
 #[doc(hidden)]
 pub mod lanes;
+mod light_lobes;
+mod light_term;
 mod lobe;
 mod lobes;
 mod microfacets;
@@ -43,20 +47,25 @@ mod outline;
 pub mod paper;
 mod product;
 mod random;
-mod source;
+mod seen;
 pub mod special;
 #[cfg(test)]
 mod tests;
 mod tile;
 mod tile_integrator;
-mod visit;
+mod visibility;
+mod visibility_sum;
 pub mod wgsl;
 
 pub use crate::accuracy::Accuracy;
+pub use crate::brdf_lobes::{BrdfLobes, TileLobes};
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::compact::compact_runs;
+pub use crate::dyn_visibility::{DynScratch, DynVisibility};
 pub use crate::geometry::{Cone, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
-pub use crate::integrator::{Call, Integrator, LightTerm, Lit, Method, Observer, Stage, visible_fraction};
+pub use crate::integrator::{Call, Integrator, Lit, Method, Observer, Stage};
+pub use crate::light_lobes::LightLobes;
+pub use crate::light_term::LightTerm;
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
 pub use crate::microfacets::Microfacets;
@@ -64,11 +73,8 @@ pub use crate::moments::{cone_lobe, exponent_of_spread, mixture_lobe, product_lo
 pub use crate::outline::{LightImage, Outline, Places, hash_of, image_integral, nearest_of, outline_integral};
 pub use crate::product::{is_lambert, lobe_product, product_integral, product_of_angle, products_of_angle};
 pub use crate::random::Random;
-pub use crate::source::{
-    BrdfLobes, Coverage, DynScratch, DynVisibility, LightLobes, Unshadowed, VisibilityLobes, VisibilityQuery,
-    VisibilitySum,
-};
-pub use crate::tile::{Tile, TileLight, TileLobes};
+pub use crate::tile::{Tile, TileLight};
 pub use crate::tile_integrator::{TileCall, TileLit};
-pub use crate::visit::{Look, PartlySeen, Visit};
+pub use crate::visibility::{Coverage, Look, PartlySeen, Unshadowed, VisibilityLobes, VisibilityQuery, Visit};
+pub use crate::visibility_sum::{VisibilitySum, visible_fraction};
 pub use glam;

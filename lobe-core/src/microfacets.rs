@@ -1,3 +1,5 @@
+//! Lobes of microfacets: a pair of lobes of half vectors, and their values at a receiver.
+
 use crate::{Lobe, orthonormal_basis};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
@@ -61,6 +63,42 @@ impl Microfacets {
     #[must_use]
     pub fn highlight(&self) -> (Vec3, f32) {
         (2.0 * self.normal.dot(self.view) * self.normal - self.view, self.alpha_sq.sqrt())
+    }
+}
+
+impl Lobe {
+    /// Reflection by microfacets of the GGX distribution: the reflectance `F·D(h)·W(v)` of [`Microfacets`] with Schlick's
+    /// `F = f0·(1 − s) + f90·s`, as two lobes of which the second follows the first.
+    ///
+    /// `D(h)·(n·h)` is a cosine lobe of exponent 1 about the normal, its half vectors stretched by `α`: the one shape that takes
+    /// a highlight's long tails and its length at grazing views. Fields: `axis` is `ω_o`, the direction to the eye, `exponent`
+    /// is `2/α² − 2`, that of a lobe about the half vector with the same peak, `flux` is `f0` or `f90`.
+    #[must_use]
+    pub fn microfacets(view: Vec3, alpha: f32, [f0, f90]: [Vec3; 2]) -> [Self; 2] {
+        let exponent = 2.0 / (alpha * alpha) - 2.0;
+        let lobe = |flux, factor| Self { axis: view, exponent, flux, factor };
+        [lobe(f0, Self::MICROFACETS), lobe(f90, Self::EDGE)]
+    }
+
+    /// Whether `edge` is the other of a pair of [`microfacets`](Self::microfacets) that begins with this one.
+    #[inline(always)]
+    #[must_use]
+    pub fn has_edge(&self, edge: &Self) -> bool {
+        let is_pair = self.factor == Self::MICROFACETS && edge.factor == Self::EDGE;
+        let reflects = self.flux != Vec3::ZERO && edge.flux != Vec3::ZERO;
+        is_pair && reflects && self.exponent == edge.exponent && self.axis == edge.axis
+    }
+
+    /// Value in the unit direction `v` at a receiver of this normal, factor included.
+    #[must_use]
+    pub fn eval_at(&self, normal: Vec3, v: Vec3) -> Vec3 {
+        if self.is_microfacets() {
+            self.flux * Microfacets::new(normal, self).value(v)
+        } else if self.factor > 0.0 {
+            self.eval(v) * normal.dot(v).max(0.0)
+        } else {
+            self.eval(v)
+        }
     }
 }
 

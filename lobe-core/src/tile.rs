@@ -1,7 +1,8 @@
-//! Receivers that are shaded together, and what they exchange, in columns.
+//! Receivers that are shaded together, and a light as they see it, in columns.
 
 use crate::lanes::{Columns, Kept, Lane, Level, WIDTH, map, row, set_row};
-use crate::{BrdfLobes, Cone, LightTerm, Lobe, LobeBuffer, LobesFull, Outline, Receiver, Sphere};
+use crate::seen::Seen;
+use crate::{Cone, LightTerm, Outline, Receiver, Sphere};
 use glam::Vec3;
 
 /// Position, normal and view of receivers, sixteen to a block.
@@ -216,117 +217,6 @@ struct ToSeen;
 impl Lane<9, 5, 10> for ToSeen {
     #[inline(always)]
     fn value(&self, [_, _, _, x, y, z, ..]: [f32; 9], cone: [f32; 5]) -> [f32; 10] {
-        bytemuck::cast(crate::cap::Seen::new(Vec3::new(x, y, z), &bytemuck::cast(cone)))
-    }
-}
-
-/// Reflectance lobes of the receivers of a [`Tile`]: each receiver has as many places as any, of which some may be empty
-/// (their flux is zero, as no lobe's is that counts).
-#[derive(Clone, Debug, Default)]
-pub struct TileLobes {
-    blocks: usize,
-    columns: Vec<Kept<8>>,
-    /// One receiver's.
-    buffer: LobeBuffer,
-    takes_microfacets: bool,
-}
-
-impl TileLobes {
-    /// Whether lobes of [microfacets](Lobe::microfacets) may be among them from now on; not at first.
-    pub fn take_microfacets(&mut self, takes_microfacets: bool) {
-        self.takes_microfacets = takes_microfacets;
-    }
-
-    /// See [`LobesMut::takes_microfacets`](crate::LobesMut::takes_microfacets).
-    #[must_use]
-    pub const fn takes_microfacets(&self) -> bool {
-        self.takes_microfacets
-    }
-
-    /// So many places for the lobes of each receiver of a tile. Every block of every place is then to be
-    /// [written](Self::block_mut).
-    pub fn reset(&mut self, tile: &Tile, places: usize) {
-        self.blocks = tile.blocks();
-        self.columns.resize(self.blocks * places, Kept::default());
-    }
-
-    /// The lobes of each receiver, asked for one after the other: [`BrdfLobes::tile_lobes`] of models that have nothing faster.
-    ///
-    /// # Errors
-    /// [`LobesFull`] when a material has more lobes than its `max_lobes`.
-    ///
-    /// # Panics
-    /// When `of`, `at` and `tile` differ in length, or a number in `of` is not that of a material.
-    pub fn one_by_one<B: BrdfLobes>(
-        &mut self,
-        materials: &[B],
-        of: &[u32],
-        at: &[Receiver],
-        tile: &Tile,
-    ) -> Result<(), LobesFull> {
-        assert!(of.len() == at.len() && at.len() == tile.len(), "one material a receiver");
-        let places = of.iter().map(|m| materials[*m as usize].max_lobes()).max().unwrap_or(0);
-        self.reset(tile, places);
-        self.columns.iter_mut().for_each(|block| block.0 = [[0.0; WIDTH]; 8]);
-        if self.buffer.capacity() < places {
-            self.buffer = LobeBuffer::with_capacity(places);
-        }
-        for (i, (material, at)) in of.iter().zip(at).enumerate() {
-            let material = &materials[*material as usize];
-            material.brdf_lobes(at, &mut self.buffer.writer_of(self.takes_microfacets))?;
-            let lobes = self.buffer.lobes();
-            if lobes.len() > material.max_lobes() {
-                return Err(LobesFull);
-            }
-            for (place, lobe) in lobes.iter().enumerate() {
-                set_row(&mut self.columns[place * self.blocks + i / WIDTH].0, i % WIDTH, &bytemuck::cast(lobe));
-            }
-        }
-        Ok(())
-    }
-
-    /// Number of blocks, of all places together: those of the first place come first.
-    #[must_use]
-    pub fn blocks(&self) -> usize {
-        self.columns.len()
-    }
-
-    /// Number of places of each receiver.
-    #[must_use]
-    pub fn places(&self) -> usize {
-        self.columns.len() / self.blocks.max(1)
-    }
-
-    /// Number of blocks of one place.
-    #[must_use]
-    pub fn blocks_of_place(&self) -> usize {
-        self.blocks
-    }
-
-    /// Columns of a block, a [`Lobe`] a row.
-    ///
-    /// # Panics
-    /// When there is no such place or block.
-    pub fn block_mut(&mut self, place: usize, block: usize) -> &mut Columns<8> {
-        assert!(block < self.blocks, "a block of the tile");
-        &mut self.columns[place * self.blocks + block].0
-    }
-
-    /// Block `number` of all.
-    ///
-    /// # Panics
-    /// When `number` is not below [`blocks`](Self::blocks).
-    #[must_use]
-    pub fn block(&self, number: usize) -> &Columns<8> {
-        &self.columns[number].0
-    }
-
-    /// The lobes of receiver `i`, in order, and the row of each, counted through all blocks.
-    pub fn of(&self, i: usize) -> impl Iterator<Item = (usize, Lobe)> {
-        let (first, j) = (i / WIDTH, i % WIDTH);
-        let blocks = (first..self.columns.len()).step_by(self.blocks.max(1));
-        let lobes =
-            blocks.map(move |block| (block * WIDTH + j, bytemuck::cast::<_, Lobe>(row(&self.columns[block].0, j))));
-        lobes.filter(|(_, lobe)| lobe.flux != Vec3::ZERO)
+        bytemuck::cast(Seen::new(Vec3::new(x, y, z), &bytemuck::cast(cone)))
     }
 }

@@ -39,7 +39,7 @@ const PAIRS: &[Pair] = &[
     ("lobe-core/src/special.wgsl", "MIN_POSITIVE", Number(f32::MIN_POSITIVE as f64)),
     ("lobe-core/src/special.wgsl", "MAX_FLOAT", Number(f32::MAX as f64)),
     ("lobe-core/src/special.wgsl", "ERF_END", Is("lobe-core/src/special.rs", "ERF_END")),
-    ("lobe-core/src/cap/cap.wgsl", "MIRROR", Is("lobe-core/src/cap/mod.rs", "MIRROR")),
+    ("lobe-core/src/cap/cap.wgsl", "MIRROR", Is("lobe-core/src/cap/form.rs", "MIRROR")),
     ("lobe-core/src/cap/chord.wgsl", "KAPPA", Is("lobe-core/src/cap/chord.rs", "KAPPA")),
     ("lobe-core/src/cap/chord.wgsl", "ENDS", Is("lobe-core/src/cap/chord.rs", "ENDS")),
     ("lobe-core/src/cap/microfacets.wgsl", "ELLIPSE_FAR", Is("lobe-core/src/cap/microfacets.rs", "FAR")),

@@ -1,8 +1,9 @@
-use super::chord::{self, Chord};
+use super::chord::{self, Chord, finish};
 use super::microfacets::{self, Ellipse};
 use super::pair::Pair;
-use super::{Seen, finish, form, lambert, slab};
+use super::{form, lambert, slab};
 use crate::lanes::{Block, Columns, Lane, Level, WIDTH, map, ones, row, rows_with};
+use crate::seen::Seen;
 use crate::{Lobe, TileLobes};
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::dispatch;

@@ -326,6 +326,13 @@ fn smaller(x: f32, than: f32) -> f32 {
     if x < than { x } else { than }
 }
 
+/// Not below zero, whatever rounding has done.
+#[inline(always)]
+pub(super) fn finish(weight: f32, sum: f32) -> f32 {
+    let value = weight * sum;
+    if value > 0.0 { value } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{EDGE, ENDS, FEW, KAPPA, MANY, PIECE, nodes};

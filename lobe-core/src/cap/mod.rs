@@ -2,6 +2,7 @@
 
 mod blocks;
 mod chord;
+mod form;
 mod lambert;
 mod microfacets;
 mod pair;
@@ -14,14 +15,12 @@ use self::chord::Chord;
 use self::microfacets::Ellipse;
 use self::pair::Pair;
 use crate::lanes::{WIDTH, row};
+use crate::seen::Seen;
 use crate::{Cone, Lobe, OWN_NONE, Receiver, TileLight, TileLobes, outline};
 use core::cell::RefCell;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
-
-/// Lobes from this exponent on, infinity included, see the one direction of their axis.
-const MIRROR: f32 = 1e9;
 
 /// `∫ f(v) dv` over the directions of a light's cone that are above the receiver's horizon, for a reflectance lobe of
 /// flux 1; times the receiver's cosine where the lobe says so. Multiply by the lobe's flux and the light's radiance for
@@ -134,92 +133,6 @@ fn of_outlines(light: &TileLight, lobes: &TileLobes, out: &mut [f32]) {
     }
 }
 
-/// A light above a receiver's horizon. Ten numbers, so that many of them lie in columns.
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(crate) struct Seen {
-    normal: Vec3,
-    axis: Vec3,
-    one_minus_cos: f32,
-    /// Cosine of the angle β between its axis and the normal; sin θ and its square.
-    cos_beta: f32,
-    sin: f32,
-    sin_sq: f32,
-}
-
-impl Seen {
-    #[inline(always)]
-    pub(crate) fn new(normal: Vec3, cone: &Cone) -> Self {
-        // Inside the light: everything above the horizon.
-        let inside = cone.one_minus_cos > 1.0;
-        let axis = if inside { normal } else { cone.axis };
-        let one_minus_cos = if inside { 1.0 } else { cone.one_minus_cos };
-        let sin_sq = one_minus_cos * (2.0 - one_minus_cos);
-        Self { normal, axis, one_minus_cos, cos_beta: normal.dot(axis), sin: sin_sq.sqrt(), sin_sq }
-    }
-
-    #[inline(always)]
-    fn pair(&self, lobe: &Lobe) -> Pair {
-        Pair {
-            axis: lobe.axis,
-            exponent: lobe.exponent,
-            cosine: lobe.factor,
-            normal: self.normal,
-            light: self.axis,
-            one_minus_cos: self.one_minus_cos,
-        }
-    }
-}
-
-/// How an integral is taken.
-mod form {
-    use super::{MIRROR, Seen, chord, slab};
-    use crate::Lobe;
-
-    /// It has been.
-    pub(super) const DONE: f32 = 0.0;
-    /// Lambert, a light that the horizon crosses.
-    pub(super) const CROSSED: f32 = 1.0;
-    /// A wide light and a narrow lobe above the horizon.
-    pub(super) const SLAB: f32 = 2.0;
-    /// A light above the horizon.
-    pub(super) const WHOLE: f32 = 3.0;
-    /// A light that the horizon crosses.
-    pub(super) const PIECES: f32 = 4.0;
-    /// A lobe that ends with an infinite slope.
-    pub(super) const EDGE: f32 = 5.0;
-    /// Microfacets, and a light above the horizon; microfacets, and one that it crosses.
-    pub(super) const MICROFACETS: f32 = 6.0;
-    pub(super) const MICROFACETS_CUT: f32 = 7.0;
-
-    /// The form, and the value where that is done.
-    #[inline(always)]
-    pub(super) fn of(light: &Seen, lobe: &Lobe) -> [f32; 2] {
-        let e = lobe.exponent;
-        // Whether the horizon leaves all of it; whether none.
-        let above = light.cos_beta >= light.sin;
-        let below = light.one_minus_cos <= 0.0 || light.cos_beta <= -light.sin;
-        let lambert = e == 1.0 && lobe.factor == 0.0 && lobe.axis == light.normal;
-        let wide = e >= slab::EXPONENT && 0.5 * (e + 1.0) * light.one_minus_cos >= slab::WIDTH;
-        let chords = if above { WHOLE } else { PIECES };
-        let glossy = if wide && above { SLAB } else { chords };
-        let glossy = if e < 1.0 || light.one_minus_cos > chord::ENDS { EDGE } else { glossy };
-        let glossy = if e >= MIRROR { DONE } else { glossy };
-        let diffuse = if above { DONE } else { CROSSED };
-        let microfacets = if above { MICROFACETS } else { MICROFACETS_CUT };
-        let glossy = if lobe.is_microfacets() { microfacets } else { glossy };
-        let form = if lambert { diffuse } else { glossy };
-
-        let cos = light.normal.dot(lobe.axis);
-        let inside = 0.5 * (lobe.axis - light.axis).length_squared() <= light.one_minus_cos;
-        let mirrored = if lobe.factor > 0.0 { cos } else { 1.0 };
-        let mirrored = if inside && cos > 0.0 { mirrored } else { 0.0 };
-        let value = if lambert { light.sin_sq * light.cos_beta } else { mirrored };
-        let done = form == DONE && !below;
-        [if below { DONE } else { form }, if done { value } else { 0.0 }]
-    }
-}
-
 /// The chords of an ellipse of half vectors, for both lobes of a pair.
 fn of_microfacets<const IS_CUT: bool>(level: Level, pair: &Pair) -> [f32; 2] {
     let ellipse = Ellipse::new::<IS_CUT>(pair);
@@ -229,7 +142,7 @@ fn of_microfacets<const IS_CUT: bool>(level: Level, pair: &Pair) -> [f32; 2] {
             [base + node[0], edge + node[1]]
         })
     });
-    sums.map(|sum| finish(ellipse.weight(), sum))
+    sums.map(|sum| chord::finish(ellipse.weight(), sum))
 }
 
 /// One chord sum, its nodes side by side.
@@ -244,12 +157,5 @@ fn over_nodes<const N: usize, const CUT: bool>(level: Level, chord: &Chord) -> f
     });
     // In the order in which blocks add them.
     let sum = terms.into_iter().fold(0.0, |sum, x| sum + x);
-    finish(chord.weight, sum)
-}
-
-/// Not below zero, whatever rounding has done.
-#[inline(always)]
-fn finish(weight: f32, sum: f32) -> f32 {
-    let value = weight * sum;
-    if value > 0.0 { value } else { 0.0 }
+    chord::finish(chord.weight, sum)
 }

@@ -1,3 +1,5 @@
+use crate::Lobe;
+use crate::seen::Seen;
 use glam::Vec3;
 
 /// A lobe and a light at a receiver: what the slab and the chord form start from. Twelve numbers, so that many of them
@@ -32,5 +34,19 @@ impl Pair {
         let aside = d - self.axis * self.axis.dot(d);
         let square = aside.dot(aside);
         aside * if square > 1e-30 { 1.0 / square.sqrt() } else { 0.0 }
+    }
+}
+
+impl Seen {
+    #[inline(always)]
+    pub(super) fn pair(&self, lobe: &Lobe) -> Pair {
+        Pair {
+            axis: lobe.axis,
+            exponent: lobe.exponent,
+            cosine: lobe.factor,
+            normal: self.normal,
+            light: self.axis,
+            one_minus_cos: self.one_minus_cos,
+        }
     }
 }

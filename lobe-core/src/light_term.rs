@@ -1,0 +1,46 @@
+//! One light as one receiver sees it: what the integrator computes with.
+
+use crate::{Cone, Lobe, Outline, cone_lobe};
+use glam::Vec3;
+
+/// One light as a receiver sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightTerm {
+    /// Its cone.
+    pub cone: Cone,
+    /// Its radiance, W·m⁻²·sr⁻¹ per channel.
+    pub radiance: Vec3,
+    /// What of the cone is bright, where that is not all of it.
+    pub outline: Option<Outline>,
+}
+
+impl LightTerm {
+    /// A light that is bright in all of its cone.
+    #[must_use]
+    pub const fn of_cone(cone: Cone, radiance: Vec3) -> Self {
+        Self { cone, radiance, outline: None }
+    }
+
+    /// The cosine lobe with its flux and mean vector: of the outline, or of the whole cone.
+    #[must_use]
+    pub fn lobe(&self) -> Lobe {
+        self.outline.as_ref().map_or_else(
+            || {
+                let lobe = cone_lobe(&self.cone);
+                Lobe { flux: lobe.flux * self.radiance, ..lobe }
+            },
+            |outline| outline.lobe(self.radiance),
+        )
+    }
+
+    /// The same light as far as a flat one is above the horizon of `normal`: with an empty cone where nothing of it is.
+    #[must_use]
+    pub fn above(&self, normal: Vec3) -> Self {
+        // What is cut already lies on the horizon, but for rounding.
+        let Some(outline) = self.outline.as_ref().filter(|outline| !outline.is_clipped()) else { return *self };
+        let outline = outline.above(normal);
+        // The cone alone would be a light.
+        let one_minus_cos = if outline.is_some() { self.cone.one_minus_cos } else { 0.0 };
+        Self { cone: Cone { one_minus_cos, ..self.cone }, outline, ..*self }
+    }
+}
