@@ -2,16 +2,18 @@
 
 mod lamp;
 mod picture;
+mod triangle;
+mod tube;
 
-use self::lamp::{Lamp, area, bounds, capsule, moments, share};
+use self::lamp::Lamp;
 use self::picture::Picture;
+use self::triangle::{Triangle, area, bounds, moments};
+use self::tube::{capsule, share};
 use crate::faces::weld;
 use crate::{FacesError, Light, faces};
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use lobe_core::{LightLobes, Lobe, OWN_NONE, Receiver, cap_integral, outline_integral};
-
-type Triangle = [DVec3; 3];
 
 /// The most lights that a mesh becomes.
 const MOST: usize = 24;

@@ -1,14 +1,8 @@
-//! Balls and tubes in place of triangles.
+//! A lamp: a ball or a tube that stands for triangles.
 
-use super::Triangle;
-use super::picture::{shown, shown_across};
 use crate::{Light, SphereLight, TubeLight};
-use core::f64::consts::PI;
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use lobe_core::Sphere;
-
-/// A tube with a shorter middle, in its radii, is a ball.
-const SHORT: f64 = 0.05;
 
 /// A ball, or a tube where its ends are not the same.
 #[derive(Clone, Copy, Debug)]
@@ -38,84 +32,7 @@ impl Lamp {
     }
 
     /// A tube between two places, or a ball where they are next to each other.
-    fn tube(middle: DVec3, axis: DVec3, length: f64, radius: f64) -> Self {
+    pub(super) fn tube(middle: DVec3, axis: DVec3, length: f64, radius: f64) -> Self {
         Self { ends: [middle - axis * (0.5 * length), middle + axis * (0.5 * length)], radius }
-    }
-}
-
-pub(super) fn area([a, b, c]: &Triangle) -> f64 {
-    0.5 * (*b - *a).cross(*c - *a).length()
-}
-
-/// The middle of triangles' area, and the variances and covariances of its points: exact.
-pub(super) fn moments<'a>(triangles: impl Iterator<Item = &'a Triangle> + Clone) -> (DVec3, DMat3) {
-    let middles = |[a, b, c]: &Triangle| [0.5 * (*a + *b), 0.5 * (*b + *c), 0.5 * (*c + *a)];
-    let (mut all, mut sum) = (0.0, DVec3::ZERO);
-    for t in triangles.clone() {
-        all += area(t);
-        sum += middles(t).iter().sum::<DVec3>() * (area(t) / 3.0);
-    }
-    let middle = sum / all;
-    let mut spread = DMat3::ZERO;
-    for t in triangles {
-        for p in middles(t) {
-            let d = p - middle;
-            spread += DMat3::from_cols(d * d.x, d * d.y, d * d.z) * (area(t) / (3.0 * all));
-        }
-    }
-    (middle, spread)
-}
-
-/// The direction in which points are spread most: powers of the covariance keep it alone.
-pub(super) fn longest(spread: DMat3) -> DVec3 {
-    let mut power = spread;
-    for _ in 0..12 {
-        power = power * power;
-        let trace = power.x_axis.x + power.y_axis.y + power.z_axis.z;
-        if trace.is_nan() || trace <= 0.0 {
-            return DVec3::Z;
-        }
-        power *= 1.0 / trace;
-    }
-    let columns = [power.x_axis, power.y_axis, power.z_axis];
-    columns
-        .into_iter()
-        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
-        .map_or(DVec3::Z, |a| a.normalize_or(DVec3::Z))
-}
-
-/// Radius of a ball around triangles.
-pub(super) fn bounds<'a>(triangles: impl Iterator<Item = &'a Triangle>, middle: DVec3) -> f64 {
-    triangles.flatten().map(|p| p.distance_squared(middle)).fold(0.0, f64::max).sqrt()
-}
-
-/// The tube that shows what triangles show along the axis in which they are longest, `πr²`, and across it, `2rh + πr²`.
-pub(super) fn capsule(triangles: &[&Triangle]) -> Lamp {
-    let (middle, spread) = moments(triangles.iter().copied());
-    let (axis, bound) = (longest(spread), bounds(triangles.iter().copied(), middle));
-    let along = shown(triangles, middle, bound, axis);
-    let radius = (along / PI).sqrt();
-    let length = (shown_across(triangles, middle, bound, axis) - along) / (2.0 * radius);
-    if length > SHORT * radius {
-        Lamp::tube(middle, axis, length, radius)
-    } else {
-        Lamp::tube(middle, axis, 0.0, radius)
-    }
-}
-
-/// The tube as long as triangles that shows what they show across: of a piece of a ring, to which others are joined at both ends.
-pub(super) fn share(triangles: &[&Triangle]) -> Lamp {
-    let (middle, spread) = moments(triangles.iter().copied());
-    let (axis, bound) = (longest(spread), bounds(triangles.iter().copied(), middle));
-    let across = shown_across(triangles, middle, bound, axis);
-    // Of points all along a length the variance is a twelfth of its square.
-    let whole = (12.0 * axis.dot(spread * axis).max(0.0)).sqrt();
-    let radius = 0.5 * across / whole;
-    // Round ends show `πr²`.
-    let length = whole - 0.5 * PI * radius;
-    if length > SHORT * radius {
-        Lamp::tube(middle, axis, length, radius)
-    } else {
-        Lamp::tube(middle, axis, 0.0, (across / PI).sqrt())
     }
 }

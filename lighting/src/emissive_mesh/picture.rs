@@ -1,7 +1,7 @@
 //! Triangles as a receiver sees them.
 
-use super::Triangle;
 use super::lamp::Lamp;
+use super::triangle::Triangle;
 use core::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 
