@@ -1,47 +1,10 @@
-use crate::{ExrPart, ImageFileError, Output, Picture, Window};
-use exr::meta::MetaData;
-use exr::meta::attribute::ChannelDescription;
-use exr::meta::header::Header;
+//! Pictures in OpenEXR files: whole ones written by layers, and one layer read by its name.
+
+use crate::exr_open::open;
+use crate::{ExrLayer, ExrPart, ImageFileError, Output, Picture, Window};
 use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
 use glam::Vec3;
-use std::fs::File;
-use std::io::{BufReader, Seek};
 use std::path::Path;
-
-/// A named plane of an OpenEXR file: `channels` have one letter each and one value a pixel each.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExrLayer {
-    /// Its name: channels are called `NAME.C`; of the layer `beauty` just `C`.
-    pub name: String,
-    /// Channel letters with their values, row by row from the top.
-    pub channels: Vec<(char, Vec<f32>)>,
-}
-
-impl ExrLayer {
-    /// A layer of three channels.
-    fn vectors(name: &str, letters: [char; 3], values: &[Vec3]) -> Self {
-        let channel = |k: usize| (letters[k], values.iter().map(|v| v[k]).collect());
-        Self { name: name.to_owned(), channels: vec![channel(0), channel(1), channel(2)] }
-    }
-
-    /// A layer of linear RGB.
-    #[must_use]
-    pub fn color(name: &str, values: &[Vec3]) -> Self {
-        Self::vectors(name, ['R', 'G', 'B'], values)
-    }
-
-    /// A layer of vectors X, Y, Z.
-    #[must_use]
-    pub fn vector(name: &str, values: &[Vec3]) -> Self {
-        Self::vectors(name, ['X', 'Y', 'Z'], values)
-    }
-
-    /// A layer of one number a pixel, under the given letter.
-    #[must_use]
-    pub fn scalar(name: &str, letter: char, values: Vec<f32>) -> Self {
-        Self { name: name.to_owned(), channels: vec![(letter, values)] }
-    }
-}
 
 /// The layer whose channels carry no prefix, so that every viewer shows it.
 const MAIN: &str = "beauty";
@@ -67,34 +30,6 @@ pub fn read_exr(path: &Path) -> Result<Picture, ImageFileError> {
         ImageFileError::format(path, "no R, G, B channels found, neither bare nor in a layer named beauty")
     })
 }
-
-/// A file that can be read at all.
-pub(crate) fn open(path: &Path) -> Result<BufReader<File>, ImageFileError> {
-    let file = File::open(path).map_err(|e| ImageFileError::io(path, e))?;
-    let metadata = file.metadata().map_err(|e| ImageFileError::io(path, e))?;
-    if metadata.is_dir() {
-        return Err(ImageFileError::format(path, "is a folder"));
-    }
-    let mut file = BufReader::new(file);
-    // What is wrong with a header is told by who reads the picture.
-    let claimed = MetaData::read_from_buffered(&mut file, false).map_or(0, |meta| {
-        let bytes = |h: &Header| {
-            let channel = |c: &ChannelDescription| c.sample_type.bytes_per_sample() as u64;
-            let pixels = (h.layer_size.width() as u64).saturating_mul(h.layer_size.height() as u64);
-            pixels.saturating_mul(h.channels.list.iter().map(channel).sum())
-        };
-        meta.headers.iter().map(bytes).fold(0, u64::saturating_add)
-    });
-    if claimed > DENSEST.saturating_mul(metadata.len()).saturating_add(1 << 20) {
-        let (size, megabytes) = (metadata.len(), claimed >> 20);
-        return Err(ImageFileError::format(path, format!("{megabytes} MB of pixels in a file of {size} bytes")));
-    }
-    file.rewind().map_err(|e| ImageFileError::io(path, e))?;
-    Ok(file)
-}
-
-/// Compression packs no picture more densely: deflate by 1032.
-const DENSEST: u64 = 4096;
 
 /// Reads a layer of R, G, B channels, half, float or integer, by its name: a prefix of the channels' names or the name
 /// of a part of the file. `None` when the file has no such layer. `beauty` also finds bare channels; further channels

@@ -1,5 +1,5 @@
 use crate::checksum::{UNKNOWN, seal};
-use crate::exr_file::open;
+use crate::exr_open::open;
 use crate::stamp::STAMP;
 use crate::{ExrLayer, ImageFileError, Output, Window};
 use exr::prelude::{
