@@ -9,6 +9,7 @@ use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 
 #[cfg(feature = "gpu")]
 use {
+    crate::error::LAYERS,
     lobe_core::Method,
     lobe_core::gpu::GpuBlockers,
     render_cpu::GpuRays,
@@ -31,8 +32,6 @@ pub enum Backend {
 
 #[cfg(not(feature = "gpu"))]
 const NOT_BUILT: &str = "this program was built without its GPU part (feature `gpu`)";
-pub(crate) const LAYERS: &str = "layers are made by the CPU only";
-pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
 
 impl Backend {
     /// Opens a device.

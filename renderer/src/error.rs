@@ -3,6 +3,10 @@ use sphere_sets::BuildError;
 use std::collections::TryReserveError;
 use visibility_shadowmap::MapError;
 
+/// What [`RenderError::NotOnGpu`] says of layers and of visibility as lobes.
+pub(crate) const LAYERS: &str = "layers are made by the CPU only";
+pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
+
 /// Why a picture could not be made. Nothing of it is printed or kept here.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

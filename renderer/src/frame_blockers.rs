@@ -153,7 +153,7 @@ impl<'a> FrameBlockers<'a> {
             let traced = stops.iter().any(|stops| *stops != Stops::None).then(|| (self.world.scene(), stops));
             let method = match form {
                 Form::Fractions => Products::Moments,
-                Form::Lobes => return Err(RenderError::NotOnGpu(crate::backend::LOBES)),
+                Form::Lobes => return Err(RenderError::NotOnGpu(crate::error::LOBES)),
                 Form::Paper(tables) => Products::Paper(tables),
             };
             return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced, silhouettes.as_ref())?);

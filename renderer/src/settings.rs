@@ -1,4 +1,5 @@
 use crate::RenderError;
+use crate::error::{LAYERS, LOBES};
 use lobe_core::Accuracy;
 use scene::Strategy;
 use std::path::PathBuf;
@@ -63,8 +64,8 @@ impl Settings {
     /// [`RenderError::NotOnGpu`]: layers and [`Method::Lobes`] are the CPU's.
     pub fn check_device(&self, device: Device) -> Result<(), RenderError> {
         match device {
-            Device::Gpu if self.layers => Err(RenderError::NotOnGpu(crate::backend::LAYERS)),
-            Device::Gpu if self.method == Method::Lobes => Err(RenderError::NotOnGpu(crate::backend::LOBES)),
+            Device::Gpu if self.layers => Err(RenderError::NotOnGpu(LAYERS)),
+            Device::Gpu if self.method == Method::Lobes => Err(RenderError::NotOnGpu(LOBES)),
             _ => Ok(()),
         }
     }
