@@ -1,12 +1,12 @@
+//! The visible points of a picture, and pictures of values at them.
+
 #[cfg(test)]
 mod tests;
 mod view;
 
-use self::view::View;
-use crate::World;
 use crate::world::SIDE;
 use brdf::Material;
-use core::ops::{Add, Mul, Range};
+use core::ops::{Add, Mul};
 use glam::Vec3;
 use scene::ShadingPoints;
 
@@ -42,57 +42,6 @@ pub struct GBuffer {
 }
 
 impl GBuffer {
-    /// Shoots `samples` rays (at least 1) through every pixel of a `width`×`height` image: one through its centre,
-    /// several through a Hammersley set that is the same in all pixels.
-    ///
-    /// The rays of a tile go through the hierarchy together; closed surfaces have no cracks. Cost: 0.05 to 0.13 µs of a core
-    /// a ray (`examples/points.rs`).
-    ///
-    /// # Panics
-    /// When the image has more than 2³² pixels.
-    #[must_use]
-    pub fn new(world: &World<'_>, width: u32, height: u32, samples: u32) -> Self {
-        Self::rows(world, width, height, samples, 0..height)
-    }
-
-    /// The same for some rows of the image only, as a picture of its own: large images in bands need little memory.
-    ///
-    /// # Panics
-    /// As [`window`](Self::window).
-    #[must_use]
-    pub fn rows(world: &World<'_>, width: u32, height: u32, samples: u32, rows: Range<u32>) -> Self {
-        Self::window(world, width, height, samples, 0..width, rows)
-    }
-
-    /// The same for a window of the image only, as a picture of its own: work that is split over processes.
-    ///
-    /// Every point is to the bit what it is in the whole image. Points come in the tiles of the whole image, cut at the
-    /// window's edges.
-    ///
-    /// # Panics
-    /// When the window has more than 2³² pixels or is not inside the image.
-    #[must_use]
-    pub fn window(
-        world: &World<'_>,
-        width: u32,
-        height: u32,
-        samples: u32,
-        columns: Range<u32>,
-        rows: Range<u32>,
-    ) -> Self {
-        let inside = |r: &Range<u32>, size: u32| r.start <= r.end && r.end <= size;
-        assert!(inside(&columns, width) && inside(&rows, height), "window outside the image");
-        let (own_width, own_height) = (columns.end - columns.start, rows.end - rows.start);
-        assert!(u64::from(own_width) * u64::from(own_height) <= 1 << 32, "too many pixels");
-        let samples = samples.max(1);
-        let view = View::new(world, [width, height], samples, columns, rows);
-        let (found, ends) = view.trace();
-        let mut all = Self { width: own_width, height: own_height, samples, ..Self::default() };
-        view.describe(&found, &ends, &mut all);
-        all.sky = view.sky(&found);
-        all
-    }
-
     /// Adds what the points' surfaces emit to their radiance.
     ///
     /// # Panics

@@ -1,5 +1,6 @@
-use super::view::sub_pixels;
+use super::view::{View, sub_pixels};
 use super::*;
+use crate::World;
 use crate::world::Rays;
 use fearless_simd::{Level, Simd};
 use glam::{Vec2, Vec3};
