@@ -1,40 +1,21 @@
 //! The geometry of a scene for rays on the GPU.
 
 mod gather;
+mod primitive;
 mod tree;
 
-use self::gather::{Gathered, gather};
+pub use self::primitive::Stops;
+#[cfg(test)]
+pub(crate) use self::primitive::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, VISIBLE};
 #[cfg(test)]
 pub(crate) use self::tree::GpuNode;
+
+use self::gather::{Gathered, gather};
 use self::tree::Tree;
 use crate::memory::Memory;
 use crate::{Gpu, GpuError};
-use bytemuck::{Pod, Zeroable};
 use scene::Scene;
 use wgpu::BufferUsages;
-
-/// `Primitive` of bvh.wgsl.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct GpuPrimitive {
-    /// A triangle's corner or a ball's centre.
-    pub(crate) a: [f32; 3],
-    /// Number of the object, and flags.
-    pub(crate) object: u32,
-    /// The next corner, or a ball's radius.
-    pub(crate) b: [f32; 3],
-    pub(crate) material: u32,
-    pub(crate) c: [f32; 3],
-    /// Where its normals begin.
-    pub(crate) corners: u32,
-}
-
-pub(crate) const BALL: u32 = 1 << 31;
-pub(crate) const VISIBLE: u32 = 1 << 30;
-pub(crate) const BLOCKS: u32 = 1 << 29;
-pub(crate) const BLOCKS_ALIKE: u32 = 1 << 28;
-/// No normals of its own.
-pub(crate) const FLAT: u32 = u32::MAX;
 
 /// Stacks of kernels are multiples of this.
 const STACK_STEP: u32 = 32;
@@ -57,18 +38,6 @@ pub struct GpuWorld {
     uploaded: usize,
     /// For each object which rays it stops; empty when all stop all.
     stops: Vec<Stops>,
-}
-
-/// Which receivers' shadow rays an object stops.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stops {
-    /// Those of none.
-    None,
-    /// Those of all.
-    #[default]
-    All,
-    /// Those of receivers on objects that stop alike: others have other blockers for it, such as shadow maps.
-    Alike,
 }
 
 impl GpuWorld {

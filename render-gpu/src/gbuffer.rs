@@ -4,9 +4,12 @@
 mod tests;
 mod view;
 
+pub use self::view::TILE;
+
 use self::view::GpuView;
+use crate::binding::{Access, Slot};
 use crate::bvh::GpuWorld;
-use crate::kernel::{Access, Kernel, Slot};
+use crate::kernel::Kernel;
 use crate::memory::Memory;
 use crate::module::Text;
 use crate::{Gpu, GpuError, GpuReceiver, NO_MATERIAL};
@@ -15,9 +18,6 @@ use glam::Vec3;
 use lobe_core::Receiver;
 use scene::{Camera, Scene, ShadingPoints};
 use wgpu::BufferUsages;
-
-/// Side of the tiles of pixels in whose order points lie: [`GpuPoints::pixel`].
-pub const TILE: u32 = 8;
 
 /// What the camera sees, found on the GPU and left there: the points of `render_cpu::GBuffer` with one ray a pixel, through
 /// its centre. (Several rays a pixel are left to the CPU.)

@@ -1,66 +1,12 @@
+//! Compiled kernels, and the cache of them that each device has.
+
+mod compile;
+
+use crate::GpuError;
+use crate::binding::{Binding, Slot};
 use crate::module::Text;
-use crate::{Gpu, GpuError};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use wgpu::BufferUsages;
-
-/// The buffers of kernels, each with a binding of its own in group 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Slot {
-    Frame,
-    Points,
-    Materials,
-    Radiance,
-    Queue,
-    Indirect,
-    Spheres,
-    Images,
-    Tables,
-    Nodes,
-    Rig,
-    Bones,
-    Primitives,
-    Normals,
-    /// A buffer of blockers, or a page of one.
-    Own(u32),
-}
-
-impl Slot {
-    /// The number of the binding.
-    pub(crate) const fn binding(self) -> u32 {
-        match self {
-            Self::Frame => 0,
-            Self::Points => 1,
-            Self::Materials => 2,
-            Self::Radiance => 3,
-            Self::Queue => 4,
-            Self::Indirect => 5,
-            Self::Spheres => 6,
-            Self::Images => 8,
-            Self::Tables => 9,
-            Self::Nodes => 10,
-            Self::Rig => 12,
-            Self::Bones => 13,
-            Self::Primitives => 14,
-            Self::Normals => 15,
-            Self::Own(number) => 16 + number,
-        }
-    }
-}
-
-/// How a kernel uses a buffer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Access {
-    Uniform,
-    Read,
-    Write,
-}
-
-/// A buffer of a kernel.
-pub(crate) type Binding = (Slot, Access);
-
-/// Bytes of the buffers of a kernel that runs no workgroups: at least the fixed part of each.
-const EMPTY: u64 = 4096;
 
 /// The compiled kernels of a device, by what they are compiled from. Clones share them.
 #[derive(Clone, Debug, Default)]
@@ -99,110 +45,6 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
-    /// Compiles a kernel, unless the device has it already.
-    pub(crate) fn new(gpu: &Gpu, text: &Text) -> Result<Self, GpuError> {
-        gpu.kernel_cache().get(text, || {
-            gpu.kernels().compile(&text.name, || {
-                let kernel = Self::create(gpu, text)?;
-                if gpu.is_software() {
-                    kernel.run_empty(gpu)?;
-                }
-                Ok(kernel)
-            })
-        })
-    }
-
-    fn create(gpu: &Gpu, Text { entry: label, text, bindings, .. }: &Text) -> Result<Self, GpuError> {
-        let label = *label;
-        // Mesa's software driver takes numbers of a uniform that decide loops and branches for constants, unrolls the loops, and
-        // compiles the kernel anew for each light. Of a storage buffer it does not.
-        let is_storage = gpu.is_software();
-        let text = if is_storage { text.replace("var<uniform>", "var<storage, read>") } else { text.clone() };
-        let access = |access: Access| if is_storage && access == Access::Uniform { Access::Read } else { access };
-        let storage = bindings.iter().filter(|(_, of)| access(*of) != Access::Uniform).count() as u64;
-        let allowed = gpu.device().limits().max_storage_buffers_per_shader_stage.into();
-        if storage > allowed {
-            return Err(GpuError::Limits { what: "a kernel's storage buffers", needed: storage, allowed });
-        }
-        let entries: Vec<_> = bindings.iter().map(|(slot, of)| layout_entry(*slot, access(*of))).collect();
-        gpu.scoped("a kernel", || {
-            let device = gpu.device();
-            let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(text.into()),
-            });
-            let layout = device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries });
-            let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some(label),
-                bind_group_layouts: &[Some(&layout)],
-                ..Default::default()
-            });
-            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(label),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some(label),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                cache: None,
-            });
-            Self { label, pipeline, layout, slots: bindings.iter().map(|(slot, _)| *slot).collect() }
-        })
-    }
-
-    /// Runs no workgroups, and waits. Mesa's software driver compiles a kernel when it runs first, not when it is made.
-    fn run_empty(&self, gpu: &Gpu) -> Result<(), GpuError> {
-        gpu.scoped("a kernel", || {
-            let usage = BufferUsages::STORAGE | BufferUsages::UNIFORM;
-            let buffer = |_| {
-                let descriptor = wgpu::BufferDescriptor { label: None, size: EMPTY, usage, mapped_at_creation: false };
-                gpu.device().create_buffer(&descriptor)
-            };
-            let buffers: Vec<_> = self.slots.iter().map(buffer).collect();
-            let all = || self.slots.iter().zip(&buffers);
-            let group = self.bind(gpu, |slot| {
-                let (_, buffer) = all().find(|(known, _)| **known == slot)?;
-                Some(buffer.as_entire_buffer_binding())
-            });
-            self.submit(gpu, &group, [0, 0]);
-        })?;
-        gpu.wait()
-    }
-
-    /// Its bind group, of the buffers that `resource` has for its slots.
-    pub(crate) fn bind<'b>(
-        &self,
-        gpu: &Gpu,
-        resource: impl Fn(Slot) -> Option<wgpu::BufferBinding<'b>>,
-    ) -> wgpu::BindGroup {
-        let entries: Vec<_> = self
-            .slots
-            .iter()
-            .filter_map(|slot| {
-                let resource = wgpu::BindingResource::Buffer(resource(*slot)?);
-                Some(wgpu::BindGroupEntry { binding: slot.binding(), resource })
-            })
-            .collect();
-        gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(self.label),
-            layout: &self.layout,
-            entries: &entries,
-        })
-    }
-
-    /// Submits it alone, with so many workgroups along x and y and its uniform from the beginning; does not wait.
-    pub(crate) fn submit(&self, gpu: &Gpu, group: &wgpu::BindGroup, groups: [u32; 2]) {
-        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let label = Some(self.label);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, group, if self.has_frame() { &[0] } else { &[] });
-            pass.dispatch_workgroups(groups[0], groups[1], 1);
-        }
-        gpu.queue().submit([encoder.finish()]);
-    }
-
     /// Whether it reads the frame, whose slot is chosen when it runs.
     pub(crate) fn has_frame(&self) -> bool {
         self.slots.contains(&Slot::Frame)
@@ -214,19 +56,5 @@ impl Kernel {
 
     pub(crate) const fn label(&self) -> &'static str {
         self.label
-    }
-}
-
-fn layout_entry(slot: Slot, access: Access) -> wgpu::BindGroupLayoutEntry {
-    let ty = match access {
-        Access::Uniform => wgpu::BufferBindingType::Uniform,
-        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
-        Access::Write => wgpu::BufferBindingType::Storage { read_only: false },
-    };
-    wgpu::BindGroupLayoutEntry {
-        binding: slot.binding(),
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: slot == Slot::Frame, min_binding_size: None },
-        count: None,
     }
 }

@@ -19,6 +19,7 @@
 
 pub use wgpu;
 
+mod binding;
 mod bvh;
 mod clock;
 mod error;

@@ -1,6 +1,6 @@
 //! The texts of the kernels: each is a module of its own, of the pieces that a frame uses and no other.
 
-use crate::kernel::{
+use crate::binding::{
     Access::{self, Read, Uniform, Write},
     Binding, Slot,
 };

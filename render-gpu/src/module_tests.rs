@@ -1,7 +1,7 @@
 //! Every kernel that can be put together, without a GPU.
 
 use super::*;
-use crate::kernel::Access;
+use crate::binding::Access;
 use crate::layout::GpuFrame;
 use crate::occlusion::pass_text;
 use crate::{GpuError, validated};

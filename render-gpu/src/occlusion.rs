@@ -1,7 +1,8 @@
-use crate::kernel::{
+use crate::binding::{
     Access::{Read, Uniform, Write},
-    Binding, Kernel, Slot,
+    Binding, Slot,
 };
+use crate::kernel::Kernel;
 use crate::memory::Memory;
 use crate::module::{self, OwnBuffer, OwnText, Text};
 use crate::{Gpu, GpuError, GpuPose, GpuWorld};

@@ -1,4 +1,5 @@
-use crate::kernel::{Access, Kernel, Slot};
+use crate::binding::{Access, Slot};
+use crate::kernel::Kernel;
 use crate::memory::Memory;
 use crate::module::Text;
 use crate::{Gpu, GpuError};

@@ -1,6 +1,7 @@
+use crate::binding::Slot;
 use crate::clock::{Clock, Stage};
 use crate::images::Images;
-use crate::kernel::{Kernel, Slot};
+use crate::kernel::Kernel;
 use crate::kernels;
 use crate::kernels::queue::{CUT, QUEUE_HEADER};
 use crate::layout::{GpuFrame, GpuReceiver};

@@ -1,6 +1,6 @@
 //! What of a scene rays may meet.
 
-use super::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, Stops, VISIBLE};
+use super::primitive::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, Stops, VISIBLE, bounds};
 use crate::GpuError;
 use glam::Vec3;
 use scene::{Doubles, Proxy, Scene, Shape};
@@ -101,16 +101,6 @@ fn add(all: &mut Gathered, doubles: &mut Doubles, number: u32, scene: &Scene, bl
             }
         }
     }
-}
-
-/// The smallest box around a primitive.
-pub(super) fn bounds(p: &GpuPrimitive) -> [Vec3; 2] {
-    let a = Vec3::from(p.a);
-    if p.object & BALL != 0 {
-        return [a - p.b[0], a + p.b[0]];
-    }
-    let (b, c) = (Vec3::from(p.b), Vec3::from(p.c));
-    [a.min(b).min(c), a.max(b).max(c)]
 }
 
 /// The power of two that brings coordinates up to `size` to about a million: products of three of them stay far from the

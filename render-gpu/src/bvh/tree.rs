@@ -1,7 +1,6 @@
 //! A hierarchy of two children a node, in the order in which the GPU reads it.
 
-use super::gather::bounds;
-use super::{GpuPrimitive, Stops};
+use super::primitive::{GpuPrimitive, Stops, bounds};
 use crate::GpuError;
 use bytemuck::{Pod, Zeroable};
 use core::time::Duration;

@@ -1,7 +1,11 @@
-use super::TILE;
+//! What a camera sees: its rays and the tiles of a window of its image, as the kernel reads them.
+
 use bytemuck::{Pod, Zeroable};
 use core::ops::Range;
 use scene::Camera;
+
+/// Side of the tiles of pixels in whose order points lie: [`GpuPoints::pixel`](crate::GpuPoints::pixel).
+pub const TILE: u32 = 8;
 
 /// `View` of trace.wgsl: the rays of a camera, and a window of its image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
