@@ -1,4 +1,4 @@
-// The types of geometry.rs and Coverage of source.rs.
+// The types of geometry.rs, and what visibility.rs calls `Coverage`.
 
 const OWN_NONE = 0xffffffffu;
 
