@@ -22,7 +22,7 @@ impl Material {
         }
     }
 
-    /// What the lobe at a place is made of; none beyond the last, and of models whose lobes have no such constants.
+    /// The constants of the lobe at a place. There are none beyond the last, and none of models whose lobes have no such constants.
     pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {
         match self {
             Self::Lambert(m) => m.term(place),

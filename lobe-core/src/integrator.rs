@@ -16,7 +16,7 @@ pub enum Method<'a> {
     Paper(&'a paper::Tables),
 }
 
-/// A stage of the paper's Table 1, told to a [`Observer`] when it ends.
+/// A stage of the paper's Table 1, told to an [`Observer`] when it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// (b) Light lobes and unshadowed integrals.

@@ -53,7 +53,7 @@ pub trait LightLobes {
     /// Radiance inside the cone, W·m⁻²·sr⁻¹ per channel.
     fn radiance(&self, at: &Receiver) -> Vec3;
 
-    /// What of the cone is bright, where that is not all of it: of a flat light, around which the cone is. None by default. A light that
+    /// The bright part of the cone, where that is not all of it: a flat light has one, and the cone is around it. None by default. A light that
     /// faces away has an empty cone.
     fn outline(&self, at: &Receiver) -> Option<Outline> {
         let _ = at;

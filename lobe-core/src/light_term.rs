@@ -10,7 +10,7 @@ pub struct LightTerm {
     pub cone: Cone,
     /// Its radiance, W·m⁻²·sr⁻¹ per channel.
     pub radiance: Vec3,
-    /// What of the cone is bright, where that is not all of it.
+    /// The bright part of the cone, where that is not all of it.
     pub outline: Option<Outline>,
 }
 

@@ -15,7 +15,7 @@ pub enum Coverage {
     Partial,
 }
 
-/// What is asked of a visibility strategy: one receiver, one light.
+/// A question to a visibility strategy: one receiver, one light.
 #[derive(Clone, Copy, Debug)]
 pub struct VisibilityQuery<'a> {
     /// The receiver.
@@ -24,7 +24,7 @@ pub struct VisibilityQuery<'a> {
     pub light: LightId,
     /// The light as seen from there, or the part of it that is asked about.
     pub cone: &'a Cone,
-    /// What of the cone is bright and above the receiver's horizon, where the light is flat. The cone may then be all of the hemisphere
+    /// The part of the cone that is bright and above the receiver's horizon, where the light is flat. The cone may then be all of the hemisphere
     /// before the light's plane.
     pub outline: Option<&'a Outline>,
     /// How bright the outline is where, if not everywhere the same.

@@ -33,7 +33,6 @@ mod sky;
 mod sobol;
 #[cfg(test)]
 mod test_blockers;
-mod vec3x8;
 
 pub use crate::ray_shader::RayShader;
 pub use crate::reference::{CheckpointError, Estimate, Geometry, REPLICATES, Reference, ReferenceJob};

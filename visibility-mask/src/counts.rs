@@ -11,8 +11,8 @@ pub(crate) const COARSE: usize = 2;
 #[derive(Clone, Debug)]
 pub(crate) struct Counts {
     bytes: [u8; SIDE * FINE * EIGHT],
-    pub(crate) lit: [f32; SIDE * FINE * EIGHT],
-    pub(crate) emitting: [f32; SIDE * FINE * EIGHT],
+    lit: [f32; SIDE * FINE * EIGHT],
+    emitting: [f32; SIDE * FINE * EIGHT],
     /// Depth and width of the mask of a whole disc that `emitting` is of, if it is.
     disc: Option<(u32, usize)>,
 }
@@ -42,6 +42,13 @@ impl Counts {
             add_up::<B>(rows, &mut bytes[..all], &mut emitting[..all]);
             *disc = whole;
         }
+    }
+    /// The columns of each row of the mask that they were filled from, in blocks of eight: what is lit, and what emits.
+    #[inline(always)]
+    pub(crate) fn rows<const B: usize>(&self, mask: &Mask) -> impl Iterator<Item = (&[[f32; EIGHT]], &[[f32; EIGHT]])> {
+        let (lit, _) = self.lit.as_chunks::<EIGHT>();
+        let (emitting, _) = self.emitting.as_chunks::<EIGHT>();
+        lit.chunks_exact(B).zip(emitting.chunks_exact(B)).take(mask.side())
     }
 }
 

@@ -168,10 +168,7 @@ fn by_texel<S: Simd, const B: usize>(
     let columns = x.map(|x| x.map(|x| shown.image.column(level, shown.places.at(x, mask.row_y(0)).x)));
     let none = f32x8::splat(simd, 0.0);
     let (mut lit, mut all) = ([none; 3], [none; 3]);
-    let (open, _) = counts.lit.as_chunks::<EIGHT>();
-    let (emitting, _) = counts.emitting.as_chunks::<EIGHT>();
-    let rows = open.chunks_exact(B).zip(emitting.chunks_exact(B));
-    for (j, (open, emitting)) in rows.take(mask.side()).enumerate() {
+    for (j, (open, emitting)) in counts.rows::<B>(mask).enumerate() {
         let (from, to) = mask.emitting(j);
         if from >= to {
             continue;
@@ -402,10 +399,7 @@ fn by_row<S: Simd, const B: usize, R: Rows>(
     }
     let [u, v, w] = columns;
     let (mut lit, mut all) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.0));
-    let (open, _) = counts.lit.as_chunks::<EIGHT>();
-    let (emitting, _) = counts.emitting.as_chunks::<EIGHT>();
-    let rows = open.chunks_exact(B).zip(emitting.chunks_exact(B));
-    for (j, (open, emitting)) in rows.take(side).enumerate() {
+    for (j, (open, emitting)) in counts.rows::<B>(mask).enumerate() {
         let p = f32x8::splat(simd, factors[0][j]);
         let q = f32x8::splat(simd, factors[1][j]);
         let r = f32x8::splat(simd, factors[2][j]);
@@ -432,10 +426,7 @@ fn by_sample<S: Simd, const B: usize, const N: usize>(
     let x = middles::<B>(mask);
     let none = f32x8::splat(simd, 0.0);
     let (mut lit, mut all) = ([none; N], [none; N]);
-    let (open, _) = counts.lit.as_chunks::<EIGHT>();
-    let (emitting, _) = counts.emitting.as_chunks::<EIGHT>();
-    let rows = open.chunks_exact(B).zip(emitting.chunks_exact(B));
-    for (j, (open, emitting)) in rows.take(mask.side()).enumerate() {
+    for (j, (open, emitting)) in counts.rows::<B>(mask).enumerate() {
         let (from, to) = mask.emitting(j);
         if from >= to {
             continue;

@@ -12,7 +12,7 @@ fn mask(depth: u32) -> Mask {
     mask
 }
 
-/// Share of the unit disc that the union leaves.
+/// The fraction of the unit disc that the union leaves.
 fn seen(union: &PolygonUnion, depth: u32) -> f32 {
     let mut mask = mask(depth);
     union.write(&mut mask);

@@ -188,11 +188,25 @@ impl World<'_> {
         out: &mut Vec<Primitive>,
     ) -> bool {
         out.clear();
+        self.each_triangle_in(shaft, of, limit, |i, _| out.push(Primitive::Triangle(i)))
+    }
+
+    /// Calls `found` with the triangles of the objects `of` whose boxes meet the shaft. False, and not with all of them, when
+    /// there are more than `limit`.
+    pub(super) fn each_triangle_in(
+        &self,
+        shaft: &Shaft,
+        of: impl Fn(u32) -> bool,
+        limit: usize,
+        mut found: impl FnMut(u32, &Corners),
+    ) -> bool {
+        let mut count = 0;
         !self.triangles.in_shaft(shaft, &mut |i, c| {
             if of(c.object) {
-                out.push(Primitive::Triangle(i));
+                found(i, c);
+                count += 1;
             }
-            out.len() > limit
+            count > limit
         })
     }
 

@@ -2,12 +2,11 @@
 
 use super::World;
 use super::primitive::{CLOSE, Corners, EDGE};
+use crate::vec3x8::{LANES, Vec3x8};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec3, Vec3A};
 use lobe_core::Shaft;
 use obvhs::ray::Ray;
-
-const LANES: usize = 8;
 
 /// x, y and z of eight vectors.
 type Rows = [[f32; LANES]; 3];
@@ -60,47 +59,31 @@ impl TriangleList {
     #[inline(always)]
     fn meet<S: Simd>(simd: S, block: &Block, ray: &Ray) -> [u32; 2] {
         let (v0, e1, e2) = (lanes(simd, &block.v0), lanes(simd, &block.e1), lanes(simd, &block.e2));
-        let (o, d) = (all(simd, ray.origin), all(simd, ray.direction));
-        let p = cross(d, e2);
-        let inverse = f32x8::splat(simd, 1.0) / dot(e1, p);
-        let s = [o[0] - v0[0], o[1] - v0[1], o[2] - v0[2]];
-        let u = dot(s, p) * inverse;
-        let q = cross(s, e1);
-        let v = dot(d, q) * inverse;
+        let o = Vec3x8::splat(simd, ray.origin.into());
+        let d = Vec3x8::splat(simd, ray.direction.into());
+        let p = d.cross(e2);
+        let inverse = f32x8::splat(simd, 1.0) / e1.dot(p);
+        let s = o - v0;
+        let u = s.dot(p) * inverse;
+        let q = s.cross(e1);
+        let v = d.dot(q) * inverse;
         let edge = f32x8::splat(simd, -EDGE);
         let inside = u.simd_ge(edge) & v.simd_ge(edge) & (u + v).simd_le(f32x8::splat(simd, 1.0 + EDGE));
         if inside.to_bitmask() == 0 {
             return [0; 2];
         }
-        let t = dot(e2, q) * inverse;
-        let slant_sq = (dot(e1, e1) * inverse) * (dot(e2, e2) * inverse);
-        let close = t.abs().simd_le((dot(s, s) * slant_sq).sqrt() * CLOSE);
+        let t = e2.dot(q) * inverse;
+        let slant_sq = (e1.length_squared() * inverse) * (e2.length_squared() * inverse);
+        let close = t.abs().simd_le((s.length_squared() * slant_sq).sqrt() * CLOSE);
         let between = t.simd_gt(f32x8::splat(simd, ray.tmin)) & t.simd_le(f32x8::splat(simd, ray.tmax));
         let (inside, close) = (inside.to_bitmask() as u32, close.to_bitmask() as u32);
         [inside & between.to_bitmask() as u32 & !close, inside & close]
     }
 }
 
-// Functions and no closures: a closure is not told to stay inside the code that has the wide instructions.
-
 #[inline(always)]
-fn lanes<S: Simd>(simd: S, [x, y, z]: &Rows) -> [f32x8<S>; 3] {
-    [f32x8::simd_from(simd, *x), f32x8::simd_from(simd, *y), f32x8::simd_from(simd, *z)]
-}
-
-#[inline(always)]
-fn all<S: Simd>(simd: S, v: Vec3A) -> [f32x8<S>; 3] {
-    [f32x8::splat(simd, v.x), f32x8::splat(simd, v.y), f32x8::splat(simd, v.z)]
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> f32x8<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+fn lanes<S: Simd>(simd: S, [x, y, z]: &Rows) -> Vec3x8<S> {
+    Vec3x8 { x: f32x8::simd_from(simd, *x), y: f32x8::simd_from(simd, *y), z: f32x8::simd_from(simd, *z) }
 }
 
 impl World<'_> {
@@ -114,12 +97,7 @@ impl World<'_> {
         out: &mut TriangleList,
     ) -> bool {
         out.clear();
-        !self.triangles.in_shaft(shaft, &mut |place, corners| {
-            if of(corners.object) {
-                out.push(place, corners);
-            }
-            out.places.len() > limit
-        })
+        self.each_triangle_in(shaft, of, limit, |place, corners| out.push(place, corners))
     }
 
     /// Whether one of some triangles lies on a ray of unit direction nearer than `distance`.

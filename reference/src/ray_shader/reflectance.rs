@@ -1,12 +1,12 @@
 //! A material at one receiver, for eight directions at once.
 
-use crate::vec3x8::{LANES, Vec3x8};
 use brdf::{Brdf, Material};
 use core::f32::consts::{FRAC_1_PI, LN_2, LOG2_E, TAU};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
+use ray_tracing::vec3x8::{LANES, Vec3x8};
 
 /// `f̃` of a material at a receiver, summed over directions.
 #[derive(Clone, Copy, Debug)]

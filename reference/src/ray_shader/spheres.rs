@@ -1,11 +1,11 @@
 //! Blocker spheres as shadow rays meet them.
 
-use crate::vec3x8::{LANES, Vec3x8};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 use glam::{Vec3, Vec3A};
 use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere};
 use ray_tracing::SphereHierarchy;
+use ray_tracing::vec3x8::{LANES, Vec3x8};
 use scene::BlockerSet;
 
 /// How receivers of its own object see a blocker.

@@ -6,45 +6,54 @@ use fearless_simd::{Simd, f32x8};
 use glam::Vec3;
 
 /// Lanes.
-pub(crate) const LANES: usize = 8;
+pub const LANES: usize = 8;
 
 /// Eight [`Vec3`]s: operations in the same order as theirs.
 #[derive(Clone, Copy)]
-pub(crate) struct Vec3x8<S: Simd> {
-    pub(crate) x: f32x8<S>,
-    pub(crate) y: f32x8<S>,
-    pub(crate) z: f32x8<S>,
+pub struct Vec3x8<S: Simd> {
+    pub x: f32x8<S>,
+    pub y: f32x8<S>,
+    pub z: f32x8<S>,
 }
 
 impl<S: Simd> Vec3x8<S> {
     #[inline(always)]
-    pub(crate) fn splat(simd: S, v: Vec3) -> Self {
+    pub fn splat(simd: S, v: Vec3) -> Self {
         Self { x: f32x8::splat(simd, v.x), y: f32x8::splat(simd, v.y), z: f32x8::splat(simd, v.z) }
     }
 
     #[inline(always)]
-    pub(crate) fn dot(self, with: Self) -> f32x8<S> {
+    pub fn dot(self, with: Self) -> f32x8<S> {
         self.x * with.x + self.y * with.y + self.z * with.z
     }
 
     #[inline(always)]
-    pub(crate) fn dot_one(self, with: Vec3) -> f32x8<S> {
+    pub fn cross(self, with: Self) -> Self {
+        Self {
+            x: self.y * with.z - self.z * with.y,
+            y: self.z * with.x - self.x * with.z,
+            z: self.x * with.y - self.y * with.x,
+        }
+    }
+
+    #[inline(always)]
+    pub fn dot_one(self, with: Vec3) -> f32x8<S> {
         self.x * with.x + self.y * with.y + self.z * with.z
     }
 
     #[inline(always)]
-    pub(crate) fn length_squared(self) -> f32x8<S> {
+    pub fn length_squared(self) -> f32x8<S> {
         self.dot(self)
     }
 
     #[inline(always)]
-    pub(crate) fn minus(self, v: Vec3) -> Self {
+    pub fn minus(self, v: Vec3) -> Self {
         Self { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
     }
 
     /// One of them.
     #[inline(always)]
-    pub(crate) fn get(self, lane: usize) -> Vec3 {
+    pub fn get(self, lane: usize) -> Vec3 {
         Vec3::new(self.x[lane], self.y[lane], self.z[lane])
     }
 }
