@@ -3,12 +3,13 @@ use crate::clip::{Ball, Behind, Chord, Front};
 use crate::count::{Counter, Fewest};
 use crate::hull::Fineness;
 use crate::lists::{Lists, Meshes};
-use crate::mesh::side;
+use crate::mesh::{is_flat, side};
 use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
+use crate::topology::normal;
 use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
-use lobe_core::{Cone, Coverage, Outline, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Coverage, Outline, Receiver, Shaft, Sphere, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 /// The size of details that a tolerance leaves out: this part of it, in radii of the light. Root mean square: measured so that
@@ -17,6 +18,9 @@ const DETAIL: f32 = 4.0;
 
 /// Triangles that may be cut are asked for in a ball so much larger than the shaft's end.
 const AROUND: f32 = 1.001;
+
+/// The cosine of two normals of one plane, at least.
+const ALONG: f64 = 0.999_9;
 
 /// Edges are added up before no wider disc than this, `1 − cos θ`.
 const WIDEST_DISC: f32 = 0.9;
@@ -131,6 +135,21 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
             });
         }
         scratch.is_met = self.hits.enter(shaft, &mut scratch.hits);
+        scratch.alike = None;
+    }
+
+    /// Whether receivers of the shaft that lie on one face of an object are all on one side of whatever triangles are near. Then
+    /// each sees as many surfaces before the light as the next one, if no outline is seen from any place between them.
+    #[cold]
+    fn is_one_side(&self, at: &Receiver, lists: &Lists) -> bool {
+        let mut first = None;
+        let mut is_plane = true;
+        self.hits.triangles_meeting(lists.origins(), &mut |corners| {
+            is_plane &= is_flat(*first.get_or_insert(corners), corners);
+        });
+        // The receivers' own triangle is among them: so they are on this plane, and start on the side of their face.
+        let is_theirs = |corners| normal(corners).normalize_or_zero().dot(at.face.as_dvec3()).abs() > ALONG;
+        is_plane && first.is_none_or(|corners| self.hits.has(at.object) && is_theirs(corners))
     }
 
     /// Finds the outlines in which a flat light's plane cuts triangles near it; whether there are any.
@@ -177,6 +196,8 @@ pub struct SilhouetteScratch<H> {
     lists: Lists,
     /// False when rays in the shaft meet nothing.
     is_met: bool,
+    /// What the shaft's receivers on one face see, known after the first.
+    alike: Option<Alike>,
     /// Whether the light holds parts of triangles, those that its surface cuts, and which light that is.
     is_clipped: bool,
     light: Sphere,
@@ -203,6 +224,20 @@ pub struct SilhouetteScratch<H> {
     hits: H,
 }
 
+/// Receivers of a shaft on one face of an object, and what they all see, if that is one answer.
+#[derive(Clone, Copy, Debug)]
+struct Alike {
+    object: u32,
+    face: Vec3,
+    coverage: Option<Coverage>,
+}
+
+impl Alike {
+    fn of(self, at: &Receiver) -> Option<Coverage> {
+        self.coverage.filter(|_| (self.object, self.face) == (at.object, at.face))
+    }
+}
+
 impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
     type Scratch = SilhouetteScratch<H::Scratch>;
 
@@ -211,6 +246,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             entered: false,
             lists: Lists::default(),
             is_met: true,
+            alike: None,
             is_clipped: false,
             // None that a caller could mean.
             light: Sphere { center: Vec3::NAN, radius: 0.0 },
@@ -258,6 +294,11 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
         if facet == Coverage::Dark {
             return Coverage::Dark;
         }
+        if facet == Coverage::Lit
+            && let Some(coverage) = scratch.alike.and_then(|alike| alike.of(at))
+        {
+            return coverage;
+        }
         scratch.origin = self.hits.leave(at.position, at.face);
         scratch.cone = *cone;
         scratch.silhouettes.clear();
@@ -286,11 +327,15 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
                 (middle, outline.distance(middle))
             }
         };
-        if self.hits.is_hit(scratch.origin, toward, distance, &mut scratch.hits) {
-            Coverage::Dark
-        } else {
-            Coverage::Lit
+        let is_hit = self.hits.is_hit(scratch.origin, toward, distance, &mut scratch.hits);
+        let coverage = if is_hit { Coverage::Dark } else { Coverage::Lit };
+        if scratch.alike.is_none() && scratch.lists.is_empty() && scratch.lists.is_shared() {
+            // A light that holds parts of triangles may have them before its front side for some receivers only.
+            let is_free = if query.outline.is_some() { scratch.near.is_empty() } else { !scratch.is_clipped };
+            let coverage = (is_free && self.is_one_side(at, &scratch.lists)).then_some(coverage);
+            scratch.alike = Some(Alike { object: at.object, face: at.face, coverage });
         }
+        coverage
     }
 
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {

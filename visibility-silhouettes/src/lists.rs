@@ -152,6 +152,17 @@ impl Lists {
         self.is_whole && self.edges.is_empty()
     }
 
+    /// A ball around all places where rays start.
+    pub(crate) fn origins(&self) -> Sphere {
+        let Sphere { center, radius } = self.shaft.receivers;
+        Sphere { center, radius: radius + self.margin }
+    }
+
+    /// Whether the shaft has more than one receiver.
+    pub(crate) fn is_shared(&self) -> bool {
+        self.shaft.receivers.radius > 0.0
+    }
+
     /// What a receiver of the shaft has to look at.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&mut self, simd: S, meshes: &Meshes<'_>, at: Vec3) -> &EdgeList {

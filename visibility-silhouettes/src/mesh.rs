@@ -475,7 +475,7 @@ pub(crate) fn side(corners: [Vec3; 3], x: Vec3) -> f32 {
 }
 
 /// Whether two triangles lie in one plane and face the same way, so that no point is between their planes.
-fn is_flat(one: [Vec3; 3], other: [Vec3; 3]) -> bool {
+pub(crate) fn is_flat(one: [Vec3; 3], other: [Vec3; 3]) -> bool {
     let [m, n] = [normal(one), normal(other)];
     m.dot(n) > 0.0 && m.cross(n) == glam::DVec3::ZERO && other.iter().all(|p| side(one, *p) == 0.0)
 }

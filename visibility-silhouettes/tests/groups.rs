@@ -1,0 +1,126 @@
+//! Receivers that are asked together see what each sees alone, and those on a face with one answer take one ray.
+
+mod common;
+
+use common::{Rays, Soup, cuboid};
+use core::sync::atomic::{AtomicU32, Ordering};
+use glam::{DVec3, Vec3};
+use lobe_core::oracle::Random;
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
+use visibility_mask::Blockers;
+use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
+
+/// The triangles that boxes around them say may meet a ball, and how many rays were asked.
+struct Counted<'s>(Rays<'s>, AtomicU32);
+
+impl AnyHit for Counted<'_> {
+    type Scratch = ();
+
+    fn scratch(&self) {}
+
+    fn leave(&self, position: Vec3, face: Vec3) -> Vec3 {
+        self.0.leave(position, face)
+    }
+
+    fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, (): &mut ()) -> bool {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.is_hit(origin, direction, distance, &mut ())
+    }
+
+    fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
+        let meets = |[a, b, c]: &[Vec3; 3]| {
+            let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+            let n = (*b - *a).as_dvec3().cross((*c - *a).as_dvec3()).normalize_or_zero();
+            let away = n.dot((ball.center - *a).as_dvec3()).abs();
+            ball.center.clamp(low, high).distance(ball.center) <= ball.radius && away <= f64::from(ball.radius) * 1.0001
+        };
+        self.0.0.corners().filter(meets).for_each(visit);
+    }
+
+    fn has(&self, object: u32) -> bool {
+        object == 0
+    }
+}
+
+/// Two triangles of a floor, level or not, which may have a plate close above it.
+fn floor(random: &mut Random, gap: Option<f32>) -> Soup {
+    let up = if random.between(0.0, 1.0) < 0.5 { DVec3::Y } else { (DVec3::Y + random.axis() * 0.3).normalize() };
+    let u = up.any_orthonormal_vector() * 6.0;
+    let v = up.cross(u);
+    let mut soup = Soup::default();
+    for height in [Some(0.0), gap].into_iter().flatten() {
+        let middle = up * (f64::from(height) - 1.5);
+        let [a, b, c, d] = [-u - v, u - v, u + v, v - u].map(|p| (middle + p).as_vec3());
+        soup.add([a, b, c]);
+        soup.add([a, c, d]);
+    }
+    soup
+}
+
+#[test]
+fn a_group_sees_what_each_sees_alone() {
+    let mut random = Random::new(12);
+    let [mut rays, mut receivers, mut partial, mut dark] = [0; 4];
+    for case in 0..1500 {
+        let gap = (case % 3 == 1).then(|| random.log_uniform(3e-6, 0.1) as f32);
+        let mut soup = floor(&mut random, gap);
+        for _ in 0..random.between(0.0, 4.0) as usize {
+            let center = (random.axis() * random.between(0.0, 1.8)).as_vec3();
+            soup.append(&cuboid(&mut random, center, 0.7));
+        }
+        let corners: Vec<_> = soup.corners().collect();
+        if case % 5 == 0 {
+            // A wall across the floor whose sides are far away.
+            let (n, place) = (random.axis(), (corners[0][0] + corners[0][1] + corners[0][2]).as_dvec3() / 3.0);
+            let u = n.any_orthonormal_vector() * 40.0;
+            let at = place + random.axis() * random.between(0.0, 0.5);
+            soup.add([at - u - n.cross(u), at + u - n.cross(u), at + n.cross(u)].map(|p| p.as_vec3()));
+        }
+        let [a, b, c] = if case % 4 == 0 {
+            corners[(random.bits() % corners.len() as u64) as usize]
+        } else {
+            corners[usize::from(gap.is_some() && case % 2 == 0) * 2]
+        };
+        let light = Sphere {
+            center: (random.axis() * 0.8).as_vec3() + Vec3::Y * random.between(0.5, 3.0) as f32,
+            radius: random.log_uniform(0.01, 0.7) as f32,
+        };
+        let side = (b - a).cross(c - a).normalize_or_zero();
+        let face = if side.dot(light.center - a) < 0.0 { -side } else { side };
+        let (u, v) = (random.between(0.1, 0.4) as f32, random.between(0.1, 0.4) as f32);
+        let size = random.log_uniform(1e-3, 0.1) as f32;
+        let at: Vec<Receiver> = (0..24)
+            .map(|_| {
+                let [s, t] = [u, v].map(|w| w + size * random.between(-1.0, 1.0) as f32);
+                let position = a + (b - a) * s + (c - a) * t;
+                Receiver { position, normal: face, face, view: face, object: 0 }
+            })
+            .collect();
+        let center = at.iter().map(|at| at.position).sum::<Vec3>() / at.len() as f32;
+        let radius = at.iter().map(|at| at.position.distance(center)).fold(0.0, f32::max) * 1.001;
+        let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
+        let blockers = SilhouetteBlockers::new(&meshes, Counted(Rays(&soup), AtomicU32::new(0)));
+        let see = |at: &Receiver, scratch: &mut _| {
+            let cone = Cone::of_sphere(at.position, light);
+            blockers.select(&VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003)), scratch)
+        };
+        let alone: Vec<Coverage> = at.iter().map(|at| see(at, &mut blockers.scratch())).collect();
+        let asked = blockers.any_hit().1.swap(0, Ordering::Relaxed);
+        let mut scratch = blockers.scratch();
+        let group = Shaft { receivers: Sphere { center, radius }, light, id: LightId(0) };
+        let all = blockers.enter(&group, &mut scratch);
+        for (at, alone) in at.iter().zip(&alone) {
+            let together = if all == Coverage::Lit { all } else { see(at, &mut scratch) };
+            // Of a longer list more outlines may seem to be before the light: the mask tells.
+            assert!(together == *alone || together == Coverage::Partial, "case {case}: {at:?} {together:?} {alone:?}");
+        }
+        if gap.is_none() && case % 4 != 0 && alone.iter().all(|seen| *seen == alone[0]) {
+            rays += blockers.any_hit().1.swap(0, Ordering::Relaxed);
+            receivers += asked;
+        }
+        partial += u32::from(alone.contains(&Coverage::Partial));
+        dark += u32::from(alone.contains(&Coverage::Dark));
+    }
+    println!("{rays} rays instead of {receivers}; {partial} cases partly lit, {dark} dark");
+    assert!(partial > 80 && dark > 300 && 4 * rays < 3 * receivers, "{rays} {receivers} {partial} {dark}");
+}
