@@ -13,7 +13,7 @@ mod triangle_packet;
 pub(crate) use self::appearance::varied;
 pub(crate) use self::camera_rays::{Rays, SIDE};
 pub(crate) use self::packet::{NOTHING, RayPacket};
-use self::primitive::{Ball, Corners};
+use self::primitive::{Ball, Corners, Plane};
 pub use self::query::{Primitive, Region};
 pub(crate) use self::surface::RayHits;
 pub(crate) use self::tree::{Tree, hierarchy_scale};
@@ -178,13 +178,16 @@ impl<'s> World<'s> {
         position + face_normal * (5e-7 * position.abs().max_element())
     }
 
-    /// Distance along the ray to a triangle's plane, from the corners as they are in the scene, in f64.
+    /// Distance along the ray to a triangle's plane.
     #[cold]
     fn distance_to_plane(&self, corners: &Corners, ray: &Ray) -> f32 {
+        self.plane(corners).distance(ray)
+    }
+
+    /// A triangle's plane, from the corners as they are in the scene.
+    fn plane(&self, corners: &Corners) -> Plane {
         let [a, b, c] = self.positions(corners);
-        let n = (b - a).cross(c - a);
-        let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
-        (n.dot(a - origin) / n.dot(direction)) as f32
+        Plane { corner: a, normal: (b - a).cross(c - a) }
     }
 
     /// The corners of a triangle.

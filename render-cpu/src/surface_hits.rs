@@ -52,7 +52,7 @@ impl AnyHit for SurfaceHits<'_> {
 
     fn is_hit(&self, origin: Vec3, direction: Vec3, distance: f32, scratch: &mut HitScratch) -> bool {
         if scratch.is_listed {
-            return self.world.meets_one(origin, direction, distance, &scratch.listed);
+            return self.world.meets_one(origin, direction, distance, &mut scratch.listed);
         }
         self.world.first_met(origin, direction, distance, |o| self.has(o), &mut scratch.last)
     }

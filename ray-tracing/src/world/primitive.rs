@@ -61,6 +61,22 @@ impl Corners {
     }
 }
 
+/// The plane of a triangle in f64: a corner, and the normal, of any length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    pub(super) corner: DVec3,
+    pub(super) normal: DVec3,
+}
+
+impl Plane {
+    /// Distance along a ray.
+    #[inline]
+    pub(super) fn distance(&self, ray: &Ray) -> f32 {
+        let (origin, direction) = (Vec3::from(ray.origin).as_dvec3(), Vec3::from(ray.direction).as_dvec3());
+        (self.normal.dot(self.corner - origin) / self.normal.dot(direction)) as f32
+    }
+}
+
 #[derive(Clone, Copy)]
 pub(crate) struct Ball {
     pub(super) sphere: Sphere,

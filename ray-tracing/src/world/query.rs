@@ -112,30 +112,49 @@ impl Region {
     }
 }
 
-/// Whether a box is certainly outside the hull of two balls.
-fn outside(shaft: &Shaft, bounds: &Aabb) -> bool {
-    let (from, to) = (Vec3A::from(shaft.receivers.center), Vec3A::from(shaft.light.center));
-    let (center, half) = (bounds.center(), 0.500_01 * bounds.diagonal());
-    let (wide_from, wide_to) = (Vec3A::splat(shaft.receivers.radius), Vec3A::splat(shaft.light.radius));
-    let (low, high) = ((from - wide_from).min(to - wide_to), (from + wide_from).max(to + wide_to));
-    if (bounds.min.cmpgt(high) | bounds.max.cmplt(low)).any() {
-        return true;
+/// The hull of a shaft's two balls, as boxes are compared with it.
+struct ShaftHull {
+    from: Vec3A,
+    to: Vec3A,
+    /// Radii around `from` and `to`.
+    radii: [f32; 2],
+    axis: Vec3A,
+    low: Vec3A,
+    high: Vec3A,
+}
+
+impl ShaftHull {
+    fn new(shaft: &Shaft) -> Self {
+        let (from, to) = (Vec3A::from(shaft.receivers.center), Vec3A::from(shaft.light.center));
+        let radii = [shaft.receivers.radius, shaft.light.radius];
+        let [wide_from, wide_to] = radii.map(Vec3A::splat);
+        let (low, high) = ((from - wide_from).min(to - wide_to), (from + wide_from).max(to + wide_to));
+        Self { from, to, radii, axis: (to - from).normalize_or_zero(), low, high }
     }
-    let axis = (to - from).normalize_or_zero();
-    let across = center - from - axis * (center - from).dot(axis);
-    let length = across.length();
-    if length.is_nan() || length <= 0.0 {
-        return false;
+
+    /// Whether a box is certainly outside.
+    #[inline]
+    fn misses(&self, bounds: &Aabb) -> bool {
+        if (bounds.min.cmpgt(self.high) | bounds.max.cmplt(self.low)).any() {
+            return true;
+        }
+        let (center, half) = (bounds.center(), 0.500_01 * bounds.diagonal());
+        let across = center - self.from - self.axis * (center - self.from).dot(self.axis);
+        let length = across.length();
+        if length.is_nan() || length <= 0.0 {
+            return false;
+        }
+        let n = across / length;
+        let near = n.dot(center - self.from) - n.abs().dot(half);
+        near > 1.000_01 * self.radii[0].max(n.dot(self.to - self.from) + self.radii[1])
     }
-    let n = across / length;
-    let near = n.dot(center - from) - n.abs().dot(half);
-    near > 1.000_01 * shaft.receivers.radius.max(n.dot(to - from) + shaft.light.radius)
 }
 
 impl<T> Tree<T> {
     /// Calls `found` for primitives whose boxes meet the shaft, until it says true. Returns whether it did.
     pub(crate) fn in_shaft(&self, shaft: &Shaft, found: &mut impl FnMut(u32, &T) -> bool) -> bool {
-        self.visit(&|b| outside(shaft, b), found)
+        let hull = ShaftHull::new(shaft);
+        self.visit(&|b| hull.misses(b), found)
     }
 
     /// Calls `found` for primitives in boxes that are not `outside`, until it says true. Returns whether it did.

@@ -1,7 +1,7 @@
 //! A few triangles against single rays, eight at a time.
 
 use super::World;
-use super::primitive::{CLOSE, Corners, EDGE};
+use super::primitive::{CLOSE, Corners, EDGE, Plane};
 use crate::vec3x8::{LANES, Vec3x8};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec3, Vec3A};
@@ -25,6 +25,20 @@ pub struct TriangleList {
     blocks: Vec<Block>,
     /// Their places in the hierarchy.
     places: Vec<u32>,
+    /// The planes of those that rays have started near to.
+    planes: Vec<(u32, Plane)>,
+}
+
+impl TriangleList {
+    /// The plane of a triangle by its place in the hierarchy, made once: most rays start near to the same triangle.
+    fn plane(&mut self, world: &World<'_>, place: u32) -> Plane {
+        if let Some((_, plane)) = self.planes.iter().find(|(other, _)| *other == place) {
+            return *plane;
+        }
+        let plane = world.plane(&world.triangles.primitives[place as usize]);
+        self.planes.push((place, plane));
+        plane
+    }
 }
 
 impl TriangleList {
@@ -37,6 +51,7 @@ impl TriangleList {
     fn clear(&mut self) {
         self.blocks.clear();
         self.places.clear();
+        self.planes.clear();
     }
 
     fn push(&mut self, place: u32, corners: &Corners) {
@@ -102,22 +117,22 @@ impl World<'_> {
 
     /// Whether one of some triangles lies on a ray of unit direction nearer than `distance`.
     #[must_use]
-    pub fn meets_one(&self, origin: Vec3, direction: Vec3, distance: f32, of: &TriangleList) -> bool {
+    pub fn meets_one(&self, origin: Vec3, direction: Vec3, distance: f32, of: &mut TriangleList) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
         dispatch!(Level::new(), simd => self.meets_listed(simd, &ray, of))
     }
 
     #[inline(always)]
-    fn meets_listed<S: Simd>(&self, simd: S, ray: &Ray, of: &TriangleList) -> bool {
-        for (number, block) in of.blocks.iter().enumerate() {
-            let [met, mut close] = TriangleList::meet(simd, block, ray);
+    fn meets_listed<S: Simd>(&self, simd: S, ray: &Ray, of: &mut TriangleList) -> bool {
+        for number in 0..of.blocks.len() {
+            let [met, mut close] = TriangleList::meet(simd, &of.blocks[number], ray);
             if met != 0 {
                 return true;
             }
             while close != 0 {
-                let place = of.places.get(LANES * number + close.trailing_zeros() as usize);
-                let t = place.map(|place| self.distance_to_plane(&self.triangles.primitives[*place as usize], ray));
-                if t.is_some_and(|t| t > ray.tmin && t <= ray.tmax) {
+                let place = of.places[LANES * number + close.trailing_zeros() as usize];
+                let t = of.plane(self, place).distance(ray);
+                if t > ray.tmin && t <= ray.tmax {
                     return true;
                 }
                 close &= close - 1;
@@ -173,7 +188,11 @@ mod tests {
                 let corners = &world.triangles.primitives[*place as usize];
                 corners.meet(&ray, |_| world.distance_to_plane(corners, &ray)).is_finite()
             });
-            assert_eq!(world.meets_one(origin, direction, distance, &list), alone, "{origin} {direction} {distance}");
+            assert_eq!(
+                world.meets_one(origin, direction, distance, &mut list),
+                alone,
+                "{origin} {direction} {distance}"
+            );
             (hits, rays) = (hits + usize::from(alone), rays + 1);
         }
         assert!(hits > rays / 20 && hits < rays / 2, "{hits} of {rays}");
