@@ -175,15 +175,78 @@ impl Cone {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightId(pub u32);
 
-/// All the segments from a ball of receivers to a ball of light: what a tile of receivers asks its blockers for.
+/// All the segments from some receivers to a ball of light: what a tile of receivers asks its blockers for.
+///
+/// The receivers are in a ball and in a box with the same middle: those of a tile on a floor that is seen at a low angle are in a
+/// flat and narrow one.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaft {
     /// Bounds the receivers.
     pub receivers: Sphere,
+    /// How far they are from the middle of the ball along each axis, at most.
+    pub half_extent: Vec3,
     /// Bounds the light; an infinite light has a far away centre.
     pub light: Sphere,
     /// Which light.
     pub id: LightId,
+}
+
+impl Shaft {
+    /// From receivers in a ball.
+    #[must_use]
+    pub fn new(receivers: Sphere, light: Sphere, id: LightId) -> Self {
+        Self { receivers, half_extent: Vec3::splat(receivers.radius), light, id }
+    }
+
+    /// The receivers are in this box as well.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lobe_core::{LightId, Shaft, Sphere};
+    /// let (receivers, light) = (Sphere { center: Vec3::ZERO, radius: 2.0 }, Sphere { center: Vec3::Y * 9.0, radius: 1.0 });
+    /// let shaft = Shaft::new(receivers, light, LightId(0)).in_box(Vec3::new(2.0, 0.0, 0.5));
+    /// assert_eq!([Vec3::X, Vec3::Y, Vec3::NEG_Z].map(|n| shaft.support(n)), [2.0, 0.0, 0.5]);
+    /// ```
+    #[must_use]
+    pub fn in_box(self, half_extent: Vec3) -> Self {
+        Self { half_extent, ..self }
+    }
+
+    /// How far the receivers are from their middle along a unit direction, at most.
+    #[inline]
+    #[must_use]
+    pub fn support(&self, direction: Vec3) -> f32 {
+        self.receivers.radius.min(self.half_extent.dot(direction.abs()))
+    }
+
+    /// Eight planes around the way to the light: outward unit normals, and how far along them all segments stay from the middle of
+    /// the receivers, apart from rounding.
+    #[must_use]
+    pub fn sides(&self) -> [(Vec3, f32); 8] {
+        use core::f32::consts::FRAC_1_SQRT_2 as DIAGONAL;
+        const AROUND: [[f32; 2]; 8] = [
+            [1.0, 0.0],
+            [DIAGONAL, DIAGONAL],
+            [0.0, 1.0],
+            [-DIAGONAL, DIAGONAL],
+            [-1.0, 0.0],
+            [-DIAGONAL, -DIAGONAL],
+            [0.0, -1.0],
+            [DIAGONAL, -DIAGONAL],
+        ];
+        let to = self.light.center - self.receivers.center;
+        let length = to.length();
+        let axis = if length > 0.0 { to / length } else { Vec3::Z };
+        let (u, v) = orthonormal_basis(axis);
+        AROUND.map(|[x, y]| {
+            let beside = u * x + v * y;
+            // Touches both ends: n·axis = (r₀ − r₁)/d.
+            let slope = ((self.support(beside) - self.light.radius) / length).clamp(-1.0, 1.0);
+            let slope = if slope.is_nan() { -1.0 } else { slope };
+            let normal = axis * slope + beside * (1.0 - slope * slope).max(0.0).sqrt();
+            (normal, self.support(normal).max(normal.dot(to) + self.light.radius))
+        })
+    }
 }
 
 /// Two unit vectors that make a right-handed orthonormal basis `(u, v, axis)`, without a singular direction

@@ -59,9 +59,10 @@ impl Tile {
         &self.blocks[block].0
     }
 
-    /// A ball around the box of the receivers' positions.
+    /// A ball around the receivers, and half the sides of a box around them with the same middle
+    /// ([`Shaft::in_box`](crate::Shaft::in_box)).
     #[must_use]
-    pub fn ball(&self) -> Sphere {
+    pub fn bounds(&self) -> (Sphere, Vec3) {
         let positions = || self.blocks.iter().map(|block| &block.0);
         let extreme = |c: usize, start: f32, better: fn(f32, f32) -> bool| {
             let mut best = [start; WIDTH];
@@ -73,7 +74,7 @@ impl Tile {
             best.into_iter().fold(start, |a, b| if better(b, a) { b } else { a })
         };
         if self.is_empty() {
-            return Sphere::default();
+            return (Sphere::default(), Vec3::ZERO);
         }
         let low = Vec3::from_array([0, 1, 2].map(|c| extreme(c, f32::INFINITY, |a, b| a < b)));
         let high = Vec3::from_array([0, 1, 2].map(|c| extreme(c, f32::NEG_INFINITY, |a, b| a > b)));
@@ -86,7 +87,8 @@ impl Tile {
             }
         }
         let radius = square.into_iter().fold(0.0, f32::max).sqrt();
-        Sphere { center, radius: radius * 1.000_01 }
+        let half_extent = (high - center).max(center - low);
+        (Sphere { center, radius: radius * 1.000_01 }, half_extent * 1.000_01)
     }
 }
 

@@ -88,7 +88,7 @@ impl<'a> VisibilityQuery<'a> {
 ///
 /// let boxed: Box<dyn DynVisibility> = Box::new(Veil);
 /// let (mut scratch, mut sum) = (boxed.scratch(), VisibilitySum::default());
-/// let shaft = Shaft { receivers: Sphere { center: at.position, radius: 0.0 }, light: ball, id: LightId(0) };
+/// let shaft = Shaft::new(Sphere { center: at.position, radius: 0.0 }, ball, LightId(0));
 /// let mut visit = Visit::enter(&boxed, &shaft, Accuracy::new(0.003), &mut scratch);
 /// let call = Call { at: &at, brdf: brdf.lobes(), light: &light };
 /// let lit = Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).unwrap();
@@ -140,7 +140,7 @@ pub trait VisibilityLobes: Sync {
 /// use lobe_core::*;
 /// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
 /// let light = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
-/// let shaft = Shaft { receivers: Sphere::default(), light, id: LightId(0) };
+/// let shaft = Shaft::new(Sphere::default(), light, LightId(0));
 /// let mut scratch = Unshadowed.scratch();
 /// let mut visit = Visit::enter(&Unshadowed, &shaft, Accuracy::default(), &mut scratch);
 /// assert_eq!(visit.entered(), Coverage::Lit);

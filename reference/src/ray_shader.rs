@@ -138,14 +138,12 @@ impl<'a> RayShader<'a> {
     ) {
         out.fill(Vec3::ZERO);
         scratch.tile.set(receivers);
-        let ball = scratch.tile.ball();
+        let (ball, half_extent) = scratch.tile.bounds();
         let mut rays = 0;
         for (number, light) in frame.lights.iter().enumerate() {
             if self.culled {
-                self.enter(
-                    &Shaft { receivers: ball, light: light.bounds_from(&ball), id: LightId(number as u32) },
-                    scratch,
-                );
+                let shaft = Shaft::new(ball, light.bounds_from(&ball), LightId(number as u32)).in_box(half_extent);
+                self.enter(&shaft, scratch);
             }
             for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
                 let cone = light.cone(at);

@@ -153,10 +153,8 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
         for tile in tiles {
             let center = tile.iter().map(|r| r.position).sum::<Vec3>() / tile.len() as f32;
             let radius = 1.000_01 * tile.iter().map(|r| r.position.distance(center)).fold(0.0, f32::max);
-            let entered = visibility.enter(
-                &Shaft { receivers: Sphere { center, radius }, light: light.ball, id: LightId(0) },
-                &mut scratch,
-            );
+            let entered =
+                visibility.enter(&Shaft::new(Sphere { center, radius }, light.ball, LightId(0)), &mut scratch);
             count += tile.len();
             if entered == Coverage::Lit {
                 continue;

@@ -185,7 +185,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         work.restart();
         let Memory { tile, lobes, cones, integrals, lit, scratch, sum } = memory;
         tile.set(receivers);
-        let ball = tile.ball();
+        let (ball, half_extent) = tile.bounds();
         // A facet under a smooth normal may hide the light that nothing else does.
         let is_bent = receivers.iter().any(|at| at.face != at.normal);
         lobes.take_microfacets(self.takes_microfacets(frame.accuracy));
@@ -199,7 +199,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             }
             work.lap(1);
             let (id, accuracy) = (LightId(l as u32), frame.accuracy);
-            let shaft = Shaft { receivers: ball, light: light.bounds_from(&ball), id };
+            let shaft = Shaft::new(ball, light.bounds_from(&ball), id).in_box(half_extent);
             // Of receivers that all face away from the light none is asked about.
             let any = !matches!(self.method, Method::Moments)
                 || light.image().is_some()

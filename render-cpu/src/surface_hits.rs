@@ -60,7 +60,7 @@ impl AnyHit for SurfaceHits<'_> {
     fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
         let scene = self.world.scene();
         let mut found = Vec::new();
-        let whole = Shaft { receivers: ball, light: ball, id: LightId(0) };
+        let whole = Shaft::new(ball, ball, LightId(0));
         self.world.triangles_in(&whole, |o| self.has(o), usize::MAX, &mut found);
         for (object, index) in self.world.names(&found) {
             if let Shape::Mesh(mesh) = &scene.objects[object as usize].shape {

@@ -36,7 +36,7 @@ fn coverage(rays: &RayBlockers<'_>, at: &Receiver, light: Sphere, entered: bool)
     let mut scratch = visibility.scratch();
     if entered {
         let receivers = Sphere { center: at.position, radius: 0.05 };
-        visibility.enter(&Shaft { receivers, light, id: LightId(0) }, &mut scratch);
+        visibility.enter(&Shaft::new(receivers, light, LightId(0)), &mut scratch);
     }
     let cone = Cone::of_sphere(at.position, light);
     visibility.coverage(&VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch)
@@ -99,7 +99,7 @@ fn lit_points_cost_nothing() {
             Receiver { position: Vec3::new(x, 0.0, 0.3), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
         if entered {
             let receivers = Sphere { center: at.position, radius: 0.05 };
-            visibility.enter(&Shaft { receivers, light: ball, id: LightId(0) }, &mut scratch);
+            visibility.enter(&Shaft::new(receivers, ball, LightId(0)), &mut scratch);
         }
         let cone = Cone::of_sphere(at.position, ball);
         let before = visibility.blockers().rays();
@@ -137,7 +137,7 @@ fn a_large_floor_is_lit() {
         let cone = Cone::of_sphere(position, light);
         let mut scratch = rays.scratch();
         let receivers = Sphere { center: position, radius: 0.05 };
-        rays.enter(&Shaft { receivers, light, id: LightId(0) }, &mut scratch);
+        rays.enter(&Shaft::new(receivers, light, LightId(0)), &mut scratch);
         let coverage = rays.select(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);
         assert_eq!(coverage, Coverage::Lit, "{position}");
     }

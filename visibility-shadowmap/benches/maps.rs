@@ -45,10 +45,7 @@ fn maps(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("draw", resolution), |b| b.iter(build));
         let strategy = MaskVisibility::new(ShadowMapBlockers::new(vec![build()]));
         let mut scratch = strategy.scratch();
-        strategy.enter(
-            &Shaft { receivers: Sphere { center: position, radius: 0.06 }, light: LIGHT, id: LightId(0) },
-            &mut scratch,
-        );
+        strategy.enter(&Shaft::new(Sphere { center: position, radius: 0.06 }, LIGHT, LightId(0)), &mut scratch);
         group.bench_function(BenchmarkId::new("mask of a point", resolution), |b| {
             b.iter(|| strategy.coverage(black_box(&query), &mut scratch));
         });

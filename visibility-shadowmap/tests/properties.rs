@@ -63,10 +63,7 @@ fn nothing_blocks_at_no_cost() {
         let blockers = blockers(&mesh, LIGHT, 64);
         let mut scratch = blockers.scratch();
         for at in floor_points(50, 3.0, 1) {
-            blockers.enter(
-                &Shaft { receivers: Sphere { center: at.position, radius: 0.1 }, light: LIGHT, id: LightId(0) },
-                &mut scratch,
-            );
+            blockers.enter(&Shaft::new(Sphere { center: at.position, radius: 0.1 }, LIGHT, LightId(0)), &mut scratch);
             let cone = Cone::of_sphere(at.position, LIGHT);
             let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
             assert_eq!(blockers.select(&query, &mut scratch), Coverage::Lit);
@@ -348,7 +345,7 @@ fn groups_scratch_and_dispatch_change_no_bit() {
             Lobe { exponent: [20.0, 2000.0][k % 2], flux: Vec3::ONE, axis, factor: 0.0 }
         };
         let radius = [0.0, 0.2, 2.0][k % 3];
-        let shaft = Shaft { receivers: Sphere { center: at.position + Vec3::X * radius * 0.9, radius }, light, id };
+        let shaft = Shaft::new(Sphere { center: at.position + Vec3::X * radius * 0.9, radius }, light, id);
         let mut fresh = strategy.scratch();
         let fresh = fraction(Visit::alone(&strategy, id, ACCURACY, &mut fresh), &mut sum, at, light, &lobe);
         let entered = fraction(Visit::enter(&strategy, &shaft, ACCURACY, &mut old), &mut sum, at, light, &lobe);
@@ -361,7 +358,7 @@ fn groups_scratch_and_dispatch_change_no_bit() {
     // A light without a map is not shadowed.
     let other = Sphere { center: Vec3::new(0.0, 3.0, 9.0), radius: 0.5 };
     let at = receiver(Vec3::new(0.0, 0.0, -0.5), Vec3::Y);
-    let shaft = Shaft { receivers: Sphere { center: at.position, radius: 0.1 }, light: other, id: LightId(2) };
+    let shaft = Shaft::new(Sphere { center: at.position, radius: 0.1 }, other, LightId(2));
     let lobe = Lobe { exponent: 1.0, flux: Vec3::ONE, axis: Vec3::Y, factor: 0.0 };
     let visit = Visit::enter(&strategy, &shaft, ACCURACY, &mut old);
     assert_eq!(fraction(visit, &mut sum, &at, other, &lobe), 1.0);
@@ -462,7 +459,7 @@ fn any_scene_is_finite_and_a_group_changes_nothing() {
                 continue;
             }
             let group = Sphere { center: position, radius: 0.1 * scale as f32 };
-            blockers.enter(&Shaft { receivers: group, light, id: LightId(0) }, &mut scratch);
+            blockers.enter(&Shaft::new(group, light, LightId(0)), &mut scratch);
             let seen = share(&blockers, &mut scratch, &at, light);
             let alone = share(&blockers, &mut blockers.scratch(), &at, light);
             assert!(seen.is_nan() || (0.0..=1.0).contains(&seen), "{case}: {seen}");

@@ -284,10 +284,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
                 Outline::ball,
             );
             let light = Sphere { center: at.position + seen.center, ..seen };
-            self.list(
-                &Shaft { receivers: Sphere { center: at.position, radius: 0.0 }, light, id: query.light },
-                scratch,
-            );
+            self.list(&Shaft::new(Sphere { center: at.position, radius: 0.0 }, light, query.light), scratch);
         }
         let facet = if self.hits.has(at.object) { facet_coverage(at, cone) } else { Coverage::Lit };
         scratch.facet = (facet == Coverage::Partial).then_some(at.face);

@@ -2,10 +2,9 @@ use crate::edge_list::{Block, COARSE, COLUMNS, ENDS, EdgeList, EdgePacket, PLANE
 use crate::lanes::Lanes3;
 use crate::mesh::SilhouetteMesh;
 use crate::tree::{Node, Tree};
-use core::f32::consts::TAU;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use lobe_core::{Sphere, orthonormal_basis};
+use lobe_core::{Shaft, Sphere};
 
 /// Planes around the hull: eight along the light's path, one behind the receivers, one behind the light.
 const SIDES: usize = 10;
@@ -19,7 +18,7 @@ pub(crate) struct Hull {
     /// Outward unit normals and the offsets along them.
     normals: [Vec3; SIDES],
     offsets: [f32; SIDES],
-    /// The receivers: in a box, each side so much farther.
+    /// The places where rays start: in a box, and in a ball with the same middle.
     center: Vec3,
     half: Vec3,
     radius: f32,
@@ -70,35 +69,20 @@ struct Leaf {
 }
 
 impl Hull {
-    /// Receivers in the box `center ± half`, or in a ball of `radius` about each of its points. `margin` is for the rounding
-    /// of positions.
-    pub(crate) fn new(center: Vec3, half: Vec3, radius: f32, light: Sphere, margin: f32) -> Self {
-        let to = light.center - center;
-        let length = to.length();
-        let axis = if length > 0.0 { to / length } else { Vec3::Z };
-        let (u, v) = orthonormal_basis(axis);
-        let support = |n: Vec3| n.abs().dot(half) + radius;
-        let mut hull = Self { center, half, radius, reach: 0.0, light, ..Self::default() };
-        let outer = (center.abs() + half + radius).element_sum();
-        hull.reach = outer + margin;
+    /// Of a shaft whose rays start within `margin` of its receivers.
+    pub(crate) fn new(shaft: &Shaft, margin: f32) -> Self {
+        let Shaft { receivers: Sphere { center, radius }, light, .. } = *shaft;
+        let (half, radius) = (shaft.half_extent + margin, radius + margin);
+        let outer = (center.abs() + half).element_sum();
+        let mut hull = Self { center, half, radius, reach: outer + margin, light, ..Self::default() };
         // Offsets are differences of long numbers.
         let margin = margin + 2e-6 * (outer + light.center.abs().element_sum() + light.radius);
-        for k in 0..SIDES {
-            let normal = match k {
-                0 => -axis,
-                1 => axis,
-                k => {
-                    let (sin, cos) = (TAU * k as f32 / (SIDES - 2) as f32).sin_cos();
-                    let beside = u * cos + v * sin;
-                    // Touches the ball of receivers and the light: n·axis = (r₀ − r₁)/d.
-                    let slope = ((support(beside) - light.radius) / length).clamp(-1.0, 1.0);
-                    let slope = if slope.is_nan() { -1.0 } else { slope };
-                    axis * slope + beside * (1.0 - slope * slope).max(0.0).sqrt()
-                }
-            };
+        let to = light.center - center;
+        let axis = to.try_normalize().unwrap_or(Vec3::Z);
+        let ends = [-axis, axis].map(|n| (n, shaft.support(n).max(n.dot(to) + light.radius)));
+        for (k, (normal, reach)) in ends.into_iter().chain(shaft.sides()).enumerate() {
             hull.normals[k] = normal;
-            let (near, far) = (normal.dot(center) + support(normal), normal.dot(light.center) + light.radius);
-            hull.offsets[k] = near.max(far) + margin;
+            hull.offsets[k] = normal.dot(center) + reach + margin;
         }
         hull
     }
@@ -116,7 +100,7 @@ impl Hull {
         // the box to any receiver that is axis·d > |d| sin α.
         let axis = node.vectors(simd, 6);
         let to = middle.minus(self.center);
-        let wide = half.plus(self.half + self.radius);
+        let wide = half.plus(self.half);
         let far = to.abs().plus_each(wide);
         let far = far.dot_each(far).sqrt();
         let unsure = (far + self.reach) * (2.0 * UNSURE);
@@ -167,8 +151,9 @@ impl Hull {
     fn faces<S: Simd>(&self, simd: S, packet: &impl EdgePacket, column: usize) -> [mask32x8<S>; 2] {
         let (normal, d) = (vectors(simd, packet, column), packet.column(simd, column + 3));
         let middle = normal.dot(self.center) + d;
-        let unsure = d.abs() * (2.0 * UNSURE) + (2.0 * UNSURE * self.reach + 1.000_001 * self.radius);
-        let (reach, zero) = (normal.abs().dot(self.half) + unsure, f32x8::splat(simd, 0.0));
+        let unsure = d.abs() * (2.0 * UNSURE) + 2.0 * UNSURE * self.reach;
+        let wide = normal.abs().dot(self.half).min(f32x8::splat(simd, self.radius));
+        let (reach, zero) = (wide * 1.000_001 + unsure, f32x8::splat(simd, 0.0));
         [(middle - reach).simd_gt(zero), (middle + reach).simd_lt(zero)]
     }
 
@@ -189,7 +174,7 @@ impl Hull {
         let Memory { forms, stack, leaves } = memory;
         leaves.clear();
         let [fine, coarse] = mesh.trees();
-        let radius = self.half.length() + self.radius;
+        let radius = self.radius;
         let scales = fineness.scales(self.center, radius, self.light);
         forms.clear();
         if !fineness.is_exact(self.light) {

@@ -14,7 +14,7 @@ const LONG: usize = 48;
 /// A shaft that meets more leaves of the hierarchy than this, and than so many times those of one receiver in its middle, has no
 /// list: its receivers are too far apart.
 const SHAFT_LEAVES: usize = 64;
-const SHAFT_TIMES: usize = 24;
+const SHAFT_TIMES: usize = 12;
 /// Then receivers in a ball share one: as many neighbours as fit in so many times the distance to the nearest.
 const NEIGHBOURS: f32 = 2.5;
 /// The same for a ball; if it has no list, so many receivers have lists of their own before the next try.
@@ -109,7 +109,7 @@ struct Ball {
 impl Default for Lists {
     fn default() -> Self {
         Self {
-            shaft: Shaft { receivers: Sphere::default(), light: Sphere::default(), id: LightId(0) },
+            shaft: Shaft::new(Sphere::default(), Sphere::default(), LightId(0)),
             margin: 0.0,
             edges: EdgeList::default(),
             is_whole: true,
@@ -134,16 +134,15 @@ impl Lists {
         self.shaft = *shaft;
         self.margin = margin;
         let Sphere { center, radius } = shaft.receivers;
-        let mut list = |receivers, most| {
-            let hull = Self::hull(receivers, shaft.light, margin);
-            meshes.list(&hull, most, &mut self.memory, &mut self.edges)
-        };
+        let mut list =
+            |shaft: &Shaft, most| meshes.list(&Hull::new(shaft, margin), most, &mut self.memory, &mut self.edges);
         let first = if radius > 0.0 { SHAFT_LEAVES } else { usize::MAX };
-        self.is_whole = list(shaft.receivers, first).is_some();
+        self.is_whole = list(shaft, first).is_some();
         if !self.is_whole {
-            self.single = list(Sphere { center, radius: 0.0 }, usize::MAX).unwrap_or_default();
+            let middle = Shaft::new(Sphere { center, radius: 0.0 }, shaft.light, shaft.id);
+            self.single = list(&middle, usize::MAX).unwrap_or_default();
             let most = SHAFT_TIMES * self.single;
-            self.is_whole = most > first && list(shaft.receivers, most).is_some();
+            self.is_whole = most > first && list(shaft, most).is_some();
         }
     }
 
@@ -169,28 +168,24 @@ impl Lists {
         if !self.is_whole {
             return self.around(meshes, at);
         }
-        let Sphere { center, radius } = self.shaft.receivers;
+        let Shaft { receivers: Sphere { center, radius }, half_extent, light, id } = self.shaft;
         if self.edges.len() < LONG || radius <= 0.0 {
             return &self.edges;
         }
-        let size = 2.0 * radius / CELLS as f32;
-        let low = center - radius;
+        let size = 2.0 * half_extent / CELLS as f32;
+        let low = center - half_extent;
+        // Any of a box without thickness.
         let place = ((at - low) / size).floor().clamp(Vec3::ZERO, Vec3::splat(CELLS as f32 - 1.0));
-        let cell = &mut self.cells[(place.x as usize * CELLS + place.y as usize) * CELLS + place.z as usize];
+        let place = place.to_array().map(|x| x as usize);
+        let cell = &mut self.cells[(place[0] * CELLS + place[1]) * CELLS + place[2]];
         if !cell.is_listed {
-            let half = Vec3::splat(0.5 * size);
-            Hull::new(low + (place + 0.5) * size, half, self.margin, self.shaft.light, self.margin).narrow(
-                simd,
-                &self.edges,
-                &mut cell.edges,
-            );
+            let middle = low + (Vec3::from_array(place.map(|x| x as f32)) + 0.5) * size;
+            let ball = Sphere { center: middle, radius: 0.5 * size.length() };
+            let shaft = Shaft::new(ball, light, id).in_box(0.5 * size);
+            Hull::new(&shaft, self.margin).narrow(simd, &self.edges, &mut cell.edges);
             cell.is_listed = true;
         }
         &cell.edges
-    }
-
-    fn hull(receivers: Sphere, light: Sphere, margin: f32) -> Hull {
-        Hull::new(receivers.center, Vec3::ZERO, receivers.radius + margin, light, margin)
     }
 
     /// The list of a ball that a receiver is in.
@@ -215,9 +210,11 @@ impl Lists {
         let is_alone = self.alone > 0 || near == f32::INFINITY;
         self.alone = self.alone.saturating_sub(1);
         let mut receivers = Sphere { center: at, radius: if is_alone { 0.0 } else { NEIGHBOURS * near.sqrt() } };
-        let (light, margin) = (self.shaft.light, self.margin);
-        let mut list =
-            |receivers, most| meshes.list(&Self::hull(receivers, light, margin), most, &mut self.memory, &mut edges);
+        let (Shaft { light, id, .. }, margin) = (self.shaft, self.margin);
+        let mut list = |receivers, most| {
+            let hull = Hull::new(&Shaft::new(receivers, light, id), margin);
+            meshes.list(&hull, most, &mut self.memory, &mut edges)
+        };
         let most = BALL_LEAVES.max(BALL_TIMES * self.single);
         if is_alone || list(receivers, most).is_none() {
             self.alone = if is_alone { self.alone } else { ALONE };

@@ -57,7 +57,7 @@ fn shares<H: AnyHit>(
         for part in parts {
             let receivers =
                 if alone { Sphere { center: part[0].position, radius: 0.0 } } else { Sphere { center, radius } };
-            let shaft = Shaft { receivers, light: LIGHT, id: LightId(0) };
+            let shaft = Shaft::new(receivers, LIGHT, LightId(0));
             let mut visit = Visit::enter(&strategy, &shaft, Accuracy::new(tolerance), &mut scratch);
             for at in part {
                 let cone = Cone::of_sphere(at.position, LIGHT);

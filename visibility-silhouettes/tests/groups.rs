@@ -107,7 +107,8 @@ fn a_group_sees_what_each_sees_alone() {
         let alone: Vec<Coverage> = at.iter().map(|at| see(at, &mut blockers.scratch())).collect();
         let asked = blockers.any_hit().1.swap(0, Ordering::Relaxed);
         let mut scratch = blockers.scratch();
-        let group = Shaft { receivers: Sphere { center, radius }, light, id: LightId(0) };
+        let half_extent = at.iter().map(|at| (at.position - center).abs()).fold(Vec3::ZERO, Vec3::max);
+        let group = Shaft::new(Sphere { center, radius }, light, LightId(0)).in_box(half_extent * 1.000_01);
         let all = blockers.enter(&group, &mut scratch);
         for (at, alone) in at.iter().zip(&alone) {
             let together = if all == Coverage::Lit { all } else { see(at, &mut scratch) };

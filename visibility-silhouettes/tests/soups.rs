@@ -133,7 +133,7 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
     if !case.is_multiple_of(3) {
         let center = position + vec(random, 0.1);
         blockers.enter(
-            &Shaft { receivers: Sphere { center, radius: position.distance(center) * 1.001 }, light, id: LightId(0) },
+            &Shaft::new(Sphere { center, radius: position.distance(center) * 1.001 }, light, LightId(0)),
             &mut scratch,
         );
     }
@@ -321,8 +321,7 @@ fn masks_do_not_depend_on_the_group() {
         let mut seen = |receivers: &[Receiver], entered: bool| -> Vec<_> {
             let mut scratch = blockers.scratch();
             if entered {
-                let shaft =
-                    Shaft { receivers: Sphere { center: middle, radius: reach * 1.001 }, light, id: LightId(0) };
+                let shaft = Shaft::new(Sphere { center: middle, radius: reach * 1.001 }, light, LightId(0));
                 blockers.enter(&shaft, &mut scratch);
             }
             let mut look = |at: &Receiver| {

@@ -44,7 +44,7 @@ fn point(c: &mut Criterion) {
     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
     let cone = Cone::of_sphere(position, LIGHT);
     let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.005));
-    let shaft = Shaft { receivers: Sphere { center: position, radius: 0.06 }, light: LIGHT, id: LightId(0) };
+    let shaft = Shaft::new(Sphere { center: position, radius: 0.06 }, LIGHT, LightId(0));
     for count in [64, 512, 4096] {
         let blockers = SphereBlockers::new(&blob(count), &vec![0; count], &[]);
         let mut scratch = blockers.scratch();

@@ -41,7 +41,7 @@ fn shaft(random: &mut Random, case: usize, scale: f64) -> Shaft {
         4 => ball.radius = (light.center - ball.center).length() - light.radius.min(1e-3 * scale as f32),
         _ => {}
     }
-    Shaft { receivers: Sphere { radius: ball.radius.max(0.0), ..ball }, light, id: LightId(0) }
+    Shaft::new(Sphere { radius: ball.radius.max(0.0), ..ball }, light, LightId(0))
 }
 
 /// Distance from a point to the convex hull of two balls: the nearest ball of all between them, by golden section (the
@@ -85,6 +85,50 @@ fn candidates_are_what_meets_the_shaft() {
     }
     println!("{met} of {all} meet the shaft, {extra} more are kept");
     assert!(met > 1000 && met * 4 < all);
+}
+
+/// Of receivers in a narrow box fewer spheres are candidates: none that comes near to a segment from one of them to the light.
+#[test]
+fn a_narrow_box_keeps_what_may_block() {
+    let mut random = Random::new(14);
+    let (mut kept, mut left_out) = (0, 0);
+    for case in 0..150 {
+        let scale = [1.0, 1e-4, 1e6][case % 3];
+        let spheres = cloud(&mut random, 500, scale);
+        let blockers = SphereBlockers::new(&spheres, &vec![0; spheres.len()], &[]);
+        let shaft = shaft(&mut random, case, scale);
+        let radius = f64::from(shaft.receivers.radius);
+        let mut half_extent = DVec3::new(random.uniform(), random.uniform(), random.uniform()) * radius;
+        half_extent[case % 3] *= [0.0, 0.1, 0.5][case / 3 % 3];
+        let [mut in_ball, mut in_box] = [blockers.scratch(), blockers.scratch()];
+        blockers.enter(&shaft, &mut in_ball);
+        blockers.enter(&shaft.in_box(half_extent.as_vec3()), &mut in_box);
+        let middle = shaft.receivers.center.as_dvec3();
+        let segments: Vec<[DVec3; 2]> = (0..200)
+            .map(|_| {
+                let corner = DVec3::from_array(core::array::from_fn(|_| random.between(-1.3, 1.3)))
+                    .clamp(-DVec3::ONE, DVec3::ONE);
+                let from = middle + (corner * half_extent).clamp_length_max(radius);
+                [from, shaft.light.center.as_dvec3() + random.axis() * f64::from(shaft.light.radius)]
+            })
+            .collect();
+        for i in in_ball.candidates() {
+            let sphere = spheres[*i as usize];
+            if in_box.candidates().contains(i) {
+                kept += 1;
+                continue;
+            }
+            left_out += 1;
+            let center = sphere.center.as_dvec3();
+            let near = segments.iter().map(|[a, b]| {
+                let t = ((center - *a).dot(*b - *a) / a.distance_squared(*b)).clamp(0.0, 1.0);
+                center.distance(a.lerp(*b, t))
+            });
+            assert!(near.fold(f64::INFINITY, f64::min) > f64::from(sphere.radius), "case {case}: sphere {i}");
+        }
+    }
+    println!("{kept} kept, {left_out} left out");
+    assert!(left_out > 500 && kept > 500, "{kept} {left_out}");
 }
 
 #[test]
@@ -278,10 +322,7 @@ fn what_is_not_a_sphere_blocks_nothing() {
         assert_eq!(scratch.candidates(), want);
         let lit = if want.is_empty() { Coverage::Lit } else { Coverage::Partial };
         assert_eq!(blockers.select(&query, &mut scratch), lit);
-        blockers.enter(
-            &Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light, id: LightId(0) },
-            &mut scratch,
-        );
+        blockers.enter(&Shaft::new(Sphere { center: Vec3::ZERO, radius: 0.1 }, light, LightId(0)), &mut scratch);
         assert_eq!(scratch.candidates(), want);
         assert_eq!(blockers.select(&query, &mut scratch), lit);
     };
@@ -298,8 +339,7 @@ fn what_is_not_a_sphere_blocks_nothing() {
         [good, Sphere { center: Vec3::splat(3e38), radius: 3e38 }, Sphere { center: Vec3::splat(-3e38), radius: 1.0 }];
     let blockers = SphereBlockers::new(&huge, &[0; 3], &[]);
     let mut scratch = blockers.scratch();
-    blockers
-        .enter(&Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 0.1 }, light, id: LightId(0) }, &mut scratch);
+    blockers.enter(&Shaft::new(Sphere { center: Vec3::ZERO, radius: 0.1 }, light, LightId(0)), &mut scratch);
     assert!(scratch.candidates().contains(&0));
 }
 
@@ -368,11 +408,7 @@ fn timings() {
                     let points: Vec<Vec3> = (0..64).map(|i| point(tile, i)).collect();
                     let center = 0.5 * (points[0] + points[63]);
                     (
-                        Shaft {
-                            receivers: Sphere { center, radius: 1.00001 * center.distance(points[0]) },
-                            light,
-                            id: LightId(0),
-                        },
+                        Shaft::new(Sphere { center, radius: 1.00001 * center.distance(points[0]) }, light, LightId(0)),
                         points,
                     )
                 })

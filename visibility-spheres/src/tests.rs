@@ -177,7 +177,7 @@ fn culling_never_changes_a_result() {
         let objects = vec![0; spheres.len()];
         let blockers = SphereBlockers::new(&spheres, &objects, &[(0.3 * scale) as f32]);
         let (mut all, mut some) = (blockers.scratch(), blockers.scratch());
-        blockers.enter(&Shaft { receivers: ball, light, id: LightId(0) }, &mut some);
+        blockers.enter(&Shaft::new(ball, light, LightId(0)), &mut some);
         for _ in 0..10 {
             let position =
                 ball.center + (random.axis() * f64::from(ball.radius) * random.uniform().cbrt() * 0.9999).as_vec3();
@@ -202,7 +202,7 @@ fn culling_never_changes_a_result() {
             }
             let mut none = blockers.scratch();
             let everywhere = Sphere { center: position, radius: f32::MAX };
-            blockers.enter(&Shaft { receivers: everywhere, light, id: LightId(0) }, &mut none);
+            blockers.enter(&Shaft::new(everywhere, light, LightId(0)), &mut none);
             assert_eq!(blockers.select(&query, &mut none), a);
         }
         total += spheres.len();
@@ -219,10 +219,7 @@ fn shafts_at_infinity_keep_what_they_meet() {
     for distance in [1e3_f32, 1e8, 1e18, 1e20, 1e30] {
         let light = Sphere { center: Vec3::Z * distance, radius: 0.01 * distance };
         let mut scratch = blockers.scratch();
-        blockers.enter(
-            &Shaft { receivers: Sphere { center: Vec3::ZERO, radius: 1.0 }, light, id: LightId(0) },
-            &mut scratch,
-        );
+        blockers.enter(&Shaft::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, light, LightId(0)), &mut scratch);
         assert_eq!(scratch.candidates().len(), 1, "distance {distance}");
     }
 }

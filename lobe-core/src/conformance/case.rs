@@ -263,7 +263,7 @@ impl Visitor for Fraction<'_> {
                 let answers = GROUPS.map(|radius| {
                     // At the group's rim.
                     let center = case.position.as_vec3() + 0.99 * radius * case.at().normal.any_orthonormal_vector();
-                    let shaft = Shaft { receivers: Sphere { center, radius }, light: case.light.rounded(), id: LIGHT };
+                    let shaft = Shaft::new(Sphere { center, radius }, case.light.rounded(), LIGHT);
                     case.ask(strategy, Some(&shaft), &mut scratch, &mut sum)
                 });
                 if answers[0] == answers[1] { answers[0] } else { Err(LobesFull) }

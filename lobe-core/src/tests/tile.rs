@@ -133,8 +133,9 @@ fn cones_and_balls_of_tiles_are_the_single_ones() {
         let at: Vec<Receiver> = (0..count).map(|_| Receiver { position: point(), ..receiver(DVec3::Z) }).collect();
         let mut tile = Tile::default();
         tile.set(&at);
-        let ball = tile.ball();
-        assert!(at.iter().all(|at| at.position.distance(ball.center) <= ball.radius));
+        let (ball, half_extent) = tile.bounds();
+        let is_in_box = |p: Vec3| (p - ball.center).abs().cmple(half_extent).all();
+        assert!(at.iter().all(|at| at.position.distance(ball.center) <= ball.radius && is_in_box(at.position)));
         let mut balls = vec![Sphere { center: point(), radius: 0.5 }, Sphere { center: point(), radius: 0.0 }];
         balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.3 }));
         balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.0 }));

@@ -112,12 +112,14 @@ impl Region {
     }
 }
 
-/// The hull of a shaft's two balls, as boxes are compared with it.
+/// Rays may start so much beside the receivers, as a part of the radius of a ball around these, and ends are rounded by it.
+const SLACK: f32 = 1e-5;
+
+/// A shaft's hull, as boxes are compared with it.
 struct ShaftHull {
+    shaft: Shaft,
     from: Vec3A,
     to: Vec3A,
-    /// Radii around `from` and `to`.
-    radii: [f32; 2],
     axis: Vec3A,
     low: Vec3A,
     high: Vec3A,
@@ -126,10 +128,10 @@ struct ShaftHull {
 impl ShaftHull {
     fn new(shaft: &Shaft) -> Self {
         let (from, to) = (Vec3A::from(shaft.receivers.center), Vec3A::from(shaft.light.center));
-        let radii = [shaft.receivers.radius, shaft.light.radius];
-        let [wide_from, wide_to] = radii.map(Vec3A::splat);
+        let wide_from = Vec3A::from(shaft.half_extent + SLACK * shaft.receivers.radius);
+        let wide_to = Vec3A::splat(shaft.light.radius);
         let (low, high) = ((from - wide_from).min(to - wide_to), (from + wide_from).max(to + wide_to));
-        Self { from, to, radii, axis: (to - from).normalize_or_zero(), low, high }
+        Self { shaft: *shaft, from, to, axis: (to - from).normalize_or_zero(), low, high }
     }
 
     /// Whether a box is certainly outside.
@@ -146,7 +148,9 @@ impl ShaftHull {
         }
         let n = across / length;
         let near = n.dot(center - self.from) - n.abs().dot(half);
-        near > 1.000_01 * self.radii[0].max(n.dot(self.to - self.from) + self.radii[1])
+        let Shaft { receivers, light, .. } = self.shaft;
+        let wide_from = self.shaft.support(n.into()) + SLACK * receivers.radius;
+        near > wide_from.max((1.0 + SLACK) * (n.dot(self.to - self.from) + light.radius))
     }
 }
 

@@ -184,7 +184,7 @@ impl Setup {
         let receivers = &self.receivers[tile * TILE..(tile + 1) * TILE];
         let center = receivers.iter().map(|at| at.position).sum::<Vec3>() / receivers.len() as f32;
         let radius = receivers.iter().map(|at| at.position.distance(center)).fold(0.0, f32::max) * 1.000_01;
-        Shaft { receivers: Sphere { center, radius }, light: self.light, id: LightId(0) }
+        Shaft::new(Sphere { center, radius }, self.light, LightId(0))
     }
 
     /// What each receiver sees.
