@@ -23,6 +23,9 @@ pub(crate) struct ShaftTest {
 /// Relative to distances; f32 rounds the terms of a test by some 1e-7.
 const SLACK: f32 = 4e-6;
 
+/// A box is narrow that is thinner than this part of the ball.
+const NARROW: f32 = 0.6;
+
 impl ShaftTest {
     pub(crate) fn new(shaft: &Shaft) -> Self {
         let (from, to) = (shaft.receivers, shaft.light);
@@ -80,6 +83,22 @@ impl ShaftTest {
             *apart = (aside_sq + offset * offset > reach * reach) | (reach < 0.0);
         }
         !bits(apart)
+    }
+
+    /// Leaves out spheres beside the box of the receivers and what lies between it and the light.
+    pub(crate) fn narrow(&self, spheres: &[Sphere], candidates: &mut Vec<u32>) {
+        let Shaft { receivers, half_extent, light, .. } = self.shaft;
+        if self.nested.is_some() || half_extent.min_element() >= NARROW * receivers.radius {
+            return;
+        }
+        let rounding = SLACK * (self.length + light.radius);
+        let sides = self.shaft.sides();
+        candidates.retain(|i| {
+            let Sphere { center, radius } = spheres[*i as usize];
+            let w = center - receivers.center;
+            let near = radius + SLACK * (radius + w.abs().element_sum()) + rounding;
+            sides.iter().all(|(n, reach)| n.dot(w) - near <= *reach)
+        });
     }
 
     /// Whether a sphere hides all of the light from all receivers, each at least `clear` away from it along the tangent.
