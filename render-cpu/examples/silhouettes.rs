@@ -8,8 +8,8 @@ use brdf::Material;
 use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::{
-    Accuracy, Coverage, LightId, LightLobes, Lobe, Look, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery,
-    VisibilitySum, Visit,
+    Accuracy, Coverage, LightId, LightLobes, Lobe, Look, Receiver, Shaft, Sphere, Tile, VisibilityLobes,
+    VisibilityQuery, VisibilitySum, Visit,
 };
 use render_cpu::{GBuffer, RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use scene::{GROUP, Mesh, Scene, Shape, load_animated};
@@ -145,16 +145,16 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
 
 /// Microseconds a receiver.
 fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], light: &SphereLight) -> f64 {
-    let mut scratch = visibility.scratch();
+    let (mut scratch, mut bounds) = (visibility.scratch(), Tile::default());
     let start = clock();
     let (mut count, mut spent) = (0, 0.0);
     // The clock has steps of some milliseconds.
     while spent < 6e7 {
         for tile in tiles {
-            let center = tile.iter().map(|r| r.position).sum::<Vec3>() / tile.len() as f32;
-            let radius = 1.000_01 * tile.iter().map(|r| r.position.distance(center)).fold(0.0, f32::max);
-            let entered =
-                visibility.enter(&Shaft::new(Sphere { center, radius }, light.ball, LightId(0)), &mut scratch);
+            bounds.set(tile);
+            let (ball, half_extent) = bounds.bounds();
+            let shaft = Shaft::new(ball, light.ball, LightId(0)).in_box(half_extent);
+            let entered = visibility.enter(&shaft, &mut scratch);
             count += tile.len();
             if entered == Coverage::Lit {
                 continue;
