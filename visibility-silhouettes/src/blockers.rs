@@ -80,7 +80,8 @@ pub trait AnyHit: Sync {
 /// # Cost
 /// A hierarchy of edges is asked once for a group of receivers that are close together, and cells of the group keep shorter
 /// lists; else it is asked for a few neighbours or for each receiver. A receiver then takes time for each edge in its list, for
-/// each silhouette before its light, for each row that one crosses, and for one ray. `cargo run --release -p cosine-lobes-render-cpu
+/// each silhouette before its light, for each row that one crosses, and for one ray. Of a group that sees no silhouette the receivers on
+/// one face take one ray, where all triangles around them are in the plane of that face. `cargo run --release -p cosine-lobes-render-cpu
 /// --example silhouettes` measures it beside shadow rays.
 ///
 /// # Simplified forms
