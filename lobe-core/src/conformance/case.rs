@@ -24,8 +24,8 @@ const HALF_ANGLES: [f64; 3] = [0.02, 0.14, 0.44];
 /// Balls of [`Case::crowd`].
 const CROWD: usize = 60;
 
-/// Groups of receivers in [`Use::Entered`]: their radii.
-const GROUPS: [f32; 2] = [0.05, 0.8];
+/// Groups of receivers in [`Use::Entered`]: their radii, and whether they are in a narrow box.
+const GROUPS: [(f32, bool); 4] = [(0.05, false), (0.05, true), (0.8, false), (0.8, true)];
 
 /// Half-angle of a light that fills nearly half of the sky.
 pub(super) const WIDE: f64 = 1.0;
@@ -260,13 +260,17 @@ impl Visitor for Fraction<'_> {
                 other.and_then(|_| case.ask(strategy, None, &mut scratch, &mut sum))
             }
             Use::Entered => {
-                let answers = GROUPS.map(|radius| {
+                let answers = GROUPS.map(|(radius, is_boxed)| {
                     // At the group's rim.
-                    let center = case.position.as_vec3() + 0.99 * radius * case.at().normal.any_orthonormal_vector();
-                    let shaft = Shaft::new(Sphere { center, radius }, case.light.rounded(), LIGHT);
+                    let position = case.position.as_vec3();
+                    let center = position + 0.99 * radius * case.at().normal.any_orthonormal_vector();
+                    let mut shaft = Shaft::new(Sphere { center, radius }, case.light.rounded(), LIGHT);
+                    if is_boxed {
+                        shaft = shaft.in_box((position - center).abs() * 1.000_01);
+                    }
                     case.ask(strategy, Some(&shaft), &mut scratch, &mut sum)
                 });
-                if answers[0] == answers[1] { answers[0] } else { Err(LobesFull) }
+                if answers.iter().all(|answer| *answer == answers[0]) { answers[0] } else { Err(LobesFull) }
             }
             Use::Boxed => {
                 let boxed: Box<dyn DynVisibility + '_> = Box::new(ByReference(strategy));
