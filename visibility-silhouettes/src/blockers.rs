@@ -145,8 +145,9 @@ impl<'m, H: AnyHit> SilhouetteBlockers<'m, H> {
     fn is_one_side(&self, at: &Receiver, lists: &Lists) -> bool {
         let mut first = None;
         let mut is_plane = true;
-        self.hits.triangles_meeting(lists.origins(), &mut |corners| {
-            is_plane &= is_flat(*first.get_or_insert(corners), corners);
+        self.hits.triangles_meeting(lists.origins(), &mut |corners| match first {
+            None => first = Some(corners),
+            Some(first) => is_plane &= is_flat(first, corners),
         });
         // The receivers' own triangle is among them: so they are on this plane, and start on the side of their face.
         let is_theirs = |corners| normal(corners).normalize_or_zero().dot(at.face.as_dvec3()).abs() > ALONG;
