@@ -219,33 +219,42 @@ impl Shaft {
         self.receivers.radius.min(self.half_extent.dot(direction.abs()))
     }
 
-    /// Eight planes around the way to the light: outward unit normals, and how far along them all segments stay from the middle of
-    /// the receivers, apart from rounding.
+    /// How far along a unit direction all segments stay from the middle of the receivers, apart from rounding.
+    #[inline]
     #[must_use]
-    pub fn sides(&self) -> [(Vec3, f32); 8] {
+    pub fn reach(&self, direction: Vec3) -> f32 {
+        let to = self.light.center - self.receivers.center;
+        self.support(direction).max(direction.dot(to) + self.light.radius)
+    }
+
+    /// Outward unit normals of ten planes around all segments, [`reach`](Self::reach) from the middle of the receivers: eight around the way
+    /// to the light, one behind each end.
+    #[must_use]
+    pub fn normals(&self) -> [Vec3; 10] {
         use core::f32::consts::FRAC_1_SQRT_2 as DIAGONAL;
-        const AROUND: [[f32; 2]; 8] = [
-            [1.0, 0.0],
-            [DIAGONAL, DIAGONAL],
-            [0.0, 1.0],
-            [-DIAGONAL, DIAGONAL],
-            [-1.0, 0.0],
-            [-DIAGONAL, -DIAGONAL],
-            [0.0, -1.0],
-            [DIAGONAL, -DIAGONAL],
-        ];
         let to = self.light.center - self.receivers.center;
         let length = to.length();
         let axis = if length > 0.0 { to / length } else { Vec3::Z };
         let (u, v) = orthonormal_basis(axis);
-        AROUND.map(|[x, y]| {
+        let side = |x: f32, y: f32| {
             let beside = u * x + v * y;
             // Touches both ends: n·axis = (r₀ − r₁)/d.
             let slope = ((self.support(beside) - self.light.radius) / length).clamp(-1.0, 1.0);
             let slope = if slope.is_nan() { -1.0 } else { slope };
-            let normal = axis * slope + beside * (1.0 - slope * slope).max(0.0).sqrt();
-            (normal, self.support(normal).max(normal.dot(to) + self.light.radius))
-        })
+            axis * slope + beside * (1.0 - slope * slope).max(0.0).sqrt()
+        };
+        [
+            side(1.0, 0.0),
+            side(DIAGONAL, DIAGONAL),
+            side(0.0, 1.0),
+            side(-DIAGONAL, DIAGONAL),
+            side(-1.0, 0.0),
+            side(-DIAGONAL, -DIAGONAL),
+            side(0.0, -1.0),
+            side(DIAGONAL, -DIAGONAL),
+            axis,
+            -axis,
+        ]
     }
 }
 

@@ -198,7 +198,7 @@ pub struct SilhouetteScratch<H> {
     lists: Lists,
     /// False when rays in the shaft meet nothing.
     is_met: bool,
-    /// What the shaft's receivers on one face see, known after the first.
+    /// One answer for the shaft's receivers on one face, sought after the first of them.
     alike: Option<Alike>,
     /// Whether the light holds parts of triangles, those that its surface cuts, and which light that is.
     is_clipped: bool,

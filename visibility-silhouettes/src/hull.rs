@@ -77,13 +77,8 @@ impl Hull {
         let mut hull = Self { center, half, radius, reach: outer + margin, light, ..Self::default() };
         // Offsets are differences of long numbers.
         let margin = margin + 2e-6 * (outer + light.center.abs().element_sum() + light.radius);
-        let to = light.center - center;
-        let axis = to.try_normalize().unwrap_or(Vec3::Z);
-        let ends = [-axis, axis].map(|n| (n, shaft.support(n).max(n.dot(to) + light.radius)));
-        for (k, (normal, reach)) in ends.into_iter().chain(shaft.sides()).enumerate() {
-            hull.normals[k] = normal;
-            hull.offsets[k] = normal.dot(center) + reach + margin;
-        }
+        hull.normals = shaft.normals();
+        hull.offsets = hull.normals.map(|n| n.dot(center) + shaft.reach(n) + margin);
         hull
     }
 

@@ -168,8 +168,8 @@ impl Lists {
         if !self.is_whole {
             return self.around(meshes, at);
         }
-        let Shaft { receivers: Sphere { center, radius }, half_extent, light, id } = self.shaft;
-        if self.edges.len() < LONG || radius <= 0.0 {
+        let Shaft { receivers: Sphere { center, .. }, half_extent, light, id } = self.shaft;
+        if self.edges.len() < LONG || !self.is_shared() {
             return &self.edges;
         }
         let size = 2.0 * half_extent / CELLS as f32;

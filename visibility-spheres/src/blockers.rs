@@ -252,9 +252,7 @@ impl Blockers for SphereBlockers {
         let test = ShaftTest::new(shaft);
         scratch.candidates.clear();
         self.tree.find(&test, &mut scratch.stack, &mut scratch.candidates);
-        if scratch.candidates.len() > LANES {
-            test.narrow(&self.spheres, &mut scratch.candidates);
-        }
+        test.narrow(&self.spheres, &mut scratch.candidates);
         self.list(scratch);
         scratch.dark = scratch.candidates.iter().any(|i| {
             // Whose receivers they are is not known: what the smallest sphere hides, larger ones hide too.

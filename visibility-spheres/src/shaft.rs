@@ -85,19 +85,20 @@ impl ShaftTest {
         !bits(apart)
     }
 
-    /// Leaves out spheres beside the box of the receivers and what lies between it and the light.
+    /// Leaves out spheres beside the box of the receivers and the way from it to the light, where there is enough to gain.
     pub(crate) fn narrow(&self, spheres: &[Sphere], candidates: &mut Vec<u32>) {
         let Shaft { receivers, half_extent, light, .. } = self.shaft;
-        if self.nested.is_some() || half_extent.min_element() >= NARROW * receivers.radius {
+        let is_narrow = half_extent.min_element() < NARROW * receivers.radius;
+        if candidates.len() <= LANES || !is_narrow || self.nested.is_some() {
             return;
         }
         let rounding = SLACK * (self.length + light.radius);
-        let sides = self.shaft.sides();
+        let planes = self.shaft.normals().map(|n| (n, self.shaft.reach(n)));
         candidates.retain(|i| {
             let Sphere { center, radius } = spheres[*i as usize];
             let w = center - receivers.center;
             let near = radius + SLACK * (radius + w.abs().element_sum()) + rounding;
-            sides.iter().all(|(n, reach)| n.dot(w) - near <= *reach)
+            planes.iter().all(|(n, reach)| n.dot(w) - near <= *reach)
         });
     }
 

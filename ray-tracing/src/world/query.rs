@@ -119,7 +119,6 @@ const SLACK: f32 = 1e-5;
 struct ShaftHull {
     shaft: Shaft,
     from: Vec3A,
-    to: Vec3A,
     axis: Vec3A,
     low: Vec3A,
     high: Vec3A,
@@ -131,7 +130,7 @@ impl ShaftHull {
         let wide_from = Vec3A::from(shaft.half_extent + SLACK * shaft.receivers.radius);
         let wide_to = Vec3A::splat(shaft.light.radius);
         let (low, high) = ((from - wide_from).min(to - wide_to), (from + wide_from).max(to + wide_to));
-        Self { shaft: *shaft, from, to, axis: (to - from).normalize_or_zero(), low, high }
+        Self { shaft: *shaft, from, axis: (to - from).normalize_or_zero(), low, high }
     }
 
     /// Whether a box is certainly outside.
@@ -140,17 +139,15 @@ impl ShaftHull {
         if (bounds.min.cmpgt(self.high) | bounds.max.cmplt(self.low)).any() {
             return true;
         }
-        let (center, half) = (bounds.center(), 0.500_01 * bounds.diagonal());
-        let across = center - self.from - self.axis * (center - self.from).dot(self.axis);
+        let (center, half) = (bounds.center() - self.from, 0.500_01 * bounds.diagonal());
+        let across = center - self.axis * center.dot(self.axis);
         let length = across.length();
         if length.is_nan() || length <= 0.0 {
             return false;
         }
         let n = across / length;
-        let near = n.dot(center - self.from) - n.abs().dot(half);
-        let Shaft { receivers, light, .. } = self.shaft;
-        let wide_from = self.shaft.support(n.into()) + SLACK * receivers.radius;
-        near > wide_from.max((1.0 + SLACK) * (n.dot(self.to - self.from) + light.radius))
+        let near = n.dot(center) - n.abs().dot(half);
+        near > (1.0 + SLACK) * self.shaft.reach(n.into()) + SLACK * self.shaft.receivers.radius
     }
 }
 

@@ -30,18 +30,6 @@ pub struct TriangleList {
 }
 
 impl TriangleList {
-    /// The plane of a triangle by its place in the hierarchy, made once: most rays start near to the same triangle.
-    fn plane(&mut self, world: &World<'_>, place: u32) -> Plane {
-        if let Some((_, plane)) = self.planes.iter().find(|(other, _)| *other == place) {
-            return *plane;
-        }
-        let plane = world.plane(&world.triangles.primitives[place as usize]);
-        self.planes.push((place, plane));
-        plane
-    }
-}
-
-impl TriangleList {
     /// True when no triangle is in it.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -52,6 +40,16 @@ impl TriangleList {
         self.blocks.clear();
         self.places.clear();
         self.planes.clear();
+    }
+
+    /// The plane of a triangle by its place in the hierarchy, made once: most rays start near to the same triangle.
+    fn plane(&mut self, world: &World<'_>, place: u32) -> Plane {
+        if let Some((_, plane)) = self.planes.iter().find(|(other, _)| *other == place) {
+            return *plane;
+        }
+        let plane = world.plane(&world.triangles.primitives[place as usize]);
+        self.planes.push((place, plane));
+        plane
     }
 
     fn push(&mut self, place: u32, corners: &Corners) {
