@@ -1,13 +1,13 @@
 //! A renderer out of the crates, in forty lines: a ball over a floor, lit by a round light.
 //!
 //! `cargo run --release --example compose` writes compose.png. Swap the visibility: `Unshadowed` for no shadows, any
-//! other `VisibilityLobes` for your own.
+//! other `Visibility` for your own.
 
 use cosine_lobes::brdf::Lambert;
 use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{
-    Accuracy, BrdfLobes, Call, Integrator, LightId, LightLobes, LobeBuffer, Receiver, Sphere, VisibilityLobes,
-    VisibilitySum, Visit,
+    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, LobeBuffer,
+    Receiver, Sphere, Visibility,
 };
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -20,21 +20,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ball = Sphere { center: Vec3::new(0.0, 0.8, 0.0), radius: 0.5 };
     let light = SphereLight::new(Sphere { center: Vec3::new(2.0, 4.0, 1.0), radius: 0.6 }, Vec3::splat(60.0));
     let visibility = MaskVisibility::new(SphereBlockers::new(&[ball], &[1], &[]));
-    let (integrator, accuracy) = (Integrator::default(), Accuracy::new(0.003));
+    let accuracy = Accuracy::new(0.003);
 
     let mut scratch = visibility.scratch();
-    let mut sum = VisibilitySum::with_capacity(visibility.max_lobes(accuracy));
-    let mut lobes = LobeBuffer::with_capacity(material.max_lobes());
+    let mut lobes = LobeBuffer::default();
     let mut pixels = Vec::new();
     for i in 0..width * height {
         // A view from straight above: pixels are points of the floor.
         let (x, z) = ((i % width) as f32 / 100.0 - 3.2, (i / width) as f32 / 100.0 - 1.8);
         let at = Receiver { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
-        material.brdf_lobes(&at, &mut lobes.writer())?;
-        let term = light.term(&at);
-        let call = Call { at: &at, brdf: lobes.lobes(), light: &term };
-        let mut visit = Visit::alone(&visibility, LightId(0), accuracy, &mut scratch);
-        let lit = integrator.radiance(&call, &mut visit, &mut sum, &mut ())?;
+        material.brdf_lobes(&at, &mut lobes.writer());
+        let term = light.seen_from(&at);
+        let call = Interaction { at: &at, brdf: lobes.lobes(), light: &term, threshold: 0.0 };
+        let mut visit = LightVisibility::alone(&visibility, LightId(0), accuracy, &mut scratch);
+        let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
         pixels.push(lit.radiance);
     }
     let picture = Picture::new(width, height, pixels);

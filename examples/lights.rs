@@ -2,11 +2,12 @@
 //!
 //! `cargo run --release --example lights [-- SPP] > docs/lights.md`
 
+use core::convert::Infallible;
 use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{
     Environment, EnvironmentMap, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
 };
-use cosine_lobes::lobe_core::{Accuracy, LightImage, LobesFull, Sphere};
+use cosine_lobes::lobe_core::{Accuracy, LightImage, Sphere};
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Estimate, Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits};
@@ -241,11 +242,10 @@ impl Case {
         let meshes = SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(tolerance);
         let mut out = vec![Vec3::ZERO; chosen.len()];
         let mut best = f64::INFINITY;
-        let mut run = |shader: &mut dyn Shade<Error = LobesFull>| {
+        let mut run = |shader: &mut dyn Shade<Error = Infallible>| {
             for _ in 0..runs {
-                if let Ok(stats) = shader.shade(&points, &frame, &mut out) {
-                    best = best.min(stats.seconds);
-                }
+                let Ok(stats) = shader.shade(&points, &frame, &mut out);
+                best = best.min(stats.seconds);
             }
         };
         match strategy {

@@ -4,14 +4,15 @@
 //!
 //! The material's side draws directions from light and reflectance and shares nothing with the lobes.
 
+use core::convert::Infallible;
 use cosine_lobes::brdf::{
     Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong,
     Neumann, residual,
 };
 use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{
-    Accuracy, BrdfLobes, Call, Cone, Coverage, Integrator, LightId, LightTerm, LobeBuffer, LobesFull, OWN_NONE,
-    Receiver, Sphere, Unshadowed, VisibilityLobes, VisibilityQuery, VisibilitySum, Visit, orthonormal_basis,
+    Accuracy, BrdfLobes, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility,
+    LobeBuffer, OWN_NONE, Receiver, SeenLight, Sphere, Unshadowed, Visibility, VisibilityQuery, orthonormal_basis,
 };
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{Frame, Shade, ShadingPoints};
@@ -118,19 +119,14 @@ fn truth(material: &Material, case: &Case) -> Radiance {
 
 fn by_lobes(material: &Material, case: &Case, accuracy: Accuracy) -> Radiance {
     let strategy = MaskVisibility::new(case.edge);
-    let mut lobes = LobeBuffer::with_capacity(material.max_lobes());
+    let mut lobes = LobeBuffer::default();
     let mut scratch = strategy.scratch();
-    let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));
-    if material.brdf_lobes(&case.at, &mut lobes.writer_of(true)).is_err() {
-        return [DVec3::NAN; 2];
-    }
-    let light = LightTerm::of_cone(case.cone, Vec3::ONE);
-    let call = Call { at: &case.at, brdf: lobes.lobes(), light: &light };
-    let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
-    match Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()) {
-        Ok(lit) => [lit.unshadowed.as_dvec3(), lit.radiance.as_dvec3()],
-        Err(_) => [DVec3::NAN; 2],
-    }
+    material.brdf_lobes(&case.at, &mut lobes.writer_of(true));
+    let light = SeenLight::of_cone(case.cone, Vec3::ONE);
+    let call = Interaction { at: &case.at, brdf: lobes.lobes(), light: &light, threshold: 0.0 };
+    let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
+    let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
+    [lit.unshadowed.as_dvec3(), lit.radiance.as_dvec3()]
 }
 
 fn polar(angle: f64, turn: f64) -> DVec3 {
@@ -211,7 +207,7 @@ fn cost(material: &Material) -> [f64; 2] {
         threshold: 0.0,
     };
     let mut out = vec![Vec3::ZERO; count as usize];
-    let mut time = |shader: &mut dyn Shade<Error = LobesFull>| {
+    let mut time = |shader: &mut dyn Shade<Error = Infallible>| {
         let mut once = || {
             let before = seconds();
             shader.shade(&points, &frame, &mut out).map_or(f64::NAN, |_| seconds() - before)

@@ -5,7 +5,7 @@
 //! `cargo run --release --example walk_cycle [-- FILE CLIP [SPHERES]]` prints tables in Markdown; without arguments the fox
 //! and the tentacle of `scenes/assets`. Light of half-angle 6°, mask of depth 5, a floor of 96 × 96 points.
 
-use cosine_lobes::lobe_core::{Accuracy, Receiver, VisibilityLobes};
+use cosine_lobes::lobe_core::{Accuracy, Receiver, Visibility};
 use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSpheres, SphereSource, World, blockers};
 use cosine_lobes::scene::{self, Animation, BlockerSet, Frame, Proxy, Scene, ShadingPoints, Shape};
 use cosine_lobes::sphere_sets::SphereSet;
@@ -161,18 +161,18 @@ fn skin(scene: &Scene) -> ShadingPoints {
 }
 
 /// V of each point, weighted with the cosine: its radiance as a diffuse surface over that without blockers.
-fn visible<V: VisibilityLobes>(scene: &Scene, points: &ShadingPoints, visibility: V) -> Fallible<Vec<f32>> {
+fn visible<V: Visibility>(scene: &Scene, points: &ShadingPoints, visibility: V) -> Fallible<Vec<f32>> {
     let share = |(lit, all): (&f32, &f32)| if *all > 0.0 { lit / all } else { 0.0 };
     let (lit, all) = shade(scene, points, visibility)?;
     Ok(lit.iter().zip(&all).map(share).collect())
 }
 
 /// The red radiance of each point, and that without blockers.
-fn shade<V: VisibilityLobes>(scene: &Scene, points: &ShadingPoints, visibility: V) -> Fallible<(Vec<f32>, Vec<f32>)> {
+fn shade<V: Visibility>(scene: &Scene, points: &ShadingPoints, visibility: V) -> Fallible<(Vec<f32>, Vec<f32>)> {
     let frame =
         Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
-    let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out)?;
+    let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out);
     Ok((out.iter().map(|l| l.x).collect(), layers.unshadowed.iter().map(|l| l.x).collect()))
 }
 

@@ -3,8 +3,8 @@
 
 use cosine_lobes::brdf::{Lambert, Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{Light, SphereLight};
-use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::lobe_core::{Accuracy, Cone, Method, Sphere, Unshadowed, VisibilityLobes, oracle};
+use cosine_lobes::lobe_core::paper::{PaperIntegrator, Tables};
+use cosine_lobes::lobe_core::{Accuracy, Cone, Integrator, Sphere, Unshadowed, Visibility, oracle};
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::render_cpu::{CpuShader, blockers};
@@ -33,17 +33,17 @@ fn picture(g: &GBuffer, values: &[Vec3]) -> Picture {
     Picture::new(g.width as usize, g.height as usize, g.resolve(values, Vec3::ZERO))
 }
 
-fn shade<V: VisibilityLobes>(
+fn shade<V: Visibility, I: Integrator<V>>(
     scene: &Scene,
     g: &GBuffer,
-    shader: &CpuShader<'_, V>,
+    shader: &CpuShader<V, I>,
     tolerance: f32,
     threshold: f32,
 ) -> (Picture, ShadeStats) {
     let (materials, lights) = (&g.materials, &scene.lights);
     let frame = Frame { materials, lights, accuracy: Accuracy::new(tolerance), threshold };
     let mut out = vec![Vec3::ZERO; g.len()];
-    let (stats, _) = shader.shade_layers(&g.points, &frame, &mut out).expect("room for all lobes");
+    let (stats, _) = shader.shade_layers(&g.points, &frame, &mut out);
     (picture(g, &out), stats)
 }
 
@@ -172,7 +172,13 @@ fn the_paper_s_method_errs_as_the_paper_says() {
     let tables = Tables::build();
     let paper = |threshold: f32| {
         let visibility = PaperVisibility::new(spheres(&set), &tables);
-        shade(&scene, &g, &CpuShader::with_method(visibility, Method::Paper(&tables)), 0.005, threshold)
+        shade(
+            &scene,
+            &g,
+            &CpuShader::with_integrator(visibility, PaperIntegrator { tables: &tables }),
+            0.005,
+            threshold,
+        )
     };
     let (test, all) = paper(0.0);
     let error = Comparison::of(&test, &truth).expect("equal sizes");

@@ -5,7 +5,7 @@ use cosine_lobes::brdf::{Material, MetallicRoughness, ModifiedPhong};
 use cosine_lobes::lighting::{
     AmbientLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
 };
-use cosine_lobes::lobe_core::{Accuracy, LightImage, Sphere, VisibilityLobes};
+use cosine_lobes::lobe_core::{Accuracy, LightImage, Sphere, Visibility};
 use cosine_lobes::pictures::Picture;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, RayShader, Reference, ReferenceJob};
@@ -54,7 +54,7 @@ fn frame(scene: &Scene, tolerance: f32) -> Frame<'_> {
 
 /// Shades a scene's points: boxes by silhouettes and the ball as a sphere, or all by rays.
 fn shade(scene: &Scene, tolerance: f32, by_rays: bool) -> Vec<Vec3> {
-    fn run(scene: &Scene, tolerance: f32, visibility: impl VisibilityLobes) -> Vec<Vec3> {
+    fn run(scene: &Scene, tolerance: f32, visibility: impl Visibility) -> Vec<Vec3> {
         let points = GBuffer::new(&World::new(scene), scene.width, scene.height, 1).points;
         let mut out = vec![Vec3::ZERO; points.receivers.len()];
         CpuShader::new(visibility).shade(&points, &frame(scene, tolerance), &mut out).expect("room");

@@ -6,7 +6,7 @@ use crate::visible_normals::VisibleNormals;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
+use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
 
 /// A diffuse part and lobes about the half vector, each with a roughness and colours of its own: what [`fit`](crate::fit()) makes of
 /// measured metals. `f̃(v) = diffuse/π·(n·v) + Σ F·D(h)·W(v)`, with `D`, `W` and `h` of
@@ -130,12 +130,8 @@ impl HalfVector {
 }
 
 impl BrdfLobes for HalfVector {
-    fn max_lobes(&self) -> usize {
-        1 + rows::LOBES * self.lobes.len()
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.lobes(at, out.takes_microfacets()).try_for_each(|lobe| out.push(lobe))
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        out.extend(self.lobes(at, out.takes_microfacets()));
     }
 }
 

@@ -6,7 +6,7 @@ use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Mat3, Vec3};
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, power};
+use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
 
 /// The Lafortune model: `f̃(v) = (ρ/π + Σ_i k_i·max(v·M_iω_o, 0)^e_i)·max(n·v, 0)` (Eqs. 27–29; E. Lafortune, S. Foo,
 /// K. Torrance, D. Greenberg, *Non-Linear Approximation of Reflectance Functions*, SIGGRAPH 1997).
@@ -162,12 +162,8 @@ impl Lafortune {
 }
 
 impl BrdfLobes for Lafortune {
-    fn max_lobes(&self) -> usize {
-        1 + self.lobes.len()
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        out.extend(self.lobes(at));
     }
 }
 

@@ -5,7 +5,7 @@ use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
+use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
 
 /// An ideally diffuse surface: `f̃(v) = ρ/π·max(n·v, 0)` (Eq. 25 with `kd = ρ/π`).
 ///
@@ -35,12 +35,8 @@ impl Lambert {
 }
 
 impl BrdfLobes for Lambert {
-    fn max_lobes(&self) -> usize {
-        1
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        out.extend(self.lobes(at));
     }
 }
 

@@ -20,8 +20,8 @@
 //!
 //! let gloss = ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.3), exponent: 60.0 };
 //! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
-//! let mut buffer = LobeBuffer::with_capacity(gloss.max_lobes());
-//! gloss.brdf_lobes(&at, &mut buffer.writer()).unwrap();
+//! let mut buffer = LobeBuffer::default();
+//! gloss.brdf_lobes(&at, &mut buffer.writer());
 //!
 //! let v = Vec3::new(-0.6, 0.0, 0.8); // where a mirror would reflect to
 //! let (sum, direct) = (buffer.lobes().eval(at.normal, v), gloss.eval(&at, v));

@@ -4,12 +4,12 @@ use crate::lafortune_term::{IsotropicTerm, LafortuneTerm};
 use crate::material::each;
 use crate::shape::{Diffuse, Mirror, Shape};
 use crate::term::Term;
-use crate::{Material, MetallicRoughness};
+use crate::{Material, MetallicRoughness, Neumann, rows};
 use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, OWN_NONE, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobes, Lobe, LobeWriter, OWN_NONE, Receiver, Tile, TileLobes};
 
 impl Material {
     /// The most lobes that it has, with those of microfacets, as the default method takes them, or without.
@@ -18,7 +18,12 @@ impl Material {
         match self {
             Self::MetallicRoughness(_) if takes_microfacets => MetallicRoughness::MICROFACET_LOBES,
             Self::HalfVector(m) if takes_microfacets => m.microfacet_lobes(),
-            material => material.max_lobes(),
+            Self::Lambert(_) => 1,
+            Self::Phong(_) | Self::ModifiedPhong(_) => 2,
+            Self::Lafortune(m) => 1 + m.lobes.len(),
+            Self::Neumann(_) => Neumann::LOBES,
+            Self::MetallicRoughness(_) => 1 + rows::LOBES,
+            Self::HalfVector(m) => 1 + rows::LOBES * m.lobes.len(),
         }
     }
 
@@ -35,24 +40,13 @@ impl Material {
 }
 
 impl BrdfLobes for Material {
-    fn max_lobes(&self) -> usize {
-        each!(self, m => m.max_lobes())
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        each!(self, m => m.brdf_lobes(at, out))
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        each!(self, m => m.brdf_lobes(at, out));
     }
 
     /// Sixteen receivers at a time, as many in one instruction as the processor offers; least where neighbours have the same material.
-    fn tile_lobes(
-        materials: &[Self],
-        of: &[u32],
-        _: &[Receiver],
-        tile: &Tile,
-        out: &mut TileLobes,
-    ) -> Result<(), LobesFull> {
+    fn tile_lobes(materials: &[Self], of: &[u32], _: &[Receiver], tile: &Tile, out: &mut TileLobes) {
         lobes_at(Level::new(), materials, of, tile, out);
-        Ok(())
     }
 }
 

@@ -7,7 +7,7 @@ use crate::visible_normals::VisibleNormals;
 use crate::{Brdf, BrdfSample, Factors, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
+use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
 
 /// glTF's metallic–roughness material as lobes: a diffuse base under a dielectric coat, mixed with a
 /// metal (glTF 2.0, appendix B; B. Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007).
@@ -164,12 +164,8 @@ impl MetallicRoughness {
 const DIELECTRIC: f32 = 0.04;
 
 impl BrdfLobes for MetallicRoughness {
-    fn max_lobes(&self) -> usize {
-        1 + rows::LOBES
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.lobes(at, out.takes_microfacets()).try_for_each(|lobe| out.push(lobe))
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        out.extend(self.lobes(at, out.takes_microfacets()));
     }
 }
 

@@ -5,7 +5,7 @@ use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, power};
+use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
 
 /// The normalised Phong model: `f̃(v) = (kd/π + ks·(e+2)/(2π)·max(r·v, 0)^e)·max(n·v, 0)`, `r` the mirrored view
 /// (E. Lafortune, Y. Willems, *Using the Modified Phong Reflectance Model for Physically Based Rendering*, 1994; \[26\]
@@ -48,12 +48,8 @@ impl ModifiedPhong {
 }
 
 impl BrdfLobes for ModifiedPhong {
-    fn max_lobes(&self) -> usize {
-        2
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        out.extend(self.lobes(at));
     }
 }
 

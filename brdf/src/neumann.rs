@@ -4,7 +4,7 @@ use crate::shape::mirrored_view;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, orthonormal_basis, power};
+use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, orthonormal_basis, power};
 
 /// Neumann et al.'s *stretched Phong* model of metals: `f_r = kd/π + ks·(e+2)/2π·max(r·v, 0)^e / max(n·v, n·ω_o)`, `r` the mirrored
 /// view (L. Neumann, A. Neumann, L. Szirmay-Kalos, *Compact Metallic Reflectance Models*, 1999; \[25\] of the paper).
@@ -134,12 +134,8 @@ impl Neumann {
 }
 
 impl BrdfLobes for Neumann {
-    fn max_lobes(&self) -> usize {
-        Self::LOBES
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        out.extend(self.lobes(at));
     }
 }
 
@@ -215,8 +211,8 @@ pub(crate) mod tests {
     pub(crate) fn residual(exponent: f32, degrees: f64) -> [f64; 2] {
         let model = Neumann { ks: Vec3::ONE, exponent, ..Neumann::default() };
         let (view, at) = (view(degrees), receiver(view(degrees)));
-        let mut buffer = LobeBuffer::with_capacity(model.max_lobes());
-        model.brdf_lobes(&at, &mut buffer.writer()).expect("room for all lobes");
+        let mut buffer = LobeBuffer::default();
+        model.brdf_lobes(&at, &mut buffer.writer());
         let e = f64::from(exponent);
         let [error, square, flux, want] = about_mirror(e, view, |v| {
             let want = oracle(e, view, v);

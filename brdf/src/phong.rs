@@ -5,7 +5,7 @@ use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver, power};
+use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
 
 /// The Phong model as the paper prints it: `f̃(v) = kd·max(n·v, 0) + ks·max(r·v, 0)^e` (Eqs. 23–26), `r` the mirrored
 /// view.
@@ -48,12 +48,8 @@ impl Phong {
 }
 
 impl BrdfLobes for Phong {
-    fn max_lobes(&self) -> usize {
-        2
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.lobes(at).try_for_each(|lobe| out.push(lobe))
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        out.extend(self.lobes(at));
     }
 }
 

@@ -28,15 +28,13 @@ const DRAWN: u32 = 256;
 /// ```
 #[must_use]
 pub fn residual(material: &impl Brdf, takes_microfacets: bool) -> f64 {
-    let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
+    let mut buffer = LobeBuffer::default();
     let (mut sum, mut views) = (0.0, 0);
     for degrees in VIEWS {
         let (s, c) = degrees.to_radians().sin_cos();
         let view = Vec3::new(s, 0.0, c);
         let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
-        if material.brdf_lobes(&at, &mut buffer.writer_of(takes_microfacets)).is_err() {
-            continue;
-        }
+        material.brdf_lobes(&at, &mut buffer.writer_of(takes_microfacets));
         let lobes = buffer.lobes();
         let (mut error, mut square) = (0.0, 0.0);
         let mut add = |v: Vec3| {

@@ -3,7 +3,7 @@
 use crate::table::Table;
 use core::f64::consts::TAU;
 use cosine_lobes::lobe_core::{
-    Accuracy, Cone, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
+    Accuracy, Cone, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility, cap_integral,
 };
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -62,9 +62,9 @@ fn fraction(spheres: &[Sphere]) -> f32 {
     let visibility = MaskVisibility::new(SphereBlockers::new(spheres, &vec![0; spheres.len()], &[]));
     let (cone, lobe) = (Cone::of_sphere(at.position, LIGHT), Lobe::new(Vec3::Y, 1.0, Vec3::ONE));
     let mut scratch = visibility.scratch();
-    let mut visit = Visit::alone(&visibility, LightId(0), Accuracy::new(0.001), &mut scratch);
+    let mut visit = LightVisibility::alone(&visibility, LightId(0), Accuracy::new(0.001), &mut scratch);
     let unshadowed = cap_integral(&at, &lobe, &cone);
-    visit.fraction(&at, &cone, &lobe, unshadowed, &mut VisibilitySum::default()).unwrap_or(f32::NAN)
+    visit.visible_fraction(&at, &cone, &lobe, unshadowed).x
 }
 
 /// By rays to the light's disc in f64, weighted with the cosine.

@@ -53,10 +53,8 @@ pub(crate) fn reflected(table: &mut Table) {
 }
 
 fn by_lobes(material: &Material, at: &Receiver, cone: &Cone) -> f32 {
-    let mut lobes = LobeBuffer::with_capacity(material.max_lobes());
-    if material.brdf_lobes(at, &mut lobes.writer()).is_err() {
-        return f32::NAN;
-    }
+    let mut lobes = LobeBuffer::default();
+    material.brdf_lobes(at, &mut lobes.writer());
     lobes.lobes().iter().map(|lobe| cap_integral(at, &lobe, cone) * lobe.flux.x).sum()
 }
 

@@ -3,8 +3,7 @@
 use crate::bytes::Bytes;
 use cosine_lobes::brdf::Material;
 use cosine_lobes::lobe_core::{
-    Accuracy, Cone, LightId, Lobe, Look, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
-    visible_fraction,
+    Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
 };
 use cosine_lobes::render_cpu::{RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use cosine_lobes::scene::{Camera, Mesh, Object, Proxy, Scene};
@@ -157,9 +156,10 @@ fn seen(mesh: &Mesh, (at, light): &(Receiver, Sphere)) -> Option<f64> {
 fn check<B: Blockers>(name: &str, blockers: B, (at, light): &(Receiver, Sphere), bytes: &mut Bytes<'_>) -> Option<f32> {
     let visibility = MaskVisibility::new(blockers);
     let cone = Cone::of_sphere(at.position, *light);
-    let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::default());
-    let mut visit = Visit::alone(&visibility, LightId(0), Accuracy { tolerance: 0.003, depth: 4 }, &mut scratch);
-    let look = visit.look(at, &cone);
+    let mut scratch = visibility.scratch();
+    let mut visit =
+        LightVisibility::alone(&visibility, LightId(0), Accuracy { tolerance: 0.003, depth: 4 }, &mut scratch);
+    let look = visit.coverage(at, &cone, None);
     let mut diffuse = None;
     let narrow = Lobe::new(bytes.direction(), bytes.size(0.0, 6.0), Vec3::ONE).times_cosine();
     for (k, lobe) in [Lobe::new(at.normal, 1.0, Vec3::ONE), narrow].into_iter().enumerate() {
@@ -168,12 +168,9 @@ fn check<B: Blockers>(name: &str, blockers: B, (at, light): &(Receiver, Sphere),
             continue;
         }
         let fraction = match &look {
-            Look::Lit => 1.0,
-            Look::Dark => 0.0,
-            Look::Partial(seen) => {
-                visit.lobes(seen, &lobe, unshadowed, &mut sum).expect("as many lobes as it says");
-                visible_fraction(at, &lobe, unshadowed, &sum)
-            }
+            LightCoverage::Lit => 1.0,
+            LightCoverage::Dark => 0.0,
+            LightCoverage::Partial(seen) => visit.fraction(seen, &lobe, unshadowed).x,
         };
         assert!((0.0..=1.0).contains(&fraction), "{name}: {fraction} of {lobe:?} at {at:?} from {light:?}");
         if k == 0 {

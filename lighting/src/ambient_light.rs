@@ -1,5 +1,5 @@
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LobesFull, LobesMut, Receiver, Sphere};
+use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
 
 /// The same radiance from everywhere, which nothing hides: what a scene without walls reflects, as a guess.
 ///
@@ -31,15 +31,8 @@ impl LightLobes for AmbientLight {
     }
 
     /// All directions: no strategy is asked what a receiver sees from inside a light.
-    fn cone(&self, at: &Receiver) -> Cone {
-        Cone { axis: at.normal, one_minus_cos: 2.0, distance: f32::MIN_POSITIVE }
-    }
-
-    fn radiance(&self, _: &Receiver) -> Vec3 {
-        self.radiance
-    }
-
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        out.push(self.term(at).lobe())
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
+        let cone = Cone { axis: at.normal, one_minus_cos: 2.0, distance: f32::MIN_POSITIVE };
+        SeenLight::of_cone(cone, self.radiance)
     }
 }

@@ -267,7 +267,7 @@ impl Part {
 
 /// Irradiance of a light of radiance 1 over π.
 fn irradiance(light: &Light, at: &Receiver) -> f64 {
-    let (term, lobe) = (light.term(at), Lobe::new(at.normal, 1.0, Vec3::ONE));
+    let (term, lobe) = (light.seen_from(at), Lobe::new(at.normal, 1.0, Vec3::ONE));
     f64::from(match &term.outline {
         Some(outline) => outline_integral(at, &lobe, outline),
         None => cap_integral(at, &lobe, &term.cone),

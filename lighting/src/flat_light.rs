@@ -1,6 +1,6 @@
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightImage, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
+use lobe_core::{Cone, LightImage, LightLobes, Outline, Receiver, SeenLight, Sphere};
 use std::sync::Arc;
 
 /// A flat convex shape that emits the same radiance in all directions on one side, or on both.
@@ -214,27 +214,10 @@ impl FlatLight {
         let corners = self.corners.map(|p| placement.transform_point3(p));
         Self { corners, normal, bounds: Sphere { center, ..self.bounds }, ..self.clone() }
     }
-}
 
-impl LightLobes for FlatLight {
-    fn bounds(&self) -> Sphere {
-        self.bounds
-    }
-
-    fn bounds_from(&self, _: &Sphere) -> Sphere {
-        Outline::ball_around(self.bounds)
-    }
-
-    /// Around the outline; empty behind a light of one side.
-    fn cone(&self, at: &Receiver) -> Cone {
-        cone_of(self.outline(at).as_ref(), self.bounds.center - at.position)
-    }
-
-    fn radiance(&self, _: &Receiver) -> Vec3 {
-        self.radiance
-    }
-
-    fn outline(&self, at: &Receiver) -> Option<Outline> {
+    /// The outline that a receiver sees, none behind a light of one side.
+    #[must_use]
+    pub fn outline(&self, at: &Receiver) -> Option<Outline> {
         let height = self.normal.dot(at.position - self.bounds.center);
         let axis = if height > 0.0 { -self.normal } else { self.normal };
         if height <= 0.0 && !self.two_sided {
@@ -248,20 +231,25 @@ impl LightLobes for FlatLight {
         let sides = if self.image.is_some() { self.sides() } else { None };
         Some(sides.map_or(outline, |sides| outline.with_sides(sides)))
     }
+}
+
+impl LightLobes for FlatLight {
+    fn bounds(&self) -> Sphere {
+        self.bounds
+    }
+
+    fn bounds_from(&self, _: &Sphere) -> Sphere {
+        Outline::ball_around(self.bounds)
+    }
 
     fn image(&self) -> Option<&LightImage> {
         self.image.as_deref()
     }
 
-    fn term(&self, at: &Receiver) -> LightTerm {
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
         let outline = self.outline(at);
         let cone = cone_of(outline.as_ref(), self.bounds.center - at.position);
-        LightTerm { cone, radiance: self.radiance, outline }
-    }
-
-    /// The moment lobe of the outline; none behind a light of one side.
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        self.outline(at).map_or(Ok(()), |outline| out.push(outline.lobe(self.radiance)))
+        SeenLight { cone, radiance: self.radiance, outline }
     }
 }
 

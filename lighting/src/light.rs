@@ -2,9 +2,7 @@
 
 use crate::{AmbientLight, FlatLight, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
 use glam::{Mat4, Vec3};
-use lobe_core::{
-    Cone, LightImage, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere, Tile, TileLight,
-};
+use lobe_core::{LightImage, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
 
 /// The built-in kinds of lights.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,23 +115,11 @@ impl LightLobes for Light {
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
         each!(self, light => light.bounds_from(receivers))
     }
-    fn cone(&self, at: &Receiver) -> Cone {
-        each!(self, light => light.cone(at))
-    }
-    fn radiance(&self, at: &Receiver) -> Vec3 {
-        each!(self, light => light.radiance(at))
-    }
-    fn outline(&self, at: &Receiver) -> Option<Outline> {
-        each!(self, light => light.outline(at))
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
+        each!(self, light => light.seen_from(at))
     }
     fn image(&self) -> Option<&LightImage> {
         each!(self, light => light.image())
-    }
-    fn term(&self, at: &Receiver) -> LightTerm {
-        each!(self, light => light.term(at))
-    }
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        each!(self, light => light.light_lobes(at, out))
     }
     fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
         each!(self, light => light.tile_light(at, tile, out));
@@ -200,27 +186,12 @@ impl LightLobes for InsideLight {
         self.light.bounds_from(receivers)
     }
 
-    fn cone(&self, at: &Receiver) -> Cone {
-        self.light.cone(at)
-    }
-
-    fn radiance(&self, at: &Receiver) -> Vec3 {
-        if at.object == self.object { Vec3::ZERO } else { self.light.radiance(at) }
-    }
-
-    fn outline(&self, at: &Receiver) -> Option<Outline> {
-        self.light.outline(at)
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
+        let seen = self.light.seen_from(at);
+        if at.object == self.object { SeenLight { radiance: Vec3::ZERO, ..seen } } else { seen }
     }
 
     fn image(&self) -> Option<&LightImage> {
         self.light.image()
-    }
-
-    fn term(&self, at: &Receiver) -> LightTerm {
-        LightTerm { radiance: self.radiance(at), ..self.light.term(at) }
-    }
-
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        if at.object == self.object { Ok(()) } else { self.light.light_lobes(at, out) }
     }
 }

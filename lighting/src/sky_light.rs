@@ -2,7 +2,7 @@ use crate::SunLight;
 use crate::flat_light::cone_of;
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightImage, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
+use lobe_core::{LightImage, LightLobes, Outline, Receiver, SeenLight, Sphere};
 use std::sync::Arc;
 
 /// A part of an [`Environment`](crate::Environment): a patch of the sky, or a sun.
@@ -96,21 +96,6 @@ impl LightLobes for SkyLight {
         }
     }
 
-    fn cone(&self, at: &Receiver) -> Cone {
-        self.term(at).cone
-    }
-
-    fn radiance(&self, _: &Receiver) -> Vec3 {
-        self.full_radiance()
-    }
-
-    fn outline(&self, _: &Receiver) -> Option<Outline> {
-        match self {
-            Self::Sun(_) => None,
-            Self::Patch(patch) => patch.seen(),
-        }
-    }
-
     fn image(&self) -> Option<&LightImage> {
         match self {
             Self::Sun(_) => None,
@@ -118,18 +103,14 @@ impl LightLobes for SkyLight {
         }
     }
 
-    fn term(&self, at: &Receiver) -> LightTerm {
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
         match self {
-            Self::Sun(sun) => sun.term(at),
+            Self::Sun(sun) => sun.seen_from(at),
             Self::Patch(patch) => {
                 let outline = patch.seen();
                 let cone = cone_of(outline.as_ref(), patch.center * patch.distance());
-                LightTerm { cone, radiance: patch.radiance, outline }
+                SeenLight { cone, radiance: patch.radiance, outline }
             }
         }
-    }
-
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        out.push(self.term(at).lobe())
     }
 }

@@ -1,5 +1,5 @@
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LobesFull, LobesMut, Receiver, Sphere, Tile, TileLight};
+use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
 
 /// A ball that emits the same radiance in all directions from all of its surface.
 ///
@@ -44,18 +44,8 @@ impl LightLobes for SphereLight {
         self.ball
     }
 
-    fn cone(&self, at: &Receiver) -> Cone {
-        Cone::of_sphere(at.position, self.ball)
-    }
-
-    fn radiance(&self, _: &Receiver) -> Vec3 {
-        self.radiance
-    }
-
-    /// The moment lobe of the cone: exponent `2C/(1−C)`, flux `2π(1−C)·L` with `C = cos θ` (design: total and mean
-    /// vector exact, hence Lambert irradiance exact above the horizon).
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        out.push(self.term(at).lobe())
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
+        SeenLight::of_cone(Cone::of_sphere(at.position, self.ball), self.radiance)
     }
 
     fn tile_light(&self, _: &[Receiver], tile: &Tile, out: &mut TileLight) {

@@ -1,6 +1,6 @@
 use crate::SphereLight;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LobesFull, LobesMut, Receiver, Sphere};
+use lobe_core::{LightLobes, Receiver, SeenLight, Sphere};
 
 /// A ball of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
 /// between the spot's axis and the direction from the light's middle to the receiver (as KHR_lights_punctual has it).
@@ -37,15 +37,7 @@ impl LightLobes for SpotLight {
         self.light.ball
     }
 
-    fn cone(&self, at: &Receiver) -> Cone {
-        self.light.cone(at)
-    }
-
-    fn radiance(&self, at: &Receiver) -> Vec3 {
-        self.light.radiance * self.share(at.position)
-    }
-
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        out.push(self.term(at).lobe())
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
+        SeenLight { radiance: self.light.radiance * self.share(at.position), ..self.light.seen_from(at) }
     }
 }

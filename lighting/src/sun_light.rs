@@ -1,6 +1,6 @@
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LobesFull, LobesMut, Receiver, Sphere};
+use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
 
 /// A light so far away that all receivers see it in the same directions: the sun, a window to a plain sky.
 ///
@@ -65,15 +65,7 @@ impl LightLobes for SunLight {
         Sphere { radius: ball.radius + receivers.radius, ..ball }
     }
 
-    fn cone(&self, _: &Receiver) -> Cone {
-        self.seen()
-    }
-
-    fn radiance(&self, _: &Receiver) -> Vec3 {
-        self.radiance
-    }
-
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        out.push(self.term(at).lobe())
+    fn seen_from(&self, _: &Receiver) -> SeenLight {
+        SeenLight::of_cone(self.seen(), self.radiance)
     }
 }

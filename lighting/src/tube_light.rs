@@ -1,7 +1,7 @@
 use crate::flat_light::{cone_of, half_ellipse};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
-use lobe_core::{Cone, LightLobes, LightTerm, LobesFull, LobesMut, Outline, Receiver, Sphere};
+use lobe_core::{Cone, LightLobes, Outline, Receiver, SeenLight, Sphere};
 
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
@@ -56,27 +56,10 @@ impl TubeLight {
         let center = if a.distance_squared(x) < b.distance_squared(x) { a } else { b };
         Sphere { center, radius: self.radius }
     }
-}
 
-impl LightLobes for TubeLight {
-    fn bounds(&self) -> Sphere {
-        let [a, b] = self.ends;
-        Sphere { center: 0.5 * (a + b), radius: 0.500_01 * a.distance(b) + self.radius }
-    }
-
-    fn bounds_from(&self, _: &Sphere) -> Sphere {
-        Outline::ball_around(self.bounds())
-    }
-
-    fn cone(&self, at: &Receiver) -> Cone {
-        self.term(at).cone
-    }
-
-    fn radiance(&self, _: &Receiver) -> Vec3 {
-        self.radiance
-    }
-
-    fn outline(&self, at: &Receiver) -> Option<Outline> {
+    /// The outline that a receiver sees; none near the line through the tube, where an end covers the rest.
+    #[must_use]
+    pub fn outline(&self, at: &Receiver) -> Option<Outline> {
         let [a, b] = self.ends.map(|p| p - at.position);
         let length = a.distance(b);
         let along = (b - a) / length;
@@ -111,18 +94,24 @@ impl LightLobes for TubeLight {
         corners[7..].copy_from_slice(&half_ellipse(at(from), along * -low, -across));
         Outline::new(&corners, axis).map(|outline| outline.with_roundness(self.roundness()))
     }
+}
 
-    fn term(&self, at: &Receiver) -> LightTerm {
+impl LightLobes for TubeLight {
+    fn bounds(&self) -> Sphere {
+        let [a, b] = self.ends;
+        Sphere { center: 0.5 * (a + b), radius: 0.500_01 * a.distance(b) + self.radius }
+    }
+
+    fn bounds_from(&self, _: &Sphere) -> Sphere {
+        Outline::ball_around(self.bounds())
+    }
+
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
         let outline = self.outline(at);
         let cone = match &outline {
             Some(_) => cone_of(outline.as_ref(), self.bounds().center - at.position),
             None => Cone::of_sphere(at.position, self.nearer_end(at.position)),
         };
-        LightTerm { cone, radiance: self.radiance, outline }
-    }
-
-    /// The moment lobe of the outline, or of the ball.
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        out.push(self.term(at).lobe())
+        SeenLight { cone, radiance: self.radiance, outline }
     }
 }

@@ -72,7 +72,7 @@ fn unshadowed(lights: &[Light], at: &Receiver, lobe: &Lobe) -> Vec3 {
     lights
         .iter()
         .map(|light| {
-            let term = light.term(at);
+            let term = light.seen_from(at);
             let integral = match (&term.outline, light.image()) {
                 (None, _) => Vec3::splat(cap_integral(at, lobe, &term.cone)),
                 (Some(outline), None) => Vec3::splat(outline_integral(at, lobe, outline)),
@@ -215,7 +215,7 @@ fn a_spot_ends_softly_and_a_sun_is_everywhere_the_same() {
 #[test]
 fn a_tube_seen_along_its_axis_is_its_end() {
     let tube = TubeLight { ends: [Vec3::ZERO, Vec3::X], radius: 0.1, radiance: COLOR };
-    let term = tube.term(&at(Vec3::new(3.0, 0.05, 0.0)));
+    let term = tube.seen_from(&at(Vec3::new(3.0, 0.05, 0.0)));
     assert!(term.outline.is_none());
     let end = Sphere { center: Vec3::X, radius: 0.1 };
     assert_eq!(term.cone, lobe_core::Cone::of_sphere(Vec3::new(3.0, 0.05, 0.0), end));

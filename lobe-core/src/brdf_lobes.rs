@@ -1,73 +1,52 @@
 //! Reflectance as lobes: what a material writes for one receiver, and the lobes of a tile's receivers in columns.
 
 use crate::lanes::{Columns, Kept, WIDTH, row, set_row};
-use crate::{Lobe, LobeBuffer, LobesFull, LobesMut, Receiver, Tile};
+use crate::{Lobe, LobeBuffer, LobeWriter, Receiver, Tile};
 use glam::Vec3;
 
 /// Reflectance as a sum of lobes of `f̃ = f_r·(n·v)` (Eq. 6), cosine included.
 ///
 /// ```
 /// use glam::Vec3;
-/// use lobe_core::{BrdfLobes, Lobe, LobeBuffer, LobesFull, LobesMut, OWN_NONE, Receiver};
+/// use lobe_core::{BrdfLobes, Lobe, LobeBuffer, LobeWriter, Receiver};
 ///
 /// /// Reflects back to where the light came from.
 /// struct Retro;
 ///
 /// impl BrdfLobes for Retro {
-///     fn max_lobes(&self) -> usize {
-///         1
-///     }
-///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-///         out.push(Lobe::new(at.view, 40.0, Vec3::splat(2.0)).times_cosine())
+///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+///         out.push(Lobe::new(at.view, 40.0, Vec3::splat(2.0)).times_cosine());
 ///     }
 /// }
 ///
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
-/// let mut buffer = LobeBuffer::with_capacity(Retro.max_lobes());
-/// Retro.brdf_lobes(&at, &mut buffer.writer()).unwrap();
+/// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
+/// let mut buffer = LobeBuffer::default();
+/// Retro.brdf_lobes(&at, &mut buffer.writer());
 /// let toward_eye = buffer.lobes().eval(at.normal, at.view).x; // 2·(n·v)
 /// assert!((toward_eye - 1.6).abs() < 1e-5);
 /// ```
 pub trait BrdfLobes {
-    /// The largest number of lobes that [`brdf_lobes`](Self::brdf_lobes) writes.
-    fn max_lobes(&self) -> usize;
-
     /// Appends the lobes of `f̃` as seen from `at.view`. All of them are to be understood as zero below the horizon of
     /// `at.normal`. A Lambert lobe has exponent 1 and *exactly* `at.normal` as its axis: integrators know it by that. Lobes of
-    /// [microfacets](Lobe::microfacets) only where [`takes_microfacets`](LobesMut::takes_microfacets) says so.
-    ///
-    /// # Errors
-    /// [`LobesFull`] when `out` has no room.
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull>;
+    /// [microfacets](Lobe::microfacets) only where [`takes_microfacets`](LobeWriter::takes_microfacets) says so.
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>);
 
     /// The lobes of all receivers of a tile, receiver `i` of material `of[i]`. Provided: one receiver after the other. A set of
     /// models that has something faster overrides it; the lobes are to be the same, in the same order, bit for bit.
     ///
-    /// # Errors
-    /// [`LobesFull`] when a material has more lobes than its [`max_lobes`](Self::max_lobes).
-    ///
     /// # Panics
     /// When `of`, `at` and `tile` differ in length, or a number in `of` is not that of a material.
-    fn tile_lobes(
-        materials: &[Self],
-        of: &[u32],
-        at: &[Receiver],
-        tile: &Tile,
-        out: &mut TileLobes,
-    ) -> Result<(), LobesFull>
+    fn tile_lobes(materials: &[Self], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes)
     where
         Self: Sized,
     {
-        out.one_by_one(materials, of, at, tile)
+        out.one_by_one(materials, of, at, tile);
     }
 }
 
 impl<B: BrdfLobes + ?Sized> BrdfLobes for Box<B> {
-    fn max_lobes(&self) -> usize {
-        (**self).max_lobes()
-    }
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        (**self).brdf_lobes(at, out)
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        (**self).brdf_lobes(at, out);
     }
 }
 
@@ -88,7 +67,7 @@ impl TileLobes {
         self.takes_microfacets = takes_microfacets;
     }
 
-    /// See [`LobesMut::takes_microfacets`](crate::LobesMut::takes_microfacets).
+    /// See [`LobeWriter::takes_microfacets`].
     #[must_use]
     pub const fn takes_microfacets(&self) -> bool {
         self.takes_microfacets
@@ -101,39 +80,25 @@ impl TileLobes {
         self.columns.resize(self.blocks * places, Kept::default());
     }
 
-    /// The lobes of each receiver, asked for one after the other: [`BrdfLobes::tile_lobes`] of models that have nothing faster.
-    ///
-    /// # Errors
-    /// [`LobesFull`] when a material has more lobes than its `max_lobes`.
+    /// The lobes of each receiver, one after the other: [`BrdfLobes::tile_lobes`] of models that have nothing faster.
     ///
     /// # Panics
     /// When `of`, `at` and `tile` differ in length, or a number in `of` is not that of a material.
-    pub fn one_by_one<B: BrdfLobes>(
-        &mut self,
-        materials: &[B],
-        of: &[u32],
-        at: &[Receiver],
-        tile: &Tile,
-    ) -> Result<(), LobesFull> {
+    pub fn one_by_one<B: BrdfLobes>(&mut self, materials: &[B], of: &[u32], at: &[Receiver], tile: &Tile) {
         assert!(of.len() == at.len() && at.len() == tile.len(), "one material a receiver");
-        let places = of.iter().map(|m| materials[*m as usize].max_lobes()).max().unwrap_or(0);
-        self.reset(tile, places);
-        self.columns.iter_mut().for_each(|block| block.0 = [[0.0; WIDTH]; 8]);
-        if self.buffer.capacity() < places {
-            self.buffer = LobeBuffer::with_capacity(places);
-        }
+        self.reset(tile, 0);
         for (i, (material, at)) in of.iter().zip(at).enumerate() {
-            let material = &materials[*material as usize];
-            material.brdf_lobes(at, &mut self.buffer.writer_of(self.takes_microfacets))?;
+            materials[*material as usize].brdf_lobes(at, &mut self.buffer.writer_of(self.takes_microfacets));
             let lobes = self.buffer.lobes();
-            if lobes.len() > material.max_lobes() {
-                return Err(LobesFull);
+            let blocks = self.blocks * lobes.len();
+            if self.columns.len() < blocks {
+                // Empty places have no flux.
+                self.columns.resize(blocks, Kept([[0.0; WIDTH]; 8]));
             }
             for (place, lobe) in lobes.iter().enumerate() {
                 set_row(&mut self.columns[place * self.blocks + i / WIDTH].0, i % WIDTH, &bytemuck::cast(lobe));
             }
         }
-        Ok(())
     }
 
     /// Number of blocks, of all places together: those of the first place come first.

@@ -1,33 +1,23 @@
 //! Visibility strategies behind `dyn`: the same trait with the type of the scratch erased.
 
-use crate::{Accuracy, Coverage, Lobe, LobesFull, PartlySeen, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum};
+use crate::{Coverage, Lobe, Shaft, Visibility, VisibilityQuery};
 use core::any::Any;
+use glam::Vec3;
 
 /// Working memory of a strategy behind `dyn`.
 pub type DynScratch = Box<dyn Any + Send>;
 
-/// [`VisibilityLobes`] in object-safe form: same operations, scratch erased. Implemented for every strategy.
+/// [`Visibility`] in object-safe form: same operations, scratch erased. Implemented for every strategy.
 pub trait DynVisibility: Sync {
-    /// See [`VisibilityLobes::scratch`].
+    /// See [`Visibility::scratch`].
     fn dyn_scratch(&self) -> DynScratch;
-    /// See [`VisibilityLobes::max_lobes`].
-    fn dyn_max_lobes(&self, accuracy: Accuracy) -> usize;
-    /// See [`VisibilityLobes::enter`].
+    /// See [`Visibility::enter`].
     fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage;
-    /// See [`VisibilityLobes::coverage`].
+    /// See [`Visibility::coverage`].
     fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage;
-    /// See [`VisibilityLobes::visibility_lobes`].
-    ///
-    /// # Errors
-    /// [`LobesFull`] when `out` has no room.
-    fn dyn_visibility_lobes(
-        &self,
-        seen: &PartlySeen<'_>,
-        brdf: &Lobe,
-        unshadowed: f32,
-        scratch: &mut DynScratch,
-        out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull>;
+    /// See [`Visibility::fraction`].
+    fn dyn_fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut DynScratch)
+    -> Vec3;
 }
 
 fn downcast<S: 'static>(scratch: &mut DynScratch) -> &mut S {
@@ -36,14 +26,11 @@ fn downcast<S: 'static>(scratch: &mut DynScratch) -> &mut S {
 
 impl<V> DynVisibility for V
 where
-    V: VisibilityLobes,
+    V: Visibility,
     V::Scratch: 'static,
 {
     fn dyn_scratch(&self) -> DynScratch {
         Box::new(self.scratch())
-    }
-    fn dyn_max_lobes(&self, accuracy: Accuracy) -> usize {
-        self.max_lobes(accuracy)
     }
     fn dyn_enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
         self.enter(shaft, downcast(scratch))
@@ -51,26 +38,22 @@ where
     fn dyn_coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
         self.coverage(query, downcast(scratch))
     }
-    fn dyn_visibility_lobes(
+    fn dyn_fraction(
         &self,
-        seen: &PartlySeen<'_>,
+        query: &VisibilityQuery<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut DynScratch,
-        out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull> {
-        self.visibility_lobes(seen, brdf, unshadowed, downcast(scratch), out)
+    ) -> Vec3 {
+        self.fraction(query, brdf, unshadowed, downcast(scratch))
     }
 }
 
-impl<'v> VisibilityLobes for Box<dyn DynVisibility + 'v> {
+impl<'v> Visibility for Box<dyn DynVisibility + 'v> {
     type Scratch = DynScratch;
 
     fn scratch(&self) -> DynScratch {
         (**self).dyn_scratch()
-    }
-    fn max_lobes(&self, accuracy: Accuracy) -> usize {
-        (**self).dyn_max_lobes(accuracy)
     }
     fn enter(&self, shaft: &Shaft, scratch: &mut DynScratch) -> Coverage {
         (**self).dyn_enter(shaft, scratch)
@@ -78,15 +61,8 @@ impl<'v> VisibilityLobes for Box<dyn DynVisibility + 'v> {
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut DynScratch) -> Coverage {
         (**self).dyn_coverage(query, scratch)
     }
-    fn visibility_lobes(
-        &self,
-        seen: &PartlySeen<'_>,
-        brdf: &Lobe,
-        unshadowed: f32,
-        scratch: &mut DynScratch,
-        out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull> {
-        (**self).dyn_visibility_lobes(seen, brdf, unshadowed, scratch, out)
+    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut DynScratch) -> Vec3 {
+        (**self).dyn_fraction(query, brdf, unshadowed, scratch)
     }
 }
 

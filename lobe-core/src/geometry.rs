@@ -20,7 +20,15 @@ pub struct Receiver {
     pub object: u32,
 }
 
-/// A ball.
+impl Receiver {
+    /// A point of a surface whose shading normal is that of its face, on no object with blockers of its own.
+    #[must_use]
+    pub const fn on_surface(position: Vec3, normal: Vec3, view: Vec3) -> Self {
+        Self { position, normal, face: normal, view, object: OWN_NONE }
+    }
+}
+
+/// A sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sphere {
     /// Centre.

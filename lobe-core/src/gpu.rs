@@ -35,17 +35,14 @@ pub struct GpuMaterialSet {
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
-/// use lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
+/// use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
 ///
 /// /// Reflects back to where the light came from, in a colour.
 /// struct Retro(Vec3);
 ///
 /// impl BrdfLobes for Retro {
-///     fn max_lobes(&self) -> usize {
-///         1
-///     }
-///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-///         out.push(Lobe::with_flux(at.view, 40.0, self.0))
+///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+///         out.push(Lobe::with_flux(at.view, 40.0, self.0));
 ///     }
 /// }
 ///

@@ -1,20 +1,10 @@
-//! The integrator: the light, the reflectance and the visibility of one receiver, put together.
+//! The rendering equation of this project: radiance as a sum over lights and reflectance lobes.
 
 use crate::{
-    Cone, Coverage, LightTerm, Lobe, Lobes, LobesFull, Look, Outline, PartlySeen, Receiver, VisibilityLobes,
-    VisibilitySum, Visit, outline, paper, visible_fraction,
+    Cone, Coverage, LightCoverage, LightVisibility, Lobe, Lobes, Outline, Penumbra, Receiver, SeenLight,
+    TileContributions, TileInteraction, Visibility, VisibilityLobes, VisibilitySum, outline, visible_fraction,
 };
 use glam::Vec3;
-
-/// Which lobes stand for light and visibility, and how products are taken.
-#[derive(Clone, Copy, Debug, Default)]
-pub enum Method<'a> {
-    /// Moment lobes and closed integrals: what matters is conserved, no table.
-    #[default]
-    Moments,
-    /// The paper as printed: least-squares lobes, tabulated products, `f̃·L` first, then the threshold, then V (§5.4).
-    Paper(&'a paper::Tables),
-}
 
 /// A stage of the paper's Table 1, told to an [`Observer`] when it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +19,7 @@ pub enum Stage {
     Integration,
 }
 
-/// Listens to what the integrator does: counters and clocks. `()` listens to nothing and costs nothing.
+/// Listens to the integrators: counters and clocks. `()` listens to nothing and costs nothing.
 pub trait Observer {
     /// A stage has ended.
     fn end(&mut self, stage: Stage) {
@@ -49,187 +39,242 @@ pub trait Observer {
 
 impl Observer for () {}
 
-/// What one light adds to the radiance toward the eye.
+/// The part of a receiver's radiance that one light contributes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lit {
+pub struct Contribution {
     /// With visibility.
     pub radiance: Vec3,
     /// Without.
     pub unshadowed: Vec3,
 }
 
-/// One receiver and one light, to be integrated; what hides the light is asked through a [`Visit`].
+/// One receiver and one light: a term of the sum over lights.
 #[derive(Clone, Copy, Debug)]
-pub struct Call<'a> {
+pub struct Interaction<'a> {
     /// The receiver.
     pub at: &'a Receiver,
     /// Reflectance lobes at the receiver.
     pub brdf: Lobes<'a>,
-    /// The light.
-    pub light: &'a LightTerm,
-}
-
-/// Puts the three lobe sums together: the rendering equation for one receiver and one light (Eq. 21).
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Integrator<'a> {
-    /// How.
-    pub method: Method<'a>,
-    /// Reflectance–light products whose radiance (largest channel) is below this are dropped (t_i of §4.3); by the paper's
-    /// method also each visibility lobe's product with them, which leaves shadows ragged when it is high (Fig. 5).
+    /// The light as the receiver sees it.
+    pub light: &'a SeenLight,
+    /// Products of reflectance and light whose radiance (largest channel) is at most this are dropped (t_i of §4.3); by the
+    /// paper's method also each visibility lobe's product with them, which leaves shadows ragged when it is high (Fig. 5).
     pub threshold: f32,
 }
 
-impl Integrator<'_> {
-    /// Radiance toward the eye that one light adds.
-    ///
-    /// For each reflectance lobe the unshadowed integral comes first; if any is above the threshold the strategy is
-    /// asked how much of the light is seen, and only where that is a part, for lobes. A lit point costs one integral
-    /// per reflectance lobe, a dark one no lobe either.
-    ///
-    /// `sum` is working memory, one a thread.
-    ///
-    /// # Errors
-    /// [`LobesFull`] when `sum` is smaller than the strategy's `max_lobes`.
-    pub fn radiance<V: VisibilityLobes + ?Sized>(
+/// A way to integrate reflectance × light × visibility (Eq. 21) over one light.
+///
+/// [`FractionIntegrator`] is the default; [`LobeIntegrator`] writes visibility as lobes;
+/// [`paper::PaperIntegrator`](crate::paper::PaperIntegrator) is the paper's. Each has a form for one receiver and one for a
+/// tile of receivers, with the same results to the bit.
+pub trait Integrator<V: Visibility + ?Sized>: Sync {
+    /// Working memory, one a thread.
+    type Scratch: Default + Send;
+
+    /// Whether reflectance may contain [microfacets](Lobe::microfacets). If not, materials write lobes of directions only.
+    const TAKES_MICROFACETS: bool;
+
+    /// Whether tiles come with the [integrals](crate::cap_integrals) of their lobes over the light.
+    const TAKES_INTEGRALS: bool;
+
+    /// The contribution of one light to one receiver.
+    fn radiance(
         &self,
-        call: &Call<'_>,
-        visit: &mut Visit<'_, V>,
-        sum: &mut VisibilitySum,
+        point: &Interaction<'_>,
+        visibility: &mut LightVisibility<'_, V>,
+        scratch: &mut Self::Scratch,
         observer: &mut impl Observer,
-    ) -> Result<Lit, LobesFull> {
-        match self.method {
-            Method::Moments => self.by_moments(call, visit, sum, observer),
-            Method::Paper(tables) => self.by_paper(tables, call, visit, sum, observer),
-        }
+    ) -> Contribution;
+
+    /// The contributions of one light to all receivers of a tile: [`radiance`](Self::radiance) of each, bit for bit, for less.
+    ///
+    /// # Panics
+    /// When the parts of `tile` are not of one tile.
+    fn tile(
+        &self,
+        tile: &TileInteraction<'_>,
+        visibility: &mut LightVisibility<'_, V>,
+        scratch: &mut Self::Scratch,
+        observer: &mut impl Observer,
+        out: &mut TileContributions,
+    );
+}
+
+/// The default method: the closed integral of each reflectance lobe over the light, times the visible fraction of that lobe.
+///
+/// ```text
+/// radiance = Σ lights Σ reflectance lobes  flux · light's radiance · ∫ lobe over the light · visible fraction
+/// ```
+///
+/// (Eq. 21, with visibility not as lobes but as [`Visibility::fraction`].) A lit receiver costs one integral per reflectance lobe, a
+/// dark one no fraction either.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FractionIntegrator;
+
+impl<V: Visibility + ?Sized> Integrator<V> for FractionIntegrator {
+    type Scratch = ();
+    const TAKES_MICROFACETS: bool = true;
+    const TAKES_INTEGRALS: bool = true;
+
+    fn radiance(
+        &self,
+        point: &Interaction<'_>,
+        visibility: &mut LightVisibility<'_, V>,
+        (): &mut (),
+        observer: &mut impl Observer,
+    ) -> Contribution {
+        radiance(point, visibility, &mut Fractions, observer)
     }
 
-    fn by_moments<V: VisibilityLobes + ?Sized>(
+    fn tile(
         &self,
-        call: &Call<'_>,
-        visit: &mut Visit<'_, V>,
-        sum: &mut VisibilitySum,
+        tile: &TileInteraction<'_>,
+        visibility: &mut LightVisibility<'_, V>,
+        (): &mut (),
         observer: &mut impl Observer,
-    ) -> Result<Lit, LobesFull> {
-        let mut lit = Lit::default();
-        let mut seen = None;
-        let light = call.light.above(call.at.normal);
-        for f in call.brdf.iter() {
-            let shown = visit.image().zip(light.outline.as_ref());
-            let integral = match shown {
-                None => Vec3::splat(outline::light_integral(call.at, &f, &light.cone, light.outline.as_ref())),
-                Some((image, outline)) => outline::of_image(call.at, &f, outline, image),
-            };
-            let unshadowed = f.flux * call.light.radiance * integral;
-            observer.count(0, 1);
-            observer.end(Stage::Lighting);
-            lit.unshadowed += unshadowed;
-            if unshadowed.max_element() <= self.threshold {
-                if unshadowed.max_element() > 0.0 {
-                    observer.prune();
-                }
-                continue;
-            }
-            let fraction =
-                match seen.get_or_insert_with(|| look(visit, call.at, &light.cone, light.outline.as_ref(), observer)) {
-                    Look::Lit => Vec3::ONE,
-                    Look::Dark => Vec3::ZERO,
-                    Look::Partial(seen) => {
-                        let part = partly_seen(visit, seen, &f, integral.max_element(), sum, observer)?;
-                        sum.by_channel.unwrap_or(Vec3::splat(part))
-                    }
-                };
-            lit.radiance += unshadowed * fraction;
-        }
-        Ok(lit)
-    }
-
-    fn by_paper<V: VisibilityLobes + ?Sized>(
-        &self,
-        tables: &paper::Tables,
-        call: &Call<'_>,
-        visit: &mut Visit<'_, V>,
-        sum: &mut VisibilitySum,
-        observer: &mut impl Observer,
-    ) -> Result<Lit, LobesFull> {
-        let light_lobe = tables.light_lobe(&call.light.cone, call.light.radiance);
-        let mut lit = Lit::default();
-        let mut seen = None;
-        for f in call.brdf.iter() {
-            // A lobe without flux is not there.
-            if f.flux == Vec3::ZERO {
-                continue;
-            }
-            // c_a of Eq. 12; a receiver's cosine is one more lobe.
-            let f = if f.factor > 0.0 {
-                let cosine = Lobe::new(call.at.normal, 1.0, Vec3::ONE);
-                tables.product(&Lobe { factor: 0.0, ..f }, &cosine)
-            } else {
-                f
-            };
-            let product = tables.product(&f, &light_lobe);
-            let unshadowed = product.flux;
-            observer.count(0, 1);
-            observer.end(Stage::Lighting);
-            lit.unshadowed += unshadowed;
-            if unshadowed.max_element() <= self.threshold {
-                observer.prune();
-                continue;
-            }
-            match seen.get_or_insert_with(|| look(visit, call.at, &call.light.cone, None, observer)) {
-                Look::Lit => {
-                    lit.radiance += unshadowed;
-                    continue;
-                }
-                Look::Dark => continue,
-                Look::Partial(seen) => visit.lobes(seen, &f, unshadowed.max_element(), sum)?,
-            }
-            observer.end(Stage::VisibilityLobes);
-            let lobes = sum.lobes.lobes();
-            let mut shadow = Vec3::ZERO;
-            for c in lobes.iter() {
-                let taken = tables.product(&product, &c).flux;
-                if taken.abs().max_element() < self.threshold {
-                    observer.prune();
-                } else {
-                    shadow += taken;
-                }
-            }
-            lit.radiance += (unshadowed * sum.base + shadow).max(Vec3::ZERO);
-            observer.count(lobes.len(), lobes.len());
-            observer.end(Stage::Integration);
-        }
-        Ok(lit)
+        out: &mut TileContributions,
+    ) {
+        tile.radiance(visibility, &mut Fractions, observer, out);
     }
 }
 
-/// A receiver looks, and the observer is told.
-pub(crate) fn look<'q, 'v: 'q, V: VisibilityLobes + ?Sized>(
-    visit: &mut Visit<'v, V>,
+/// The same sum with visibility as lobes: the visible fraction is the closed integral of the reflectance lobe times the lobes of
+/// visibility, divided by that over the whole light ([`visible_fraction`]).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LobeIntegrator;
+
+impl<V: VisibilityLobes + ?Sized> Integrator<V> for LobeIntegrator {
+    type Scratch = VisibilitySum;
+    const TAKES_MICROFACETS: bool = false;
+    const TAKES_INTEGRALS: bool = true;
+
+    fn radiance(
+        &self,
+        point: &Interaction<'_>,
+        visibility: &mut LightVisibility<'_, V>,
+        scratch: &mut VisibilitySum,
+        observer: &mut impl Observer,
+    ) -> Contribution {
+        radiance(point, visibility, scratch, observer)
+    }
+
+    fn tile(
+        &self,
+        tile: &TileInteraction<'_>,
+        visibility: &mut LightVisibility<'_, V>,
+        scratch: &mut VisibilitySum,
+        observer: &mut impl Observer,
+        out: &mut TileContributions,
+    ) {
+        tile.radiance(visibility, scratch, observer, out);
+    }
+}
+
+/// Where the visible fraction of a reflectance lobe comes from: the strategy, or the lobes that it writes.
+pub(crate) trait FractionSource<V: Visibility + ?Sized> {
+    /// The visible fraction, and how many visibility lobes and integrals it took.
+    fn fraction(
+        &mut self,
+        visibility: &mut LightVisibility<'_, V>,
+        penumbra: &Penumbra<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        observer: &mut impl Observer,
+    ) -> (Vec3, [usize; 2]);
+}
+
+struct Fractions;
+
+impl<V: Visibility + ?Sized> FractionSource<V> for Fractions {
+    fn fraction(
+        &mut self,
+        visibility: &mut LightVisibility<'_, V>,
+        penumbra: &Penumbra<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        observer: &mut impl Observer,
+    ) -> (Vec3, [usize; 2]) {
+        let fraction = visibility.fraction(penumbra, brdf, unshadowed);
+        observer.end(Stage::VisibilityLobes);
+        (fraction, [0, 0])
+    }
+}
+
+impl<V: VisibilityLobes + ?Sized> FractionSource<V> for VisibilitySum {
+    fn fraction(
+        &mut self,
+        visibility: &mut LightVisibility<'_, V>,
+        penumbra: &Penumbra<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        observer: &mut impl Observer,
+    ) -> (Vec3, [usize; 2]) {
+        visibility.lobes(penumbra, brdf, unshadowed, self);
+        observer.end(Stage::VisibilityLobes);
+        let fraction = visible_fraction(penumbra.at, brdf, unshadowed, self);
+        let counts @ [lobes, integrals] = self.counts();
+        observer.count(lobes, integrals);
+        observer.end(Stage::Integration);
+        (Vec3::splat(fraction), counts)
+    }
+}
+
+/// The contribution of one light to one receiver:
+///
+/// ```text
+/// Σ reflectance lobes  flux · light's radiance · ∫ lobe over the light · visible fraction
+/// ```
+///
+/// The strategy is asked only if some lobe's unshadowed radiance is above the threshold, and for fractions only where the
+/// receiver sees a part of the light. [`TileInteraction`] has the twin for tiles.
+pub(crate) fn radiance<V: Visibility + ?Sized>(
+    point: &Interaction<'_>,
+    visibility: &mut LightVisibility<'_, V>,
+    source: &mut impl FractionSource<V>,
+    observer: &mut impl Observer,
+) -> Contribution {
+    let mut sum = Contribution::default();
+    let mut coverage = None;
+    let light = point.light.above(point.at.normal);
+    for lobe in point.brdf.iter() {
+        let integral = match visibility.image().zip(light.outline.as_ref()) {
+            None => Vec3::splat(outline::light_integral(point.at, &lobe, &light.cone, light.outline.as_ref())),
+            Some((image, outline)) => outline::of_image(point.at, &lobe, outline, image),
+        };
+        let unshadowed = lobe.flux * light.radiance * integral;
+        observer.count(0, 1);
+        observer.end(Stage::Lighting);
+        sum.unshadowed += unshadowed;
+        if unshadowed.max_element() <= point.threshold {
+            if unshadowed.max_element() > 0.0 {
+                observer.prune();
+            }
+            continue;
+        }
+        let fraction = match coverage
+            .get_or_insert_with(|| query(visibility, point.at, &light.cone, light.outline.as_ref(), observer))
+        {
+            LightCoverage::Lit => Vec3::ONE,
+            LightCoverage::Dark => Vec3::ZERO,
+            LightCoverage::Partial(penumbra) => {
+                source.fraction(visibility, penumbra, &lobe, integral.max_element(), observer).0
+            }
+        };
+        sum.radiance += unshadowed * fraction;
+    }
+    sum
+}
+
+/// A receiver asks for its coverage, and the observer is told.
+pub(crate) fn query<'q, 'v: 'q, V: Visibility + ?Sized>(
+    visibility: &mut LightVisibility<'v, V>,
     at: &'q Receiver,
     cone: &'q Cone,
     outline: Option<&'q Outline>,
     observer: &mut impl Observer,
-) -> Look<'q> {
-    let seen = visit.look_through(at, cone, outline);
-    observer.coverage(seen.coverage());
+) -> LightCoverage<'q> {
+    let coverage = visibility.coverage(at, cone, outline);
+    observer.coverage(coverage.coverage());
     observer.end(Stage::Mask);
-    seen
-}
-
-/// What the strategy's lobes let through of a reflectance lobe, where a part of the light is seen.
-pub(crate) fn partly_seen<V: VisibilityLobes + ?Sized>(
-    visit: &mut Visit<'_, V>,
-    seen: &PartlySeen<'_>,
-    f: &Lobe,
-    unshadowed: f32,
-    sum: &mut VisibilitySum,
-    observer: &mut impl Observer,
-) -> Result<f32, LobesFull> {
-    visit.lobes(seen, f, unshadowed, sum)?;
-    observer.end(Stage::VisibilityLobes);
-    let fraction = visible_fraction(seen.at, f, unshadowed, sum);
-    let lobes = sum.lobes.lobes().len();
-    observer.count(lobes, lobes + sum.whole.lobes().len());
-    observer.end(Stage::Integration);
-    Ok(fraction)
+    coverage
 }

@@ -1,13 +1,19 @@
 //! The algebra of cosine lobes `s·max(a·v, 0)^e`: what the whole workspace computes with.
 //!
-//! - [`Lobe`], and sums of lobes as structure-of-arrays views over the caller's storage ([`Lobes`], [`LobesMut`],
+//! - [`Lobe`], and sums of lobes as structure-of-arrays views over the caller's storage ([`Lobes`], [`LobeWriter`],
 //!   [`LobeBuffer`]);
 //! - closed integrals: one lobe, the product of two ([`product_integral`]), a lobe over a uniform disc of light ([`cap_integral`]);
-//! - moment lobes, which keep a function's total and mean vector exactly ([`cone_lobe`],
-//!   [`product_lobe`], [`mixture_lobe`]);
-//! - the three sources of lobes ([`BrdfLobes`], [`LightLobes`], [`VisibilityLobes`]) and the [`Integrator`] that puts
-//!   them together; [`gpu`]: what they bring to a GPU;
+//! - the moment lobe of a cone, which keeps its total and mean vector exactly ([`cone_lobe`]);
+//! - the contracts of reflectance, light and visibility ([`BrdfLobes`], [`LightLobes`], [`Visibility`], [`VisibilityLobes`]) and the
+//!   [`Integrator`]s that put them together; [`gpu`]: the parts that they bring to a GPU;
 //! - [`paper`]: the least-squares lobes and the product table of the paper that this project starts from.
+//!
+//! # The sum
+//! [`FractionIntegrator`] computes
+//!
+//! ```text
+//! radiance = Σ lights Σ reflectance lobes  flux · light's radiance · ∫ lobe over the light · visible fraction
+//! ```
 //!
 //! # Conventions
 //! Right-handed world space, f32, linear RGB. Directions point *away* from the receiver and have length 1. Angles are in
@@ -36,7 +42,6 @@ mod integrator;
 #[doc(hidden)]
 pub mod lanes;
 mod light_lobes;
-mod light_term;
 mod lobe;
 mod lobes;
 mod microfacets;
@@ -48,6 +53,7 @@ pub mod paper;
 mod product;
 mod random;
 mod seen;
+mod seen_light;
 pub mod special;
 #[cfg(test)]
 mod tests;
@@ -63,18 +69,22 @@ pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::compact::compact_runs;
 pub use crate::dyn_visibility::{DynScratch, DynVisibility};
 pub use crate::geometry::{Cone, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
-pub use crate::integrator::{Call, Integrator, Lit, Method, Observer, Stage};
+pub use crate::integrator::{
+    Contribution, FractionIntegrator, Integrator, Interaction, LobeIntegrator, Observer, Stage,
+};
 pub use crate::light_lobes::LightLobes;
-pub use crate::light_term::LightTerm;
 pub use crate::lobe::{Lobe, power};
-pub use crate::lobes::{LobeBuffer, Lobes, LobesFull, LobesMut};
+pub use crate::lobes::{LobeBuffer, LobeWriter, Lobes};
 pub use crate::microfacets::Microfacets;
-pub use crate::moments::{cone_lobe, exponent_of_spread, mixture_lobe, product_lobe};
+pub use crate::moments::{cone_lobe, exponent_of_spread};
 pub use crate::outline::{LightImage, Outline, Places, hash_of, image_integral, nearest_of, outline_integral};
-pub use crate::product::{is_lambert, lobe_product, product_integral, product_of_angle, products_of_angle};
+pub use crate::product::{is_lambert, product_integral, product_of_angle, products_of_angle};
 pub use crate::random::Random;
+pub use crate::seen_light::SeenLight;
 pub use crate::tile::{Tile, TileLight};
-pub use crate::tile_integrator::{TileCall, TileLit};
-pub use crate::visibility::{Coverage, Look, PartlySeen, Unshadowed, VisibilityLobes, VisibilityQuery, Visit};
+pub use crate::tile_integrator::{TileContributions, TileInteraction};
+pub use crate::visibility::{
+    Coverage, LightCoverage, LightVisibility, Penumbra, Unshadowed, Visibility, VisibilityLobes, VisibilityQuery,
+};
 pub use crate::visibility_sum::{VisibilitySum, visible_fraction};
 pub use glam;

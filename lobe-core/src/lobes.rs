@@ -1,18 +1,6 @@
 use crate::Lobe;
 use glam::Vec3;
 
-/// The destination had no room for another lobe: give it a larger capacity (`max_lobes` of the source).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LobesFull;
-
-impl core::fmt::Display for LobesFull {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("lobe storage is full")
-    }
-}
-
-impl core::error::Error for LobesFull {}
-
 /// Columns of a lobe sum; one entry a lobe. See [`Lobe`] for what each means.
 const COLUMNS: usize = 8;
 
@@ -72,15 +60,14 @@ impl<'a> Lobes<'a> {
     }
 }
 
-/// A sum of lobes that is being written into the caller's storage.
+/// Writes a sum of lobes into a [`LobeBuffer`].
 #[derive(Debug)]
-pub struct LobesMut<'a> {
+pub struct LobeWriter<'a> {
     columns: &'a mut [Vec<f32>; COLUMNS],
-    capacity: usize,
     takes_microfacets: bool,
 }
 
-impl LobesMut<'_> {
+impl LobeWriter<'_> {
     /// Number of lobes so far.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -93,7 +80,7 @@ impl LobesMut<'_> {
         self.len() == 0
     }
 
-    /// Whether whoever reads the sum knows lobes of [microfacets](Lobe::microfacets). If not, all are to be lobes of directions: products with
+    /// Whether the reader of the sum knows lobes of [microfacets](Lobe::microfacets). If not, all are to be lobes of directions: products with
     /// lobes of visibility have closed forms for no others.
     #[must_use]
     pub const fn takes_microfacets(&self) -> bool {
@@ -101,64 +88,61 @@ impl LobesMut<'_> {
     }
 
     /// Appends a lobe.
-    ///
-    /// # Errors
-    /// [`LobesFull`] when the capacity is reached; the sum is unchanged then.
-    pub fn push(&mut self, lobe: Lobe) -> Result<(), LobesFull> {
-        if self.len() == self.capacity {
-            return Err(LobesFull);
-        }
+    pub fn push(&mut self, lobe: Lobe) {
         let values: [f32; COLUMNS] = bytemuck::cast(lobe);
         for (column, value) in self.columns.iter_mut().zip(values) {
             column.push(value);
         }
-        Ok(())
     }
 }
 
-/// Storage for a lobe sum with a fixed capacity: allocate once a thread, reuse for every point.
+impl Extend<Lobe> for LobeWriter<'_> {
+    fn extend<T: IntoIterator<Item = Lobe>>(&mut self, lobes: T) {
+        lobes.into_iter().for_each(|lobe| self.push(lobe));
+    }
+}
+
+/// Storage for a lobe sum, one a thread. It keeps its memory when it is written anew, so that only the first points allocate.
 ///
 /// ```
 /// use lobe_core::{Lobe, LobeBuffer};
-/// let mut buffer = LobeBuffer::with_capacity(1);
-/// let mut out = buffer.writer();
-/// out.push(Lobe::default()).unwrap();
-/// assert!(out.push(Lobe::default()).is_err()); // never a silent truncation
+/// let mut buffer = LobeBuffer::default();
+/// buffer.writer().push(Lobe::default());
 /// assert_eq!(buffer.lobes().len(), 1);
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct LobeBuffer {
     columns: [Vec<f32>; COLUMNS],
-    capacity: usize,
 }
 
 impl LobeBuffer {
-    /// Room for `capacity` lobes.
-    #[must_use]
-    pub fn with_capacity(capacity: usize) -> Self {
-        Self { columns: core::array::from_fn(|_| Vec::with_capacity(capacity)), capacity }
-    }
-
-    /// How many lobes fit.
-    #[must_use]
-    pub fn capacity(&self) -> usize {
-        self.capacity
+    /// Empties the sum.
+    pub fn clear(&mut self) {
+        self.columns.iter_mut().for_each(Vec::clear);
     }
 
     /// Empties the sum and returns the view to write it anew: lobes of directions.
-    pub fn writer(&mut self) -> LobesMut<'_> {
+    pub fn writer(&mut self) -> LobeWriter<'_> {
         self.writer_of(false)
     }
 
     /// The same; with `takes_microfacets` there may be lobes of [microfacets](Lobe::microfacets) among them.
-    pub fn writer_of(&mut self, takes_microfacets: bool) -> LobesMut<'_> {
-        self.columns.iter_mut().for_each(Vec::clear);
-        LobesMut { capacity: self.capacity, columns: &mut self.columns, takes_microfacets }
+    pub fn writer_of(&mut self, takes_microfacets: bool) -> LobeWriter<'_> {
+        self.clear();
+        LobeWriter { columns: &mut self.columns, takes_microfacets }
     }
 
-    /// What has been written.
+    /// The sum.
     #[must_use]
     pub fn lobes(&self) -> Lobes<'_> {
         Lobes { columns: core::array::from_fn(|k| self.columns[k].as_slice()) }
+    }
+}
+
+impl From<Lobe> for LobeBuffer {
+    fn from(lobe: Lobe) -> Self {
+        let mut buffer = Self::default();
+        buffer.writer().push(lobe);
+        buffer
     }
 }

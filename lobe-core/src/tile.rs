@@ -2,7 +2,7 @@
 
 use crate::lanes::{Columns, Kept, Lane, Level, WIDTH, map, row, set_row};
 use crate::seen::Seen;
-use crate::{Cone, LightTerm, Outline, Receiver, Sphere};
+use crate::{Cone, Outline, Receiver, SeenLight, Sphere};
 use glam::Vec3;
 
 /// Position, normal and view of receivers, sixteen to a block.
@@ -136,16 +136,16 @@ impl TileLight {
     ///
     /// # Panics
     /// When there are not as many as receivers of the tile.
-    pub fn one_by_one(&mut self, tile: &Tile, seen: impl IntoIterator<Item = LightTerm>) {
+    pub fn one_by_one(&mut self, tile: &Tile, seen: impl IntoIterator<Item = SeenLight>) {
         self.outlines.clear();
         let mut is_flat = false;
         self.cones.resize(tile.blocks(), Kept::default());
         self.each.resize(tile.blocks(), Kept::default());
         let mut count = 0;
-        for (i, term) in seen.into_iter().enumerate() {
-            is_flat |= term.outline.is_some();
+        for (i, seen) in seen.into_iter().enumerate() {
+            is_flat |= seen.outline.is_some();
             let [.., x, y, z, _, _, _] = row(&tile.blocks[i / WIDTH].0, i % WIDTH);
-            let LightTerm { cone, radiance, outline } = term.above(Vec3::new(x, y, z));
+            let SeenLight { cone, radiance, outline } = seen.above(Vec3::new(x, y, z));
             self.outlines.push(outline);
             let last = if i + 1 == tile.len() { WIDTH } else { i % WIDTH + 1 };
             // The rows that are too many repeat the last one, as the tile's do.
@@ -179,8 +179,8 @@ impl TileLight {
     /// # Panics
     /// When the tile has no such receiver.
     #[must_use]
-    pub fn term(&self, i: usize) -> LightTerm {
-        LightTerm { cone: self.cone(i), radiance: self.radiance(i), outline: self.outline(i).copied() }
+    pub fn seen_by(&self, i: usize) -> SeenLight {
+        SeenLight { cone: self.cone(i), radiance: self.radiance(i), outline: self.outline(i).copied() }
     }
 
     /// What of its cone receiver `i` sees bright above its horizon, where that is not all.

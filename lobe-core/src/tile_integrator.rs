@@ -1,38 +1,63 @@
-use crate::integrator::{look, partly_seen};
+//! The sum of [`FractionIntegrator`](crate::FractionIntegrator) for all receivers of a tile: sixteen rows in one instruction.
+
+use crate::integrator::{FractionSource, query};
 use crate::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
 use crate::tile::TileRadiance;
 use crate::{
-    Call, Coverage, Integrator, Lit, Lobe, LobeBuffer, LobesFull, Look, Method, Observer, Receiver, TileLight,
-    TileLobes, VisibilityLobes, VisibilitySum, Visit,
+    Contribution, Coverage, Interaction, LightCoverage, LightVisibility, Lobe, LobeBuffer, Observer, Receiver, Stage,
+    TileLight, TileLobes, Visibility,
 };
 use glam::Vec3;
 
-/// The receivers of a tile and one light, to be integrated: [`Call`](crate::Call) for many.
+/// The receivers of a tile and one light: [`Interaction`] for many.
 #[derive(Clone, Copy, Debug)]
-pub struct TileCall<'a> {
+pub struct TileInteraction<'a> {
     /// The receivers.
     pub at: &'a [Receiver],
     /// Their reflectance lobes.
     pub lobes: &'a TileLobes,
     /// The light as they see it.
     pub light: &'a TileLight,
-    /// [`cap_integrals`](crate::cap_integrals) of these lobes over this light. The paper's method has no use for them, nor have lights that
-    /// show an image.
+    /// [`cap_integrals`](crate::cap_integrals) of these lobes over this light. Unused where the integrator does not
+    /// [take integrals](crate::Integrator::TAKES_INTEGRALS) or the light shows an image.
     pub integrals: &'a [f32],
+    /// See [`Interaction::threshold`].
+    pub threshold: f32,
 }
 
-/// What [`Integrator::tile`] finds, and its working memory.
+/// The contributions of one light to the receivers of a tile, and working memory.
 #[derive(Clone, Debug, Default)]
-pub struct TileLit {
+pub struct TileContributions {
     blocks: Vec<Kept<SUMS>>,
     brdf: LobeBuffer,
 }
 
-/// Columns: a lobe's integral; radiance; the same without blockers; integrals; visibility lobes; lobes above the threshold,
-/// and dropped ones.
-const SUMS: usize = 11;
+/// One receiver's sums over its reflectance lobes: a row of the columns.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Sums {
+    /// The integral of the lobe that is added next.
+    integral: f32,
+    radiance: Vec3,
+    unshadowed: Vec3,
+    /// Counters, as floats: integrals, visibility lobes, lobes above the threshold and lobes dropped below it.
+    integrals: f32,
+    visibility_lobes: f32,
+    above: f32,
+    dropped: f32,
+}
 
-impl TileLit {
+const SUMS: usize = size_of::<Sums>() / size_of::<f32>();
+/// Columns of [`Sums`].
+const INTEGRAL: usize = core::mem::offset_of!(Sums, integral) / 4;
+const RADIANCE: usize = core::mem::offset_of!(Sums, radiance) / 4;
+const UNSHADOWED: usize = core::mem::offset_of!(Sums, unshadowed) / 4;
+const INTEGRALS: usize = core::mem::offset_of!(Sums, integrals) / 4;
+const VISIBILITY_LOBES: usize = core::mem::offset_of!(Sums, visibility_lobes) / 4;
+const ABOVE: usize = core::mem::offset_of!(Sums, above) / 4;
+const DROPPED: usize = core::mem::offset_of!(Sums, dropped) / 4;
+
+impl TileContributions {
     /// Radiance toward the eye of receiver `i`.
     ///
     /// # Panics
@@ -40,153 +65,148 @@ impl TileLit {
     #[must_use]
     #[inline]
     pub fn radiance(&self, i: usize) -> Vec3 {
-        let [_, x, y, z, ..] = &self.blocks[i / WIDTH].0;
-        Vec3::new(x[i % WIDTH], y[i % WIDTH], z[i % WIDTH])
+        let sums = &self.blocks[i / WIDTH].0;
+        Vec3::from_array(core::array::from_fn(|c| sums[RADIANCE + c][i % WIDTH]))
     }
 
-    /// All that was found for receiver `i`, and how many visibility lobes and integrals that took.
+    /// The contribution to receiver `i`, and how many visibility lobes and integrals it took.
     ///
     /// # Panics
     /// When the tile has no such receiver's block.
     #[must_use]
-    pub fn get(&self, i: usize) -> (Lit, [u32; 2]) {
-        let [_, _, _, _, x, y, z, integrals, lobes, ..] = row(&self.blocks[i / WIDTH].0, i % WIDTH);
-        (Lit { radiance: self.radiance(i), unshadowed: Vec3::new(x, y, z) }, [lobes as u32, integrals as u32])
+    pub fn get(&self, i: usize) -> (Contribution, [u32; 2]) {
+        let sums: Sums = bytemuck::cast(row(&self.blocks[i / WIDTH].0, i % WIDTH));
+        let Sums { radiance, unshadowed, integrals, visibility_lobes, .. } = sums;
+        (Contribution { radiance, unshadowed }, [visibility_lobes as u32, integrals as u32])
     }
 
-    fn set(&mut self, i: usize, radiance: Vec3, counts: [usize; 2]) {
+    /// No contributions yet.
+    fn reset(&mut self, receivers: usize) {
+        self.blocks.resize(receivers.div_ceil(WIDTH), Kept::default());
+        self.blocks.iter_mut().for_each(|block| block.0[INTEGRAL + 1..].as_flattened_mut().fill(0.0));
+    }
+
+    fn set(&mut self, i: usize, radiance: Vec3, [lobes, integrals]: [usize; 2]) {
+        self.set_color(RADIANCE, i, radiance);
         let sums = &mut self.blocks[i / WIDTH].0;
-        for (column, value) in sums[1..4].iter_mut().zip(radiance.to_array()) {
+        sums[INTEGRALS][i % WIDTH] += integrals as f32;
+        sums[VISIBILITY_LOBES][i % WIDTH] += lobes as f32;
+    }
+
+    fn set_color(&mut self, first: usize, i: usize, color: Vec3) {
+        let sums = &mut self.blocks[i / WIDTH].0;
+        for (column, value) in sums[first..first + 3].iter_mut().zip(color.to_array()) {
             column[i % WIDTH] = value;
         }
-        sums[7][i % WIDTH] += counts[1] as f32;
-        sums[8][i % WIDTH] += counts[0] as f32;
     }
 }
 
-impl Integrator<'_> {
-    /// [`radiance`](Self::radiance) of all receivers of a tile: the same numbers, for less.
+impl TileInteraction<'_> {
+    /// The twin of the integrator's `radiance` for one receiver: the same sum, bit for bit.
     ///
-    /// # Errors
-    /// [`LobesFull`] when `sum` is smaller than the strategy's `max_lobes`.
-    ///
-    /// # Panics
-    /// When the parts of `call` are not of one tile.
-    pub fn tile<V: VisibilityLobes + ?Sized>(
+    /// All receivers' unshadowed sums come first, in columns. Receivers of which some lobe is above the threshold then
+    /// ask for their coverage, and those in penumbra for fractions.
+    pub(crate) fn radiance<V: Visibility + ?Sized>(
         &self,
-        call: &TileCall<'_>,
-        visit: &mut Visit<'_, V>,
-        sum: &mut VisibilitySum,
+        visibility: &mut LightVisibility<'_, V>,
+        source: &mut impl FractionSource<V>,
         observer: &mut impl Observer,
-        out: &mut TileLit,
-    ) -> Result<(), LobesFull> {
-        out.blocks.resize(call.at.len().div_ceil(WIDTH), Kept::default());
-        out.blocks.iter_mut().for_each(|block| block.0[1..].as_flattened_mut().fill(0.0));
-        match self.method {
-            Method::Moments if visit.image().is_none() => self.tile_by_moments(call, visit, sum, observer, out),
-            Method::Moments | Method::Paper(_) => self.tile_one_by_one(call, visit, sum, observer, out),
+        out: &mut TileContributions,
+    ) {
+        if visibility.image().is_some() {
+            let radiance = |point: &Interaction<'_>, observer: &mut Counted<'_, _>| {
+                crate::integrator::radiance(point, visibility, source, observer)
+            };
+            return self.one_by_one(radiance, observer, out);
+        }
+        out.reset(self.at.len());
+        self.sum_unshadowed(out);
+        for first in (0..self.at.len()).step_by(WIDTH) {
+            let sums = &out.blocks[first / WIDTH].0;
+            let rows = WIDTH.min(self.at.len() - first);
+            observer.count(0, total(&sums[INTEGRALS], rows));
+            (0..total(&sums[DROPPED], rows)).for_each(|_| observer.prune());
+            for j in ones(rows_above(&sums[ABOVE], 0.0) & ((1 << rows) - 1)) {
+                self.shadow(first + j, visibility, source, observer, out);
+            }
         }
     }
 
-    fn tile_by_moments<V: VisibilityLobes + ?Sized>(
-        &self,
-        call: &TileCall<'_>,
-        visit: &mut Visit<'_, V>,
-        sum: &mut VisibilitySum,
-        observer: &mut impl Observer,
-        out: &mut TileLit,
-    ) -> Result<(), LobesFull> {
+    /// Adds every lobe to its receiver's row, without visibility.
+    fn sum_unshadowed(&self, out: &mut TileContributions) {
         let (level, threshold) = (Level::new(), self.threshold);
-        for (number, integrals) in call.integrals.chunks_exact(WIDTH).enumerate() {
-            let block = number % call.lobes.blocks_of_place();
+        for (number, integrals) in self.integrals.chunks_exact(WIDTH).enumerate() {
+            let block = number % self.lobes.blocks_of_place();
             let sums = &mut out.blocks[block].0;
-            sums[0].copy_from_slice(integrals);
-            match call.light.radiances() {
+            sums[INTEGRAL].copy_from_slice(integrals);
+            match self.light.radiances() {
                 TileRadiance::Same(light) => {
-                    update(level, &AddLobe { light, threshold }, sums, call.lobes.block(number));
+                    update(level, &AddLobe { light, threshold }, sums, self.lobes.block(number));
                 }
                 TileRadiance::Each(each) => {
                     let mut both = [[0.0; WIDTH]; 11];
-                    both[..8].copy_from_slice(call.lobes.block(number));
+                    both[..8].copy_from_slice(self.lobes.block(number));
                     both[8..].copy_from_slice(&each[block].0);
-                    update(level, &AddOwn { threshold }, sums, &both);
+                    update(level, &AddLobeOfEach { threshold }, sums, &both);
                 }
             }
         }
-        for first in (0..call.at.len()).step_by(WIDTH) {
-            let [.., integrals, _, seen, dropped] = &out.blocks[first / WIDTH].0;
-            let rows = WIDTH.min(call.at.len() - first);
-            let total = |column: &[f32; WIDTH]| total(column, rows);
-            observer.count(0, total(integrals));
-            (0..total(dropped)).for_each(|_| observer.prune());
-            for j in ones(rows_above(seen, 0.0) & ((1 << rows) - 1)) {
-                self.look_at(call, first + j, visit, sum, observer, out)?;
-            }
-        }
-        Ok(())
     }
 
-    /// One receiver that would be lit, if nothing hid the light.
-    fn look_at<V: VisibilityLobes + ?Sized>(
+    /// Multiplies the lobes of one receiver by their visible fractions.
+    fn shadow<V: Visibility + ?Sized>(
         &self,
-        call: &TileCall<'_>,
         i: usize,
-        visit: &mut Visit<'_, V>,
-        sum: &mut VisibilitySum,
+        visibility: &mut LightVisibility<'_, V>,
+        source: &mut impl FractionSource<V>,
         observer: &mut impl Observer,
-        out: &mut TileLit,
-    ) -> Result<(), LobesFull> {
-        if visit.entered() == Coverage::Lit {
+        out: &mut TileContributions,
+    ) {
+        if visibility.group_coverage() == Coverage::Lit {
             observer.coverage(Coverage::Lit);
-            return Ok(());
+            return;
         }
-        match look(visit, &call.at[i], &call.light.cone(i), call.light.outline(i), observer) {
-            Look::Lit => {}
-            Look::Dark => out.set(i, Vec3::ZERO, [0, 0]),
-            Look::Partial(seen) => {
-                let light = call.light.radiance(i);
+        match query(visibility, &self.at[i], &self.light.cone(i), self.light.outline(i), observer) {
+            LightCoverage::Lit => {}
+            LightCoverage::Dark => out.set(i, Vec3::ZERO, [0, 0]),
+            LightCoverage::Partial(penumbra) => {
+                let light = self.light.radiance(i);
                 let (mut radiance, mut counts) = (Vec3::ZERO, [0, 0]);
-                for (number, f) in call.lobes.of(i) {
-                    let integral = call.integrals[number];
-                    let unshadowed = f.flux * light * integral;
+                for (number, lobe) in self.lobes.of(i) {
+                    let integral = self.integrals[number];
+                    let unshadowed = lobe.flux * light * integral;
                     if unshadowed.max_element() > self.threshold {
-                        radiance += unshadowed * partly_seen(visit, &seen, &f, integral, sum, observer)?;
-                        let [lobes, whole] = [&sum.lobes, &sum.whole].map(|sum| sum.lobes().len());
-                        counts = [counts[0] + lobes, counts[1] + lobes + whole];
+                        let (fraction, [lobes, integrals]) =
+                            source.fraction(visibility, &penumbra, &lobe, integral, observer);
+                        radiance += unshadowed * fraction;
+                        counts = [counts[0] + lobes, counts[1] + integrals];
                     }
                 }
                 out.set(i, radiance, counts);
             }
         }
-        Ok(())
     }
 
-    fn tile_one_by_one<V: VisibilityLobes + ?Sized>(
+    /// The contributions of one receiver after the other, as `radiance` gives them.
+    pub(crate) fn one_by_one<O: Observer>(
         &self,
-        call: &TileCall<'_>,
-        visit: &mut Visit<'_, V>,
-        sum: &mut VisibilitySum,
-        observer: &mut impl Observer,
-        out: &mut TileLit,
-    ) -> Result<(), LobesFull> {
+        mut radiance: impl FnMut(&Interaction<'_>, &mut Counted<'_, O>) -> Contribution,
+        observer: &mut O,
+        out: &mut TileContributions,
+    ) {
+        out.reset(self.at.len());
         let mut brdf = core::mem::take(&mut out.brdf);
-        if brdf.capacity() < call.lobes.places() {
-            brdf = LobeBuffer::with_capacity(call.lobes.places());
-        }
-        for (i, at) in call.at.iter().enumerate() {
-            let mut writer = brdf.writer();
-            call.lobes.of(i).try_for_each(|(_, lobe)| writer.push(lobe))?;
-            let light = call.light.term(i);
-            let one = Call { at, brdf: brdf.lobes(), light: &light };
+        for (i, at) in self.at.iter().enumerate() {
+            brdf.writer().extend(self.lobes.of(i).map(|(_, lobe)| lobe));
+            let light = self.light.seen_by(i);
+            let point = Interaction { at, brdf: brdf.lobes(), light: &light, threshold: self.threshold };
             let mut counted = Counted { observer: &mut *observer, counts: [0, 0] };
-            let lit = self.radiance(&one, visit, sum, &mut counted)?;
-            out.set(i, lit.radiance, counted.counts);
-            for (column, value) in out.blocks[i / WIDTH].0[4..7].iter_mut().zip(lit.unshadowed.to_array()) {
-                column[i % WIDTH] = value;
-            }
+            let sum = radiance(&point, &mut counted);
+            let counts = counted.counts;
+            out.set(i, sum.radiance, counts);
+            out.set_color(UNSHADOWED, i, sum.unshadowed);
         }
         out.brdf = brdf;
-        Ok(())
     }
 }
 
@@ -202,13 +222,13 @@ fn total(column: &[f32; WIDTH], rows: usize) -> usize {
 }
 
 /// Counts for one receiver, and passes all on.
-struct Counted<'p, P> {
+pub(crate) struct Counted<'p, P> {
     observer: &'p mut P,
     counts: [usize; 2],
 }
 
 impl<P: Observer> Observer for Counted<'_, P> {
-    fn end(&mut self, stage: crate::Stage) {
+    fn end(&mut self, stage: Stage) {
         self.observer.end(stage);
     }
     fn count(&mut self, lobes: usize, integrals: usize) {
@@ -223,18 +243,19 @@ impl<P: Observer> Observer for Counted<'_, P> {
     }
 }
 
-/// Adds a lobe to the sums, where the light is as bright toward each receiver.
+/// Adds a lobe to the sums of a receiver: `flux · light's radiance · ∫ lobe over the light`, where the light has the same
+/// radiance toward all receivers.
 struct AddLobe {
     light: Vec3,
     threshold: f32,
 }
 
-/// The same where it is not: its radiance follows the lobe.
-struct AddOwn {
+/// The same where the radiance differs from receiver to receiver: it follows the lobe.
+struct AddLobeOfEach {
     threshold: f32,
 }
 
-impl Lane<SUMS, 11, SUMS> for AddOwn {
+impl Lane<SUMS, 11, SUMS> for AddLobeOfEach {
     #[inline(always)]
     fn value(&self, sums: [f32; SUMS], row: [f32; 11]) -> [f32; SUMS] {
         let [lobe @ .., r, g, b] = row;
@@ -244,30 +265,21 @@ impl Lane<SUMS, 11, SUMS> for AddOwn {
 
 impl Lane<SUMS, 8, SUMS> for AddLobe {
     #[inline(always)]
-    fn value(
-        &self,
-        [integral, r, g, b, all @ .., count, lobes, seen, dropped]: [f32; SUMS],
-        lobe: [f32; 8],
-    ) -> [f32; SUMS] {
-        let flux = bytemuck::cast::<_, Lobe>(lobe).flux;
-        let unshadowed = flux * self.light * integral;
+    fn value(&self, sums: [f32; SUMS], lobe: [f32; 8]) -> [f32; SUMS] {
+        let (sums, lobe) = (bytemuck::cast::<_, Sums>(sums), bytemuck::cast::<_, Lobe>(lobe));
+        let unshadowed = lobe.flux * self.light * sums.integral;
         let larger = |a: f32, b: f32| if a > b { a } else { b };
         let largest = larger(larger(unshadowed.x, unshadowed.y), unshadowed.z);
         let above = largest > self.threshold;
         let below = !above && largest > 0.0;
         let taken = |x: f32| if above { x } else { 0.0 };
-        [
-            integral,
-            r + taken(unshadowed.x),
-            g + taken(unshadowed.y),
-            b + taken(unshadowed.z),
-            all[0] + unshadowed.x,
-            all[1] + unshadowed.y,
-            all[2] + unshadowed.z,
-            count + if flux == Vec3::ZERO { 0.0 } else { 1.0 },
-            lobes,
-            if above { seen + 1.0 } else { seen },
-            if below { dropped + 1.0 } else { dropped },
-        ]
+        bytemuck::cast(Sums {
+            radiance: sums.radiance + Vec3::new(taken(unshadowed.x), taken(unshadowed.y), taken(unshadowed.z)),
+            unshadowed: sums.unshadowed + unshadowed,
+            integrals: sums.integrals + if lobe.flux == Vec3::ZERO { 0.0 } else { 1.0 },
+            above: if above { sums.above + 1.0 } else { sums.above },
+            dropped: if below { sums.dropped + 1.0 } else { sums.dropped },
+            ..sums
+        })
     }
 }

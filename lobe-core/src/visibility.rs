@@ -1,17 +1,16 @@
-//! How a visibility strategy is asked: the trait, and the visit that keeps the order of the questions.
+//! Visibility: the traits of a strategy, and the query object that keeps the order of the questions.
 
-use crate::{
-    Accuracy, Cone, LightId, LightImage, Lobe, LobesFull, Outline, Receiver, Shaft, VisibilitySum, visible_fraction,
-};
+use crate::{Accuracy, Cone, LightId, LightImage, Lobe, Outline, Receiver, Shaft, VisibilitySum};
+use glam::Vec3;
 
-/// How much of a light a receiver sees, before any lobe is made.
+/// How much of a light a receiver sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coverage {
-    /// All of it: V = 1, no lobe is needed.
+    /// All of it: V = 1.
     Lit,
     /// Nothing: V = 0.
     Dark,
-    /// A part: ask for lobes.
+    /// A part: the fraction depends on the reflectance lobe.
     Partial,
 }
 
@@ -29,7 +28,7 @@ pub struct VisibilityQuery<'a> {
     pub outline: Option<&'a Outline>,
     /// How bright the outline is where, if not everywhere the same.
     pub image: Option<&'a LightImage>,
-    /// What error is requested.
+    /// The requested error.
     pub accuracy: Accuracy,
 }
 
@@ -41,74 +40,61 @@ impl<'a> VisibilityQuery<'a> {
     }
 }
 
-/// A visibility strategy: decides which part of a light a receiver sees, and says it in lobes.
+/// A visibility strategy: the fraction of a light that a receiver sees, weighted by a reflectance lobe.
+///
+/// For a reflectance lobe `f` and a light of radiance `L` the *visible fraction* is
+/// `∫ f(v) L(v) V(v) dv / ∫ f(v) L(v) dv`, with `V` 1 where the light is seen and 0 where a blocker hides it. It is in
+/// `[0, 1]`, per colour channel, since an image may have other colours in its visible part.
 ///
 /// For each receiver and light the caller first asks for the [`coverage`](Self::coverage) and, only where that is
-/// [`Coverage::Partial`], for the lobes of each reflectance lobe. A lit or dark point costs no lobe. [`Visit`](crate::Visit) asks in
-/// that order, and nothing else can: only it gives the [`PartlySeen`] that lobes are asked with.
+/// [`Coverage::Partial`], for the [`fraction`](Self::fraction) of each reflectance lobe. [`LightVisibility`] keeps that order.
 ///
-/// Static dispatch: use the strategy's type. Dynamic: `Box<dyn DynVisibility>` implements this trait too.
+/// Static dispatch: use the strategy's type. Dynamic: `Box<dyn DynVisibility>` implements this trait too. Strategies that
+/// write visibility as lobes implement [`VisibilityLobes`] as well.
 ///
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::*;
 ///
-/// /// Frosted glass before every light: half of it comes through.
+/// /// Frosted glass before every light: half of the light passes.
 /// struct Veil;
 ///
-/// impl VisibilityLobes for Veil {
+/// impl Visibility for Veil {
 ///     type Scratch = ();
 ///     fn scratch(&self) {}
-///     fn max_lobes(&self, _: Accuracy) -> usize {
-///         0
-///     }
 ///     fn coverage(&self, _: &VisibilityQuery<'_>, _: &mut ()) -> Coverage {
 ///         Coverage::Partial
 ///     }
-///     fn visibility_lobes(
-///         &self,
-///         _: &PartlySeen<'_>,
-///         _: &Lobe,
-///         _: f32,
-///         _: &mut (),
-///         out: &mut VisibilitySum,
-///     ) -> Result<(), LobesFull> {
-///         out.base = 0.5;
-///         out.lobes.writer();
-///         out.whole.writer();
-///         Ok(())
+///     fn fraction(&self, _: &VisibilityQuery<'_>, _: &Lobe, _: f32, _: &mut ()) -> Vec3 {
+///         Vec3::splat(0.5)
 ///     }
 /// }
 ///
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
-/// let ball = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
-/// let light = LightTerm::of_cone(Cone::of_sphere(at.position, ball), Vec3::splat(3.0));
-/// let mut brdf = LobeBuffer::with_capacity(1);
-/// brdf.writer().push(Lobe::new(at.normal, 1.0, Vec3::ONE)).unwrap();
+/// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
+/// let sphere = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
+/// let light = SeenLight::of_cone(Cone::of_sphere(at.position, sphere), Vec3::splat(3.0));
+/// let brdf = LobeBuffer::from(Lobe::new(at.normal, 1.0, Vec3::ONE));
 ///
 /// let boxed: Box<dyn DynVisibility> = Box::new(Veil);
-/// let (mut scratch, mut sum) = (boxed.scratch(), VisibilitySum::default());
-/// let shaft = Shaft::new(Sphere { center: at.position, radius: 0.0 }, ball, LightId(0));
-/// let mut visit = Visit::enter(&boxed, &shaft, Accuracy::new(0.003), &mut scratch);
-/// let call = Call { at: &at, brdf: brdf.lobes(), light: &light };
-/// let lit = Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).unwrap();
+/// let mut scratch = boxed.scratch();
+/// let shaft = Shaft::new(Sphere { center: at.position, radius: 0.0 }, sphere, LightId(0));
+/// let mut visibility = LightVisibility::enter(&boxed, &shaft, Accuracy::new(0.003), &mut scratch);
+/// let point = Interaction { at: &at, brdf: brdf.lobes(), light: &light, threshold: 0.0 };
+/// let lit = FractionIntegrator.radiance(&point, &mut visibility, &mut (), &mut ());
 /// assert_eq!(lit.radiance, 0.5 * lit.unshadowed);
 /// ```
-pub trait VisibilityLobes: Sync {
+pub trait Visibility: Sync {
     /// Working memory, one a thread.
     type Scratch: Send;
 
     /// New working memory.
     fn scratch(&self) -> Self::Scratch;
 
-    /// The largest number of lobes that [`visibility_lobes`](Self::visibility_lobes) writes into either sum.
-    fn max_lobes(&self, accuracy: Accuracy) -> usize;
-
     /// Told before a group of receivers and one light: all queries until the next call stay inside `shaft`. A chance
     /// to cull; the results must not depend on it.
     ///
-    /// [`Coverage::Lit`] says that all of them will see all of the light, as [`coverage`](Self::coverage) would say of each:
-    /// no need to ask. Anything else says nothing.
+    /// [`Coverage::Lit`] says that every receiver of the group sees all of the light, as [`coverage`](Self::coverage) would say
+    /// of each. Any other value says nothing.
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
         let _ = (shaft, scratch);
         Coverage::Partial
@@ -117,61 +103,67 @@ pub trait VisibilityLobes: Sync {
     /// How much of the light is seen.
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
 
-    /// The lobes of what is seen, as detailed as the reflectance lobe `brdf` needs. `unshadowed` is the integral of
-    /// that lobe (flux 1) over the whole light. The query is the last one that [`coverage`](Self::coverage) was asked for.
-    ///
-    /// # Errors
-    /// [`LobesFull`] when `out` has no room.
-    fn visibility_lobes(
+    /// The visible fraction of one reflectance lobe, per channel, in `[0, 1]`. `unshadowed` is the integral of that lobe (flux 1)
+    /// over the whole light. The query is the last one that [`coverage`](Self::coverage) was asked for, and its answer was
+    /// [`Coverage::Partial`].
+    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3;
+}
+
+/// A strategy that also writes visibility as a sum of cosine lobes (Eq. 8): for [`LobeIntegrator`](crate::LobeIntegrator) and for the
+/// paper's method.
+pub trait VisibilityLobes: Visibility {
+    /// Writes the lobes of the visible part of the light into `out`, as detailed as the reflectance lobe `brdf` needs. The
+    /// same preconditions as for [`fraction`](Visibility::fraction); `out` is overwritten.
+    fn lobes(
         &self,
-        seen: &PartlySeen<'_>,
+        query: &VisibilityQuery<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull>;
+    );
 }
 
-/// A group of receivers asks a strategy about one light: the group enters, each receiver asks how much it sees, and who sees a
-/// part asks for lobes. The types hold that order.
+/// The visibility of one light for a group of receivers: the group enters, each receiver asks for its coverage, and receivers in
+/// penumbra ask for fractions. The types keep that order.
 ///
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::*;
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// let light = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
 /// let shaft = Shaft::new(Sphere::default(), light, LightId(0));
 /// let mut scratch = Unshadowed.scratch();
-/// let mut visit = Visit::enter(&Unshadowed, &shaft, Accuracy::default(), &mut scratch);
-/// assert_eq!(visit.entered(), Coverage::Lit);
+/// let mut visibility = LightVisibility::enter(&Unshadowed, &shaft, Accuracy::default(), &mut scratch);
+/// assert_eq!(visibility.group_coverage(), Coverage::Lit);
 /// let cone = Cone::of_sphere(at.position, light);
-/// assert!(matches!(visit.look(&at, &cone), Look::Lit));
+/// assert!(matches!(visibility.coverage(&at, &cone, None), LightCoverage::Lit));
 /// ```
 #[derive(Debug)]
-pub struct Visit<'v, V: VisibilityLobes + ?Sized> {
+pub struct LightVisibility<'v, V: Visibility + ?Sized> {
     visibility: &'v V,
     scratch: &'v mut V::Scratch,
     light: LightId,
     image: Option<&'v LightImage>,
     accuracy: Accuracy,
-    entered: Coverage,
-    /// How many receivers have looked.
-    looks: u32,
+    group: Coverage,
+    /// How many receivers have asked.
+    queries: u32,
 }
 
-/// How much of a light a receiver sees.
+/// How much of a light a receiver sees; in penumbra with the right to ask for fractions.
 #[derive(Debug)]
-pub enum Look<'q> {
+pub enum LightCoverage<'q> {
     /// All of it.
     Lit,
     /// Nothing.
     Dark,
-    /// A part: what lobes are asked with.
-    Partial(PartlySeen<'q>),
+    /// A part.
+    Partial(Penumbra<'q>),
 }
 
-impl Look<'_> {
-    /// The same without the right to ask for lobes.
+impl LightCoverage<'_> {
+    /// The same without the right to ask for fractions.
     #[must_use]
     pub const fn coverage(&self) -> Coverage {
         match self {
@@ -182,121 +174,106 @@ impl Look<'_> {
     }
 }
 
-/// A query whose answer was [`Coverage::Partial`]: the right to ask for lobes, which only [`Visit::look`] gives.
+/// A query whose answer was [`Coverage::Partial`]: the right to ask for fractions and lobes, which only
+/// [`LightVisibility::coverage`] gives.
 #[derive(Debug)]
-pub struct PartlySeen<'q> {
+pub struct Penumbra<'q> {
     query: VisibilityQuery<'q>,
-    /// Which look of the visit it was.
-    look: u32,
+    /// Which query of the group it was.
+    number: u32,
 }
 
-impl<'q> core::ops::Deref for PartlySeen<'q> {
+impl<'q> core::ops::Deref for Penumbra<'q> {
     type Target = VisibilityQuery<'q>;
     fn deref(&self) -> &Self::Target {
         &self.query
     }
 }
 
-impl<'v, V: VisibilityLobes + ?Sized> Visit<'v, V> {
-    /// The group enters: all receivers that will look are inside `shaft`.
+impl<'v, V: Visibility + ?Sized> LightVisibility<'v, V> {
+    /// A group enters: all receivers that will ask are inside `shaft`.
     pub fn enter(visibility: &'v V, shaft: &Shaft, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
-        let entered = visibility.enter(shaft, scratch);
-        Self { entered, ..Self::alone(visibility, shaft.id, accuracy, scratch) }
+        let group = visibility.enter(shaft, scratch);
+        Self { group, ..Self::alone(visibility, shaft.id, accuracy, scratch) }
     }
 
-    /// One receiver that looks alone: the strategy is told of no group, and must not have been told of another one with this
+    /// One receiver that asks alone: the strategy is told of no group, and must not have been told of another one with this
     /// scratch.
     pub fn alone(visibility: &'v V, light: LightId, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
-        Self { visibility, scratch, light, image: None, accuracy, entered: Coverage::Partial, looks: 0 }
+        Self { visibility, scratch, light, image: None, accuracy, group: Coverage::Partial, queries: 0 }
     }
 
-    /// The same visit to a light that shows an image ([`LightLobes::image`](crate::LightLobes::image)).
+    /// The same for a light that shows an image ([`LightLobes::image`](crate::LightLobes::image)).
     #[must_use]
-    pub fn to_image(self, image: Option<&'v LightImage>) -> Self {
+    pub fn with_image(self, image: Option<&'v LightImage>) -> Self {
         Self { image, ..self }
     }
 
-    /// What the light shows.
+    /// The light's image.
     #[must_use]
     pub const fn image(&self) -> Option<&'v LightImage> {
         self.image
     }
 
-    /// What was said of the whole group: [`Coverage::Lit`] when nobody needs to look.
+    /// The coverage of the whole group: [`Coverage::Lit`] when no receiver needs to ask.
     #[must_use]
-    pub const fn entered(&self) -> Coverage {
-        self.entered
+    pub const fn group_coverage(&self) -> Coverage {
+        self.group
     }
 
-    /// Each receiver looks, whatever was said of the group. For groups in which facets differ from shading normals: the
-    /// facet may hide light that nothing else does.
-    pub fn let_each_look(&mut self) {
-        self.entered = Coverage::Partial;
+    /// Makes each receiver ask, whatever was said of the group. For groups in which facets differ from shading normals: a
+    /// facet may hide light that no blocker hides.
+    pub const fn query_each_receiver(&mut self) {
+        self.group = Coverage::Partial;
     }
 
-    /// How much of the light a receiver sees, whose cone from there is `cone`.
-    pub fn look<'q>(&mut self, at: &'q Receiver, cone: &'q Cone) -> Look<'q>
-    where
-        'v: 'q,
-    {
-        self.look_through(at, cone, None)
-    }
-
-    /// The same of a light of which only what is inside of an outline is bright.
-    pub fn look_through<'q>(&mut self, at: &'q Receiver, cone: &'q Cone, outline: Option<&'q Outline>) -> Look<'q>
+    /// How much of the light a receiver sees, whose cone from there is `cone` and whose bright part, if that is not all of the
+    /// cone, is `outline`.
+    pub fn coverage<'q>(&mut self, at: &'q Receiver, cone: &'q Cone, outline: Option<&'q Outline>) -> LightCoverage<'q>
     where
         'v: 'q,
     {
         let query =
             VisibilityQuery { outline, image: self.image, ..VisibilityQuery::new(at, self.light, cone, self.accuracy) };
-        self.looks = self.looks.wrapping_add(1);
+        self.queries = self.queries.wrapping_add(1);
         match self.visibility.coverage(&query, self.scratch) {
-            Coverage::Lit => Look::Lit,
-            Coverage::Dark => Look::Dark,
-            Coverage::Partial => Look::Partial(PartlySeen { query, look: self.looks }),
+            Coverage::Lit => LightCoverage::Lit,
+            Coverage::Dark => LightCoverage::Dark,
+            Coverage::Partial => LightCoverage::Partial(Penumbra { query, number: self.queries }),
         }
     }
 
-    /// The lobes of what the last receiver sees, see [`VisibilityLobes::visibility_lobes`].
-    ///
-    /// # Errors
-    /// [`LobesFull`] when `out` has no room.
+    /// The visible fraction of a reflectance lobe for the receiver that asked last, see [`Visibility::fraction`].
     ///
     /// # Panics
-    /// When another receiver has looked since.
-    pub fn lobes(
-        &mut self,
-        seen: &PartlySeen<'_>,
-        brdf: &Lobe,
-        unshadowed: f32,
-        out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull> {
-        assert_eq!(seen.look, self.looks, "lobes are of the receiver that looked last");
-        out.by_channel = None;
-        self.visibility.visibility_lobes(seen, brdf, unshadowed, self.scratch, out)
+    /// When another receiver has asked since.
+    pub fn fraction(&mut self, penumbra: &Penumbra<'_>, brdf: &Lobe, unshadowed: f32) -> Vec3 {
+        self.check(penumbra);
+        self.visibility.fraction(penumbra, brdf, unshadowed, self.scratch)
     }
 
-    /// A receiver looks: what it sees of one reflectance lobe times the light, see [`visible_fraction`]. `unshadowed` is the integral
-    /// of that lobe (flux 1) over the whole light.
-    ///
-    /// # Errors
-    /// [`LobesFull`] when `sum` is smaller than the strategy's `max_lobes`.
-    pub fn fraction(
-        &mut self,
-        at: &Receiver,
-        cone: &Cone,
-        brdf: &Lobe,
-        unshadowed: f32,
-        sum: &mut VisibilitySum,
-    ) -> Result<f32, LobesFull> {
-        match self.look(at, cone) {
-            Look::Lit => Ok(1.0),
-            Look::Dark => Ok(0.0),
-            Look::Partial(seen) => {
-                self.lobes(&seen, brdf, unshadowed, sum)?;
-                Ok(visible_fraction(at, brdf, unshadowed, sum))
-            }
+    /// Coverage and fraction in one call: the visible fraction of a reflectance lobe, per channel.
+    pub fn visible_fraction(&mut self, at: &Receiver, cone: &Cone, brdf: &Lobe, unshadowed: f32) -> Vec3 {
+        match self.coverage(at, cone, None) {
+            LightCoverage::Lit => Vec3::ONE,
+            LightCoverage::Dark => Vec3::ZERO,
+            LightCoverage::Partial(penumbra) => self.fraction(&penumbra, brdf, unshadowed),
         }
+    }
+
+    fn check(&self, penumbra: &Penumbra<'_>) {
+        assert_eq!(penumbra.number, self.queries, "fractions are of the receiver that asked last");
+    }
+}
+
+impl<V: VisibilityLobes + ?Sized> LightVisibility<'_, V> {
+    /// The lobes of the visible part for the receiver that asked last, see [`VisibilityLobes::lobes`].
+    ///
+    /// # Panics
+    /// When another receiver has asked since.
+    pub fn lobes(&mut self, penumbra: &Penumbra<'_>, brdf: &Lobe, unshadowed: f32, out: &mut VisibilitySum) {
+        self.check(penumbra);
+        self.visibility.lobes(penumbra, brdf, unshadowed, self.scratch, out);
     }
 }
 
@@ -304,30 +281,23 @@ impl<'v, V: VisibilityLobes + ?Sized> Visit<'v, V> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unshadowed;
 
-impl VisibilityLobes for Unshadowed {
+impl Visibility for Unshadowed {
     type Scratch = ();
 
     fn scratch(&self) {}
-    fn max_lobes(&self, _: Accuracy) -> usize {
-        0
-    }
     fn enter(&self, _: &Shaft, (): &mut ()) -> Coverage {
         Coverage::Lit
     }
     fn coverage(&self, _: &VisibilityQuery<'_>, (): &mut ()) -> Coverage {
         Coverage::Lit
     }
-    fn visibility_lobes(
-        &self,
-        _: &PartlySeen<'_>,
-        _: &Lobe,
-        _: f32,
-        (): &mut (),
-        out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull> {
-        out.base = 1.0;
-        out.lobes.writer();
-        out.whole.writer();
-        Ok(())
+    fn fraction(&self, _: &VisibilityQuery<'_>, _: &Lobe, _: f32, (): &mut ()) -> Vec3 {
+        Vec3::ONE
+    }
+}
+
+impl VisibilityLobes for Unshadowed {
+    fn lobes(&self, _: &VisibilityQuery<'_>, _: &Lobe, _: f32, (): &mut (), out: &mut VisibilitySum) {
+        out.clear(1.0);
     }
 }

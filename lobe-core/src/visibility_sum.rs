@@ -1,8 +1,7 @@
-//! What a visibility strategy writes, a sum of lobes, and the fraction of the light that the sum lets through.
+//! Visibility as a sum of lobes, and the fraction of the light that the sum lets through.
 
 use crate::product::normalized_total;
 use crate::{Lobe, LobeBuffer, Receiver};
-use glam::Vec3;
 
 /// Visibility inside a light's cone as a sum of lobes (Eq. 8), written for one reflectance lobe.
 ///
@@ -12,9 +11,6 @@ use glam::Vec3;
 pub struct VisibilitySum {
     /// The constant term (`c_unit` of Eq. 38): a scalar, never a lobe of exponent 0.
     pub base: f32,
-    /// The visible fraction by channel, of a light with a [`LightImage`](crate::LightImage); it stands for all else in the sum. [`Visit::lobes`](crate::Visit::lobes)
-    /// empties it.
-    pub by_channel: Option<Vec3>,
     /// Lobes of V; their flux is a solid angle (negative where they take light away).
     pub lobes: LobeBuffer,
     /// Lobes of the unoccluded light over the same nodes; empty when the sum is to be used directly.
@@ -22,15 +18,18 @@ pub struct VisibilitySum {
 }
 
 impl VisibilitySum {
-    /// Room for `capacity` lobes in each of the two sums.
+    /// Starts a new sum: a constant, without lobes.
+    pub fn clear(&mut self, base: f32) {
+        self.base = base;
+        self.lobes.clear();
+        self.whole.clear();
+    }
+
+    /// How many lobes it has, and how many products with a reflectance lobe it takes.
     #[must_use]
-    pub fn with_capacity(capacity: usize) -> Self {
-        Self {
-            base: 0.0,
-            by_channel: None,
-            lobes: LobeBuffer::with_capacity(capacity),
-            whole: LobeBuffer::with_capacity(capacity),
-        }
+    pub fn counts(&self) -> [usize; 2] {
+        let [lobes, whole] = [self.lobes.lobes().len(), self.whole.lobes().len()];
+        [lobes, lobes + whole]
     }
 }
 

@@ -332,13 +332,8 @@ impl Sampler {
 
     /// Largest exponent among the material's lobes: only used to choose how to sample.
     fn sharpest(&mut self, material: &Material, at: &Receiver) -> f64 {
-        if self.lobes.capacity() < material.max_lobes() {
-            self.lobes = LobeBuffer::with_capacity(material.max_lobes());
-        }
-        match material.brdf_lobes(at, &mut self.lobes.writer()) {
-            Ok(()) => self.lobes.lobes().iter().map(|l| f64::from(l.exponent)).fold(0.0, f64::max),
-            Err(_) => f64::INFINITY,
-        }
+        material.brdf_lobes(at, &mut self.lobes.writer());
+        self.lobes.lobes().iter().map(|l| f64::from(l.exponent)).fold(0.0, f64::max)
     }
 }
 

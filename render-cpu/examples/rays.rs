@@ -9,7 +9,7 @@ use brdf::Material;
 use core::sync::atomic::AtomicBool;
 use glam::Vec3;
 use lighting::SphereLight;
-use lobe_core::{Accuracy, Sphere, VisibilityLobes};
+use lobe_core::{Accuracy, Sphere, Visibility};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits};
@@ -155,9 +155,9 @@ fn run(name: &str, scene: &Scene) {
 }
 
 /// The visible fraction at each point, and the figures of the run.
-fn shares<V: VisibilityLobes>(shader: &CpuShader<'_, V>, g: &GBuffer, frame: &Frame<'_>) -> (Vec<f64>, ShadeStats) {
+fn shares<V: Visibility>(shader: &CpuShader<V>, g: &GBuffer, frame: &Frame<'_>) -> (Vec<f64>, ShadeStats) {
     let mut out = vec![Vec3::ZERO; g.len()];
-    let (stats, layers) = shader.shade_layers(&g.points, frame, &mut out).expect("room for all lobes");
+    let (stats, layers) = shader.shade_layers(&g.points, frame, &mut out);
     let share = |(a, b): (&Vec3, &Vec3)| if b.x > 0.0 { f64::from(a.x / b.x) } else { 0.0 };
     (out.iter().zip(&layers.unshadowed).map(share).collect(), stats)
 }

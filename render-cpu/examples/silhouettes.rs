@@ -8,8 +8,8 @@ use brdf::Material;
 use glam::Vec3;
 use lighting::{Light, SphereLight};
 use lobe_core::{
-    Accuracy, Coverage, LightId, LightLobes, Lobe, Look, Receiver, Shaft, Sphere, Tile, VisibilityLobes,
-    VisibilityQuery, VisibilitySum, Visit,
+    Accuracy, Coverage, LightCoverage, LightId, LightLobes, LightVisibility, Lobe, Receiver, Shaft, Sphere, Tile,
+    Visibility, VisibilityQuery,
 };
 use render_cpu::{GBuffer, RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use scene::{GROUP, Mesh, Scene, Shape, load_animated};
@@ -175,14 +175,13 @@ fn look<B: Blockers>(
     visibility: &MaskVisibility<B>,
     at: &Receiver,
     light: &SphereLight,
-    scratch: &mut <MaskVisibility<B> as VisibilityLobes>::Scratch,
+    scratch: &mut <MaskVisibility<B> as Visibility>::Scratch,
 ) -> Option<f32> {
     let cone = light.cone(at);
-    let mut visit = Visit::alone(visibility, LightId(0), Accuracy::new(TOLERANCE), scratch);
-    let Look::Partial(seen) = visit.look(at, &cone) else { return None };
-    let (lobe, mut sum) = (Lobe::new(at.normal, 1.0, Vec3::ONE), VisibilitySum::default());
-    visit.lobes(&seen, &lobe, 1.0, &mut sum).ok()?;
-    (0.01..0.99).contains(&sum.base).then_some(sum.base)
+    let mut visit = LightVisibility::alone(visibility, LightId(0), Accuracy::new(TOLERANCE), scratch);
+    let LightCoverage::Partial(seen) = visit.coverage(at, &cone, None) else { return None };
+    let fraction = visit.fraction(&seen, &Lobe::new(at.normal, 1.0, Vec3::ONE), 1.0).x;
+    (0.01..0.99).contains(&fraction).then_some(fraction)
 }
 
 /// Loop's scheme without its smoothing: each triangle becomes four, new corners are moved a little along the normals of a lumpy

@@ -1,8 +1,9 @@
+use core::convert::Infallible;
 use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
-    Accuracy, BrdfLobes, Coverage, Integrator, LightId, LightLobes, LobesFull, Method, Observer, Receiver, Shaft,
-    Stage, Tile, TileCall, TileLight, TileLit, TileLobes, VisibilityLobes, VisibilitySum, Visit, cap_integrals,
+    BrdfLobes, Coverage, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Observer, Receiver,
+    Shaft, Stage, Tile, TileContributions, TileInteraction, TileLight, TileLobes, Visibility, cap_integrals,
 };
 use rayon::prelude::*;
 use scene::{Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds};
@@ -33,9 +34,9 @@ const fn is_timed(group: usize) -> bool {
 /// shader.shade(&ShadingPoints::default(), &frame, &mut []).unwrap();
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct CpuShader<'t, V> {
+pub struct CpuShader<V, I = FractionIntegrator> {
     visibility: V,
-    method: Method<'t>,
+    integrator: I,
 }
 
 /// What [`CpuShader::shade_layers`] writes beside the radiance: one entry a point, lights point by point.
@@ -51,19 +52,19 @@ pub struct Layers {
     pub integrals: Vec<u32>,
 }
 
-impl<V: VisibilityLobes> CpuShader<'static, V> {
-    /// The `moments` method with this visibility.
+impl<V: Visibility> CpuShader<V> {
+    /// The default integrator with this visibility.
     #[must_use]
     pub fn new(visibility: V) -> Self {
-        Self { visibility, method: Method::Moments }
+        Self { visibility, integrator: FractionIntegrator }
     }
 }
 
-impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
-    /// Any method; `paper` wants a visibility whose lobes are the paper's.
+impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
+    /// Any integrator; the paper's wants a visibility whose lobes are the paper's.
     #[must_use]
-    pub fn with_method(visibility: V, method: Method<'t>) -> Self {
-        Self { visibility, method }
+    pub fn with_integrator(visibility: V, integrator: I) -> Self {
+        Self { visibility, integrator }
     }
 
     /// The visibility strategy.
@@ -73,9 +74,6 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
 
     /// Shades, and keeps what the picture is made of.
     ///
-    /// # Errors
-    /// [`LobesFull`] when the strategy writes more lobes than its `max_lobes`.
-    ///
     /// # Panics
     /// When `out` is not as long as the points, or a material number is out of range.
     pub fn shade_layers<M: BrdfLobes + Sync, L: LightLobes + Sync>(
@@ -83,8 +81,8 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         points: &ShadingPoints,
         frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
-    ) -> Result<(ShadeStats, Layers), LobesFull> {
-        let (stats, layers) = self.run(points, frame, out, true)?;
+    ) -> (ShadeStats, Layers) {
+        let (stats, layers) = self.run(points, frame, out, true);
         let mut all = Layers::default();
         for layer in layers.into_iter().flatten() {
             all.unshadowed.extend(layer.unshadowed);
@@ -92,12 +90,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             all.lobes.extend(layer.lobes);
             all.integrals.extend(layer.integrals);
         }
-        Ok((stats, all))
-    }
-
-    /// Products with lobes of visibility, and those of the paper, are of lobes of directions only.
-    fn takes_microfacets(&self, accuracy: Accuracy) -> bool {
-        matches!(self.method, Method::Moments) && self.visibility.max_lobes(accuracy) == 0
+        (stats, all)
     }
 
     fn run<M: BrdfLobes + Sync, L: LightLobes + Sync>(
@@ -106,7 +99,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
         layers: bool,
-    ) -> Result<(ShadeStats, Vec<Option<Layers>>), LobesFull> {
+    ) -> (ShadeStats, Vec<Option<Layers>>) {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
         let start = Instant::now();
         // In a box: it is large, and changes hands often.
@@ -116,9 +109,9 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
                 lobes: TileLobes::default(),
                 cones: TileLight::default(),
                 integrals: Vec::new(),
-                lit: TileLit::default(),
+                lit: TileContributions::default(),
                 scratch: self.visibility.scratch(),
-                sum: VisibilitySum::with_capacity(self.visibility.max_lobes(frame.accuracy)),
+                integration: I::Scratch::default(),
             })
         };
         let pool = Mutex::new(Vec::new());
@@ -135,11 +128,11 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
                     let materials = &points.materials[first..first + out.len()];
                     let mut layers = layers.then(Layers::default);
                     let mut work = Work::new(is_timed(group));
-                    self.group(receivers, materials, frame, memory, &mut work, &mut layers, out)?;
-                    Ok((work, layers))
+                    self.group(receivers, materials, frame, memory, &mut work, &mut layers, out);
+                    (work, layers)
                 },
             )
-            .collect::<Result<_, LobesFull>>()?;
+            .collect();
         let seconds = start.elapsed().as_secs_f64();
         let mut counts = Counts::default();
         let mut stages = [Duration::ZERO; 5];
@@ -159,7 +152,7 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             visibility_lobes: share(3),
             integration: share(4),
         };
-        Ok((ShadeStats { seconds, stages, counts }, layers))
+        (ShadeStats { seconds, stages, counts }, layers)
     }
 
     #[expect(clippy::too_many_arguments, reason = "the group's slices and its memory")]
@@ -168,12 +161,11 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
         receivers: &[Receiver],
         materials: &[u32],
         frame: &Frame<'_, M, L>,
-        memory: &mut Memory<V>,
+        memory: &mut Memory<V, I>,
         work: &mut Work,
         layers: &mut Option<Layers>,
         out: &mut [Vec3],
-    ) -> Result<(), LobesFull> {
-        let integrator = Integrator { method: self.method, threshold: frame.threshold };
+    ) {
         out.fill(Vec3::ZERO);
         let count = receivers.len();
         if let Some(layers) = layers.as_mut() {
@@ -183,38 +175,38 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             layers.integrals.resize(count, 0);
         }
         work.restart();
-        let Memory { tile, lobes, cones, integrals, lit, scratch, sum } = memory;
+        let Memory { tile, lobes, cones, integrals, lit, scratch, integration } = memory;
         tile.set(receivers);
         let (ball, half_extent) = tile.bounds();
         // A facet under a smooth normal may hide the light that nothing else does.
         let is_bent = receivers.iter().any(|at| at.face != at.normal);
-        lobes.take_microfacets(self.takes_microfacets(frame.accuracy));
-        M::tile_lobes(frame.materials, materials, receivers, tile, lobes)?;
+        lobes.take_microfacets(I::TAKES_MICROFACETS);
+        M::tile_lobes(frame.materials, materials, receivers, tile, lobes);
         work.lap(0);
         for (l, light) in frame.lights.iter().enumerate() {
             light.tile_light(receivers, tile, cones);
             // A light that shows an image is integrated where it is seen.
-            if matches!(self.method, Method::Moments) && light.image().is_none() {
+            if I::TAKES_INTEGRALS && light.image().is_none() {
                 cap_integrals(cones, lobes, integrals);
             }
             work.lap(1);
             let (id, accuracy) = (LightId(l as u32), frame.accuracy);
             let shaft = Shaft::new(ball, light.bounds_from(&ball), id).in_box(half_extent);
             // Of receivers that all face away from the light none is asked about.
-            let any = !matches!(self.method, Method::Moments)
-                || light.image().is_some()
-                || integrals.iter().any(|integral| *integral > 0.0);
-            let mut visit = match any {
-                true => Visit::enter(&self.visibility, &shaft, accuracy, scratch),
-                false => Visit::alone(&self.visibility, id, accuracy, scratch),
+            let any =
+                !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);
+            let mut visibility = match any {
+                true => LightVisibility::enter(&self.visibility, &shaft, accuracy, scratch),
+                false => LightVisibility::alone(&self.visibility, id, accuracy, scratch),
             }
-            .to_image(light.image());
+            .with_image(light.image());
             if is_bent {
-                visit.let_each_look();
+                visibility.query_each_receiver();
             }
             work.lap(2);
-            let call = TileCall { at: receivers, lobes, light: cones, integrals };
-            integrator.tile(&call, &mut visit, sum, work, lit)?;
+            let threshold = frame.threshold;
+            let tile = TileInteraction { at: receivers, lobes, light: cones, integrals, threshold };
+            self.integrator.tile(&tile, &mut visibility, integration, work, lit);
             for (i, out) in out.iter_mut().enumerate() {
                 *out += lit.radiance(i);
             }
@@ -229,39 +221,39 @@ impl<'t, V: VisibilityLobes> CpuShader<'t, V> {
             }
             work.lap(4);
         }
-        Ok(())
     }
 }
 
-impl<V, M, L> Shade<M, L> for CpuShader<'_, V>
+impl<V, I, M, L> Shade<M, L> for CpuShader<V, I>
 where
-    V: VisibilityLobes,
+    V: Visibility,
+    I: Integrator<V>,
     M: BrdfLobes + Sync,
     L: LightLobes + Sync,
 {
-    type Error = LobesFull;
+    type Error = Infallible;
 
     fn shade(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
-    ) -> Result<ShadeStats, LobesFull> {
-        self.run(points, frame, out, false).map(|(stats, _)| stats)
+    ) -> Result<ShadeStats, Infallible> {
+        Ok(self.run(points, frame, out, false).0)
     }
 }
 
 /// One thread's memory.
-struct Memory<V: VisibilityLobes> {
+struct Memory<V: Visibility, I: Integrator<V>> {
     /// A group and its reflectance lobes.
     tile: Tile,
     lobes: TileLobes,
     /// A light as the group sees it, the lobes' integrals over it, and what they come to.
     cones: TileLight,
     integrals: Vec<f32>,
-    lit: TileLit,
+    lit: TileContributions,
     scratch: V::Scratch,
-    sum: VisibilitySum,
+    integration: I::Scratch,
 }
 
 /// Memory that goes back to others when a run of groups is done.

@@ -8,7 +8,7 @@ use brdf::Material;
 use core::f32::consts::{PI, TAU};
 use glam::{Mat4, Quat, Vec3};
 use lighting::SphereLight;
-use lobe_core::{Accuracy, Receiver, Sphere, VisibilityLobes};
+use lobe_core::{Accuracy, Receiver, Sphere, Visibility};
 use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
 use reference::{Geometry, RayShader, Reference, ReferenceJob};
@@ -72,11 +72,11 @@ fn scene(mut mesh: Mesh, half: f32, turn: Quat) -> Scene {
 }
 
 /// The visible fraction of the light that each point sees.
-fn fractions<V: VisibilityLobes>(visibility: V, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
+fn fractions<V: Visibility>(visibility: V, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
     let frame =
         Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
-    let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out).expect("a shaded picture");
+    let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out);
     let fraction = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
     out.iter().zip(&layers.unshadowed).map(fraction).collect()
 }

@@ -4,7 +4,7 @@ use brdf::Material;
 use core::sync::atomic::AtomicBool;
 use glam::{Mat4, Vec3};
 use lighting::SphereLight;
-use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::{CpuShader, RayBlockers};
@@ -158,7 +158,7 @@ fn near_monte_carlo() {
         Frame { materials: &g.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let shader = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world)));
     let mut out = vec![Vec3::ZERO; g.len()];
-    let (_, layers) = shader.shade_layers(&g.points, &frame, &mut out).unwrap();
+    let (_, layers) = shader.shade_layers(&g.points, &frame, &mut out);
     let (mut errors, mut noise) = (Vec::new(), 0.0);
     for (i, out) in out.iter().enumerate() {
         let sum = |v: Vec3| f64::from(v.element_sum());
@@ -226,7 +226,7 @@ fn near_the_full_mask() {
 }
 
 /// The share of the light that each point sees.
-fn shares<V: VisibilityLobes>(visibility: V, depth: u32, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
+fn shares<V: Visibility>(visibility: V, depth: u32, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
     let frame = Frame {
         materials: &scene.materials,
         lights: &scene.lights,
@@ -234,7 +234,7 @@ fn shares<V: VisibilityLobes>(visibility: V, depth: u32, scene: &Scene, points: 
         threshold: 0.0,
     };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
-    let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out).expect("a shaded picture");
+    let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out);
     let share = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
     out.iter().zip(&layers.unshadowed).map(share).collect()
 }

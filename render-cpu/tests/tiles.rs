@@ -4,7 +4,8 @@
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use lobe_core::{
-    Accuracy, BrdfLobes, Call, Integrator, LightId, LightLobes, LobeBuffer, VisibilityLobes, VisibilitySum, Visit,
+    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, LobeBuffer,
+    Visibility,
 };
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use scene::{Frame, Scene, Shade};
@@ -48,17 +49,17 @@ fn check<M: BrdfLobes + Sync>(materials: &[M], scene: &Scene, points: &GBuffer) 
     let frame = Frame { materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let mut tiled = vec![Vec3::ZERO; points.len()];
     CpuShader::new(visibility.clone()).shade(&points.points, &frame, &mut tiled).expect("shaded");
-    let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::default());
-    let mut lobes = LobeBuffer::with_capacity(16);
+    let mut scratch = visibility.scratch();
+    let mut lobes = LobeBuffer::default();
     let mut partial = 0;
     for (i, at) in points.points.receivers.iter().enumerate() {
-        materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer_of(true)).expect("room");
+        materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer_of(true));
         let mut all = Vec3::ZERO;
         for (number, light) in scene.lights.iter().enumerate() {
-            let term = light.term(at);
-            let mut visit = Visit::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
-            let call = Call { at, brdf: lobes.lobes(), light: &term };
-            let lit = Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).expect("room");
+            let term = light.seen_from(at);
+            let mut visit = LightVisibility::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
+            let call = Interaction { at, brdf: lobes.lobes(), light: &term, threshold: 0.0 };
+            let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
             partial += u32::from(lit.radiance != lit.unshadowed && lit.radiance != Vec3::ZERO);
             all += lit.radiance;
         }

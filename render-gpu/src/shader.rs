@@ -13,7 +13,8 @@ use crate::{Gpu, GpuError, GpuPose};
 use core::num::NonZeroU64;
 use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
-use lobe_core::{Accuracy, LightLobes, Method};
+use lobe_core::paper::Tables;
+use lobe_core::{Accuracy, LightLobes};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 use visibility_mask::{Fineness, MAX_DEPTH};
@@ -139,20 +140,19 @@ impl GpuShader {
         &self.gpu
     }
 
-    /// Another method than moments. The paper's takes its tables (4.3 MB) to the GPU and solves for its weights with the first
-    /// frame of a depth; it is the same as `PaperVisibility` with [`Method::Paper`] on the CPU.
+    /// The paper's method, with its tables (4.3 MB), which go to the GPU: the same as `PaperVisibility` with
+    /// [`PaperIntegrator`](lobe_core::paper::PaperIntegrator) on the CPU. The first frame of a depth solves for the weights.
     #[must_use]
-    pub fn with_method(mut self, method: Method<'_>) -> Self {
-        self.set_method(method);
+    pub fn with_paper(mut self, tables: &Tables) -> Self {
+        self.set_paper(Some(tables));
         self
     }
 
-    /// [`with_method`](Self::with_method) between frames. Tables that are there already stay.
-    pub fn set_method(&mut self, method: Method<'_>) {
+    /// The paper's method, or the default without tables, from the next frame on. Tables that are there already stay.
+    pub fn set_paper(&mut self, tables: Option<&Tables>) {
         let known = self.paper.take();
-        if let Method::Paper(tables) = method {
-            self.paper = Some(known.filter(|known| known.is_of(tables)).unwrap_or_else(|| Paper::new(tables)));
-        }
+        self.paper =
+            tables.map(|tables| known.filter(|known| known.is_of(tables)).unwrap_or_else(|| Paper::new(tables)));
     }
 
     /// At most so many points in one submission (made a multiple of 64): for tests and small memories.

@@ -3,15 +3,15 @@
 use crate::{Device, RenderError};
 use core::error::Error;
 use glam::Vec3;
-use lobe_core::VisibilityLobes;
+use lobe_core::{Integrator, Visibility};
 use render_cpu::{CpuShader, Layers as PointLayers};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 
 #[cfg(feature = "gpu")]
 use {
     crate::error::LAYERS,
-    lobe_core::Method,
     lobe_core::gpu::GpuBlockers,
+    lobe_core::paper::Tables,
     render_cpu::GpuRays,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, Stops},
     scene::Scene,
@@ -110,7 +110,7 @@ impl GpuBackend {
     /// same scene with each call. Those objects are by `silhouettes`, or by rays where there are none.
     pub(crate) fn occluded(
         &mut self,
-        method: Method<'_>,
+        tables: Option<&Tables>,
         spheres: Option<&SphereBlockers>,
         maps: Option<&ShadowMapBlockers>,
         traced: Option<(&Scene, Vec<Stops>)>,
@@ -128,7 +128,7 @@ impl GpuBackend {
         } else {
             self.world = None;
         }
-        self.shader.set_method(method);
+        self.shader.set_paper(tables);
         let any_hit = self.world.as_ref().map(|(world, _)| world);
         let silhouettes = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
         let traced = silhouettes.or_else(|| any_hit.map(|_| &GpuRays as &dyn GpuBlockers));
@@ -160,14 +160,14 @@ pub trait Shader: Shade<Error: Error + Into<RenderError>> {
     ) -> Result<(ShadeStats, PointLayers), RenderError>;
 }
 
-impl<V: VisibilityLobes> Shader for CpuShader<'_, V> {
+impl<V: Visibility, I: Integrator<V>> Shader for CpuShader<V, I> {
     fn shade_layers(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_>,
         out: &mut [Vec3],
     ) -> Result<(ShadeStats, PointLayers), RenderError> {
-        Ok(CpuShader::shade_layers(self, points, frame, out)?)
+        Ok(CpuShader::shade_layers(self, points, frame, out))
     }
 }
 

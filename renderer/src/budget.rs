@@ -1,8 +1,9 @@
 use crate::bands::{Bands, seconds};
 use crate::event::tell;
-use crate::{Backend, Event, Form, FrameBlockers, Listener, Plan, RenderError, Shader, Work};
+use crate::{Backend, Event, FrameBlockers, Listener, Method, Plan, RenderError, Shader, Work};
 use glam::Vec3;
 use lobe_core::Accuracy;
+use lobe_core::paper::Tables;
 use render_cpu::{SceneSilhouettes, World};
 use scene::{Frame, ShadingPoints};
 use visibility_shadowmap::ShadowMap;
@@ -23,7 +24,8 @@ pub(crate) struct Budget<'a> {
     pub(crate) spheres: Option<&'a SphereBlockers>,
     pub(crate) maps: &'a [ShadowMap],
     pub(crate) silhouettes: &'a SceneSilhouettes,
-    pub(crate) form: Form<'a>,
+    pub(crate) method: Method,
+    pub(crate) tables: Option<&'a Tables>,
     /// Seconds of a frame that no setting changes, but for finding the visible points.
     pub(crate) fixed: f64,
 }
@@ -48,7 +50,8 @@ impl Budget<'_> {
             let frame = Frame { materials: &materials, accuracy, ..*frame };
             let blockers =
                 FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy);
-            let shading = blockers.shade(backend, self.form, Twice { points: &points, frame: &frame })?;
+            let shading =
+                blockers.shade(backend, self.method, self.tables, Twice { points: &points, frame: &frame })?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {
                 break;

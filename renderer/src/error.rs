@@ -1,3 +1,4 @@
+use core::convert::Infallible;
 use render_cpu::BlockersError;
 use sphere_sets::BuildError;
 use std::collections::TryReserveError;
@@ -17,9 +18,6 @@ pub enum RenderError {
     /// A shadow map could not be drawn.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// A strategy wrote more lobes than it says.
-    #[error(transparent)]
-    LobesFull(#[from] lobe_core::LobesFull),
     /// The picture finds no room in memory.
     #[error(transparent)]
     Memory(#[from] TryReserveError),
@@ -36,6 +34,12 @@ pub enum RenderError {
     /// The listener has stopped the work.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl From<Infallible> for RenderError {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
 }
 
 impl From<BlockersError> for RenderError {

@@ -1,7 +1,7 @@
 use crate::on_objects::OnObjects;
 use crate::{Backend, Method, Plan, RenderError, Shader};
-use lobe_core::paper::Tables;
-use lobe_core::{Accuracy, LightId, Method as Products, Unshadowed};
+use lobe_core::paper::{PaperIntegrator, Tables};
+use lobe_core::{Accuracy, LightId, LobeIntegrator, Unshadowed};
 use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits, World};
 use scene::{Object, Shape, Strategy};
 use visibility_mask::{Blockers, MaskVisibility, Mixture, PaperVisibility};
@@ -16,18 +16,6 @@ use {
     render_gpu::Stops,
     visibility_silhouettes::{AnyHit, GpuSilhouettes},
 };
-
-/// In which form visibility meets reflectance, ready to be used.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub enum Form<'t> {
-    /// Visible fractions of lobes.
-    Fractions,
-    /// Lobes of visibility.
-    Lobes,
-    /// The paper's lobes, by its tables.
-    Paper(&'t Tables),
-}
 
 type Silhouettes<'a> = SilhouetteBlockers<'a, SurfaceHits<'a>>;
 
@@ -139,8 +127,15 @@ impl<'a> FrameBlockers<'a> {
     /// share one.
     ///
     /// # Errors
-    /// Those of the work; [`RenderError::NotOnGpu`] for a form that a GPU does not have, `RenderError::Gpu` of the device.
-    pub fn shade<W: Work>(self, backend: &mut Backend, form: Form<'_>, work: W) -> Result<W::Output, RenderError> {
+    /// Those of the work; [`RenderError::NotOnGpu`] for a method that a GPU does not have, `RenderError::Gpu` of the device.
+    pub fn shade<W: Work>(
+        self,
+        backend: &mut Backend,
+        method: Method,
+        tables: Option<&Tables>,
+        work: W,
+    ) -> Result<W::Output, RenderError> {
+        let tables = tables.filter(|_| method == Method::Paper);
         #[cfg(feature = "gpu")]
         if let Backend::Gpu(gpu) = backend {
             let silhouettes = self.gpu_silhouettes();
@@ -151,44 +146,25 @@ impl<'a> FrameBlockers<'a> {
             });
             let stops: Vec<Stops> = stops.collect();
             let traced = stops.iter().any(|stops| *stops != Stops::None).then(|| (self.world.scene(), stops));
-            let method = match form {
-                Form::Fractions => Products::Moments,
-                Form::Lobes => return Err(RenderError::NotOnGpu(crate::error::LOBES)),
-                Form::Paper(tables) => Products::Paper(tables),
-            };
-            return work.with(gpu.occluded(method, self.spheres, self.maps.as_ref(), traced, silhouettes.as_ref())?);
+            if method == Method::Lobes {
+                return Err(RenderError::NotOnGpu(crate::error::LOBES));
+            }
+            return work.with(gpu.occluded(tables, self.spheres, self.maps.as_ref(), traced, silhouettes.as_ref())?);
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
         let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
         match (self.spheres, maps, self.silhouettes, self.rays) {
-            (None, None, None, None) => work.with(&mut CpuShader::with_method(Unshadowed, form.products())),
-            (Some(spheres), None, None, None) => masked(spheres, form, work),
-            (None, None, Some(silhouettes), None) => masked(silhouettes, form, work),
+            (None, None, None, None) => match tables {
+                Some(tables) => work.with(&mut CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })),
+                None => work.with(&mut CpuShader::new(Unshadowed)),
+            },
+            (Some(spheres), None, None, None) => masked(spheres, method, tables, work),
+            (None, None, Some(silhouettes), None) => masked(silhouettes, method, tables, work),
             (spheres, maps, silhouettes, rays) => {
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(spheres, triangles), form, work)
+                masked(Mixture::new(spheres, triangles), method, tables, work)
             }
-        }
-    }
-}
-
-impl<'t> Form<'t> {
-    /// That of a method; [`Fractions`](Self::Fractions) where the paper's has no tables yet.
-    #[must_use]
-    pub const fn of(method: Method, tables: Option<&'t Tables>) -> Self {
-        match (method, tables) {
-            (Method::Paper, Some(tables)) => Self::Paper(tables),
-            (Method::Lobes, _) => Self::Lobes,
-            _ => Self::Fractions,
-        }
-    }
-
-    /// How products of lobes are taken.
-    const fn products(self) -> Products<'t> {
-        match self {
-            Self::Fractions | Self::Lobes => Products::Moments,
-            Self::Paper(tables) => Products::Paper(tables),
         }
     }
 }
@@ -205,13 +181,19 @@ pub trait Work {
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
 }
 
-fn masked<B: Blockers, W: Work>(blockers: B, form: Form<'_>, work: W) -> Result<W::Output, RenderError> {
-    match form {
-        Form::Fractions => work.with(&mut CpuShader::new(MaskVisibility::new(blockers))),
-        Form::Lobes => work.with(&mut CpuShader::new(MaskVisibility::new(blockers).with_lobes())),
-        Form::Paper(tables) => {
-            let visibility = PaperVisibility::new(blockers, tables);
-            work.with(&mut CpuShader::with_method(visibility, form.products()))
+fn masked<B: Blockers, W: Work>(
+    blockers: B,
+    method: Method,
+    tables: Option<&Tables>,
+    work: W,
+) -> Result<W::Output, RenderError> {
+    let visibility = MaskVisibility::new(blockers);
+    match (method, tables) {
+        (Method::Lobes, _) => work.with(&mut CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)),
+        (Method::Paper, Some(tables)) => {
+            let visibility = PaperVisibility::new(visibility.into_blockers(), tables);
+            work.with(&mut CpuShader::with_integrator(visibility, PaperIntegrator { tables }))
         }
+        _ => work.with(&mut CpuShader::new(visibility)),
     }
 }

@@ -46,7 +46,7 @@ pub use crate::clocks::{Clocks, FrameClocks};
 pub use crate::error::RenderError;
 pub use crate::event::{Event, Listener};
 pub use crate::exposure::exposure;
-pub use crate::frame_blockers::{Form, FrameBlockers, Work};
+pub use crate::frame_blockers::{FrameBlockers, Work};
 pub use crate::image::{Band, Image, ImageStats, Layers, Sink};
 pub use crate::kept_spheres::KeptSpheres;
 pub use crate::plan::{Coarser, Plan};

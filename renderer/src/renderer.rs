@@ -3,8 +3,8 @@ use crate::budget::Budget;
 use crate::event::tell;
 use crate::image::Shading;
 use crate::{
-    Backend, Clocks, Event, Form, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Layers, Listener, Method,
-    Plan, RenderError, Settings, Sink, paper_tables, scene_spheres,
+    Backend, Clocks, Event, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Layers, Listener, Method, Plan,
+    RenderError, Settings, Sink, paper_tables, scene_spheres,
 };
 use core::ops::ControlFlow;
 use lobe_core::Accuracy;
@@ -272,7 +272,7 @@ impl Renderer {
             plan: &self.plan,
             spheres: &self.spheres,
             silhouettes: self.silhouettes.as_ref().unwrap_or(&none),
-            form: Form::of(self.settings.method, tables),
+            tables,
         };
         let made =
             job.picture(&world, &mut self.backend, &mut self.chosen, &mut self.is_advised, clocks, listener, sink);
@@ -309,7 +309,7 @@ struct Job<'a> {
     plan: &'a Plan,
     spheres: &'a KeptSpheres,
     silhouettes: &'a SceneSilhouettes,
-    form: Form<'a>,
+    tables: Option<&'a Tables>,
 }
 
 impl Job<'_> {
@@ -325,7 +325,7 @@ impl Job<'_> {
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
-        let Self { settings, window, plan, silhouettes, form, .. } = *self;
+        let Self { settings, window, plan, silhouettes, tables, .. } = *self;
         let (scene, spheres) = (world.scene(), self.spheres.get());
         let mut bands = Bands::new(world, settings.samples, window.clone());
         let mut maps = Vec::new();
@@ -347,7 +347,16 @@ impl Job<'_> {
         match (*chosen, settings.time_budget) {
             (Some(accuracy), _) => frame.accuracy = accuracy,
             (None, Some(budget)) => {
-                let choice = Budget { world, plan, spheres, maps: &maps, silhouettes, form, fixed: clocks.maps };
+                let choice = Budget {
+                    world,
+                    plan,
+                    spheres,
+                    maps: &maps,
+                    silhouettes,
+                    method: settings.method,
+                    tables,
+                    fixed: clocks.maps,
+                };
                 frame.accuracy = choice.choose(backend, budget, &bands, &frame, listener)?;
                 *chosen = Some(frame.accuracy);
             }
@@ -358,7 +367,7 @@ impl Job<'_> {
         let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
         let (repeat, layers) = (settings.repeat, settings.layers);
         let shading = Shading { frame: &frame, bands: &mut bands, repeat, layers, listener, sink };
-        let mut stats = blockers.shade(backend, form, shading)?;
+        let mut stats = blockers.shade(backend, settings.method, tables, shading)?;
         clocks.gbuffer = bands.seconds;
         stats.clocks = clocks;
         stats.accuracy = frame.accuracy;

@@ -4,8 +4,8 @@ use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 use lobe_core::{
-    Accuracy, Cone, Coverage, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilityQuery,
-    VisibilitySum, Visit, cap_integral,
+    Accuracy, Cone, Coverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility, VisibilityQuery,
+    cap_integral,
 };
 use std::hint::black_box;
 use visibility_mask::{Blockers, Mask, MaskVisibility};
@@ -37,14 +37,13 @@ fn penumbra_point(c: &mut Criterion) {
         let strategy = MaskVisibility::new(Curtain);
         let mut scratch = strategy.scratch();
         let accuracy = Accuracy::new(0.003).with_depth(depth);
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));
         for exponent in [1.0, 20.0, 200.0, 2000.0] {
             let lobe = Lobe::new(Vec3::Y, exponent, Vec3::ONE);
             let unshadowed = cap_integral(&at, &lobe, &cone);
             group.bench_function(BenchmarkId::new(format!("depth {depth}"), exponent), |b| {
                 b.iter(|| {
-                    let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
-                    visit.fraction(black_box(&at), &cone, &lobe, unshadowed, &mut sum).expect("room")
+                    let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
+                    visit.visible_fraction(black_box(&at), &cone, &lobe, unshadowed).x
                 });
             });
         }

@@ -1,7 +1,7 @@
 //! What every visibility strategy shares: the unit square before a light, the mask on it, and what a lobe sees through it.
 //!
 //! The [`UnitSquare`] faces the light's cone; blockers are rasterised on it into a [`Mask`], a complete quad-tree as bits.
-//! [`MaskVisibility`] turns any [`Blockers`] into visible fractions of lobes, or into lobes; [`PaperVisibility`] does it as the
+//! [`MaskVisibility`] turns any [`Blockers`] into visible fractions of lobes, [`MaskLobes`] into lobes; [`PaperVisibility`] does it as the
 //! paper does. [`Mixture`] puts two kinds of blockers into one mask; [`Contour`] fills it by asking whether a direction is blocked.
 //!
 //! What takes eight rows or edges at once is for the workspace's own strategies: it is hidden, since its signatures are another crate's.
@@ -33,10 +33,10 @@
 //! let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.01, distance: 5.0 };
 //! let lambert = Lobe::new(at.normal, 1.0, Vec3::ONE);
 //! let strategy = MaskVisibility::new(Curtain);
-//! let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::default());
-//! let mut visit = Visit::alone(&strategy, LightId(0), Accuracy::default(), &mut scratch);
+//! let mut scratch = strategy.scratch();
+//! let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::default(), &mut scratch);
 //! let unshadowed = cap_integral(&at, &lambert, &cone);
-//! let fraction = visit.fraction(&at, &cone, &lambert, unshadowed, &mut sum).unwrap();
+//! let fraction = visit.visible_fraction(&at, &cone, &lambert, unshadowed).x;
 //! assert!((fraction - 0.5).abs() < 0.01);
 //! ```
 
@@ -81,5 +81,5 @@ pub use crate::raster::{LitBounds, Raster};
 pub use crate::row::{EightRows, MAX_DEPTH};
 pub use crate::shadow_tree::ShadowNode;
 pub use crate::square::UnitSquare;
-pub use crate::visibility::{Blockers, MaskScratch, MaskVisibility, filled};
+pub use crate::visibility::{Blockers, MaskLobes, MaskLobesScratch, MaskScratch, MaskVisibility, filled};
 pub use glam;

@@ -3,9 +3,7 @@ use crate::shadow_tree::{ShadowNode, ShadowTree};
 use crate::{Blockers, MAX_DEPTH, Mask, PaperWeights, UnitSquare};
 use glam::Vec3;
 use lobe_core::paper;
-use lobe_core::{
-    Accuracy, Coverage, Lobe, LobesFull, PartlySeen, Shaft, VisibilityLobes, VisibilityQuery, VisibilitySum,
-};
+use lobe_core::{Coverage, Lobe, Shaft, Visibility, VisibilityLobes, VisibilityQuery, VisibilitySum, visible_fraction};
 use std::sync::OnceLock;
 
 /// The paper's visibility (§5.3): shadow nodes of a quad-tree as least-squares lobes, any [`Blockers`].
@@ -13,7 +11,7 @@ use std::sync::OnceLock;
 /// `V = 1 − Σ wᵢcᵢ` (Eq. 38): one lobe of scale 1 for each shadow node, that of the sphere around the node's square
 /// (Eqs. 34, 35, Fig. 10), times a weight by level and distance ([`PaperWeights`]). A leaf is in shadow when it is wholly
 /// covered; partly covered ones are ignored; a node whose leaves are all in shadow is one node. The same sum serves
-/// every reflectance lobe. For [`Method::Paper`](lobe_core::Method::Paper): the weights assume `f̃·L` taken first, by
+/// every reflectance lobe. For [`PaperIntegrator`](lobe_core::paper::PaperIntegrator): the weights assume `f̃·L` taken first, by
 /// the table.
 ///
 /// # Decisions that the paper leaves open
@@ -83,6 +81,7 @@ pub struct PaperScratch<S> {
     mask: Mask,
     tree: ShadowTree,
     nodes: Vec<ShadowNode>,
+    sum: VisibilitySum,
 }
 
 impl<S> PaperScratch<S> {
@@ -99,7 +98,7 @@ impl<S> PaperScratch<S> {
     }
 }
 
-impl<B: Blockers> VisibilityLobes for PaperVisibility<'_, B> {
+impl<B: Blockers> Visibility for PaperVisibility<'_, B> {
     type Scratch = PaperScratch<B::Scratch>;
 
     fn scratch(&self) -> Self::Scratch {
@@ -108,11 +107,8 @@ impl<B: Blockers> VisibilityLobes for PaperVisibility<'_, B> {
             mask: Mask::default(),
             tree: ShadowTree::uncovered(1),
             nodes: Vec::new(),
+            sum: VisibilitySum::default(),
         }
-    }
-
-    fn max_lobes(&self, accuracy: Accuracy) -> usize {
-        4usize.pow(accuracy.depth.clamp(1, MAX_DEPTH))
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
@@ -149,23 +145,31 @@ impl<B: Blockers> VisibilityLobes for PaperVisibility<'_, B> {
         if scratch.nodes.is_empty() { Coverage::Lit } else { Coverage::Partial }
     }
 
-    fn visibility_lobes(
+    /// That of the [lobes](VisibilityLobes::lobes), by closed products.
+    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
+        let mut sum = core::mem::take(&mut scratch.sum);
+        self.lobes(query, brdf, unshadowed, scratch, &mut sum);
+        let fraction = visible_fraction(query.at, brdf, unshadowed, &sum);
+        scratch.sum = sum;
+        Vec3::splat(fraction)
+    }
+}
+
+impl<B: Blockers> VisibilityLobes for PaperVisibility<'_, B> {
+    fn lobes(
         &self,
-        seen: &PartlySeen<'_>,
+        query: &VisibilityQuery<'_>,
         _brdf: &Lobe,
         _unshadowed: f32,
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull> {
+    ) {
         let square = scratch.mask.square();
-        let weights = self.weights(seen.accuracy.depth).at(0.5 / square.disc);
-        out.base = 1.0;
-        out.whole.writer();
-        let mut lobes = out.lobes.writer();
-        for &node in &scratch.nodes {
+        let weights = self.weights(query.accuracy.depth).at(0.5 / square.disc);
+        out.clear(1.0);
+        out.lobes.writer().extend(scratch.nodes.iter().map(|&node| {
             let lobe = node_lobe(square, node, &self.tables.caps);
-            lobes.push(Lobe { flux: lobe.flux * -weights[node.level as usize], ..lobe })?;
-        }
-        Ok(())
+            Lobe { flux: lobe.flux * -weights[node.level as usize], ..lobe }
+        }));
     }
 }

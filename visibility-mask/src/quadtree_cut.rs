@@ -3,7 +3,7 @@
 use crate::Mask;
 use crate::moments::{Discs, Moments, Part, Pyramid, block};
 use glam::Vec3;
-use lobe_core::{Lobe, LobesFull, LobesMut, Receiver, VisibilitySum, is_lambert};
+use lobe_core::{Lobe, LobeWriter, Receiver, VisibilitySum, is_lambert};
 
 /// Calibration of the error estimate against measured errors: a cut is refined while `E > CUT·τ²·U`.
 const CUT: f32 = 40.0;
@@ -68,11 +68,9 @@ impl<'a> QuadtreeCut<'a> {
     /// Writes the lobes of the lit part and, node by node, of the whole light.
     ///
     /// A Lambert lobe needs one node: total and mean vector of what is lit are exact whatever its shape.
-    pub(crate) fn write(&self, out: &mut VisibilitySum) -> Result<(), LobesFull> {
-        let mut lit = out.lobes.writer();
-        let mut whole = out.whole.writer();
+    pub(crate) fn write(&self, out: &mut VisibilitySum) {
         out.base = 0.0;
-        self.node(0, 0, 0, 1.0, &mut lit, &mut whole)
+        self.node(0, 0, 0, 1.0, &mut out.lobes.writer(), &mut out.whole.writer());
     }
 
     fn node(
@@ -81,25 +79,24 @@ impl<'a> QuadtreeCut<'a> {
         x: usize,
         y: usize,
         weight: f32,
-        lit: &mut LobesMut<'_>,
-        whole: &mut LobesMut<'_>,
-    ) -> Result<(), LobesFull> {
+        lit: &mut LobeWriter<'_>,
+        whole: &mut LobeWriter<'_>,
+    ) {
         let all = self.moments(&self.scratch.whole, Part::Emitting, level, x, y);
         if all.omega <= 0.0 {
-            return Ok(());
+            return;
         }
         let open = self.moments(&self.scratch.lit, Part::Lit, level, x, y);
         let refined = self.refinement(level, &all, open.omega);
         if refined < 1.0 {
-            self.emit(&all, (1.0 - refined) * weight, whole)?;
-            self.emit(&open, (1.0 - refined) * weight, lit)?;
+            self.emit(&all, (1.0 - refined) * weight, whole);
+            self.emit(&open, (1.0 - refined) * weight, lit);
         }
         if refined > 0.0 {
             for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                self.node(level + 1, 2 * x + dx, 2 * y + dy, refined * weight, lit, whole)?;
+                self.node(level + 1, 2 * x + dx, 2 * y + dy, refined * weight, lit, whole);
             }
         }
-        Ok(())
     }
 
     fn moments(&self, pyramid: &Pyramid, part: Part, level: usize, x: usize, y: usize) -> Moments {
@@ -141,15 +138,15 @@ impl<'a> QuadtreeCut<'a> {
         t * t * (3.0 - 2.0 * t)
     }
 
-    fn emit(&self, moments: &Moments, weight: f32, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
+    fn emit(&self, moments: &Moments, weight: f32, out: &mut LobeWriter<'_>) {
         if moments.omega <= 0.0 {
-            return Ok(());
+            return;
         }
         let lobe = moments.lobe(self.mask.cell().min_element());
         let axis = self.mask.square().world(lobe.axis).normalize();
         // No lobe has a mean vector below half its flux, as a ring of a wide light has: for a Lambert lobe the vector is
         // what has to be kept.
         let kept = if lobe.spread > 0.5 && is_lambert(self.at, self.brdf) { 2.0 * (1.0 - lobe.spread) } else { 1.0 };
-        out.push(Lobe::with_flux(axis, lobe.exponent, Vec3::splat(moments.omega * weight * kept)))
+        out.push(Lobe::with_flux(axis, lobe.exponent, Vec3::splat(moments.omega * weight * kept)));
     }
 }

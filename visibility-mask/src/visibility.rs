@@ -5,8 +5,8 @@ use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{
-    Accuracy, Cone, Coverage, LightImage, Lobe, LobesFull, Microfacets, Outline, PartlySeen, Shaft, VisibilityLobes,
-    VisibilityQuery, VisibilitySum, is_lambert,
+    Accuracy, Cone, Coverage, LightImage, Lobe, Microfacets, Outline, Shaft, Visibility, VisibilityLobes,
+    VisibilityQuery, VisibilitySum, is_lambert, visible_fraction,
 };
 
 /// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one: else some
@@ -25,7 +25,7 @@ const CROWDED: f32 = 4.0;
 
 /// Something that blocks light, rasterised: what a visibility strategy has to provide.
 ///
-/// [`MaskVisibility`] makes a [`VisibilityLobes`] of it: masks, cuts and lobes are the same for all strategies.
+/// [`MaskVisibility`] makes a [`Visibility`] of it: masks, cuts and lobes are the same for all strategies.
 ///
 /// ```
 /// use glam::Vec3;
@@ -48,7 +48,7 @@ const CROWDED: f32 = 4.0;
 ///     }
 /// }
 ///
-/// let strategy = MaskVisibility::new(Curtain); // a lobe_core::VisibilityLobes
+/// let strategy = MaskVisibility::new(Curtain); // a lobe_core::Visibility
 /// # let _ = strategy;
 /// ```
 pub trait Blockers: Sync {
@@ -97,8 +97,8 @@ pub trait Blockers: Sync {
 /// whole light into 2 × 2 ([`Fineness`]), so that no pop is larger than the tolerance. What a reflectance lobe sees of the
 /// light is then
 /// - a *visible fraction* (the default), summed over the mask's samples: the sum of one lobe times every sample in closed form, at
-///   the price of a few visibility lobes; no lobe is written, the fraction is [`VisibilitySum::base`]. Or
-/// - *lobes* ([`with_lobes`](Self::with_lobes)): a Lambert lobe takes one lobe of the mask, whose total and mean vector are
+///   the price of a few visibility lobes; no lobe is written. Or
+/// - *lobes* ([`MaskLobes`]): a Lambert lobe takes one lobe of the mask, whose total and mean vector are
 ///   those of the lit part; a glossy lobe takes a cut of the quad-tree, refined where the reflectance varies over a node
 ///   and the node is partly lit. Each node gives a lobe of its lit part and one of its whole part; the visible fraction is
 ///   their ratio.
@@ -109,20 +109,21 @@ pub trait Blockers: Sync {
 #[derive(Clone, Copy, Debug)]
 pub struct MaskVisibility<B> {
     blockers: B,
-    lobes: bool,
+    /// One mask of full fineness, whatever the tolerance: a cut is made of one mask.
+    is_single: bool,
 }
 
 impl<B: Blockers> MaskVisibility<B> {
     /// The visible fraction of each lobe, by masks of the depth that a query asks for, clamped to 1…[`MAX_DEPTH`].
     #[must_use]
     pub const fn new(blockers: B) -> Self {
-        Self { blockers, lobes: false }
+        Self { blockers, is_single: false }
     }
 
-    /// Writes the lobes of a cut instead of the fraction that is seen: for whoever integrates them.
+    /// The same blockers with visibility as lobes.
     #[must_use]
-    pub fn with_lobes(self) -> Self {
-        Self { lobes: true, ..self }
+    pub fn with_lobes(self) -> MaskLobes<B> {
+        MaskLobes { masks: Self { is_single: true, ..self } }
     }
 
     /// Across the edges of the blockers and, where it cuts the light, the horizon.
@@ -175,17 +176,11 @@ impl<B: Blockers> MaskVisibility<B> {
 
     /// What is seen of microfacets' light: their highlight through a mask of its own where it is narrow beside the light, all around it
     /// through that of the whole light. Both lobes at once.
-    fn microfacets(
-        &self,
-        query: &PartlySeen<'_>,
-        lobe: &Lobe,
-        scratch: &mut MaskScratch<B::Scratch>,
-        by_channel: &mut Option<Vec3>,
-    ) -> f32 {
+    fn microfacets(&self, query: &VisibilityQuery<'_>, lobe: &Lobe, scratch: &mut MaskScratch<B::Scratch>) -> Vec3 {
         if let (Lobe::EDGE, Some((exponent, fraction))) = (lobe.factor, scratch.edge.take())
             && exponent == lobe.exponent
         {
-            return fraction;
+            return unit(fraction);
         }
         let [broad, narrow] = [self.broad(query), self.narrow(query)];
         let microfacets = Microfacets::new(query.at.normal, lobe);
@@ -204,27 +199,38 @@ impl<B: Blockers> MaskVisibility<B> {
         let near = near.map(|_| &scratch.own);
         let [counts, own_counts] = &mut scratch.counts;
         if let Some(shown) = shown(query) {
-            let seen = image_fractions(whole, near, query.at, lobe, shown, counts);
-            *by_channel = Some(seen);
-            return seen.element_sum() / 3.0;
+            return image_fractions(whole, near, query.at, lobe, shown, counts);
         }
         let [base, edge] = microfacet_fractions(whole, near, query.at, lobe, [counts, own_counts]);
         scratch.edge = (lobe.factor == Lobe::MICROFACETS).then_some((lobe.exponent, edge));
-        if lobe.factor == Lobe::EDGE { edge } else { base }
+        unit(if lobe.factor == Lobe::EDGE { edge } else { base })
+    }
+
+    /// Whether the lobe is seen through masks of its own, `scratch.own`, which are drawn then, or else through those of the
+    /// whole light, `scratch.full`.
+    fn draw_own(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, scratch: &mut MaskScratch<B::Scratch>) -> bool {
+        let whole = scratch.full.window();
+        let Some(square) = self.window(query, brdf, whole, &scratch.blockers) else { return false };
+        let is_whole = square == *whole;
+        if !(is_whole && scratch.is_whole) {
+            self.draw(&square, self.narrow(query), query, &mut scratch.blockers, &mut scratch.own);
+            scratch.is_whole = is_whole;
+        }
+        true
     }
 
     /// How finely broad lobes see: a cut is made of one mask.
     fn broad(&self, query: &VisibilityQuery<'_>) -> Fineness {
-        if self.lobes { Fineness::FINE } else { Fineness::broad(tolerance(query)) }
+        if self.is_single { Fineness::FINE } else { Fineness::broad(tolerance(query)) }
     }
 
     fn narrow(&self, query: &VisibilityQuery<'_>) -> Fineness {
-        if self.lobes { Fineness::FINE } else { Fineness::narrow(tolerance(query)) }
+        if self.is_single { Fineness::FINE } else { Fineness::narrow(tolerance(query)) }
     }
 
     /// The depth of the masks.
     fn depth(&self, query: &VisibilityQuery<'_>) -> u32 {
-        let crowding = if self.lobes { 1.0 } else { crowding(query) };
+        let crowding = if self.is_single { 1.0 } else { crowding(query) };
         let more = u32::from(crowding >= CROWDED) + u32::from(crowding >= 4.0 * CROWDED);
         (depth(query.accuracy) + more).min(MAX_DEPTH)
     }
@@ -242,6 +248,12 @@ impl<B: Blockers> MaskVisibility<B> {
         masks.draw(square, fineness, depth, query.at.normal, query.outline, draw);
     }
 
+    /// The blockers, given back.
+    #[must_use]
+    pub fn into_blockers(self) -> B {
+        self.blockers
+    }
+
     /// The blockers.
     pub fn blockers(&self) -> &B {
         &self.blockers
@@ -257,12 +269,11 @@ pub struct MaskScratch<S> {
     /// Whether `own` shows the whole light of the query.
     is_whole: bool,
     counts: [Counts; 2],
-    cut: QuadtreeMoments,
     /// What is seen of the microfacets' edge that follows, and its exponent.
     edge: Option<(f32, f32)>,
 }
 
-impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
+impl<B: Blockers> Visibility for MaskVisibility<B> {
     type Scratch = MaskScratch<B::Scratch>;
 
     fn scratch(&self) -> Self::Scratch {
@@ -272,14 +283,8 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
             own: WindowMasks::default(),
             is_whole: false,
             counts: Default::default(),
-            cut: QuadtreeMoments::default(),
             edge: None,
         }
-    }
-
-    fn max_lobes(&self, accuracy: Accuracy) -> usize {
-        // A node and all its children are both written while one blends into the other.
-        if self.lobes { (4usize.pow(depth(accuracy) + 1) - 1) / 3 } else { 0 }
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
@@ -306,50 +311,80 @@ impl<B: Blockers> VisibilityLobes for MaskVisibility<B> {
         scratch.full.coverage()
     }
 
-    fn visibility_lobes(
+    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, _: f32, scratch: &mut Self::Scratch) -> Vec3 {
+        if brdf.is_microfacets() {
+            return self.microfacets(query, brdf, scratch);
+        }
+        let own = usize::from(self.draw_own(query, brdf, scratch));
+        let masks = [&scratch.full, &scratch.own][own];
+        let counts = &mut scratch.counts[own];
+        match shown(query) {
+            None => unit(masks.fraction(query.at, brdf, counts)),
+            Some(shown) => image_fractions(masks, None, query.at, brdf, shown, counts),
+        }
+    }
+}
+
+/// The same masks with visibility as a sum of lobes, cut from the mask's quad-tree ([`MaskVisibility`] has both methods).
+#[derive(Clone, Copy, Debug)]
+pub struct MaskLobes<B> {
+    masks: MaskVisibility<B>,
+}
+
+/// Working memory of [`MaskLobes`].
+#[derive(Clone, Debug)]
+pub struct MaskLobesScratch<S> {
+    masks: MaskScratch<S>,
+    cut: QuadtreeMoments,
+    sum: VisibilitySum,
+}
+
+impl<B: Blockers> Visibility for MaskLobes<B> {
+    type Scratch = MaskLobesScratch<B::Scratch>;
+
+    fn scratch(&self) -> Self::Scratch {
+        MaskLobesScratch { masks: self.masks.scratch(), cut: QuadtreeMoments::default(), sum: VisibilitySum::default() }
+    }
+
+    fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
+        self.masks.enter(shaft, &mut scratch.masks)
+    }
+
+    fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
+        self.masks.coverage(query, &mut scratch.masks)
+    }
+
+    /// That of the [lobes](VisibilityLobes::lobes), by closed products.
+    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
+        let mut sum = core::mem::take(&mut scratch.sum);
+        self.lobes(query, brdf, unshadowed, scratch, &mut sum);
+        let fraction = visible_fraction(query.at, brdf, unshadowed, &sum);
+        scratch.sum = sum;
+        Vec3::splat(fraction)
+    }
+}
+
+impl<B: Blockers> VisibilityLobes for MaskLobes<B> {
+    fn lobes(
         &self,
-        query: &PartlySeen<'_>,
+        query: &VisibilityQuery<'_>,
         brdf: &Lobe,
         unshadowed: f32,
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull> {
-        if brdf.is_microfacets() && !self.lobes {
-            out.lobes.writer();
-            out.whole.writer();
-            out.base = self.microfacets(query, brdf, scratch, &mut out.by_channel);
-            return Ok(());
-        }
-        let [counts, own_counts] = &mut scratch.counts;
-        let whole = scratch.full.window();
-        let (masks, counts) = match self.window(query, brdf, whole, &scratch.blockers) {
-            None => (&scratch.full, counts),
-            Some(square) => {
-                let is_whole = square == *whole;
-                if !(is_whole && scratch.is_whole) {
-                    self.draw(&square, self.narrow(query), query, &mut scratch.blockers, &mut scratch.own);
-                    scratch.is_whole = is_whole;
-                }
-                (&scratch.own, own_counts)
-            }
-        };
-        if !self.lobes {
-            out.lobes.writer();
-            out.whole.writer();
-            out.base = match shown(query) {
-                None => masks.fraction(query.at, brdf, counts),
-                Some(shown) => {
-                    let seen = image_fractions(masks, None, query.at, brdf, shown, counts);
-                    out.by_channel = Some(seen);
-                    seen.element_sum() / 3.0
-                }
-            };
-            return Ok(());
-        }
-        let [mask] = masks.masks() else { return Ok(()) };
+    ) {
+        out.clear(0.0);
+        let own = self.masks.draw_own(query, brdf, &mut scratch.masks);
+        let masks = if own { &scratch.masks.own } else { &scratch.masks.full };
+        let [mask] = masks.masks() else { return };
         scratch.cut.build(mask);
-        QuadtreeCut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.accuracy.tolerance).write(out)
+        QuadtreeCut::new(mask, &scratch.cut, query.at, brdf, unshadowed, query.accuracy.tolerance).write(out);
     }
+}
+
+/// A fraction that is the same in all channels, in `[0, 1]`.
+fn unit(fraction: f32) -> Vec3 {
+    Vec3::splat(fraction.clamp(0.0, 1.0))
 }
 
 /// What a light shows, and where.

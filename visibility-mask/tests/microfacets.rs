@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::{CapMicrofacets, Random};
 use lobe_core::{
-    Accuracy, Call, Cone, Coverage, Integrator, LightId, LightTerm, Lobe, LobeBuffer, OWN_NONE, Receiver,
-    VisibilityLobes, VisibilityQuery, VisibilitySum, Visit, orthonormal_basis,
+    Accuracy, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility, Lobe, LobeBuffer,
+    OWN_NONE, Receiver, SeenLight, Visibility, VisibilityQuery, orthonormal_basis,
 };
 use visibility_mask::{Blockers, Edges, Mask, MaskVisibility};
 
@@ -74,15 +74,14 @@ impl Case {
         let cone = Cone { axis: self.axis.as_vec3().normalize(), one_minus_cos, distance: f32::INFINITY };
         let strategy = MaskVisibility::new(Edge { hidden: self.hidden.as_vec3() });
         let (accuracy, mut scratch) = (Accuracy::new(tolerance), strategy.scratch());
-        let mut lobes = LobeBuffer::with_capacity(2);
+        let mut lobes = LobeBuffer::default();
         let mut writer = lobes.writer_of(true);
         let both = Lobe::microfacets(view, self.alpha as f32, [Vec3::splat(0.8), Vec3::ONE]);
-        both.into_iter().try_for_each(|lobe| writer.push(lobe)).expect("room");
-        let light = LightTerm::of_cone(cone, Vec3::ONE);
-        let call = Call { at: &at, brdf: lobes.lobes(), light: &light };
-        let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));
-        let lit = Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).expect("room");
+        writer.extend(both);
+        let light = SeenLight::of_cone(cone, Vec3::ONE);
+        let call = Interaction { at: &at, brdf: lobes.lobes(), light: &light, threshold: 0.0 };
+        let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
+        let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
         f64::from(lit.radiance.x / lit.unshadowed.x)
     }
 

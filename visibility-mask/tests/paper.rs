@@ -2,10 +2,11 @@
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::paper::Tables;
+use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{
-    Accuracy, Call, Cone, Coverage, Integrator, LightId, LightTerm, Lit, Lobe, LobeBuffer, Look, Method, OWN_NONE,
-    Observer, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum, Visit,
+    Accuracy, Cone, Contribution, Coverage, FractionIntegrator, Integrator, Interaction, LightCoverage, LightId,
+    LightVisibility, Lobe, LobeBuffer, OWN_NONE, Observer, Receiver, SeenLight, Visibility, VisibilityQuery,
+    VisibilitySum,
 };
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -100,32 +101,32 @@ fn unit(v: DVec3) -> Vec3 {
     v.normalize().as_vec3().normalize()
 }
 
-fn shade<V: VisibilityLobes>(
-    method: Method<'_>,
+fn shade<V: Visibility, I: Integrator<V>>(
+    integrator: &I,
     visibility: &V,
     depth: u32,
     at: &Receiver,
     f: Lobe,
     cone: &Cone,
-) -> Lit {
-    let mut brdf = LobeBuffer::with_capacity(1);
-    brdf.writer().push(f).expect("room for all lobes");
-    let light = LightTerm::of_cone(*cone, Vec3::ONE);
+) -> Contribution {
+    let mut brdf = LobeBuffer::default();
+    brdf.writer().push(f);
+    let light = SeenLight::of_cone(*cone, Vec3::ONE);
     let accuracy = Accuracy { tolerance: 0.003, depth };
-    let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::with_capacity(visibility.max_lobes(accuracy)));
-    let mut visit = Visit::alone(visibility, LightId(0), accuracy, &mut scratch);
-    let call = Call { at, brdf: brdf.lobes(), light: &light };
-    Integrator { method, threshold: 0.0 }.radiance(&call, &mut visit, &mut sum, &mut ()).expect("room for all lobes")
+    let mut scratch = visibility.scratch();
+    let mut visit = LightVisibility::alone(visibility, LightId(0), accuracy, &mut scratch);
+    let call = Interaction { at, brdf: brdf.lobes(), light: &light, threshold: 0.0 };
+    integrator.radiance(&call, &mut visit, &mut I::Scratch::default(), &mut ())
 }
 
 /// `base + Σ ∫(f̃L)c / ∫f̃L`, not clamped.
 fn visibility_sum(shapes: &Shapes, weights: &PaperWeights, at: &Receiver, f: Lobe, cone: &Cone) -> f32 {
     let strategy = PaperVisibility::new(shapes, tables()).with_weights(weights.clone());
     let accuracy = Accuracy { tolerance: 0.003, depth: weights.depth() };
-    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes(accuracy)));
-    let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
-    let Look::Partial(seen) = visit.look(at, cone) else { return 1.0 };
-    visit.lobes(&seen, &f, 1.0, &mut sum).expect("room for all lobes");
+    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::default());
+    let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
+    let LightCoverage::Partial(seen) = visit.coverage(at, cone, None) else { return 1.0 };
+    visit.lobes(&seen, &f, 1.0, &mut sum);
     assert!(sum.whole.lobes().is_empty());
     let seen = tables().product(&f, &tables().light_lobe(cone, Vec3::ONE));
     sum.base + sum.lobes.lobes().iter().map(|c| tables().product(&seen, &c).flux.x).sum::<f32>() / seen.flux.x
@@ -238,12 +239,26 @@ fn without_blockers_nothing_is_lost() {
         let cone = cone(unit(random.axis_at(normal, 0.5)), theta);
         let shapes = Shapes::at(cone.axis);
         let strategy = PaperVisibility::new(&shapes, tables()).with_weights(weights.clone());
-        let lit = shade(Method::Paper(tables()), &strategy, 5, &at, Lobe::new(at.normal, 1.0, Vec3::ONE), &cone);
+        let lit = shade(
+            &PaperIntegrator { tables: tables() },
+            &strategy,
+            5,
+            &at,
+            Lobe::new(at.normal, 1.0, Vec3::ONE),
+            &cone,
+        );
         assert_eq!(lit.radiance, lit.unshadowed);
         // A blocker beside the light.
         let beside = Shapes { discs: vec![(DVec2::new(3.0 * theta.tan(), 0.0), theta.tan())], ..shapes };
         let strategy = PaperVisibility::new(&beside, tables()).with_weights(weights.clone());
-        let lit = shade(Method::Paper(tables()), &strategy, 5, &at, Lobe::new(at.normal, 1.0, Vec3::ONE), &cone);
+        let lit = shade(
+            &PaperIntegrator { tables: tables() },
+            &strategy,
+            5,
+            &at,
+            Lobe::new(at.normal, 1.0, Vec3::ONE),
+            &cone,
+        );
         assert_eq!(lit.radiance, lit.unshadowed);
     }
 }
@@ -378,14 +393,20 @@ fn error_against_brute_force() {
                 }
                 for (weights, [visibility, radiance, moments]) in weights.iter().zip(&mut errors) {
                     let strategy = PaperVisibility::new(&case.shapes, tables()).with_weights(weights.clone());
-                    let paper =
-                        shade(Method::Paper(tables()), &strategy, weights.depth(), &case.at, case.f, &case.cone);
+                    let paper = shade(
+                        &PaperIntegrator { tables: tables() },
+                        &strategy,
+                        weights.depth(),
+                        &case.at,
+                        case.f,
+                        &case.cone,
+                    );
                     let (seen, unshadowed) = (f64::from(paper.radiance.x), f64::from(paper.unshadowed.x));
                     assert!((0.0..=unshadowed).contains(&seen), "{seen} of {unshadowed}");
                     visibility.push(seen / unshadowed - lit / all);
                     radiance.push((seen - lit) / all);
                     let mask = MaskVisibility::new(&case.shapes);
-                    let other = shade(Method::Moments, &mask, weights.depth(), &case.at, case.f, &case.cone);
+                    let other = shade(&FractionIntegrator, &mask, weights.depth(), &case.at, case.f, &case.cone);
                     moments.push((f64::from(other.radiance.x) - lit) / all);
                 }
             }
@@ -424,18 +445,16 @@ fn threshold_drops_visibility_products() {
     shapes.discs.push((DVec2::new(0.03, 0.02), 0.04));
     let strategy = PaperVisibility::new(&shapes, tables());
     let accuracy = Accuracy { tolerance: 0.003, depth: 5 };
-    let mut brdf = LobeBuffer::with_capacity(1);
-    brdf.writer().push(Lobe::new(Vec3::Z, 1.0, Vec3::ONE)).unwrap();
-    let light = LightTerm::of_cone(cone, Vec3::ONE);
-    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes(accuracy)));
+    let mut brdf = LobeBuffer::default();
+    brdf.writer().push(Lobe::new(Vec3::Z, 1.0, Vec3::ONE));
+    let light = SeenLight::of_cone(cone, Vec3::ONE);
+    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::default());
     let mut before = (0, 0.0);
     for threshold in [0.0, 1e-5, 3e-5, 1e-4, 1e-3] {
         let mut observer = Pruned::default();
-        let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
-        let call = Call { at: &at, brdf: brdf.lobes(), light: &light };
-        let lit = Integrator { method: Method::Paper(tables()), threshold }
-            .radiance(&call, &mut visit, &mut sum, &mut observer)
-            .unwrap();
+        let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
+        let call = Interaction { at: &at, brdf: brdf.lobes(), light: &light, threshold };
+        let lit = PaperIntegrator { tables: tables() }.radiance(&call, &mut visit, &mut sum, &mut observer);
         println!("{threshold} {} of {} {}", observer.0, sum.lobes.lobes().len(), lit.radiance.x);
         // Each lost lobe is less shadow, by less than the threshold.
         assert!(observer.0 >= before.0 && lit.radiance.x >= before.1);

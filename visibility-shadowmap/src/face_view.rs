@@ -158,7 +158,7 @@ impl Item {
 pub(crate) enum Verdict {
     /// None of it blocks.
     No,
-    /// Look at its children.
+    /// LightCoverage at its children.
     Split,
     /// It blocks, as one quadrilateral.
     Blocks,

@@ -6,7 +6,7 @@
 //! ```
 //! use glam::{Vec2, Vec3};
 //! use visibility_mask::MaskVisibility;
-//! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+//! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
 //! use visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
 //!
 //! // A square one above the origin, a light above it.

@@ -6,8 +6,7 @@ use common::{Errors, Mesh, receiver};
 use glam::Vec3;
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Accuracy, Cone, LightId, Lobe, Look, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
-    visible_fraction,
+    Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
 };
 use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
@@ -151,7 +150,7 @@ fn glossy_lobes_see_what_they_look_at() {
         16,
     );
     let strategy = MaskVisibility::new(ShadowMapBlockers::new(vec![mesh.map(LIGHT, &options(1024))]));
-    let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(0));
+    let mut scratch = strategy.scratch();
     let mut random = Random::new(5);
     let outside = |at: &Receiver| at.position.x.abs() > 0.5 || at.position.z.abs() > 0.5;
     // The narrowest lobe is three texels wide.
@@ -166,14 +165,13 @@ fn glossy_lobes_see_what_they_look_at() {
                 // The square's area as solid angle.
                 axis.as_dvec3().dot(v).powf(f64::from(exponent)) * cone.axis.as_dvec3().dot(v).powi(3)
             });
-            let mut visit = Visit::alone(&strategy, LightId(0), Accuracy::new(0.003), &mut scratch);
-            let Look::Partial(seen) = visit.look(&at, &cone) else { continue };
+            let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::new(0.003), &mut scratch);
+            let LightCoverage::Partial(seen) = visit.coverage(&at, &cone, None) else { continue };
             if !(0.01..0.99).contains(&truth) {
                 continue;
             }
             let unshadowed = cap_integral(&at, &lobe, &cone);
-            visit.lobes(&seen, &lobe, unshadowed, &mut sum).expect("room");
-            errors += (f64::from(visible_fraction(&at, &lobe, unshadowed, &sum)) - truth).abs();
+            errors += (f64::from(visit.fraction(&seen, &lobe, unshadowed).x) - truth).abs();
             count += 1;
         }
         let mean = 100.0 * errors / f64::from(count);

@@ -6,8 +6,8 @@ use common::{Mesh, receiver, share};
 use glam::{Quat, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Accuracy, Cone, Coverage, DynVisibility, LightId, Lobe, LobesFull, Look, Receiver, Shaft, Sphere, VisibilityLobes,
-    VisibilityQuery, VisibilitySum, Visit, cap_integral,
+    Accuracy, Cone, Coverage, DynVisibility, LightId, LightVisibility, Lobe, Receiver, Shaft, Sphere, Visibility,
+    VisibilityQuery, cap_integral,
 };
 use visibility_mask::{Blockers, MaskVisibility};
 use visibility_shadowmap::{MapError, MapFineness, MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
@@ -334,7 +334,6 @@ fn groups_scratch_and_dispatch_change_no_bit() {
     let strategy = MaskVisibility::new(ShadowMapBlockers::new(maps.clone()));
     let boxed: Box<dyn DynVisibility> = Box::new(MaskVisibility::new(ShadowMapBlockers::new(maps)));
     let (mut old, mut old_dyn) = (strategy.scratch(), boxed.scratch());
-    let mut sum = VisibilitySum::with_capacity(0);
     let mut partial = 0;
     for (k, at) in floor_points(150, 1.2, 14).iter().enumerate() {
         let (light, id) = (lights[k % 2], LightId(k as u32 % 2));
@@ -347,10 +346,10 @@ fn groups_scratch_and_dispatch_change_no_bit() {
         let radius = [0.0, 0.2, 2.0][k % 3];
         let shaft = Shaft::new(Sphere { center: at.position + Vec3::X * radius * 0.9, radius }, light, id);
         let mut fresh = strategy.scratch();
-        let fresh = fraction(Visit::alone(&strategy, id, ACCURACY, &mut fresh), &mut sum, at, light, &lobe);
-        let entered = fraction(Visit::enter(&strategy, &shaft, ACCURACY, &mut old), &mut sum, at, light, &lobe);
+        let fresh = fraction(LightVisibility::alone(&strategy, id, ACCURACY, &mut fresh), at, light, &lobe);
+        let entered = fraction(LightVisibility::enter(&strategy, &shaft, ACCURACY, &mut old), at, light, &lobe);
         assert_eq!(fresh.to_bits(), entered.to_bits(), "{k}");
-        let entered = fraction(Visit::enter(&boxed, &shaft, ACCURACY, &mut old_dyn), &mut sum, at, light, &lobe);
+        let entered = fraction(LightVisibility::enter(&boxed, &shaft, ACCURACY, &mut old_dyn), at, light, &lobe);
         assert_eq!(fresh.to_bits(), entered.to_bits(), "{k}");
         partial += u32::from(fresh > 0.0 && fresh < 1.0);
     }
@@ -360,34 +359,15 @@ fn groups_scratch_and_dispatch_change_no_bit() {
     let at = receiver(Vec3::new(0.0, 0.0, -0.5), Vec3::Y);
     let shaft = Shaft::new(Sphere { center: at.position, radius: 0.1 }, other, LightId(2));
     let lobe = Lobe { exponent: 1.0, flux: Vec3::ONE, axis: Vec3::Y, factor: 0.0 };
-    let visit = Visit::enter(&strategy, &shaft, ACCURACY, &mut old);
-    assert_eq!(fraction(visit, &mut sum, &at, other, &lobe), 1.0);
+    let visit = LightVisibility::enter(&strategy, &shaft, ACCURACY, &mut old);
+    assert_eq!(fraction(visit, &at, other, &lobe), 1.0);
 }
 
 const ACCURACY: Accuracy = Accuracy { tolerance: 0.003, depth: 5 };
 
-fn fraction<V: VisibilityLobes>(
-    mut visit: Visit<'_, V>,
-    sum: &mut VisibilitySum,
-    at: &Receiver,
-    light: Sphere,
-    lobe: &Lobe,
-) -> f32 {
+fn fraction<V: Visibility>(mut visit: LightVisibility<'_, V>, at: &Receiver, light: Sphere, lobe: &Lobe) -> f32 {
     let cone = Cone::of_sphere(at.position, light);
-    visit.fraction(at, &cone, lobe, cap_integral(at, lobe, &cone), sum).expect("room for all lobes")
-}
-
-#[test]
-fn a_full_buffer_is_an_error() {
-    let mesh = sheet(Mesh::default(), [0.0, 2.0], 2.0, [-2.0, 2.0]);
-    let strategy = MaskVisibility::new(blockers(&mesh, LIGHT, 256)).with_lobes();
-    let (mut scratch, mut none) = (strategy.scratch(), VisibilitySum::with_capacity(0));
-    let at = receiver(Vec3::ZERO, Vec3::Y);
-    let cone = Cone::of_sphere(at.position, LIGHT);
-    let mut visit = Visit::alone(&strategy, LightId(0), ACCURACY, &mut scratch);
-    let Look::Partial(seen) = visit.look(&at, &cone) else { panic!("a penumbra") };
-    let lobe = Lobe { exponent: 20.0, flux: Vec3::ONE, axis: Vec3::Y, factor: 0.0 };
-    assert_eq!(visit.lobes(&seen, &lobe, 1.0, &mut none), Err(LobesFull));
+    visit.visible_fraction(at, &cone, lobe, cap_integral(at, lobe, &cone)).x
 }
 
 #[test]

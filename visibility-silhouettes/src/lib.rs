@@ -7,7 +7,7 @@
 //! ```
 //! use glam::Vec3;
 //! use visibility_mask::MaskVisibility;
-//! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Sphere, VisibilityLobes, VisibilityQuery};
+//! use lobe_core::{LightId, Accuracy, Cone, Coverage, Receiver, Sphere, Visibility, VisibilityQuery};
 //! use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 //!
 //! /// One square, one above the origin.

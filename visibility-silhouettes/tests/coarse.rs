@@ -4,9 +4,7 @@ mod common;
 
 use common::{Rays, Soup, ball};
 use glam::Vec3;
-use lobe_core::{
-    Accuracy, Cone, LightId, Lobe, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilitySum, Visit,
-};
+use lobe_core::{Accuracy, Cone, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Shaft, Sphere, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
@@ -58,11 +56,11 @@ fn shares<H: AnyHit>(
             let receivers =
                 if alone { Sphere { center: part[0].position, radius: 0.0 } } else { Sphere { center, radius } };
             let shaft = Shaft::new(receivers, LIGHT, LightId(0));
-            let mut visit = Visit::enter(&strategy, &shaft, Accuracy::new(tolerance), &mut scratch);
+            let mut visit = LightVisibility::enter(&strategy, &shaft, Accuracy::new(tolerance), &mut scratch);
             for at in part {
                 let cone = Cone::of_sphere(at.position, LIGHT);
-                let (lobe, mut sum) = (Lobe::new(at.normal, 1.0, Vec3::ONE), VisibilitySum::default());
-                out.push(visit.fraction(at, &cone, &lobe, 1.0, &mut sum).expect("no lobes"));
+                let lobe = Lobe::new(at.normal, 1.0, Vec3::ONE);
+                out.push(visit.visible_fraction(at, &cone, &lobe, 1.0).x);
             }
         }
     }

@@ -3,7 +3,7 @@
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityLobes, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
 use std::hint::black_box;
 use visibility_mask::{Blockers, MaskVisibility};
 use visibility_spheres::SphereBlockers;

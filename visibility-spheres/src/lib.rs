@@ -9,7 +9,7 @@
 //! use visibility_mask::MaskVisibility;
 //! use visibility_spheres::SphereBlockers;
 //! let ball = Sphere { center: Vec3::Y, radius: 0.5 };
-//! let strategy = MaskVisibility::new(SphereBlockers::new(&[ball], &[0], &[])); // a lobe_core::VisibilityLobes
+//! let strategy = MaskVisibility::new(SphereBlockers::new(&[ball], &[0], &[])); // a lobe_core::Visibility
 //! # let _ = strategy;
 //! ```
 

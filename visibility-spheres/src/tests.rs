@@ -234,7 +234,7 @@ fn point_lights_are_hidden_by_what_their_direction_meets() {
         for one_minus_cos in [0.0, 1e-12, 1e-6] {
             let cone = Cone { axis, one_minus_cos, distance: 10.0 };
             let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
-            use lobe_core::VisibilityLobes;
+            use lobe_core::Visibility;
             let mut scratch = strategy.scratch();
             let coverage = strategy.coverage(&query, &mut scratch);
             if one_minus_cos == 0.0 {

@@ -3,8 +3,7 @@
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Accuracy, Cone, LightId, Lobe, Look, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit,
-    cap_integral, visible_fraction,
+    Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility, cap_integral,
 };
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
@@ -126,7 +125,7 @@ fn errors(
 ) -> [f64; 4] {
     let mut random = Random::new(17);
     let mut errors = Vec::new();
-    let mut lobes = 0;
+    let lobes = 0;
     while errors.len() < cases {
         let case = case(&mut random, theta_degrees.to_radians(), exponent, cosine, through);
         let (lit, all) = truth(&case, grid);
@@ -137,16 +136,14 @@ fn errors(
         let strategy = MaskVisibility::new(SphereBlockers::new(&case.spheres, &objects, &[]));
         let mut scratch = strategy.scratch();
         let accuracy = Accuracy::new(tolerance);
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));
         let unshadowed = cap_integral(&case.at, &case.lobe, &case.cone);
         let on_axis = -((case.lobe.exponent + 1.0) * (-case.cone.one_minus_cos).ln_1p()).exp_m1();
         if unshadowed < 1e-4 * on_axis {
             // Less than a ten-thousandth of what the lobe would see of the light: no picture shows a share of that.
             continue;
         }
-        let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
-        let share = visit.fraction(&case.at, &case.cone, &case.lobe, unshadowed, &mut sum).expect("room for max_lobes");
-        lobes += sum.lobes.lobes().len();
+        let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
+        let share = visit.visible_fraction(&case.at, &case.cone, &case.lobe, unshadowed).x;
         errors.push((f64::from(share) - lit / all).abs());
     }
     errors.sort_by(f64::total_cmp);
@@ -214,17 +211,14 @@ fn wide_lights() {
             let cone = Cone::of_sphere(at.position, light);
             let lobe = Lobe::new(normal, 1.0, Vec3::ONE);
             let strategy = MaskVisibility::new(SphereBlockers::new(&[ball], &[OWN_NONE], &[0.0]));
-            let (mut scratch, mut out) = (strategy.scratch(), VisibilitySum::with_capacity(0));
-            let mut visit = Visit::alone(&strategy, LightId(0), Accuracy::new(0.005), &mut scratch);
+            let mut scratch = strategy.scratch();
+            let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::new(0.005), &mut scratch);
             let unshadowed = cap_integral(&at, &lobe, &cone);
             // Where no sample is blocked all is lit.
-            let found = match visit.look(&at, &cone) {
-                Look::Partial(seen) => {
-                    visit.lobes(&seen, &lobe, unshadowed, &mut out).expect("room");
-                    f64::from(visible_fraction(&at, &lobe, unshadowed, &out))
-                }
-                Look::Lit => 1.0,
-                Look::Dark => 0.0,
+            let found = match visit.coverage(&at, &cone, None) {
+                LightCoverage::Partial(seen) => f64::from(visit.fraction(&seen, &lobe, unshadowed).x),
+                LightCoverage::Lit => 1.0,
+                LightCoverage::Dark => 0.0,
             };
             let truth = 1.0 - beta.sin().powi(2) * delta.cos() / theta.sin().powi(2);
             sum += (found - truth).abs();

@@ -3,8 +3,7 @@
 use glam::{DQuat, DVec3, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Accuracy, Cone, DynVisibility, LightId, Lobe, LobesFull, Look, Receiver, Sphere, VisibilityLobes, VisibilitySum,
-    Visit, cap_integral,
+    Accuracy, Cone, DynVisibility, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
 };
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
@@ -108,14 +107,13 @@ impl Scene {
     fn share(&self) -> f64 {
         let strategy = self.strategy();
         let mut scratch = strategy.scratch();
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(self.accuracy()));
-        self.share_with(&strategy, &mut scratch, &mut sum)
+        self.share_with(&strategy, &mut scratch)
     }
 
-    fn share_with<V: VisibilityLobes>(&self, strategy: &V, scratch: &mut V::Scratch, sum: &mut VisibilitySum) -> f64 {
+    fn share_with<V: Visibility>(&self, strategy: &V, scratch: &mut V::Scratch) -> f64 {
         let (at, cone, lobe) = (self.at(), self.cone(), self.brdf());
-        let mut visit = Visit::alone(strategy, LightId(0), self.accuracy(), scratch);
-        let share = visit.fraction(&at, &cone, &lobe, self.unshadowed(), sum).expect("room for max_lobes");
+        let mut visit = LightVisibility::alone(strategy, LightId(0), self.accuracy(), scratch);
+        let share = visit.visible_fraction(&at, &cone, &lobe, self.unshadowed()).x;
         assert!((0.0..=1.0).contains(&share), "V = {share} in {self:?}");
         f64::from(share)
     }
@@ -343,10 +341,6 @@ fn dispatch_and_reuse_are_bit_identical() {
     let strategy = scenes[0].strategy();
     let boxed: Box<dyn DynVisibility> = Box::new(scenes[0].strategy());
     let (mut old, mut old_dyn) = (strategy.scratch(), boxed.scratch());
-    let accuracy = Accuracy::default();
-    let mut old_sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy));
-    let mut dyn_sum = VisibilitySum::with_capacity(boxed.max_lobes(accuracy));
-    assert_eq!(boxed.max_lobes(accuracy), strategy.max_lobes(accuracy));
     for scene in &scenes {
         // The same blockers for all: those of the first scene, placed before this scene's receiver.
         let turn = DQuat::from_rotation_arc(
@@ -361,48 +355,12 @@ fn dispatch_and_reuse_are_bit_identical() {
         if here.lobe.1 == 1.0 {
             here.lobe.0 = here.normal;
         }
-        let fresh = here.share_with(
-            &strategy,
-            &mut strategy.scratch(),
-            &mut VisibilitySum::with_capacity(strategy.max_lobes(accuracy)),
-        );
-        assert_eq!(fresh.to_bits(), here.share_with(&strategy, &mut old, &mut old_sum).to_bits());
-        assert_eq!(fresh.to_bits(), here.share_with(&boxed, &mut old_dyn, &mut dyn_sum).to_bits());
+        let fresh = here.share_with(&strategy, &mut strategy.scratch());
+        assert_eq!(fresh.to_bits(), here.share_with(&strategy, &mut old).to_bits());
+        assert_eq!(fresh.to_bits(), here.share_with(&boxed, &mut old_dyn).to_bits());
         partial += u32::from(fresh > 0.0 && fresh < 1.0);
     }
     assert!(partial > 20, "{partial}");
-}
-
-#[test]
-fn too_small_a_sum_is_an_error() {
-    let mut random = Random::new(7);
-    let mut refused = 0;
-    for _ in 0..60 {
-        let scene = Scene::random(&mut random, 0.4, 200.0, 3, false);
-        let strategy = scene.strategy().with_lobes();
-        let (at, cone, lobe) = (scene.at(), scene.cone(), scene.brdf());
-        let mut scratch = strategy.scratch();
-        let mut visit = Visit::alone(&strategy, LightId(0), scene.accuracy(), &mut scratch);
-        let Look::Partial(seen) = visit.look(&at, &cone) else { continue };
-        let unshadowed = scene.unshadowed();
-        let most = strategy.max_lobes(scene.accuracy());
-        let mut sum = VisibilitySum::with_capacity(most);
-        visit.lobes(&seen, &lobe, unshadowed, &mut sum).unwrap();
-        let needed = sum.whole.lobes().len();
-        assert!(needed <= most);
-        for capacity in [0, 1, needed / 2, needed - 1] {
-            if capacity >= needed {
-                continue;
-            }
-            let mut small = VisibilitySum::with_capacity(capacity);
-            let result = visit.lobes(&seen, &lobe, unshadowed, &mut small);
-            assert_eq!(result, Err(LobesFull));
-            refused += 1;
-        }
-        let mut exact = VisibilitySum::with_capacity(needed);
-        assert_eq!(visit.lobes(&seen, &lobe, unshadowed, &mut exact), Ok(()));
-    }
-    assert!(refused > 40);
 }
 
 #[test]

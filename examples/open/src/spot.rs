@@ -2,7 +2,7 @@
 
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lobe_core::gpu::GpuLight;
-use cosine_lobes::lobe_core::{Cone, LightLobes, Lobe, LobesFull, LobesMut, Receiver, Sphere, cone_lobe};
+use cosine_lobes::lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
 
 /// Full radiance within an angle of `direction`, none beyond another, smooth between.
 #[derive(Clone, Copy, Debug)]
@@ -21,19 +21,11 @@ impl LightLobes for Spot {
         self.ball
     }
 
-    fn cone(&self, at: &Receiver) -> Cone {
-        Cone::of_sphere(at.position, self.ball)
-    }
-
-    fn radiance(&self, at: &Receiver) -> Vec3 {
-        let cos = -self.cone(at).axis.dot(self.direction);
+    fn seen_from(&self, at: &Receiver) -> SeenLight {
+        let cone = Cone::of_sphere(at.position, self.ball);
+        let cos = -cone.axis.dot(self.direction);
         let x = ((cos - self.outer) / (self.inner - self.outer)).clamp(0.0, 1.0);
-        self.radiance * (x * x * (3.0 - 2.0 * x))
-    }
-
-    fn light_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        let lobe = cone_lobe(&self.cone(at));
-        out.push(Lobe { flux: lobe.flux * self.radiance(at), ..lobe })
+        SeenLight::of_cone(cone, self.radiance * (x * x * (3.0 - 2.0 * x)))
     }
 }
 

@@ -4,7 +4,7 @@ use core::f32::consts::{PI, TAU};
 use cosine_lobes::brdf::{Brdf, BrdfSample};
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
-use cosine_lobes::lobe_core::{BrdfLobes, Lobe, LobesFull, LobesMut, Receiver};
+use cosine_lobes::lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
 
 /// `f_r = kd/π + ks·(n + 2)/2π·max(v·ω_o, 0)ⁿ`.
 #[derive(Clone, Copy, Debug)]
@@ -22,13 +22,9 @@ impl Velvet {
 }
 
 impl BrdfLobes for Velvet {
-    fn max_lobes(&self) -> usize {
-        2
-    }
-
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobesMut<'_>) -> Result<(), LobesFull> {
-        out.push(Lobe::new(at.normal, 1.0, self.kd / PI))?;
-        out.push(Lobe::new(at.view, self.exponent, self.scale()).times_cosine())
+    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+        out.push(Lobe::new(at.normal, 1.0, self.kd / PI));
+        out.push(Lobe::new(at.view, self.exponent, self.scale()).times_cosine());
     }
 }
 

@@ -4,7 +4,8 @@ use cosine_lobes::brdf::conformance::{BrdfLimits, check as check_brdf};
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lobe_core::conformance::{LightLimits, Limits, Setting, check, check_light};
 use cosine_lobes::lobe_core::{
-    BrdfLobes, Call, Integrator, LightId, LightLobes, LobeBuffer, VisibilityLobes, VisibilitySum, Visit,
+    BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, LobeBuffer,
+    Visibility,
 };
 use cosine_lobes::render_gpu::{Gpu, GpuOptions};
 use cosine_lobes::visibility_mask::MaskVisibility;
@@ -40,16 +41,16 @@ fn tiles_are_single_points() {
     let points = own.points();
     let tiled = own.on_cpu(&points).unwrap();
     let (visibility, frame) = (MaskVisibility::new(own.capsules.clone()), own.frame());
-    let (mut scratch, mut sum) = (visibility.scratch(), VisibilitySum::default());
-    let mut lobes = LobeBuffer::with_capacity(2);
+    let mut scratch = visibility.scratch();
+    let mut lobes = LobeBuffer::default();
     for (i, at) in points.points.receivers.iter().enumerate() {
-        frame.materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer()).unwrap();
+        frame.materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer());
         let mut all = Vec3::ZERO;
         for (number, light) in frame.lights.iter().enumerate() {
-            let term = light.term(at);
-            let mut visit = Visit::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
-            let call = Call { at, brdf: lobes.lobes(), light: &term };
-            all += Integrator::default().radiance(&call, &mut visit, &mut sum, &mut ()).unwrap().radiance;
+            let term = light.seen_from(at);
+            let mut visit = LightVisibility::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
+            let call = Interaction { at, brdf: lobes.lobes(), light: &term, threshold: 0.0 };
+            all += FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ()).radiance;
         }
         assert_eq!(all, tiled[i], "point {i}");
     }

@@ -3,8 +3,8 @@
 use super::{Setting, Subject, Visitor};
 use crate::oracle::Random;
 use crate::{
-    Accuracy, Cone, Coverage, DynVisibility, LightId, Lobe, LobesFull, Look, OWN_NONE, PartlySeen, Receiver, Shaft,
-    Sphere, VisibilityLobes, VisibilityQuery, VisibilitySum, Visit, cap_integral, visible_fraction,
+    Accuracy, Cone, Coverage, DynVisibility, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Shaft, Sphere,
+    Visibility, VisibilityQuery, cap_integral,
 };
 use core::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec3, Vec3};
@@ -173,7 +173,7 @@ impl Case {
 
     fn at(&self) -> Receiver {
         let normal = self.normal.as_vec3().normalize();
-        Receiver { position: self.position.as_vec3(), normal, face: normal, view: normal, object: OWN_NONE }
+        Receiver::on_surface(self.position.as_vec3(), normal, normal)
     }
 
     fn brdf(&self) -> Lobe {
@@ -182,37 +182,29 @@ impl Case {
         Lobe { flux: Vec3::ONE, ..Lobe::new(axis, exponent as f32, Vec3::ONE) }
     }
 
-    /// Coverage, and the visible fraction of what the lobe reflects.
-    fn ask<V: VisibilityLobes>(
+    /// Coverage, and the visible fraction of the reflectance lobe. None where a receiver contradicts its group.
+    fn ask<V: Visibility>(
         &self,
         strategy: &V,
         entered: Option<&Shaft>,
         scratch: &mut V::Scratch,
-        sum: &mut VisibilitySum,
-    ) -> Result<(Coverage, f32), LobesFull> {
+    ) -> Option<(Coverage, f32)> {
         let (at, brdf) = (self.at(), self.brdf());
         let cone = Cone::of_sphere(at.position, self.light.rounded());
-        let mut visit = match entered {
-            Some(shaft) => Visit::enter(strategy, shaft, ACCURACY, scratch),
-            None => Visit::alone(strategy, LIGHT, ACCURACY, scratch),
+        let mut visibility = match entered {
+            Some(shaft) => LightVisibility::enter(strategy, shaft, ACCURACY, scratch),
+            None => LightVisibility::alone(strategy, LIGHT, ACCURACY, scratch),
         };
-        let look = visit.look(&at, &cone);
-        // What is said of all holds for each.
-        if visit.entered() == Coverage::Lit && look.coverage() != Coverage::Lit {
-            return Err(LobesFull);
+        let coverage = visibility.coverage(&at, &cone, None);
+        if visibility.group_coverage() == Coverage::Lit && coverage.coverage() != Coverage::Lit {
+            return None;
         }
-        let fraction = match &look {
-            Look::Lit => 1.0,
-            Look::Dark => 0.0,
-            Look::Partial(seen) => {
-                let unshadowed = cap_integral(&at, &brdf, &cone);
-                visit.lobes(seen, &brdf, unshadowed, sum)?;
-                // A constant as it comes: the integrator would cut it to [0, 1].
-                let constant = sum.lobes.lobes().is_empty() && sum.whole.lobes().is_empty();
-                if constant { sum.base } else { visible_fraction(&at, &brdf, unshadowed, sum) }
-            }
+        let fraction = match &coverage {
+            LightCoverage::Lit => 1.0,
+            LightCoverage::Dark => 0.0,
+            LightCoverage::Partial(penumbra) => visibility.fraction(penumbra, &brdf, cap_integral(&at, &brdf, &cone)).x,
         };
-        Ok((look.coverage(), fraction))
+        Some((coverage.coverage(), fraction))
     }
 
     fn with<Q: Visitor>(&self, subject: &impl Subject, visitor: Q) -> Q::Answer {
@@ -224,11 +216,6 @@ impl Case {
     /// Coverage and visible fraction.
     pub(super) fn fraction(&self, subject: &impl Subject, how: Use) -> (Coverage, f32) {
         self.with(subject, Fraction { case: self, how })
-    }
-
-    /// What comes of buffers without room; `None` for a strategy that needs none.
-    pub(super) fn overflow(&self, subject: &impl Subject) -> Option<Result<(Coverage, f32), LobesFull>> {
-        self.with(subject, Overflow(self))
     }
 }
 
@@ -242,22 +229,20 @@ impl Visitor for Fraction<'_> {
 
     fn visit<V>(self, strategy: &V) -> Self::Answer
     where
-        V: VisibilityLobes,
+        V: Visibility,
         V::Scratch: 'static,
     {
         let Self { case, how } = self;
-        let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(ACCURACY));
         let mut scratch = strategy.scratch();
         let answer = match how {
-            Use::Fresh => case.ask(strategy, None, &mut scratch, &mut sum),
+            Use::Fresh => case.ask(strategy, None, &mut scratch),
             Use::Used => {
                 // Another receiver, another light, another lobe.
                 let mut other = case.clone();
                 other.light.radius *= 1.7;
                 other.position += 0.3 * case.normal;
                 other.lobe = (case.normal, if case.lobe.1 == 1.0 { 100.0 } else { 1.0 });
-                let other = other.ask(strategy, None, &mut scratch, &mut sum);
-                other.and_then(|_| case.ask(strategy, None, &mut scratch, &mut sum))
+                other.ask(strategy, None, &mut scratch).and_then(|_| case.ask(strategy, None, &mut scratch))
             }
             Use::Entered => {
                 let answers = GROUPS.map(|(radius, is_boxed)| {
@@ -268,58 +253,35 @@ impl Visitor for Fraction<'_> {
                     if is_boxed {
                         shaft = shaft.in_box((position - center).abs() * 1.000_01);
                     }
-                    case.ask(strategy, Some(&shaft), &mut scratch, &mut sum)
+                    case.ask(strategy, Some(&shaft), &mut scratch)
                 });
-                if answers.iter().all(|answer| *answer == answers[0]) { answers[0] } else { Err(LobesFull) }
+                answers.iter().all(|answer| *answer == answers[0]).then_some(answers[0]).flatten()
             }
             Use::Boxed => {
                 let boxed: Box<dyn DynVisibility + '_> = Box::new(ByReference(strategy));
-                case.ask(&boxed, None, &mut boxed.scratch(), &mut sum)
+                case.ask(&boxed, None, &mut boxed.scratch())
             }
             Use::Threads => std::thread::scope(|scope| {
-                let one = || {
-                    let mut sum = VisibilitySum::with_capacity(strategy.max_lobes(ACCURACY));
-                    case.ask(strategy, None, &mut strategy.scratch(), &mut sum)
-                };
+                let one = || case.ask(strategy, None, &mut strategy.scratch());
                 let all: Vec<_> = (0..THREADS).map(|_| scope.spawn(one)).collect();
-                let mut answers = all.into_iter().map(|t| t.join().unwrap_or(Err(LobesFull)));
+                let mut answers = all.into_iter().map(|t| t.join().ok().flatten());
                 // Where one differs from the first there is no answer.
-                let first = answers.next().unwrap_or(Err(LobesFull))?;
-                if answers.all(|other| other == Ok(first)) { Ok(first) } else { Err(LobesFull) }
+                let first = answers.next().flatten();
+                answers.all(|other| other == first).then_some(first).flatten()
             }),
         };
-        // A strategy that needs more lobes than it says has no fraction.
         answer.unwrap_or((Coverage::Partial, f32::NAN))
-    }
-}
-
-struct Overflow<'a>(&'a Case);
-
-impl Visitor for Overflow<'_> {
-    type Answer = Option<Result<(Coverage, f32), LobesFull>>;
-
-    fn visit<V>(self, strategy: &V) -> Self::Answer
-    where
-        V: VisibilityLobes,
-        V::Scratch: 'static,
-    {
-        let without_room = || self.0.ask(strategy, None, &mut strategy.scratch(), &mut VisibilitySum::with_capacity(0));
-        (strategy.max_lobes(ACCURACY) > 0).then(without_room)
     }
 }
 
 /// A borrowed strategy, to be boxed.
 struct ByReference<'v, V>(&'v V);
 
-impl<V: VisibilityLobes> VisibilityLobes for ByReference<'_, V> {
+impl<V: Visibility> Visibility for ByReference<'_, V> {
     type Scratch = V::Scratch;
 
     fn scratch(&self) -> Self::Scratch {
         self.0.scratch()
-    }
-
-    fn max_lobes(&self, accuracy: Accuracy) -> usize {
-        self.0.max_lobes(accuracy)
     }
 
     fn enter(&self, shaft: &Shaft, scratch: &mut Self::Scratch) -> Coverage {
@@ -330,14 +292,7 @@ impl<V: VisibilityLobes> VisibilityLobes for ByReference<'_, V> {
         self.0.coverage(query, scratch)
     }
 
-    fn visibility_lobes(
-        &self,
-        seen: &PartlySeen<'_>,
-        brdf: &Lobe,
-        unshadowed: f32,
-        scratch: &mut Self::Scratch,
-        out: &mut VisibilitySum,
-    ) -> Result<(), LobesFull> {
-        self.0.visibility_lobes(seen, brdf, unshadowed, scratch, out)
+    fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
+        self.0.fraction(query, brdf, unshadowed, scratch)
     }
 }

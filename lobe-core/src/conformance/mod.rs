@@ -8,7 +8,7 @@
 //!   against quadrature;
 //! - a further blocker never brightens; the order of blockers does not matter; nor does turning everything;
 //! - nothing pops while blocker, light or receiver moves by small steps, with one ball and with several;
-//! - an overflowing buffer is an error value; used scratch, `enter`, `dyn` and threads change no bit.
+//! - used scratch, `enter`, `dyn` and threads change no bit.
 //!
 //! Blockers are balls, since a ball's shadow is known. A strategy of other shapes is asked with what comes next to them: boxes or
 //! meshes around the balls, with limits as wide as what that differs by.
@@ -44,14 +44,11 @@
 //!     }
 //! }
 //!
-//! impl VisibilityLobes for Rays {
+//! impl Visibility for Rays {
 //!     /// Directions, and whether they are open.
 //!     type Scratch = Vec<(Vec3, bool)>;
 //!     fn scratch(&self) -> Self::Scratch {
 //!         Vec::new()
-//!     }
-//!     fn max_lobes(&self, _: Accuracy) -> usize {
-//!         1024
 //!     }
 //!     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage {
 //!         let (right, up) = orthonormal_basis(query.cone.axis);
@@ -71,23 +68,9 @@
 //!             _ => Coverage::Partial,
 //!         }
 //!     }
-//!     fn visibility_lobes(
-//!         &self,
-//!         _: &PartlySeen<'_>,
-//!         _: &Lobe,
-//!         _: f32,
-//!         scratch: &mut Self::Scratch,
-//!         out: &mut VisibilitySum,
-//!     ) -> Result<(), LobesFull> {
-//!         let (mut open, mut whole) = (out.lobes.writer(), out.whole.writer());
-//!         for (v, is_open) in scratch {
-//!             let ray = Lobe::with_flux(*v, f32::INFINITY, Vec3::ONE);
-//!             whole.push(ray)?;
-//!             if *is_open {
-//!                 open.push(ray)?;
-//!             }
-//!         }
-//!         Ok(())
+//!     fn fraction(&self, _: &VisibilityQuery<'_>, brdf: &Lobe, _: f32, scratch: &mut Self::Scratch) -> Vec3 {
+//!         let total = |rays: &mut dyn Iterator<Item = &(Vec3, bool)>| rays.map(|(v, _)| brdf.eval(*v)).sum::<Vec3>();
+//!         total(&mut scratch.iter().filter(|(_, is_open)| *is_open)) / total(&mut scratch.iter())
 //!     }
 //! }
 //!
@@ -117,7 +100,7 @@ pub use self::lights::{LightLimits, check_light};
 pub use self::properties::check;
 pub use self::run::Run;
 
-use crate::{Sphere, VisibilityLobes};
+use crate::{Sphere, Visibility};
 use glam::Vec3;
 
 /// What a strategy is to be built for.
@@ -146,14 +129,14 @@ pub trait Visitor {
     /// Uses the strategy.
     fn visit<V>(self, strategy: &V) -> Self::Answer
     where
-        V: VisibilityLobes,
+        V: Visibility,
         V::Scratch: 'static;
 }
 
 impl<F, V> Subject for F
 where
     F: Fn(&Setting<'_>) -> V,
-    V: VisibilityLobes,
+    V: Visibility,
     V::Scratch: 'static,
 {
     fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {

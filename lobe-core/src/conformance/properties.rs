@@ -2,8 +2,8 @@
 
 use super::case::{Ball, Case, FAR, Use, WIDE};
 use super::{Limits, Measured, Report, Run, Subject};
+use crate::Coverage;
 use crate::oracle::Random;
-use crate::{Coverage, LobesFull};
 use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 
@@ -186,7 +186,7 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
         }
         for _ in 0..1 + random.bits() % 5 {
             case.balls.push(case.blocker(random));
-            let (coverage, fraction) = case.fraction(subject, Use::Fresh);
+            let (_, fraction) = case.fraction(subject, Use::Fresh);
             out.ensure((0.0..=1.0).contains(&fraction), "V is in [0, 1]", || format!("V = {fraction} in {case:?}"));
             for (how, property) in [
                 (Use::Used, "used scratch changes nothing"),
@@ -196,12 +196,6 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
             ] {
                 let (_, again) = case.fraction(subject, how);
                 out.ensure(fraction == again, property, || format!("V = {fraction}, then {again} in {case:?}"));
-            }
-            if coverage == Coverage::Partial {
-                let full = case.overflow(subject);
-                out.ensure(matches!(full, None | Some(Err(LobesFull))), "overflow is an error", || {
-                    format!("{full:?} in {case:?}")
-                });
             }
             let brighter = f64::from(fraction) - last;
             out.within(brighter, ("brighter", limits.brighter), "a further blocker never brightens", || {

@@ -6,6 +6,7 @@
 //! | [`fit_product`] | scale and exponent of a product, Eq. 20 |
 //! | [`ProductTable`] | both tabulated and interpolated, §4.1; [`table_error`] measures it |
 //! | [`integral`] | the tabulated integral of one lobe, §4.2 |
+//! | [`PaperIntegrator`] | the sum over reflectance and visibility lobes, §5.4 |
 //! | [`CapTable`], [`fit_light`], [`fit_occluder`] | lobes of a light, Eq. 30–31, and of an occluder, Eq. 33–35 |
 //!
 //! The `moments` method needs none of this at run time: see the crate's front page.
@@ -26,6 +27,7 @@ mod axis;
 mod cap_table;
 mod fit;
 mod integral;
+mod integrator;
 mod meridian;
 mod product_table;
 mod profile;
@@ -38,6 +40,7 @@ pub use self::axis::product_axis;
 pub use self::cap_table::{CapTable, LightLobe, fit_light, fit_occluder};
 pub use self::fit::{ProductFit, fit_product};
 pub use self::integral::integral;
+pub use self::integrator::PaperIntegrator;
 pub use self::product_table::{ProductTable, TableRow};
 pub use self::resolution::Resolution;
 pub use self::table_bytes::TableFormatError;

@@ -4,11 +4,13 @@ mod arc;
 mod normalized;
 mod peak;
 
-pub(crate) use self::normalized::{DELTA, normalized_total};
-pub use self::normalized::{is_lambert, lobe_product};
+pub use self::normalized::is_lambert;
+#[cfg(test)]
+pub(crate) use self::normalized::normalized_product;
+pub(crate) use self::normalized::normalized_total;
 
-pub(crate) use self::arc::Arc;
-pub(crate) use self::peak::Peak;
+use self::arc::Arc;
+use self::peak::Peak;
 
 use crate::lanes::{Block, Columns, Lane, WIDTH, map, row};
 use crate::special::gamma_ratios;

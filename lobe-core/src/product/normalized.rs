@@ -10,19 +10,12 @@ use glam::Vec3;
 /// Lobes from this exponent on are deltas beside any other: a millionth of a radian wide.
 pub(crate) const DELTA: f32 = 1e12;
 
-/// `∫ f·c dv` for two lobes with their fluxes, per channel; `f`'s receiver cosine is taken at the product's mean
-/// direction.
+/// `∫ f·c dv` for two lobes of flux 1; `f`'s receiver cosine is taken at the product's mean direction.
 ///
-/// Microfacets are evaluated at the axis of `c`. An infinite exponent is a delta function. A Lambert lobe (exponent 1 about the normal) with a lobe that stands for
-/// directions above the horizon is exact: `n·∫v c(v) dv`.
+/// Microfacets are evaluated at the axis of `c`. An infinite exponent is a delta function. A Lambert lobe (exponent 1 about the
+/// normal) with a lobe that stands for directions above the horizon is exact: `n·∫v c(v) dv`.
 #[must_use]
-pub fn lobe_product(at: &Receiver, f: &Lobe, c: &Lobe) -> Vec3 {
-    f.flux * c.flux * normalized_product(at, f, c)
-}
-
-/// The same for fluxes of 1.
-#[must_use]
-fn normalized_product(at: &Receiver, f: &Lobe, c: &Lobe) -> f32 {
+pub(crate) fn normalized_product(at: &Receiver, f: &Lobe, c: &Lobe) -> f32 {
     if is_lambert(at, f) {
         return of_lambert(at.normal, c.axis, c.exponent);
     }
@@ -45,7 +38,7 @@ fn normalized_product(at: &Receiver, f: &Lobe, c: &Lobe) -> f32 {
     }
 }
 
-/// `Σ w·∫ f c/(fluxes) dv` over the lobes `c` of a sum, `w` the first channel of their flux: [`lobe_product`] of all of
+/// `Σ w·∫ f c/(fluxes) dv` over the lobes `c` of a sum, `w` the first channel of their flux: [`normalized_product`] of all of
 /// them, added in order. Sixteen side by side.
 pub(crate) fn normalized_total(at: &Receiver, f: &Lobe, lobes: Lobes<'_>) -> f32 {
     total_at(Level::new(), at, f, lobes)
@@ -168,7 +161,7 @@ mod tests {
     #[test]
     fn a_sum_is_its_lobes_added_in_order() {
         let mut random = Random::new(26);
-        let mut buffer = LobeBuffer::with_capacity(50);
+        let mut buffer = LobeBuffer::default();
         for case in 0..400 {
             let at = receiver(random.axis());
             let cosine = (case % 2) as f32;
@@ -179,7 +172,7 @@ mod tests {
             for k in 0..case % 50 {
                 let near = random.axis_near(f.axis.as_dvec3()).as_vec3();
                 let e = if k % 29 == 28 { f32::INFINITY } else { random.exponent(1e6) as f32 };
-                out.push(Lobe::with_flux(near, e, Vec3::splat(random.uniform() as f32))).unwrap();
+                out.push(Lobe::with_flux(near, e, Vec3::splat(random.uniform() as f32)));
             }
             let sum = |x: f32, c: Lobe| x + c.flux.x * normalized_product(&at, &f, &c);
             let want = buffer.lobes().iter().fold(0.0, sum);

@@ -65,7 +65,7 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
         }
     }
     let mut light = TileLight::default();
-    light.one_by_one(&tile, cones.iter().map(|cone| LightTerm::of_cone(*cone, Vec3::ONE)));
+    light.one_by_one(&tile, cones.iter().map(|cone| SeenLight::of_cone(*cone, Vec3::ONE)));
     for level in levels() {
         crate::cap::integrals_at(level, &light, &lobes, &mut out);
         for (i, (at, cone)) in at.iter().zip(&cones).enumerate() {
@@ -112,7 +112,7 @@ fn pairs_of_microfacets_are_the_single_ones_on_every_machine() {
         }
     }
     let mut light = TileLight::default();
-    light.one_by_one(&tile, cones.iter().map(|cone| LightTerm::of_cone(*cone, Vec3::ONE)));
+    light.one_by_one(&tile, cones.iter().map(|cone| SeenLight::of_cone(*cone, Vec3::ONE)));
     for level in levels() {
         out.fill(f32::NAN);
         crate::cap::integrals_at(level, &light, &lobes, &mut out);

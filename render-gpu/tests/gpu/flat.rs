@@ -10,7 +10,7 @@ use libtest_mimic::Trial;
 use lighting::{AmbientLight, Environment, EnvironmentMap, FlatLight, InsideLight, Light, SphereLight, TubeLight};
 use lobe_core::oracle::Random;
 use lobe_core::paper::{ProductTable, Resolution, Tables};
-use lobe_core::{LightImage, Lobe, Method, OWN_NONE, Outline, Receiver, Sphere, outline_integral, wgsl};
+use lobe_core::{LightImage, Lobe, OWN_NONE, Outline, Receiver, Sphere, outline_integral, wgsl};
 use render_cpu::{GBuffer, World};
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Scene, Shade, builtin};
@@ -230,7 +230,7 @@ fn of_environments(gpu: &Gpu) {
 fn refusals(gpu: &Gpu) {
     let view = View::new(lit(builtin(), panel()), 16, 9);
     let tables = Tables::with_products(ProductTable::build_with(Resolution { angles: 33, per_interval: 4 }));
-    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader").with_method(Method::Paper(&tables));
+    let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader").with_paper(&tables);
     let mut out = vec![Vec3::ZERO; view.points.receivers.len()];
     let refused = shader.shade(&view.points, &view.frame(0.003, 5), &mut out).expect_err("no balls");
     assert!(refused.to_string().contains("balls"), "{refused}");

@@ -6,8 +6,8 @@ use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use lobe_core::{
-    Accuracy, Cone, Coverage, LightId, Lobe, Look, OWN_NONE, Receiver, VisibilityLobes, VisibilityQuery, VisibilitySum,
-    Visit,
+    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Visibility,
+    VisibilityQuery,
 };
 use render_gpu::Gpu;
 use visibility_mask::{Blockers, Edges, Fineness, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
@@ -369,8 +369,8 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
     for ((case, edge), got) in cases.iter().zip(got.chunks(3)) {
         let strategy = MaskVisibility::new(Curtain(*edge));
         let mut scratch = strategy.scratch();
-        let mut visit = Visit::alone(&strategy, LightId(0), Accuracy { tolerance, depth }, &mut scratch);
-        let look = visit.look(&case.at, &case.light);
+        let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy { tolerance, depth }, &mut scratch);
+        let look = visit.coverage(&case.at, &case.light, None);
         let coverage = look.coverage();
         let class = match coverage {
             Coverage::Lit => 0_u8,
@@ -379,12 +379,11 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
         };
         classes[usize::from(class)] += 1;
         assert_eq!(got[0], f32::from(class), "{coverage:?}");
-        if let Look::Partial(seen) = &look {
-            let mut sum = VisibilitySum::with_capacity(0);
-            visit.lobes(seen, &case.lobe, 1.0, &mut sum).expect("no lobes");
+        if let LightCoverage::Partial(seen) = &look {
+            let fraction = visit.fraction(seen, &case.lobe, 1.0).x;
             assert!((0.0..=1.0).contains(&got[1]), "{}", got[1]);
             if sees_light(&case.lobe, &case.light) {
-                spread.add(got[1], sum.base);
+                spread.add(got[1], fraction);
             }
         }
         // The mask of the whole light is left as it was.

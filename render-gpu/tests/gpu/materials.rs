@@ -202,8 +202,8 @@ fn agree_with(gpu: &Gpu, materials: &[Material], microfacets: bool) {
     let mut worst = [0.0_f32; 3];
     for (i, got) in all.iter().enumerate() {
         let (material, at) = (&materials[i / receivers.len()], &receivers[i % receivers.len()]);
-        let mut buffer = LobeBuffer::with_capacity(material.max_lobes());
-        material.brdf_lobes(at, &mut buffer.writer_of(microfacets)).expect("room for all lobes");
+        let mut buffer = LobeBuffer::default();
+        material.brdf_lobes(at, &mut buffer.writer_of(microfacets));
         let want: Vec<Lobe> = buffer.lobes().iter().filter(visible).collect();
         let got: Vec<&Lobe> = got.iter().filter(|lobe| visible(lobe)).collect();
         let name = material.model_name();

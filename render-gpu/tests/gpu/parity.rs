@@ -9,7 +9,7 @@ use brdf::{
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
 use lighting::{InsideLight, Light, SphereLight, SpotLight, SunLight};
-use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, VisibilityLobes};
+use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, Visibility};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{
@@ -87,7 +87,7 @@ impl View {
         ShadowMapBlockers::new(self.scene.lights.iter().map(map).collect()).with_casters(casters)
     }
 
-    pub(crate) fn cpu(&self, visibility: impl VisibilityLobes, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
+    pub(crate) fn cpu(&self, visibility: impl Visibility, frame: &Frame<'_>) -> (Vec<Vec3>, Counts) {
         let mut out = vec![Vec3::ZERO; self.points.receivers.len()];
         let stats = CpuShader::new(visibility).shade(&self.points, frame, &mut out).expect("room for all lobes");
         (out, stats.counts)

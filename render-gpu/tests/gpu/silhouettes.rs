@@ -7,9 +7,9 @@ use crate::rays::{Shaded, Ways, check_alike, check_picture, fence, frame, unshad
 use glam::{Mat4, Vec3};
 use libtest_mimic::Trial;
 use lighting::Light;
+use lobe_core::Sphere;
 use lobe_core::gpu::{GpuBlockers, GpuLight as _};
-use lobe_core::paper::{ProductTable, Resolution, Tables};
-use lobe_core::{Method, Sphere};
+use lobe_core::paper::{PaperIntegrator, ProductTable, Resolution, Tables};
 use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
 use render_gpu::{Gpu, GpuError, GpuShader, GpuWorld, Occlusion};
 use scene::{Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
@@ -176,12 +176,12 @@ fn by_the_papers_method(gpu: &Gpu) {
     let hits = SurfaceHits::new(&world, |_| true);
     let visibility = PaperVisibility::new(SilhouetteBlockers::new(silhouettes.meshes(), hits), &tables);
     let mut want = vec![Vec3::ZERO; points.receivers.len()];
-    let mut cpu = CpuShader::with_method(visibility, Method::Paper(&tables));
+    let mut cpu = CpuShader::with_integrator(visibility, PaperIntegrator { tables: &tables });
     cpu.shade(&points, &frame, &mut want).expect("room for all lobes");
     let ours = GpuWorld::new(gpu, &scene).expect("geometry");
     let blockers = GpuSilhouettes::new(silhouettes.meshes());
     let occlusion = Occlusion { blockers: &[&blockers], any_hit: Some(&ours) };
-    let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_method(Method::Paper(&tables));
+    let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_paper(&tables);
     let mut got = vec![Vec3::NAN; points.receivers.len()];
     shader.shade(&points, &frame, &mut got).expect("the GPU shades");
     check_picture(&want, &got, 1e-3);

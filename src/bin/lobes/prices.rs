@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::input;
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{GBuffer, World};
-use cosine_lobes::renderer::{Backend, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, seconds};
+use cosine_lobes::renderer::{Backend, FrameBlockers, KeptSpheres, Method, Plan, RenderError, Shader, Work, seconds};
 use cosine_lobes::scene::{Animation, BlockerSet, Frame, Scene, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::ReceiverBounds;
 use cosine_lobes::{Picture, RegionError, ShadowErrors};
@@ -137,7 +137,7 @@ fn run(
         Frame { materials: &materials, lights: &scene.lights, accuracy: Accuracy::new(tolerance), threshold: 0.0 };
     let blockers = FrameBlockers::new(&plan, &world, kept.get(), maps, &silhouettes, frame.accuracy);
     let (shade, radiance) =
-        blockers.shade(&mut Backend::Cpu, Form::Fractions, Shot { points: &points, frame: &frame })?;
+        blockers.shade(&mut Backend::Cpu, Method::Moments, None, Shot { points: &points, frame: &frame })?;
     let picture = Picture::new(radiance.len(), 1, radiance);
     Ok((Price { prepare, update, shade, penumbra: RegionError::default() }, picture))
 }

@@ -3,9 +3,7 @@
 use super::{Rays, Soup, ball, cuboid};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{
-    Accuracy, Cone, LightId, Lobe, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
-};
+use lobe_core::{Accuracy, Cone, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility, cap_integral};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
@@ -84,8 +82,8 @@ impl Moment {
         let strategy = MaskVisibility::new(blockers);
         let mut scratch = strategy.scratch();
         let unshadowed = cap_integral(&at, &lobe, &cone);
-        let mut visit = Visit::alone(&strategy, LightId(0), Accuracy::new(self.tolerance), &mut scratch);
-        let fraction = visit.fraction(&at, &cone, &lobe, unshadowed, &mut VisibilitySum::default()).expect("no lobes");
+        let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::new(self.tolerance), &mut scratch);
+        let fraction = visit.visible_fraction(&at, &cone, &lobe, unshadowed).x;
         let on_axis = 1.0 - ((self.lobe.1 + 1.0) * f64::from(cone.cos()).ln()).exp();
         (f64::from(fraction), (100.0 * f64::from(unshadowed) / on_axis).min(1.0))
     }

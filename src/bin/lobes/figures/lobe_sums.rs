@@ -8,12 +8,11 @@ use super::scenes::Case;
 use super::studio::Studio;
 use crate::failure::Failure;
 use core::f32::consts::TAU;
-use cosine_lobes::brdf::Material;
 use cosine_lobes::lighting::Light;
-use cosine_lobes::lobe_core::paper::Tables;
+use cosine_lobes::lobe_core::paper::{PaperIntegrator, Tables};
 use cosine_lobes::lobe_core::{
-    BrdfLobes, Call, Integrator, LightId, LightLobes, Lobe, LobeBuffer, LobesFull, Look, Method, Observer, Receiver,
-    VisibilityLobes, VisibilitySum, Visit, orthonormal_basis,
+    BrdfLobes, Integrator, Interaction, LightCoverage, LightId, LightLobes, LightVisibility, Lobe, LobeBuffer,
+    Observer, Receiver, Visibility, VisibilitySum, orthonormal_basis,
 };
 use cosine_lobes::scene::{BlockerSet, Scene, ShadingPoints};
 use cosine_lobes::visibility_mask::PaperVisibility;
@@ -28,37 +27,28 @@ fn each_point<T: Send>(
     blockers: &BlockerSet,
     points: &ShadingPoints,
     tables: &Tables,
-    work: impl Fn(
-        usize,
-        &Receiver,
-        &LobeBuffer,
-        &Light,
-        &mut PaperVisit<'_, '_>,
-        &mut VisibilitySum,
-    ) -> Result<T, LobesFull>
-    + Sync,
+    work: impl Fn(usize, &Receiver, &LobeBuffer, &Light, &mut PaperVisit<'_, '_>, &mut VisibilitySum) -> T + Sync,
 ) -> Result<Vec<T>, Failure> {
     let strategy = PaperVisibility::new(spheres(blockers), tables);
     let light = scene.lights.first().ok_or_else(|| Failure::new("the scene has no light"))?;
-    let most = scene.materials.iter().map(Material::max_lobes).max().unwrap_or(0);
     let memory = || {
-        let sum = VisibilitySum::with_capacity(strategy.max_lobes(accuracy()));
-        (strategy.scratch(), sum, LobeBuffer::with_capacity(most))
+        let sum = VisibilitySum::default();
+        (strategy.scratch(), sum, LobeBuffer::default())
     };
-    let found: Result<Vec<T>, LobesFull> = points
+    let found = points
         .receivers
         .par_iter()
         .zip(&points.materials)
         .enumerate()
         .map_init(memory, |(scratch, sum, brdf), (i, (at, material))| {
-            scene.materials[*material as usize].brdf_lobes(at, &mut brdf.writer())?;
-            work(i, at, brdf, light, &mut Visit::alone(&strategy, LightId(0), accuracy(), scratch), sum)
+            scene.materials[*material as usize].brdf_lobes(at, &mut brdf.writer());
+            work(i, at, brdf, light, &mut LightVisibility::alone(&strategy, LightId(0), accuracy(), scratch), sum)
         })
         .collect();
-    Ok(found?)
+    Ok(found)
 }
 
-type PaperVisit<'v, 't> = Visit<'v, PaperVisibility<'t, cosine_lobes::visibility_spheres::SphereBlockers>>;
+type PaperVisit<'v, 't> = LightVisibility<'v, PaperVisibility<'t, cosine_lobes::visibility_spheres::SphereBlockers>>;
 
 /// Samples of each integral of Fig. 14.
 const SAMPLES: usize = 1024;
@@ -80,13 +70,13 @@ fn by_samples(
     tables: &Tables,
 ) -> Result<Vec<Vec3>, Failure> {
     each_point(scene, blockers, points, tables, |i, at, brdf, light, visit, sum| {
-        let term = light.term(at);
+        let term = light.seen_from(at);
         let lobe = tables.light_lobe(&term.cone, term.radiance);
         let basis = orthonormal_basis(lobe.axis);
         let brdf = brdf.lobes();
-        let seen = visit.look(at, &term.cone);
-        if let (Look::Partial(seen), Some(first)) = (&seen, brdf.iter().next()) {
-            visit.lobes(seen, &first, 1.0, sum)?;
+        let seen = visit.coverage(at, &term.cone, None);
+        if let (LightCoverage::Partial(seen), Some(first)) = (&seen, brdf.iter().next()) {
+            visit.lobes(seen, &first, 1.0, sum);
         }
         let mut all = vec![Vec3::ZERO; brdf.len()];
         let shift = [0.754_877_7, 0.569_840_3].map(|step: f64| step * (i as f64 * 97.0 + 0.5));
@@ -94,15 +84,15 @@ fn by_samples(
             let [x, y] = [0.819_172_5, 0.671_043_6].map(|step: f64| step * k as f64);
             let v = sample(&lobe, basis, [(x + shift[0]).fract() as f32, (y + shift[1]).fract() as f32]);
             let visibility = match &seen {
-                Look::Lit => 1.0,
-                Look::Dark => 0.0,
-                Look::Partial(_) => sum.base + sum.lobes.lobes().eval(at.normal, v).x,
+                LightCoverage::Lit => 1.0,
+                LightCoverage::Dark => 0.0,
+                LightCoverage::Partial(_) => sum.base + sum.lobes.lobes().eval(at.normal, v).x,
             };
             for (all, f) in all.iter_mut().zip(brdf.iter()) {
                 *all += f.eval_at(at.normal, v) * visibility;
             }
         }
-        Ok(all.into_iter().map(|f| (f * lobe.flux / SAMPLES as f32).max(Vec3::ZERO)).sum())
+        all.into_iter().map(|f| (f * lobe.flux / SAMPLES as f32).max(Vec3::ZERO)).sum()
     })
 }
 
@@ -179,12 +169,13 @@ fn kept(
     tables: &Tables,
     threshold: f32,
 ) -> Result<Vec<f32>, Failure> {
-    let integrator = Integrator { method: Method::Paper(tables), threshold };
+    let integrator = PaperIntegrator { tables };
     each_point(scene, blockers, points, tables, |_, at, brdf, light, visit, sum| {
         let mut products = Products::default();
-        let light = light.term(at);
-        integrator.radiance(&Call { at, brdf: brdf.lobes(), light: &light }, visit, sum, &mut products)?;
-        Ok((products.computed - products.dropped) as f32)
+        let light = light.seen_from(at);
+        let point = Interaction { at, brdf: brdf.lobes(), light: &light, threshold };
+        integrator.radiance(&point, visit, sum, &mut products);
+        (products.computed - products.dropped) as f32
     })
 }
 

@@ -2,8 +2,9 @@
 //!
 //! Shared with `examples/results_table`.
 
+use cosine_lobes::lobe_core::paper::PaperIntegrator;
 use cosine_lobes::lobe_core::paper::Tables;
-use cosine_lobes::lobe_core::{Accuracy, Method, VisibilityLobes};
+use cosine_lobes::lobe_core::{Accuracy, Integrator, Visibility};
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{BlockerSet, Frame, Scene, Shade, ShadeStats, ShadingPoints};
 use cosine_lobes::visibility_mask::{MaskVisibility, PaperVisibility};
@@ -97,13 +98,19 @@ pub(crate) fn frames(
         None => repeat(CpuShader::new(MaskVisibility::new(spheres)), scene, points, how.threshold, repeats),
         Some(tables) => {
             let visibility = PaperVisibility::new(spheres, tables);
-            repeat(CpuShader::with_method(visibility, Method::Paper(tables)), scene, points, how.threshold, repeats)
+            repeat(
+                CpuShader::with_integrator(visibility, PaperIntegrator { tables }),
+                scene,
+                points,
+                how.threshold,
+                repeats,
+            )
         }
     }
 }
 
-fn repeat<V: VisibilityLobes>(
-    mut shader: CpuShader<'_, V>,
+fn repeat<V: Visibility, I: Integrator<V>>(
+    mut shader: CpuShader<V, I>,
     scene: &Scene,
     points: &ShadingPoints,
     threshold: f32,

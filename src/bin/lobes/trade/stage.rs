@@ -11,7 +11,7 @@ use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::RayShader;
 use cosine_lobes::render_cpu::SceneSilhouettes;
 use cosine_lobes::renderer::{
-    Backend, Event, Form, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, exposure, seconds,
+    Backend, Event, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, exposure, seconds,
 };
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::{ReceiverBounds, ShadowMap};
@@ -160,13 +160,13 @@ impl<'a> Stage<'a> {
                     _ => plan.silhouettes(scene),
                 };
                 let (_, silhouettes) = &*self.silhouettes.insert((visibility, silhouettes));
-                let form = Form::of(method.into(), self.tables.as_ref());
+                let (method, tables) = (method.into(), self.tables.as_ref());
                 let backend = match setting.device {
                     TradeDevice::Cpu => &mut Backend::Cpu,
                     TradeDevice::Gpu => &mut self.gpu,
                 };
                 let blockers = FrameBlockers::new(&plan, self.world, spheres, maps, silhouettes, frame.accuracy);
-                let shot = blockers.shade(backend, form, timed)?;
+                let shot = blockers.shade(backend, method, tables, timed)?;
                 Ok(Shot { map_seconds, ..shot })
             }
         }

@@ -4,8 +4,8 @@ use super::super::canvas::failed;
 use crate::failure::Failure;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{
-    Accuracy, Cone, Coverage, LightId, Lobe, Look, OWN_NONE, Receiver, Sphere, VisibilityLobes, VisibilityQuery,
-    VisibilitySum, Visit,
+    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility,
+    VisibilityQuery, VisibilitySum,
 };
 use cosine_lobes::visibility_mask::{PaperVisibility, ShadowNode};
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -45,11 +45,11 @@ impl Setting {
         let accuracy = Accuracy { tolerance: 0.005, depth };
         let blockers = SphereBlockers::new(&self.balls, &vec![0; self.balls.len()], &[0.0]);
         let strategy = PaperVisibility::new(blockers, tables);
-        let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::with_capacity(strategy.max_lobes(accuracy)));
+        let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::default());
         let lambert = Lobe::new(self.at.normal, 1.0, Vec3::ONE);
-        let mut visit = Visit::alone(&strategy, LightId(0), accuracy, &mut scratch);
-        if let Look::Partial(seen) = visit.look(&self.at, &self.cone) {
-            visit.lobes(&seen, &lambert, 1.0, &mut sum)?;
+        let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
+        if let LightCoverage::Partial(seen) = visit.coverage(&self.at, &self.cone, None) {
+            visit.lobes(&seen, &lambert, 1.0, &mut sum);
         }
         Ok(Seen { nodes: scratch.nodes().to_vec(), lobes: sum.lobes.lobes().iter().collect() })
     }

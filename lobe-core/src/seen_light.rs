@@ -1,11 +1,11 @@
-//! One light as one receiver sees it: what the integrator computes with.
+//! One light as one receiver sees it.
 
 use crate::{Cone, Lobe, Outline, cone_lobe};
 use glam::Vec3;
 
 /// One light as a receiver sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightTerm {
+pub struct SeenLight {
     /// Its cone.
     pub cone: Cone,
     /// Its radiance, W·m⁻²·sr⁻¹ per channel.
@@ -14,7 +14,7 @@ pub struct LightTerm {
     pub outline: Option<Outline>,
 }
 
-impl LightTerm {
+impl SeenLight {
     /// A light that is bright in all of its cone.
     #[must_use]
     pub const fn of_cone(cone: Cone, radiance: Vec3) -> Self {
