@@ -1,4 +1,4 @@
-//! Where a thing of the scene file stands, and when.
+//! The placement of a part of the scene file, over time.
 
 use crate::origin::Origins;
 use crate::track::{Meaning, Track};
@@ -138,7 +138,7 @@ pub(crate) fn linear_turn(times: &[f32], keys: &[(Vec3, f32)]) -> Turn {
         values.extend(rotation(axis, degrees).to_array());
         let Some(pair) = keys.get(i..i + 2) else { break };
         if let Some((axis, degrees)) = one_axis(pair) {
-            // Steps of at most 90° about one axis: between them the shorter arc is the one that is meant.
+            // Steps of at most 90° about one axis, so that the shorter arc between two steps is the intended one.
             let steps = ((degrees[1] - degrees[0]).abs() / 90.0).ceil().clamp(1.0, 4096.0) as u32;
             for k in 1..steps {
                 let u = k as f32 / steps as f32;

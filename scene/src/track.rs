@@ -2,7 +2,7 @@
 
 use glam::Quat;
 
-/// How values between two keys come about.
+/// The interpolation between two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interpolation {
     /// The value of the key before.
@@ -13,7 +13,7 @@ pub(crate) enum Interpolation {
     Cubic,
 }
 
-/// What the values mean.
+/// The meaning of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meaning {
     Numbers,

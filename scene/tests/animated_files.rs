@@ -106,7 +106,7 @@ fn every_animated_file_moves_and_stays_valid() {
             for (p, q) in vertices(&scene).iter().zip(vertices(&first)) {
                 moved = moved.max(p.distance(q));
             }
-            // What the rig and the pose say is what seeking does: bind space through the first moment's matrices.
+            // Applying rig and pose by hand gives the result of seeking: bind space through the first moment's matrices.
             if i == 5 {
                 follow(&animation, &first, &scene, animation.duration() * 5.0 / 12.0);
             }
