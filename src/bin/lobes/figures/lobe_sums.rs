@@ -1,4 +1,4 @@
-//! Fig. 14 and 15: what method `paper` integrates, point by point.
+//! Fig. 14 and 15: the integrals of method `paper`, point by point.
 
 use super::canvas::{Cell, Sheet, heat};
 use super::gallery::Page;
@@ -171,7 +171,7 @@ impl Observer for Products {
     }
 }
 
-/// How many products each point keeps.
+/// The number of products that each point keeps.
 fn kept(
     scene: &Scene,
     blockers: &BlockerSet,

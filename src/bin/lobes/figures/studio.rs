@@ -1,4 +1,4 @@
-//! What figures share: the paper's tables and the model with its spheres, made when they are first needed.
+//! Data that figures share: the paper's tables and the model with its spheres, made when they are first needed.
 
 use super::sets::{Model, fitted, spot};
 use crate::console::Fit;

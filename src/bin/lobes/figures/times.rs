@@ -29,7 +29,7 @@ fn cube_time(lights: Vec<Light>, how: How<'_>) -> Result<Timing, Failure> {
     frames(&scene, &blockers, &points, how, 9).map(|(timing, _)| timing).map_err(Failure::new)
 }
 
-/// Milliseconds on processors by a number, for both methods, and the share of penumbra.
+/// Processor milliseconds over a number, for both methods, and the fraction of points in penumbra.
 struct Series {
     numbers: Vec<f64>,
     times: [Vec<f64>; 2],
@@ -75,7 +75,7 @@ impl Series {
         (0..self.numbers.len()).map(row).collect()
     }
 
-    /// How much of the times' variance a straight line explains, in per cent.
+    /// The part of the times' variance that a straight line explains, in per cent.
     fn linearity(&self, method: usize) -> f64 {
         let n = self.numbers.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n;

@@ -81,7 +81,7 @@ impl Draw for Lobes<'_> {
 /// The depth of Fig. 10, small enough for its nodes to be seen.
 const SHOWN: u32 = 4;
 
-/// The share of a diffuse receiver's light that is seen, by method `paper` and by the spheres themselves.
+/// The visible fraction of a diffuse receiver's light, by method `paper` and by the spheres themselves.
 fn shares(setting: &Setting, seen: &Seen, tables: &Tables) -> [f64; 2] {
     let lambert = Lobe::new(setting.at.normal, 1.0, Vec3::ONE);
     let product = tables.product(&lambert, &tables.light_lobe(&setting.cone, Vec3::ONE));
