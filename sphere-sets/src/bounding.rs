@@ -14,21 +14,21 @@ const JUDGES: usize = 1 << 16;
 
 const SWEEPS: usize = 60;
 
-/// Sweeps between two divisions of the surface among the balls.
+/// Sweeps between two divisions of the surface among the spheres.
 const ROUND: usize = 4;
 
-/// Places tried for a ball in a sweep.
+/// Places tried for a sphere in a sweep.
 const TRIES: usize = 6;
 
-/// Sides below which a piece of a triangle is given to a ball that does not hold it, first and last, in units of D.
+/// Sides below which a piece of a triangle is given to a sphere that does not hold it, first and last, in units of D.
 const PIECES: [f32; 2] = [8e-3, 1e-3];
 
-/// Moves and resizes balls (unit space) until every point of the surface is in one of them, with little volume outside
+/// Moves and resizes spheres (unit space) until every point of the surface is in one of them, with little volume outside
 /// the mesh.
 ///
-/// Each ball has a share of the surface, and the radius that its share takes. A ball moves where that lowers the volume
-/// outside the mesh that it adds to the others'; every few sweeps, each piece of the surface goes to the ball that it is
-/// deepest in. Triangles are cut until each piece lies in one ball, so that the cover is one of all points.
+/// Each sphere owns a part of the surface, and its radius covers that part. A sphere moves where that lowers the volume
+/// outside the mesh that it adds to the others'; every few sweeps, each piece of the surface goes to the sphere that it is
+/// deepest in. Triangles are cut until each piece lies in one sphere, so that the cover holds all points.
 pub(crate) fn bound(
     surface: &Surface,
     solid: &Solid,
@@ -56,7 +56,7 @@ pub(crate) fn bound(
         }
     }
     spheres.retain(|ball| ball.w > 0.0);
-    // Rounding, here and where the balls are carried to the mesh's space.
+    // Rounding, here and where the spheres are carried to the mesh's space.
     let far = surface.bounds.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     let slack = 1e-6 + 2.0 * f32::EPSILON * (f64::from(far) / surface.diagonal) as f32;
     for ball in spheres {
@@ -65,7 +65,7 @@ pub(crate) fn bound(
     Ok(())
 }
 
-/// Moves ball `i` to the best of a few places near it.
+/// Moves sphere `i` to the best of a few places near it.
 fn improve(spheres: &mut [Vec4], i: usize, share: &[Vec3], judges: &[Vec3], step: &mut f32, random: &mut Random) {
     let ball = spheres[i];
     if share.is_empty() {
@@ -99,13 +99,13 @@ fn improve(spheres: &mut [Vec4], i: usize, share: &[Vec3], judges: &[Vec3], step
     spheres[i] = best.1;
 }
 
-/// The radius that a share takes around a centre.
+/// The radius that covers the points around a centre.
 fn radius(share: &[Vec3], center: Vec3) -> f32 {
     share.iter().map(|p| p.distance_squared(center)).fold(0.0, f32::max).sqrt()
 }
 
-/// Cuts the triangles until each piece is in one ball, or smaller than `piece`, and gives it to the ball that it is
-/// deepest in or nearest to. Returns the corners of each ball's pieces.
+/// Cuts the triangles until each piece is in one sphere, or smaller than `piece`, and gives it to the sphere that it is
+/// deepest in or nearest to. Returns the corners of each sphere's pieces.
 fn divide(surface: &Surface, spheres: &[Vec4], piece: f32) -> Vec<Vec<Vec3>> {
     let owners: Vec<Vec<(usize, [Vec3; 3])>> = surface
         .triangles

@@ -61,11 +61,11 @@ pub enum BindError {
     /// Fewer of something than needed.
     #[error("{found} {what}, but {needed} are needed")]
     Missing {
-        /// What is missing.
+        /// The missing items.
         what: &'static str,
-        /// How many there are.
+        /// The number found.
         found: usize,
-        /// How many there must be.
+        /// The number needed.
         needed: usize,
     },
     /// A weight is negative or not finite.

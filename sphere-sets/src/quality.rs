@@ -17,7 +17,7 @@ use crate::view::Frame;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SetQuality {
-    /// `|mesh ∩ union| / |mesh|`; for a mesh without volume the share of its surface that the union holds.
+    /// `|mesh ∩ union| / |mesh|`; for a mesh without volume the fraction of its surface inside the union.
     pub coverage: f32,
     /// `|union \ mesh| / |mesh|`; for a mesh without volume `|union| / D³`.
     pub protrusion_volume: f32,
@@ -29,7 +29,7 @@ pub struct SetQuality {
     pub silhouette_error: f32,
 }
 
-/// What [`SetQuality::verdict`] says of a set.
+/// The verdict of [`SetQuality::verdict`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It stands well enough for its mesh.
@@ -38,7 +38,7 @@ pub enum Verdict {
     FewSpheres,
     /// A full descent would; this was a draft.
     Draft,
-    /// It is a bound, which no spheres make a tight one of; of an open mesh it holds what may be its inside as well.
+    /// It is a bound, which no number of spheres makes tight; for an open mesh it may fill the inside as well.
     Bounding,
     /// Spheres do not suit the mesh: its shadows are better cast by its triangles.
     Unsuitable,
@@ -49,24 +49,24 @@ const SURFACE_POINTS: usize = 20_000;
 const DIRECTIONS: usize = 64;
 const PIXELS: usize = 768;
 
-/// Share of the mesh's surface that may lie deeper below the union's surface than `h` of [`self_distance`].
+/// Fraction of the mesh's surface that may lie deeper below the union's surface than `h` of [`self_distance`].
 const DEEPER: f32 = 0.05;
 
 impl SetQuality {
     /// Silhouette error above which spheres do not suit a mesh: its shadows are better cast by its triangles.
     pub const UNSUITABLE: f32 = 0.15;
 
-    /// Whether spheres stand well enough for the mesh to be used: `silhouette_error` ≤ [`Self::UNSUITABLE`].
+    /// Whether the spheres are good enough to replace the mesh: `silhouette_error` ≤ [`Self::UNSUITABLE`].
     #[must_use]
     pub fn suits(&self) -> bool {
         self.silhouette_error <= Self::UNSUITABLE
     }
 
-    /// Whether the set stands well enough for its mesh, and if not, what it lacks.
+    /// Whether the set is good enough to replace its mesh, and the reason if not.
     ///
     /// Errors fall about as `n^−0.66` in the number of spheres (the bunny: 0.0667 with 16, 0.0271 with 64) and to a third by
-    /// the full descent: what would then still be above [`Self::UNSUITABLE`] is the mesh's fault. More than 64 spheres are
-    /// not hoped for.
+    /// the full descent. If the error predicted for 64 spheres is still above [`Self::UNSUITABLE`], the mesh does not
+    /// suit spheres.
     #[must_use]
     pub fn verdict(&self, options: &BuildOptions) -> Verdict {
         let ample = (options.count as f32 / 64.0).min(1.0).powf(0.66);

@@ -15,26 +15,26 @@ const POINTS: usize = 48_000;
 const FEW: usize = 8;
 const DIRECTIONS: usize = 24;
 const LOWEST: f32 = 0.1;
-/// What a lit ray that is blocked costs, one that is wrongly lit costing 1: dark spots show more than missing shade. Bunny,
+/// Cost of a lit ray that is blocked, relative to a dark ray that is not: dark spots show more than missing shade. Bunny,
 /// 64 spheres: of all points 0.40 % are dark by mistake with 2, 0.20 % with 3, where dark points get 3.0 and 3.8 % light.
 const DARK_SPOT: f32 = 2.5;
-/// What it costs to take a distance e times the set's own, as a share of the rays: where no ray says anything, it stays. No
-/// more than that: at twenty times this, 484 spheres err twice as much, since each has few rays. And what it costs to move
-/// the ball by its sphere's radius or to make it smaller by that: with 484 spheres it saves a twentieth of the error.
+/// `UNLIKE`: cost of a distance that is e times the set's own, as a fraction of the rays, so that the set's distance stays where
+/// no ray decides. With twenty times this value 484 spheres err twice as much, because each has few rays. `UNLIKE_BALL`: cost of a
+/// near sphere that is moved or shrunk by a whole radius. With 484 spheres it saves a twentieth of the error.
 const UNLIKE: f32 = 1e-6;
 const UNLIKE_BALL: f32 = 6e-6;
-/// Radii that are tried, how many balls beside them, and how often each sphere is fitted to what the others leave.
+/// Radii that are tried, near spheres tried for each, and sweeps in which each sphere is fitted to the rays that the others leave.
 const RADII: [f32; 7] = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4];
 const TRIES: usize = 24;
 const SWEEPS: i32 = 15;
-/// Distances that are told apart, as shares of the radius; the last is all beyond four radii.
+/// Resolution of distances, as fractions of the radius; the last bin holds all beyond four radii.
 const BINS: usize = 1025;
 const BIN: f32 = 4.0 / 1024.0;
 /// Farther than any point of the mesh, whose bounding box has a diagonal of 1: never blocks.
 const NEVER: f32 = 4.0;
 
 /// One ray from the surface past a sphere: from its start to the centre, its direction, and how much its start sees of the
-/// near ball.
+/// near sphere.
 struct Pass {
     ray: u32,
     to: Vec3,
@@ -48,7 +48,7 @@ impl Pass {
         Self { ray, to, v, near: SelfShadow::nearness(ball.w, to.length()) }
     }
 
-    /// How far the ray leaves the ball that it sees; negative where it misses it.
+    /// The distance at which the ray leaves its near sphere; negative if it misses.
     fn exit(&self, whole: f32, own: &SelfShadow) -> f32 {
         let radius = whole - whole * (1.0 - own.radius) * self.near;
         let to = self.to + own.offset * (whole * self.near);
@@ -63,19 +63,17 @@ impl Pass {
     }
 }
 
-/// Fits to each sphere how its own object's receivers see it.
+/// Fits a near sphere and a distance to each sphere, for shadows on its own object.
 ///
-/// Rays leave points spread over the mesh; each is dark where it meets the mesh. Sphere by sphere, near ball and distance
-/// are chosen so that the rays that differ cost least, given what the other spheres block: of each ball the best distance
-/// is known, by adding up the rays that no other sphere blocks by where they leave it. Starts from whole spheres with the
-/// set's one distance; balls are tried around the best until now, in smaller and smaller steps.
+/// Rays leave points spread over the mesh; a ray is dark if it meets the mesh. The fit minimises the cost of misclassified rays,
+/// sphere by sphere, given the rays that the other spheres block. The best distance for a near sphere follows from a histogram of
+/// the exit distances of the rays that no other sphere blocks. The fit starts from whole spheres with the set's one distance
+/// and tries near spheres around the best one, in smaller and smaller steps.
 ///
-/// The ball is that for surfaces inside the sphere and becomes the whole sphere with the distance ([`SelfShadow::seen`]).
+/// Receivers inside the sphere see the near sphere. It becomes the whole sphere with growing distance ([`SelfShadow::seen`]).
 /// Bunny, 64 spheres, points that the fit does not know: V errs by 1.89 % in the mean, 0.25 % of all points are dark by
-/// mistake (by more than 0.3), and dark points get 3.7 % light. With the sphere's own centre instead 2.16, 0.29 and 5.2 %;
-/// with a ball that does not grow back 2.10, 0.30 and 4.0 %. What gains less, or nothing: a distance that depends on the
-/// angle of normal and centre or normal and ray, spheres moved within 1 % of their silhouette error, dearer rays at points
-/// that lose much of their light.
+/// mistake (by more than 0.3), and dark points get 3.7 % light. With the sphere's own centre instead: 2.16, 0.29 and 5.2 %;
+/// with a near sphere that does not grow back: 2.10, 0.30 and 4.0 %.
 pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Vec4]) -> Vec<SelfShadow> {
     let start = self_distance(surface, spheres);
     let points = if spheres.len() > FEW { POINTS } else { POINTS / 128 * spheres.len() };
@@ -128,7 +126,7 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     spheres.iter().zip(found).map(ratio).collect()
 }
 
-/// Balls to try: the best until now, concentric ones and such about its centre, and some around it.
+/// Spheres to try: the best until now, concentric ones and such about its centre, and some around it.
 fn tries(best: &SelfShadow, step: f32, random: &mut Random) -> Vec<SelfShadow> {
     let ball = |offset: Vec3, radius: f32| SelfShadow { offset, radius, ..*best }.sound();
     let mut tried = vec![*best];
@@ -147,7 +145,7 @@ fn tries(best: &SelfShadow, step: f32, random: &mut Random) -> Vec<SelfShadow> {
     tried
 }
 
-/// A ball with the distance at which the rays that it gets wrong cost least, and what they cost.
+/// The distance that minimises the cost of misclassified rays for one sphere; returns the cost and both.
 fn farthest(
     free: &[(&Pass, f32)],
     own: SelfShadow,
@@ -231,7 +229,7 @@ mod tests {
         })
     }
 
-    /// Share of rays that the spheres get wrong.
+    /// Fraction of the rays that the spheres misclassify.
     fn wrong(rays: &[(Vec3, Vec3, bool)], spheres: &[Vec4], own: &[SelfShadow]) -> f32 {
         let differ = |(from, v, dark): &&(Vec3, Vec3, bool)| blocked(spheres, own, *from, *v) != *dark;
         rays.iter().filter(differ).count() as f32 / rays.len() as f32
@@ -255,7 +253,7 @@ mod tests {
 
     #[test]
     fn what_stands_apart_still_shadows() {
-        // Two balls side by side, exact: what one hides of the other stays hidden.
+        // Two spheres side by side, exact: each must still shadow the other.
         let (positions, triangles) = shapes::ball(12);
         let part: Vec<[Vec3; 3]> = triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
         let both: Vec<[Vec3; 3]> =
@@ -273,14 +271,14 @@ mod tests {
         assert!(missed < 0.35 * dark, "{missed} of {dark}");
     }
 
-    /// A ball with a dent as deep as the cap that it replaces.
+    /// A sphere with a dent as deep as the cap that it replaces.
     fn dented_ball() -> Vec<[Vec3; 3]> {
         let (positions, triangles) = shapes::ball(16);
         let dent = |p: Vec3| if p.z > 0.6 { p.with_z(1.2 - p.z) } else { p };
         triangles.iter().map(|t| t.map(|i| dent(positions[i as usize]))).collect()
     }
 
-    /// The whole ball bridges the dent: no dark spot may be seen in it.
+    /// The whole sphere bridges the dent: no dark spot may be seen in it.
     #[test]
     fn a_bridged_hollow_stays_lit() {
         let surface = surface(&dented_ball());
@@ -300,7 +298,7 @@ mod tests {
         assert!(lit.len() > 1000 && lost(&one) > 0.1 && lost(&own) < 0.02, "{}", lost(&own));
     }
 
-    /// Skin that a ball bulges out of wants a smaller one, what stands apart sees the silhouette: no one radius is both.
+    /// The surface inside the sphere needs a smaller one, the plate beside it sees the whole silhouette: one radius cannot be both.
     #[test]
     fn the_whole_ball_is_seen_from_afar() {
         let mut triangles = dented_ball();
@@ -315,7 +313,7 @@ mod tests {
         let own = self_shadows(&surface, &tree, &ball);
         let mut rays = rays(&surface, &tree, POINTS);
         rays.retain(|ray| ray.0.x > unit(Vec3::X * 2.0).x && ray.1.x < 0.0);
-        // Were the ball on the plate what it is on the surface.
+        // Compare: the near sphere everywhere, also as seen from the plate.
         let near = own[0].near(scale);
         let small = [(ball[0].truncate() + near.center).extend(near.radius)];
         let same = [SelfShadow::whole(own[0].distance / own[0].radius)];

@@ -33,24 +33,24 @@ pub struct SphereSet {
     /// from the receiver. `τ = √(2 r̄ h)`, `r̄ = Σr³/Σr²`, h the depth below the union's surface that 5 % of the mesh's
     /// surface exceeds.
     pub self_distance: f32,
-    /// The same sphere by sphere, fitted to shadow rays on the mesh, with a smaller ball for receivers of the own
+    /// A distance and a smaller sphere for each sphere, fitted to shadow rays on the mesh, for receivers of the own
     /// object; empty where nothing was fitted.
     pub self_shadows: Vec<SelfShadow>,
     /// Triangles of the mesh that the set was made from.
     pub mesh_triangles: usize,
     /// Lowest and highest corner of the mesh's bounding box.
     pub mesh_bounds: [Vec3; 2],
-    /// How well the set stands for the mesh.
+    /// The quality of the set.
     pub quality: SetQuality,
 }
 
 impl SphereSet {
-    /// Version of the builder: one more with every change that gives other sets, so that sets which are kept are built anew.
+    /// Version of the builder. Increase it with every change of the output: this invalidates cached sets.
     pub const BUILDER: u32 = 9;
 
     /// Builds a sphere set from any triangles: closed or open, in several parts, intersecting, of mixed winding.
     ///
-    /// Starts from a greedy cover by inner balls and then lets the union's silhouettes descend to the mesh's, seen from
+    /// Starts from a greedy cover by inner spheres and then lets the union's silhouettes descend to the mesh's, seen from
     /// 96 directions ([`BuildOptions::rounds`] > 0). The same input gives the same set on any number of threads.
     /// Work is about linear in the count, plus a part that is linear in the triangles.
     ///
@@ -80,7 +80,7 @@ impl SphereSet {
         Ok(Self::judge(&surface, &tree, builder.solid(), triangles.len(), &unit))
     }
 
-    /// The set of balls in unit space, with its figures.
+    /// The set of spheres in unit space, with its figures.
     pub(crate) fn judge(
         surface: &Surface,
         tree: &TriangleTree,
