@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_4, TAU};
 use glam::{DVec3, Vec3};
 use lobe_core::{Cone, Sphere};
 
-/// A ball of light seen from a point.
+/// A sphere of light seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightCone {
     axis: DVec3,
@@ -16,7 +16,7 @@ pub(crate) struct LightCone {
     one_minus_cos: f64,
 }
 
-/// Whether a receiver is in the light and not on its surface.
+/// Whether a receiver is inside the light and not on its surface.
 fn is_inside(distance: f64, radius: f64) -> bool {
     distance <= f64::from(Cone::INSIDE) * radius
 }

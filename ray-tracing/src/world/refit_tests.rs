@@ -17,7 +17,7 @@ impl Rng {
     }
 }
 
-/// Small triangles and balls all over a box.
+/// Small triangles and spheres all over a box.
 fn soup(rng: &mut Rng) -> Scene {
     let mut scene = floor_and_ball();
     let mut positions = Vec::new();

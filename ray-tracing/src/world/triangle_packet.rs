@@ -28,7 +28,7 @@ pub(super) struct TrianglePacket {
     pub(super) v: [Row; 3],
     /// The distance times the determinant.
     pub(super) height: Row,
-    /// What rounding may change of the barycentric coordinates times the determinant.
+    /// Bound of the rounding error of the barycentric coordinates times the determinant.
     pub(super) blur: Row,
     /// First row in which each may be seen, and one past the last.
     pub(super) rows: [[u32; SIDE]; 2],
