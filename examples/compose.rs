@@ -1,4 +1,4 @@
-//! A renderer out of the crates, in forty lines: a ball over a floor, lit by a round light.
+//! A renderer out of the crates, in forty lines: a sphere over a floor, lit by a round light.
 //!
 //! `cargo run --release --example compose` writes compose.png. Swap the visibility: `Unshadowed` for no shadows, any
 //! other `VisibilityLobes` for your own.

@@ -16,7 +16,7 @@ use glam::Vec3;
 struct Boxes(Vec<(Vec3, Vec3)>);
 
 impl Boxes {
-    /// Whether a ray from `x` is inside one of the boxes somewhere nearer than the light (slabs).
+    /// Whether a ray from `x` enters one of the boxes nearer than the light (slabs).
     fn hide(&self, x: Vec3, v: Vec3, distance: f32) -> bool {
         self.0.iter().any(|(center, size)| {
             let (a, b) = ((*center - 0.5 * *size - x) / v, (*center + 0.5 * *size - x) / v);
@@ -34,7 +34,7 @@ impl Blockers for Boxes {
         Contour::default()
     }
 
-    /// Something may be hidden where the ball around a box meets the cone of light.
+    /// Something may be hidden where the sphere around a box meets the cone of light.
     fn select(&self, query: &VisibilityQuery<'_>, _: &mut Contour) -> Coverage {
         let (x, cone) = (query.at.position, query.cone);
         let meets = |(center, size): &(Vec3, Vec3)| {

@@ -27,7 +27,7 @@ const SKY: UVec2 = UVec2::new(512, 256);
 /// Lights of different kinds give about this irradiance below them.
 const IRRADIANCE: f32 = 2.0;
 
-/// Where lights are, and what is below them.
+/// The place of the lights; the blockers are below.
 const ABOVE: Vec3 = Vec3::new(-0.2, 2.2, -0.6);
 
 /// A row of the tables.
@@ -128,7 +128,7 @@ fn materials() -> Vec<(&'static str, Material)> {
     all
 }
 
-/// A floor and a wall with a table, slats and balls.
+/// A floor and a wall with a table, slats and spheres.
 fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
     let cuboid = |name: &str, center: Vec3, half: Vec3, turn: f32| {
         let mut mesh = Mesh::cuboid(Vec3::ZERO, half);
@@ -184,9 +184,9 @@ fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
 /// The blockers of a scene.
 #[derive(Clone, Copy, PartialEq)]
 enum Blocks {
-    /// Furniture, and two balls.
+    /// Furniture, and two spheres.
     All,
-    /// Balls alone.
+    /// Spheres alone.
     Balls,
 }
 
@@ -343,7 +343,7 @@ fn main() {
     }
     println!("\n## Balls by `spheres`\n\n22 balls, in a row and in a heap, instead. Modified Phong.\n");
     println!("| light | 1 % | 0.5 % | 0.3 % | 0.1 % |\n|---|---|---|---|---|");
-    // A sky shines from below as well, where the floor is no ball.
+    // A sky shines from below as well, where the floor is no sphere.
     for kind in kinds.iter().filter(|kind| kind.environment.is_none()) {
         let case = Case::new(&materials[1].1, kind, Blocks::Balls, samples);
         let cells = [0.01, 0.005, 0.003, 0.001].map(|tolerance| {

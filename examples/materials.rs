@@ -1,8 +1,8 @@
 //! Every material's lobes against the material itself, unshadowed and behind an edge, as a table in Markdown:
-//! `cargo run --release --example materials > docs/materials.md`; with a word, of the materials whose names have it; with `costs`, the
-//! costs alone.
+//! `cargo run --release --example materials > docs/materials.md`; with a word, only materials whose names contain it; with `costs`,
+//! only the costs.
 //!
-//! The material's side draws directions from light and reflectance and shares nothing with the lobes.
+//! The material's side draws directions from light and reflectance and has no code in common with the lobes.
 
 use cosine_lobes::brdf::{
     Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong,
@@ -77,7 +77,7 @@ struct Case {
     edge: Edge,
 }
 
-/// Radiance toward the eye, all of it and what passes the edge.
+/// Radiance toward the eye, without and with the edge.
 type Radiance = [DVec3; 2];
 
 /// The fractions of `k·g^-i` of the generalised golden ratio: points that fill the cube evenly.
@@ -107,7 +107,7 @@ fn truth(material: &Material, case: &Case) -> Radiance {
         let sin = (off * (2.0 - off)).sqrt();
         add((axis * (1.0 - off) + (right * turn.cos() + up * turn.sin()) * sin).as_vec3().normalize());
         if let Some(drawn) = material.sample(at, [c, a, b].map(|x| (x as f32).min(0.999_999_9))) {
-            // Where the light is seen.
+            // Directions outside the light do not count.
             if 0.5 * (drawn.direction.as_dvec3() - axis).length_squared() < wide {
                 add(drawn.direction);
             }

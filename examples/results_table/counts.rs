@@ -1,4 +1,4 @@
-//! What more or fewer spheres of the same object cost, and err.
+//! Cost and error of more or fewer spheres of the same object.
 
 use crate::measure::{How, Timing, frames};
 use crate::models::Models;
