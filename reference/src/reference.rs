@@ -41,7 +41,7 @@ pub enum Geometry<'a> {
     Spheres,
     /// The true geometry: triangles and spheres.
     Mesh,
-    /// The true geometry of the objects that the list says yes to, by number, and all blocker spheres: the truth beside a
+    /// The true geometry of the objects whose entry is true, by number, and all blocker spheres: the reference for a
     /// [`Mixture`](visibility_mask::Mixture) of strategies.
     Mixed(&'a [bool]),
     /// Nothing.
@@ -401,7 +401,7 @@ impl Pair<'_> {
         }
     }
 
-    /// Adds a point of a surface of light, and a direction of a reflectance that is narrow beside it.
+    /// Adds a point of a light's surface, and a direction of a reflectance that is narrow compared with it.
     fn area_sample(&self, area: &Area<'_>, [x, y]: [f64; 2], on_brdf: [f64; 3], sums: &mut [DVec3; 2]) {
         if let Some(Seen { direction, distance, pdf, shows }) = area.sample(x, y) {
             let reflectance = self.material.eval(self.at, direction.as_vec3());

@@ -107,7 +107,7 @@ impl<'a> Images<'a> {
         self.path
     }
 
-    /// Something to tell once.
+    /// Adds a warning that appears once.
     pub(crate) fn note(&mut self, note: String) {
         if !self.notes.contains(&note) {
             self.notes.push(note);

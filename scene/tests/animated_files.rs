@@ -11,7 +11,7 @@ const SHARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/g
 type Expected = (&'static str, usize, f32, [f32; 3], [f32; 3], [f32; 3]);
 
 /// File, clip, time; smallest and largest corner and the mean of all vertices, vertex i weighted with i + 1 so that their
-/// order counts. From a program of its own in f64 that shares nothing with this crate.
+/// order counts. From an independent program in f64.
 #[rustfmt::skip]
 const EXPECTED: &[Expected] = &[
         ("SimpleSkin/SimpleSkin.gltf", 0, 0.7, [-1.118, 0.0, 0.0], [0.543108, 1.8993, 0.0], [-0.351771, 1.148, 0.0]),

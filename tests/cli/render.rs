@@ -162,7 +162,7 @@ fn objects_take_their_own_strategies() {
     assert_eq!(render("all.exr", &["--visibility", "spheres"])["spheres"], 9);
 }
 
-/// Meshes are by their silhouettes without a word; whoever asks for spheres gets them, and a line on the fit.
+/// Meshes block by their silhouettes by default; `--visibility spheres` fits spheres, with a line on the fit.
 #[test]
 fn meshes_need_no_fit() {
     let folder = folder();

@@ -93,7 +93,7 @@ fn walls() {
     }
 }
 
-/// A table's top in the map, a sphere beside it. Receivers on the table ask silhouettes by the CPU and rays by the GPU: the same masks, which
+/// A table's top in the map, a sphere near it. Receivers on the table use silhouettes on the CPU and rays on the GPU: the same masks, which
 /// are not made for the same receivers.
 fn shadow_maps() {
     let folder = folder();

@@ -112,7 +112,7 @@ impl Region {
     }
 }
 
-/// Rays may start so much beside the receivers, as a part of the radius of a sphere around these, and ends are rounded by it.
+/// Rays may start this far from the receivers, as a fraction of the radius of a sphere around them; their ends are rounded by the same.
 const SLACK: f32 = 1e-5;
 
 /// A shaft's hull, as boxes are compared with it.

@@ -63,7 +63,7 @@ impl TrianglePacket {
                 (dot(f, e2) - fs, dot(right, e2) - xs, dot(down, e2) - ys),
             ];
             for (w, x, y) in corners {
-                // Pixels would be too many to tell beyond: then all rows are tested.
+                // Larger pixel numbers lose precision: then all rows are tested.
                 before &= w * 1e5 > x.abs() + y.abs();
                 let inverse = 1.0 / w;
                 let (x, y) = (x * inverse + offset.x, y * inverse + offset.y);

@@ -70,7 +70,7 @@ fn watch_all(backend: &Backend, quiet: bool) {
 /// Kernels that compile for longer are reported.
 const LONG: Duration = Duration::from_secs(10);
 
-/// Tells of kernels that take the driver long, from a thread of its own: whoever shades waits for the driver meanwhile.
+/// Reports kernels that take the driver long, from a thread of its own, because the shading thread waits for the driver meanwhile.
 fn watch(log: KernelLog) {
     let mut slow = Vec::new();
     let look = move || {

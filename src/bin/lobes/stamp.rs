@@ -15,7 +15,7 @@ pub(crate) struct Stamp {
 
 impl Stamp {
     pub(crate) fn new(args: &RenderArgs, device: &str, scene: &Scene, animation: &Animation) -> Self {
-        // Options that decide nothing, or that scene, animation and moment tell about.
+        // Options without effect on the pictures, or covered by scene, animation and moment.
         let view = ViewArgs {
             file: None,
             size: None,
