@@ -302,11 +302,11 @@ fn main() {
         kinds.retain(|kind| kind.name.contains(&part));
     }
     println!(
-        "# Lights\n\nEvery kind of light against Monte Carlo of its true shape ({samples} samples a point): a table, slats, a crate and two balls \
-         on a floor before a wall, {WIDTH} × {HEIGHT} points, exact shadows (`silhouettes`, balls as they are). Made by \
+        "# Lights\n\nEvery kind of light against Monte Carlo of its true shape ({samples} samples a point): a table, slats, a crate and two spheres \
+         on a floor before a wall, {WIDTH} × {HEIGHT} points, exact shadows (`silhouettes`, exact spheres). Made by \
          `cargo run --release --example lights`.\n\nErrors are in % of the unshadowed radiance: penumbra mean / 99th percentile \
          (fully lit mean). \"noise\" is the mean standard error of the reference with the first material. In penumbrae it is \
-         several times that, most of what is left at a tolerance of 0.1 %.\n"
+         several times that, which is most of the error at a tolerance of 0.1 %.\n"
     );
     println!("## Tolerance 0.5 %\n");
     let names: Vec<&str> = materials.iter().map(|(name, _)| *name).collect();
@@ -341,7 +341,7 @@ fn main() {
         add(Strategy::Rays, 0.005);
         println!("{row}");
     }
-    println!("\n## Balls by `spheres`\n\n22 balls, in a row and in a heap, instead. Modified Phong.\n");
+    println!("\n## Spheres by `spheres`\n\n22 spheres, in a row and in a heap, instead. Modified Phong.\n");
     println!("| light | 1 % | 0.5 % | 0.3 % | 0.1 % |\n|---|---|---|---|---|");
     // A sky shines from below as well, where the floor is no sphere.
     for kind in kinds.iter().filter(|kind| kind.environment.is_none()) {
@@ -353,7 +353,7 @@ fn main() {
         println!("| {} |{}", kind.name, cells.concat());
     }
     println!(
-        "\n## Cost\n\nNanoseconds of one core a point, modified Phong, tolerance 0.5 %, and times the sphere's.\n"
+        "\n## Cost\n\nNanoseconds of one core a point, modified Phong, tolerance 0.5 %; in parentheses relative to the sphere light.\n"
     );
     println!("| light | lit | penumbra |\n|---|---|---|");
     let mut base = None;

@@ -268,7 +268,7 @@ fn print_errors(materials: &[(String, Material, f64)]) {
          highlight reaches. The material's side is Monte Carlo, by {} directions; half of the smallest figures is its noise.\n\n\
          *Unshadowed*: error of the radiance, largest channel, mean / 99th percentile in per cent of itself, or of a hundredth of the \
          brightest. *Behind an edge*: a straight edge hides a part of the light; error in per cent of the unshadowed radiance, at a \
-         tolerance. Where a material's lobes are not the material, no tolerance helps: their *residual* is in the table of costs.\n",
+         tolerance. Where the lobes only approximate a material, no tolerance helps: their *residual* is in the table of costs.\n",
         2 * DRAWN
     );
     println!("| material | half-angle | unshadowed | edge at 1 % | at 0.3 % | at 0.1 % |\n|---|---|---|---|---|---|");
@@ -295,7 +295,7 @@ fn print_errors(materials: &[(String, Material, f64)]) {
 fn print_costs(materials: &[(String, Material, f64)]) {
     println!(
         "\n*Residual*: root mean square of the difference of the lobes from the material over that of the material, views up to 75°. *Cost*: \
-         nanoseconds of processor time a point and light, visible points given: where nothing is between, and behind an edge through the \
+         nanoseconds of processor time a point and light, without finding the visible points: unblocked, and behind an edge through the \
          light at a tolerance of 0.3 %.\n\n| material | lobes | residual | lit | behind an edge |\n|---|---|---|---|---|"
     );
     for (name, material, _) in materials {
