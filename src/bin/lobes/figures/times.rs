@@ -115,7 +115,7 @@ pub(super) fn by_area(name: &str, studio: &mut Studio) -> Result<Page, Failure> 
             series.linearity(0),
             series.linearity(1)
         ),
-        differs: "The paper tests all spheres at every point, whatever the light; here a point that nothing can shade costs next to nothing, so the \
+        differs: "The paper tests all spheres at every point, for any light; here a point that nothing can shade costs next to nothing, so the \
                   ratio is larger. The paper's cube moves and its lights are placed at random, in a scene of its own; its distances and its values between the ends \
                   of the axis are not given."
             .into(),

@@ -116,7 +116,7 @@ pub(in crate::figures) fn lobes(name: &str, studio: &mut Studio) -> Result<Page,
         images: vec![image],
         shows: format!(
             "The mask of Fig. 9 at depth {SHOWN}: each shadow node has a sphere around its square, and the sphere a cosine lobe. The weighted \
-             sum of the lobes is what is hidden of the light; it has no edges, so single values are beside the truth where sums are not."
+             sum of the lobes is the hidden part of the light; it has no edges, so single values are beside the truth where sums are not."
         ),
         paper: "One bounding sphere a shadow leaf, one lobe a sphere; no numbers (Fig. 10, §5.3).".into(),
         here: format!(
