@@ -140,7 +140,7 @@ fn in_orders(text: &mut String, orders: &[Orders]) {
 fn of_sets(text: &mut String, counts: &[Count]) {
     text.push_str(
         "## Sets by count\n\nFig. 18 right, its object as more or fewer spheres: the time, and the error against rays to the true mesh, \
-         a share of the unshadowed radiance over points in penumbra.\n\n| spheres | ms (quartiles) | best ms | CPU ms | mean error | \
+         a fraction of the unshadowed radiance over points in penumbra.\n\n| spheres | ms (quartiles) | best ms | CPU ms | mean error | \
          99 % below |\n|---|---|---|---|---|---|\n",
     );
     for Count { spheres, timing, penumbra } in counts {

@@ -49,7 +49,7 @@ pub enum BuildError {
     /// The tolerance is not a number between 0 and 1.
     #[error("the tolerance of a sphere set should be above 0 and at most 1")]
     BadTolerance,
-    /// The progress callback asked to stop.
+    /// The progress callback stopped the build.
     #[error("the sphere set was cancelled")]
     Cancelled,
 }

@@ -186,13 +186,13 @@ pub(super) fn by_stage(name: &str, studio: &mut Studio) -> Result<Page, Failure>
     Ok(Page {
         title: "time by stage",
         images: super::bars::Bars { stages: STAGES, bars }.images(name)?,
-        shows: "The share of the time of a frame that each stage takes: (a) lobes of reflectance, (b) lighting, (c) visibility masks, \
+        shows: "The fraction of a frame's time that each stage takes: (a) lobes of reflectance, (b) lighting, (c) visibility masks, \
                 (d) visibility lobes, (e) products and integrals."
             .into(),
         paper: "Masks take most of it, 52 to 85 %, and their share falls as penumbrae grow (Table 1, §6).".into(),
         here: format!(
             "Per cent, on {} threads:\n\n| Fig. | | (a) | (b) | (c) | (d) | (e) |\n|---|---|---|---|---|---|---|{rows}\n\nMethod `moments` makes no \
-             visibility lobes: its (d) is the visible fraction. With `paper` the share of masks goes from {:.0} % in 22(a) to {:.0} % in 22(c).",
+             visibility lobes: its (d) is the visible fraction. With `paper` the fraction of masks goes from {:.0} % in 22(a) to {:.0} % in 22(c).",
             rayon::current_num_threads(),
             masks[1],
             masks[3]

@@ -120,7 +120,7 @@ pub(in crate::figures) fn lobes(name: &str, studio: &mut Studio) -> Result<Page,
         ),
         paper: "One bounding sphere a shadow leaf, one lobe a sphere; no numbers (Fig. 10, §5.3).".into(),
         here: format!(
-            "The share of its light that a diffuse receiver gets, by the depth of the quad-tree:\n\n| depth | lobes | method `paper` | exact |\n\
+            "The fraction of its light that a diffuse receiver gets, by the depth of the quad-tree:\n\n| depth | lobes | method `paper` | exact |\n\
              |---|---|---|---|{rows}"
         ),
         differs: String::new(),
