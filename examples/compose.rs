@@ -17,9 +17,9 @@ use glam::Vec3;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (width, height) = (640, 360);
     let material = Lambert { albedo: Vec3::new(0.8, 0.7, 0.6) };
-    let ball = Sphere { center: Vec3::new(0.0, 0.8, 0.0), radius: 0.5 };
+    let sphere = Sphere { center: Vec3::new(0.0, 0.8, 0.0), radius: 0.5 };
     let light = SphereLight::new(Sphere { center: Vec3::new(2.0, 4.0, 1.0), radius: 0.6 }, Vec3::splat(60.0));
-    let visibility = MaskVisibility::new(SphereBlockers::new(&[ball], &[1], &[]));
+    let visibility = MaskVisibility::new(SphereBlockers::new(&[sphere], &[1], &[]));
     let (integrator, accuracy) = (Integrator::default(), Accuracy::new(0.003));
 
     let mut scratch = visibility.scratch();

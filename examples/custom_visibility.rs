@@ -38,9 +38,9 @@ impl Blockers for Boxes {
     fn select(&self, query: &VisibilityQuery<'_>, _: &mut Contour) -> Coverage {
         let (x, cone) = (query.at.position, query.cone);
         let meets = |(center, size): &(Vec3, Vec3)| {
-            let ball = Cone::of_sphere(x, Sphere { center: *center, radius: 0.5 * size.length() });
-            let reach = ball.cos().acos() + cone.cos().acos();
-            ball.one_minus_cos > 1.0 || ball.axis.angle_between(cone.axis) < reach
+            let sphere = Cone::of_sphere(x, Sphere { center: *center, radius: 0.5 * size.length() });
+            let reach = sphere.cos().acos() + cone.cos().acos();
+            sphere.one_minus_cos > 1.0 || sphere.axis.angle_between(cone.axis) < reach
         };
         if self.0.iter().any(meets) { Coverage::Partial } else { Coverage::Lit }
     }

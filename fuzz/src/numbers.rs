@@ -82,10 +82,10 @@ pub(crate) fn cap(data: &[u8]) {
         assert!((0.0..=1.001).contains(&p), "{axis} {exponent:e}: {p:e}");
 
         // A sphere of any size anywhere, as long as differences are numbers.
-        let ball = cosine_lobes::lobe_core::Sphere { center: anywhere(&mut bytes), radius: bytes.any().abs() };
-        let seen = Cone::of_sphere(anywhere(&mut bytes), ball);
-        assert!(!seen.one_minus_cos.is_nan() && seen.one_minus_cos >= 0.0, "{ball:?}: {seen:?}");
-        assert!(seen.axis.is_finite() && (seen.axis.length() - 1.0).abs() < 1e-3, "{ball:?}: {seen:?}");
+        let sphere = cosine_lobes::lobe_core::Sphere { center: anywhere(&mut bytes), radius: bytes.any().abs() };
+        let seen = Cone::of_sphere(anywhere(&mut bytes), sphere);
+        assert!(!seen.one_minus_cos.is_nan() && seen.one_minus_cos >= 0.0, "{sphere:?}: {seen:?}");
+        assert!(seen.axis.is_finite() && (seen.axis.length() - 1.0).abs() < 1e-3, "{sphere:?}: {seen:?}");
     }
 }
 

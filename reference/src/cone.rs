@@ -22,9 +22,9 @@ fn is_inside(distance: f64, radius: f64) -> bool {
 }
 
 impl LightCone {
-    pub(crate) fn new(position: Vec3, ball: Sphere) -> Self {
-        let to_center = ball.center.as_dvec3() - position.as_dvec3();
-        let (distance, radius) = (to_center.length(), f64::from(ball.radius));
+    pub(crate) fn new(position: Vec3, sphere: Sphere) -> Self {
+        let to_center = sphere.center.as_dvec3() - position.as_dvec3();
+        let (distance, radius) = (to_center.length(), f64::from(sphere.radius));
         let axis = if distance > 0.0 { to_center / distance } else { DVec3::Z };
         let one_minus_cos = if is_inside(distance, radius) {
             2.0

@@ -237,8 +237,8 @@ impl Sampler {
                 tile_candidates(receivers, light.bounds_from(&around), job.blockers, &mut self.candidates);
             }
             for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
-                let Some((ball, area)) = Area::of(light, at.position) else { continue };
-                let cone = LightCone::new(at.position, ball);
+                let Some((sphere, area)) = Area::of(light, at.position) else { continue };
+                let cone = LightCone::new(at.position, sphere);
                 if cone.one_minus_cos() <= 0.0 {
                     continue;
                 }

@@ -49,9 +49,9 @@ impl SphereSet {
         let rows: Vec<String> = self
             .spheres
             .iter()
-            .map(|ball| {
-                let [x, y, z] = ball.center.to_array();
-                format!("    {}", json(&[x, y, z, ball.radius]))
+            .map(|sphere| {
+                let [x, y, z] = sphere.center.to_array();
+                format!("    {}", json(&[x, y, z, sphere.radius]))
             })
             .collect();
         format!(

@@ -92,7 +92,7 @@ impl SetQuality {
                 || (BitImage::new(PIXELS), BitImage::new(PIXELS)),
                 |(mesh, set), i| {
                     let corners = surface.triangles.iter().flatten().map(|p| (*p, 0.0));
-                    let balls = spheres.iter().map(|ball| (ball.truncate(), ball.w));
+                    let balls = spheres.iter().map(|sphere| (sphere.truncate(), sphere.w));
                     let frame = Frame::new(fibonacci(i, DIRECTIONS), corners.chain(balls), 1e-3, PIXELS);
                     mesh.clear();
                     set.clear();
@@ -129,21 +129,22 @@ impl SetQuality {
 pub(crate) fn self_distance(surface: &Surface, spheres: &[Vec4]) -> f32 {
     let gaps = surface_distances(surface, spheres);
     let h = (-gaps[(gaps.len() as f32 * DEEPER) as usize]).max(0.0);
-    let (cubes, squares) = spheres.iter().fold((0.0, 0.0), |(c, s), ball| (c + ball.w.powi(3), s + ball.w.powi(2)));
+    let (cubes, squares) =
+        spheres.iter().fold((0.0, 0.0), |(c, s), sphere| (c + sphere.w.powi(3), s + sphere.w.powi(2)));
     if squares > 0.0 { (2.0 * cubes / squares * h).sqrt() } else { 0.0 }
 }
 
 /// `min_i |p − c_i| − r_i`: the distance to the union outside it, minus a lower bound of the depth inside.
 fn union_distance(spheres: &[Vec4], p: Vec3) -> f32 {
-    spheres.iter().map(|ball| ball.truncate().distance(p) - ball.w).fold(f32::INFINITY, f32::min)
+    spheres.iter().map(|sphere| sphere.truncate().distance(p) - sphere.w).fold(f32::INFINITY, f32::min)
 }
 
 /// Points in the mesh, in mesh and union, in the union alone, of `VOLUME_POINTS` in a box of the returned volume.
 fn volumes(surface: &Surface, tree: &TriangleTree, solid: &Solid, spheres: &[Vec4]) -> (usize, usize, usize, f32) {
     let [mut lo, mut hi] = surface.unit_bounds();
-    for ball in spheres {
-        lo = lo.min(ball.truncate() - ball.w);
-        hi = hi.max(ball.truncate() + ball.w);
+    for sphere in spheres {
+        lo = lo.min(sphere.truncate() - sphere.w);
+        hi = hi.max(sphere.truncate() + sphere.w);
     }
     let (mesh, both, alone) = (0..VOLUME_POINTS)
         .into_par_iter()
@@ -173,18 +174,18 @@ fn surface_distances(surface: &Surface, spheres: &[Vec4]) -> Vec<f32> {
 
 /// Largest distance to the mesh from points of the union's exposed surface outside the mesh.
 fn protrusion(tree: &TriangleTree, solid: &Solid, spheres: &[Vec4]) -> f32 {
-    let area: f32 = spheres.iter().map(|ball| ball.w * ball.w).sum();
+    let area: f32 = spheres.iter().map(|sphere| sphere.w * sphere.w).sum();
     if area <= 0.0 {
         return 0.0;
     }
     spheres
         .par_iter()
-        .map(|ball| {
-            let points = ((SURFACE_POINTS as f32 * ball.w * ball.w / area) as usize).max(64);
+        .map(|sphere| {
+            let points = ((SURFACE_POINTS as f32 * sphere.w * sphere.w / area) as usize).max(64);
             let mut most = 0.0_f32;
             for i in 0..points {
-                let p = ball.truncate() + fibonacci(i, points) * ball.w;
-                if union_distance(spheres, p) >= -1e-5 * ball.w && !solid.contains(tree, p) {
+                let p = sphere.truncate() + fibonacci(i, points) * sphere.w;
+                if union_distance(spheres, p) >= -1e-5 * sphere.w && !solid.contains(tree, p) {
                     most = most.max(tree.distance(p, f32::INFINITY));
                 }
             }

@@ -43,9 +43,9 @@ struct Pass {
 }
 
 impl Pass {
-    fn new(ray: u32, from: Vec3, v: Vec3, ball: Vec4) -> Self {
-        let to = ball.truncate() - from;
-        Self { ray, to, v, near: SelfShadow::nearness(ball.w, to.length()) }
+    fn new(ray: u32, from: Vec3, v: Vec3, sphere: Vec4) -> Self {
+        let to = sphere.truncate() - from;
+        Self { ray, to, v, near: SelfShadow::nearness(sphere.w, to.length()) }
     }
 
     /// The distance at which the ray leaves its near sphere; negative if it misses.
@@ -81,10 +81,10 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     let whole = SelfShadow::whole(start);
     let passes: Vec<Vec<Pass>> = spheres
         .par_iter()
-        .map(|ball| {
+        .map(|sphere| {
             let pass = |(&(from, v, _), number): (&(Vec3, Vec3, bool), u32)| {
-                let pass = Pass::new(number, from, v, *ball);
-                (pass.exit(ball.w, &whole) > 0.0).then_some(pass)
+                let pass = Pass::new(number, from, v, *sphere);
+                (pass.exit(sphere.w, &whole) > 0.0).then_some(pass)
             };
             rays.iter().zip(0..).filter_map(pass).collect()
         })
@@ -93,8 +93,8 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     // Distances are lengths until the end.
     let mut found = vec![whole; spheres.len()];
     let mut covers = vec![0_u32; rays.len()];
-    for (ball, passes) in spheres.iter().zip(&passes) {
-        passes.iter().filter(|p| p.blocks(ball.w, &whole)).for_each(|p| covers[p.ray as usize] += 1);
+    for (sphere, passes) in spheres.iter().zip(&passes) {
+        passes.iter().filter(|p| p.blocks(sphere.w, &whole)).for_each(|p| covers[p.ray as usize] += 1);
     }
     let [unlike, unlike_ball] = [UNLIKE, UNLIKE_BALL].map(|share| share * rays.len() as f32);
     let price = |own: &SelfShadow| {
@@ -104,8 +104,8 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     let mut random = Random::new(2);
     for sweep in 0..SWEEPS {
         let step = 0.4 * 0.85_f32.powi(sweep);
-        for ((ball, passes), found) in spheres.iter().zip(&passes).zip(&mut found) {
-            passes.iter().filter(|p| p.blocks(ball.w, found)).for_each(|p| covers[p.ray as usize] -= 1);
+        for ((sphere, passes), found) in spheres.iter().zip(&passes).zip(&mut found) {
+            passes.iter().filter(|p| p.blocks(sphere.w, found)).for_each(|p| covers[p.ray as usize] -= 1);
             let free: Vec<(&Pass, f32)> = passes
                 .iter()
                 .filter(|p| covers[p.ray as usize] == 0)
@@ -113,34 +113,34 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
                 .collect();
             let tried = tries(found, step, &mut random);
             let tried: Vec<(f32, SelfShadow)> =
-                tried.par_iter().map(|own| farthest(&free, *own, ball.w, 0.1 * start, price)).collect();
+                tried.par_iter().map(|own| farthest(&free, *own, sphere.w, 0.1 * start, price)).collect();
             if let Some(best) = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
                 *found = best.1;
             }
-            passes.iter().filter(|p| p.blocks(ball.w, found)).for_each(|p| covers[p.ray as usize] += 1);
+            passes.iter().filter(|p| p.blocks(sphere.w, found)).for_each(|p| covers[p.ray as usize] += 1);
         }
     }
-    let ratio = |(ball, own): (&Vec4, SelfShadow)| {
-        if ball.w > 0.0 { SelfShadow { distance: own.distance / ball.w, ..own } } else { SelfShadow::whole(0.0) }
+    let ratio = |(sphere, own): (&Vec4, SelfShadow)| {
+        if sphere.w > 0.0 { SelfShadow { distance: own.distance / sphere.w, ..own } } else { SelfShadow::whole(0.0) }
     };
     spheres.iter().zip(found).map(ratio).collect()
 }
 
 /// Spheres to try: the best until now, concentric ones and such about its centre, and some around it.
 fn tries(best: &SelfShadow, step: f32, random: &mut Random) -> Vec<SelfShadow> {
-    let ball = |offset: Vec3, radius: f32| SelfShadow { offset, radius, ..*best }.sound();
+    let shadow = |offset: Vec3, radius: f32| SelfShadow { offset, radius, ..*best }.sound();
     let mut tried = vec![*best];
     for radius in RADII {
-        tried.push(ball(Vec3::ZERO, radius));
+        tried.push(shadow(Vec3::ZERO, radius));
         if best.offset != Vec3::ZERO {
-            tried.push(ball(best.offset, radius));
+            tried.push(shadow(best.offset, radius));
         }
     }
     for _ in 0..TRIES {
         let radius = (best.radius + 0.3 * (random.unit() - 0.5)).clamp(0.4, 1.0);
         let mut unit = || 2.0 * random.unit() - 1.0;
         let aside = Vec3::new(unit(), unit(), unit());
-        tried.push(ball(best.offset + aside.clamp_length_max(1.0) * step, radius));
+        tried.push(shadow(best.offset + aside.clamp_length_max(1.0) * step, radius));
     }
     tried
 }
@@ -223,9 +223,9 @@ mod tests {
 
     /// Whether the spheres block a ray from the mesh's surface.
     fn blocked(spheres: &[Vec4], own: &[SelfShadow], from: Vec3, v: Vec3) -> bool {
-        spheres.iter().zip(own).any(|(ball, own)| {
-            let own = SelfShadow { distance: ball.w * own.distance, ..*own };
-            Pass::new(0, from, v, *ball).blocks(ball.w, &own)
+        spheres.iter().zip(own).any(|(sphere, own)| {
+            let own = SelfShadow { distance: sphere.w * own.distance, ..*own };
+            Pass::new(0, from, v, *sphere).blocks(sphere.w, &own)
         })
     }
 
@@ -242,10 +242,10 @@ mod tests {
         let rays = rays(&surface, &tree, POINTS);
         assert!(rays.len() > POINTS * DIRECTIONS / 3);
         let [lo, hi] = surface.unit_bounds();
-        let ball = (0.5 * (lo + hi)).extend(0.55 * (hi - lo).max_element());
-        let own = self_shadows(&surface, &tree, &[ball]);
-        let whole = [SelfShadow::whole(0.01 / ball.w)];
-        let (before, after) = (wrong(&rays, &[ball], &whole), wrong(&rays, &[ball], &own));
+        let sphere = (0.5 * (lo + hi)).extend(0.55 * (hi - lo).max_element());
+        let own = self_shadows(&surface, &tree, &[sphere]);
+        let whole = [SelfShadow::whole(0.01 / sphere.w)];
+        let (before, after) = (wrong(&rays, &[sphere], &whole), wrong(&rays, &[sphere], &own));
         let dark = rays.iter().filter(|r| r.2).count() as f32 / rays.len() as f32;
         println!("{before} wrong before, {after} after, {dark} dark; {own:?}");
         assert!(before > 0.5 && after <= dark);
@@ -285,15 +285,16 @@ mod tests {
         let tree = TriangleTree::new(&surface.triangles);
         let scale = (1.0 / surface.diagonal) as f32;
         let unit = |p: Vec3| (p - surface.center.as_vec3()) * scale;
-        let ball = [unit(Vec3::ZERO).extend(scale)];
-        let own = self_shadows(&surface, &tree, &ball);
+        let sphere = [unit(Vec3::ZERO).extend(scale)];
+        let own = self_shadows(&surface, &tree, &sphere);
         let rim = unit(Vec3::Z * 0.59).z;
-        let hollow = |p: Vec3| p.z > unit(Vec3::ZERO).z && p.distance(ball[0].truncate()) < 0.97 * scale && p.z < rim;
+        let hollow = |p: Vec3| p.z > unit(Vec3::ZERO).z && p.distance(sphere[0].truncate()) < 0.97 * scale && p.z < rim;
         let rays = rays(&surface, &tree, POINTS);
         let lit: Vec<_> = rays.iter().filter(|r| !r.2 && hollow(r.0)).collect();
-        let lost =
-            |own: &[SelfShadow]| lit.iter().filter(|r| blocked(&ball, own, r.0, r.1)).count() as f32 / lit.len() as f32;
-        let one = [SelfShadow::whole(self_distance(&surface, &ball) / scale)];
+        let lost = |own: &[SelfShadow]| {
+            lit.iter().filter(|r| blocked(&sphere, own, r.0, r.1)).count() as f32 / lit.len() as f32
+        };
+        let one = [SelfShadow::whole(self_distance(&surface, &sphere) / scale)];
         println!("{} rays, {} lost with one distance, {} fitted; {own:?}", lit.len(), lost(&one), lost(&own));
         assert!(lit.len() > 1000 && lost(&one) > 0.1 && lost(&own) < 0.02, "{}", lost(&own));
     }
@@ -309,15 +310,15 @@ mod tests {
         let tree = TriangleTree::new(&surface.triangles);
         let scale = (1.0 / surface.diagonal) as f32;
         let unit = |p: Vec3| (p - surface.center.as_vec3()) * scale;
-        let ball = [unit(Vec3::ZERO).extend(scale)];
-        let own = self_shadows(&surface, &tree, &ball);
+        let sphere = [unit(Vec3::ZERO).extend(scale)];
+        let own = self_shadows(&surface, &tree, &sphere);
         let mut rays = rays(&surface, &tree, POINTS);
         rays.retain(|ray| ray.0.x > unit(Vec3::X * 2.0).x && ray.1.x < 0.0);
         // Compare: the near sphere everywhere, also as seen from the plate.
         let near = own[0].near(scale);
-        let small = [(ball[0].truncate() + near.center).extend(near.radius)];
+        let small = [(sphere[0].truncate() + near.center).extend(near.radius)];
         let same = [SelfShadow::whole(own[0].distance / own[0].radius)];
-        let (fitted, one) = (wrong(&rays, &ball, &own), wrong(&rays, &small, &same));
+        let (fitted, one) = (wrong(&rays, &sphere, &own), wrong(&rays, &small, &same));
         println!("{fitted} of {} wrong, {one} with one radius; {own:?}", rays.len());
         assert!(own[0].radius < 0.95 && fitted < 0.7 * one, "{fitted} against {one}");
     }

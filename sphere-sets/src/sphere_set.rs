@@ -89,7 +89,7 @@ impl SphereSet {
         unit: &[Vec4],
     ) -> Self {
         Self {
-            spheres: unit.iter().map(|ball| surface.to_world(*ball)).collect(),
+            spheres: unit.iter().map(|sphere| surface.to_world(*sphere)).collect(),
             self_distance: (f64::from(self_distance(surface, unit)) * surface.diagonal) as f32,
             self_shadows: self_shadows(surface, tree, unit),
             mesh_triangles: triangles,
@@ -109,7 +109,7 @@ impl SphereSet {
         let surface = Surface::new(positions, triangles)?;
         let tree = TriangleTree::new(&surface.triangles);
         let solid = Solid::new(&surface, &tree, Solid::resolution_for(spheres.len()));
-        let unit: Vec<Vec4> = spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
+        let unit: Vec<Vec4> = spheres.iter().map(|sphere| surface.to_unit(*sphere)).collect();
         let set = Self::judge(&surface, &tree, &solid, triangles.len(), &unit);
         Ok(Self { spheres: spheres.to_vec(), ..set })
     }
@@ -123,7 +123,7 @@ impl SphereSet {
             return Err(BuildError::NoSpheres);
         }
         let surface = Surface::new(positions, triangles)?;
-        let unit: Vec<Vec4> = spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
+        let unit: Vec<Vec4> = spheres.iter().map(|sphere| surface.to_unit(*sphere)).collect();
         Ok((f64::from(self_distance(&surface, &unit)) * surface.diagonal) as f32)
     }
 
@@ -169,12 +169,12 @@ impl SphereSet {
     pub fn placed(&self, placement: &Mat4) -> Self {
         let scale = placement.x_axis.truncate().length();
         let turn = Mat3::from_mat4(*placement);
-        let ball = |b: &Sphere| Sphere { center: placement.transform_point3(b.center), radius: b.radius * scale };
+        let sphere = |b: &Sphere| Sphere { center: placement.transform_point3(b.center), radius: b.radius * scale };
         let [lo, hi] = self.mesh_bounds;
         let corners = (0..8).map(|k| Vec3::select(BVec3::new(k & 1 == 1, k & 2 == 2, k & 4 == 4), hi, lo));
         let corners = corners.map(|p| placement.transform_point3(p));
         Self {
-            spheres: self.spheres.iter().map(ball).collect(),
+            spheres: self.spheres.iter().map(sphere).collect(),
             self_distance: self.self_distance * scale,
             self_shadows: self.self_shadows.iter().map(|own| own.turned(turn)).collect(),
             mesh_bounds: corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[lo, hi], p| [lo.min(p), hi.max(p)]),

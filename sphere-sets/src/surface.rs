@@ -58,18 +58,18 @@ impl Surface {
     }
 
     /// A sphere (centre, radius) of unit space in the space of the mesh.
-    pub(crate) fn to_world(&self, ball: Vec4) -> Sphere {
+    pub(crate) fn to_world(&self, sphere: Vec4) -> Sphere {
         Sphere {
-            center: (ball.truncate().as_dvec3() * self.diagonal + self.center).as_vec3(),
-            radius: (f64::from(ball.w) * self.diagonal) as f32,
+            center: (sphere.truncate().as_dvec3() * self.diagonal + self.center).as_vec3(),
+            radius: (f64::from(sphere.w) * self.diagonal) as f32,
         }
     }
 
     /// The inverse of [`Surface::to_world`].
-    pub(crate) fn to_unit(&self, ball: Sphere) -> Vec4 {
-        ((ball.center.as_dvec3() - self.center) / self.diagonal)
+    pub(crate) fn to_unit(&self, sphere: Sphere) -> Vec4 {
+        ((sphere.center.as_dvec3() - self.center) / self.diagonal)
             .as_vec3()
-            .extend((f64::from(ball.radius) / self.diagonal) as f32)
+            .extend((f64::from(sphere.radius) / self.diagonal) as f32)
     }
 
     /// A map from the unit cube to the surface (triangle, barycentric coordinates) that keeps areas' ratios.
