@@ -17,7 +17,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 const MOMENTS: usize = 24;
-/// Every so many moments a set is fitted anew.
+/// Moments from one set that is fitted anew to the next.
 const EVERY: usize = 4;
 const FLOOR: usize = 96;
 const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/");

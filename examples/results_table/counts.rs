@@ -9,7 +9,7 @@ use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::{Picture, RegionError, ShadowErrors};
 use glam::Vec3;
 
-/// A set of so many spheres.
+/// A set of this number of spheres.
 pub(crate) struct Count {
     pub(crate) spheres: usize,
     pub(crate) timing: Timing,

@@ -54,7 +54,7 @@ pub(crate) fn bare_objects(file: Read, context: &mut Context) -> Bare {
     Bare { objects, looks, animation, camera, lights }
 }
 
-/// The box that holds the objects at all times, near enough: at so many moments.
+/// The box that holds the objects at all times, approximated by its union over several moments.
 fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
     const MOMENTS: u32 = 16;
     let moments = if animation.is_still() { 1 } else { MOMENTS };

@@ -169,7 +169,7 @@ impl Reader<'_> {
         Ok(Some(Vec3::from_array(color.to_array().map(coefficient))))
     }
 
-    /// The channel of an image that stands for a number: red, where the file does not say.
+    /// The channel of an image that gives a number: red by default.
     fn channel(&mut self, rest: &str) -> Result<Option<Channel>, String> {
         let mut index = 0;
         let map = self.map(rest, |options| {
@@ -263,7 +263,7 @@ impl Reader<'_> {
 /// The options of an image.
 struct Options {
     wrap: Wrap,
-    /// The channel that stands for a number, if it is said.
+    /// The channel that gives a number, if stated.
     source: Option<Source>,
 }
 

@@ -13,7 +13,7 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    /// The time on the keys' own clock: past the last key it goes on from the first.
+    /// The time on the keys' own clock: after the last key it starts again from the first.
     pub(crate) fn local(&self, time: f32) -> f32 {
         let period = self.last - self.first;
         if self.repeats && time > self.last && period > 0.0 {

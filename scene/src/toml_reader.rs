@@ -298,7 +298,7 @@ impl<'s> Table<'s> {
         all
     }
 
-    /// The one key of `choices` that is there.
+    /// The one key of `choices` that is present.
     pub(crate) fn one_of(&mut self, choices: &[&'static str]) -> Result<(&'static str, Value<'s>), SceneError> {
         let found: Vec<_> = choices.iter().filter_map(|&key| Some((key, self.get(key)?))).collect();
         match found[..] {

@@ -11,7 +11,7 @@ use crate::tree::TriangleTree;
 /// horizon and within some degrees of it are left out. A quarter of the points lets many spheres fit their own rays only:
 /// 128 spheres then err by 9 % more.
 const POINTS: usize = 48_000;
-/// Sets of up to so many spheres take a part of the points: for each sphere as many as one of 128 has.
+/// Sets of up to this number of spheres use a part of the points: for each sphere as many as in a set of 128.
 const FEW: usize = 8;
 const DIRECTIONS: usize = 24;
 const LOWEST: f32 = 0.1;

@@ -12,7 +12,7 @@ const PROTRUSIONS: [f32; 4] = [0.0, 0.004, 0.01, 0.02];
 const USUAL: f32 = 0.004;
 const PROMISING: usize = 5;
 
-/// One in so many views judges all places.
+/// One in this number of views judges all places.
 const SPARSE: usize = 8;
 
 /// Candidates that the choice is made among, per sphere to be placed.

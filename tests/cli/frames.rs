@@ -192,7 +192,7 @@ fn a_clip_is_chosen_by_name_or_number() {
     refuse(folder, &["render", "scene.toml", "--clip", "Walk"], "scene file");
 }
 
-/// Ctrl-C between and within frames: whole files only, and the same command goes on.
+/// Ctrl-C between and within frames: whole files only, and the same command resumes.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sequence_leaves_whole_frames() {

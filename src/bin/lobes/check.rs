@@ -26,7 +26,7 @@ const TRIANGLE_BYTES: usize = 160;
 struct Requirement {
     /// Its strategy when `render` has no `--visibility`.
     strategy: Strategy,
-    /// Blocker spheres: at most so many when they are still to be built.
+    /// Blocker spheres; an upper bound if they are still to be built.
     spheres: usize,
     /// The quality of its sphere set, if that exists already.
     quality: Option<SetQuality>,

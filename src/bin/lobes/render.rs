@@ -98,7 +98,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The names of a picture's channels, with those of `--layers` for so many lights where it is given.
+/// The names of a picture's channels, with the channels of `--layers` for a number of lights.
 fn channels(lights: Option<usize>) -> Vec<String> {
     let layers = lights.map(|count| Layers { lights: vec![Vec::new(); count], ..Layers::default() });
     let nowhere = Window { image: [0, 0], columns: 0..0, rows: 0..0 };

@@ -24,7 +24,7 @@ impl Teller {
         Self { quiet, pictures: 1, done: 0, budget: None, fit: None, tables: None, shading: None }
     }
 
-    /// For so many pictures, and a time budget.
+    /// For a number of pictures, and a time budget.
     pub(crate) fn of_pictures(quiet: bool, pictures: usize, budget: Option<f32>) -> Self {
         Self { pictures: pictures as u64, budget, ..Self::new(quiet) }
     }

@@ -9,7 +9,7 @@ use std::fmt::Display;
 use std::io::Write;
 use std::path::Path;
 
-/// A file of a figure, to be written when all of the figure is there.
+/// A file of a figure, written when the whole figure is complete.
 pub(super) struct Image {
     pub(super) name: String,
     content: Content,

@@ -36,7 +36,7 @@ impl Studio {
         Ok(tables)
     }
 
-    /// The model as so many spheres.
+    /// The model as this number of spheres.
     pub(super) fn model(&mut self, count: usize) -> Result<Model, Failure> {
         let mesh = match &self.mesh {
             Some(mesh) => mesh,
