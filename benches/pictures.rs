@@ -1,4 +1,4 @@
-//! Whether a change moves a pixel: renders scenes × strategies × methods × devices and compares each picture's bits with
+//! Detects changes of pixels: renders scenes × strategies × methods × devices and compares each picture's bits with
 //! those of an earlier run.
 //!
 //! ```sh
@@ -6,7 +6,7 @@
 //! cargo bench --bench pictures -- --against target/before.txt   # after it
 //! ```
 //!
-//! With `--device cpu` or `--device gpu` only pictures of that device. A GPU's bits depend on its driver: compare runs of one machine.
+//! With `--device cpu` or `--device gpu` it renders only pictures of that device. A GPU's bits depend on its driver: compare runs of one machine.
 
 use cosine_lobes::{checksum, read_exr};
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ const SETTINGS: [(&str, &[&str]); 5] = [
     ("paper", &["--method", "paper"]),
 ];
 
-/// One picture: what it is called, and how the command draws it.
+/// One picture: its name, and the command's arguments.
 struct Shot {
     name: String,
     arguments: Vec<String>,

@@ -1,7 +1,7 @@
 //! Error of the default settings over exponents and light sizes, in one table.
 //!
-//! `cargo run --release --example accuracy_table [-- SPP [TOLERANCE]]`. Balls over a glossy floor, the highlight where
-//! two shadows meet; the camera zooms with the light, so that about as many pixels are in penumbra whatever its size.
+//! `cargo run --release --example accuracy_table [-- SPP [TOLERANCE]]`. Spheres over a glossy floor, the highlight where
+//! two shadows meet; the camera zooms with the light, so that about as many pixels are in penumbra for any size.
 //! Reference: Monte Carlo of the same blockers (4096 samples a pixel unless given).
 
 use cosine_lobes::brdf::{Lambert, Material, Phong};

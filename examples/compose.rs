@@ -1,4 +1,4 @@
-//! A renderer out of the crates, in forty lines: a ball over a floor, lit by a round light.
+//! A renderer out of the crates, in forty lines: a sphere over a floor, lit by a round light.
 //!
 //! `cargo run --release --example compose` writes compose.png. Swap the visibility: `Unshadowed` for no shadows, any
 //! other `Visibility` for your own.
@@ -17,9 +17,9 @@ use glam::Vec3;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (width, height) = (640, 360);
     let material = Lambert { albedo: Vec3::new(0.8, 0.7, 0.6) };
-    let ball = Sphere { center: Vec3::new(0.0, 0.8, 0.0), radius: 0.5 };
+    let sphere = Sphere { center: Vec3::new(0.0, 0.8, 0.0), radius: 0.5 };
     let light = SphereLight::new(Sphere { center: Vec3::new(2.0, 4.0, 1.0), radius: 0.6 }, Vec3::splat(60.0));
-    let visibility = MaskVisibility::new(SphereBlockers::new(&[ball], &[1], &[]));
+    let visibility = MaskVisibility::new(SphereBlockers::new(&[sphere], &[1], &[]));
     let accuracy = Accuracy::new(0.003);
 
     let mut scratch = visibility.scratch();

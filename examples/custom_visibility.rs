@@ -16,7 +16,7 @@ use glam::Vec3;
 struct Boxes(Vec<(Vec3, Vec3)>);
 
 impl Boxes {
-    /// Whether a ray from `x` is inside one of the boxes somewhere nearer than the light (slabs).
+    /// Whether a ray from `x` enters one of the boxes nearer than the light (slabs).
     fn hide(&self, x: Vec3, v: Vec3, distance: f32) -> bool {
         self.0.iter().any(|(center, size)| {
             let (a, b) = ((*center - 0.5 * *size - x) / v, (*center + 0.5 * *size - x) / v);
@@ -34,13 +34,13 @@ impl Blockers for Boxes {
         Contour::default()
     }
 
-    /// Something may be hidden where the ball around a box meets the cone of light.
+    /// Something may be hidden where the sphere around a box meets the cone of light.
     fn select(&self, query: &VisibilityQuery<'_>, _: &mut Contour) -> Coverage {
         let (x, cone) = (query.at.position, query.cone);
         let meets = |(center, size): &(Vec3, Vec3)| {
-            let ball = Cone::of_sphere(x, Sphere { center: *center, radius: 0.5 * size.length() });
-            let reach = ball.cos().acos() + cone.cos().acos();
-            ball.one_minus_cos > 1.0 || ball.axis.angle_between(cone.axis) < reach
+            let sphere = Cone::of_sphere(x, Sphere { center: *center, radius: 0.5 * size.length() });
+            let reach = sphere.cos().acos() + cone.cos().acos();
+            sphere.one_minus_cos > 1.0 || sphere.axis.angle_between(cone.axis) < reach
         };
         if self.0.iter().any(meets) { Coverage::Partial } else { Coverage::Lit }
     }

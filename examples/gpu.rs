@@ -1,6 +1,6 @@
 //! The built-in scene shaded by the CPU and by a GPU: the same points, the same frame, the same trait.
 //!
-//! `cargo run --release --example gpu` says what each takes and how far apart the pictures are, and writes gpu.png.
+//! `cargo run --release --example gpu` prints the time of each and the difference of the pictures, and writes gpu.png.
 
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{CpuShader, GBuffer, World, blockers};

@@ -28,7 +28,7 @@ const SKY: UVec2 = UVec2::new(512, 256);
 /// Lights of different kinds give about this irradiance below them.
 const IRRADIANCE: f32 = 2.0;
 
-/// Where lights are, and what is below them.
+/// The place of the lights; the blockers are below.
 const ABOVE: Vec3 = Vec3::new(-0.2, 2.2, -0.6);
 
 /// A row of the tables.
@@ -129,7 +129,7 @@ fn materials() -> Vec<(&'static str, Material)> {
     all
 }
 
-/// A floor and a wall with a table, slats and balls.
+/// A floor and a wall with a table, slats and spheres.
 fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
     let cuboid = |name: &str, center: Vec3, half: Vec3, turn: f32| {
         let mut mesh = Mesh::cuboid(Vec3::ZERO, half);
@@ -185,9 +185,9 @@ fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
 /// The blockers of a scene.
 #[derive(Clone, Copy, PartialEq)]
 enum Blocks {
-    /// Furniture, and two balls.
+    /// Furniture, and two spheres.
     All,
-    /// Balls alone.
+    /// Spheres alone.
     Balls,
 }
 
@@ -302,11 +302,11 @@ fn main() {
         kinds.retain(|kind| kind.name.contains(&part));
     }
     println!(
-        "# Lights\n\nEvery kind of light against Monte Carlo of its true shape ({samples} samples a point): a table, slats, a crate and two balls \
-         on a floor before a wall, {WIDTH} × {HEIGHT} points, exact shadows (`silhouettes`, balls as they are). Made by \
+        "# Lights\n\nEvery kind of light against Monte Carlo of its true shape ({samples} samples a point): a table, slats, a crate and two spheres \
+         on a floor before a wall, {WIDTH} × {HEIGHT} points, exact shadows (`silhouettes`, exact spheres). Made by \
          `cargo run --release --example lights`.\n\nErrors are in % of the unshadowed radiance: penumbra mean / 99th percentile \
          (fully lit mean). \"noise\" is the mean standard error of the reference with the first material. In penumbrae it is \
-         several times that, most of what is left at a tolerance of 0.1 %.\n"
+         several times that, which is most of the error at a tolerance of 0.1 %.\n"
     );
     println!("## Tolerance 0.5 %\n");
     let names: Vec<&str> = materials.iter().map(|(name, _)| *name).collect();
@@ -341,9 +341,9 @@ fn main() {
         add(Strategy::Rays, 0.005);
         println!("{row}");
     }
-    println!("\n## Balls by `spheres`\n\n22 balls, in a row and in a heap, instead. Modified Phong.\n");
+    println!("\n## Spheres by `spheres`\n\n22 spheres, in a row and in a heap, instead. Modified Phong.\n");
     println!("| light | 1 % | 0.5 % | 0.3 % | 0.1 % |\n|---|---|---|---|---|");
-    // A sky shines from below as well, where the floor is no ball.
+    // A sky shines from below as well, where the floor is no sphere.
     for kind in kinds.iter().filter(|kind| kind.environment.is_none()) {
         let case = Case::new(&materials[1].1, kind, Blocks::Balls, samples);
         let cells = [0.01, 0.005, 0.003, 0.001].map(|tolerance| {
@@ -353,7 +353,7 @@ fn main() {
         println!("| {} |{}", kind.name, cells.concat());
     }
     println!(
-        "\n## Cost\n\nNanoseconds of one core a point, modified Phong, tolerance 0.5 %, and times the sphere's.\n"
+        "\n## Cost\n\nNanoseconds of one core a point, modified Phong, tolerance 0.5 %; in parentheses relative to the sphere light.\n"
     );
     println!("| light | lit | penumbra |\n|---|---|---|");
     let mut base = None;

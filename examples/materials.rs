@@ -1,8 +1,8 @@
 //! Every material's lobes against the material itself, unshadowed and behind an edge, as a table in Markdown:
-//! `cargo run --release --example materials > docs/materials.md`; with a word, of the materials whose names have it; with `costs`, the
-//! costs alone.
+//! `cargo run --release --example materials > docs/materials.md`; with a word, only materials whose names contain it; with `costs`,
+//! only the costs.
 //!
-//! The material's side draws directions from light and reflectance and shares nothing with the lobes.
+//! The material's side draws directions from light and reflectance and has no code in common with the lobes.
 
 use core::convert::Infallible;
 use cosine_lobes::brdf::{
@@ -78,7 +78,7 @@ struct Case {
     edge: Edge,
 }
 
-/// Radiance toward the eye, all of it and what passes the edge.
+/// Radiance toward the eye, without and with the edge.
 type Radiance = [DVec3; 2];
 
 /// The fractions of `k·g^-i` of the generalised golden ratio: points that fill the cube evenly.
@@ -108,7 +108,7 @@ fn truth(material: &Material, case: &Case) -> Radiance {
         let sin = (off * (2.0 - off)).sqrt();
         add((axis * (1.0 - off) + (right * turn.cos() + up * turn.sin()) * sin).as_vec3().normalize());
         if let Some(drawn) = material.sample(at, [c, a, b].map(|x| (x as f32).min(0.999_999_9))) {
-            // Where the light is seen.
+            // Directions outside the light do not count.
             if 0.5 * (drawn.direction.as_dvec3() - axis).length_squared() < wide {
                 add(drawn.direction);
             }
@@ -264,7 +264,7 @@ fn print_errors(materials: &[(String, Material, f64)]) {
          highlight reaches. The material's side is Monte Carlo, by {} directions; half of the smallest figures is its noise.\n\n\
          *Unshadowed*: error of the radiance, largest channel, mean / 99th percentile in per cent of itself, or of a hundredth of the \
          brightest. *Behind an edge*: a straight edge hides a part of the light; error in per cent of the unshadowed radiance, at a \
-         tolerance. Where a material's lobes are not the material, no tolerance helps: their *residual* is in the table of costs.\n",
+         tolerance. Where the lobes only approximate a material, no tolerance helps: their *residual* is in the table of costs.\n",
         2 * DRAWN
     );
     println!("| material | half-angle | unshadowed | edge at 1 % | at 0.3 % | at 0.1 % |\n|---|---|---|---|---|---|");
@@ -291,7 +291,7 @@ fn print_errors(materials: &[(String, Material, f64)]) {
 fn print_costs(materials: &[(String, Material, f64)]) {
     println!(
         "\n*Residual*: root mean square of the difference of the lobes from the material over that of the material, views up to 75°. *Cost*: \
-         nanoseconds of processor time a point and light, visible points given: where nothing is between, and behind an edge through the \
+         nanoseconds of processor time a point and light, without finding the visible points: unblocked, and behind an edge through the \
          light at a tolerance of 0.3 %.\n\n| material | lobes | residual | lit | behind an edge |\n|---|---|---|---|---|"
     );
     for (name, material, _) in materials {

@@ -1,7 +1,7 @@
-//! How well an object's sphere set shadows the object itself, against shadow rays on its mesh.
+//! Errors of an object's shadows on itself by its sphere set, against shadow rays on its mesh.
 //!
 //! `cargo run --release --example self_shadow [-- COUNTS MESH…]`, counts as `16,64`. Receivers spread evenly over the
-//! mesh, where they face a light of half-angle 6° wholly; six lights around and above. V is the lit share of the light's
+//! mesh, where they face a light of half-angle 6° wholly; six lights around and above. V is the lit fraction of the light's
 //! disc. Two rules: one distance τ for the set, and a near radius and a distance for each sphere
 //! ([`SphereSet::self_shadows`](cosine_lobes::sphere_sets::SphereSet)).
 
@@ -24,7 +24,7 @@ const HALF_ANGLE: f32 = 6.0;
 struct Group {
     light: Sphere,
     receivers: Vec<Receiver>,
-    /// Lit shares by shadow rays.
+    /// Lit fractions by shadow rays.
     truth: Vec<f32>,
 }
 
@@ -131,7 +131,7 @@ fn group(world: &World<'_>, mesh: &Mesh, number: usize) -> Group {
     Group { light, receivers, truth }
 }
 
-/// Lit share of the light's disc.
+/// Lit fraction of the light's disc.
 fn share(blockers: &SphereBlockers, at: &Receiver, light: Sphere) -> f32 {
     let cone = Cone::of_sphere(at.position, light);
     let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));

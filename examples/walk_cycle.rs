@@ -1,6 +1,6 @@
-//! What sphere sets that follow bones cost in accuracy, over a cycle of an animation: 24 moments of a clip, the set fitted
-//! once at its first moment and posed, beside one that is fitted anew at the moment, both against the deformed triangles.
-//! Then how much a point's radiance changes from frame to frame, and whether it still jumps in finer steps.
+//! Accuracy of sphere sets that follow bones, over a cycle of an animation: 24 moments of a clip, with the set fitted
+//! once at the first moment and posed, beside a set that is fitted anew at each moment, both against the deformed triangles.
+//! Then the change of a point's radiance from frame to frame, in finer and finer steps, to find jumps.
 //!
 //! `cargo run --release --example walk_cycle [-- FILE CLIP [SPHERES]]` prints tables in Markdown; without arguments the fox
 //! and the tentacle of `scenes/assets`. Light of half-angle 6°, mask of depth 5, a floor of 96 × 96 points.
@@ -17,7 +17,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 const MOMENTS: usize = 24;
-/// Every so many moments a set is fitted anew.
+/// Moments from one set that is fitted anew to the next.
 const EVERY: usize = 4;
 const FLOOR: usize = 96;
 const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/");
@@ -136,7 +136,7 @@ fn by_spheres(set: &BlockerSet) -> MaskVisibility<SphereBlockers> {
 fn floor(scene: &Scene) -> ShadingPoints {
     let bounds = scene.objects[1].shape.bounds();
     let (light, ground) = (scene.lights[0].ball().unwrap_or_default().center, scene.objects[0].shape.bounds().max.y);
-    // Where the light's centre projects the corners to.
+    // The light's centre projects the corners of the box to these points of the floor.
     let mut region = scene::Bounds::EMPTY;
     for i in 0..8 {
         let corner = Vec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 0 { bounds.min[k] } else { bounds.max[k] }));
@@ -177,7 +177,7 @@ fn shade<V: Visibility>(scene: &Scene, points: &ShadingPoints, visibility: V) ->
 }
 
 /// The largest change of a point's radiance in a step of one frame, of 1/8, and of 1/64 and 1/512 where the step before
-/// changes most, as a share of the brightest point's without blockers. Smooth motion divides it by 8 each time, once a step
+/// changes most, as a fraction of the brightest point's without blockers. Smooth motion divides it by 8 each time, once a step
 /// is shorter than the penumbra is wide; a jump stays. Distances below 0 are inside a sphere.
 fn pops(scene: &mut Scene, animation: &Animation, spheres: &SceneSpheres) -> Fallible<()> {
     println!(

@@ -1,8 +1,8 @@
 //! Draws into a texture of a program that has a wgpu device, queue and textures of its own.
 //!
 //! `cargo run --release --example wgpu_embed [-- PREFIX]` draws the built-in scene, moves a light, draws it again, and writes
-//! PREFIX-0.png and PREFIX-1.png (`embed` unless given) of what was in the texture. Any adapter will do, a software one as
-//! well; without one it says so and ends with 1.
+//! the texture to PREFIX-0.png and PREFIX-1.png (`embed` unless given). Any adapter will do, also a software
+//! one; without an adapter it prints a message and ends with 1.
 
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::blockers;
@@ -30,7 +30,7 @@ fn main() -> ExitCode {
 }
 
 async fn run() -> Result<(), Box<dyn Error>> {
-    // What such a program has anyway.
+    // The program's own device and queue.
     let (device, queue) = device().await?;
     let size = wgpu::Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -44,7 +44,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
         view_formats: &[],
     });
 
-    // Once: what blocks, the visible points, memory for their radiance.
+    // Once: the blockers, the visible points, memory for their radiance.
     let mut scene = builtin();
     let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(()))?;
     let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
@@ -89,12 +89,12 @@ async fn device() -> Result<(wgpu::Device, wgpu::Queue), Box<dyn Error>> {
     let adapter = instance.request_adapter(&wgpu::RequestAdapterOptions::default()).await.map_err(
         |_| "no GPU adapter; install a Vulkan driver (a software one: packages libvulkan1 and mesa-vulkan-drivers)",
     )?;
-    // Eight storage buffers a kernel are what every device has; the limits of sizes are worth asking for.
+    // Every device has eight storage buffers a kernel; higher limits of sizes are useful.
     let required_limits = adapter.limits();
     Ok(adapter.request_device(&wgpu::DeviceDescriptor { required_limits, ..Default::default() }).await?)
 }
 
-/// What is in the texture.
+/// Reads the texture.
 fn read(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<Vec<[f32; 4]>, Box<dyn Error>> {
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("read-back"),

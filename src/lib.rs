@@ -1,28 +1,123 @@
-//! Deterministic, noise-free direct lighting from area lights, as sums of cosine lobes.
+//! Direct lighting from area lights without noise: soft shadows and glossy highlights of scenes whose lights and objects move.
 //!
-//! One crate that re-exports all of them, each as a module:
+//! [`Renderer`](renderer::Renderer) turns a [`Scene`](scene::Scene) into radiance. It integrates each light in closed form and finds
+//! the hidden part of it with a bit mask, so the same input gives the same bits, on any number of threads.
 //!
-//! - [`renderer`]: a scene to a picture, the whole of it as one type; start here.
-//! - [`scene`]: meshes, materials, camera, animation and their files; [`pictures`]: OpenEXR, PNG, comparison.
-//! - [`lobe_core`], [`brdf`], [`lighting`], [`visibility_mask`]: lobes, and the three sources of them: reflectance, light, visibility.
-//! - [`visibility_silhouettes`], [`visibility_spheres`] with [`sphere_sets`], [`visibility_shadowmap`]: what blocks light.
-//! - [`ray_tracing`]: what rays meet, and the visible points of a picture.
-//! - [`render_cpu`], `render_gpu`: points to radiance; [`reference`](mod@reference): the same by Monte Carlo, to measure them by.
+//! # A scene in code
+//!
+//! [`scene::load_animated`] reads scene files and models ([`scene::SCHEMA_EXAMPLE`] explains every key). A program can also make
+//! its own scene:
+//!
+//! ```
+//! use cosine_lobes::brdf::Material;
+//! use cosine_lobes::glam::Vec3;
+//! use cosine_lobes::lighting::SphereLight;
+//! use cosine_lobes::lobe_core::Sphere;
+//! use cosine_lobes::renderer::{Renderer, Settings};
+//! use cosine_lobes::scene::{Animation, Camera, Mesh, Object, Proxy, Scene};
+//!
+//! let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::Z * -4.0);
+//! let sphere = Sphere { center: Vec3::new(0.0, 0.5, 0.0), radius: 0.5 };
+//! let lamp = Sphere { center: Vec3::new(-2.0, 4.0, 1.0), radius: 0.4 };
+//! let scene = Scene {
+//!     camera: Camera {
+//!         eye: Vec3::new(0.0, 2.0, 5.0),
+//!         target: Vec3::new(0.0, 0.4, 0.0),
+//!         up: Vec3::Y,
+//!         vertical_fov: 0.6,
+//!     },
+//!     width: 64,
+//!     height: 36,
+//!     background: Vec3::ZERO,
+//!     materials: vec![Material::lambert(Vec3::splat(0.5)), Material::lambert(Vec3::new(0.8, 0.2, 0.1))],
+//!     surfaces: Vec::new(),
+//!     objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::spheres("sphere", vec![sphere], 1)],
+//!     lights: vec![SphereLight::new(lamp, Vec3::splat(60.0)).into()],
+//!     environment: None,
+//! };
+//! scene.validate()?;
+//!
+//! let mut renderer = Renderer::new(scene, Animation::default(), Settings::default())?;
+//! let image = renderer.render()?;
+//! assert_eq!(image.size, [64, 36]);
+//! assert!(image.radiance.iter().all(|radiance| radiance.is_finite()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`Settings`](renderer::Settings) choose the tolerance, the device, the method and one strategy for all objects. To write the
+//! picture, use [`write_png`] or [`write_exr`].
+//!
+//! # Frames
+//!
+//! The first picture builds the hierarchies that the strategies need. Later pictures refit the moving parts only.
+//! [`seek`](renderer::Renderer::seek) poses the scene at a moment of its animation:
 //!
 //! ```
 //! use cosine_lobes::renderer::{Renderer, Settings};
-//! use cosine_lobes::scene::{Animation, builtin};
-//! let mut scene = builtin();
-//! (scene.width, scene.height) = (32, 18);
-//! let image = Renderer::new(scene, Animation::default(), Settings::default())?.render()?;
-//! assert_eq!(image.size, [32, 18]);
-//! # Ok::<(), cosine_lobes::renderer::RenderError>(())
+//! # let folder = std::env::temp_dir().join("cosine-lobes-doc-frames");
+//! # std::fs::create_dir_all(&folder)?;
+//! # let file = folder.join("roll.toml");
+//! # std::fs::write(&file, "[image]\nwidth = 16\nheight = 9\n[camera]\neye = [0, 2, 8]\ntarget = [0, 0, 0]\n\
+//! # [[lights]]\nkind = \"sphere\"\ncenter = [0, 5, 0]\nradius = 1\nradiance = 9\n\
+//! # [[objects]]\nsphere = { center = [0, 1, 0], radius = 1 }\n\
+//! # keys = [{ time = 0 }, { time = 1, translate = [2, 0, 0] }]\n")?;
+//! let (scene, animation, _warnings) = cosine_lobes::scene::load_animated(&file)?;
+//! let mut renderer = Renderer::new(scene, animation, Settings::default())?;
+//! for frame in 0..3 {
+//!     renderer.seek(frame as f32 / 24.0); // seconds
+//!     let image = renderer.render()?;
+//!     assert_eq!(image.radiance.len(), image.size[0] * image.size[1]);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! [`render_bands`](renderer::Renderer::render_bands) hands on rows as they are finished, so that a large picture needs little memory.
+//! Long work calls a [`Listener`](renderer::Listener), which may stop it.
+//!
+//! # Edits
+//!
+//! Between two pictures a program may change the scene of its [`Renderer`](renderer::Renderer).
+//!
+//! # Own parts
+//!
+//! A material is a type that implements [`BrdfLobes`](lobe_core::BrdfLobes), a light one that implements
+//! [`LightLobes`](lobe_core::LightLobes), and a strategy one that implements [`Blockers`](visibility_mask::Blockers). The built-in parts
+//! use the same traits. `examples/open` is a crate with one of each, on CPU and GPU; the suites of the feature `oracle` test them
+//! against f64. `examples/compose.rs` is a renderer of these traits in forty lines.
+//!
+//! # Units
+//!
+//! Radiance is in W·m⁻²·sr⁻¹ for each of the linear channels red, green and blue. Lengths may have any unit; it is the metre where a
+//! light is given by its flux or intensity. Angles are in radians in code and in degrees in files. World space is right-handed, with
+//! y up by default. Pictures hold linear radiance; [`Renderer::exposure`](renderer::Renderer::exposure) proposes the exposure for
+//! [`srgb_bytes`].
+//!
+//! # Strategies
+//!
+//! A [`Strategy`](scene::Strategy) decides how an object blocks light. Each object may have its own:
+//!
+//! | strategy | blocks with | choose it when |
+//! |---|---|---|
+//! | `Silhouettes` (default for meshes) | the exact triangles, through the edges of their outlines | shadows must be right |
+//! | `Spheres` | a few spheres for each mesh | speed matters most and objects are compact |
+//! | `Rays` | the exact triangles, through shadow rays | checking the others |
+//! | `ShadowMap` | depth maps around the light | comparing with a familiar technique |
+//! | `None` | nothing | backdrops |
+//!
+//! # Crates
+//!
+//! Each crate of the workspace is a module here. [`scene`]: scenes and their files. [`renderer`]: the front door. [`brdf`], [`lighting`]:
+//! materials and lights as lobes; [`lobe_core`]: lobes, their integrals and the traits. [`visibility_mask`], [`visibility_silhouettes`],
+//! [`visibility_spheres`], [`sphere_sets`], [`visibility_shadowmap`]: visibility. [`render_cpu`], `render_gpu`: shading. [`ray_tracing`]: rays
+//! and visible points. [`reference`](mod@reference): Monte Carlo. [`pictures`]: image files and comparison.
+//!
 //! # Features
-//! `cli` (default): the command `lobes`. `gpu` (default): `render_gpu`, through wgpu. `oracle`: the f64 oracle, and the suites that strategies,
-//! lights and materials are tried with ([`lobe_core`]'s `conformance`, [`brdf`]'s `conformance`). With `default-features = false` neither
-//! clap nor wgpu nor plotters is built.
+//!
+//! - `cli` (default): the command `lobes`.
+//! - `gpu` (default): `render_gpu`, through wgpu.
+//! - `oracle`: f64 oracles, and suites for own materials, lights and strategies ([`lobe_core`] and [`brdf`], module `conformance`).
+//!
+//! With `default-features = false` neither clap nor wgpu nor plotters is built.
 
 pub use brdf;
 pub use glam;

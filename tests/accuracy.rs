@@ -1,4 +1,4 @@
-//! What the README promises, on small pictures: the lobes against Monte Carlo of the same blockers, against closed forms,
+//! The accuracy stated in the README, on small pictures: the lobes against Monte Carlo of the same blockers, against closed forms,
 //! and the paper's method beside them.
 
 use cosine_lobes::brdf::{Lambert, Material, MetallicRoughness, ModifiedPhong};
@@ -137,7 +137,7 @@ fn a_small_bright_light_is_a_small_light() {
     assert!(error.mean_relative < 1e-4 && error.max < 1e-3, "{error:?}");
 }
 
-/// A floor of gold that mirrors a light, and balls before it: the highlight, its tails and the shadows in both.
+/// A floor of gold that mirrors a light, and spheres before it: the highlight, its tails and the shadows in both.
 #[test]
 fn metals_are_as_accurate_as_promised() {
     let light = SphereLight::new(Sphere { center: Vec3::new(0.4, 2.0, -4.5), radius: 0.5 }, Vec3::splat(4.0));

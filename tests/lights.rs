@@ -21,7 +21,7 @@ use std::sync::atomic::AtomicBool;
 const SIZE: [u32; 2] = [64, 40];
 const TOLERANCE: f32 = 0.005;
 
-/// A slab, a post and a ball on a floor.
+/// A slab, a post and a sphere on a floor.
 fn scene(lights: Vec<Light>, material: Material) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 5.0, Vec3::NEG_Z * 5.0);
     let ball = Sphere { center: Vec3::new(0.75, 0.3, 0.4), radius: 0.3 };
@@ -52,7 +52,7 @@ fn frame(scene: &Scene, tolerance: f32) -> Frame<'_> {
     Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(tolerance), threshold: 0.0 }
 }
 
-/// Shades a scene's points: boxes by silhouettes and the ball as a sphere, or all by rays.
+/// Shades a scene's points: boxes by silhouettes and the sphere as a sphere, or all by rays.
 fn shade(scene: &Scene, tolerance: f32, by_rays: bool) -> Vec<Vec3> {
     fn run(scene: &Scene, tolerance: f32, visibility: impl Visibility) -> Vec<Vec3> {
         let points = GBuffer::new(&World::new(scene), scene.width, scene.height, 1).points;
@@ -134,7 +134,7 @@ fn lights_are_those_of_their_true_shapes() {
     }
 }
 
-/// Lights that show pictures: their shadows have the colours of what is hidden.
+/// Lights that show pictures: their shadows have the colours of the hidden part.
 #[test]
 fn pictures_of_light_are_what_they_show() {
     let gold = MetallicRoughness::new(Vec3::new(1.0, 0.8, 0.3), 1.0, 0.35).expect("a metal");
@@ -214,8 +214,8 @@ fn lights_add_up() {
     assert!(both.iter().filter(|v| v.x > 0.0).count() > both.len() / 2);
 }
 
-/// Through the horizon, through the floor and through the objects, which the light's plane then cuts: what outlines and spheres
-/// hide is what rays meet, so nothing pops.
+/// Through the horizon, through the floor and through objects, which the light's plane then cuts: outlines and spheres
+/// hide the same as rays, so nothing pops.
 #[test]
 fn lights_may_pass_through_anything() {
     for (name, light) in kinds().into_iter().filter(|(name, _)| !["sun", "spot"].contains(name)) {
@@ -237,7 +237,7 @@ fn lights_may_pass_through_anything() {
         println!(
             "{name}: outlines and rays differ by {mean:.5} in the mean, {far_off} of {seen} points by more than 5 %"
         );
-        // Where the light touches the floor, points see it from within their own rounding.
+        // Where the light touches the floor, rounding decides whether a point sees it.
         assert!(seen > 6_000 && mean < 0.002 && far_off <= 5, "{name}: {mean} {far_off}");
     }
 }

@@ -1,5 +1,5 @@
-//! The suites of the crate outside of the workspace, with what the workspace's tests have built. `.ci/run` checks that it stands
-//! alone as well.
+//! The suites of the crate outside of the workspace, with the build of the workspace's tests. `.ci/run` checks that it also
+//! builds alone.
 #![allow(clippy::unwrap_used, reason = "in a test")]
 
 #[path = "../examples/open/tests/suites.rs"]

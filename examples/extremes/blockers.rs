@@ -51,7 +51,7 @@ pub(crate) fn visible(table: &mut Table) {
         ("1000 in a disc", crowd(1000)),
         ("1e5 in a disc", crowd(100_000)),
     ] {
-        // A ball in the light hides nothing of it that the receiver could see.
+        // A sphere in the light hides nothing of it that the receiver could see.
         let (got, want) = (fraction(&spheres), truth(&spheres));
         table.row(&[name.to_owned()], got, want, 1.0, 5e-3);
     }

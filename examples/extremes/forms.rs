@@ -44,7 +44,7 @@ pub(crate) fn powers(table: &mut Table) {
     for e in [0.0_f32, 1e-6, 0.5, 1.0, 1e5, 1e7, 1e30, f32::INFINITY] {
         for angle in [0.0_f32, 1e-7, 1e-3, 1.0, FRAC_PI_2 + 1e-6, PI] {
             let v = Vec3::new(angle.sin(), 0.0, angle.cos());
-            // Of the vectors as they are.
+            // For the rounded vectors.
             let cos = 1.0 - 0.5 * (Vec3::Z.as_dvec3() - v.as_dvec3()).length_squared();
             let want = match e {
                 _ if cos <= 0.0 => 0.0,

@@ -1,5 +1,5 @@
-//! Everything at its extremes, each beside its value in f64, as tables in Markdown; ends with code 1 where one is farther off than
-//! is stated: `cargo run --release --example extremes > docs/extremes.md`.
+//! Formulas, blockers, materials and scenes at their extremes, each beside its value in f64, as tables in Markdown; ends with code 1
+//! if an error is beyond its stated limit: `cargo run --release --example extremes > docs/extremes.md`.
 
 mod blockers;
 mod forms;

@@ -42,8 +42,8 @@ pub(crate) fn reflected(table: &mut Table) {
                 let theta = degrees.to_radians();
                 let height = if view.z < 0.5 { 1.01 * theta } else { core::f64::consts::FRAC_PI_2 };
                 let toward = Vec3::new(-height.cos() as f32, 0.0, height.sin() as f32).normalize();
-                let ball = Sphere { center: toward * 10.0, radius: (10.0 * theta.sin()) as f32 };
-                let cone = Cone::of_sphere(Vec3::ZERO, ball);
+                let sphere = Sphere { center: toward * 10.0, radius: (10.0 * theta.sin()) as f32 };
+                let cone = Cone::of_sphere(Vec3::ZERO, sphere);
                 let (got, want) = (by_lobes(material, &at, &cone), by_quadrature(material, &at, &cone));
                 let words = [(*name).to_owned(), view_name.to_owned(), format!("{degrees}°")];
                 table.row(&words, got, want, want.max(1e-6), 1e-2);

@@ -1,6 +1,6 @@
 //! Tables in Markdown.
 
-/// Whether all rows so far are within what is stated.
+/// A table; `sound` while all rows are within their stated limits.
 pub(crate) struct Table {
     pub(crate) sound: bool,
 }
@@ -11,7 +11,7 @@ impl Table {
         println!("|{}", "---|".repeat(columns.len() + 3));
     }
 
-    /// A row: the error is relative to `scale`, which is the value itself or one that the documentation names.
+    /// A row: the error is relative to `scale`, which is the value itself or a scale named in the documentation.
     pub(crate) fn row(&mut self, words: &[String], got: f32, want: f64, scale: f64, limit: f64) {
         let error = if want == f64::from(got) { 0.0 } else { (f64::from(got) - want).abs() / scale };
         let bad = if error <= limit { "" } else { " **beyond what is stated**" };

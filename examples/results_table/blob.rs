@@ -36,7 +36,7 @@ pub(crate) fn blob(count: usize) -> Vec<Sphere> {
                 }
             };
             let radius = radius * (0.5 + 0.9 * random());
-            // Off the skin by the radius, where there is room for it.
+            // Away from the surface by the radius, where there is room for it.
             let room = (half - 0.8 * radius).max(0.2 * half);
             Sphere { center: center + inside * room, radius }
         })

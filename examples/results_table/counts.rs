@@ -1,4 +1,4 @@
-//! What more or fewer spheres of the same object cost, and err.
+//! Cost and error of more or fewer spheres of the same object.
 
 use crate::measure::{How, Timing, frames};
 use crate::models::Models;
@@ -9,7 +9,7 @@ use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::{Picture, RegionError, ShadowErrors};
 use glam::Vec3;
 
-/// A set of so many spheres.
+/// A set of this number of spheres.
 pub(crate) struct Count {
     pub(crate) spheres: usize,
     pub(crate) timing: Timing,

@@ -1,4 +1,4 @@
-//! The paper's scenes by count, timed: what a frame costs, stage by stage, beside the paper's figures.
+//! The paper's scenes by count, timed: the cost of a frame, stage by stage, beside the paper's figures.
 //!
 //! `cargo run --release --example results_table [-- --repeats N] [--only WORD] [--pictures DIR] [-o FILE.md]`. Scenes are
 //! made here, with the paper's numbers of points, spheres and lights; visible points are given, as in the paper. Sphere

@@ -3,7 +3,7 @@ use cosine_lobes::scene::Mesh;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The cow with so many spheres: each set is fitted once and kept beside the program.
+/// The cow with this number of spheres: each set is fitted once and kept beside the program.
 pub(crate) struct Models {
     mesh: Mesh,
     folder: Option<PathBuf>,

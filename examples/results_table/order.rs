@@ -1,4 +1,4 @@
-//! Points in other orders than a picture's: what the vertices of a mesh would cost.
+//! Points in other orders than a picture's, such as the vertices of a mesh, and their cost.
 
 use crate::measure::{How, Timing, frames};
 use crate::models::Models;

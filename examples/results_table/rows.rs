@@ -1,4 +1,4 @@
-//! The paper's scenes, timed, and what is asked of them.
+//! The paper's scenes, timed, and their targets.
 
 use crate::measure::{How, Timing, frames};
 use crate::models::Models;
@@ -11,9 +11,9 @@ use std::path::Path;
 pub(crate) struct Line {
     pub(crate) name: &'static str,
     pub(crate) note: &'static str,
-    /// What the paper says of it.
+    /// The paper's figure.
     pub(crate) paper: &'static str,
-    /// Frames a second that are asked for; 0 where none are.
+    /// Target in frames a second; 0 without one.
     pub(crate) target: f64,
     pub(crate) case: Case,
     threshold: f32,

@@ -1,4 +1,4 @@
-//! How time grows: with spheres, lights and the size of a light.
+//! The growth of the time with spheres, lights and the size of a light.
 
 use crate::blob::blob;
 use crate::measure::{How, Timing, frames};
@@ -12,7 +12,7 @@ use glam::Vec3;
 pub(crate) struct Curve {
     pub(crate) name: &'static str,
     pub(crate) note: &'static str,
-    /// What the number is.
+    /// The meaning of the number.
     pub(crate) of: &'static str,
     make: fn(f32) -> (Scene, BlockerSet),
     values: Vec<f32>,

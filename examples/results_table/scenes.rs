@@ -12,11 +12,11 @@ use glam::{Mat4, Vec3};
 pub(crate) struct Case {
     pub(crate) name: &'static str,
     pub(crate) note: &'static str,
-    /// What the paper says of it.
+    /// The paper's figure.
     pub(crate) paper: &'static str,
-    /// Frames a second that are asked for; 0 where none are.
+    /// Target in frames a second; 0 without one.
     pub(crate) target: f64,
-    /// How many points to the paper's count, image width and height, and how they are found.
+    /// The paper's number of points, image width and height, and the scene.
     points: usize,
     size: [u32; 2],
     make: fn() -> (Scene, BlockerSet),
@@ -125,7 +125,7 @@ pub(crate) fn light(center: Vec3, radius: f32) -> Light {
     SphereLight::new(Sphere { center, radius }, Vec3::splat(30.0 / (radius * radius))).into()
 }
 
-/// What the camera sees of a floor that fills the picture.
+/// The visible part of a floor that fills the picture.
 pub(crate) fn floor_scene(eye: Vec3, target: Vec3, fov: f32, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 400.0, Vec3::NEG_Z * 400.0);
     Scene {

@@ -42,7 +42,7 @@ fn threads() -> usize {
 
 fn times(text: &mut String, rows: &[Row]) {
     text.push_str(
-        "| scene | points | spheres | lights | penumbra | dark | ms a frame (quartiles) | fps | best ms | CPU ms | asked | paper |\n",
+        "| scene | points | spheres | lights | penumbra | dark | ms a frame (quartiles) | fps | best ms | CPU ms | target | paper |\n",
     );
     text.push_str("|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     for Row { line, spheres, lights, timing } in rows {
@@ -70,7 +70,7 @@ fn times(text: &mut String, rows: &[Row]) {
 
 fn counters(text: &mut String, rows: &[Row]) {
     text.push_str(
-        "Shares of the time, as in the paper's Table 1 (its Fig. 13: 2.1, 1.5, 84.8, 4.5, 7.1 %), and counts a point–light \
+        "Fractions of the time, as in the paper's Table 1 (its Fig. 13: 2.1, 1.5, 84.8, 4.5, 7.1 %), and counts a point–light \
          pair in penumbra:\n\n",
     );
     text.push_str(
@@ -140,7 +140,7 @@ fn in_orders(text: &mut String, orders: &[Orders]) {
 fn of_sets(text: &mut String, counts: &[Count]) {
     text.push_str(
         "## Sets by count\n\nFig. 18 right, its object as more or fewer spheres: the time, and the error against rays to the true mesh, \
-         a share of the unshadowed radiance over points in penumbra.\n\n| spheres | ms (quartiles) | best ms | CPU ms | mean error | \
+         a fraction of the unshadowed radiance over points in penumbra.\n\n| spheres | ms (quartiles) | best ms | CPU ms | mean error | \
          99 % below |\n|---|---|---|---|---|---|\n",
     );
     for Count { spheres, timing, penumbra } in counts {

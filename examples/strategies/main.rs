@@ -4,11 +4,11 @@
 //! to DIR, `strategies.png`: one row a scene (reference, then each strategy), and below each strategy its signed difference
 //! (red too bright, blue too dark, full colour from a tenth of the mean radiance on) with its mean error in penumbra.
 //!
-//! Errors are fractions of the unshadowed radiance over points in penumbra (the reference between 1 % and 99 % of it),
-//! apart for points on what casts shadows ("object"; "terminator" where their facet's plane cuts a light or is turned away
-//! from it, which smooth normals hide) and for all others ("floor"). `umbra`: light where there is none; `lit`: mean
+//! Errors are fractions of the unshadowed radiance over points in penumbra (the reference between 1 % and 99 % of it).
+//! They are separate for points on objects that cast shadows ("object"; "terminator" where their facet's plane cuts a light or is turned
+//! away from it, which smooth normals hide) and for all others ("floor"). `umbra`: light where there should be none; `lit`: mean
 //! darkening where nothing blocks. For spheres, `proxy` is Monte Carlo of the spheres against that of the mesh, `lobes` the
-//! strategy against Monte Carlo of the same spheres. Scenes whose meshes are not there are left out.
+//! strategy against Monte Carlo of the same spheres. Scenes whose meshes are missing are left out.
 
 mod sheet;
 
@@ -145,7 +145,7 @@ fn measure(name: &str, mut scene: Scene, samples: u32, sheet: &mut Sheet) -> Res
         let mut shader = CpuShader::new(visibility);
         let mut radiance = vec![Vec3::ZERO; points.len()];
         let mut seconds: Vec<f64> = Vec::new();
-        // The median of three, unless one tells enough.
+        // The median of three, or one run if that takes two seconds.
         while seconds.len() < 3 && seconds.first().is_none_or(|s| *s < 2.0) {
             let start = Instant::now();
             shader.shade(&points.points, &frame, &mut radiance)?;
@@ -201,7 +201,7 @@ impl Errors {
         let mean = truth.unshadowed.iter().map(|v| luminance(*v)).sum::<f64>() / truth.unshadowed.len().max(1) as f64;
         for (k, test) in test.iter().enumerate().filter(|(k, _)| chosen(*k)) {
             let whole = luminance(truth.unshadowed[k]);
-            // Where next to nothing arrives, shares say nothing.
+            // Points that receive almost no light are left out: their relative error says nothing.
             if whole < 0.02 * mean {
                 continue;
             }
@@ -238,7 +238,7 @@ impl Errors {
     }
 }
 
-/// Where a point is.
+/// The kind of a point's surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Floor,
@@ -267,7 +267,7 @@ impl Part {
     }
 }
 
-/// Whether an object is there for its shadow: has a proxy or a strategy.
+/// Whether an object casts a shadow: it has a proxy or a strategy.
 fn casts(object: &Object) -> bool {
     object.proxy != Proxy::None || object.strategy.is_some_and(|s| s != Strategy::None)
 }
@@ -286,7 +286,7 @@ fn maps(scene: &Scene, points: &GBuffer) -> Result<Vec<ShadowMap>, Box<dyn Error
     Ok(scene.lights.iter().map(map).collect::<Result<_, _>>()?)
 }
 
-/// The same scene with its balls as triangles, which a map can show; the balls stay their proxies.
+/// The same scene with its spheres as triangles, which a map can show; the spheres stay their proxies.
 fn of_triangles(mut scene: Scene) -> Scene {
     for object in &mut scene.objects {
         if let Shape::Spheres(balls) = &object.shape {
@@ -298,7 +298,7 @@ fn of_triangles(mut scene: Scene) -> Scene {
     scene
 }
 
-/// A ball of 64 × 128 quadrilaterals that has the ball's volume within 0.1 %.
+/// A sphere of 64 × 128 quadrilaterals that has the sphere's volume within 0.1 %.
 fn ball(of: Sphere) -> Mesh {
     const N: u32 = 64;
     let mut mesh = Mesh::default();

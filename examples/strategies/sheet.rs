@@ -10,7 +10,7 @@ const NAMES: usize = 150;
 const HEAD: usize = 30;
 const GAP: usize = 4;
 
-/// A picture of a scene and, below it, what it differs from the first one of its row.
+/// A picture of a scene and, below it, its difference from the first one of its row.
 pub(crate) struct Cell {
     pub(crate) picture: Vec<u8>,
     pub(crate) difference: Option<Vec<u8>>,
@@ -31,7 +31,7 @@ impl Sheet {
         Self { size: (size.0 as usize, size.1 as usize), columns, rows: Vec::new() }
     }
 
-    /// Adds a scene; what is missing stays empty.
+    /// Adds a scene; missing pictures stay empty.
     pub(crate) fn push(&mut self, name: &str, cells: Vec<Option<Cell>>) {
         self.rows.push((name.replace('_', " "), cells));
     }

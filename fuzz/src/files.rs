@@ -1,4 +1,4 @@
-//! What the program reads.
+//! Targets for the files that the program reads.
 
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
@@ -70,9 +70,9 @@ pub(crate) fn scene_seeds() -> Vec<Vec<u8>> {
     vec![SCHEMA_EXAMPLE.into(), without(SCHEMA_EXAMPLE).into()]
 }
 
-/// An image on a quad and, cut out along its alpha, on another: refused in one line, or values in [0, 1] wherever it is looked at.
+/// An image on a quad and, cut out along its alpha, on another: refused in one line, or values in [0, 1] at all places.
 pub(crate) fn image(data: &[u8]) {
-    // By this ending what no other format claims is TGA, which has no mark of its own.
+    // Data of unknown format counts as TGA with this ending, because TGA has no mark of its own.
     with_file("p.tga", data, |file| {
         let quad = "[[objects]]\nquad = { center = [0, 0, 0], u = [1, 0, 0], v = [0, 1, 0] }\nmaterial = ";
         let map = "color_map = { file = \"p.tga\", scale = 1.5 }";

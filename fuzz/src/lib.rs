@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub struct Target {
     /// Its name: of the binary for cargo-fuzz and of the folder in `corpus/`.
     pub name: &'static str,
-    /// What its inputs look like.
+    /// The kind of its inputs.
     pub kind: Kind,
     run: fn(&[u8]),
     /// Seeds that are made instead of kept.
@@ -54,7 +54,7 @@ pub fn corpus() -> PathBuf {
 /// Runs the target of that name on one input.
 ///
 /// # Panics
-/// Where the target finds a fault, and for a name that is none.
+/// If the target finds a fault, or if no target has that name.
 pub fn run(name: &str, data: &[u8]) {
     let target = TARGETS.iter().find(|t| t.name == name);
     target.unwrap_or_else(|| panic!("there is no target {name}")).run(data);
@@ -64,12 +64,12 @@ impl Target {
     /// Runs it on one input.
     ///
     /// # Panics
-    /// Where it finds a fault.
+    /// If it finds a fault.
     pub fn run(&self, data: &[u8]) {
         (self.run)(data);
     }
 
-    /// The inputs that others are made from: those of the corpus, by name, and made ones.
+    /// The inputs that others are made from: the files of the corpus, by name, and generated ones.
     #[must_use]
     pub fn seeds(&self) -> Vec<Vec<u8>> {
         let mut files: Vec<PathBuf> = std::fs::read_dir(corpus().join(self.name))

@@ -2,7 +2,7 @@
 
 use cosine_lobes::lobe_core::oracle::Random;
 
-/// What inputs of a target look like.
+/// The kind of a target's inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Text with words and numbers.

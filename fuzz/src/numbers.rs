@@ -40,10 +40,10 @@ pub(crate) fn product(data: &[u8]) {
     }
 }
 
-/// A product lies between 0 and what it is for equal axes.
+/// A product lies between 0 and its value for equal axes.
 ///
 /// # Panics
-/// Where it does not.
+/// If it does not.
 fn check_product(e1: f32, e2: f32, one_minus_cos: f32, value: f32) {
     assert!(value >= 0.0, "{e1:e} {e2:e} {one_minus_cos:e}: {value:e}");
     let coaxial = TAU / (e1 + e2 + 1.0);
@@ -81,11 +81,11 @@ pub(crate) fn cap(data: &[u8]) {
         let p = power(axis, bytes.direction(), exponent);
         assert!((0.0..=1.001).contains(&p), "{axis} {exponent:e}: {p:e}");
 
-        // A ball of any size anywhere, as long as differences are numbers.
-        let ball = cosine_lobes::lobe_core::Sphere { center: anywhere(&mut bytes), radius: bytes.any().abs() };
-        let seen = Cone::of_sphere(anywhere(&mut bytes), ball);
-        assert!(!seen.one_minus_cos.is_nan() && seen.one_minus_cos >= 0.0, "{ball:?}: {seen:?}");
-        assert!(seen.axis.is_finite() && (seen.axis.length() - 1.0).abs() < 1e-3, "{ball:?}: {seen:?}");
+        // A sphere of any size anywhere, as long as differences are numbers.
+        let sphere = cosine_lobes::lobe_core::Sphere { center: anywhere(&mut bytes), radius: bytes.any().abs() };
+        let seen = Cone::of_sphere(anywhere(&mut bytes), sphere);
+        assert!(!seen.one_minus_cos.is_nan() && seen.one_minus_cos >= 0.0, "{sphere:?}: {seen:?}");
+        assert!(seen.axis.is_finite() && (seen.axis.length() - 1.0).abs() < 1e-3, "{sphere:?}: {seen:?}");
     }
 }
 

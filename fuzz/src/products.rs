@@ -27,7 +27,7 @@ fn draw(random: &mut Random) -> [f32; 3] {
     [e1 as f32, e2 as f32, angle.clamp(0.0, 2.0) as f32]
 }
 
-/// Checks products against their bounds, and some against quadrature; prints what was found.
+/// Checks products against their bounds, and some against quadrature; prints the results.
 pub(crate) fn run(seed: u64, bounded: u64, quadrature: u64) -> bool {
     let start = Instant::now();
     let bad: u64 = (0..bounded.div_ceil(BATCH))

@@ -92,7 +92,7 @@ pub(crate) fn visibility(data: &[u8]) {
         let rays = check("rays", RayBlockers::new(&world), &query, &mut bytes);
         let exact = SilhouetteBlockers::new(outlines.meshes(), SurfaceHits::new(&world, |_| true));
         let silhouettes = check("silhouettes", exact, &query, &mut bytes);
-        // All and nothing are what they are; on a corner of the soup rounding decides on which side of its triangles.
+        // Fully lit and fully dark must be found as such. On a corner of the soup rounding decides the side of its triangles.
         if place > 0 {
             let truth = seen(&mesh, &query);
             for (name, found) in [("rays", rays), ("silhouettes", silhouettes)] {
@@ -109,8 +109,8 @@ pub(crate) fn visibility(data: &[u8]) {
     }
 }
 
-/// Which part of a light is seen by rays in f64; none where some of them pass an edge, start so near to a triangle that single
-/// precision may see another thing, or meet one inside of the light.
+/// The visible fraction of a light by rays in f64; `None` if some of them pass an edge, start so near to a triangle that single
+/// precision may decide otherwise, or meet one inside the light.
 fn seen(mesh: &Mesh, (at, light): &(Receiver, Sphere)) -> Option<f64> {
     const RAYS: u32 = 61;
     let (from, center) = (at.position.as_dvec3(), light.center.as_dvec3());
@@ -152,7 +152,7 @@ fn seen(mesh: &Mesh, (at, light): &(Receiver, Sphere)) -> Option<f64> {
     Some(f64::from(lit) / f64::from(RAYS))
 }
 
-/// The visible fraction of a diffuse lobe, and that all of them lie from 0 to 1; none where the light is not in sight.
+/// The visible fraction of a diffuse lobe. Checks that all fractions lie from 0 to 1. `None` if the light is not in sight.
 fn check<B: Blockers>(name: &str, blockers: B, (at, light): &(Receiver, Sphere), bytes: &mut Bytes<'_>) -> Option<f32> {
     let visibility = MaskVisibility::new(blockers);
     let cone = Cone::of_sphere(at.position, *light);

@@ -2,7 +2,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// CRC-32 (IEEE 802.3) of some bytes as eight hexadecimal digits: what files that are read back carry, so that a flipped bit
+/// CRC-32 (IEEE 802.3) of some bytes as eight hexadecimal digits. Files that are read back carry it, so that a flipped bit
 /// is noticed.
 ///
 /// ```
@@ -13,7 +13,7 @@ pub fn checksum(bytes: &[u8]) -> String {
     format!("{:08x}", crc32fast::hash(bytes))
 }
 
-/// What stands for a [`checksum`] while it is taken.
+/// The placeholder of a [`checksum`] while it is computed.
 pub(crate) const UNKNOWN: &str = "00000000";
 
 /// Puts the checksum of a file into the file: `text`, which occurs in it and ends with [`UNKNOWN`], gets it instead.
@@ -55,7 +55,7 @@ pub(crate) fn is_sealed(mut file: Vec<u8>, text: &str) -> bool {
     checksum(&file).as_bytes() == sum
 }
 
-/// Where the last eight bytes of a text are in a file.
+/// The place of a text's last eight bytes in a file.
 fn place(file: &[u8], text: &str) -> Option<core::ops::Range<usize>> {
     let start = file.windows(text.len().max(1)).position(|part| part == text.as_bytes())?;
     let end = start + text.len();

@@ -108,7 +108,7 @@ impl RegionError {
 
 /// The error apart for pixels in penumbra, in full light and in full shadow.
 ///
-/// All in luminance: of a pixel with unshadowed luminance U > 0 the error is `|A − B|/U`, and `B/U` tells the region.
+/// All in luminance: for a pixel with unshadowed luminance U > 0 the error is `|A − B|/U`, and `B/U` gives the region.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ShadowErrors {
     /// `B/U` strictly between 1 % and 99 %.
@@ -118,7 +118,7 @@ pub struct ShadowErrors {
     pub lit: RegionError,
     /// `B` exactly 0.
     pub dark: RegionError,
-    /// How many of the dark pixels are not exactly 0 in the tested picture.
+    /// The number of dark pixels that are not exactly 0 in the tested picture.
     pub dark_nonzero: usize,
 }
 

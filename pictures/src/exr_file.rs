@@ -109,7 +109,7 @@ mod tests {
         assert_eq!(read_exr_layer(&a, "light0").unwrap(), None);
     }
 
-    /// The size of a picture is what its file says: no memory is reserved that the file's own size does not justify.
+    /// A header may claim any size: no memory is reserved that the file's own size does not justify.
     #[test]
     fn huge_sizes_in_small_files_are_refused() {
         let folder = tempfile::tempdir().unwrap();

@@ -19,7 +19,7 @@ pub(crate) fn open(path: &Path) -> Result<BufReader<File>, ImageFileError> {
         return Err(ImageFileError::format(path, "is a folder"));
     }
     let mut file = BufReader::new(file);
-    // What is wrong with a header is told by who reads the picture.
+    // A broken header is reported by the code that reads the picture.
     let claimed = MetaData::read_from_buffered(&mut file, false).map_or(0, |meta| {
         let bytes = |h: &Header| {
             let channel = |c: &ChannelDescription| c.sample_type.bytes_per_sample() as u64;

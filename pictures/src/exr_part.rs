@@ -10,10 +10,10 @@ use std::io::{Cursor, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A part of a picture with all its channels: what a run with a window writes, and what parts make together.
+/// A part of a picture with all its channels: the output of a run with a window, and the result of merging parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrPart {
-    /// Which part: the data window within the display window.
+    /// The place of the part: the data window within the display window.
     pub window: Window,
     /// Channels by name, in the file's order, with one value a pixel of the part.
     pub channels: Vec<(String, Vec<f32>)>,
@@ -48,7 +48,7 @@ pub enum MergeError {
         columns.start, columns.end, rows.start, rows.end
     )]
     Missing {
-        /// How many.
+        /// Their number.
         count: usize,
         /// The columns among which they are.
         columns: Range<usize>,
@@ -168,7 +168,7 @@ impl ExrPart {
                 return Err(MergeError::Overlap(number + 1));
             }
         }
-        // Before any memory is reserved: the image is as large as its file says, the parts as what was read.
+        // Checked before any memory is reserved: the image has the size in its files' headers, the parts have the size of the data read.
         Self::check_complete(parts, [width, height])?;
         let mut channels: Vec<(String, Vec<f32>)> =
             names(first).into_iter().map(|name| (name, vec![0.0; width * height])).collect();
@@ -184,7 +184,7 @@ impl ExrPart {
         Ok(Self { window: Window::whole(width, height), channels, exposure: first.exposure })
     }
 
-    /// Whether parts that do not overlap have all pixels of an image.
+    /// Whether parts that do not overlap cover an image.
     fn check_complete(parts: &[Self], [width, height]: [usize; 2]) -> Result<(), MergeError> {
         // Between two of these rows all are alike.
         let mut cuts: Vec<usize> = parts.iter().flat_map(|p| [p.window.rows.start, p.window.rows.end]).collect();
@@ -221,10 +221,10 @@ impl ExrPart {
     }
 }
 
-/// Reads parts and puts them together.
+/// Reads parts and merges them.
 ///
 /// # Errors
-/// Those of [`ExrPart::read`]; what [`ExrPart::merge`] finds is told of the file.
+/// Those of [`ExrPart::read`]; errors of [`ExrPart::merge`] name the file.
 pub fn merge_exr(paths: &[PathBuf]) -> Result<ExrPart, ImageFileError> {
     let parts = paths.iter().map(|p| ExrPart::read(p)).collect::<Result<Vec<_>, _>>()?;
     ExrPart::merge(&parts).map_err(|error| {
@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(ExrPart::merge(&[part(0..3, 0..4), other]), Err(MergeError::Other(2)));
     }
 
-    /// The size of an image is what a file says: nothing is reserved for pixels that nobody has.
+    /// A header may claim any size: nothing is reserved for pixels that are in no file.
     #[test]
     fn huge_images_of_small_parts_are_refused() {
         let mut small = part(0..3, 0..4);

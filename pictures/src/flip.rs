@@ -1,8 +1,8 @@
 //! LDR-FLIP, the difference between two pictures that an observer sees when they alternate on a screen.
 //!
 //! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström, M. D. Fairchild, *FLIP: A Difference Evaluator
-//! for Alternating Images*, Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020. Two pipelines: colours as far as the
-//! eye resolves them (what contrast sensitivity leaves, then a difference in L\*a\*b\*), and features (edges and
+//! for Alternating Images*, Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020. Two pipelines: colours at the resolution of
+//! the eye (filtered by contrast sensitivity, then compared in L\*a\*b\*), and features (edges and
 //! points of the luminance), which raise the difference of the colours.
 
 use glam::{DMat3, Mat3, Vec3};
@@ -21,7 +21,7 @@ const WIDEST: f64 = 0.04;
 
 /// Exponent q_c that compresses large differences of colour.
 const COLOR_EXPONENT: f32 = 0.7;
-/// The differences up to the part p_c of the largest one share the part p_t of the range [0, 1].
+/// Differences up to the fraction p_c of the largest one map to the fraction p_t of the range [0, 1].
 const LOW_COLORS: f32 = 0.4;
 const LOW_ANSWERS: f32 = 0.95;
 /// Width w in degrees of the features that are looked for.
@@ -52,7 +52,7 @@ pub(crate) fn flip(a: &[u8], b: &[u8], width: usize, pixels_per_degree: f32) -> 
         .collect()
 }
 
-/// What an observer takes in of a picture.
+/// A picture as an observer sees it.
 struct Seen {
     /// Filtered colours in L\*a\*b\*, with Hunt's adjustment.
     colors: Vec<Vec3>,
@@ -171,7 +171,7 @@ fn sensitivity(plane: &[f32], width: usize, pixels_per_degree: f64, terms: &[(f6
     let window = (3.0 * deviation(WIDEST)).ceil();
     // The term `a exp(−b f²)` is `a √(π/b) exp(−π² x²/b)` at x degrees. Each is separable, their sum is not.
     let bells = terms.iter().map(|&(a, b)| {
-        // What lies beyond six deviations, less than 1e-7, is left out.
+        // The bell is cut at six deviations, where less than 1e-7 is left.
         let bell = bell(window.min((6.0 * deviation(b)).ceil()) as isize, deviation(b));
         (a * (PI / b).sqrt() * bell.iter().sum::<f64>().powi(2), balanced(&bell))
     });
@@ -292,7 +292,7 @@ mod tests {
         values.iter().map(|v| f64::from(*v)).sum::<f64>() / values.len() as f64
     }
 
-    /// Against what the authors' own implementation (by way of the crate nv-flip 0.1.2) gives at 67.02
+    /// Against the authors' own implementation (by way of the crate nv-flip 0.1.2) at 67.02
     /// pixels a degree. It has colour constants of more digits; over these pairs and others up to 320×240 pixels the
     /// two differed by 2.4e-4 in a pixel and 6e-5 in the mean at most.
     #[test]
@@ -338,7 +338,7 @@ mod tests {
         }
     }
 
-    /// Without features only the colours count, whatever the size: `L* = 0` and `100` by hand.
+    /// Without features only the colours count, at any size: `L* = 0` and `100` by hand.
     #[test]
     fn flat_pictures() {
         let space = Space::new();

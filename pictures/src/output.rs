@@ -15,12 +15,12 @@ pub enum ImageFileError {
         /// Its reason.
         source: io::Error,
     },
-    /// The file is not what it should be.
+    /// The file has the wrong format.
     #[error("{}: {message}", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         message: String,
     },
 }
@@ -76,7 +76,7 @@ fn sweep(path: &Path) {
     for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
         if entry.file_name().to_str().and_then(owner).is_some_and(|id| !lives(id)) {
             let path = entry.path();
-            // Nobody holds it, on another machine neither.
+            // No process holds it, on this machine or another.
             if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
                 let _ = fs::remove_file(path);
             }
@@ -92,15 +92,15 @@ fn owner(name: &str) -> Option<u32> {
     ENDINGS.contains(&ending.to_ascii_lowercase().as_str()).then(|| id.parse().ok())?
 }
 
-/// Whether a process of this machine has that number, where that can be seen.
+/// Whether a process of this machine has that number, where the system shows this.
 fn lives(id: u32) -> bool {
     id == std::process::id() || (cfg!(target_os = "linux") && Path::new("/proc").join(id.to_string()).exists())
 }
 
-/// A file in the making: written under a temporary name in the same folder and renamed when it is complete, so that
-/// nobody ever sees half of it. Dropped unfinished, it leaves nothing behind.
+/// An unfinished file: written under a temporary name in the same folder and renamed when it is complete, so that
+/// no reader ever sees half of it. Dropped unfinished, it leaves nothing behind.
 ///
-/// Created before the work starts, it tells at once that a path cannot be written.
+/// It is created before the work starts, so that a path that cannot be written is reported at once.
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
@@ -133,7 +133,7 @@ impl Output {
         };
         drop(list);
         let file = created.map_err(|source| ImageFileError::io(&path, source))?;
-        // Tells others that somebody is at work on it; where there are no locks, nobody takes it away.
+        // Tells other processes that the file is in use. Without file locks no process removes it.
         let _ = file.try_lock();
         Ok(Self { path, temporary, file: Some(file), stamp: None })
     }
@@ -179,7 +179,7 @@ impl Output {
             // The content is on the disk before the name is: a power cut leaves the old file or the new one.
             file.sync_all().map_err(failed)?;
         }
-        // Where an open file cannot be renamed.
+        // Windows cannot rename an open file.
         if cfg!(windows) {
             self.file = None;
         }

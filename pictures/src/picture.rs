@@ -37,7 +37,7 @@ impl Picture {
         &self.pixels
     }
 
-    /// How many pixels have a component that is infinite or not a number.
+    /// The number of pixels with a component that is infinite or not a number.
     #[must_use]
     pub fn non_finite(&self) -> usize {
         self.pixels.iter().filter(|p| !p.is_finite()).count()

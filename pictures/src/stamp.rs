@@ -10,11 +10,11 @@ pub(crate) const STAMP: &str = "cosine-lobes";
 
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// The line that a PNG or OpenEXR file was [stamped](crate::Output::stamped) with; `None` where there is no such file or
-/// no such line. The whole file is checked: a PNG file by the sums of its chunks, an OpenEXR file by one that the line has.
+/// The line that a PNG or OpenEXR file was [stamped](crate::Output::stamped) with; `None` without such a file or
+/// such a line. The whole file is checked: a PNG file by the checksums of its chunks, an OpenEXR file by the checksum in the line.
 ///
 /// # Errors
-/// [`ImageFileError`] for a file that cannot be read, is none of these, is cut short or has other bytes than were written.
+/// [`ImageFileError`] for a file that cannot be read, has another format, is cut short or has other bytes than were written.
 pub fn read_stamp(path: &Path) -> Result<Option<String>, ImageFileError> {
     let file = match std::fs::read(path) {
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),

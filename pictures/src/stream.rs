@@ -96,7 +96,7 @@ impl PictureStream {
     }
 
     /// Hands over the next rows, as wide as the picture. False when a file can no longer be written:
-    /// [`finish`](Self::finish) tells why.
+    /// [`finish`](Self::finish) gives the reason.
     pub fn send(&mut self, band: ExrPart) -> bool {
         let band = Arc::new(band);
         self.writers.iter().all(|w| w.bands.as_ref().is_some_and(|bands| bands.send(band.clone()).is_ok()))
@@ -105,7 +105,7 @@ impl PictureStream {
     /// Waits until all files are complete and have their names.
     ///
     /// # Errors
-    /// That of the first file that could not be written, or that not all rows were sent.
+    /// The error of the first file that could not be written, or an error for missing rows.
     pub fn finish(mut self) -> Result<(), ImageFileError> {
         self.writers.iter_mut().for_each(|w| w.bands = None);
         let mut result = Ok(());
@@ -152,7 +152,7 @@ impl Bands {
     }
 }
 
-/// What was sent is not the picture.
+/// The error for missing rows.
 const INCOMPLETE: &str = "the picture is not complete";
 
 fn write_exr_bands(

@@ -30,7 +30,7 @@ impl Window {
         [self.columns.len(), self.rows.len()]
     }
 
-    /// Whether it is the image itself.
+    /// Whether it covers the whole image.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         *self == Self::whole(self.image[0], self.image[1])

@@ -1,11 +1,11 @@
-//! Ctrl-C at any moment: alone in its program, since what it tests is for good.
+//! Ctrl-C at any moment: alone in its program, because its effect is permanent.
 
 use pictures::{Output, remove_unfinished};
 use std::fs;
 use std::io::Write;
 use std::sync::Barrier;
 
-/// Threads that write one file after another, and a handler that comes between: what is left has its name and is whole.
+/// Threads write one file after another while the handler runs: every remaining file has its name and is whole.
 #[test]
 fn nothing_is_left_by_work_that_goes_on() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! What finding the visible points costs: the built-in scene and, given scene files as arguments, those.
+//! Cost of finding the visible points: the built-in scene, and scene files given as arguments.
 //!
 //! `cargo run --release -p cosine-lobes-render-cpu --example points -- scenes/bunny.toml scenes/walk.toml`
 

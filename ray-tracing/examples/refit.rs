@@ -1,4 +1,4 @@
-//! What it costs to refit the hierarchy of a moving mesh, and to build it anew: side by side, medians.
+//! Cost of refitting the hierarchy of a moving mesh, beside the cost of building it anew: medians.
 //!
 //! `cargo run --release -p cosine-lobes-render-cpu --example refit`
 

@@ -13,7 +13,7 @@ use scene::ShadingPoints;
 /// Side of the pixel tiles in whose order points are listed.
 pub const TILE: u32 = SIDE as u32;
 
-/// What the camera sees: the visible points of every pixel.
+/// The visible points of every pixel.
 ///
 /// Points come tile by tile ([`TILE`]² pixels, left to right, top to bottom), so that neighbours in the list are
 /// neighbours in space. A camera ray that meets nothing leaves no point.
@@ -31,18 +31,18 @@ pub struct GBuffer {
     pub pixels: Vec<u32>,
     /// For each point the distance from the plane of the eye, along the view direction.
     pub depths: Vec<f32>,
-    /// What the points' material numbers refer to: the scene's materials, then those of points whose surfaces have textures or vertex
-    /// colours, one each. The Monte-Carlo reference takes them from here.
+    /// The materials that points refer to by number: the scene's materials, then one for each point whose surface has textures or vertex
+    /// colours. The Monte-Carlo reference takes them from here.
     pub materials: Vec<Material>,
     /// For each point the radiance that its surface emits toward the eye; empty where no surface does.
     pub emission: Vec<Vec3>,
-    /// For each pixel what its rays that met nothing see of the scene's environment: their sum over all its rays. Empty where there is
-    /// none.
+    /// For each pixel the radiance of the environment, summed over its rays that met nothing. Empty without an
+    /// environment.
     pub sky: Vec<Vec3>,
 }
 
 impl GBuffer {
-    /// Adds what the points' surfaces emit to their radiance.
+    /// Adds the emission of the points' surfaces to their radiance.
     ///
     /// # Panics
     /// When there is not one value a point.

@@ -1,7 +1,7 @@
-//! What rays meet in a scene.
+//! Ray tracing of a scene, and the visible points of a picture.
 //!
-//! - [`World`]: the triangles and balls of a scene in two hierarchies (obvhs). Single shadow rays ([`World::occluded`]), and the
-//!   questions that spare them: which [`Primitive`]s lie between points and a light ([`World::in_shaft`]), whether any ray of a
+//! - [`World`]: the triangles and spheres of a scene in two hierarchies (obvhs). It answers single shadow rays ([`World::occluded`]), and
+//!   queries that save rays: the [`Primitive`]s between points and a light ([`World::in_shaft`]), whether any ray of a
 //!   [`Region`] meets something. A [`Hierarchy`] is kept and refitted as things move.
 //! - [`GBuffer`]: the visible points of a picture, found by packets of camera rays.
 //! - [`SphereHierarchy`]: the same for spheres that carry data.

@@ -7,7 +7,7 @@ use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::Ray;
 use obvhs::{Boundable, BvhBuildParams};
 
-/// A sphere and what it carries.
+/// A sphere with its data.
 #[derive(Clone, Copy)]
 struct Item<T> {
     sphere: Sphere,
@@ -53,8 +53,8 @@ impl<T: Copy> SphereHierarchy<T> {
         }))
     }
 
-    /// Whether a ray of unit direction meets one of the spheres nearer than `distance`. `meet` decides it for a sphere whose box
-    /// the ray passes: it is given the distance that counts, and returns the distance at which the ray meets the sphere, or infinity.
+    /// Whether a ray of unit direction meets one of the spheres nearer than `distance`. `meet` is called for a sphere whose box
+    /// the ray passes. It gets the distance limit, and returns the distance at which the ray meets the sphere, or infinity.
     #[inline]
     pub fn any(&self, origin: Vec3, direction: Vec3, distance: f32, meet: impl Fn(&Sphere, &T, f32) -> f32) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);

@@ -27,11 +27,11 @@ use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
 use scene::{Doubles, Proxy, Scene, Shape};
 
-/// Where a ray meets the scene.
+/// A hit of a ray.
 #[cfg(test)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hit {
-    /// World position: from the barycentric coordinates of the triangle or on the ball, in f64, then rounded, so that it
+    /// World position: from the barycentric coordinates of the triangle or on the sphere, in f64, then rounded, so that it
     /// is as near to the surface as an f32 point can be.
     pub(crate) position: Vec3,
     /// Unit shading normal on the ray's side of the surface.
@@ -42,7 +42,7 @@ pub(crate) struct Hit {
     pub(crate) object: u32,
 }
 
-/// The geometry of a scene, ready for rays: triangles and exact balls in two hierarchies.
+/// The geometry of a scene, ready for rays: triangles and exact spheres in two hierarchies.
 ///
 /// Holds the objects that the camera sees and those that block light. Building costs about 0.6 µs a triangle.
 #[derive(Debug)]
@@ -86,7 +86,7 @@ impl<'s> World<'s> {
         Self { scene, triangles, balls, tangents }
     }
 
-    /// What [`refit`](Self::refit) takes.
+    /// The hierarchy, for [`refit`](Self::refit).
     #[must_use]
     pub fn into_hierarchy(self) -> Hierarchy {
         Hierarchy { triangles: self.triangles, balls: self.balls, tangents: self.tangents }
@@ -131,7 +131,7 @@ impl<'s> World<'s> {
         self.triangles.primitives.len()
     }
 
-    /// The nearest visible surface along a ray of unit direction: what tiles of rays are tested against.
+    /// The nearest visible surface along a ray of unit direction; tests compare tiles of rays with it.
     #[cfg(test)]
     pub(crate) fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let ray = Ray::new_inf(origin.into(), direction.into());
@@ -149,7 +149,7 @@ impl<'s> World<'s> {
         }
     }
 
-    /// True when a triangle or ball lies on the ray nearer than `distance`.
+    /// True when a triangle or sphere lies on the ray nearer than `distance`.
     ///
     /// The true geometry, not the proxies. `origin` is to be off the surface already, see [`World::leave`].
     #[must_use]
@@ -170,8 +170,8 @@ impl<'s> World<'s> {
     /// in the last place).
     ///
     /// `position` is the point of the surface rounded to f32. This rounding and that of the start move it by less than half
-    /// as much along the normal, so the start is on the side of the surface that the normal points to, whatever the size
-    /// of the scene. Rays that leave the surface do not meet it: where a start is too near to a triangle for f32,
+    /// as much along the normal, so the start is on the side of the surface that the normal points to, in scenes of any
+    /// size. Rays that leave the surface do not meet it: where a start is too near to a triangle for f32,
     /// [`occluded`](Self::occluded) decides in f64.
     #[must_use]
     pub fn leave(&self, position: Vec3, face_normal: Vec3) -> Vec3 {
@@ -233,7 +233,7 @@ impl<'s> World<'s> {
     }
 }
 
-/// The triangles with an area and the balls with a radius of all objects that are seen or block; equal meshes and balls once.
+/// The triangles with an area and the spheres with a radius of all objects that are seen or block; equal meshes and spheres once.
 fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
     let (mut triangles, mut balls, mut doubles) = (Vec::new(), Vec::new(), Doubles::default());
     for (number, object) in scene.objects.iter().enumerate() {
@@ -293,7 +293,7 @@ mod tests {
         scene
     }
 
-    /// A ball that makes a light visible is seen and does not hide it.
+    /// A sphere that makes a light visible is seen and does not hide it.
     #[test]
     fn a_lamp_does_not_hide_its_light() {
         let mut scene = floor_and_ball();
@@ -307,7 +307,7 @@ mod tests {
         assert!(hidden(&scene));
     }
 
-    /// A point at an edge lies on another face, too: that one hides nothing from it, whatever its box.
+    /// A point at an edge lies on another face, too: that face hides nothing from it.
     #[test]
     fn a_surface_does_not_hide_what_starts_on_it() {
         let mut scene = floor_and_ball();

@@ -1,4 +1,4 @@
-//! The surfaces of lights that are no balls, in f64: the true shapes, sampled by area.
+//! The surfaces of lights that are no spheres, in f64: the true shapes, sampled by area.
 
 use crate::cone::concentric;
 use core::f64::consts::{PI, TAU};
@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use lighting::{FlatLight, Light, SkyLight, TubeLight};
 use lobe_core::{LightImage, LightLobes, Sphere};
 
-/// Blockers count as far as this part of the way to a surface: what shows a light does not hide it.
+/// Blockers count up to this fraction of the way to the light's surface, so that an object that shows the light does not hide it.
 const BEFORE: f64 = 0.999_9;
 
 /// A light's surface as a receiver sees it, relative to the receiver.
@@ -16,7 +16,7 @@ pub(crate) struct Area<'l> {
     shown: Option<Shown<'l>>,
 }
 
-/// What a flat light shows, from its middle along two half sides.
+/// The image of a flat light, from its middle along two half sides.
 #[derive(Clone, Debug)]
 struct Shown<'l> {
     image: &'l LightImage,
@@ -56,7 +56,7 @@ pub(crate) struct Seen {
 }
 
 impl<'l> Area<'l> {
-    /// The ball around a light, and the light's shape where that is another one; none where the light faces away.
+    /// The sphere around a light, and the light's shape if that is no sphere; `None` where the light faces away.
     pub(crate) fn of(light: &'l Light, position: Vec3) -> Option<(Sphere, Option<Self>)> {
         let plain = |shape| Some(Self { shape, shown: None });
         Some(match light {
@@ -73,7 +73,7 @@ impl<'l> Area<'l> {
             Light::Sky(sky @ SkyLight::Patch(patch)) => {
                 let bounds = sky.bounds_from(&Sphere { center: position, radius: 0.0 });
                 let middle = bounds.center.as_dvec3() - position.as_dvec3();
-                // As far away as the ball is.
+                // As far away as the sphere is.
                 let distance = middle.length() / patch.center.as_dvec3().length();
                 let sides = patch.sides.map(|side| side.as_dvec3() * distance);
                 let [u, v] = sides;
@@ -88,12 +88,12 @@ impl<'l> Area<'l> {
         })
     }
 
-    /// A point drawn uniformly by area; none where it is on the side away from the receiver.
+    /// A point drawn uniformly by area; `None` on the side away from the receiver.
     pub(crate) fn sample(&self, u: f64, v: f64) -> Option<Seen> {
         self.shape.sample(u, v).map(|seen| self.show(seen))
     }
 
-    /// What a ray meets of it.
+    /// The point where a ray meets it.
     pub(crate) fn hit(&self, v: DVec3) -> Option<Seen> {
         self.shape.hit(v).map(|seen| self.show(seen))
     }
@@ -168,7 +168,7 @@ impl Shape {
                 let length = along.length();
                 let axis = *along / length;
                 let (a, b) = axis.any_orthonormal_pair();
-                // By height: the mantle and, as Archimedes knew, both halves of a ball have the same area for each length.
+                // By height: the mantle and, as Archimedes knew, both halves of a sphere have the same area for each length.
                 let height = u * (length + 2.0 * radius) - radius;
                 let (sin, cos) = (TAU * v).sin_cos();
                 let aside = a * cos + b * sin;

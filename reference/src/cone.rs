@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_4, TAU};
 use glam::{DVec3, Vec3};
 use lobe_core::{Cone, Sphere};
 
-/// A ball of light seen from a point.
+/// A sphere of light seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightCone {
     axis: DVec3,
@@ -16,15 +16,15 @@ pub(crate) struct LightCone {
     one_minus_cos: f64,
 }
 
-/// Whether a receiver is in the light and not on its surface.
+/// Whether a receiver is inside the light and not on its surface.
 fn is_inside(distance: f64, radius: f64) -> bool {
     distance <= f64::from(Cone::INSIDE) * radius
 }
 
 impl LightCone {
-    pub(crate) fn new(position: Vec3, ball: Sphere) -> Self {
-        let to_center = ball.center.as_dvec3() - position.as_dvec3();
-        let (distance, radius) = (to_center.length(), f64::from(ball.radius));
+    pub(crate) fn new(position: Vec3, sphere: Sphere) -> Self {
+        let to_center = sphere.center.as_dvec3() - position.as_dvec3();
+        let (distance, radius) = (to_center.length(), f64::from(sphere.radius));
         let axis = if distance > 0.0 { to_center / distance } else { DVec3::Z };
         let one_minus_cos = if is_inside(distance, radius) {
             2.0

@@ -1,8 +1,8 @@
-//! Monte Carlo of the same points that the lobes shade: no lobe, no mask, only rays. By design it shares nothing with what it measures.
+//! Monte Carlo of the same points that the lobes shade: no lobe, no mask, only rays. By design it has no code in common with the lobes.
 //!
 //! - [`Reference`]: direct light of a [`ReferenceJob`], progressive and resumable ([`Reference::save`]), with a standard error for
 //!   each point ([`Estimate`]).
-//! - [`RayShader`]: shadow rays at the best speed that they reach here, as a [`Shade`](scene::Shade): what the lobes are compared with.
+//! - [`RayShader`]: shadow rays at the best speed that they reach here, as a [`Shade`](scene::Shade), to compare the lobes with.
 //!
 //! ```
 //! use core::sync::atomic::AtomicBool;

@@ -1,4 +1,4 @@
-//! Direct light by shadow rays: what the lobes are measured against.
+//! Direct light by shadow rays, to compare the lobes with.
 
 mod discs;
 mod reflectance;
@@ -42,14 +42,14 @@ const LISTED: usize = 48;
 /// costs a shadow ray, which stops at the first blocker (any hit); directions below the receiver's own facet are dark where
 /// its object blocks.
 ///
-/// *Culled* ([`culled`](Self::culled)): points that share a group of 64 list what may lie between them and the light;
-/// points whose cone of light meets nothing of it shoot no rays and take 16 samples at most, points whose light one sphere
-/// hides take none, and rays are tested against spheres eight at once without a hierarchy: everything that the lobes' own
-/// culling gives, for rays.
+/// *Culled* ([`culled`](Self::culled)): points in a group of 64 list the blockers that may lie between them and the light;
+/// points whose cone of light meets none of them shoot no rays and take 16 samples at most, points whose light one sphere
+/// hides take none, and rays are tested against spheres eight at once without a hierarchy. So the rays have all
+/// the culling of the lobes.
 /// *Not culled*: each ray alone through an eight-wide hierarchy (obvhs).
 ///
 /// Lights narrower than a glossy lobe's width are sampled well; a lobe much narrower than the light (`e(1 − cos θ) > 2`)
-/// would need samples of its own and is noisy. Results do not depend on threads nor on how points are listed.
+/// would need samples of its own and is noisy. Results depend neither on threads nor on the order of points.
 ///
 /// # Cost
 /// Linear in samples. Measured on a core with AVX-512, 65 536 points, bunny of 64 spheres: 14 Mrays/s through the hierarchy,
@@ -88,7 +88,7 @@ impl<'a> RayShader<'a> {
         Self::new(Targets::Spheres(SphereTargets::new(blockers)), samples)
     }
 
-    /// Rays against the true triangles and balls.
+    /// Rays against the true triangles and spheres.
     #[must_use]
     pub fn surfaces(world: &'a World<'a>, samples: u32) -> Self {
         Self::new(Targets::Surfaces(world), samples)
@@ -213,7 +213,7 @@ impl<'a> RayShader<'a> {
         if meets { Coverage::Partial } else { Coverage::Lit }
     }
 
-    /// One point and one light that is no ball: points of its surface.
+    /// One point and one light that is no sphere: points of its surface.
     fn sample_area(&self, pair: &Pair<'_>, area: &Area<'_>, material: &Material, rays: &mut u64) -> Vec3 {
         let Pair { at, number, clear, .. } = pair;
         let [x, y, z] = at.position.to_array().map(|x| u64::from(x.to_bits()));
@@ -271,7 +271,7 @@ impl<'a> RayShader<'a> {
         };
         let (axis, b0, b1) = (Vec3x8::splat(simd, axis), Vec3x8::splat(simd, b0), Vec3x8::splat(simd, b1));
         let to_center = Vec3x8::splat(simd, to_center);
-        // Where nothing blocks, the integrand is smooth.
+        // Without blockers the integrand is smooth.
         let samples = if *clear { self.samples.min(CLEAR_SAMPLES) } else { self.samples };
         let mut sum = Sum::new(simd);
         for (b, points) in self.discs.set(key).iter().take((samples as usize).div_ceil(LANES)).enumerate() {

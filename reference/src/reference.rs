@@ -21,7 +21,7 @@ use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
 use scene::{BlockerSet, Bounds};
 
-/// Independent randomisations, whose spread tells the error.
+/// Independent randomisations; their spread gives the error.
 pub const REPLICATES: u32 = 8;
 
 /// Points that are sampled together.
@@ -34,14 +34,14 @@ const CHUNK: u32 = 32;
 /// samples are needed: `e^−2` is how far a lobe falls within such a light.
 const GLOSSY: f64 = 2.0;
 
-/// What casts shadows in a [`Reference`].
+/// The geometry that casts shadows in a [`Reference`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Geometry<'a> {
     /// The same blocker spheres that the lobes see, with the same rule for an object's own ones.
     Spheres,
-    /// The true geometry: triangles and balls.
+    /// The true geometry: triangles and spheres.
     Mesh,
-    /// The true geometry of the objects that the list says yes to, by number, and all blocker spheres: the truth beside a
+    /// The true geometry of the objects whose entry is true, by number, and all blocker spheres: the reference for a
     /// [`Mixture`](visibility_mask::Mixture) of strategies.
     Mixed(&'a [bool]),
     /// Nothing.
@@ -55,7 +55,7 @@ impl Geometry<'_> {
     }
 }
 
-/// What a [`Reference`] is computed for.
+/// The input of a [`Reference`].
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceJob<'a> {
     /// The geometry; its scene gives materials and lights.
@@ -64,20 +64,20 @@ pub struct ReferenceJob<'a> {
     pub gbuffer: &'a GBuffer,
     /// Blocker spheres, for [`Geometry::Spheres`] and [`Geometry::Mixed`].
     pub blockers: &'a BlockerSet,
-    /// What casts shadows.
+    /// The geometry that casts shadows.
     pub geometry: Geometry<'a>,
     /// Chooses the randomisations.
     pub seed: u64,
 }
 
-/// The replicates of one point: running means of what was sampled.
+/// The replicates of one point: running means of the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Tally {
     radiance: [Vec3; REPLICATES as usize],
     unshadowed: [Vec3; REPLICATES as usize],
 }
 
-/// What a [`Reference`] knows so far, one entry a point.
+/// The result of a [`Reference`] so far, one entry a point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// Radiance toward the eye.
@@ -104,7 +104,7 @@ pub struct Estimate {
 #[derive(Debug)]
 pub struct Reference<'a> {
     job: ReferenceJob<'a>,
-    /// What the scene's environment shows.
+    /// The scene's environment.
     sky: Option<Sky<'a>>,
     tallies: Vec<Tally>,
     /// Samples a replicate that each tile has.
@@ -136,7 +136,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Brings every point to at least `samples` samples a light (rounded up to a multiple of [`REPLICATES`]; powers of
-    /// two converge best). Returns early, with whole tiles done, when `stop` becomes true. `progress` is told of every
+    /// two converge best). Returns early, with whole tiles done, when `stop` becomes true. Calls `progress` for every
     /// piece of work done, from any thread.
     pub fn advance(&mut self, samples: u32, stop: &AtomicBool, progress: &(dyn Fn(u64) + Sync)) {
         let target = samples.div_ceil(REPLICATES);
@@ -197,16 +197,16 @@ struct Pair<'a> {
     material: &'a Material,
     /// Of the light.
     radiance: Vec3,
-    /// Its shape, where that is no ball.
+    /// Its shape, where that is no sphere.
     area: Option<Area<'a>>,
-    /// The ball's directions, or those of a ball around the shape.
+    /// The sphere's directions, or those of a sphere around the shape.
     cone: LightCone,
     occluders: &'a Occluders,
     /// The directions below the receiver's horizon, where it cuts the light.
     horizon: Option<Cap>,
     /// First azimuth at which some of the cone is above the horizon, and how far these azimuths reach.
     azimuths: (f64, f64),
-    /// Where shadow rays in the true geometry start.
+    /// The start of shadow rays in the true geometry.
     origin: Vec3,
     glossy: bool,
 }
@@ -226,7 +226,7 @@ impl Sampler {
         let receivers = &points.receivers[first..first + tallies.len()];
         let mut sums = vec![[[DVec3::ZERO; 2]; REPLICATES as usize]; tallies.len()];
         for (number, light) in scene.lights.iter().enumerate() {
-            // What the environment shows is sampled from its picture.
+            // The lights of an environment are replaced by samples of its picture.
             if sky.is_some() && matches!(light, Light::Sky(_)) {
                 continue;
             }
@@ -237,8 +237,8 @@ impl Sampler {
                 tile_candidates(receivers, light.bounds_from(&around), job.blockers, &mut self.candidates);
             }
             for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
-                let Some((ball, area)) = Area::of(light, at.position) else { continue };
-                let cone = LightCone::new(at.position, ball);
+                let Some((sphere, area)) = Area::of(light, at.position) else { continue };
+                let cone = LightCone::new(at.position, sphere);
                 if cone.one_minus_cos() <= 0.0 {
                     continue;
                 }
@@ -284,7 +284,7 @@ impl Sampler {
         }
     }
 
-    /// Adds what the environment gives to the points from `first` on.
+    /// Adds the light of the environment to the points from `first` on.
     fn sky(
         &mut self,
         job: &ReferenceJob<'_>,
@@ -396,7 +396,7 @@ impl Pair<'_> {
         }
     }
 
-    /// Adds a point of a surface of light, and a direction of a reflectance that is narrow beside it.
+    /// Adds a point of a light's surface, and a direction of a reflectance that is narrow compared with it.
     fn area_sample(&self, area: &Area<'_>, [x, y]: [f64; 2], on_brdf: [f64; 3], sums: &mut [DVec3; 2]) {
         if let Some(Seen { direction, distance, pdf, shows }) = area.sample(x, y) {
             let reflectance = self.material.eval(self.at, direction.as_vec3());
@@ -425,7 +425,7 @@ impl Pair<'_> {
         }
     }
 
-    /// Adds a sample at a random meridian of the light's cone: what the horizon and caps hide of it is left out exactly,
+    /// Adds a sample at a random meridian of the light's cone. The part that the horizon and caps hide is left out exactly,
     /// and a ray tests the other occluders alone.
     fn meridian_sample(&self, x: f64, y: f64, meridian: &mut Meridian, sums: &mut [DVec3; 2]) {
         let (start, span) = self.azimuths;
@@ -446,7 +446,7 @@ impl Pair<'_> {
         }
     }
 
-    /// What a direction of the light is worth that was drawn uniformly from the cone.
+    /// The weighted contribution of a direction that was drawn uniformly from the light's cone.
     #[inline]
     fn light_sample(&self, v: DVec3) -> DVec3 {
         let reflectance = self.material.eval(self.at, v.as_vec3());

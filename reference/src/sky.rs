@@ -10,7 +10,7 @@ pub(crate) struct Sky<'a> {
     map: &'a EnvironmentMap,
     width: usize,
     height: usize,
-    /// What all rows up to each weigh, and in each row all texels up to each.
+    /// Cumulative weights of the rows, and in each row of the texels.
     rows: Vec<f64>,
     texels: Vec<f64>,
 }
@@ -73,7 +73,7 @@ impl<'a> Sky<'a> {
     }
 }
 
-/// Which step of a rising sequence a part of its end is in, and where in that.
+/// The step of a rising sequence that contains a fraction of its end, and the position in that step.
 fn pick(sums: &[f64], part: f64) -> (usize, f64) {
     let at = part * sums[sums.len() - 1];
     let i = sums.partition_point(|sum| *sum <= at).min(sums.len() - 1);

@@ -1,5 +1,5 @@
-//! What posing costs: microseconds for 1000 vertices of each animated file that is given.
-//! Without arguments the animated files and scenes of `scenes`.
+//! Cost of posing: microseconds for 1000 vertices of each animated file that is given.
+//! Without arguments it measures the animated files and scenes of `scenes`.
 //!
 //! `cargo run --release -p cosine-lobes-scene --example seek_cost [-- FILE…]` prints a table in Markdown; medians of 101 moments.
 

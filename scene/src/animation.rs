@@ -8,14 +8,14 @@ use glam::{DVec3, Mat4, Vec3};
 use lighting::Light;
 use lobe_core::Sphere;
 
-/// What of a loaded scene moves, and how: key frames of a scene file, clips of glTF files.
+/// The motion of a loaded scene: key frames of a scene file, clips of glTF files.
 ///
 /// A vertex of a moving mesh is at `p(t) = Σ_j w_j J_j(t) (p_bind + Σ_k m_k(t) Δ_k)` (glTF 2.0, §3.7.2.2 and §3.7.3.3, in
 /// world space): [`Animation::rig`] gives its weights `w` and displacements `Δ`, [`Animation::pose`] the joint matrices
 /// `J` and morph weights `m` of a time, [`Animation::seek`] applies them. A rigid object hangs on one joint.
 ///
-/// Any moment may be asked for, in any order: nothing is precomputed per pose. A clip and keys with `loop` start again
-/// after their end; what else is at its end stays there. [`load_animated`](crate::load_animated) makes one.
+/// Any moment may be requested, in any order: nothing is precomputed per pose. A clip and keys with `loop` start again
+/// after their end; all other motion stays at its end. [`load_animated`](crate::load_animated) makes an animation.
 ///
 /// ```
 /// # let folder = std::env::temp_dir().join("cosine-lobes-doc-animation");
@@ -36,24 +36,24 @@ pub struct Animation {
     pub(crate) fps: f32,
     pub(crate) clips: Vec<String>,
     pub(crate) skeletons: Vec<Skeleton>,
-    /// For each object what moves it.
+    /// The mover of each object, if it moves.
     pub(crate) movers: Vec<Option<Mover>>,
     pub(crate) lights: Vec<LightMover>,
     pub(crate) camera: Option<CameraMover>,
 }
 
-/// What carries the points of a moving mesh; one entry a vertex in all of its slices.
+/// The joints and weights that carry the points of a moving mesh; one entry a vertex in all of its slices.
 #[derive(Clone, Copy, Debug)]
 pub struct Rig<'a> {
     /// Joint numbers.
     pub joints: &'a [[u16; 4]],
-    /// How much each of these joints counts: not negative, of sum 1; 0 where there are fewer than four.
+    /// The weight of each of these joints: not negative, of sum 1; 0 where there are fewer than four.
     pub weights: &'a [[f32; 4]],
     /// For each morph target the displacements at weight 1, in bind space.
     pub targets: &'a [Vec<Vec3>],
 }
 
-/// Where joints and morph weights are at one time.
+/// Joint matrices and morph weights at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
     /// From bind space to the world.
@@ -62,7 +62,7 @@ pub struct Pose {
     pub morph: Vec<f32>,
 }
 
-/// What moves one object.
+/// The motion of one object.
 #[derive(Clone, Debug)]
 pub(crate) struct Mover {
     /// From the file's (or the shape's own) space to the world.
@@ -72,10 +72,10 @@ pub(crate) struct Mover {
     pub(crate) proxy: Vec<BoundBall>,
 }
 
-/// What a mover moves.
+/// The geometry that a mover moves.
 #[derive(Clone, Debug)]
 pub(crate) enum Body {
-    /// Balls in own coordinates.
+    /// Spheres in own coordinates.
     Balls(Vec<Sphere>),
     /// A mesh; without a carrier the placement is its only joint.
     Mesh(Box<Deformer>, Option<Carrier>),
@@ -90,7 +90,7 @@ pub(crate) struct LightMover {
     pub(crate) placement: LightPlace,
 }
 
-/// Where a light is.
+/// How a light is placed.
 #[derive(Clone, Debug)]
 pub(crate) enum LightPlace {
     Keys(Placement),
@@ -101,7 +101,7 @@ pub(crate) enum LightPlace {
     },
 }
 
-/// What moves the camera.
+/// The motion of the camera.
 #[derive(Clone, Debug)]
 pub(crate) enum CameraMover {
     Keys(Box<CameraKeys>),
@@ -130,7 +130,7 @@ impl Animation {
         self.camera.is_none() && self.lights.is_empty() && self.movers.iter().all(Option::is_none)
     }
 
-    /// Seconds: what the scene file says, else until the last key and the end of the longest clip; 0 when nothing moves.
+    /// Seconds: the scene file's value, else until the last key and the end of the longest clip; 0 when nothing moves.
     #[must_use]
     pub fn duration(&self) -> f32 {
         if self.is_still() {
@@ -150,7 +150,7 @@ impl Animation {
         self.duration.unwrap_or(longest)
     }
 
-    /// Frames a second: what the scene file says, else [`Self::DEFAULT_FPS`].
+    /// Frames a second: the scene file's value, else [`Self::DEFAULT_FPS`].
     #[must_use]
     pub const fn fps(&self) -> f32 {
         self.fps
@@ -163,7 +163,7 @@ impl Animation {
         &self.clips
     }
 
-    /// What carries the points of a mesh that moves; none for objects that stand still and for exact balls.
+    /// The joints and weights that carry a mesh that moves; none for objects that stand still and for exact spheres.
     #[must_use]
     pub fn rig(&self, object: usize) -> Option<Rig<'_>> {
         match &self.movers.get(object)?.as_ref()?.body {
@@ -172,7 +172,7 @@ impl Animation {
         }
     }
 
-    /// The joint matrices and morph weights of an object at a time in seconds; one identity for what stands still.
+    /// The joint matrices and morph weights of an object at a time in seconds; one identity for an object that stands still.
     ///
     /// Cost: one matrix for each node of the glTF file.
     #[must_use]
@@ -193,14 +193,14 @@ impl Animation {
         pose
     }
 
-    /// Poses a scene: positions, normals, balls, explicit proxy spheres, lights and the camera are written in place.
+    /// Poses a scene: positions, normals, spheres, explicit proxy spheres, lights and the camera are written in place.
     /// Topology and counts never change. The scene is the one that came with this animation; objects that were added
     /// to its end stay as they are.
     ///
-    /// `time` in seconds. Before 0 (and for NaN) it is as at 0.
+    /// `time` in seconds. Times below 0 and NaN count as 0.
     ///
-    /// Between two camera keys whose views would meet where there is none (eye on target, `up` along the view) the
-    /// camera stays as it was.
+    /// Between two camera keys a view may be undefined (eye on target, `up` along the view). There the camera
+    /// keeps its last pose.
     ///
     /// Cost: linear in the vertices that move: per vertex one matrix product for a rigid object, up to four for a
     /// skinned one, and one addition for each morph target in use.

@@ -20,7 +20,7 @@ impl Bounds {
         Self { min: self.min.min(p), max: self.max.max(p) }
     }
 
-    /// The smallest box that also holds the ball.
+    /// The smallest box that also holds the sphere.
     #[must_use]
     pub fn with_sphere(self, ball: Sphere) -> Self {
         self.with_point(ball.center - ball.radius).with_point(ball.center + ball.radius)
@@ -50,7 +50,7 @@ impl Bounds {
         if self.is_empty() { Vec3::ZERO } else { self.max - self.min }
     }
 
-    /// Half the diagonal: the radius of the ball about the centre that holds the box.
+    /// Half the diagonal: the radius of the sphere about the centre that holds the box.
     #[must_use]
     pub fn radius(&self) -> f32 {
         0.5 * self.size().length()

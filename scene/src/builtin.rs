@@ -5,12 +5,12 @@ use glam::{Quat, Vec3};
 use lighting::SphereLight;
 use lobe_core::Sphere;
 
-/// The built-in scene: what is shown when no file is given.
+/// The built-in scene, which is rendered when no file is given.
 ///
-/// A still life on a polished floor before a curved wall: balls of brass and of painted clay that rest on the floor, a knotted tube that
+/// A still life on a polished floor before a curved wall: spheres of brass and of painted clay that rest on the floor, a knotted tube that
 /// hovers low, and a trail of pearls that rises from contact to well above everything; a large warm key light and a small cool one behind.
 /// Shadows run from sharp to nearly gone, and those of the knot cut the cool highlight on the floor. All blockers are exact
-/// balls; the knot's lie on its spine and touch its skin from inside.
+/// spheres; the knot's lie on its spine and touch its surface from inside.
 #[must_use]
 pub fn builtin() -> Scene {
     let materials = vec![
@@ -71,13 +71,13 @@ fn brass() -> MetallicRoughness {
     MetallicRoughness::new(reflectance, 1.0, 0.5).unwrap_or_else(|e| unreachable!("{e}"))
 }
 
-/// What is painted around a ball: a cap and a zigzag between two lines.
+/// The paint around a sphere: a cap and a zigzag between two lines.
 fn paint() -> Texture {
     const SIZE: [u32; 2] = [512, 256];
     const CREAM: [u8; 4] = [238, 226, 204, 255];
     const RED: [u8; 4] = [186, 84, 52, 255];
     const BLUE: [u8; 4] = [56, 82, 104, 255];
-    // Where a pixel is, in turns around and from pole to pole.
+    // The place of a pixel, in turns around and from pole to pole.
     let color = |u: f32, v: f32| {
         let zigzag = 0.05 * (4.0 * (12.0 * u).fract() - 2.0).abs() - 0.05;
         let from_middle = v - 0.43;
@@ -94,7 +94,7 @@ fn paint() -> Texture {
     Texture::new("paint", SIZE, (0..SIZE[0] * SIZE[1]).map(at).collect(), Encoding::Srgb)
 }
 
-/// Where the floor ends and the wall begins to rise.
+/// The floor ends here and the wall begins to rise.
 const BACK: f32 = -5.0;
 
 /// A wall that rises from the floor in a smooth bend.
@@ -120,7 +120,7 @@ fn wall() -> Mesh {
     mesh
 }
 
-/// A trefoil knot that leans back, its lowest point a little above the floor; and balls along its spine.
+/// A trefoil knot that leans back, its lowest point a little above the floor; and spheres along its spine.
 fn knot() -> (Mesh, Vec<Sphere>) {
     const TUBE: f32 = 0.20;
     let tilt = Quat::from_rotation_y(-0.35) * Quat::from_rotation_x(-0.5) * Quat::from_rotation_z(0.3);
@@ -173,7 +173,7 @@ mod tests {
                 );
                 continue;
             };
-            // Vertices lie on the tube; so do not protrude: no vertex and no triangle's middle is inside a ball.
+            // Vertices lie on the tube. No vertex and no centre of a triangle may be inside a sphere.
             for ball in balls {
                 for t in &mesh.triangles {
                     let [a, b, c] = t.map(|i| mesh.positions[i as usize]);

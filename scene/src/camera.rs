@@ -5,9 +5,9 @@ use glam::Vec3;
 /// A pinhole camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where the eye is.
+    /// The position of the eye.
     pub eye: Vec3,
-    /// What it looks at.
+    /// The point that it looks at.
     pub target: Vec3,
     /// Roughly up; not parallel to the view direction.
     pub up: Vec3,

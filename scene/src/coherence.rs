@@ -5,11 +5,11 @@ use lobe_core::compact_runs;
 pub const GROUP: usize = 64;
 
 impl ShadingPoints {
-    /// Brings points that are in no order, as the vertices of a mesh are, into one in which neighbours in the list are
+    /// Reorders points that are in no order, such as the vertices of a mesh, so that neighbours in the list are
     /// neighbours in space: each aligned run of 64, 512, 4096 … of them is compact
-    /// ([`compact_runs`]). What is shaded does not change; masks cost several times less where many blockers are.
+    /// ([`compact_runs`]). Shading gives the same radiance. Masks cost several times less where many blockers are.
     ///
-    /// Gives the number that each point had: point `i` of the new list was `order[i]` in the old one. An order stays good
+    /// Returns the old number of each point: point `i` of the new list was `order[i]` in the old one. An order stays good
     /// while the points move with a surface, so one is enough for an animation:
     /// [`reorder`](Self::reorder) applies it again.
     ///

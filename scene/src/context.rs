@@ -1,4 +1,4 @@
-//! What reading a file gathers beside its meshes: warnings, skeletons, clips. All readers write to it.
+//! Data that all readers of a file collect beside its meshes: warnings, skeletons, clips.
 
 use crate::animation::{Body, Mover};
 use crate::cut_out::CutOut;
@@ -8,7 +8,7 @@ use crate::{Animation, Mesh, Pose, Proxy, SceneError};
 use glam::DVec3;
 use std::path::Path;
 
-/// What a file brings besides its objects.
+/// Everything in a file besides its objects.
 #[derive(Default)]
 pub(crate) struct Context {
     /// Things that were left out or replaced, one line each.
@@ -17,14 +17,14 @@ pub(crate) struct Context {
     pub(crate) skeletons: Vec<Skeleton>,
     /// Names of all clips.
     pub(crate) clips: Vec<String>,
-    /// What the coordinates of the mesh file that was read last are relative to.
+    /// The origin of the coordinates of the mesh file that was read last.
     pub(crate) origin: DVec3,
     /// The objects whose emission is a light.
     pub(crate) emitters: Vec<usize>,
 }
 
 impl Context {
-    /// The animation of what was read.
+    /// The animation of the files that were read.
     pub(crate) fn animation(&mut self) -> Animation {
         let (skeletons, clips) = (std::mem::take(&mut self.skeletons), std::mem::take(&mut self.clips));
         Animation { skeletons, clips, ..Animation::default() }
@@ -44,7 +44,7 @@ impl Context {
         self.warnings.push(SceneError::file(path, message.to_string()).to_string());
     }
 
-    /// Cuts what is not there out of a mesh.
+    /// Cuts the transparent parts out of a mesh.
     pub(crate) fn cut_out(&mut self, path: &Path, name: &str, cut_out: &CutOut, mesh: &mut Mesh, moves: bool) {
         if moves {
             self.warn(path, format!("\"{name}\" moves: it is opaque where its alpha would cut it out"));
@@ -53,7 +53,7 @@ impl Context {
         }
     }
 
-    /// Warns of what a file has that is left out, if anything; an error where there is nothing else in it.
+    /// Warns of the parts of a file that are left out, if any; an error where the file has nothing else.
     pub(crate) fn left_out(&mut self, path: &Path, is_all: bool, what: &str) -> Result<(), SceneError> {
         match (is_all, what.is_empty()) {
             (true, true) => return Err(SceneError::file(path, "no triangles")),
@@ -65,7 +65,7 @@ impl Context {
     }
 }
 
-/// How many of something were left out and why; empty for none.
+/// The number of things that were left out, and the reason; empty for none.
 pub(crate) fn counted(count: usize, noun: &str, why: &str) -> String {
     match count {
         0 => String::new(),

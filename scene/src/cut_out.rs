@@ -1,11 +1,11 @@
-//! Surfaces cut along the outline of their alpha: what is transparent is no geometry, so that camera, shadows of every kind and the
+//! Surfaces cut along the outline of their alpha. Transparent parts are no geometry, so camera, shadows of every kind and the
 //! reference see the same outline.
 
 use crate::{Mesh, Texture, TextureMap, Wrap};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
-/// Where a surface is: where its alpha is at least the limit.
+/// A surface exists where its alpha is at least the limit.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CutOut {
     /// Its fourth channel is alpha; 1 without.
@@ -18,9 +18,9 @@ pub(crate) struct CutOut {
 const MOST_TRIANGLES: usize = 1 << 20;
 
 impl CutOut {
-    /// Cuts a mesh: triangles are halved along their longest side in the image until each is inside, outside or smaller than a texel; what
-    /// is left of those follows alpha's line. Halves that are inside as a whole stay whole. False, with the mesh as it was, where an image is
-    /// repeated too often for that.
+    /// Cuts a mesh. Triangles are halved along their longest side in the image until each is inside, outside or smaller than a texel.
+    /// The small ones are cut along alpha's line. Halves that are wholly inside stay whole. Returns false and leaves the mesh unchanged where
+    /// an image is repeated too often.
     pub(crate) fn cut(&self, mesh: &mut Mesh) -> bool {
         let Some(map) = &self.map else {
             if self.factor < self.limit {
@@ -51,7 +51,7 @@ impl CutOut {
     }
 }
 
-/// Halvings of one triangle at most: 2⁴⁰ is longer than any coordinate that single precision tells apart.
+/// The most halvings of one triangle. They shorten its sides by 2⁴⁰, which is more than single precision resolves.
 const DEEPEST: u32 = 80;
 
 struct Work<'a> {
@@ -59,7 +59,7 @@ struct Work<'a> {
     map: &'a TextureMap,
     bounds: &'a AlphaBounds,
     limit: f32,
-    /// Texels a side of what is not cut further.
+    /// Triangles of at most this many texels a side are not halved further.
     cell: f32,
     /// Vertices made between two others, by these and how.
     /// Triangles looked at, and the most that may be.
@@ -98,7 +98,7 @@ impl Work<'_> {
         self.triangle([middle, q, r], depth + 1);
     }
 
-    /// What of a small triangle is on the inner side of alpha's line.
+    /// Keeps the part of a small triangle on the inner side of alpha's line.
     fn follow(&mut self, corners: [u32; 3]) {
         let alpha = corners.map(|i| self.alpha(i) - self.limit);
         let mut kept = Vec::with_capacity(4);
@@ -136,7 +136,7 @@ impl Work<'_> {
         self.map.texture.sample(self.uv(vertex), footprint, self.map.wrap, self.map.is_pixelated)[3]
     }
 
-    /// The vertex a share of the way from one to another.
+    /// The vertex at the fraction `t` of the way from one to another.
     fn between(&mut self, a: u32, b: u32, is_middle: bool, t: f32) -> u32 {
         let key = (a.min(b), a.max(b), is_middle);
         if let Some(known) = self.made.get(&key) {
@@ -188,7 +188,7 @@ impl AlphaBounds {
         Self { size: [width as f32, height as f32], levels }
     }
 
-    /// Bounds of alpha over a triangle; none where it reaches over the image's edge.
+    /// Bounds of alpha over a triangle; `None` if the triangle crosses the image's edge.
     fn of(&self, corners: [Vec2; 3], wrap: [Wrap; 2]) -> Option<(f32, f32)> {
         let low = corners[0].min(corners[1]).min(corners[2]);
         let high = corners[0].max(corners[1]).max(corners[2]);

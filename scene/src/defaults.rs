@@ -1,4 +1,4 @@
-//! What a scene has where its file does not say.
+//! Defaults for everything that a scene file leaves out.
 
 use crate::{Bounds, Camera};
 use brdf::{Lambert, Material};

@@ -5,7 +5,7 @@ use crate::mesh::MAX_COORDINATE;
 use glam::{Mat3, Mat4, Vec3};
 use lobe_core::Sphere;
 
-/// A mesh in bind space and what its vertices hang on.
+/// A mesh in bind space, with the joints and weights that carry its vertices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Deformer {
     pub(crate) positions: Vec<Vec3>,
@@ -18,7 +18,7 @@ pub(crate) struct Deformer {
     pub(crate) targets: Vec<Vec<Vec3>>,
     /// The same of the normals; empty for targets without.
     pub(crate) normal_targets: Vec<Vec<Vec3>>,
-    /// Which vertices share a normal, where normals follow from the triangles in every pose.
+    /// The groups of vertices with a common normal, where normals follow from the triangles in every pose.
     pub(crate) smooth: Option<Vec<u32>>,
 }
 
@@ -58,7 +58,7 @@ impl Deformer {
         self.joints.iter().flatten().all(|&j| j == 0)
     }
 
-    /// What carries a vertex: Σ w·J.
+    /// The blended matrix of a vertex: Σ w·J.
     fn blended(&self, vertex: usize, joints: &[Mat4]) -> Mat4 {
         blend(self.joints[vertex], self.weights[vertex], joints)
     }
@@ -109,7 +109,7 @@ impl Deformer {
         2 * (0..self.positions.len()).filter(|&i| inside_out(i)).count() > self.positions.len()
     }
 
-    /// A ball of the posed mesh, bound to the vertex nearest to its centre.
+    /// A sphere of the posed mesh, bound to the vertex nearest to its centre.
     pub(crate) fn bind_ball(&self, ball: Sphere, posed: &[Vec3], joints: &[Mat4]) -> BoundBall {
         let far = |&i: &usize| posed[i].as_dvec3().distance_squared(ball.center.as_dvec3());
         let nearest = (0..posed.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0);
@@ -117,7 +117,7 @@ impl Deformer {
     }
 }
 
-/// A ball that joints carry; its radius goes with the cube root of the determinant.
+/// A sphere that joints carry; its radius goes with the cube root of the determinant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoundBall {
     bind: Sphere,
@@ -126,11 +126,11 @@ pub(crate) struct BoundBall {
 }
 
 impl BoundBall {
-    /// Binds a ball of the posed scene.
+    /// Binds a sphere of the posed scene.
     pub(crate) fn new(ball: Sphere, on: [u16; 4], weights: [f32; 4], joints: &[Mat4]) -> Self {
         let matrix = blend(on, weights, joints);
         let inverse = matrix.inverse();
-        // Joints that flatten space have no bind space: the ball keeps its size and goes with what they do to a point.
+        // Joints that flatten space have no inverse. Then the sphere keeps its size and moves as a point.
         let bind = if inverse.is_finite() { scaled(ball, &inverse) } else { ball };
         Self { bind, joints: on, weights }
     }
@@ -140,7 +140,7 @@ impl BoundBall {
     }
 }
 
-/// A ball moved by a matrix; the radius is never 0.
+/// A sphere moved by a matrix; the radius is never 0.
 pub(crate) fn scaled(ball: Sphere, matrix: &Mat4) -> Sphere {
     let limit = Vec3::splat(MAX_COORDINATE);
     let center = matrix.transform_point3(ball.center).clamp(-limit, limit);

@@ -4,8 +4,8 @@ use std::collections::{HashMap, HashSet};
 
 /// Finds equal spheres and equal meshes: two that lie in the same place are one surface and one blocker.
 ///
-/// Of equal ones of objects that are seen and block alike the first one stands for all. Without that rule each would shadow
-/// the surface of the other: a receiver lies on its own object's sphere and, but for rounding, inside the other's.
+/// The first of several equal ones stands for all, if their objects are seen and block alike. Without that rule each would shadow
+/// the surface of the other: a receiver lies on its own object's sphere and, because of rounding, inside the other's.
 ///
 /// ```
 /// use lobe_core::Sphere;
@@ -34,8 +34,8 @@ impl Doubles {
         self.meshes.clear();
     }
 
-    /// Remembers the mesh of an object; true when no equal one of an object that is seen and blocks like this one came before, and
-    /// for what is no mesh. All calls are for the same objects, in their order.
+    /// Remembers the mesh of an object. Returns true if the object is no mesh, or if no earlier object with the same visibility
+    /// and strategy had an equal mesh. Call it for all objects of one scene, in their order.
     pub fn is_first_mesh(&mut self, objects: &[Object], number: usize) -> bool {
         let object = &objects[number];
         let Shape::Mesh(mesh) = &object.shape else { return true };

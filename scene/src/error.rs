@@ -9,7 +9,7 @@ pub enum SceneError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// Something at a known place of a text file is wrong.
@@ -20,19 +20,19 @@ pub enum SceneError {
         line: usize,
         /// Column in characters, counted from 1; 0 when unknown.
         column: usize,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
     /// A file's content is wrong at a place that has no line.
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
     /// A scene made in memory is wrong.
     Invalid {
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
 }
@@ -60,7 +60,7 @@ impl SceneError {
     }
 }
 
-/// On one line and of bounded length, whatever a parser or a file put into it.
+/// Puts a text on one line of bounded length, whatever a parser or a file put into it.
 fn one_line(text: &str) -> String {
     const MAX: usize = 400;
     let mut line: String = text.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -30,10 +30,10 @@ pub(crate) fn find_clip(root: &Root, wanted: &str) -> Result<usize, String> {
     })
 }
 
-/// What a clip asks for that is not supported, in lines.
+/// The unsupported features of a clip, one line each.
 pub(crate) struct Played {
     pub(crate) notes: Vec<String>,
-    /// Whether any of its channels is.
+    /// Whether at least one of its channels is supported.
     pub(crate) usable: bool,
 }
 

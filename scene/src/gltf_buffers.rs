@@ -13,7 +13,7 @@ pub(crate) struct Buffers<'a> {
     data: Vec<Vec<u8>>,
 }
 
-/// How many elements an accessor may claim without data behind them.
+/// The most elements that an accessor may claim without data behind them.
 const MAX_WITHOUT_DATA: usize = 1 << 24;
 
 impl<'a> Buffers<'a> {
@@ -66,7 +66,7 @@ impl<'a> Buffers<'a> {
         self.read(index, accessor, component, kind, to_float)
     }
 
-    /// Colours of an accessor, within [0, 1]; what alpha they have is left out.
+    /// Colours of an accessor, within [0, 1]; alpha is left out.
     pub(crate) fn colors(&self, index: Index<Accessor>) -> Result<Vec<Vec3>, String> {
         let has_alpha = self.root.accessors.get(index.value()).is_some_and(|a| a.type_ == Checked::Valid(Type::Vec4));
         let values = self.floats(index, if has_alpha { Type::Vec4 } else { Type::Vec3 })?;

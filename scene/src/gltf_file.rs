@@ -21,7 +21,7 @@ use gltf::json::validation::Checked;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Extensions that are read, or of which it is told what is not.
+/// Extensions that are read, or whose unread parts are named in a warning.
 const KNOWN_EXTENSIONS: [&str; 7] = [
     "KHR_mesh_quantization",
     "KHR_texture_transform",
@@ -32,7 +32,7 @@ const KNOWN_EXTENSIONS: [&str; 7] = [
     "KHR_lights_punctual",
 ];
 
-/// What a file shows.
+/// The contents of a file.
 #[derive(Default)]
 pub(crate) struct Read {
     pub(crate) parts: Vec<Part>,
@@ -148,7 +148,7 @@ fn document(
         return Err(format!("requires the extension {name}, which is not supported"));
     }
     let buffers = Buffers::load(path, root, chunk)?;
-    // The tree first: what a node names wrongly is that node's fault.
+    // The tree comes first, so that a wrong reference of a node is reported as that node's fault.
     let mut skeleton = animated(path, root, json, &buffers, wanted, context)?;
     skeleton.origin = context.origin;
     let shown = shown_nodes(root)?;
@@ -206,13 +206,13 @@ fn document(
     Ok(Read { parts, camera, moving_camera, lights })
 }
 
-/// Whether an extension changes what is seen of a surface.
+/// Whether an extension changes the look of a surface.
 fn is_seen(name: &str) -> bool {
     name.contains("_materials_") || name.contains("_texture_")
 }
 
-/// The nodes with the clip that was asked for, else with the first one that moves anything. A fault in it is one of the
-/// file; other clips that are broken are told and not listed.
+/// The nodes with the requested clip, else with the first one that moves anything. A fault in this clip is a fault of the
+/// file. Other broken clips are not listed and give a warning.
 fn animated(
     path: &Path,
     root: &Root,
@@ -233,7 +233,7 @@ fn animated(
                 if chosen == Some(clip) && !played.usable {
                     return Err(format!("animation {clip} moves nothing: expected a channel that can be played"));
                 }
-                // What other clips ask for is told when they are played.
+                // Warnings about other clips appear when those are played.
                 if chosen.unwrap_or(clip) == clip {
                     played.notes.iter().for_each(|note| context.warn(path, note));
                 }
@@ -263,7 +263,7 @@ fn spelling(json: &[u8], root: &Root, clip: usize) -> String {
     found.map_or_else(String::new, |found| format!(", found {found} in sampler {s}"))
 }
 
-/// What is told once a file.
+/// Counts for the warnings that appear once a file.
 #[derive(Default)]
 struct Notes {
     skipped: usize,
@@ -279,7 +279,7 @@ struct Reader<'a> {
     worlds: Vec<Mat4>,
     /// For each node whether the clip moves it.
     moving: Vec<bool>,
-    /// Those that were asked for.
+    /// The materials that were used so far.
     materials: HashMap<usize, Look>,
     images: Images<'a>,
     notes: Notes,
@@ -334,7 +334,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A primitive at the first moment, and what moves it if it moves.
+    /// A primitive at the first moment, and its motion if it moves.
     fn pose(
         &mut self,
         n: usize,

@@ -22,7 +22,7 @@ pub(crate) enum NodeLight {
     Sun(Vec3),
 }
 
-/// A light, its node and what that is in: some number of a skeleton, where the node moves.
+/// A light, its node and the skeleton's number, where the node moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedLight {
     pub(crate) light: NodeLight,

@@ -1,4 +1,4 @@
-//! Meshes of a glTF document, and what their vertices hang on.
+//! Meshes of a glTF document, and the joints that carry their vertices.
 
 use crate::Mesh;
 use crate::gltf_buffers::Buffers;
@@ -18,12 +18,12 @@ pub(crate) struct Shapes {
     pub(crate) normal_targets: Vec<Vec<Vec3>>,
 }
 
-/// Which joints carry the vertices of a primitive.
+/// The joints that carry the vertices of a primitive.
 pub(crate) struct Influences {
     pub(crate) joints: Vec<[u16; 4]>,
     /// Of sum 1.
     pub(crate) weights: Vec<[f32; 4]>,
-    /// Whether a vertex hangs on no joint: it has the joint after the last one.
+    /// Whether some vertex has no joint: such vertices use the joint after the last one.
     pub(crate) unbound: bool,
     /// Vertices that had more than four joints.
     pub(crate) reduced: usize,
@@ -142,8 +142,8 @@ pub(crate) fn read_skin(root: &Root, buffers: &Buffers<'_>, skin: usize) -> Resu
     data.joints.iter().zip(inverse).map(joint).collect()
 }
 
-/// Which of so many joints carry the vertices; none for a primitive without joints. Of more than four joints a vertex
-/// keeps those that count most.
+/// The joints that carry the vertices; `None` for a primitive without joints. Of more than four joints a vertex
+/// keeps the four with the largest weights.
 pub(crate) fn read_influences(
     buffers: &Buffers<'_>,
     primitive: &Primitive,

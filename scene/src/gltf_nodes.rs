@@ -1,4 +1,4 @@
-//! The nodes of a glTF document: their tree, what of it is shown, their cameras.
+//! The nodes of a glTF document: their tree, the ones that the scene shows, their cameras.
 
 use crate::Camera;
 use crate::animation::node_camera;
@@ -44,7 +44,7 @@ pub(crate) fn skeleton(root: &Root) -> Result<Skeleton, String> {
         order.push(i);
         open.extend(root.nodes[i].children.iter().flatten().map(Index::value));
     }
-    // With at most one parent each, what no root reaches hangs on a cycle.
+    // Each node has at most one parent here, so a node that no root reaches hangs on a cycle.
     if order.len() < n {
         let lost = bones.iter().position(|b| b.rest.is_nan()).unwrap_or(0);
         return Err(format!("node cycle at node {lost}"));

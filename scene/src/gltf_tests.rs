@@ -126,7 +126,7 @@ fn what_a_primitive_or_material_names_wrongly_is_told_of_it() {
     assert!(fault(&base).contains("there is no texture 0"));
 }
 
-/// A header whose length is wrong is told of as such.
+/// A wrong length in the header is reported as such.
 #[test]
 fn lengths_in_the_header_of_a_binary_file() {
     let uri = triangle(r#"[{"mesh": 0}]"#, "");
@@ -160,13 +160,13 @@ fn lengths_in_the_header_of_a_binary_file() {
         assert!(message.contains(&format!("the header says that the file has {length} bytes")), "{message}");
     }
     assert!(read(&glb(whole + 1)).unwrap_err().contains("file ends early"));
-    // Padding behind what the header counts is nobody's.
+    // Padding after the length in the header is ignored.
     let mut padded = glb(whole);
     padded.extend([0; 16]);
     assert_eq!(read(&padded), Ok(1));
 }
 
-/// Also by what has no effect: occlusion, and the textures of unlit materials.
+/// Also where the texture has no effect: occlusion, and unlit materials.
 #[test]
 fn textures_that_do_not_exist_are_refused_wherever_they_are_named() {
     let document = |material: &str, more: &str| {

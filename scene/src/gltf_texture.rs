@@ -10,16 +10,16 @@ use gltf::json::{Index, Root, texture};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Images of a document that were asked for, decoded once for each encoding.
+/// The images of a document that were used so far, decoded once for each encoding.
 pub(crate) struct Images<'a> {
     path: &'a Path,
     root: &'a Root,
     known: HashMap<(usize, bool), Option<Texture>>,
-    /// What is to be told of those that are not there.
+    /// Warnings about images that do not exist.
     pub(crate) notes: Vec<String>,
 }
 
-/// A reference to a texture, from whatever kind of field.
+/// A reference to a texture, from any kind of field.
 pub(crate) struct Reference<'a> {
     index: usize,
     uv_set: u32,
@@ -44,7 +44,7 @@ impl<'a> Images<'a> {
         Self { path, root, known: HashMap::new(), notes: Vec::new() }
     }
 
-    /// A texture, and the number of its image if it names one; a document that names what it does not have is broken.
+    /// A texture, and the number of its image if it names one. A document that names a missing texture is broken.
     pub(crate) fn source(&self, index: usize) -> Result<(&'a texture::Texture, Option<usize>), String> {
         let texture = self.root.textures.get(index).ok_or_else(|| format!("there is no texture {index}"))?;
         match texture.source.value() {
@@ -55,8 +55,8 @@ impl<'a> Images<'a> {
         }
     }
 
-    /// A texture, if there is a reference to one, and how it lies; none where its image is not there, which is told, or in no format that
-    /// is read.
+    /// The texture of a reference, and its placement. `None` without a reference, and with a warning where the image is missing or its
+    /// format is not read.
     pub(crate) fn map(
         &mut self,
         buffers: &Buffers<'_>,
@@ -107,7 +107,7 @@ impl<'a> Images<'a> {
         self.path
     }
 
-    /// Something to tell once.
+    /// Adds a warning that appears once.
     pub(crate) fn note(&mut self, note: String) {
         if !self.notes.contains(&note) {
             self.notes.push(note);

@@ -3,12 +3,12 @@
 use crate::texture_level::Texel;
 use crate::{Encoding, Texture};
 
-/// Which number of a texel counts.
+/// The channel of a texel that is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Source {
     /// Red, green, blue or alpha.
     Channel(usize),
-    /// How bright it is.
+    /// Its brightness.
     Luminance,
 }
 
@@ -33,17 +33,17 @@ pub(crate) fn opacity(name: &str, size: [u32; 2], mut texels: Vec<Texel>, source
     Texture::new(name, size, texels, Encoding::Linear)
 }
 
-/// Whether an image shows normals: not grey, and bluish in the mean.
+/// Whether an image is a normal map: not grey, and bluish in the mean.
 pub(crate) fn shows_normals(texels: &[Texel]) -> bool {
     let sums = texels.iter().fold([0u64; 3], |sums, t| core::array::from_fn(|k| sums[k] + u64::from(t[k])));
     let [r, g, b] = sums.map(|sum| sum as f64 / (255.0 * texels.len() as f64));
     (r - 0.5).abs() < 0.15 && (g - 0.5).abs() < 0.15 && b > 0.75
 }
 
-/// The slopes of a height field as a normal map, and what its x and y are to be multiplied by where white is one texel high.
+/// The slopes of a height field as a normal map, and the factor of its x and y where white is one texel high.
 ///
-/// Slopes are central differences. They are kept as shares of the steepest one, for eight bits to be enough, and z as 1: the mean of
-/// texels is that of slopes.
+/// Slopes are central differences. They are stored as fractions of the steepest one, so that eight bits are enough, with z = 1. So the
+/// mean of texels is the mean of slopes.
 pub(crate) fn slopes(
     name: &str,
     [width, height]: [u32; 2],

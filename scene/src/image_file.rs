@@ -41,7 +41,7 @@ pub(crate) fn decode_linear(name: &str, ending: &str, bytes: &[u8]) -> Result<(U
     Ok((size, texels.iter().map(color).collect()))
 }
 
-/// What is read at most: pixels along a side, and two to this power in all.
+/// Limits of an image that is read: pixels along a side, and two to this power in all.
 struct Most {
     side: u32,
     pixels: u32,

@@ -21,7 +21,7 @@ pub(crate) struct Keys<'s> {
     clock: Clock,
 }
 
-/// Where an object stands when no key says otherwise.
+/// The placement of an object where no key changes it.
 #[derive(Clone, Copy)]
 pub(crate) struct Stand {
     pub(crate) scale: Vec3,
@@ -103,7 +103,7 @@ impl<'s> Keys<'s> {
         Ok((times, values))
     }
 
-    /// Whether a track through these times goes on after its last key as after its first.
+    /// Whether a track through these times repeats: its last key is followed by its first.
     fn closed(&self, times: &[f32]) -> bool {
         self.clock.repeats && times.len() > 1 && times.last() == Some(&self.clock.last)
     }

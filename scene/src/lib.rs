@@ -1,10 +1,10 @@
 //! Scenes: meshes, materials, lights, camera and their loading.
 //!
-//! - [`Scene`] and what it is made of: [`Camera`], [`Object`] ([`Shape`], [`Proxy`], [`Strategy`]), [`Mesh`], materials of `brdf`,
-//!   what surfaces show beside them ([`Surface`]), lights of `lighting`. [`Scene::validate`] checks all that renderers rely on. [`Animation`]: what of it moves.
+//! - [`Scene`] and its parts: [`Camera`], [`Object`] ([`Shape`], [`Proxy`], [`Strategy`]), [`Mesh`], materials of `brdf`,
+//!   textures and emission ([`Surface`]), lights of `lighting`. [`Scene::validate`] checks all that renderers rely on. [`Animation`]: its motion.
 //! - [`load`]: scene files in TOML (every key, commented: [`SCHEMA_EXAMPLE`]), and `.obj`, `.ply`, `.gltf`, `.glb` meshes,
 //!   to which a floor, a light and a camera are added. [`builtin`]: the scene that needs no file.
-//! - What renderers take and give, the same for CPU and GPU: [`Shade`], [`ShadingPoints`], [`Frame`], [`BlockerSet`].
+//! - The inputs and results of renderers, the same for CPU and GPU: [`Shade`], [`ShadingPoints`], [`Frame`], [`BlockerSet`].
 //!
 //! ```
 //! let scene = scene::builtin();
@@ -20,7 +20,7 @@
 //!
 //! # Files
 //! Whatever a file contains, loading neither panics nor reserves memory that the file's own size does not justify; it
-//! ends in a scene or in a [`SceneError`] of one line. Files that a scene file or a glTF refers to are looked for beside
+//! returns a scene or a [`SceneError`] of one line. Files that a scene file or a glTF refers to are looked for beside
 //! it; a glTF reads nothing outside its folder. Triangles without an area are left out. Coordinates may be as large as
 //! 1e9; NaN and infinity are refused. The numbers of scene files, OBJ and PLY are read in double precision: a scene 32 times
 //! farther from its origin than its camera from the target, and a mesh 32 times farther than its radius, is taken relative to a point nearby
@@ -35,20 +35,20 @@
 //! OBJ: one object for each material in use; of MTL `Kd`, `Ks`, `Ns`, `Ke`, `Pr`, `Pm`, `illum` and their maps, `norm`. PLY: colours and
 //! texture coordinates of vertices.
 //!
-//! Images: PNG, JPEG, BMP, TGA up to 16384 texels a side ([`Texture`]). One that is not there is told, and its factor taken
-//! alone; one that is broken is refused.
+//! Images: PNG, JPEG, BMP, TGA up to 16384 texels a side ([`Texture`]). A missing image gives a warning, and its factor is used
+//! alone; a broken image is an error.
 //!
 //! # Motion
 //! [`load_animated`] gives an [`Animation`] with the scene: key frames of objects, lights and the camera of a scene file, and
 //! one clip of each glTF file (node transforms, skins, morph weights; steps, lines and cubic splines). A mesh file alone
-//! plays its first clip, or the one that [`load_clip`] names, a scene file what it says, else the first one too. A skinned
-//! vertex keeps its four largest weights. Normals go with the inverse transpose of what carries them; where the file has
+//! plays its first clip, or the one that [`load_clip`] names. A scene file may name a clip; else it plays the first one, too. A skinned
+//! vertex keeps its four largest weights. Normals are transformed by the inverse transpose of the vertex's matrix; where the file has
 //! none, smooth ones follow from the triangles of each pose.
 //!
-//! A clip that is broken (times not in order, NaN, too few values, nodes that do not exist, rotations of length 0 …) is
-//! refused when it is the one that is played; another one is left out with a warning. Channels that aim at what is not
-//! supported (pointers of extensions, weights without targets) are left out with a warning. A skin that is broken is always
-//! refused.
+//! A broken clip (times not in order, NaN, too few values, nodes that do not exist, rotations of length 0 …) is an error
+//! if it is the one that is played; else it is left out with a warning. Channels with unsupported targets
+//! (pointers of extensions, weights without targets) are left out with a warning. A broken skin is always an
+//! error.
 //!
 //! # Scope
 //! Out of scope here: pictures as output, sphere-set construction, threads.

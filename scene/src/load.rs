@@ -11,7 +11,7 @@ use glam::{Mat4, Vec3};
 use std::path::Path;
 
 /// Loads a scene: a scene file (`.toml`; keys in [`SCHEMA_EXAMPLE`](crate::SCHEMA_EXAMPLE)), or a mesh (`.obj`, `.ply`,
-/// `.gltf`, `.glb`) to which a floor, a light and, where the file has none, a camera are added. What moves is as at its
+/// `.gltf`, `.glb`) to which a floor, a light and, where the file has none, a camera are added. Moving objects stand at their
 /// first moment: [`load_animated`] gives the others.
 ///
 /// # Errors
@@ -26,7 +26,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     load_with_warnings(path).map(|(scene, _)| scene)
 }
 
-/// As [`load`]; also tells in one line each what was left out or replaced (textures, degenerate triangles, …).
+/// As [`load`], with one line for each thing that was left out or replaced (textures, degenerate triangles, …).
 ///
 /// # Errors
 /// As [`load`].
@@ -34,7 +34,7 @@ pub fn load_with_warnings(path: impl AsRef<Path>) -> Result<(Scene, Vec<String>)
     load_animated(path).map(|(scene, _, warnings)| (scene, warnings))
 }
 
-/// As [`load_with_warnings`], with what moves. The scene is as [`Animation::seek`] to 0 leaves it.
+/// As [`load_with_warnings`], with the animation. The scene is as [`Animation::seek`] to 0 leaves it.
 ///
 /// Of a glTF file without a scene file the first clip is played.
 ///
@@ -81,8 +81,8 @@ pub fn load_objects(
     Ok((objects, animation, context.warnings))
 }
 
-/// The mesh of an OBJ file's text, such as one that a program carries: all its parts as one, smooth normals where the text has none,
-/// without materials. Messages call the text `name`.
+/// The mesh of an OBJ file's text, for meshes that a program carries in itself: all its parts as one, smooth normals where the text
+/// has none, without materials. Messages call the text `name`.
 ///
 /// # Errors
 /// [`SceneError`], one line with the name and the line.
@@ -147,7 +147,7 @@ fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<St
     Ok((scene, animation, context.warnings))
 }
 
-/// Whether a light stands in an object, or by it: then the object shows the light.
+/// Whether a light is in or near an object: then the object shows the light.
 fn is_at_a_light(scene: &Scene, object: usize) -> bool {
     let bounds = scene.objects[object].shape.bounds();
     let reach = 0.25 * bounds.radius();

@@ -2,12 +2,12 @@ use crate::Surface;
 use crate::cut_out::CutOut;
 use brdf::Material;
 
-/// A material and what its surfaces show beside it.
+/// A material, its textures and its emission.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Look {
     pub(crate) material: Material,
     pub(crate) surface: Surface,
-    /// What of its surfaces is there; all without.
+    /// The alpha mask of its surfaces; `None` if they are opaque.
     pub(crate) cut_out: Option<CutOut>,
 }
 

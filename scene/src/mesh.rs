@@ -17,7 +17,7 @@ pub struct Mesh {
     pub colors: Vec<Vec3>,
 }
 
-/// Coordinates beyond this are refused: single precision tells points 64 apart there, and squares of differences are far
+/// Larger coordinates are refused: single precision resolves 64 there, and squares of differences are far
 /// from overflow.
 pub(crate) const MAX_COORDINATE: f32 = 1e9;
 
@@ -86,7 +86,7 @@ impl Mesh {
         (p(b) - p(a)).cross(p(c) - p(a))
     }
 
-    /// Takes out the triangles without an area (equal or collinear corners, below 1e-36) and tells how many there were.
+    /// Removes the triangles without an area (equal or collinear corners, below 1e-36) and returns their number.
     ///
     /// # Panics
     /// When a triangle refers to a vertex that does not exist.
@@ -98,16 +98,16 @@ impl Mesh {
         before - self.triangles.len()
     }
 
-    /// Takes out the triangles with a vertex twice and tells how many there were.
+    /// Removes the triangles that use a vertex twice and returns their number.
     pub(crate) fn remove_repeated(&mut self) -> usize {
         let before = self.triangles.len();
         self.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
         before - self.triangles.len()
     }
 
-    /// Takes out the triangles that lie where an earlier one lies, turned either way, and tells how many there were: surfaces
-    /// have two sides, so that the first one is all that is seen, and hierarchies cannot part what is in one place. By the
-    /// numbers of vertices instead of their positions where `moves`, since what lies together then may part.
+    /// Removes the triangles that lie in the place of an earlier one, turned either way, and returns their number: surfaces
+    /// have two sides, so only the first one is seen, and a hierarchy cannot separate triangles in one place. Compares
+    /// vertex numbers instead of positions if `moves`, because triangles in one place may separate later.
     ///
     /// # Panics
     /// When a triangle refers to a vertex that does not exist.
@@ -167,7 +167,7 @@ impl Mesh {
         }
         let normal = |&g: &u32| {
             let (sum, face) = (sums[g as usize], some_face[g as usize]);
-            // Below 1e-6 the sum is what rounding left of normals that cancel.
+            // Below 1e-6 the sum is the rounding error of normals that cancel.
             let normal = if sum.length() > 1e-6 { sum.normalize().as_vec3() } else { face.as_vec3() };
             normal.normalize()
         };
@@ -175,7 +175,7 @@ impl Mesh {
         self.normals.extend(groups.iter().map(normal));
     }
 
-    /// Makes given normals unit vectors; those of length 0 or not finite become what smooth normals would be there.
+    /// Makes given normals unit vectors; normals of length 0 or not finite become smooth normals.
     pub(crate) fn repair_normals(&mut self) {
         let usable = |n: &Vec3| n.is_finite() && n.length() > 1e-20;
         if self.normals.iter().all(usable) {

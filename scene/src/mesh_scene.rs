@@ -18,7 +18,7 @@ use std::path::Path;
 
 pub(crate) const MESH_OR_SCENE: &str = ".toml, .obj, .ply, .gltf or .glb";
 
-/// What a mesh file shows, without the floor and the light that [`bare`] adds. The objects are not posed yet.
+/// The contents of a mesh file, without the floor and the light that [`bare`] adds. The objects are not posed yet.
 pub(crate) struct Bare {
     pub(crate) objects: Vec<Object>,
     looks: Vec<Look>,
@@ -54,12 +54,12 @@ pub(crate) fn bare_objects(file: Read, context: &mut Context) -> Bare {
     Bare { objects, looks, animation, camera, lights }
 }
 
-/// The box that holds the objects at all times, near enough: at so many moments.
+/// The box that holds the objects at all times, approximated by its union over several moments.
 fn swept_bounds(animation: &Animation, objects: &mut [Object]) -> Bounds {
     const MOMENTS: u32 = 16;
     let moments = if animation.is_still() { 1 } else { MOMENTS };
     let mut bounds = Bounds::EMPTY;
-    // The first moment last: it is what remains.
+    // The first moment comes last, because the objects keep the last pose.
     for i in (0..moments).rev() {
         let time = animation.duration() * i as f32 / MOMENTS as f32;
         animation.move_objects(time, &animation.worlds(time), objects);

@@ -174,7 +174,7 @@ fn ply_ascii_and_both_byte_orders_agree() {
     }
 }
 
-/// Whatever way they are turned, and whether they share vertices; of a mesh that moves only those that do.
+/// In any orientation, with shared vertices or not; in a mesh that moves only with shared vertices.
 #[test]
 fn triangles_in_one_place_are_one() {
     let cube = read_obj(CUBE).unwrap();

@@ -61,7 +61,7 @@ fn keys_leave_out_what_does_not_change() {
         assert_eq!((rig.joints.len(), rig.weights[3], pose.joints.len()), (24, [1.0, 0.0, 0.0, 0.0], 1));
         assert!((pose.joints[0].transform_point3(Vec3::ONE) - corner).length() < 1e-4);
     }
-    // What the first key leaves out is the object's own.
+    // Values that the first key leaves out are the object's own.
     animation.seek(0.0, &mut scene);
     let size = scene.bounds().size();
     let want = 6.0 * (10_f32.to_radians().cos() + 10_f32.to_radians().sin());

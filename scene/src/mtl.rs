@@ -12,7 +12,7 @@ use glam::{Affine2, Mat2, Vec2, Vec3};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// The materials of a library by name; what is not read of it is told.
+/// The materials of a library by name; a warning names the keywords that are not read.
 ///
 /// `Kd`, `Ks`, `Ns` are those of Phong's model as the format prints it, so that a light of irradiance π gives `Kd`; with `Pr` or `Pm` the
 /// material is metallic–roughness of base `Kd`. `Ke` is emission. Maps: `map_Kd`, `map_Ks`, `map_Ns`, `map_Ke`, `map_Pr`, `map_Pm`, `norm`.
@@ -45,18 +45,18 @@ pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String
     Ok(all)
 }
 
-/// What a library says of a material so far.
+/// The statements about a material so far.
 #[derive(Default)]
 struct Entry {
     name: String,
     kd: Option<Vec3>,
     ks: Option<Vec3>,
     ns: Option<f32>,
-    /// What it is cut out along.
+    /// `d`; below a half the surface is cut out.
     opacity: Option<f32>,
     transparency: Option<f32>,
     opacity_map: Option<TextureMap>,
-    /// Which of the two the format's number of a model leaves out.
+    /// Whether `illum` selects a model without a specular part.
     is_matte: bool,
     roughness: Option<f32>,
     metallic: Option<f32>,
@@ -104,7 +104,7 @@ struct Reader<'a> {
     unread: Vec<String>,
 }
 
-/// What an image is.
+/// The meaning of an image.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Use {
     Color,
@@ -169,7 +169,7 @@ impl Reader<'_> {
         Ok(Some(Vec3::from_array(color.to_array().map(coefficient))))
     }
 
-    /// The channel of an image that stands for a number: red, where the file does not say.
+    /// The channel of an image that gives a number: red by default.
     fn channel(&mut self, rest: &str) -> Result<Option<Channel>, String> {
         let mut index = 0;
         let map = self.map(rest, |options| {
@@ -181,12 +181,12 @@ impl Reader<'_> {
         Ok(map.map(|(map, _)| Channel { map, index }))
     }
 
-    /// An image with its options, and the factor of x and y of normals; none where it is not there, which is told.
+    /// An image with its options, and the factor of x and y of normals; `None`, with a warning, where the image is missing.
     fn map(&mut self, rest: &str, of: impl FnOnce(&Options) -> Use) -> Result<Option<(TextureMap, f32)>, String> {
         let (mut scale, mut offset, mut bump) = (Vec2::ONE, Vec2::ZERO, 1.0);
         let mut options = Options { wrap: Wrap::Repeat, source: None };
         let mut words = rest.split_whitespace().peekable();
-        // What is left when the options are read is the name, which may have spaces.
+        // The rest after the options is the name, which may have spaces.
         let mut name = rest;
         while let Some(option) = words.peek().filter(|w| w.starts_with('-')).copied() {
             words.next();
@@ -228,7 +228,7 @@ impl Reader<'_> {
         Ok(Some((map, bump * steepness)))
     }
 
-    /// An image, and what normals of it are to be multiplied by.
+    /// An image, and the factor of x and y if it is a normal map.
     fn texture(&mut self, name: &str, used: Use) -> Result<Option<(Texture, f32)>, String> {
         let key = (name.to_owned(), used);
         if let Some(known) = self.textures.get(&key) {
@@ -260,10 +260,10 @@ impl Reader<'_> {
     }
 }
 
-/// How an image is read.
+/// The options of an image.
 struct Options {
     wrap: Wrap,
-    /// The channel that stands for a number, if it is said.
+    /// The channel that gives a number, if stated.
     source: Option<Source>,
 }
 

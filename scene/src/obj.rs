@@ -13,7 +13,7 @@ use std::path::Path;
 /// A corner of a face: position, and normal and texture coordinates where given.
 type Corner = (u32, Option<u32>, Option<u32>);
 
-/// What corners refer to.
+/// The lists that corners refer to.
 #[derive(Default)]
 struct Lists {
     positions: Vec<Vec3>,
@@ -23,7 +23,7 @@ struct Lists {
     colors: Vec<Vec3>,
 }
 
-/// The text of an OBJ file. Names and comments may be in any encoding: what is not UTF-8 in them is replaced.
+/// The text of an OBJ file. Names and comments may be in any encoding: bytes that are not UTF-8 are replaced.
 pub(crate) fn obj_text(path: &Path, bytes: Vec<u8>) -> Result<String, SceneError> {
     const WORDS: [&[u8]; 6] = [b"o", b"g", b"s", b"usemtl", b"mtllib", b"usemap"];
     String::from_utf8(bytes).or_else(|e| {

@@ -1,11 +1,11 @@
-//! Coordinates relative to a point nearby, for what lies far from the origin of its file.
+//! Coordinates relative to a point nearby, for geometry far from the origin of its file.
 //!
-//! Single precision tells points 1e6 from the origin only 0.06 apart. So the numbers of a file are read in double precision and a
+//! At 1e6 from the origin single precision has steps of 0.06. So the numbers of a file are read in double precision, and a
 //! point near the scene is subtracted before they are rounded.
 
 use glam::{DVec3, Mat3, Mat4, Vec3};
 
-/// What is farther from the origin than so many times its size is taken relative to a point nearby.
+/// Geometry is taken relative to a point nearby if it is farther from the origin than this many times its size.
 const FAR: f64 = 32.0;
 
 /// A point near `center` for a thing of that size, or the origin where that is near enough. Of few binary digits, so that the
@@ -19,7 +19,7 @@ pub(crate) fn near(center: Vec3, size: f32) -> DVec3 {
     (center / unit).round() * unit
 }
 
-/// What the numbers of an object are relative to.
+/// The origins of an object's numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Origins {
     /// The origin of its own coordinates, in the coordinates that the file means.
@@ -35,7 +35,7 @@ impl Origins {
         Self { own, world }
     }
 
-    /// What is subtracted from a translation from own coordinates to the world.
+    /// The offset that is subtracted from a translation from own coordinates to the world.
     pub(crate) fn shift(&self) -> DVec3 {
         self.world - self.own
     }

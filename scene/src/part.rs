@@ -12,11 +12,11 @@ pub(crate) struct Part {
     pub(crate) name: String,
     pub(crate) mesh: Mesh,
     pub(crate) material: Option<(usize, Look)>,
-    /// What its file moves it with.
+    /// The joints that move it, if its file has any.
     pub(crate) rig: Option<(Deformer, Carrier)>,
 }
 
-/// Which normals a mesh is to have.
+/// The normals that a mesh gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Normals {
     /// The file's; smooth ones where it has none.
@@ -30,18 +30,18 @@ impl Part {
         Self { name, mesh, material, rig: None }
     }
 
-    /// Takes out the triangles that never have an area and tells how many there were; those that are there twice, too.
+    /// Removes the triangles that never have an area and returns their number. Removes repeated triangles, too.
     pub(crate) fn clean(&mut self) -> usize {
         let dropped = match self.rig {
             None => self.mesh.remove_degenerate(),
-            // What is flat at the first moment may open later.
+            // A triangle that is flat at the first moment may open later.
             Some(_) => self.mesh.remove_repeated(),
         };
         self.mesh.remove_doubles(self.rig.is_some());
         dropped
     }
 
-    /// Gives the mesh its normals and puts it where it stands first; what moves it then, if anything does.
+    /// Gives the mesh its normals and its first pose; returns its motion, if it moves.
     pub(crate) fn place(&mut self, normals: Normals, placement: &Placement) -> Option<Mover> {
         let smooth = match normals {
             Normals::File => self.mesh.normals.is_empty(),
@@ -75,8 +75,8 @@ impl Part {
     }
 }
 
-/// Shares a number of spheres out among parts in proportion to their areas, at least four each (fewer when fewer were
-/// asked for).
+/// Distributes a number of spheres over parts in proportion to their areas, at least four each (fewer if the total is
+/// too small).
 pub(crate) fn share_out(total: usize, parts: &[Part]) -> Vec<usize> {
     let areas: Vec<f64> = parts.iter().map(|p| p.mesh.area()).collect();
     let sum: f64 = areas.iter().sum();

@@ -1,4 +1,4 @@
-//! Where a thing of the scene file stands, and when.
+//! The placement of a part of the scene file, over time.
 
 use crate::origin::Origins;
 use crate::track::{Meaning, Track};
@@ -13,7 +13,7 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
-    /// The time on the keys' own clock: past the last key it goes on from the first.
+    /// The time on the keys' own clock: after the last key it starts again from the first.
     pub(crate) fn local(&self, time: f32) -> f32 {
         let period = self.last - self.first;
         if self.repeats && time > self.last && period > 0.0 {
@@ -138,7 +138,7 @@ pub(crate) fn linear_turn(times: &[f32], keys: &[(Vec3, f32)]) -> Turn {
         values.extend(rotation(axis, degrees).to_array());
         let Some(pair) = keys.get(i..i + 2) else { break };
         if let Some((axis, degrees)) = one_axis(pair) {
-            // Steps of at most 90° about one axis: between them the shorter arc is the one that is meant.
+            // Steps of at most 90° about one axis, so that the shorter arc between two steps is the intended one.
             let steps = ((degrees[1] - degrees[0]).abs() / 90.0).ceil().clamp(1.0, 4096.0) as u32;
             for k in 1..steps {
                 let u = k as f32 / steps as f32;

@@ -290,7 +290,7 @@ fn read_element(body: &mut Body<'_>, element: &Element, origin: DVec3, mesh: &mu
     Ok(())
 }
 
-/// The linear value of a colour's channel: whole numbers are shares of the largest.
+/// The linear value of a colour's channel: integers are fractions of the largest.
 fn channel(value: f64, kind: Kind) -> f32 {
     let most = match kind {
         Kind::I8 => 127.0,

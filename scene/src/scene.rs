@@ -7,12 +7,12 @@ use lobe_core::Sphere;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What an object looks like.
+/// The geometry of an object.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// Triangles.
     Mesh(Mesh),
-    /// Exact balls.
+    /// Exact spheres.
     Spheres(Vec<Sphere>),
 }
 
@@ -43,11 +43,11 @@ pub struct Object {
     pub shape: Shape,
     /// Index into [`Scene::materials`].
     pub material: usize,
-    /// What it blocks light with.
+    /// The spheres that block light for it.
     pub proxy: Proxy,
     /// Whether the camera sees it.
     pub visible: bool,
-    /// How it blocks light; none where the renderer's own choice holds.
+    /// How it blocks light; `None` for the renderer's own choice.
     pub strategy: Option<Strategy>,
 }
 
@@ -64,14 +64,14 @@ pub struct Scene {
     pub background: Vec3,
     /// Materials; objects refer to them by index.
     pub materials: Vec<Material>,
-    /// What surfaces show beside the reflectance of the material of the same number: textures and emission. Materials beyond the end show
-    /// nothing more.
+    /// Textures and emission of the materials with the same numbers. Materials beyond the end have
+    /// neither.
     pub surfaces: Vec<Surface>,
     /// Objects; a receiver's `object` number is an index into this.
     pub objects: Vec<Object>,
     /// Lights, those of the environment included; none gives a black picture.
     pub lights: Vec<Light>,
-    /// What is all around, seen where the camera sees nothing else.
+    /// The environment, seen where the camera sees nothing else.
     pub environment: Option<Arc<Environment>>,
 }
 
@@ -90,7 +90,7 @@ impl Shape {
 }
 
 impl Object {
-    /// Exact balls that cast exact shadows: the proxy is the shape.
+    /// Exact spheres that cast exact shadows: the proxy is the shape.
     #[must_use]
     pub fn spheres(name: impl Into<String>, balls: Vec<Sphere>, material: usize) -> Self {
         let proxy = Proxy::Spheres(balls.clone());
@@ -111,13 +111,13 @@ impl Scene {
         self.objects.iter().fold(Bounds::EMPTY, |b, o| b.union(o.shape.bounds()))
     }
 
-    /// What surfaces of a material show beside its reflectance; none where that is nothing.
+    /// Textures and emission of a material; `None` if it has neither.
     #[must_use]
     pub fn surface(&self, material: usize) -> Option<&Surface> {
         self.surfaces.get(material).filter(|surface| !surface.is_plain())
     }
 
-    /// How many triangles all meshes have.
+    /// The number of triangles in all meshes.
     #[must_use]
     pub fn triangles(&self) -> usize {
         let of = |o: &Object| match &o.shape {
@@ -127,7 +127,7 @@ impl Scene {
         self.objects.iter().map(of).sum()
     }
 
-    /// How many balls are drawn as such.
+    /// The number of exact spheres in all objects.
     #[must_use]
     pub fn spheres(&self) -> usize {
         let of = |o: &Object| match &o.shape {
@@ -137,7 +137,7 @@ impl Scene {
         self.objects.iter().map(of).sum()
     }
 
-    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, balls, proxies, lights, and
+    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, spheres, proxies, lights, and
     /// that there is an object. [`load`](crate::load) has done so.
     ///
     /// A scene without lights is allowed: its picture is black.
@@ -201,7 +201,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Points of a ball are off its surface by up to 1e-7 of its radius: seen from too near they are noise.
+    /// Points on a sphere have an error of up to 1e-7 of its radius: seen from too near they are noise.
     fn check_seen(&self, ball: &Sphere) -> Result<(), SceneError> {
         let radius = f64::from(ball.radius);
         let height = (ball.center.as_dvec3().distance(self.camera.eye.as_dvec3()) - radius).abs();
@@ -215,7 +215,7 @@ impl Scene {
     }
 }
 
-/// Radius over the eye's distance to its surface up to which single precision shows a ball well: speckles begin at 5e6.
+/// The largest radius over the eye's distance to its surface at which single precision shows a sphere well: speckles begin at 5e6.
 const MAX_RADIUS_SEEN: f64 = 2e6;
 
 pub(crate) fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {

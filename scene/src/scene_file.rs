@@ -23,8 +23,8 @@ pub const SCHEMA_EXAMPLE: &str = include_str!("example.toml");
 /// Lights in place of a mesh are worth a warning from this error on.
 const WORTH_SAYING: f32 = 0.02;
 
-/// Reads the text of a scene file; `path` is what messages name and what relative paths start from. A scene that is far from the
-/// origin, most of its objects and lights too, is read relative to a point near what its camera looks at first.
+/// Reads the text of a scene file. Messages name `path`, and relative paths start from it. A scene far from the
+/// origin, most of its objects and lights too, is read relative to a point near the first target of its camera.
 pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<(Scene, Animation), SceneError> {
     let (scene, animation) = parse_from(path, text, DVec3::ZERO, context)?;
     let mut camera = scene.camera;
@@ -148,7 +148,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     Ok((scene, animation))
 }
 
-/// Where a light is; a sun is nowhere.
+/// The position of a light; suns and skies have none.
 pub(crate) fn place_of(light: &Light) -> Option<Vec3> {
     let is_nowhere = matches!(light, Light::Sun(_) | Light::Sky(_) | Light::Ambient(_));
     (!is_nowhere).then(|| light.bounds().center)

@@ -10,7 +10,7 @@ fn parse(text: &str) -> Result<Scene, SceneError> {
     scene_file::parse(Path::new("test.toml"), text, &mut Context::default()).map(|(scene, _)| scene)
 }
 
-/// A scene of one ball, with something more.
+/// A scene of one sphere, with something more.
 fn with(more: &str) -> String {
     format!("[[objects]]\nsphere = {{ center = [0, 0, 0], radius = 1 }}\n{more}")
 }
@@ -39,7 +39,7 @@ fn the_example_is_a_valid_scene_with_every_key() {
     assert_eq!((scene.width, scene.height), (640, 360));
     assert_eq!(scene.objects.len(), 6);
     assert_eq!(scene.lights.len(), 37);
-    // Φ = 4π²·L·Σr² of the three balls.
+    // Φ = 4π²·L·Σr² of the three spheres.
     let flux = |l: &Light| l.full_radiance().x * l.ball().expect("a ball").radius.powi(2);
     let flux: f32 = scene.lights[2..5].iter().map(flux).sum::<f32>();
     assert!((flux * 4.0 * std::f32::consts::PI.powi(2) - 30.0).abs() < 1e-3);
@@ -385,7 +385,7 @@ fn lights_that_are_none_are_refused() {
     );
 }
 
-/// Objects that light the scene: balls and boxes become the lights that they are, others are refused at their key.
+/// Objects that light the scene: spheres and boxes become exact lights, others are refused at their key.
 #[test]
 fn emission_lights_where_it_is_asked_for() {
     let text = |shape: &str, emission: &str, more: &str| {
@@ -401,7 +401,7 @@ fn emission_lights_where_it_is_asked_for() {
     let ball = lights(&text("sphere = { center = [0, 3, 0], radius = 0.5 }", "[1, 1, 1]", ""));
     assert_eq!(ball[0].ball().map(|b| b.radius), Some(0.5));
     assert!(lights(&text(cube, "[1, 1, 1]", "").replace("true", "false")).is_empty());
-    // A ball at a light shows it only with an emission of its own: the light does not light its surface.
+    // A sphere at a light shows it only with an emission of its own: the light does not light its surface.
     for (emission, count) in [("[1, 1, 1]", 0), ("[0, 0, 0]", 1)] {
         let lamp = text("sphere = { center = [0, 3, 0], radius = 0.5 }", emission, "").replace("light = true\n", "");
         let lamp = lamp + "[[lights]]\nkind = \"sphere\"\ncenter = [0, 3, 0]\nradius = 0.5\nradiance = 1\n";
@@ -453,7 +453,7 @@ fn curved(is_ring: bool, [sides, rows]: [u32; 2]) -> String {
     text
 }
 
-/// Curved meshes that light the scene become balls and tubes, which the mesh does not hide; what that costs is said.
+/// Curved meshes that light the scene become spheres and tubes, which the mesh does not hide; a warning states the error.
 #[test]
 fn curved_meshes_light_as_balls_and_tubes() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -32,7 +32,7 @@ pub(crate) struct SceneLights {
     pub(crate) environment: Option<Arc<Environment>>,
 }
 
-/// What the keys of a light are relative to: the file, the origin of the scene's coordinates and the box around its objects.
+/// The context of a light's keys: the file, the origin of the scene's coordinates and the box around its objects.
 pub(crate) struct Around<'a> {
     pub(crate) path: &'a Path,
     pub(crate) origin: DVec3,
@@ -47,7 +47,7 @@ struct Own<'s> {
 }
 
 impl SceneLights {
-    /// Appends a light, and what moves it.
+    /// Appends a light and its motion.
     pub(crate) fn read(&mut self, mut t: Table<'_>, around: &Around<'_>) -> Result<(), SceneError> {
         let kind = t.require("kind")?;
         let world = Sphere { center: around.bounds.center(), radius: around.bounds.radius() };
@@ -88,8 +88,8 @@ impl SceneLights {
         self.place(t, kind, own)
     }
 
-    /// Appends the light of an object whose material emits: a light for each flat face or each ball, or what stands for a curved mesh. It
-    /// moves as the object does. How far the lights are off where they are inside the object, which then must not block.
+    /// Appends the light of an object whose material emits: one for each flat face or each sphere, or an approximation of a curved mesh. It
+    /// moves as the object does. Returns the relative error of lights inside the object, which then must not block.
     pub(crate) fn emit(
         &mut self,
         (number, object): (usize, &Object),
@@ -109,7 +109,7 @@ impl SceneLights {
         let own = |light| Light::from(InsideLight { light: Box::new(light), object: number as u32 });
         match &object.shape {
             Shape::Spheres(balls) => {
-                // Points of a ball's own surface are inside it or not by their rounding.
+                // Rounding decides whether a point of a sphere's surface is inside it.
                 self.lights.extend(balls.iter().map(|ball| own(SphereLight::new(*ball, radiance).into())));
             }
             Shape::Mesh(mesh) => {
@@ -149,7 +149,7 @@ impl SceneLights {
             return Err(kind.error("coordinates of the light must lie within ±1e9"));
         }
         let first = self.lights.len();
-        // Where they stand: their own coordinates are the world's.
+        // Their own coordinates are the world's.
         let shift = Mat4::from_translation(crate::origin::relative(DVec3::ZERO, origins.shift()));
         self.lights.extend(own.iter().map(|light| light.moved(shift)));
         if let Some(keys) = keys {
@@ -160,7 +160,7 @@ impl SceneLights {
     }
 }
 
-/// A ball; `radius` is its radius where it states none.
+/// A sphere; `radius` is its default radius.
 fn ball<'s>(
     t: &mut Table<'s>,
     around: &Around<'_>,
@@ -271,7 +271,7 @@ fn sun<'s>(t: &mut Table<'s>, around: &Around<'_>, world: Sphere) -> Result<Own<
     Ok(Own { origins: Origins::of(around.origin, DVec3::ZERO), lights: vec![light.into()], value })
 }
 
-/// Balls in one of some units.
+/// Sphere lights, with their brightness in one of some units.
 fn balls_of<'s>(
     t: &mut Table<'s>,
     place: Value<'s>,

@@ -49,12 +49,12 @@ impl Materials {
         self.all.len() - 1
     }
 
-    /// What of the surfaces of a material is there; all without.
+    /// The alpha mask of a material's surfaces; `None` if they are opaque.
     pub(crate) fn cut_out(&self, material: usize) -> Option<&CutOut> {
         self.all[material].cut_out.as_ref()
     }
 
-    /// What the surfaces of an object show.
+    /// Textures and emission of an object.
     pub(crate) fn surface(&self, object: &Object) -> &Surface {
         &self.all[object.material].surface
     }
@@ -81,7 +81,7 @@ pub(crate) fn read_material(
     surface.normal = t.get("normal_map").map(|v| maps.normal(v)).transpose()?;
     surface.emission_map = maps.read(t.get("emission_map"), Encoding::Srgb)?;
     let emission = t.get("emission").map(|v| v.color()).transpose()?;
-    // A map alone is what is emitted.
+    // Without an `emission`, the map alone gives the radiance.
     let alone = if surface.emission_map.is_some() { Vec3::ONE } else { Vec3::ZERO };
     surface.emission = emission.unwrap_or(alone);
 
@@ -164,7 +164,7 @@ pub(crate) fn read_material(
     Ok(Look { material, surface, cut_out })
 }
 
-/// Lobes for a table of measurements beside the scene file; which they are and how far from it is told.
+/// Fits lobes to a table of measurements beside the scene file; a warning states their kind and their error.
 fn measured(file: Value<'_>, lobes: usize, path: &Path, context: &mut Context) -> Result<Material, SceneError> {
     let bytes = files::read(&path.with_file_name("").join(file.string()?)).map_err(|e| file.error(e))?;
     let table = Merl::read(&bytes).map_err(|e| file.error(e))?;
@@ -181,7 +181,7 @@ fn measured(file: Value<'_>, lobes: usize, path: &Path, context: &mut Context) -
     Ok(fitted.model)
 }
 
-/// Where the colour's image is opaque.
+/// The part of a surface where the colour's image is opaque.
 fn cut_out(value: Value<'_>, color: Option<&TextureMap>) -> Result<CutOut, SceneError> {
     let limit = value.number()?;
     if !(0.0..=1.0).contains(&limit) {

@@ -18,7 +18,7 @@ use lobe_core::Sphere;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// What an object is before it is placed.
+/// The geometry of an object before it is placed.
 enum Geometry {
     Spheres(Vec<Sphere>),
     Flat(Mesh),
@@ -27,7 +27,7 @@ enum Geometry {
 
 const UNEVEN: &str = "spheres can only be scaled uniformly";
 
-/// Objects of a scene file, what moves them, and the key that makes their emission light.
+/// Objects of a scene file, their motion, and the key that makes their emission light.
 pub(crate) struct Read<'s> {
     pub(crate) objects: Vec<(Object, Option<Mover>)>,
     pub(crate) light: Option<Value<'s>>,
@@ -303,7 +303,7 @@ impl Stood {
     }
 }
 
-/// Where the object stands, and the key to blame when that doesn't suit the shape.
+/// The placement of the object, and the key to report if it does not suit the shape.
 fn transform<'s>(t: &mut Table<'s>, origins: &Origins) -> Result<(Stood, Option<Value<'s>>), SceneError> {
     let (scale, rotate, translate, matrix) = (t.get("scale"), t.get("rotate"), t.get("translate"), t.get("matrix"));
     if let Some(m) = matrix {

@@ -1,4 +1,4 @@
-//! What a renderer takes and gives: the same for CPU and GPU.
+//! Inputs and results of a renderer, the same for CPU and GPU.
 
 use brdf::Material;
 use glam::Vec3;
@@ -29,7 +29,7 @@ pub struct BlockerSet {
 }
 
 impl BlockerSet {
-    /// What receivers of its own object inside it see of a sphere, from its centre, and its τ.
+    /// The sphere that receivers of its own object see inside a sphere, relative to its centre, and its τ.
     #[must_use]
     pub fn own(&self, sphere: usize) -> (Sphere, f32) {
         let (ball, object) = (self.spheres[sphere], self.objects[sphere]);
@@ -54,7 +54,7 @@ impl BlockerSet {
     }
 }
 
-/// What is constant over one frame: the built-in materials and lights, or anyone's own.
+/// The constants of one frame: the built-in materials and lights, or own types.
 #[derive(Debug)]
 pub struct Frame<'a, M = Material, L = Light> {
     /// Materials that the points refer to.
@@ -90,7 +90,7 @@ pub struct StageSeconds {
     pub integration: f64,
 }
 
-/// What was computed; independent of the machine.
+/// Counts of the computation; independent of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Visibility lobes generated.
@@ -107,7 +107,7 @@ pub struct Counts {
     pub penumbra_points: u64,
 }
 
-/// What shading reports.
+/// Times and counts that shading reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShadeStats {
     /// Wall seconds of the whole call.
@@ -145,7 +145,7 @@ impl core::ops::AddAssign for Counts {
 
 /// A renderer of lobe sums, for one set of materials and one kind of lights: enums or boxes for several.
 pub trait Shade<M = Material, L = Light> {
-    /// What can go wrong.
+    /// The error of shading.
     type Error;
 
     /// Writes the radiance toward the eye of every point into `out`, which is as long as the points.

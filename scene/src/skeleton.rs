@@ -38,10 +38,10 @@ pub(crate) struct Skeleton {
     pub(crate) clock: Clock,
 }
 
-/// What of a skeleton carries a mesh.
+/// The part of a skeleton that carries a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct Carrier {
-    /// Which skeleton of the animation.
+    /// The number of the skeleton in the animation.
     pub(crate) skeleton: usize,
     /// Each joint's node and inverse bind matrix; no node for vertices that stay where they are.
     pub(crate) joints: Vec<(Option<usize>, Mat4)>,
@@ -85,7 +85,7 @@ impl Bone {
 }
 
 impl Skeleton {
-    /// World matrices of all nodes; what leaves single precision is as at rest.
+    /// World matrices of all nodes; a node beyond the range of single precision keeps its rest pose.
     pub(crate) fn worlds(&self, time: f32) -> Vec<Mat4> {
         if self.origin != DVec3::ZERO {
             return self.far_worlds(time);

@@ -7,30 +7,29 @@ use glam::{Affine2, Vec2, Vec3};
 pub struct TextureMap {
     /// The image.
     pub texture: Texture,
-    /// Which of the mesh's sets of coordinates; a set that it does not have is 0 everywhere.
+    /// The number of the set of texture coordinates; a set that the mesh lacks is 0 everywhere.
     pub uv_set: usize,
     /// From the mesh's coordinates to the image's.
     pub transform: Affine2,
-    /// What lies outside the image, along u and v.
+    /// The values outside the image, along u and v.
     pub wrap: [Wrap; 2],
-    /// Whether texels are seen as such from near, instead of what is between them.
+    /// Whether nearby texels are shown as squares instead of interpolated.
     pub is_pixelated: bool,
 }
 
 /// One of the four numbers of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// Where it comes from.
+    /// The texture that it is read from.
     pub map: TextureMap,
     /// 0 red, 1 green, 2 blue, 3 alpha.
     pub index: usize,
 }
 
-/// What surfaces of a material show beside its reflectance: textures, whose values are [`Factors`] of the material's own, and light of
-/// their own.
+/// Textures and emission of a material. The values of textures are [`Factors`] of the material's own.
 ///
-/// Normal maps are in tangent space, x along u, y against v, z the normal: `n = 2t − 1`, x and y times a scale. Emission is seen;
-/// it lights others where an object of a scene file says `light = true`.
+/// Normal maps are in tangent space, x along u, y against v, z the normal: `n = 2t − 1`, x and y times a scale. The camera sees
+/// emission; it lights others where an object of a scene file says `light = true`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Of [`Factors::color`].
@@ -51,13 +50,13 @@ pub struct Surface {
     pub emission: Vec3,
     /// Its factor.
     pub emission_map: Option<TextureMap>,
-    /// Whether the material's tangent is the direction of growing u, of the first set of coordinates: anisotropic lobes follow the texture.
+    /// Whether the tangent is the direction of growing u in the first set of coordinates, so that anisotropic lobes follow the texture.
     pub follows_u: bool,
-    /// Whether the emission is a picture and no light: colours of vertices are factors of it.
+    /// Whether the emission is a picture and no light: vertex colours multiply it.
     pub is_unlit: bool,
 }
 
-/// A place on a surface, as textures see it: coordinates in a set, and what they change by along the sides of the pixel.
+/// A place on a surface, as textures see it: coordinates in a set, and their change along the sides of the pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TexturePlace {
     /// u and v.

@@ -2,7 +2,7 @@ use crate::texture_level::{FAR, Level, Stored, Texel, Wrap, near};
 use glam::{Vec2, Vec4, Vec4Swizzles};
 use std::sync::{Arc, LazyLock};
 
-/// How the numbers of an image are meant.
+/// The meaning of an image's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Encoding {
@@ -12,7 +12,7 @@ pub enum Encoding {
     Linear,
 }
 
-/// An image as surfaces show it: 8 bits a channel, with the pyramid of its means, each half as large as the one before.
+/// An image for surfaces: 8 bits a channel, with a mip pyramid.
 ///
 /// Texture coordinates have their origin at the upper left corner, v downward, as in glTF. Copies share the texels.
 ///
@@ -85,7 +85,7 @@ impl Texture {
         Self { name: name.into(), encoding, levels: levels.into() }
     }
 
-    /// What messages call it.
+    /// Its name in messages.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -108,7 +108,7 @@ impl Texture {
         with!(&*self.levels, levels => levels.iter().map(Level::bytes).sum())
     }
 
-    /// How its numbers are meant.
+    /// The meaning of its numbers.
     #[must_use]
     pub const fn encoding(&self) -> Encoding {
         self.encoding
@@ -267,7 +267,7 @@ fn covered(at: usize, n: usize, of: usize) -> (usize, [f32; 3]) {
         let texel = (first + k) as f64;
         (((texel + 1.0).min(end) - texel.max(begin)).max(0.0) / step) as f32
     };
-    // What rounding leaves of a texel beyond the last is none.
+    // A texel beyond the last one appears only by rounding and has no weight.
     let weights = core::array::from_fn(|k| if first + k < of { weight(k) } else { 0.0 });
     (first, weights)
 }

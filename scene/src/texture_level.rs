@@ -2,7 +2,7 @@
 
 use glam::{BVec4A, Vec4};
 
-/// What lies outside [0, 1]².
+/// The values outside [0, 1]².
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
     /// The image again.
@@ -72,7 +72,7 @@ pub(crate) struct Level<T> {
     pub(crate) extent: Vec4,
     /// One less each, where both are powers of two.
     masks: Option<[u32; 2]>,
-    /// Texels in a row of blocks, less 16. The number of blocks is odd, so that rows do not share places of the cache.
+    /// Texels in a row of blocks, less 16. The number of blocks is odd, so that rows do not fall on the same cache sets.
     pitch: usize,
     texels: Vec<T>,
 }

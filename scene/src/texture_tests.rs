@@ -32,7 +32,7 @@ fn texels_are_at_their_centres() {
     }
 }
 
-/// What [`noise`] has there.
+/// The value of [`noise`] at a texel.
 fn noise_texel(width: u32, x: u32, y: u32) -> [f32; 4] {
     let mut state = 1u32;
     let mut value = 0.0;
@@ -177,7 +177,7 @@ fn levels_and_taps_are_means() {
     }
 }
 
-/// The widest image, texel by texel, at a place that single precision just tells apart.
+/// The widest image, texel by texel, at a coordinate where single precision just separates texels.
 #[test]
 fn the_largest_image_keeps_its_texels_apart() {
     let width = Texture::MAX_SIDE;

@@ -198,7 +198,7 @@ impl<'s> Value<'s> {
         Ok(column)
     }
 
-    /// Where the first of `[[x, y, z, radius], …]` is, in double precision.
+    /// The centre of the first of `[[x, y, z, radius], …]`, in double precision.
     pub(crate) fn first_place(&self) -> Result<DVec3, SceneError> {
         self.spheres(DVec3::ZERO)?;
         let mut place = DVec3::ZERO;
@@ -244,7 +244,7 @@ impl<'s> Value<'s> {
     }
 }
 
-/// A table whose keys are asked for one by one; [`finish`](Self::finish) refuses what nobody asked for.
+/// A table whose keys are read one by one; [`finish`](Self::finish) refuses keys that were not read.
 pub(crate) struct Table<'s> {
     source: Source<'s>,
     at: usize,
@@ -286,7 +286,7 @@ impl<'s> Table<'s> {
         }
     }
 
-    /// Every entry, whatever its key: for tables of named things.
+    /// All entries: for tables of named things.
     pub(crate) fn entries(&self) -> Vec<Value<'s>> {
         // Names in the order of the file, not of the alphabet.
         let mut all: Vec<_> = self
@@ -298,7 +298,7 @@ impl<'s> Table<'s> {
         all
     }
 
-    /// The one key of `choices` that is there.
+    /// The one key of `choices` that is present.
     pub(crate) fn one_of(&mut self, choices: &[&'static str]) -> Result<(&'static str, Value<'s>), SceneError> {
         let found: Vec<_> = choices.iter().filter_map(|&key| Some((key, self.get(key)?))).collect();
         match found[..] {
@@ -310,7 +310,7 @@ impl<'s> Table<'s> {
         }
     }
 
-    /// Refuses keys that nobody asked for.
+    /// Refuses keys that were not read.
     pub(crate) fn finish(self) -> Result<(), SceneError> {
         let unknown = self.table.keys().find(|key| !self.asked.contains(&key.get_ref().as_ref()));
         match unknown {
@@ -334,7 +334,7 @@ fn list(keys: &[&str]) -> String {
     keys.iter().map(|k| format!("\"{k}\"")).collect::<Vec<_>>().join(", ")
 }
 
-/// How many letters must be put in, taken out or replaced to make one word of the other (Levenshtein).
+/// The number of letters to insert, delete or replace to turn one word into the other (Levenshtein).
 fn edits(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

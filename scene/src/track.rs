@@ -2,7 +2,7 @@
 
 use glam::Quat;
 
-/// How values between two keys come about.
+/// The interpolation between two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interpolation {
     /// The value of the key before.
@@ -13,7 +13,7 @@ pub(crate) enum Interpolation {
     Cubic,
 }
 
-/// What the values mean.
+/// The meaning of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meaning {
     Numbers,
@@ -64,7 +64,7 @@ impl Track {
 
     /// Through the keys with continuous velocity and without overshoot: harmonic means of the slopes on both sides
     /// (F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984), 0 where they differ in sign. It starts and ends
-    /// at rest; a `closed` track goes on after its last key as after its first.
+    /// at rest; on a `closed` track the last key is followed by the first.
     pub(crate) fn smooth(times: Vec<f32>, keys: &[f32], width: usize, closed: bool, meaning: Meaning) -> Self {
         let n = times.len();
         let step = |i: usize| f64::from(times[i + 1]) - f64::from(times[i]);

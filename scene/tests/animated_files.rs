@@ -11,7 +11,7 @@ const SHARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/g
 type Expected = (&'static str, usize, f32, [f32; 3], [f32; 3], [f32; 3]);
 
 /// File, clip, time; smallest and largest corner and the mean of all vertices, vertex i weighted with i + 1 so that their
-/// order counts. From a program of its own in f64 that shares nothing with this crate.
+/// order counts. From an independent program in f64.
 #[rustfmt::skip]
 const EXPECTED: &[Expected] = &[
         ("SimpleSkin/SimpleSkin.gltf", 0, 0.7, [-1.118, 0.0, 0.0], [0.543108, 1.8993, 0.0], [-0.351771, 1.148, 0.0]),
@@ -106,7 +106,7 @@ fn every_animated_file_moves_and_stays_valid() {
             for (p, q) in vertices(&scene).iter().zip(vertices(&first)) {
                 moved = moved.max(p.distance(q));
             }
-            // What the rig and the pose say is what seeking does: bind space through the first moment's matrices.
+            // Applying rig and pose by hand gives the result of seeking: bind space through the first moment's matrices.
             if i == 5 {
                 follow(&animation, &first, &scene, animation.duration() * 5.0 / 12.0);
             }

@@ -429,7 +429,7 @@ fn faults_of_clips_are_refused_and_those_of_others_told() {
     load(&text, Some("0")).unwrap();
     let unnamed = text.replace("\"name\": \"Go\", ", "");
     assert_eq!(load(&unnamed, None).unwrap().1.clips(), ["0"]);
-    // A broken clip that is not played is told and not listed.
+    // A broken clip that is not played gives a warning and is not listed.
     let target = "{\"sampler\": 0, \"target\": {\"node\": 1, \"path\": \"translation\"}}";
     let broken = format!("\"animations\": [{{\"channels\": [{target}], \"samplers\": []}}, ");
     let two = text.replace("\"animations\": [", &broken);
@@ -447,7 +447,7 @@ fn faults_of_clips_are_refused_and_those_of_others_told() {
         animation.is_still() && animation.clips().is_empty() && warnings[0].contains("no channels"),
         "{warnings:?}"
     );
-    // What is left out is told: a path of an extension, weights without targets.
+    // Channels that are left out give a warning: a path of an extension, weights without targets.
     for (path, kind) in [("pointer", "VEC3"), ("weights", "SCALAR")] {
         let text = go(path, "LINEAR", &[0.0, 1.0], &v, kind);
         let (_, animation, warnings) = load(&text, None).unwrap();

@@ -80,7 +80,7 @@ fn difficult_files_get_the_verdict_of_their_index() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is wrong with a clip is said with its place in the file; a clip that loads can be played.
+/// An error in a clip names its place in the file; a clip that loads can be played.
 #[test]
 #[cfg_attr(not(shared_assets), ignore = "needs ../shared/assets beside the repository")]
 fn broken_clips_are_refused() {

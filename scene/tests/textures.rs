@@ -1,4 +1,4 @@
-//! Images of scene files, OBJ and glTF: how they lie, and what is refused.
+//! Images of scene files, OBJ and glTF: their placement, and the images that are refused.
 
 use brdf::{Material, MetallicRoughness, Phong};
 use core::f32::consts::FRAC_1_PI;
@@ -73,7 +73,7 @@ fn what_is_wrong_with_an_image_is_said_at_its_line() {
     std::fs::write(folder.path().join("short.png"), &whole[..whole.len() / 2]).expect("a file");
     std::fs::write(folder.path().join("text.png"), "no image").expect("a file");
     std::fs::write(folder.path().join("empty.png"), "").expect("a file");
-    // What may hold NaN, and has no place in [0, 1].
+    // Formats that may hold NaN or values outside [0, 1].
     std::fs::write(folder.path().join("nan.hdr"), "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n").expect("a file");
     std::fs::write(folder.path().join("nan.exr"), [0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0]).expect("a file");
     // A header that promises 16 384 × 16 384 texels, and one beyond.
@@ -160,7 +160,7 @@ fn an_obj_has_the_materials_of_its_library() {
     let uv = map.transform.transform_point2(mesh.uv_sets[0][2]);
     assert!((1.0 - uv.y - 3.0 * 0.75).abs() < 1e-6 && uv.x == 0.0, "{uv}");
     assert_eq!(of("gone").1.map(|s| s.emission), Some(Vec3::splat(5.0)));
-    // What no library has is one object with the default material.
+    // A material that no library defines is one object with the default material.
     assert!(scene.objects.iter().any(|o| o.name == "m" && o.material == 1), "{:?}", scene.objects.len());
     for part in ["gone.png is not there", "not opaque are cut out", "emits, but lights no other"] {
         assert!(warnings.iter().any(|w| w.contains(part)), "{part}: {warnings:?}");
@@ -238,7 +238,7 @@ fn a_lamp_that_lights_is_no_warning() {
     let file = folder.path().join("lamp.toml");
     let lamp = "[[lights]]\nkind = \"sphere\"\ncenter = [0, 0.2, 0]\nradius = 1\nradiance = [1, 1, 1]\n";
     let far = lamp.replace("0.2", "9");
-    // One that lights, one that a light shines in, one that lights nothing.
+    // An object that lights, an object around a light, an object that lights nothing.
     for (light, lamp, count) in [(true, "", 0), (false, lamp, 0), (false, far.as_str(), 1)] {
         let text = format!(
             "[materials.lamp]\nmodel = \"lambert\"\nalbedo = 0.5\nemission = [1, 1, 1]\n\
@@ -290,7 +290,7 @@ fn colours_of_ply_and_obj_vertices_are_srgb() {
         let Shape::Mesh(mesh) = &scene.objects[1].shape else { panic!("a mesh") };
         assert!((mesh.colors[0] - Vec3::new(1.0, half, 0.0)).length() < tolerance, "{name}: {}", mesh.colors[0]);
         assert!(mesh.colors.iter().all(|c| c.min_element() >= 0.0 && c.max_element() <= 1.0));
-        // They are what the surface is, not half of it.
+        // Vertex colours replace the default albedo instead of multiplying it.
         assert_eq!(scene.materials[scene.objects[1].material], Material::lambert(Vec3::ONE));
     }
     let (scene, _) = load_with_warnings(folder.path().join("c.ply")).expect("a scene");

@@ -11,11 +11,11 @@ use crate::surface::Surface;
 /// Points on the surface that the patches are made of.
 const SAMPLES: usize = 40_000;
 
-/// Joints with a smaller share of a patch do not carry the sphere.
+/// Joints with a smaller part of a patch do not carry the sphere.
 const LEAST_SHARE: f64 = 0.02;
 
-/// What carries the points of a mesh: point `v` is at `Σ_j w_vj J_j (p_v + Σ_k m_k Δ_kv)`, `J_j` from bind space to the
-/// world, as in glTF (linear blend skinning after morph targets).
+/// The joints and weights that carry the points of a mesh: point `v` is at `Σ_j w_vj J_j (p_v + Σ_k m_k Δ_kv)`, `J_j` from
+/// bind space to the world, as in glTF (linear blend skinning after morph targets).
 #[derive(Clone, Copy, Debug)]
 pub struct Carriers<'a> {
     /// Per vertex, the numbers of its joints.
@@ -114,7 +114,7 @@ fn samples(surface: &Surface) -> Vec<Sample> {
         .collect()
 }
 
-/// The mesh in bind space, and what carries it.
+/// The mesh in bind space, with its joints and weights.
 struct BindPose<'a> {
     carriers: &'a Carriers<'a>,
     joints: Vec<DMat4>,
@@ -137,11 +137,11 @@ impl<'a> BindPose<'a> {
         Self { carriers, points: points.collect(), joints }
     }
 
-    /// What carries a sphere, given in the world and in unit space, and what turns its near ball.
+    /// The joints that carry a sphere, given in the world and in unit space, and the offset of its near sphere.
     fn carry(&self, ball: &Sphere, offset: Vec3, unit: Vec4, samples: &[Sample]) -> (BoundSphere, Vec<Morph>) {
         let (center, radius) = (ball.center.as_dvec3(), ball.radius);
         let patch = patch(unit, samples);
-        // Per joint: the patch's share, and its moment in bind space.
+        // Per joint: its part of the patch, and the moment of that part in bind space.
         let mut shares = vec![(0.0_f64, DVec3::ZERO); self.joints.len()];
         self.over(&patch, |area, joint, vertex| {
             shares[joint].0 += area;
@@ -209,7 +209,7 @@ impl<'a> BindPose<'a> {
         }
     }
 
-    /// What each morph target does to a sphere: moves its points with the patch's mean displacement, and grows it by
+    /// The effect of each morph target on a sphere: it moves the sphere with the patch's mean displacement, and grows it by
     /// the g that fits `Δ_v ≈ t + g u_v` best, `u_v` from the sphere's centre to the patch.
     fn morphs(&self, patch: &[(f64, &Sample)], sphere: &BoundSphere, carried: [(f64, DVec3); CARRIERS]) -> Vec<Morph> {
         let center: DVec3 = carried.iter().map(|(weight, point)| *point * *weight).sum();

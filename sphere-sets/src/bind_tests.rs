@@ -95,7 +95,7 @@ fn rigid_motion_and_uniform_scale_are_exact() {
     }
 }
 
-/// What was given in the rest pose comes back there, turned by whatever turns the limb, and keeps its length where bones
+/// In the rest pose an offset has its given value. Elsewhere it turns with the limb, and keeps its length where bones
 /// shear it.
 #[test]
 fn near_balls_turn_with_their_bones() {
@@ -135,7 +135,7 @@ fn a_bent_limb_keeps_its_spheres() {
         let joints = [Mat4::IDENTITY, Mat4::from_rotation_z(angle)];
         let spheres = posed(&bound, &joints, &[]);
         let bent = rig.deform(&joints, &[]);
-        // The surface around the bend pinches, as linear blending does: what the spheres follow is the pinched surface.
+        // The surface around the bend pinches, as linear blending does: the spheres follow the pinched surface.
         let now = SphereSet::measure(&bent, &rig.triangles, &spheres).expect("a mesh with area").quality;
         assert!(now.silhouette_error < straight + 0.03, "{angle}: {straight} {now:?}");
         let rest = set.quality;
@@ -181,7 +181,7 @@ fn morph_targets_move_and_grow() {
     assert!(with([0.25, 0.0]).center.distance(rest.center) < 1e-5);
     assert!(with([1.25, 0.0]).center.distance(rest.center + lift) < 1e-5);
     assert!((with([1.25, 0.0]).radius - rest.radius).abs() < 1e-4);
-    // The patch is the whole ball, so its growth is known but for the 0.02 against patches that look one way.
+    // The patch is the whole sphere, so its growth is known but for the 0.02 against patches that look one way.
     assert!((with([0.25, 1.0]).radius - 1.5 * rest.radius).abs() < 0.02, "{:?}", with([0.25, 1.0]));
     assert!(with([0.25, 1.0]).center.distance(rest.center) < 0.02);
     assert!(with([0.25, -100.0]).radius == 0.0);

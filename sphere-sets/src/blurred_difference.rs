@@ -7,11 +7,11 @@ use crate::view::{CELL, View};
 /// degrees, half of D away.
 const BLUR: f32 = 0.05;
 
-/// Imbalance at which the force is full, as a share of the square's area.
+/// Imbalance at which the force is full, as a fraction of the square's area.
 const FULL: f32 = 0.03;
 
-/// Where a set's silhouette is too large or too small *on average*, as a soft shadow shows it: next to the outline of
-/// a hard shadow, whose misses and excesses cannot make up for each other, the second thing that a set is judged by.
+/// The regions where a set's silhouette is too large or too small *on average*, as in a soft shadow. A hard shadow shows
+/// the outline itself, where misses and excesses do not cancel. A set is judged by both.
 pub(crate) struct BlurredDifference {
     image: BitImage,
     /// Cells a side.
@@ -44,7 +44,7 @@ impl BlurredDifference {
         self.blur(reach(view));
     }
 
-    /// What a piece of the set's outline that moves outward here does to the difference, in −1 … 1.
+    /// The effect on the difference of moving a piece of the set's outline outward here, in −1 … 1.
     pub(crate) fn force(&self, p: Vec2) -> f32 {
         let q = (p / CELL as f32 - 0.5).clamp(Vec2::ZERO, Vec2::splat(self.side as f32 - 1.001));
         let (x, y) = (q.x as usize, q.y as usize);
@@ -99,7 +99,7 @@ impl BlurredDifference {
     }
 }
 
-/// Cells on either side of one that its mean is taken over.
+/// Half the width of the mean around a cell, in cells.
 fn reach(view: &View) -> usize {
     (BLUR * view.frame.scale / CELL as f32 + 0.5) as usize
 }
@@ -121,9 +121,9 @@ mod tests {
         let view = view();
         let mut blurred = BlurredDifference::new(192);
         let area = 1.0 / view.inverse_area;
-        // The polyhedron is up to 1 % smaller than the ball.
+        // The polyhedron is up to 1 % smaller than the sphere.
         assert!(blurred.error(&view, &[Vec4::new(0.0, 0.0, 0.0, 0.3)]) < 0.01 * area);
-        // Nothing at all: everything is missing, and blurring keeps areas but for what it carries over the picture's edge.
+        // Without spheres everything is missing. Blurring preserves areas, except at the picture's edge.
         let missing = blurred.error(&view, &[]) / area;
         assert!((0.99..1.001).contains(&missing), "{missing}");
         blurred.weigh(&view, &[Vec4::new(0.0, 0.0, 0.0, 0.33)]);

@@ -5,7 +5,7 @@ use crate::bound_set::{BoundSet, BoundSphere, CARRIERS, Morph};
 use crate::error::SetFileError;
 use crate::sphere_set::SphereSet;
 
-/// What a set file stores of a [`BoundSet`]; one row a sphere.
+/// The part of a [`BoundSet`] in a set file; one row a sphere.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Bones {
@@ -14,14 +14,14 @@ pub(crate) struct Bones {
     /// `CARRIERS` points, one after the other.
     points: Vec<[f32; 3 * CARRIERS]>,
     radii: Vec<f32>,
-    /// None in older files, whose near balls share the spheres' centres.
+    /// Empty in older files, where a near sphere has its sphere's centre.
     #[serde(default)]
     offsets: Vec<[f32; 3]>,
     #[serde(default)]
     targets: Vec<Target>,
 }
 
-/// What a morph target adds.
+/// The offsets of a morph target.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Target {
@@ -30,7 +30,7 @@ struct Target {
 }
 
 impl Bones {
-    /// Whether they are those of so many spheres.
+    /// Checks that every list has one row for each sphere, and finite numbers.
     pub(crate) fn check(&self, count: usize) -> Result<(), SetFileError> {
         let refuse = |message: String| Err(SetFileError { message });
         let target_rows = self.targets.iter().flat_map(|target| [target.points.len(), target.radii.len()]);
@@ -53,7 +53,7 @@ impl Bones {
 }
 
 impl BoundSet {
-    /// The set as JSON: what [`SphereSet::to_json`] writes and `"bones": {"joints", "weights", "points", "radii",
+    /// The set as JSON: the keys of [`SphereSet::to_json`] and `"bones": {"joints", "weights", "points", "radii",
     /// "offsets", "targets"}`, of which each has a row a sphere, in bind space.
     ///
     /// [`BoundSet::from_json`] gives the same set back, bit for bit.
@@ -73,10 +73,10 @@ impl BoundSet {
         }))
     }
 
-    /// Reads what [`BoundSet::to_json`] writes.
+    /// Reads the output of [`BoundSet::to_json`].
     ///
     /// # Errors
-    /// As [`SphereSet::from_json`]; also for a set without bones, or bones that are not those of its spheres.
+    /// As [`SphereSet::from_json`]; also for a set without bones, or with bones that do not match its spheres.
     pub fn from_json(text: &str) -> Result<Self, SetFileError> {
         let refuse = |message: &str| Err(SetFileError { message: message.to_owned() });
         let (rest, bones) = SphereSet::read(text)?;

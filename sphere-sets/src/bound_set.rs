@@ -17,11 +17,11 @@ pub(crate) const CARRIERS: usize = 4;
 pub struct BoundSet {
     pub(crate) rest: SphereSet,
     pub(crate) spheres: Vec<BoundSphere>,
-    /// Per morph target, per sphere: what the target adds at weight 1.
+    /// Per morph target, per sphere: the target's offset at weight 1.
     pub(crate) targets: Vec<Vec<Morph>>,
 }
 
-/// What carries one sphere.
+/// The joints and weights that carry one sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BoundSphere {
     /// Joints, by falling weight.
@@ -32,11 +32,11 @@ pub(crate) struct BoundSphere {
     pub(crate) points: [Vec3; CARRIERS],
     /// In bind space.
     pub(crate) radius: f32,
-    /// That of its near ball ([`SelfShadow`]) in bind space, as long as at rest.
+    /// The offset of its near sphere ([`SelfShadow`]) in bind space, as long as at rest.
     pub(crate) offset: Vec3,
 }
 
-/// How a morph target moves and grows a sphere, in bind space.
+/// The motion and growth of a sphere by a morph target, in bind space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Morph {
     pub(crate) points: [Vec3; CARRIERS],
@@ -67,8 +67,8 @@ impl BoundSet {
     /// space to the world, `morph` are the weights of the morph targets.
     ///
     /// A radius is that in bind space times `|det Σ_j w_j J_j|^⅓`: spheres shrink and stretch with the surface, and rigid
-    /// motion moves them exactly. Near balls turn with the bones ([`SelfShadow::turned`]). A sphere whose matrices are
-    /// singular has radius 0; whatever the matrices are, the spheres are finite. Their number and order are those of the
+    /// motion moves them exactly. Near spheres turn with the bones ([`SelfShadow::turned`]). A sphere whose matrices are
+    /// singular has radius 0. The spheres are finite for any matrices. Their number and order are those of the
     /// set. O(spheres × (4 + targets)), no allocation once `out` is large enough. `own` stays empty for a set without
     /// self-shadows.
     ///
@@ -110,7 +110,7 @@ impl BoundSet {
     }
 }
 
-/// The cube root of a matrix's change of volume: the radius of a ball as large as the unit ball's image.
+/// The cube root of a matrix's change of volume: the radius of a sphere as large as the unit sphere's image.
 pub(crate) fn stretch(matrix: glam::DMat3) -> f64 {
     matrix.determinant().abs().cbrt()
 }

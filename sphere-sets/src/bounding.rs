@@ -14,21 +14,21 @@ const JUDGES: usize = 1 << 16;
 
 const SWEEPS: usize = 60;
 
-/// Sweeps between two divisions of the surface among the balls.
+/// Sweeps between two divisions of the surface among the spheres.
 const ROUND: usize = 4;
 
-/// Places tried for a ball in a sweep.
+/// Places tried for a sphere in a sweep.
 const TRIES: usize = 6;
 
-/// Sides below which a piece of a triangle is given to a ball that does not hold it, first and last, in units of D.
+/// Sides below which a piece of a triangle is given to a sphere that does not hold it, first and last, in units of D.
 const PIECES: [f32; 2] = [8e-3, 1e-3];
 
-/// Moves and resizes balls (unit space) until every point of the surface is in one of them, with little volume outside
+/// Moves and resizes spheres (unit space) until every point of the surface is in one of them, with little volume outside
 /// the mesh.
 ///
-/// Each ball has a share of the surface, and the radius that its share takes. A ball moves where that lowers the volume
-/// outside the mesh that it adds to the others'; every few sweeps, each piece of the surface goes to the ball that it is
-/// deepest in. Triangles are cut until each piece lies in one ball, so that the cover is one of all points.
+/// Each sphere owns a part of the surface, and its radius covers that part. A sphere moves where that lowers the volume
+/// outside the mesh that it adds to the others'; every few sweeps, each piece of the surface goes to the sphere that it is
+/// deepest in. Triangles are cut until each piece lies in one sphere, so that the cover holds all points.
 pub(crate) fn bound(
     surface: &Surface,
     solid: &Solid,
@@ -37,7 +37,7 @@ pub(crate) fn bound(
     progress: &mut Progress,
 ) -> Result<(), BuildError> {
     let judges = judges(surface, solid);
-    let mut steps: Vec<f32> = spheres.iter().map(|ball| 0.1 * ball.w).collect();
+    let mut steps: Vec<f32> = spheres.iter().map(|sphere| 0.1 * sphere.w).collect();
     let mut shares = Vec::new();
     for sweep in 0..=SWEEPS {
         let done = sweep as f32 / SWEEPS as f32;
@@ -47,27 +47,27 @@ pub(crate) fn bound(
         if sweep % ROUND == 0 {
             let piece = PIECES[0] * (PIECES[1] / PIECES[0]).powf((1.5 * done).min(1.0));
             shares = divide(surface, spheres, piece);
-            for (ball, share) in spheres.iter_mut().zip(&shares) {
-                ball.w = radius(share, ball.truncate());
+            for (sphere, share) in spheres.iter_mut().zip(&shares) {
+                sphere.w = radius(share, sphere.truncate());
             }
         }
         for i in 0..spheres.len() {
             improve(spheres, i, &shares[i], &judges, &mut steps[i], random);
         }
     }
-    spheres.retain(|ball| ball.w > 0.0);
-    // Rounding, here and where the balls are carried to the mesh's space.
+    spheres.retain(|sphere| sphere.w > 0.0);
+    // Rounding, here and where the spheres are carried to the mesh's space.
     let far = surface.bounds.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     let slack = 1e-6 + 2.0 * f32::EPSILON * (f64::from(far) / surface.diagonal) as f32;
-    for ball in spheres {
-        ball.w += slack;
+    for sphere in spheres {
+        sphere.w += slack;
     }
     Ok(())
 }
 
-/// Moves ball `i` to the best of a few places near it.
+/// Moves sphere `i` to the best of a few places near it.
 fn improve(spheres: &mut [Vec4], i: usize, share: &[Vec3], judges: &[Vec3], step: &mut f32, random: &mut Random) {
-    let ball = spheres[i];
+    let sphere = spheres[i];
     if share.is_empty() {
         return;
     }
@@ -75,37 +75,37 @@ fn improve(spheres: &mut [Vec4], i: usize, share: &[Vec3], judges: &[Vec3], step
     // inside.
     let slack = 1.74 * *step;
     let share: Vec<Vec3> =
-        share.iter().copied().filter(|p| p.distance(ball.truncate()) >= ball.w - 2.0 * slack).collect();
-    let reach = ball.truncate().extend(ball.w + 2.0 * slack);
+        share.iter().copied().filter(|p| p.distance(sphere.truncate()) >= sphere.w - 2.0 * slack).collect();
+    let reach = sphere.truncate().extend(sphere.w + 2.0 * slack);
     let near: Vec<Vec4> = (0..spheres.len())
         .filter(|j| *j != i)
         .map(|j| spheres[j])
-        .filter(|other| other.truncate().distance(ball.truncate()) < other.w + reach.w)
+        .filter(|other| other.truncate().distance(sphere.truncate()) < other.w + reach.w)
         .collect();
     let open = |p: &Vec3| inside(reach, *p) && !near.iter().any(|other| inside(*other, *p));
     let judges: Vec<Vec3> = judges.iter().copied().filter(open).collect();
-    let mut best = (usize::MAX, ball);
+    let mut best = (usize::MAX, sphere);
     for k in 0..=TRIES {
         let shift = Vec3::new(random.unit(), random.unit(), random.unit()) * 2.0 - 1.0;
-        let center = if k == 0 { ball.truncate() } else { ball.truncate() + shift * *step };
+        let center = if k == 0 { sphere.truncate() } else { sphere.truncate() + shift * *step };
         let place = center.extend(radius(&share, center));
         let cost = judges.iter().filter(|p| inside(place, **p)).count();
         if cost < best.0 || (cost == best.0 && place.w < best.1.w) {
             best = (cost, place);
         }
     }
-    let moved = best.1 != ball;
-    *step = if moved { (*step * 1.3).min(0.3 * ball.w) } else { *step * 0.85 }.max(2e-4);
+    let moved = best.1 != sphere;
+    *step = if moved { (*step * 1.3).min(0.3 * sphere.w) } else { *step * 0.85 }.max(2e-4);
     spheres[i] = best.1;
 }
 
-/// The radius that a share takes around a centre.
+/// The radius that covers the points around a centre.
 fn radius(share: &[Vec3], center: Vec3) -> f32 {
     share.iter().map(|p| p.distance_squared(center)).fold(0.0, f32::max).sqrt()
 }
 
-/// Cuts the triangles until each piece is in one ball, or smaller than `piece`, and gives it to the ball that it is
-/// deepest in or nearest to. Returns the corners of each ball's pieces.
+/// Cuts the triangles until each piece is in one sphere, or smaller than `piece`, and gives it to the sphere that it is
+/// deepest in or nearest to. Returns the corners of each sphere's pieces.
 fn divide(surface: &Surface, spheres: &[Vec4], piece: f32) -> Vec<Vec<Vec3>> {
     let owners: Vec<Vec<(usize, [Vec3; 3])>> = surface
         .triangles
@@ -115,9 +115,9 @@ fn divide(surface: &Surface, spheres: &[Vec4], piece: f32) -> Vec<Vec<Vec3>> {
             let mut open = vec![*triangle];
             while let Some(part) = open.pop() {
                 let (mut owner, mut least) = (0, f32::INFINITY);
-                for (i, ball) in spheres.iter().enumerate() {
-                    let far = part.iter().map(|p| p.distance_squared(ball.truncate())).fold(0.0, f32::max);
-                    let gap = far.sqrt() - ball.w;
+                for (i, sphere) in spheres.iter().enumerate() {
+                    let far = part.iter().map(|p| p.distance_squared(sphere.truncate())).fold(0.0, f32::max);
+                    let gap = far.sqrt() - sphere.w;
                     if gap < least {
                         (owner, least) = (i, gap);
                     }
@@ -140,8 +140,8 @@ fn divide(surface: &Surface, spheres: &[Vec4], piece: f32) -> Vec<Vec<Vec3>> {
     shares
 }
 
-fn inside(ball: Vec4, p: Vec3) -> bool {
-    p.distance_squared(ball.truncate()) <= ball.w * ball.w
+fn inside(sphere: Vec4, p: Vec3) -> bool {
+    p.distance_squared(sphere.truncate()) <= sphere.w * sphere.w
 }
 
 /// Points outside the mesh, in a box somewhat larger than its own.

@@ -48,7 +48,7 @@ const WINDOW: usize = 4;
 const INSIDE_POINTS: usize = 1 << 14;
 const INSIDE_LEAST: usize = 8;
 
-/// Room around the mesh's silhouette in a view, in units of D: balls do not reach farther out.
+/// Room around the mesh's silhouette in a view, in units of D: spheres do not reach farther out.
 const MARGIN: f32 = 0.04;
 
 /// A mesh as the builder sees it, for any number of spheres.
@@ -83,7 +83,7 @@ impl<'a> Builder<'a> {
         Ok(spheres)
     }
 
-    /// Whether there is anything between the triangles: by points in the mesh's box.
+    /// Whether the mesh encloses any volume, tested by points in its box.
     fn has_inside(&self) -> bool {
         let [lo, hi] = self.surface.unit_bounds();
         let inside = |i: &usize| self.tree.contains(lo + quasi_random(*i) * (hi - lo));
@@ -118,7 +118,7 @@ impl<'a> Builder<'a> {
         let rates = |first: f32, last: f32| [first * scale, last * scale];
         let mut goal = Goal::new(views, &self.solid, options.count);
         if options.bounding {
-            // Outlines alone are the better start for what is to hold them.
+            // Spheres that must hold the surface start better from outlines alone.
             (goal.soft, goal.bulge) = (0.0, 0.0);
         }
         // Few rounds are requested where time matters: 200 and 300 steps with 40.
@@ -128,7 +128,7 @@ impl<'a> Builder<'a> {
         let mut history = vec![best];
         let (steps, rate) = swap_descent(options.count);
         let cycle = cycle(options.count).min(options.rounds);
-        // What the exchanges start from: worse than the best for a while after chance had its turn.
+        // The start of the next exchanges. It may be worse than the best for a while after random removals.
         let (mut walk, mut reached) = (spheres.clone(), best);
         for round in 0..options.rounds {
             report(0.2 + 0.65 * round as f32 / options.rounds as f32)?;

@@ -5,13 +5,13 @@ use glam::{UVec3, Vec4};
 use crate::bits::round_up;
 use crate::solid::Solid;
 
-/// How far a ball of the cover reaches through the surface, in units of D.
+/// The distance that a sphere of the cover reaches through the surface, in units of D.
 pub(crate) const PROTRUSION: f32 = 0.008;
 
-/// Greedy cover: at most `count` balls centred in solid voxels, each as deep as its centre plus [`PROTRUSION`], each
+/// Greedy cover: at most `count` spheres centred in solid voxels, each as deep as its centre plus [`PROTRUSION`], each
 /// taking the most voxels that no earlier one took.
 ///
-/// The volume that a ball would add only shrinks as others are taken, so a heap of old values finds the best without
+/// The volume that a sphere would add only shrinks as others are taken, so a heap of old values finds the best without
 /// asking all (M. Minoux, *Accelerated greedy algorithms for maximizing submodular set functions*, 1978).
 pub(crate) fn greedy_cover(solid: &Solid, count: usize) -> Vec<Vec4> {
     let mut open = Grid::new(solid.dims());
@@ -33,7 +33,7 @@ pub(crate) fn greedy_cover(solid: &Solid, count: usize) -> Vec<Vec4> {
         .chain(tiny)
         .collect();
     let gain = |open: &Grid, ball: Vec4| open.sum(solid.locate(ball.truncate()).extend(ball.w / solid.cell()));
-    // To begin with, a bound: no more voxels than fit the ball grown by half a voxel's diagonal.
+    // To begin with, a bound: no more voxels than fit the sphere grown by half a voxel's diagonal.
     let bound = |ball: &Vec4| (core::f32::consts::PI * 4.0 / 3.0 * (ball.w / solid.cell() + 0.867).powi(3)) as u32 + 1;
     // Equal gains: the earlier voxel first.
     let mut heap: BinaryHeap<(u32, core::cmp::Reverse<usize>)> =
@@ -75,7 +75,7 @@ impl Grid {
         self.data[row + at.x as usize / 64] |= 1 << (at.x % 64);
     }
 
-    /// Bits set in a ball, in voxel coordinates.
+    /// Bits set in a sphere, in voxel coordinates.
     fn sum(&self, ball: Vec4) -> u32 {
         let mut sum = 0;
         rows(self.dims, ball, |row, start, end| {
@@ -84,7 +84,7 @@ impl Grid {
         sum
     }
 
-    /// Clears the bits in a ball.
+    /// Clears the bits in a sphere.
     fn take(&mut self, ball: Vec4) {
         rows(self.dims, ball, |row, start, end| {
             words(start, end, |word, mask| self.data[row * self.words + word] &= !mask);
@@ -92,7 +92,7 @@ impl Grid {
     }
 }
 
-/// Calls `span(row, start, end)` for each row of the voxels whose centres a ball holds.
+/// Calls `span(row, start, end)` for each row of the voxels whose centres a sphere holds.
 fn rows(dims: UVec3, ball: Vec4, mut span: impl FnMut(usize, usize, usize)) {
     let range = |center: f32, half: f32, size: u32| {
         (round_up(center - half - 0.5) as u32).min(size)..(round_up(center + half - 0.5) as u32).min(size)

@@ -77,7 +77,7 @@ pub(crate) fn descend(goal: &Goal<'_>, spheres: &mut [Vec4], steps: usize, rates
     }
 }
 
-/// One view's share of the gradient, and the memory that it takes to compute it.
+/// One view's part of the gradient, with the buffers for computing it.
 struct Gradient {
     sums: Vec<Vec4>,
     discs: Vec<(Vec2, f32)>,
@@ -139,8 +139,8 @@ impl Gradient {
     }
 }
 
-/// How the set's volume outside the mesh changes with sphere `i` (centre, radius): the integral over its exposed surface
-/// there.
+/// The gradient of the set's volume outside the mesh by sphere `i` (centre, radius): an integral over the exposed part of
+/// its surface.
 fn bulging(spheres: &[Vec4], i: usize, solid: &Solid, sphere: &[Vec3; BULGE_POINTS]) -> Vec4 {
     let ball = spheres[i];
     let center = ball.truncate();

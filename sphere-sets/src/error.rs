@@ -49,7 +49,7 @@ pub enum BuildError {
     /// The tolerance is not a number between 0 and 1.
     #[error("the tolerance of a sphere set should be above 0 and at most 1")]
     BadTolerance,
-    /// The progress callback asked to stop.
+    /// The progress callback stopped the build.
     #[error("the sphere set was cancelled")]
     Cancelled,
 }
@@ -61,11 +61,11 @@ pub enum BindError {
     /// Fewer of something than needed.
     #[error("{found} {what}, but {needed} are needed")]
     Missing {
-        /// What is missing.
+        /// The missing items.
         what: &'static str,
-        /// How many there are.
+        /// The number found.
         found: usize,
-        /// How many there must be.
+        /// The number needed.
         needed: usize,
     },
     /// A weight is negative or not finite.

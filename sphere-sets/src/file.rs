@@ -49,9 +49,9 @@ impl SphereSet {
         let rows: Vec<String> = self
             .spheres
             .iter()
-            .map(|ball| {
-                let [x, y, z] = ball.center.to_array();
-                format!("    {}", json(&[x, y, z, ball.radius]))
+            .map(|sphere| {
+                let [x, y, z] = sphere.center.to_array();
+                format!("    {}", json(&[x, y, z, sphere.radius]))
             })
             .collect();
         format!(
@@ -65,20 +65,20 @@ impl SphereSet {
         )
     }
 
-    /// Reads what [`SphereSet::to_json`] writes, and the spheres of what [`BoundSet::to_json`](crate::BoundSet::to_json)
-    /// writes.
+    /// Reads the output of [`SphereSet::to_json`], and the spheres from that of
+    /// [`BoundSet::to_json`](crate::BoundSet::to_json).
     ///
     /// # Errors
     /// One line that names the fault, for anything else: text that is no JSON, missing or unknown keys, wrong types,
     /// another format or version, numbers outside single precision, negative radii or lengths, no spheres, bones that
-    /// are not those of its spheres.
+    /// do not match the spheres.
     pub fn from_json(text: &str) -> Result<Self, SetFileError> {
         Self::read(text).map(|(set, _)| set)
     }
 
     pub(crate) fn read(text: &str) -> Result<(Self, Option<Bones>), SetFileError> {
         let refuse = |message: String| Err(SetFileError { message });
-        // First the name of the format, so that other JSON is told what it is not, and not which key it lacks.
+        // The format's name is checked first: other JSON is refused by its format and not by a missing key.
         let mut value = parse(text).map_err(|error| SetFileError { message: format!("not JSON: {error}") })?;
         match value.get("format").map(|format| format.as_str()) {
             Some(Some(FORMAT)) => {}
@@ -94,7 +94,7 @@ impl SphereSet {
             keys.remove("format");
             keys.remove("version");
         }
-        // Keys of the file are quoted in it, whatever they are.
+        // Error messages quote keys of the file, which may hold any characters.
         let one_line = |error: serde_json::Error| error.to_string().replace(char::is_control, " ");
         let file: File = serde_json::from_value(value).map_err(|error| SetFileError { message: one_line(error) })?;
 
@@ -124,7 +124,7 @@ impl SphereSet {
         for (i, row) in file.spheres.into_iter().enumerate() {
             let mut numbers = [0.0_f32; 4];
             for (number, value) in numbers.iter_mut().zip(&row) {
-                // What JSON calls null is what was no number when it was written.
+                // A null was not a number when the file was written.
                 match (value.as_f64(), value.is_null()) {
                     (Some(value), _) => *number = value as f32,
                     (None, true) => *number = f32::NAN,
@@ -154,7 +154,7 @@ impl SphereSet {
                 return refuse(format!("the radius of self_shadow {i} is {radius}, but should be 0 to 1"));
             }
             length(&format!("the distance of self_shadow {i}"), distance)?;
-            // Rounding of what is written as inside.
+            // Allows for the rounding of numbers in the file.
             if !offset.is_finite() || offset.length() + radius > 1.001 {
                 return refuse(format!("the ball of self_shadow {i} reaches out of its sphere"));
             }
@@ -175,7 +175,7 @@ impl SphereSet {
     }
 }
 
-/// JSON, or what some programs write for it: bare `NaN` and `Infinity` are read as null.
+/// JSON, also with the bare `NaN` and `Infinity` of some programs, which are read as null.
 fn parse(text: &str) -> Result<serde_json::Value, serde_json::Error> {
     serde_json::from_str(text).or_else(|error| {
         if !text.contains("NaN") && !text.contains("Infinity") {

@@ -13,8 +13,8 @@ const SOFT: f32 = 0.4;
 /// error of 64 for the bunny is 2 % less, the volume outside 20 % more and the self-shadow error 9 % more.
 const BULGE: f32 = 0.25;
 
-/// What a set's descent lowers: the mean over the views of (area(S_mesh xor S_set) + `soft` |blurred difference|) /
-/// area(S_mesh), plus `bulge` times the set's volume outside the mesh, which no silhouette shows in a concavity.
+/// The error that a set's descent lowers: the mean over the views of (area(S_mesh xor S_set) + `soft` |blurred difference|) /
+/// area(S_mesh), plus `bulge` times the set's volume outside the mesh, because no silhouette shows a filled concavity.
 #[derive(Clone, Copy)]
 pub(crate) struct Goal<'a> {
     pub(crate) views: &'a [View],
@@ -30,7 +30,7 @@ impl<'a> Goal<'a> {
         // 0.024, silhouettes as they were); and they have to bulge. Many hardly do.
         let crowd = count as f32 / 64.0;
         let soft = SOFT * crowd.powf(-1.5).clamp(1.0, 2.5);
-        // Nothing can stand for a sheet but what bulges.
+        // Spheres must bulge to stand for a sheet, so its bulge has no weight.
         let room = (1.25 * solid.fullness()).min(1.0) / View::mean_area(views);
         Self { views, soft, solid, bulge: BULGE * crowd.min(1.0 / crowd) * room }
     }

@@ -1,6 +1,6 @@
 use core::ops::ControlFlow;
 
-/// How a sphere set is built.
+/// Settings for building a sphere set.
 ///
 /// ```
 /// use sphere_sets::BuildOptions;
@@ -10,14 +10,14 @@ use core::ops::ControlFlow;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
-    /// Spheres requested, ≥ 1. The set has fewer where more would not change it (a ball is one sphere).
+    /// Spheres requested, ≥ 1. The set has fewer where more would not change it (a sphere needs one).
     pub count: usize,
     /// Chooses the random directions of the descent: the same seed gives the same set on any number of threads.
     pub seed: u64,
     /// Rounds of taking out the least useful spheres, putting them where they help most, and descending again.
     /// With 0 the set is the greedy cover alone, which never follows the silhouette.
     pub rounds: u32,
-    /// Whether every point of the surface is to be in a sphere: a bound of the mesh, whose shadow is somewhat too large.
+    /// Whether the spheres must hold every point of the surface: a bound of the mesh, whose shadow is somewhat too large.
     pub bounding: bool,
 }
 

@@ -17,7 +17,7 @@ use crate::view::Frame;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SetQuality {
-    /// `|mesh ∩ union| / |mesh|`; for a mesh without volume the share of its surface that the union holds.
+    /// `|mesh ∩ union| / |mesh|`; for a mesh without volume the fraction of its surface inside the union.
     pub coverage: f32,
     /// `|union \ mesh| / |mesh|`; for a mesh without volume `|union| / D³`.
     pub protrusion_volume: f32,
@@ -29,7 +29,7 @@ pub struct SetQuality {
     pub silhouette_error: f32,
 }
 
-/// What [`SetQuality::verdict`] says of a set.
+/// The verdict of [`SetQuality::verdict`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It stands well enough for its mesh.
@@ -38,7 +38,7 @@ pub enum Verdict {
     FewSpheres,
     /// A full descent would; this was a draft.
     Draft,
-    /// It is a bound, which no spheres make a tight one of; of an open mesh it holds what may be its inside as well.
+    /// It is a bound, which no number of spheres makes tight; for an open mesh it may fill the inside as well.
     Bounding,
     /// Spheres do not suit the mesh: its shadows are better cast by its triangles.
     Unsuitable,
@@ -49,24 +49,24 @@ const SURFACE_POINTS: usize = 20_000;
 const DIRECTIONS: usize = 64;
 const PIXELS: usize = 768;
 
-/// Share of the mesh's surface that may lie deeper below the union's surface than `h` of [`self_distance`].
+/// Fraction of the mesh's surface that may lie deeper below the union's surface than `h` of [`self_distance`].
 const DEEPER: f32 = 0.05;
 
 impl SetQuality {
     /// Silhouette error above which spheres do not suit a mesh: its shadows are better cast by its triangles.
     pub const UNSUITABLE: f32 = 0.15;
 
-    /// Whether spheres stand well enough for the mesh to be used: `silhouette_error` ≤ [`Self::UNSUITABLE`].
+    /// Whether the spheres are good enough to replace the mesh: `silhouette_error` ≤ [`Self::UNSUITABLE`].
     #[must_use]
     pub fn suits(&self) -> bool {
         self.silhouette_error <= Self::UNSUITABLE
     }
 
-    /// Whether the set stands well enough for its mesh, and if not, what it lacks.
+    /// Whether the set is good enough to replace its mesh, and the reason if not.
     ///
     /// Errors fall about as `n^−0.66` in the number of spheres (the bunny: 0.0667 with 16, 0.0271 with 64) and to a third by
-    /// the full descent: what would then still be above [`Self::UNSUITABLE`] is the mesh's fault. More than 64 spheres are
-    /// not hoped for.
+    /// the full descent. If the error predicted for 64 spheres is still above [`Self::UNSUITABLE`], the mesh does not
+    /// suit spheres.
     #[must_use]
     pub fn verdict(&self, options: &BuildOptions) -> Verdict {
         let ample = (options.count as f32 / 64.0).min(1.0).powf(0.66);
@@ -92,7 +92,7 @@ impl SetQuality {
                 || (BitImage::new(PIXELS), BitImage::new(PIXELS)),
                 |(mesh, set), i| {
                     let corners = surface.triangles.iter().flatten().map(|p| (*p, 0.0));
-                    let balls = spheres.iter().map(|ball| (ball.truncate(), ball.w));
+                    let balls = spheres.iter().map(|sphere| (sphere.truncate(), sphere.w));
                     let frame = Frame::new(fibonacci(i, DIRECTIONS), corners.chain(balls), 1e-3, PIXELS);
                     mesh.clear();
                     set.clear();
@@ -129,21 +129,22 @@ impl SetQuality {
 pub(crate) fn self_distance(surface: &Surface, spheres: &[Vec4]) -> f32 {
     let gaps = surface_distances(surface, spheres);
     let h = (-gaps[(gaps.len() as f32 * DEEPER) as usize]).max(0.0);
-    let (cubes, squares) = spheres.iter().fold((0.0, 0.0), |(c, s), ball| (c + ball.w.powi(3), s + ball.w.powi(2)));
+    let (cubes, squares) =
+        spheres.iter().fold((0.0, 0.0), |(c, s), sphere| (c + sphere.w.powi(3), s + sphere.w.powi(2)));
     if squares > 0.0 { (2.0 * cubes / squares * h).sqrt() } else { 0.0 }
 }
 
 /// `min_i |p − c_i| − r_i`: the distance to the union outside it, minus a lower bound of the depth inside.
 fn union_distance(spheres: &[Vec4], p: Vec3) -> f32 {
-    spheres.iter().map(|ball| ball.truncate().distance(p) - ball.w).fold(f32::INFINITY, f32::min)
+    spheres.iter().map(|sphere| sphere.truncate().distance(p) - sphere.w).fold(f32::INFINITY, f32::min)
 }
 
 /// Points in the mesh, in mesh and union, in the union alone, of `VOLUME_POINTS` in a box of the returned volume.
 fn volumes(surface: &Surface, tree: &TriangleTree, solid: &Solid, spheres: &[Vec4]) -> (usize, usize, usize, f32) {
     let [mut lo, mut hi] = surface.unit_bounds();
-    for ball in spheres {
-        lo = lo.min(ball.truncate() - ball.w);
-        hi = hi.max(ball.truncate() + ball.w);
+    for sphere in spheres {
+        lo = lo.min(sphere.truncate() - sphere.w);
+        hi = hi.max(sphere.truncate() + sphere.w);
     }
     let (mesh, both, alone) = (0..VOLUME_POINTS)
         .into_par_iter()
@@ -173,18 +174,18 @@ fn surface_distances(surface: &Surface, spheres: &[Vec4]) -> Vec<f32> {
 
 /// Largest distance to the mesh from points of the union's exposed surface outside the mesh.
 fn protrusion(tree: &TriangleTree, solid: &Solid, spheres: &[Vec4]) -> f32 {
-    let area: f32 = spheres.iter().map(|ball| ball.w * ball.w).sum();
+    let area: f32 = spheres.iter().map(|sphere| sphere.w * sphere.w).sum();
     if area <= 0.0 {
         return 0.0;
     }
     spheres
         .par_iter()
-        .map(|ball| {
-            let points = ((SURFACE_POINTS as f32 * ball.w * ball.w / area) as usize).max(64);
+        .map(|sphere| {
+            let points = ((SURFACE_POINTS as f32 * sphere.w * sphere.w / area) as usize).max(64);
             let mut most = 0.0_f32;
             for i in 0..points {
-                let p = ball.truncate() + fibonacci(i, points) * ball.w;
-                if union_distance(spheres, p) >= -1e-5 * ball.w && !solid.contains(tree, p) {
+                let p = sphere.truncate() + fibonacci(i, points) * sphere.w;
+                if union_distance(spheres, p) >= -1e-5 * sphere.w && !solid.contains(tree, p) {
                     most = most.max(tree.distance(p, f32::INFINITY));
                 }
             }

@@ -3,7 +3,7 @@ use crate::error::BindError;
 use glam::Mat4;
 use visibility_spheres::SphereBlockers;
 
-/// Which of some blockers follow bones, as `pose.wgsl` reads it: what is uploaded once, and what is uploaded for each pose.
+/// The blockers that follow bones, as `pose.wgsl` reads them: one buffer uploaded once, and one for each pose.
 ///
 /// ```no_run
 /// # fn of(blockers: &visibility_spheres::SphereBlockers, body: &sphere_sets::BoundSet, joints: &[glam::Mat4])
@@ -83,19 +83,19 @@ impl SphereRig {
         Ok(rig)
     }
 
-    /// What `pose.wgsl` calls `rig`.
+    /// The buffer `rig` of `pose.wgsl`.
     #[must_use]
     pub fn words(&self) -> &[u32] {
         &self.words
     }
 
-    /// How many spheres follow bones.
+    /// The number of spheres that follow bones.
     #[must_use]
     pub fn spheres(&self) -> u32 {
         self.words.first().copied().unwrap_or(0)
     }
 
-    /// Replaces `out` by what `pose.wgsl` calls `bones`: of each part the joints (bind space to the world) and the weights of
+    /// Replaces `out` by the buffer `bones` of `pose.wgsl`: of each part the joints (bind space to the world) and the weights of
     /// the morph targets, as for [`BoundSet::pose`]. 48 bytes a joint, 4 a target.
     ///
     /// # Errors

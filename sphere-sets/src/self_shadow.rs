@@ -11,30 +11,30 @@ use crate::tree::TriangleTree;
 /// horizon and within some degrees of it are left out. A quarter of the points lets many spheres fit their own rays only:
 /// 128 spheres then err by 9 % more.
 const POINTS: usize = 48_000;
-/// Sets of up to so many spheres take a part of the points: for each sphere as many as one of 128 has.
+/// Sets of up to this number of spheres use a part of the points: for each sphere as many as in a set of 128.
 const FEW: usize = 8;
 const DIRECTIONS: usize = 24;
 const LOWEST: f32 = 0.1;
-/// What a lit ray that is blocked costs, one that is wrongly lit costing 1: dark spots show more than missing shade. Bunny,
+/// Cost of a lit ray that is blocked, relative to a dark ray that is not: dark spots show more than missing shade. Bunny,
 /// 64 spheres: of all points 0.40 % are dark by mistake with 2, 0.20 % with 3, where dark points get 3.0 and 3.8 % light.
 const DARK_SPOT: f32 = 2.5;
-/// What it costs to take a distance e times the set's own, as a share of the rays: where no ray says anything, it stays. No
-/// more than that: at twenty times this, 484 spheres err twice as much, since each has few rays. And what it costs to move
-/// the ball by its sphere's radius or to make it smaller by that: with 484 spheres it saves a twentieth of the error.
+/// `UNLIKE`: cost of a distance that is e times the set's own, as a fraction of the rays, so that the set's distance stays where
+/// no ray decides. With twenty times this value 484 spheres err twice as much, because each has few rays. `UNLIKE_BALL`: cost of a
+/// near sphere that is moved or shrunk by a whole radius. With 484 spheres it saves a twentieth of the error.
 const UNLIKE: f32 = 1e-6;
 const UNLIKE_BALL: f32 = 6e-6;
-/// Radii that are tried, how many balls beside them, and how often each sphere is fitted to what the others leave.
+/// Radii that are tried, near spheres tried for each, and sweeps in which each sphere is fitted to the rays that the others leave.
 const RADII: [f32; 7] = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4];
 const TRIES: usize = 24;
 const SWEEPS: i32 = 15;
-/// Distances that are told apart, as shares of the radius; the last is all beyond four radii.
+/// Resolution of distances, as fractions of the radius; the last bin holds all beyond four radii.
 const BINS: usize = 1025;
 const BIN: f32 = 4.0 / 1024.0;
 /// Farther than any point of the mesh, whose bounding box has a diagonal of 1: never blocks.
 const NEVER: f32 = 4.0;
 
 /// One ray from the surface past a sphere: from its start to the centre, its direction, and how much its start sees of the
-/// near ball.
+/// near sphere.
 struct Pass {
     ray: u32,
     to: Vec3,
@@ -43,12 +43,12 @@ struct Pass {
 }
 
 impl Pass {
-    fn new(ray: u32, from: Vec3, v: Vec3, ball: Vec4) -> Self {
-        let to = ball.truncate() - from;
-        Self { ray, to, v, near: SelfShadow::nearness(ball.w, to.length()) }
+    fn new(ray: u32, from: Vec3, v: Vec3, sphere: Vec4) -> Self {
+        let to = sphere.truncate() - from;
+        Self { ray, to, v, near: SelfShadow::nearness(sphere.w, to.length()) }
     }
 
-    /// How far the ray leaves the ball that it sees; negative where it misses it.
+    /// The distance at which the ray leaves its near sphere; negative if it misses.
     fn exit(&self, whole: f32, own: &SelfShadow) -> f32 {
         let radius = whole - whole * (1.0 - own.radius) * self.near;
         let to = self.to + own.offset * (whole * self.near);
@@ -63,19 +63,17 @@ impl Pass {
     }
 }
 
-/// Fits to each sphere how its own object's receivers see it.
+/// Fits a near sphere and a distance to each sphere, for shadows on its own object.
 ///
-/// Rays leave points spread over the mesh; each is dark where it meets the mesh. Sphere by sphere, near ball and distance
-/// are chosen so that the rays that differ cost least, given what the other spheres block: of each ball the best distance
-/// is known, by adding up the rays that no other sphere blocks by where they leave it. Starts from whole spheres with the
-/// set's one distance; balls are tried around the best until now, in smaller and smaller steps.
+/// Rays leave points spread over the mesh; a ray is dark if it meets the mesh. The fit minimises the cost of misclassified rays,
+/// sphere by sphere, given the rays that the other spheres block. The best distance for a near sphere follows from a histogram of
+/// the exit distances of the rays that no other sphere blocks. The fit starts from whole spheres with the set's one distance
+/// and tries near spheres around the best one, in smaller and smaller steps.
 ///
-/// The ball is that for surfaces inside the sphere and becomes the whole sphere with the distance ([`SelfShadow::seen`]).
+/// Receivers inside the sphere see the near sphere. It becomes the whole sphere with growing distance ([`SelfShadow::seen`]).
 /// Bunny, 64 spheres, points that the fit does not know: V errs by 1.89 % in the mean, 0.25 % of all points are dark by
-/// mistake (by more than 0.3), and dark points get 3.7 % light. With the sphere's own centre instead 2.16, 0.29 and 5.2 %;
-/// with a ball that does not grow back 2.10, 0.30 and 4.0 %. What gains less, or nothing: a distance that depends on the
-/// angle of normal and centre or normal and ray, spheres moved within 1 % of their silhouette error, dearer rays at points
-/// that lose much of their light.
+/// mistake (by more than 0.3), and dark points get 3.7 % light. With the sphere's own centre instead: 2.16, 0.29 and 5.2 %;
+/// with a near sphere that does not grow back: 2.10, 0.30 and 4.0 %.
 pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Vec4]) -> Vec<SelfShadow> {
     let start = self_distance(surface, spheres);
     let points = if spheres.len() > FEW { POINTS } else { POINTS / 128 * spheres.len() };
@@ -83,10 +81,10 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     let whole = SelfShadow::whole(start);
     let passes: Vec<Vec<Pass>> = spheres
         .par_iter()
-        .map(|ball| {
+        .map(|sphere| {
             let pass = |(&(from, v, _), number): (&(Vec3, Vec3, bool), u32)| {
-                let pass = Pass::new(number, from, v, *ball);
-                (pass.exit(ball.w, &whole) > 0.0).then_some(pass)
+                let pass = Pass::new(number, from, v, *sphere);
+                (pass.exit(sphere.w, &whole) > 0.0).then_some(pass)
             };
             rays.iter().zip(0..).filter_map(pass).collect()
         })
@@ -95,8 +93,8 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     // Distances are lengths until the end.
     let mut found = vec![whole; spheres.len()];
     let mut covers = vec![0_u32; rays.len()];
-    for (ball, passes) in spheres.iter().zip(&passes) {
-        passes.iter().filter(|p| p.blocks(ball.w, &whole)).for_each(|p| covers[p.ray as usize] += 1);
+    for (sphere, passes) in spheres.iter().zip(&passes) {
+        passes.iter().filter(|p| p.blocks(sphere.w, &whole)).for_each(|p| covers[p.ray as usize] += 1);
     }
     let [unlike, unlike_ball] = [UNLIKE, UNLIKE_BALL].map(|share| share * rays.len() as f32);
     let price = |own: &SelfShadow| {
@@ -106,8 +104,8 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     let mut random = Random::new(2);
     for sweep in 0..SWEEPS {
         let step = 0.4 * 0.85_f32.powi(sweep);
-        for ((ball, passes), found) in spheres.iter().zip(&passes).zip(&mut found) {
-            passes.iter().filter(|p| p.blocks(ball.w, found)).for_each(|p| covers[p.ray as usize] -= 1);
+        for ((sphere, passes), found) in spheres.iter().zip(&passes).zip(&mut found) {
+            passes.iter().filter(|p| p.blocks(sphere.w, found)).for_each(|p| covers[p.ray as usize] -= 1);
             let free: Vec<(&Pass, f32)> = passes
                 .iter()
                 .filter(|p| covers[p.ray as usize] == 0)
@@ -115,39 +113,39 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
                 .collect();
             let tried = tries(found, step, &mut random);
             let tried: Vec<(f32, SelfShadow)> =
-                tried.par_iter().map(|own| farthest(&free, *own, ball.w, 0.1 * start, price)).collect();
+                tried.par_iter().map(|own| farthest(&free, *own, sphere.w, 0.1 * start, price)).collect();
             if let Some(best) = tried.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
                 *found = best.1;
             }
-            passes.iter().filter(|p| p.blocks(ball.w, found)).for_each(|p| covers[p.ray as usize] += 1);
+            passes.iter().filter(|p| p.blocks(sphere.w, found)).for_each(|p| covers[p.ray as usize] += 1);
         }
     }
-    let ratio = |(ball, own): (&Vec4, SelfShadow)| {
-        if ball.w > 0.0 { SelfShadow { distance: own.distance / ball.w, ..own } } else { SelfShadow::whole(0.0) }
+    let ratio = |(sphere, own): (&Vec4, SelfShadow)| {
+        if sphere.w > 0.0 { SelfShadow { distance: own.distance / sphere.w, ..own } } else { SelfShadow::whole(0.0) }
     };
     spheres.iter().zip(found).map(ratio).collect()
 }
 
-/// Balls to try: the best until now, concentric ones and such about its centre, and some around it.
+/// Spheres to try: the best until now, concentric ones and such about its centre, and some around it.
 fn tries(best: &SelfShadow, step: f32, random: &mut Random) -> Vec<SelfShadow> {
-    let ball = |offset: Vec3, radius: f32| SelfShadow { offset, radius, ..*best }.sound();
+    let shadow = |offset: Vec3, radius: f32| SelfShadow { offset, radius, ..*best }.sound();
     let mut tried = vec![*best];
     for radius in RADII {
-        tried.push(ball(Vec3::ZERO, radius));
+        tried.push(shadow(Vec3::ZERO, radius));
         if best.offset != Vec3::ZERO {
-            tried.push(ball(best.offset, radius));
+            tried.push(shadow(best.offset, radius));
         }
     }
     for _ in 0..TRIES {
         let radius = (best.radius + 0.3 * (random.unit() - 0.5)).clamp(0.4, 1.0);
         let mut unit = || 2.0 * random.unit() - 1.0;
         let aside = Vec3::new(unit(), unit(), unit());
-        tried.push(ball(best.offset + aside.clamp_length_max(1.0) * step, radius));
+        tried.push(shadow(best.offset + aside.clamp_length_max(1.0) * step, radius));
     }
     tried
 }
 
-/// A ball with the distance at which the rays that it gets wrong cost least, and what they cost.
+/// The distance that minimises the cost of misclassified rays for one sphere; returns the cost and both.
 fn farthest(
     free: &[(&Pass, f32)],
     own: SelfShadow,
@@ -225,13 +223,13 @@ mod tests {
 
     /// Whether the spheres block a ray from the mesh's surface.
     fn blocked(spheres: &[Vec4], own: &[SelfShadow], from: Vec3, v: Vec3) -> bool {
-        spheres.iter().zip(own).any(|(ball, own)| {
-            let own = SelfShadow { distance: ball.w * own.distance, ..*own };
-            Pass::new(0, from, v, *ball).blocks(ball.w, &own)
+        spheres.iter().zip(own).any(|(sphere, own)| {
+            let own = SelfShadow { distance: sphere.w * own.distance, ..*own };
+            Pass::new(0, from, v, *sphere).blocks(sphere.w, &own)
         })
     }
 
-    /// Share of rays that the spheres get wrong.
+    /// Fraction of the rays that the spheres misclassify.
     fn wrong(rays: &[(Vec3, Vec3, bool)], spheres: &[Vec4], own: &[SelfShadow]) -> f32 {
         let differ = |(from, v, dark): &&(Vec3, Vec3, bool)| blocked(spheres, own, *from, *v) != *dark;
         rays.iter().filter(differ).count() as f32 / rays.len() as f32
@@ -244,10 +242,10 @@ mod tests {
         let rays = rays(&surface, &tree, POINTS);
         assert!(rays.len() > POINTS * DIRECTIONS / 3);
         let [lo, hi] = surface.unit_bounds();
-        let ball = (0.5 * (lo + hi)).extend(0.55 * (hi - lo).max_element());
-        let own = self_shadows(&surface, &tree, &[ball]);
-        let whole = [SelfShadow::whole(0.01 / ball.w)];
-        let (before, after) = (wrong(&rays, &[ball], &whole), wrong(&rays, &[ball], &own));
+        let sphere = (0.5 * (lo + hi)).extend(0.55 * (hi - lo).max_element());
+        let own = self_shadows(&surface, &tree, &[sphere]);
+        let whole = [SelfShadow::whole(0.01 / sphere.w)];
+        let (before, after) = (wrong(&rays, &[sphere], &whole), wrong(&rays, &[sphere], &own));
         let dark = rays.iter().filter(|r| r.2).count() as f32 / rays.len() as f32;
         println!("{before} wrong before, {after} after, {dark} dark; {own:?}");
         assert!(before > 0.5 && after <= dark);
@@ -255,7 +253,7 @@ mod tests {
 
     #[test]
     fn what_stands_apart_still_shadows() {
-        // Two balls side by side, exact: what one hides of the other stays hidden.
+        // Two spheres side by side, exact: each must still shadow the other.
         let (positions, triangles) = shapes::ball(12);
         let part: Vec<[Vec3; 3]> = triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
         let both: Vec<[Vec3; 3]> =
@@ -273,34 +271,35 @@ mod tests {
         assert!(missed < 0.35 * dark, "{missed} of {dark}");
     }
 
-    /// A ball with a dent as deep as the cap that it replaces.
+    /// A sphere with a dent as deep as the cap that it replaces.
     fn dented_ball() -> Vec<[Vec3; 3]> {
         let (positions, triangles) = shapes::ball(16);
         let dent = |p: Vec3| if p.z > 0.6 { p.with_z(1.2 - p.z) } else { p };
         triangles.iter().map(|t| t.map(|i| dent(positions[i as usize]))).collect()
     }
 
-    /// The whole ball bridges the dent: no dark spot may be seen in it.
+    /// The whole sphere bridges the dent: no dark spot may be seen in it.
     #[test]
     fn a_bridged_hollow_stays_lit() {
         let surface = surface(&dented_ball());
         let tree = TriangleTree::new(&surface.triangles);
         let scale = (1.0 / surface.diagonal) as f32;
         let unit = |p: Vec3| (p - surface.center.as_vec3()) * scale;
-        let ball = [unit(Vec3::ZERO).extend(scale)];
-        let own = self_shadows(&surface, &tree, &ball);
+        let sphere = [unit(Vec3::ZERO).extend(scale)];
+        let own = self_shadows(&surface, &tree, &sphere);
         let rim = unit(Vec3::Z * 0.59).z;
-        let hollow = |p: Vec3| p.z > unit(Vec3::ZERO).z && p.distance(ball[0].truncate()) < 0.97 * scale && p.z < rim;
+        let hollow = |p: Vec3| p.z > unit(Vec3::ZERO).z && p.distance(sphere[0].truncate()) < 0.97 * scale && p.z < rim;
         let rays = rays(&surface, &tree, POINTS);
         let lit: Vec<_> = rays.iter().filter(|r| !r.2 && hollow(r.0)).collect();
-        let lost =
-            |own: &[SelfShadow]| lit.iter().filter(|r| blocked(&ball, own, r.0, r.1)).count() as f32 / lit.len() as f32;
-        let one = [SelfShadow::whole(self_distance(&surface, &ball) / scale)];
+        let lost = |own: &[SelfShadow]| {
+            lit.iter().filter(|r| blocked(&sphere, own, r.0, r.1)).count() as f32 / lit.len() as f32
+        };
+        let one = [SelfShadow::whole(self_distance(&surface, &sphere) / scale)];
         println!("{} rays, {} lost with one distance, {} fitted; {own:?}", lit.len(), lost(&one), lost(&own));
         assert!(lit.len() > 1000 && lost(&one) > 0.1 && lost(&own) < 0.02, "{}", lost(&own));
     }
 
-    /// Skin that a ball bulges out of wants a smaller one, what stands apart sees the silhouette: no one radius is both.
+    /// The surface inside the sphere needs a smaller one, the plate beside it sees the whole silhouette: one radius cannot be both.
     #[test]
     fn the_whole_ball_is_seen_from_afar() {
         let mut triangles = dented_ball();
@@ -311,15 +310,15 @@ mod tests {
         let tree = TriangleTree::new(&surface.triangles);
         let scale = (1.0 / surface.diagonal) as f32;
         let unit = |p: Vec3| (p - surface.center.as_vec3()) * scale;
-        let ball = [unit(Vec3::ZERO).extend(scale)];
-        let own = self_shadows(&surface, &tree, &ball);
+        let sphere = [unit(Vec3::ZERO).extend(scale)];
+        let own = self_shadows(&surface, &tree, &sphere);
         let mut rays = rays(&surface, &tree, POINTS);
         rays.retain(|ray| ray.0.x > unit(Vec3::X * 2.0).x && ray.1.x < 0.0);
-        // Were the ball on the plate what it is on the surface.
+        // Compare: the near sphere everywhere, also as seen from the plate.
         let near = own[0].near(scale);
-        let small = [(ball[0].truncate() + near.center).extend(near.radius)];
+        let small = [(sphere[0].truncate() + near.center).extend(near.radius)];
         let same = [SelfShadow::whole(own[0].distance / own[0].radius)];
-        let (fitted, one) = (wrong(&rays, &ball, &own), wrong(&rays, &small, &same));
+        let (fitted, one) = (wrong(&rays, &sphere, &own), wrong(&rays, &small, &same));
         println!("{fitted} of {} wrong, {one} with one radius; {own:?}", rays.len());
         assert!(own[0].radius < 0.95 && fitted < 0.7 * one, "{fitted} against {one}");
     }

@@ -43,7 +43,7 @@ impl Solid {
                 let p = low + (Vec3::new(x as f32, y as f32, z as f32) + 0.5) * cell;
                 let distance = tree.distance(p, reach);
                 reach = (distance + cell) * 1.0001;
-                // Nothing is crossed within the ball around the last point of a query, so the answer is the same there.
+                // Nothing is crossed within the sphere around the last point of a query, so the answer is the same there.
                 if p.x >= last.0 {
                     last = (p.x + distance, tree.contains(p));
                 }
@@ -82,7 +82,7 @@ impl Solid {
         self.locate(p).max(Vec3::ZERO).as_uvec3().min(self.dims - 1)
     }
 
-    /// Which part of the solid voxels is inside the mesh: 0 for a sheet, nearly 1 for a ball.
+    /// The fraction of the solid voxels inside the mesh: 0 for a sheet, nearly 1 for a sphere.
     pub(crate) fn fullness(&self) -> f32 {
         let inside = self.depth.iter().filter(|depth| **depth > 0.0).count();
         let all = self.depth.iter().filter(|depth| self.is_solid(**depth)).count();
@@ -131,7 +131,7 @@ impl Solid {
         self.depth[self.index(q.as_uvec3())] > 1.75 * self.cell
     }
 
-    /// Depth of a point below the surface, negative outside: interpolated between voxels; off the grid, what its edge has.
+    /// Depth of a point below the surface, negative outside: interpolated between voxels; off the grid, the edge's less the distance.
     pub(crate) fn depth_near(&self, p: Vec3) -> f32 {
         let last = (self.dims - 1).as_vec3();
         let q = (self.locate(p) - 0.5).clamp(Vec3::ZERO, last);
@@ -157,7 +157,7 @@ impl Solid {
         })
     }
 
-    /// Whether the ball of a voxel next to this one holds this one's, but for a tenth of a cell.
+    /// Whether the sphere of a voxel next to this one contains this voxel's sphere, to a tenth of a cell.
     pub(crate) fn in_deeper_neighbour(&self, (at, depth): (UVec3, f32)) -> bool {
         let last = self.dims - 1;
         (0..6).any(|side| {
@@ -168,12 +168,12 @@ impl Solid {
         })
     }
 
-    /// Centre and signed depth of a voxel, as a ball.
+    /// Centre and signed depth of a voxel, as a sphere.
     pub(crate) fn ball(&self, (at, depth): (UVec3, f32)) -> Vec4 {
         (self.low + (at.as_vec3() + 0.5) * self.cell).extend(depth)
     }
 
-    /// `count` scattered balls that touch the surface from inside: (centre, depth), depth ≥ 0.
+    /// `count` scattered spheres that touch the surface from inside: (centre, depth), depth ≥ 0.
     pub(crate) fn scatter(&self, tree: &TriangleTree, count: usize, random: &mut Random) -> Vec<Vec4> {
         let voxels: Vec<_> = self.voxels().collect();
         let places: Vec<Vec3> = (0..count)

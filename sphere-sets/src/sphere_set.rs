@@ -33,24 +33,24 @@ pub struct SphereSet {
     /// from the receiver. `τ = √(2 r̄ h)`, `r̄ = Σr³/Σr²`, h the depth below the union's surface that 5 % of the mesh's
     /// surface exceeds.
     pub self_distance: f32,
-    /// The same sphere by sphere, fitted to shadow rays on the mesh, with a smaller ball for receivers of the own
+    /// A distance and a smaller sphere for each sphere, fitted to shadow rays on the mesh, for receivers of the own
     /// object; empty where nothing was fitted.
     pub self_shadows: Vec<SelfShadow>,
     /// Triangles of the mesh that the set was made from.
     pub mesh_triangles: usize,
     /// Lowest and highest corner of the mesh's bounding box.
     pub mesh_bounds: [Vec3; 2],
-    /// How well the set stands for the mesh.
+    /// The quality of the set.
     pub quality: SetQuality,
 }
 
 impl SphereSet {
-    /// Version of the builder: one more with every change that gives other sets, so that sets which are kept are built anew.
+    /// Version of the builder. Increase it with every change of the output: this invalidates cached sets.
     pub const BUILDER: u32 = 9;
 
     /// Builds a sphere set from any triangles: closed or open, in several parts, intersecting, of mixed winding.
     ///
-    /// Starts from a greedy cover by inner balls and then lets the union's silhouettes descend to the mesh's, seen from
+    /// Starts from a greedy cover by inner spheres and then lets the union's silhouettes descend to the mesh's, seen from
     /// 96 directions ([`BuildOptions::rounds`] > 0). The same input gives the same set on any number of threads.
     /// Work is about linear in the count, plus a part that is linear in the triangles.
     ///
@@ -80,7 +80,7 @@ impl SphereSet {
         Ok(Self::judge(&surface, &tree, builder.solid(), triangles.len(), &unit))
     }
 
-    /// The set of balls in unit space, with its figures.
+    /// The set of spheres in unit space, with its figures.
     pub(crate) fn judge(
         surface: &Surface,
         tree: &TriangleTree,
@@ -89,7 +89,7 @@ impl SphereSet {
         unit: &[Vec4],
     ) -> Self {
         Self {
-            spheres: unit.iter().map(|ball| surface.to_world(*ball)).collect(),
+            spheres: unit.iter().map(|sphere| surface.to_world(*sphere)).collect(),
             self_distance: (f64::from(self_distance(surface, unit)) * surface.diagonal) as f32,
             self_shadows: self_shadows(surface, tree, unit),
             mesh_triangles: triangles,
@@ -109,7 +109,7 @@ impl SphereSet {
         let surface = Surface::new(positions, triangles)?;
         let tree = TriangleTree::new(&surface.triangles);
         let solid = Solid::new(&surface, &tree, Solid::resolution_for(spheres.len()));
-        let unit: Vec<Vec4> = spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
+        let unit: Vec<Vec4> = spheres.iter().map(|sphere| surface.to_unit(*sphere)).collect();
         let set = Self::judge(&surface, &tree, &solid, triangles.len(), &unit);
         Ok(Self { spheres: spheres.to_vec(), ..set })
     }
@@ -123,7 +123,7 @@ impl SphereSet {
             return Err(BuildError::NoSpheres);
         }
         let surface = Surface::new(positions, triangles)?;
-        let unit: Vec<Vec4> = spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
+        let unit: Vec<Vec4> = spheres.iter().map(|sphere| surface.to_unit(*sphere)).collect();
         Ok((f64::from(self_distance(&surface, &unit)) * surface.diagonal) as f32)
     }
 
@@ -169,12 +169,12 @@ impl SphereSet {
     pub fn placed(&self, placement: &Mat4) -> Self {
         let scale = placement.x_axis.truncate().length();
         let turn = Mat3::from_mat4(*placement);
-        let ball = |b: &Sphere| Sphere { center: placement.transform_point3(b.center), radius: b.radius * scale };
+        let sphere = |b: &Sphere| Sphere { center: placement.transform_point3(b.center), radius: b.radius * scale };
         let [lo, hi] = self.mesh_bounds;
         let corners = (0..8).map(|k| Vec3::select(BVec3::new(k & 1 == 1, k & 2 == 2, k & 4 == 4), hi, lo));
         let corners = corners.map(|p| placement.transform_point3(p));
         Self {
-            spheres: self.spheres.iter().map(ball).collect(),
+            spheres: self.spheres.iter().map(sphere).collect(),
             self_distance: self.self_distance * scale,
             self_shadows: self.self_shadows.iter().map(|own| own.turned(turn)).collect(),
             mesh_bounds: corners.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[lo, hi], p| [lo.min(p), hi.max(p)]),

@@ -36,7 +36,7 @@ impl Surface {
         let to_unit = |p: Vec3| ((p.as_dvec3() - center) / diagonal).as_vec3();
 
         let (vertices, welded) = weld(positions.iter().map(|&p| to_unit(p)), &used);
-        // The number of a welded vertex, and of the one that it came from.
+        // The number of a welded vertex, and the number of the vertex before welding.
         let mut faces: Vec<[(u32, u32); 3]> = triangles
             .iter()
             .map(|t| canonical(t.map(|i| (welded[i as usize], i))))
@@ -57,19 +57,19 @@ impl Surface {
         self.bounds.map(|p| ((p.as_dvec3() - self.center) / self.diagonal).as_vec3())
     }
 
-    /// A ball (centre, radius) of unit space in the space of the mesh.
-    pub(crate) fn to_world(&self, ball: Vec4) -> Sphere {
+    /// A sphere (centre, radius) of unit space in the space of the mesh.
+    pub(crate) fn to_world(&self, sphere: Vec4) -> Sphere {
         Sphere {
-            center: (ball.truncate().as_dvec3() * self.diagonal + self.center).as_vec3(),
-            radius: (f64::from(ball.w) * self.diagonal) as f32,
+            center: (sphere.truncate().as_dvec3() * self.diagonal + self.center).as_vec3(),
+            radius: (f64::from(sphere.w) * self.diagonal) as f32,
         }
     }
 
     /// The inverse of [`Surface::to_world`].
-    pub(crate) fn to_unit(&self, ball: Sphere) -> Vec4 {
-        ((ball.center.as_dvec3() - self.center) / self.diagonal)
+    pub(crate) fn to_unit(&self, sphere: Sphere) -> Vec4 {
+        ((sphere.center.as_dvec3() - self.center) / self.diagonal)
             .as_vec3()
-            .extend((f64::from(ball.radius) / self.diagonal) as f32)
+            .extend((f64::from(sphere.radius) / self.diagonal) as f32)
     }
 
     /// A map from the unit cube to the surface (triangle, barycentric coordinates) that keeps areas' ratios.
@@ -157,7 +157,7 @@ fn remove_repeats(faces: &mut Vec<[(u32, u32); 3]>) {
     faces.retain(|&[(a, _), (b, _), (c, _)]| seen.insert([a, b.min(c), b.max(c)]));
 }
 
-/// Turns the triangles of each patch (joined by edges that exactly two triangles share) alike, and the patch so that it
+/// Orients the triangles of each patch (joined by edges of exactly two triangles) alike, and the patch so that it
 /// encloses a positive volume; a flat patch so that it faces away from the mesh's centre.
 fn turn_alike(vertices: &[Vec3], faces: &mut [[(u32, u32); 3]]) {
     // (edge, triangle, whether the triangle runs along the edge from the smaller number to the larger)

@@ -8,17 +8,17 @@ use crate::view::View;
 /// Radii tried at a place: depth plus these, in units of D.
 const PROTRUSIONS: [f32; 4] = [0.0, 0.004, 0.01, 0.02];
 
-/// The one that all places are judged with first, in half of the views; one in so many is then tried with all.
+/// The usual protrusion. All places are judged with it first, in half of the views; one in PROMISING is then tried with all.
 const USUAL: f32 = 0.004;
 const PROMISING: usize = 5;
 
-/// One in so many views judges all places.
+/// One in this number of views judges all places.
 const SPARSE: usize = 8;
 
 /// Candidates that the choice is made among, per sphere to be placed.
 const SHORTLIST: usize = 40;
 
-/// What each sphere's removal would add to the silhouette error, over all views: pixels that only it covers.
+/// The silhouette error that each sphere's removal would add, over all views: pixels that only it covers.
 fn removal_costs(views: &[View], spheres: &[Vec4]) -> Vec<f32> {
     let per_view: Vec<Vec<f32>> = views
         .par_iter()
@@ -87,7 +87,7 @@ pub(crate) fn take_any(spheres: &mut Vec<Vec4>, count: usize, random: &mut Rando
     }
 }
 
-/// What is still to be gained in one view: running sums along rows of +1 for a subpixel of the silhouette that no
+/// The possible gain in one view: running sums along rows of +1 for a subpixel of the silhouette that no
 /// sphere covers, −1 for one outside it.
 struct Gains<'a> {
     view: &'a View,

@@ -44,7 +44,7 @@ fn one_sphere_for_a_ball_is_the_ball() {
 
 #[test]
 fn quality_of_a_known_set_is_known() {
-    // A ball of radius 0.8 in one of radius 1: everything about it has a closed form. D = 2√3.
+    // A sphere of radius 0.8 in one of radius 1: everything about it has a closed form. D = 2√3.
     let diagonal = 2.0 * 3.0_f32.sqrt();
     let (positions, triangles) = ball(24);
     let measure = |center, radius| {
@@ -132,7 +132,7 @@ fn bad_sets_have_a_reason() {
     ] {
         assert_eq!(quality(error).verdict(&options), want, "{error} {options:?}");
     }
-    // What the builder says of a real sheet.
+    // The builder's verdict on a real sheet.
     let sheet = (vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], vec![[0, 1, 2], [0, 2, 3]]);
     let set = build(&sheet, &few(8));
     assert_eq!(set.quality.verdict(&few(8)), Verdict::Unsuitable, "{:?}", set.quality);
@@ -154,7 +154,7 @@ fn every_part_gets_spheres() {
     assert!(set.quality.silhouette_error < 0.15, "{:?}", set.quality);
 }
 
-/// Seat, back and four legs: slabs and thin parts get their share, and the air under the seat none.
+/// Seat, back and four legs: slabs and thin parts get spheres, and the air under the seat none.
 #[test]
 fn a_chair_keeps_its_legs() {
     let part = |size: Vec3, at: Vec3| mapped(&cube(), |p| p * size + at);
@@ -329,7 +329,7 @@ fn json_gives_the_same_set_back() {
     assert_eq!(value["mesh"]["triangles"], 12);
     assert_eq!(value["spheres"].as_array().map(Vec::len), Some(9));
     assert_eq!(value["self_shadows"][0].as_array().map(Vec::len), Some(5));
-    // Files from before near balls had centres of their own.
+    // Files from before near spheres had centres of their own.
     let mut old = value;
     old["self_shadows"] = vec![serde_json::json!([0.5, 0.25]); 9].into();
     let read = SphereSet::from_json(&old.to_string()).expect("what was written before").self_shadows;
@@ -395,7 +395,7 @@ fn json_that_is_wrong_is_refused_in_one_line() {
         (with("/self_shadows/1/4", json!(-0.5)), "distance of self_shadow 1"),
         (with("/self_shadows/1/0", json!(1e39)), "self_shadow 1"),
         (with("/quality/coverage", json!(true)), "boolean"),
-        // Names of keys are quoted, whatever is in them.
+        // Names of keys are quoted, even with control characters.
         (good.to_json().replacen("\"quality\"", "\"a\\nb\": 1, \"quality\"", 1), "unknown field"),
         (with("/quality/p95_gap", json!(-1.0)), "p95_gap"),
         (with("/mesh/bounds/0/0", json!(9.0)), "bounds"),

@@ -40,7 +40,7 @@ impl SphereSet {
         let mut builder = Builder::new(&surface, &tree, options.count.min(START));
         let mut tried = 0;
         let unit = smallest(tolerance, options.count, |count| {
-            // How many counts will be tried is not known: each takes half of the bar that is left.
+            // The number of trials is not known: each takes half of the remaining bar.
             tried += 1;
             let left = 0.5_f32.powi(tried);
             let mut part = |done: f32| -> ControlFlow<()> { progress(1.0 - left * (2.0 - done)) };
@@ -55,7 +55,7 @@ impl SphereSet {
 /// The first count that is tried.
 const START: usize = 12;
 
-/// The balls of the smallest count whose error is at most `tolerance`.
+/// The spheres of the smallest count whose error is at most `tolerance`.
 fn smallest(
     tolerance: f32,
     most: usize,
@@ -69,7 +69,7 @@ fn smallest(
     loop {
         let (unit, error) = attempt(count)?;
         if error <= tolerance {
-            // Meshes that fewer balls make up entirely.
+            // Meshes that fewer spheres make up entirely.
             count = unit.len().min(count);
             enough = Some((count, error, unit));
         } else if count == most {

@@ -6,7 +6,7 @@ use glam::Vec3;
 const LEAF: usize = 6;
 
 /// A node is replaced by its dipole from this many of its radii away. The error of the winding number of a closed mesh
-/// stays below a few hundredths there, and 0.5 is what it is compared with.
+/// stays below a few hundredths there; the threshold is 0.5.
 const FAR: f32 = 2.5;
 
 /// A bounding-volume tree over triangles that answers how far away they are and how often they wind around a point.
@@ -89,7 +89,7 @@ impl TriangleTree {
         best.sqrt()
     }
 
-    /// Whether a ray meets a triangle; one that runs in the plane of a node's face may miss it. O(log n) typically.
+    /// Whether a ray meets a triangle; a ray in the plane of a node's face may miss it. O(log n) typically.
     pub(crate) fn blocks(&self, from: Vec3, toward: Vec3) -> bool {
         let inverse = toward.recip();
         let mut stack = [0_u32; 64];

@@ -83,7 +83,7 @@ pub(crate) struct View {
     pub(crate) inverse_area: f32,
     /// The silhouette at twice the resolution.
     fine: BitImage,
-    /// The share of each cell of [`CELL`]² pixels that is in the silhouette.
+    /// The fraction of each cell of [`CELL`]² pixels that is in the silhouette.
     pub(crate) cells: Vec<f32>,
     /// Per pixel: subpixels (of 4) outside the silhouette minus those inside.
     pub(crate) outside: Vec<i8>,
@@ -123,7 +123,7 @@ impl View {
         }
     }
 
-    /// Area of the silhouette in units of D², or what its weight takes for it.
+    /// Area of the silhouette in units of D², or the minimum from [`Self::limit_weights`].
     fn area(&self) -> f32 {
         1.0 / (self.inverse_area * self.frame.scale * self.frame.scale)
     }

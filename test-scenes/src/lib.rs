@@ -13,7 +13,7 @@ pub fn material() -> Material {
     Material::lambert(Vec3::splat(0.5))
 }
 
-/// A horizontal square of half side 4 at height 0, a ball of radius 0.5 above its middle, one light above both.
+/// A horizontal square of half side 4 at height 0, a sphere of radius 0.5 above its middle, one light above both.
 #[must_use]
 pub fn floor_and_ball() -> Scene {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * 4.0;

@@ -24,7 +24,7 @@ fn checking_and_help() {
     let folder = folder.path();
     assert!(succeed(folder, &["check", "scene.toml"]).contains("lights     1"));
     assert_eq!(json(folder, &["check", "scene.toml", "--json"])["spheres"], 1);
-    // Pictures are made in bands: what a large one takes is the picture itself, 15 bytes a pixel, and a little.
+    // Pictures are made in bands: a large one takes the picture itself, 15 bytes a pixel, and a little more.
     let large = SCENE.replace("width = 48", "width = 16384").replace("height = 32", "height = 16384");
     fs::write(folder.join("large.toml"), large).unwrap();
     let bytes = json(folder, &["check", "large.toml", "--json"])["memory_bytes"].as_u64().unwrap();
@@ -75,7 +75,7 @@ fn checking_advises_for_each_object() {
     {
         assert!(advice(n).0 == word && advice(n).1.contains(reason), "{n}: {:?}", advice(n));
     }
-    // What render does instead, and how to have what is advised.
+    // The strategy that render uses instead, and the line that follows the advice.
     let told = succeed(folder, &["check", "all.toml"]);
     let line = "render takes \"rays\" unless told so: write visibility = \"silhouettes\" under this object";
     assert_eq!(told.matches("unless told so").count(), 1, "{told}");
@@ -97,11 +97,11 @@ fn checking_advises_for_each_object() {
     assert!(succeed(folder, &["check", "maps.toml"]).contains("blocks through shadow maps"));
     assert!(all["animation"].is_null());
     assert!(succeed(folder, &["check", "all.toml"]).contains("advice: visibility = \"silhouettes\""));
-    // Seen from below, the floor hides the ball: it is no backdrop any more.
+    // Seen from below, the floor hides the sphere: it is no backdrop any more.
     fs::write(folder.join("below.toml"), SCENE.replace("eye = [0.0, 3.0, 8.0]", "eye = [0.0, -3.0, 8.0]")).unwrap();
     assert_eq!(json(folder, &["check", "below.toml", "--json"])["objects"][0]["advice"]["visibility"], "silhouettes");
 
-    // What moves is told.
+    // Motion is reported.
     fs::write(folder.join("roll.toml"), rolling()).unwrap();
     let roll = json(folder, &["check", "roll.toml", "--json"]);
     assert_eq!((&roll["animation"]["duration"], &roll["animation"]["frames"]), (&1.0.into(), &11.into()));
@@ -114,7 +114,7 @@ fn checking_advises_for_each_object() {
     assert_ne!(of(&["--clip", "Run"]), of(&[]));
 }
 
-/// What casts a shadow on something behind it is no backdrop, nor is what moves; a wall that casts none stays one.
+/// A backdrop has nothing behind it and does not move; a wall that casts no shadow stays one.
 #[test]
 fn only_what_has_nothing_behind_it_is_a_backdrop() {
     let folder = folder();
@@ -178,7 +178,7 @@ fn advice_does_not_follow_the_cache() {
     }
 }
 
-/// Objects of which the same is to be told share their lines.
+/// Objects with the same description share their lines.
 #[test]
 fn equal_objects_are_told_of_once() {
     let folder = folder();
@@ -196,7 +196,7 @@ fn equal_objects_are_told_of_once() {
     assert_eq!(json(folder, &["check", "six.toml", "--json"])["objects"].as_array().unwrap().len(), 9);
 }
 
-/// Lobes that are not their material are told of, with how far off they are, by which methods; others are not.
+/// A residual is reported with the methods that have it; exact materials have none.
 #[test]
 fn residuals_of_materials_are_told() {
     let folder = folder();

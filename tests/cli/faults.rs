@@ -1,4 +1,4 @@
-//! What may happen to a command: it is killed, the disk is full, another one writes to the same place.
+//! Faults during a command: it is killed, the disk is full, another command writes to the same place.
 #![cfg(unix)]
 
 use super::*;
@@ -12,7 +12,7 @@ fn start(folder: &Path, args: &[&str]) -> Child {
     command.current_dir(folder).args(args).env("XDG_CACHE_HOME", cache).stdout(Stdio::null()).spawn().unwrap()
 }
 
-/// What the files of a folder hold.
+/// The contents of a folder's files.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     names(folder).into_iter().map(|name| (name.clone(), fs::read(folder.join(name)).unwrap())).collect()
 }
@@ -46,7 +46,7 @@ const COMMANDS: [&[&str]; 7] = [
     &["figures", "2", "-o", ".", "-q"],
 ];
 
-/// Killed at any moment, a command leaves whole files or none, and the next one makes what it would have made.
+/// A command that is killed leaves whole files or none, and the next run makes the same files.
 #[test]
 fn killed_commands_leave_whole_files() {
     for args in COMMANDS {
@@ -79,7 +79,7 @@ fn on_a_full_disk(folder: &Path, args: &[&str]) -> std::process::Output {
     Command::new("sh").current_dir(folder).args(["-c", &line]).env("XDG_CACHE_HOME", cache).output().unwrap()
 }
 
-/// A disk that is full is one line and a code; what was there before stays, and nothing half written does.
+/// A full disk gives one line and a code; old files stay, and nothing half written does.
 #[test]
 fn full_disks_are_told_and_old_files_stay() {
     for args in COMMANDS {
@@ -191,7 +191,7 @@ fn flipped_bits_of_pictures_are_read_or_refused() {
     }
 }
 
-/// Threads, tiles and reruns change no bit, whatever the strategy and the layers.
+/// Threads, tiles and reruns change no bit, with any strategy and with layers.
 #[test]
 fn threads_and_tiles_change_no_bit() {
     let folder = folder();
@@ -244,7 +244,7 @@ fn threads_and_tiles_change_no_bit_by_the_paper() {
     let folder = folder();
     let folder = folder.path();
     fs::write(folder.join("table.toml"), format!("{SCENE}{TABLE}")).unwrap();
-    // One of those that share a code path in this method: what is drawn, and what is traced.
+    // Strategies with a common code path in this method are tested once: one that draws, and one that traces.
     for strategy in ["silhouettes", "rays"] {
         let render = |output: &str, more: &[&str]| {
             let base =

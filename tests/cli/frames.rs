@@ -18,7 +18,7 @@ fn a_sequence_is_one_file_a_frame() {
         assert!(stats["update"][key].is_number(), "{key} in {stats}");
     }
 
-    // A frame of a sequence is the frame alone and the moment alone, whatever was rendered before it, by any strategy.
+    // A frame of a sequence equals the frame alone and the moment alone, after any other frames, by any strategy.
     let same = |a: &str, b: &str| {
         assert_eq!(read_exr(&folder.join(a)).unwrap(), read_exr(&folder.join(b)).unwrap(), "{a}");
     };
@@ -166,7 +166,7 @@ fn frames_that_there_are_not_are_refused() {
     let stderr = String::from_utf8(ran.stderr).unwrap();
     assert!(ran.status.code() == Some(2) && stderr.contains("lobes: error: --frames 0..2: nothing moves"), "{stderr}");
     assert!(!folder.join("r.0000.png").exists());
-    // One whose skin has bones that are not there.
+    // A mesh whose skin has bones that do not exist.
     let gltf = gltf
         .replace(r#"{"mesh": 0}"#, r#"{"mesh": 0, "skin": 0}"#)
         .replace(r#""meshes":"#, r#""skins": [{"joints": [99]}], "meshes":"#);
@@ -192,7 +192,7 @@ fn a_clip_is_chosen_by_name_or_number() {
     refuse(folder, &["render", "scene.toml", "--clip", "Walk"], "scene file");
 }
 
-/// Ctrl-C between and within frames: whole files only, and the same command goes on.
+/// Ctrl-C between and within frames: whole files only, and the same command resumes.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sequence_leaves_whole_frames() {
@@ -222,7 +222,7 @@ fn an_interrupted_sequence_leaves_whole_frames() {
     assert!((1..11).contains(&whole.len()) && whole.iter().all(|n| read_exr(&folder.join(n)).is_ok()), "{left:?}");
 }
 
-/// Warnings may come first; what failed is one line, and the last.
+/// Warnings may come first; the error is one line, and the last.
 #[test]
 fn an_error_is_the_last_line() {
     let folder = folder();
@@ -239,7 +239,7 @@ fn an_error_is_the_last_line() {
     );
 }
 
-/// Frames that are cut short or have a flipped bit are no longer what they were, and are made anew.
+/// Frames that are cut short or have a flipped bit are noticed and made anew.
 #[test]
 fn damaged_frames_are_made_anew() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! What shadow maps do not show, and what they show to receivers on it, is by silhouettes.
+//! Silhouettes replace shadow maps for objects that a map does not show and for receivers in the map.
 
 use super::*;
 use cosine_lobes::read_exr;
@@ -80,7 +80,7 @@ fn what_maps_show_changes_with_the_light() {
     }
 }
 
-/// A star of rays around a ball, as an OBJ: spikes shadow each other and the ball between them.
+/// A star of rays around a sphere, as an OBJ: spikes shadow each other and the sphere between them.
 fn star() -> String {
     let (columns, rows) = (24, 12);
     let mut text = String::new();
@@ -103,8 +103,8 @@ fn star() -> String {
     text
 }
 
-/// Receivers on a mesh that a map draws see what they see by silhouettes: once 99 % of a bunny's penumbra were within 13 % of the light,
-/// in dots and fringes. Those on the floor below see the map.
+/// Receivers on a mesh in a map use silhouettes: with the map alone 99 % of a bunny's penumbra were within 13 % of the light,
+/// in dots and fringes. Receivers on the floor below use the map.
 #[test]
 fn meshes_that_shadow_themselves() {
     let folder = folder();

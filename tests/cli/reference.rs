@@ -13,7 +13,7 @@ fn references_go_on_where_they_stopped() {
     assert_eq!(names(folder), ["ref.exr", "scene.toml", "whole.exr"]);
     assert_eq!(fs::read(folder.join("ref.exr")).unwrap(), fs::read(folder.join("whole.exr")).unwrap());
 
-    // Damaged ones are told of, and made anew: a flipped bit, a half, something else.
+    // Damaged checkpoints are reported and made anew: a flipped bit, a half, other contents.
     succeed(folder, &["reference", "scene.toml", "-o", "ref.exr", "--spp", "512", "--keep", "-q"]);
     let kept = fs::read(folder.join("ref.exr.checkpoint")).unwrap();
     let mut flipped = kept.clone();
@@ -28,7 +28,7 @@ fn references_go_on_where_they_stopped() {
     }
 }
 
-/// A power cut: what was sampled is kept but for a few seconds, and what the dead process has left goes.
+/// A power cut: at most a few seconds of samples are lost, and the files of the dead process are removed.
 #[cfg(unix)]
 #[test]
 fn a_killed_reference_keeps_its_work() {
@@ -65,7 +65,7 @@ fn an_interrupted_reference_keeps_its_work() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // Its temporary file tells that it has begun; a little later it samples.
+    // Its temporary file shows that it has begun; a little later it samples.
     while names(folder).len() < 2 {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }

@@ -31,7 +31,7 @@ fn bad_scenes_are_refused() {
     refuse(folder, &["spheres", "noise.obj", "-o", "set.json"], "noise.obj");
 }
 
-/// Where nothing of a mesh is left it is said how much was left out and why; numbers are right in grammar.
+/// If no triangle of a mesh is left, the message has the number of faces left out and the reason, in correct grammar.
 #[test]
 fn faces_left_out_are_counted() {
     let folder = folder();
@@ -49,7 +49,7 @@ fn faces_left_out_are_counted() {
         refuse(folder, &["check", name], what);
         refuse(folder, &["spheres", name], what);
     }
-    // What is left is told of, and a lone triangle is one.
+    // With triangles left, the same is a warning, and one triangle is singular.
     fs::write(folder.join("one.obj"), triangle("1") + "v nan 0 0\nf 1 2 4\nf 1 1 2\n").unwrap();
     let ran = lobes(folder, &["check", "one.obj"]);
     let told = String::from_utf8(ran.stderr).unwrap();
@@ -115,7 +115,7 @@ fn unwritable_outputs_are_refused() {
     refuse(folder, &["reference", "scene.toml", "--size", "512x512", "--spp", "1000000", "-o", "no/ref.exr"], "no/ref");
 }
 
-/// What a GPU does not have is refused before anything is made, with what to do instead; also where there is no GPU.
+/// Features that a GPU lacks are refused before the long work, with an alternative; also without a GPU.
 #[test]
 fn what_a_gpu_lacks_is_refused() {
     let folder = folder();
@@ -136,7 +136,7 @@ fn what_a_gpu_lacks_is_refused() {
     }
 }
 
-/// Without a driver a GPU that is asked for is an error that says what to install, and one that may be left is left.
+/// Without a driver `--device gpu` is an error that names the packages to install, and `auto` uses the CPU.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_gpu_that_is_not_there() {
@@ -160,7 +160,7 @@ fn a_gpu_that_is_not_there() {
     assert_eq!(fs::read(folder.join("a.exr")).unwrap(), fs::read(folder.join("b.exr")).unwrap());
 }
 
-/// What a command reads it does not replace, and a picture gets a picture's name.
+/// A command does not overwrite its inputs, and a picture needs the ending of a picture.
 #[test]
 fn inputs_are_not_overwritten() {
     let folder = folder();
@@ -180,7 +180,7 @@ fn inputs_are_not_overwritten() {
     assert!(before == after);
 }
 
-/// A result that could not be told is a failure; a reader that has had enough is none.
+/// A result that could not be printed is a failure; a reader that stops early is none.
 #[cfg(unix)]
 #[test]
 fn standard_output_has_to_take_the_result() {

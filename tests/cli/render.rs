@@ -53,7 +53,7 @@ fn render_agrees_with_reference() {
     assert_eq!(error["dark_nonzero"], 0, "{error}");
 }
 
-/// Swapping the strategy by one word: shadow rays see the balls that the spheres strategy splats.
+/// Swapping the strategy by one word: shadow rays see the spheres that the spheres strategy splats.
 #[test]
 fn rays_see_what_spheres_stand_for() {
     let folder = folder();
@@ -69,7 +69,7 @@ fn rays_see_what_spheres_stand_for() {
     assert_eq!((&stats["visibility"], &stats["spheres"]), (&"rays".into(), &0.into()));
 }
 
-/// The third strategy: a depth map of the triangles, the same balls, no sphere set built.
+/// The third strategy: a depth map of the triangles, the same spheres, no sphere set built.
 #[test]
 fn shadow_maps_see_the_true_triangles() {
     let folder = folder();
@@ -89,10 +89,10 @@ fn shadow_maps_see_the_true_triangles() {
     render("rays.exr", &["rays"]);
     let error = json(folder, &["compare", "map.exr", "rays.exr", "--unshadowed", "none.exr", "--json"]);
     assert!(error["penumbra"]["pixels"].as_u64().unwrap() > 40, "{error}");
-    // On floors 1 % is what the strategy promises.
+    // The strategy's limit on floors is 1 %.
     assert!(error["penumbra"]["mean"].as_f64().unwrap() < 0.01, "{error}");
 
-    // A resolution that is asked for is taken; too coarse a one is told, with the way out.
+    // A given resolution is used; one that is too coarse gives a warning with an alternative.
     let coarse = ["render", "table.toml", "-o", "c.exr", "--visibility", "shadow-map", "--map-resolution", "16"];
     let ran = lobes(folder, &coarse);
     let told = String::from_utf8(ran.stderr).unwrap();
@@ -152,17 +152,17 @@ fn objects_take_their_own_strategies() {
         succeed(folder, &["reference", "mixed.toml", "-o", "mesh.exr", "--spp", "1024", "--geometry", "mesh", "-q"]);
         let limit = if table == "shadow-map" { 0.01 } else { 0.005 };
         assert!(error("mixed.exr", "ref.exr") < limit, "{}", error("mixed.exr", "ref.exr"));
-        // Balls as spheres and the table as it is: nothing is approximated.
+        // Spheres as spheres and the table as it is: nothing is approximated.
         assert!(error("ref.exr", "mesh.exr") < 0.002, "{}", error("ref.exr", "mesh.exr"));
     }
-    // An object can be told to cast no shadow; a word for all overrides it.
+    // An object may cast no shadow; a strategy for all overrides this.
     with("none", "none");
     render("mixed.exr", &[]);
     assert_eq!(read_exr(&folder.join("mixed.exr")).unwrap(), read_exr(&folder.join("none.exr")).unwrap());
     assert_eq!(render("all.exr", &["--visibility", "spheres"])["spheres"], 9);
 }
 
-/// Meshes are by their silhouettes without a word; whoever asks for spheres gets them, and a line on the fit.
+/// Meshes block by their silhouettes by default; `--visibility spheres` fits spheres, with a line on the fit.
 #[test]
 fn meshes_need_no_fit() {
     let folder = folder();
@@ -176,7 +176,7 @@ fn meshes_need_no_fit() {
     };
     assert_eq!(render("usual.exr", &[]), (String::new(), 1));
     assert!(!folder.with_extension("cache").exists(), "a sphere set was built");
-    // The ball as a sphere, the table exact: what rays make of both.
+    // The sphere as a sphere, the table exact: the picture of rays.
     assert_eq!(render("rays.exr", &["--visibility", "rays"]), (String::new(), 0));
     let error = json(folder, &["compare", "usual.exr", "rays.exr", "--json"]);
     assert!(error["mae"].as_f64().unwrap() < 1e-3 * error["reference_mean"].as_f64().unwrap(), "{error}");
@@ -228,11 +228,11 @@ fn wrong_sphere_files_are_refused() {
             refuse(folder, &[command, "with.toml"], what);
         }
     }
-    // Nobody who takes the true triangles reads the set.
+    // Strategies with the true triangles do not read the set.
     succeed(folder, &["render", "with.toml", "-q", "--visibility", "rays"]);
 }
 
-/// A material that gives more than it gets is taken, and told.
+/// A material that reflects more light than it receives gives a warning.
 #[test]
 fn too_bright_materials_are_told() {
     let folder = folder();
@@ -268,7 +268,7 @@ fn the_scene_of_the_readme_renders() {
     assert!(stats["counts"]["penumbra_points"].as_u64().unwrap() > 2, "{stats}");
 }
 
-/// Two objects in the same place are one; so is a ball that an object names a thousand times.
+/// Two objects in the same place are one; so is a sphere that an object names a thousand times.
 #[test]
 fn equal_balls_are_one() {
     let folder = folder();
@@ -306,7 +306,7 @@ fn a_scene_without_lights_says_so() {
     assert!(told(&[]) && !told(&["--quiet"]));
 }
 
-/// Visibility as lobes gives the picture of visible fractions, to within what masks can show.
+/// Visibility as lobes gives the picture of visible fractions, within the accuracy of masks.
 #[test]
 fn lobes_of_visibility_give_the_same_picture() {
     let folder = folder();

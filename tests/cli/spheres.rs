@@ -61,7 +61,7 @@ fn the_table_of_the_paper_is_kept_between_runs() {
     assert_eq!(names(&cache), kept);
 }
 
-/// The set of a skinned mesh tells on demand which bones carry each sphere, and stays a set like any other.
+/// With `--bones` the set of a skinned mesh lists the bones of each sphere, and stays a valid set.
 #[test]
 fn sets_of_skinned_meshes_have_bones() {
     let folder = folder();
@@ -76,7 +76,7 @@ fn sets_of_skinned_meshes_have_bones() {
     let text = build(&["--bones"]);
     let bound = BoundSet::from_json(&text).unwrap();
     assert_eq!((bound.rest().spheres.len(), bound.targets()), (8, 0));
-    // Of the model's 24 joints the numbers go up to the last one that carries something.
+    // The model has 24 joints; the numbers end at the last one that carries a sphere.
     assert!((10..=24).contains(&bound.joints()), "{}", bound.joints());
     assert_eq!(SphereSet::from_json(&text).unwrap(), *bound.rest());
     assert_eq!(SphereSet::from_json(&plain).unwrap(), *bound.rest());
@@ -86,7 +86,7 @@ fn sets_of_skinned_meshes_have_bones() {
     refuse(folder, &["spheres", fox, "--clip", "Fly"], "Fly");
 }
 
-/// What was asked wrongly is named, and a bad set is blamed on what made it bad.
+/// Wrong options are named, and a bad set is reported with the cause.
 #[test]
 fn sphere_sets_say_what_is_wrong() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! What tests of the command share.
+//! Helpers for tests of the command.
 
 use serde_json::Value;
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output as Ran};
 use tempfile::TempDir;
 
-/// A ball over a floor, one light; small enough for a test.
+/// A sphere over a floor, one light; small enough for a test.
 pub(crate) const SCENE: &str = r#"
 [image]
 width = 48
@@ -76,7 +76,7 @@ pub(crate) fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Exit code 2, one line on stderr that says `what`, nothing on stdout, no new file, no panic.
+/// Exit code 2, one line on stderr that contains `what`, nothing on stdout, no new file, no panic.
 pub(crate) fn refuse(folder: &Path, args: &[&str], what: &str) {
     let before = names(folder);
     let ran = lobes(folder, args);
@@ -96,7 +96,7 @@ box = { center = [-1.5, 0.9, 0.5], size = [1.2, 0.1, 0.8] }
 proxy = { spheres = 8 }
 "#;
 
-/// The ball of [`SCENE`] rolls for one second, the light goes with it: 11 frames at 10 a second.
+/// The sphere of [`SCENE`] rolls for one second, the light goes with it: 11 frames at 10 a second.
 pub(crate) fn rolling() -> String {
     let moved = "\nkeys = [{ time = 0 }, { time = 1, translate = [1, 0, 0] }]";
     let (ball, light) = ("radius = 0.6 }", "radiance = [20.0, 20.0, 20.0]");

@@ -1,4 +1,4 @@
-//! What is nearly nothing, and a lot of it.
+//! Empty, tiny and huge scenes.
 
 use crate::parity::same;
 use crate::support::*;
@@ -56,7 +56,7 @@ fn many_lights() {
     assert_eq!(stats["lights"], 64);
 }
 
-/// A hundred thousand balls over the floor, no more than 512 of which a list takes.
+/// A hundred thousand spheres over the floor, no more than 512 of which a list takes.
 fn many_spheres() {
     let folder = folder();
     let folder = folder.path();

@@ -8,7 +8,7 @@ use std::path::Path;
 
 crate::tests![strategies, settings, paper, shadow_maps, walls, rays, silhouettes, samples_and_threshold, trade];
 
-/// Largest and mean difference, as shares of the picture's largest value.
+/// Largest and mean difference, as fractions of the picture's largest value.
 const LARGEST: f32 = 1e-3;
 const MEAN: f64 = 1e-5;
 
@@ -47,7 +47,7 @@ pub(crate) fn same(folder: &Path, options: &[&str]) -> Value {
     gpu
 }
 
-/// The built-in scene: exact balls, five materials, two lights.
+/// The built-in scene: exact spheres, five materials, two lights.
 fn strategies() {
     let folder = folder();
     for visibility in ["scene", "spheres", "none"] {
@@ -66,7 +66,7 @@ fn settings() {
 fn paper() {
     let folder = folder();
     same(folder.path(), &["--size", "48x27", "--method", "paper"]);
-    // The table is not seen: receivers on it ask silhouettes by the CPU, rays by the GPU, which this method tells apart at this depth.
+    // The table is invisible: receivers on it would use silhouettes on the CPU and rays on the GPU, which differ in this method at this depth.
     fs::write(folder.path().join("table.toml"), format!("{SCENE}{TABLE}visible = false\n")).unwrap();
     let maps = ["--visibility", "shadow-map", "--depth", "4", "--threshold", "0.01"];
     same(folder.path(), &[&["table.toml", "--method", "paper"], &maps[..]].concat());
@@ -93,7 +93,7 @@ fn walls() {
     }
 }
 
-/// A table's top in the map, a ball beside it. Receivers on the table ask silhouettes by the CPU and rays by the GPU: the same masks, which
+/// A table's top in the map, a sphere near it. Receivers on the table use silhouettes on the CPU and rays on the GPU: the same masks, which
 /// are not made for the same receivers.
 fn shadow_maps() {
     let folder = folder();
@@ -101,12 +101,12 @@ fn shadow_maps() {
     fs::write(folder.join("table.toml"), SCENE.to_owned() + TABLE).unwrap();
     let [_, gpu] = alike(folder, &["table.toml", "--visibility", "shadow-map"]);
     assert!(gpu["map_bytes"].as_u64().unwrap() > 0 && gpu["spheres"] == 1, "{gpu}");
-    // Coarse, and a table that is not seen: only maps are asked.
+    // Coarse, and with an invisible table, so that only maps are used.
     fs::write(folder.join("floor.toml"), format!("{SCENE}{TABLE}visible = false\n")).unwrap();
     same(folder, &["floor.toml", "--visibility", "shadow-map", "--map-resolution", "256"]);
 }
 
-/// Some of its smooth normals see a light that its faces do not: what hides that depends on the strategy.
+/// Some of its smooth normals see a light that its faces do not: the strategies hide that light differently.
 const PILLOW: &str = r#"
 [[objects]]
 name = "pillow"
@@ -116,7 +116,7 @@ visibility = "spheres"
 proxy = { spheres = 8 }
 "#;
 
-/// All by rays, and a mixture: the ball and the pillow as spheres, the table's top by rays.
+/// All by rays, and a mixture: the sphere and the pillow as spheres, the table's top by rays.
 fn rays() {
     let folder = folder();
     let folder = folder.path();
@@ -158,7 +158,7 @@ fn samples_and_threshold() {
     assert!(pruned > 0);
 }
 
-/// Both in one table: the same errors, whatever the time.
+/// Both in one table: the same errors, at any time.
 fn trade() {
     let folder = folder();
     let settings = ["--method", "moments", "--tolerance", "0.003", "--depth", "4,5", "--spp", "1", "--repeat", "3"];

@@ -29,8 +29,8 @@ fn two_runs_give_the_same_files() {
     }
 }
 
-/// Each frame is what its moment alone gives, and the CPU's to within what devices differ by; what was made by another
-/// device is made anew.
+/// Each frame equals the picture of its moment alone, and the CPU's within the difference of devices; frames of another
+/// device are made anew.
 fn a_sequence_is_the_pictures_of_its_moments() {
     let folder = folder();
     let folder = folder.path();
@@ -76,7 +76,7 @@ fn parts_make_the_whole_to_the_bit() {
     assert!(windows == whole, "windows");
 }
 
-/// What is measured is the GPU: time without end takes the best setting.
+/// The GPU is measured: without a limit of time the best setting is used.
 fn a_time_budget_is_kept() {
     let folder = folder();
     let args = ["render", "scene.toml", "--device", "gpu", "--json", "--time-budget"];
@@ -97,12 +97,12 @@ fn auto_says_what_it_takes() {
     let (told, device) = ran(&[]);
     assert!(told.lines().count() == 1 && told.contains(&format!("--device auto: {device}")), "{told} {device}");
     assert_eq!(ran(&["-q"]), (String::new(), device));
-    // What only the CPU has is left to it.
+    // Features that only the CPU has run there.
     let (told, device) = ran(&["--layers", "-o", "a.exr"]);
     assert!(device == "cpu" && told.contains("--device auto: cpu, since layers"), "{told}");
 }
 
-/// Without the folder that display servers keep their sockets in, and with none of what drivers are told by.
+/// Without the folder of display servers' sockets, and without the variables of drivers.
 fn bare(folder: &std::path::Path, args: &[&str]) -> std::process::Command {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_lobes"));
     for name in ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "LP_NATIVE_VECTOR_WIDTH"] {
@@ -112,7 +112,7 @@ fn bare(folder: &std::path::Path, args: &[&str]) -> std::process::Command {
     command
 }
 
-/// Nothing on stderr, whatever is missing in the environment; output and exit code are the program's own.
+/// Nothing on stderr, with any variable missing; output and exit code are the program's own.
 fn drivers_say_nothing() {
     let folder = folder();
     let folder = folder.path();

@@ -28,7 +28,7 @@ struct Way {
     device: &'static str,
 }
 
-/// How far two pictures are apart, as shares of the brightest value.
+/// Difference of two pictures, as fractions of the brightest value.
 #[derive(Clone, Copy, Debug)]
 struct Apart {
     mean: f64,
@@ -63,8 +63,8 @@ fn differences(changes: &[Change], way: Way) -> Vec<(&'static str, Apart)> {
     changes.iter().map(|change| (change.name, apart(&whole, &picture(folder, change, way)))).collect()
 }
 
-/// What a change may do. Texels of shadow maps lie elsewhere after a turn. Self-shadow distances of spheres are measured from points on
-/// triangles, whose order counts: single pixels at contacts.
+/// The allowed difference of a change. Texels of shadow maps lie elsewhere after a turn. Self-shadow distances of spheres are measured
+/// from points on triangles, whose order counts: single pixels at contacts.
 fn check(changes: &[Change], way: Way) -> Result<(), Failed> {
     let Way { strategy, method, device } = way;
     for (name, found) in differences(changes, way) {
@@ -110,7 +110,7 @@ fn main() {
                 if (method, device) == ("paper", "gpu") {
                     continue;
                 }
-                // The paper's tables and a GPU's kernels take seconds: there all changes at once, and the one that is not among them.
+                // The paper's tables and a GPU's kernels take seconds: there all changes run at once, and the one that cannot be combined.
                 let changes: Vec<Change> = match (method, device) {
                     ("moments", "cpu") => CHANGES[1..].to_vec(),
                     (_, "cpu") => CHANGES[14..].to_vec(),

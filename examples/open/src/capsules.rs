@@ -17,7 +17,7 @@ pub struct Capsule {
 pub struct Capsules(pub Vec<Capsule>);
 
 impl Capsule {
-    /// Whether it may hide a part of a light: the ball around it meets the light's cone, and it begins before the light.
+    /// Whether it may hide a part of a light: the sphere around it meets the light's cone, and it begins before the light.
     fn meets(&self, x: Vec3, cone: &Cone) -> bool {
         let [a, b] = self.ends;
         let radius = 0.5 * a.distance(b) + self.radius;
@@ -32,7 +32,7 @@ impl Capsule {
 /// The part of the line of directions `(x, y, 1)` that a shape hides: from, to; empty where it hides nothing.
 type Span = (f32, f32);
 
-/// Where `a·x² + 2b·x + c ≤ 0`, in this order; NaN where nowhere.
+/// The interval where `a·x² + 2b·x + c ≤ 0`, in this order; NaN if there is none.
 fn roots(a: f32, b: f32, c: f32) -> Span {
     let root = (b * b - a * c).sqrt();
     // Without cancellation.
@@ -40,7 +40,7 @@ fn roots(a: f32, b: f32, c: f32) -> Span {
     (f32::min(q / a, c / q), f32::max(q / a, c / q))
 }
 
-/// A ball: `(c·d)² ≥ (c² − r²)·d²`, before the receiver.
+/// A sphere: `(c·d)² ≥ (c² − r²)·d²`, before the receiver.
 fn ball(c: Vec3, radius: f32, y: f32) -> Span {
     let (power, along) = (c.length_squared() - radius * radius, c.y * y + c.z);
     if power <= 0.0 {
@@ -57,7 +57,7 @@ fn ball(c: Vec3, radius: f32, y: f32) -> Span {
     }
 }
 
-/// A capsule from `p` to `q`: the hull of its two balls and of where the tube between them ends.
+/// A capsule from `p` to `q`: the hull of its two spheres and of where the tube between them ends.
 fn capsule(p: Vec3, q: Vec3, radius: f32, y: f32) -> Span {
     let hull = |a: Span, b: Span| (a.0.min(b.0), a.1.max(b.1));
     let both = hull(ball(p, radius, y), ball(q, radius, y));
@@ -69,7 +69,7 @@ fn capsule(p: Vec3, q: Vec3, radius: f32, y: f32) -> Span {
     let (g, w) = (u.cross(p), y * y + 1.0);
     let (g0, u0) = (g.y * y + g.z, u.y * y + u.z);
     let ends = roots(g.x * g.x - r * (1.0 - u.x * u.x), g.x * g0 + r * u.x * u0, g0 * g0 - r * (w - u0 * u0));
-    // Where a ray touches the tube between the ends.
+    // Whether a ray touches the tube between its ends.
     let touches = |x: f32| {
         let (d, du) = (Vec3::new(x, y, 1.0), u.x * x + u0);
         let t = (d.dot(p) - du * u.dot(p)) / (d.length_squared() - du * du);

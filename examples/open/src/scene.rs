@@ -10,7 +10,7 @@ use cosine_lobes::scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
 use cosine_lobes::visibility_mask::MaskVisibility;
 use std::error::Error;
 
-/// What is drawn.
+/// The scene, with own types.
 pub struct Own {
     pub scene: Scene,
     pub materials: Vec<Velvet>,
@@ -35,7 +35,7 @@ impl Own {
         }
         rods.push(rod([-0.44, 1.7, -0.5], [0.44, 1.7, -0.5]));
         let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 8.0, Vec3::NEG_Z * 8.0);
-        // The camera sees meshes: strings of balls stand for the rods.
+        // The camera sees meshes: strings of spheres stand for the rods.
         let balls = |c: &Capsule| {
             let [a, b] = c.ends;
             let steps = (a.distance(b) / (0.3 * c.radius)).ceil() as u32;

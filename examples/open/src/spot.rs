@@ -1,4 +1,4 @@
-//! A light: a ball in a shade, so that it shines into a cone with a smooth edge.
+//! A light: a sphere in a shade, so that it shines into a cone with a smooth edge.
 
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lobe_core::gpu::GpuLight;

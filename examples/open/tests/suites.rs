@@ -25,7 +25,7 @@ fn spots_are_lights() {
     }
 }
 
-/// Capsules without a length are balls. Their masks are not turned across their edges, so that some err more, and pop.
+/// Capsules without a length are spheres. Their masks are not turned across their edges, so that some err more, and pop.
 fn capsules_are_blockers() {
     let capsules = |s: &Setting<'_>| {
         let capsule = |ball: &cosine_lobes::lobe_core::Sphere| Capsule { ends: [ball.center; 2], radius: ball.radius };
@@ -70,7 +70,7 @@ fn both_devices_agree() {
     assert!(peak > 0.1 && mean < 1e-4 && most < 5e-3, "mean {mean}, most {most}");
 }
 
-/// What needs a GPU shows as ignored where there is none.
+/// Tests that need a GPU show as ignored without one.
 pub(crate) fn main() {
     let tests: [(&str, fn()); 4] = [
         ("velvet_is_a_material", velvet_is_a_material),

@@ -107,8 +107,8 @@ fn closed_surfaces_have_no_cracks() {
     assert_eq!(inside, 0);
 }
 
-/// Tiles of rays find to the bit what single rays find: flat and smooth meshes, balls, objects that are not seen, a view
-/// from amid it all. They may differ where a ray passes an edge within rounding: a few of 100 000.
+/// Tiles of rays find the same points as single rays, to the bit: flat and smooth meshes, spheres, invisible objects, a view
+/// from the middle of the scene. They may differ where a ray passes an edge within rounding: a few of 100 000.
 #[test]
 fn tiles_find_what_single_rays_find() {
     let mut scene = floor_and_ball();

@@ -1,4 +1,4 @@
-//! How visible points are found: tiles of an image, what their rays meet, and the points there, written where they belong.
+//! Finding the visible points: tiles of an image, the hits of their rays, and the points there, written at their places.
 
 use super::{GBuffer, TILE};
 use crate::World;
@@ -43,7 +43,7 @@ struct Part<'a> {
 struct Met {
     hits: RayHits,
     pixels: [u32; SIDE],
-    /// Where in the image they pass.
+    /// Their positions in the image.
     places: [Vec2; SIDE],
     count: usize,
 }
@@ -73,7 +73,7 @@ impl GBuffer {
 
     /// The same for a window of the image only, as a picture of its own: work that is split over processes.
     ///
-    /// Every point is to the bit what it is in the whole image. Points come in the tiles of the whole image, cut at the
+    /// Every point has the same bits as in the whole image. Points come in the tiles of the whole image, cut at the
     /// window's edges.
     ///
     /// # Panics
@@ -136,8 +136,8 @@ impl<'w> View<'w> {
         ([left, top], [part(left, &self.columns), part(top, &self.rows)])
     }
 
-    /// For each ray, tile by tile and in each of them offset by offset, what it meets; and how many of the rays of this
-    /// and all tiles before met something.
+    /// The hit of each ray, tile by tile and in each of them offset by offset; and the number of hits in this
+    /// tile and all tiles before it.
     pub(super) fn trace(&self) -> (Vec<u32>, Vec<usize>) {
         let mut found = vec![0; self.across.len() * self.down.len() * self.tile_rays()];
         let mut ends: Vec<usize> = found
@@ -210,7 +210,7 @@ impl<'w> View<'w> {
         }
     }
 
-    /// What the rays that met nothing see of the environment, pixel by pixel.
+    /// The environment's radiance along the rays that met nothing, pixel by pixel.
     pub(super) fn sky(&self, found: &[u32]) -> Vec<Vec3> {
         let Some(environment) = &self.world.scene().environment else { return Vec::new() };
         let (map, share) = (environment.map(), 1.0 / self.offsets.len() as f32);
@@ -270,7 +270,7 @@ impl<'w> View<'w> {
         own
     }
 
-    /// Writes the next few points and forgets them; gives what is left to be written.
+    /// Writes the next few points and forgets them; returns the rest of the output.
     fn write<'o>(&self, met: &mut Met, own: &mut Vec<Material>, out: Part<'o>) -> Part<'o> {
         let count = core::mem::take(&mut met.count);
         let (now, rest) = out.split(count);
@@ -301,7 +301,7 @@ impl<'w> View<'w> {
         rest
     }
 
-    /// The rays through the ends of the sides of what a ray stands for: its share of the pixel.
+    /// The rays through the ends of the two sides of a ray's part of the pixel.
     fn beside(&self, place: Vec2) -> [Vec3; 2] {
         let side = 1.0 / (self.offsets.len() as f32).sqrt();
         [self.rays.direction(place.x + side, place.y), self.rays.direction(place.x, place.y + side)]
@@ -328,7 +328,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Where in a pixel its `n` rays pass: Hammersley points, moved so that their mean is the centre.
+/// The positions of a pixel's `n` rays: Hammersley points, moved so that their mean is the centre.
 pub(super) fn sub_pixels(n: u32) -> Vec<Vec2> {
     let radical_inverse = |i: u32| f64::from(i.reverse_bits()) / 4_294_967_296.0;
     let shift = 0.5 - (0..n).map(radical_inverse).sum::<f64>() / f64::from(n);

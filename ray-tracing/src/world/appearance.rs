@@ -1,4 +1,4 @@
-//! What textures, vertex colours and emission make of points.
+//! Textures, vertex colours and emission at points.
 
 use super::World;
 use super::packet::BALL;
@@ -8,7 +8,7 @@ use glam::{DVec3, Mat2, Vec2, Vec3};
 use lobe_core::{Receiver, Sphere};
 use scene::{Mesh, Scene, Shape, Surface, TexturePlace};
 
-/// For each object whether its points differ in more than their place: none where no object has such.
+/// For each object whether its points have a look of their own; `None` if no object has such points.
 pub(crate) fn varied(scene: &Scene) -> Option<Vec<bool>> {
     let has_colors = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if !mesh.colors.is_empty());
     let differs = |o: &scene::Object| scene.surface(o.material).is_some() || has_colors(&o.shape);
@@ -53,35 +53,35 @@ fn vertex_tangents(mesh: &Mesh, uvs: &[Vec2], transform: Mat2) -> Vec<Vec3> {
     sums.into_iter().map(|(sum, all)| sum / all.max(f32::MIN_POSITIVE)).collect()
 }
 
-/// What a point has of its own.
+/// The look of a single point.
 pub(crate) struct Appearance {
     /// None where its object's is all there is.
     pub(crate) material: Option<Material>,
     pub(crate) emission: Vec3,
 }
 
-/// A point of a triangle or ball: what is needed to look up its textures.
+/// A point of a triangle or sphere, with the data for looking up its textures.
 struct Patch<'a> {
     mesh: Option<&'a Mesh>,
     /// The triangle's vertices.
     vertices: [u32; 3],
-    /// How much the point has of the second and third.
+    /// The barycentric weights of the second and third vertex; of a sphere its coordinates in turns and half turns.
     weights: [f32; 2],
-    /// What these change by with the place; of a ball its coordinates in turns and half turns.
+    /// The gradients of the weights over the surface.
     gradients: [Vec3; 2],
     /// Sides of the pixel on the surface.
     sides: [Vec3; 2],
 }
 
 impl World<'_> {
-    /// What the surface at a point, which a ray from the eye has `found`, makes of it; its normal is turned as the normal map says.
+    /// The look of a point that a ray from the eye has `found`; turns the normal as the normal map says.
     /// `beside` are the directions of rays through the ends of the sides of the pixel's part that the ray stands for.
     pub(crate) fn appearance(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &mut Receiver) -> Appearance {
         let object = &self.scene.objects[at.object as usize];
         let plain = Surface::default();
         let surface = self.scene.surface(object.material).unwrap_or(&plain);
         let patch = self.patch(eye, found, beside, at);
-        // Most textures share the first set of coordinates.
+        // Most textures use the first set of coordinates.
         let first = if surface.has_textures() { patch.place(0) } else { TexturePlace::default() };
         let place = |set: usize| if set == 0 { first } else { patch.place(set) };
         let color = patch.color();
@@ -143,7 +143,7 @@ impl Patch<'_> {
         Some(self.vertices.map(|i| uvs[i as usize]))
     }
 
-    /// What u and v of a set change by with the place.
+    /// The gradients of u and v of a set over the surface.
     fn changes(&self, set: usize) -> [Vec3; 2] {
         let [g1, g2] = self.gradients;
         match (self.corners(set), self.mesh) {
@@ -171,7 +171,7 @@ impl Patch<'_> {
         self.mix(&self.mesh?.colors)
     }
 
-    /// What vertices have, at the point; none where they have nothing.
+    /// The value of the vertices, interpolated at the point; `None` if they have none.
     fn mix(&self, of_vertices: &[Vec3]) -> Option<Vec3> {
         let [s, t] = self.weights;
         let value = |i: usize| of_vertices[self.vertices[i] as usize];
@@ -188,7 +188,7 @@ fn side(eye: Vec3, at: &Receiver, direction: Vec3) -> Vec3 {
     direction * along - to
 }
 
-/// Longitude in turns and, from the upper pole down, latitude in half turns, and what they change by.
+/// Longitude in turns and, from the upper pole down, latitude in half turns, with their gradients.
 fn on_ball(ball: Sphere, position: Vec3) -> ([f32; 2], [Vec3; 2]) {
     let d = position - ball.center;
     let across = d.x.hypot(d.z).max(1e-6 * ball.radius);

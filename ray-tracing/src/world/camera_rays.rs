@@ -16,7 +16,7 @@ pub(crate) struct Rays {
     corner: Vec3,
     right: Vec3,
     down: Vec3,
-    /// What a direction's products with these, over that with `forward`, are in pixels from the middle.
+    /// A direction's product with this, over its product with `forward`, is its column in pixels from the middle; `to_row` likewise.
     pub(super) to_column: Vec3,
     pub(super) to_row: Vec3,
     pub(super) middle: Vec2,

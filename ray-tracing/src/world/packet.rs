@@ -11,7 +11,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 
 /// No primitive.
 pub(crate) const NOTHING: u32 = u32::MAX;
-/// Set in the number of a ball.
+/// Set in the number of a sphere.
 pub(crate) const BALL: u32 = 1 << 31;
 
 /// The most by which rounding makes a triangle larger, in barycentric units: edge-on ones would have no end.
@@ -22,7 +22,7 @@ type Rows = [Row; SIDE];
 /// A ray through each pixel of a tile, and the nearest that each has met.
 pub(crate) struct RayPacket<'r> {
     rays: &'r Rays,
-    /// Where the first ray passes the image.
+    /// The position of the first ray in the image.
     first: Vec2,
     directions: [Rows; 3],
     /// Inner normals of four planes through the eye that hold all rays between them.
@@ -76,7 +76,7 @@ impl<'r> RayPacket<'r> {
         Self { rays, first, directions, sides, nearest, found: [[NOTHING; SIDE]; SIDE], far: f32::INFINITY }
     }
 
-    /// What each ray has met.
+    /// The hit of each ray.
     pub(crate) fn found(&self) -> &[[u32; SIDE]; SIDE] {
         &self.found
     }
@@ -221,7 +221,7 @@ impl<'r> RayPacket<'r> {
         self.update_far();
     }
 
-    /// The rows in which a ball is seen.
+    /// The rows in which a sphere is seen.
     #[inline(always)]
     fn rows_of(&self, to: Vec3, radius: f32) -> core::ops::Range<usize> {
         let pixels = self.rays.to_row.length();

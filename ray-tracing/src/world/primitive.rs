@@ -1,4 +1,4 @@
-//! Triangles and balls, and where rays meet them.
+//! Triangles and spheres, and where rays meet them.
 
 use glam::{DVec3, Vec3, Vec3A};
 use lobe_core::Sphere;
@@ -16,8 +16,8 @@ pub(crate) struct Corners {
     pub(super) visible: bool,
 }
 
-/// How far outside a triangle, in barycentric units, a ray still hits: closes the cracks that rounding leaves along
-/// shared edges.
+/// The distance outside a triangle, in barycentric units, at which a ray still hits: this closes the cracks that rounding leaves
+/// along common edges.
 pub(super) const EDGE: f32 = 1e-6;
 
 /// Relative error of a distance to a triangle in f32: over the start's distance from the corner and the slant, which is
@@ -117,7 +117,7 @@ impl Ball {
         let to = self.sphere.center.as_dvec3() - Vec3::from(ray.origin).as_dvec3();
         let (direction, radius) = (Vec3::from(ray.direction).as_dvec3(), f64::from(self.sphere.radius));
         let along = to.dot(direction);
-        // Its sign is that of the nearer distance where the ball is ahead.
+        // Its sign is that of the nearer distance where the sphere is ahead.
         let off = to.length_squared() - radius * radius;
         let half_sq = along * along - off * direction.length_squared();
         if half_sq < 0.0 {
@@ -129,7 +129,7 @@ impl Ball {
         met.fold(f64::INFINITY, f64::min) as f32
     }
 
-    /// The point on the ball nearest to that on a ray, and the normal there on the ray's side: in f64, then rounded.
+    /// The point on the sphere nearest to that on a ray, and the normal there on the ray's side: in f64, then rounded.
     pub(super) fn surface(&self, origin: Vec3, direction: Vec3, t: f32) -> (Vec3, Vec3) {
         let center = self.sphere.center.as_dvec3();
         let near = origin.as_dvec3() + direction.as_dvec3() * f64::from(t);
@@ -154,7 +154,7 @@ impl Boundable for Ball {
     }
 }
 
-/// What tells that two primitives are the same one of the same object.
+/// Identifies a primitive by its object and number.
 pub(crate) trait Named {
     fn name(&self) -> (u32, u32);
 }

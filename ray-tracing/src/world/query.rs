@@ -1,4 +1,4 @@
-//! Which primitives a whole packet of rays may meet.
+//! Queries for the primitives that a whole packet of rays may meet.
 
 use super::World;
 use super::primitive::{Ball, Corners, Named};
@@ -8,7 +8,7 @@ use lobe_core::{Cone, Shaft};
 use obvhs::aabb::Aabb;
 use obvhs::ray::Ray;
 
-/// One triangle or ball of a [`World`]; valid for that world only.
+/// One triangle or sphere of a [`World`]; valid for that world only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Primitive {
     /// By its place in the hierarchy.
@@ -17,8 +17,8 @@ pub enum Primitive {
     Ball(u32),
 }
 
-/// How far above the plane of a receiver's face a shape may seem to be by rounding, over its distance: a large triangle
-/// is not to shade the points on it. What it hides that rises less is a sliver of 3e-7 radians.
+/// The height above the plane of a receiver's face that rounding may give a shape, over its distance: a large triangle
+/// must not shade the points on it. A shape that rises less hides a sliver of 3e-7 radians.
 const BLUR: f32 = 3e-7;
 
 /// All rays from a point into a cone, up to a light there.
@@ -40,7 +40,7 @@ impl Region {
     #[must_use]
     pub fn new(origin: Vec3, cone: &Cone, face: Option<Vec3>) -> Self {
         let (sin_sq, cos) = (cone.sin_sq(), cone.cos());
-        // Where the tangents touch: d cos²θ along the axis, and all of the near surface is nearer.
+        // The tangents touch d cos²θ along the axis, and all of the near surface is nearer.
         let far = cone.distance * cos * cos;
         Self {
             origin: origin.into(),
@@ -66,7 +66,7 @@ impl Region {
     /// Normal of the cone's tangent plane on the side of a point, turned to the cone; `None` on the axis.
     #[inline]
     fn tangent(&self, point: Vec3A) -> Option<Vec3A> {
-        // Twice, since what is left of a point near the axis would lie anywhere.
+        // Done twice, because for a point near the axis rounding leaves the first difference in any direction.
         let aside = point - self.axis * point.dot(self.axis);
         let aside = aside - self.axis * aside.dot(self.axis);
         let length = aside.length();
@@ -112,7 +112,7 @@ impl Region {
     }
 }
 
-/// Rays may start so much beside the receivers, as a part of the radius of a ball around these, and ends are rounded by it.
+/// Rays may start this far from the receivers, as a fraction of the radius of a sphere around them; their ends are rounded by the same.
 const SLACK: f32 = 1e-5;
 
 /// A shaft's hull, as boxes are compared with it.

@@ -17,7 +17,7 @@ impl Rng {
     }
 }
 
-/// Small triangles and balls all over a box.
+/// Small triangles and spheres all over a box.
 fn soup(rng: &mut Rng) -> Scene {
     let mut scene = floor_and_ball();
     let mut positions = Vec::new();
@@ -44,7 +44,7 @@ fn bend(scene: &mut Scene, by: f32) {
 }
 
 /// Through twenty poses, with and without need for a new hierarchy, and a triangle that loses its area for a while: rays
-/// meet what they meet in a world made anew.
+/// have the hits of a world made anew.
 #[test]
 fn a_refitted_world_is_the_new_one() {
     let mut rng = Rng(3);

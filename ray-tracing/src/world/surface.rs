@@ -1,4 +1,4 @@
-//! What surfaces are like where rays meet them, eight at once.
+//! The surfaces at the hits of rays, eight at once.
 
 use super::World;
 use super::camera_rays::{Row, SIDE};
@@ -14,7 +14,7 @@ type DVec3x8 = [[f64; SIDE]; 3];
 /// Eight rays from the eye that have met something.
 #[derive(Debug, Default)]
 pub(crate) struct RayHits {
-    /// What each has met; [`NOTHING`] where there is none.
+    /// The primitive that each has met, or [`NOTHING`].
     pub(crate) found: [u32; SIDE],
     pub(crate) directions: [Row; 3],
 }
@@ -50,7 +50,7 @@ fn normalize_or_zero(v: &mut DVec3x8, l: usize) {
 
 impl World<'_> {
     /// Writes the receivers for as many of the eight rays as `out` is long, as near to the surface as an f32 point can be: in
-    /// f64 from barycentric coordinates or on the ball, then rounded. Normals are on the rays' side.
+    /// f64 from barycentric coordinates or on the sphere, then rounded. Normals are on the rays' side.
     pub(crate) fn surfaces(&self, level: Level, eye: Vec3, rays: &RayHits, out: &mut [Receiver]) {
         dispatch!(level, _simd => self.surfaces_simd(eye, rays, out));
     }
@@ -133,7 +133,7 @@ impl World<'_> {
                 (position, normal) = ball.surface(eye, direction, t);
                 (face, object) = (normal, ball.object);
             }
-            // The view from the rounded position, not the ray's: consistent with what shading sees.
+            // The view is from the rounded position, not the ray's, so that it is consistent with shading.
             let view = (eye - position).try_normalize().unwrap_or(-direction);
             *out = Receiver { position, normal, face, view, object };
         }

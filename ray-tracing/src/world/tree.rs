@@ -44,8 +44,8 @@ impl<T: Copy + Boundable> Tree<T> {
         tree
     }
 
-    /// The old hierarchy around primitives that have moved; none where there is no old one, where these are others, and
-    /// where a new one would be much better.
+    /// The old hierarchy around primitives that have moved; `None` without an old one, if the primitives are others, or
+    /// if a new one would be much better.
     pub(super) fn refitted(old: Option<Self>, primitives: &[T], scale: f32) -> Option<Self>
     where
         T: Named,

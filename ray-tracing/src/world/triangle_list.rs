@@ -19,7 +19,7 @@ struct Block {
     e2: Rows,
 }
 
-/// Some triangles of a [`World`], for rays that are asked one by one; valid for that world only.
+/// Some triangles of a [`World`], for single rays; valid for that world only.
 #[derive(Clone, Debug, Default)]
 pub struct TriangleList {
     blocks: Vec<Block>,
@@ -68,7 +68,7 @@ impl TriangleList {
 
     /// The lanes of a block whose triangles a ray meets, as far as f32 says, and those where it cannot.
     ///
-    /// Bit for bit what [`Corners::meet`] computes.
+    /// The bits are those of [`Corners::meet`].
     #[inline(always)]
     fn meet<S: Simd>(simd: S, block: &Block, ray: &Ray) -> [u32; 2] {
         let (v0, e1, e2) = (lanes(simd, &block.v0), lanes(simd, &block.e1), lanes(simd, &block.e2));

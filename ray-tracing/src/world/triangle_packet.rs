@@ -28,7 +28,7 @@ pub(super) struct TrianglePacket {
     pub(super) v: [Row; 3],
     /// The distance times the determinant.
     pub(super) height: Row,
-    /// What rounding may change of the barycentric coordinates times the determinant.
+    /// Bound of the rounding error of the barycentric coordinates times the determinant.
     pub(super) blur: Row,
     /// First row in which each may be seen, and one past the last.
     pub(super) rows: [[u32; SIDE]; 2],
@@ -63,7 +63,7 @@ impl TrianglePacket {
                 (dot(f, e2) - fs, dot(right, e2) - xs, dot(down, e2) - ys),
             ];
             for (w, x, y) in corners {
-                // Pixels would be too many to tell beyond: then all rows are tested.
+                // Larger pixel numbers lose precision: then all rows are tested.
                 before &= w * 1e5 > x.abs() + y.abs();
                 let inverse = 1.0 / w;
                 let (x, y) = (x * inverse + offset.x, y * inverse + offset.y);

@@ -41,7 +41,7 @@ impl<'m> Reflectance<'m> {
         Self { at, kind }
     }
 
-    /// Adds what the ones of eight directions reflect whose bits are set.
+    /// Adds the reflection of those of eight directions whose bits are set.
     #[inline(always)]
     pub(super) fn add<S: Simd>(&self, v: Vec3x8<S>, counted: u64, sum: &mut Sum<S>) {
         match self.kind {
@@ -73,7 +73,7 @@ impl<'m> Reflectance<'m> {
     }
 }
 
-/// What [`Reflectance::add`] adds up.
+/// The sums of [`Reflectance::add`].
 #[derive(Clone, Copy)]
 pub(super) struct Sum<S: Simd> {
     diffuse: f32x8<S>,

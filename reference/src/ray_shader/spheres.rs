@@ -8,7 +8,7 @@ use ray_tracing::SphereHierarchy;
 use ray_tracing::vec3x8::{LANES, Vec3x8};
 use scene::BlockerSet;
 
-/// How receivers of its own object see a blocker.
+/// A blocker as receivers of its own object see it.
 #[derive(Clone, Copy, Debug)]
 struct Blocker {
     /// Of receivers inside it, from its centre.
@@ -103,7 +103,7 @@ pub(super) struct SpherePacket {
     object: [u32; LANES],
 }
 
-/// What hides some of one light from one receiver.
+/// The spheres that hide some of one light from one receiver.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seen {
     /// Unit direction and squared chord: all unit vectors nearer than the chord are hidden.
@@ -176,7 +176,7 @@ impl Seen {
         }
     }
 
-    /// Which of eight directions are hidden up to their distances.
+    /// The mask of those of eight directions that are hidden up to their distances.
     #[inline(always)]
     pub(super) fn hide<S: Simd>(&self, v: Vec3x8<S>, distance: f32x8<S>) -> mask32x8<S> {
         let simd = distance.token();

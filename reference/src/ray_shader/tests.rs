@@ -9,7 +9,7 @@ use ray_tracing::GBuffer;
 use scene::{Object, Scene};
 use test_scenes::floor_and_ball;
 
-/// Two more balls that overlap, and glossy materials of both kinds.
+/// Two more spheres that overlap, and glossy materials of both kinds.
 fn busy() -> Scene {
     let mut scene = floor_and_ball();
     let (kd, ks) = (Vec3::splat(0.3), Vec3::splat(0.4));

@@ -124,7 +124,7 @@ impl Reference<'_> {
         to.inner.write_all(&sum.to_le_bytes())
     }
 
-    /// Goes on from what [`save`](Self::save) wrote for the same job; the result is the same as without interruption.
+    /// Resumes from the output of [`save`](Self::save) for the same job; the result is the same as without interruption.
     ///
     /// # Errors
     /// When it cannot be read, is damaged or belongs to another job; nothing is changed then.
@@ -172,7 +172,7 @@ fn read_long(from: &mut impl Read) -> Result<u64, CheckpointError> {
     Ok(u64::from_le_bytes(bytes))
 }
 
-/// A stream and the checksum of what went through it.
+/// A stream, with the checksum of the bytes that went through it.
 struct Summed<T> {
     inner: T,
     sum: crc32fast::Hasher,

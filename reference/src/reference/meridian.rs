@@ -47,7 +47,7 @@ pub(crate) struct Meridian {
 }
 
 impl Meridian {
-    /// Collects what the caps hide at the azimuth.
+    /// Collects the intervals that the caps hide at the azimuth.
     pub(crate) fn set<'c>(&mut self, cone: &LightCone, caps: impl Iterator<Item = &'c Cap>, azimuth: f64) {
         let (sin, cos) = azimuth.sin_cos();
         self.hidden.clear();

@@ -1,4 +1,4 @@
-//! Which blockers matter to a tile and to a point, and whether a ray meets one.
+//! The blockers of a tile and of a point, and whether a ray meets one.
 
 use super::meridian::Cap;
 use crate::cone::LightCone;
@@ -23,7 +23,7 @@ pub(crate) struct Occluders {
     list: Vec<Occluder>,
     caps: Vec<Cap>,
     all: bool,
-    /// The normal of the receiver's facet where its object has spheres: they stand for a mesh, and that hides what is below.
+    /// The normal of the receiver's facet where its object has spheres: they replace a mesh, which hides the directions below the facet.
     facet: Option<DVec3>,
 }
 
@@ -150,7 +150,7 @@ mod tests {
         (*state >> 40) as f32 / (1 << 24) as f32
     }
 
-    /// Culling per tile and per point never changes what a ray meets: against a search through all spheres, with
+    /// Culling per tile and per point never changes the hits of a ray: against a search through all spheres, with
     /// receivers inside spheres, own spheres, spheres in and behind the light.
     #[test]
     fn culling_is_exact() {

@@ -1,4 +1,4 @@
-//! The reference against integrals that are known, or computed by quadrature that shares nothing with it.
+//! The reference against integrals that are known, or computed by independent quadrature.
 
 use super::*;
 use crate::test_blockers::blockers;
@@ -36,8 +36,8 @@ fn empty(light: SphereLight, material: Material) -> Scene {
     Scene { objects: Vec::new(), lights: vec![light.into()], materials: vec![material], ..floor_and_ball() }
 }
 
-/// Lambert irradiance of a ball above the horizon is π·sin²σ·cos β; half below the horizon, at β = 90°, it is
-/// asin s − s·√(1 − s²), s = sin σ (the limit of the closed form for a cut ball, here also ∫ over the half disc).
+/// Lambert irradiance of a sphere above the horizon is π·sin²σ·cos β; half below the horizon, at β = 90°, it is
+/// asin s − s·√(1 − s²), s = sin σ (the limit of the closed form for a cut sphere, here also ∫ over the half disc).
 #[test]
 fn lambert_closed_forms() {
     let unit = |radius: f32, center: Vec3| SphereLight::new(Sphere { center, radius }, Vec3::splat(2.0));
@@ -72,7 +72,7 @@ fn setting_lights() {
         let light = SphereLight::new(Sphere { center, radius: s as f32 }, Vec3::ONE);
         let g = points(vec![at(Vec3::ZERO, Vec3::Y, Vec3::Y)]);
         let e = run(&empty(light, material()), &g, Geometry::Spheres, 1024);
-        // What f32 made of the depth.
+        // The depth after rounding to f32.
         let c = -f64::from(center.y).atan2(f64::from(center.x)) / f64::from(light.ball.radius).asin();
         let n = 100_000;
         let segment: f64 = (0..n)
@@ -97,7 +97,7 @@ fn phong_oracle(exponent: f64, tilt: f64, half_angle: f64) -> f64 {
     (0..n)
         .map(|i| {
             let theta: f64 = (f64::from(i) + 0.5) / f64::from(n) * end;
-            // Share of the circle θ inside the cap: spherical law of cosines.
+            // The part of the circle θ inside the cap: spherical law of cosines.
             let cos_phi = (half_angle.cos() - tilt.cos() * theta.cos()) / (tilt.sin() * theta.sin());
             let phi = 2.0 * cos_phi.clamp(-1.0, 1.0).acos();
             (exponent + 2.0) / (2.0 * PI) * theta.cos().powf(exponent + 1.0) * phi * theta.sin()
@@ -122,11 +122,11 @@ fn glossy_reflections_of_any_light() {
                 let scene = empty(SphereLight::new(ball, Vec3::ONE), m.into());
                 let e = run(&scene, &points(vec![at(Vec3::ZERO, Vec3::Y, Vec3::Y)]), Geometry::None, 4096);
                 let expected = phong_oracle(f64::from(exponent), tilt, sigma);
-                // As a fraction of the highlight at the light's middle, what errors are measured by.
+                // Errors are fractions of the highlight at the light's middle.
                 let peak = phong_oracle(f64::from(exponent), 1e-9, sigma);
                 let error = (f64::from(e.radiance[0].x) - expected).abs() / peak;
                 worst = worst.max(error);
-                // Where a narrow lobe straddles the light's edge the error is that of an indicator function.
+                // A narrow lobe across the light's edge has the error of an indicator function.
                 assert!(
                     error < if exponent * one_minus_cos > 100.0 { 2.5e-3 } else { 1e-3 },
                     "e {exponent}, σ {degrees}°, tilt {tilt}: {error:e}, stated {}",
@@ -138,7 +138,7 @@ fn glossy_reflections_of_any_light() {
     eprintln!("worst error at 4096 samples, fraction of the highlight: {worst:e}");
 }
 
-/// The visible part of a small light behind a ball is, seen in the plane, a disc less a disc: its area in closed form.
+/// The visible part of a small light behind a sphere is, seen in the plane, a disc less a disc: its area in closed form.
 /// The reference is within 0.03 % of it all through the penumbra.
 #[test]
 fn penumbra_of_a_small_light() {
@@ -163,7 +163,7 @@ fn penumbra_of_a_small_light() {
         let e = run(&scene, &g, Geometry::Spheres, 4096);
         let mesh = run(&scene, &g, Geometry::Mesh, 4096);
         let fraction = f64::from(e.radiance[0].x) / f64::from(e.unshadowed[0].x);
-        // The true ball is met by rays: their error at an edge through 8 × 512 stratified points is about 0.1 %.
+        // The true sphere is met by rays: their error at an edge through 8 × 512 stratified points is about 0.1 %.
         let by_rays = f64::from(mesh.radiance[0].x / mesh.unshadowed[0].x) - fraction;
         assert!(by_rays.abs() < 6e-3, "{by_rays:e}");
         rays += by_rays.abs() / f64::from(steps);
@@ -202,7 +202,7 @@ fn limits_are_exact() {
     }
 }
 
-/// A receiver on a ball is not shadowed by that ball's own proxy where τ forbids it, and the true ball never shadows
+/// A receiver on a sphere is not shadowed by that sphere's own proxy where τ forbids it, and the true sphere never shadows
 /// itself above its horizon.
 #[test]
 fn own_skin_stays_lit() {

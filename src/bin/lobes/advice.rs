@@ -1,4 +1,4 @@
-//! Which strategy suits an object, and why.
+//! Advice: the strategy that suits an object, and the reason.
 
 use crate::console::counted;
 use cosine_lobes::lobe_core::LightLobes;
@@ -13,14 +13,14 @@ pub(crate) struct Advice {
     pub(crate) reason: String,
 }
 
-/// Thinner solids, as a share of their diagonal, take many spheres: 2V/A over the diagonal is 0.19 for a ball, 0.11 for
+/// Thinner solids need many spheres. The thickness is 2V/A over the diagonal: 0.19 for a sphere, 0.11 for
 /// the Stanford bunny, 0.05 for the armadillo, 0.01 for a fence.
 const THIN: f64 = 0.04;
 /// Counts and sizes of a mesh.
 struct MeshFacts {
-    /// Share of the edges that only one triangle has.
+    /// Fraction of the edges that only one triangle has.
     open: f64,
-    /// Share of the edges whose two triangles wind against each other.
+    /// Fraction of the edges whose two triangles wind against each other.
     twisted: f64,
     /// 2V/A, the thickness of a slab of the same volume and area.
     thickness: f64,
@@ -67,7 +67,7 @@ impl MeshFacts {
     }
 }
 
-/// Whether all triangles are in one plane, to a ten-thousandth of their diagonal. Ends at the first that is not.
+/// Whether all triangles are in one plane, to a ten-thousandth of their diagonal. Stops at the first triangle outside it.
 fn is_flat(mesh: &Mesh) -> bool {
     let bounds = mesh.bounds();
     let slack = 1e-4 * f64::from((bounds.max - bounds.min).length());
@@ -81,8 +81,8 @@ fn is_flat(mesh: &Mesh) -> bool {
     plane.is_some_and(|(a, n)| mesh.triangles.iter().flatten().all(|i| n.dot(corner(*i) - a).abs() <= slack))
 }
 
-/// What suits an object of a scene; `set` is how well its sphere set stands for it, where it is known: a bad one is a
-/// reason against spheres, a good one none for them.
+/// Advice for an object of a scene. `set` is the quality of its sphere set, where known: a bad one speaks
+/// against spheres, a good one does not speak for them.
 pub(crate) fn advise(scene: &Scene, animation: &Animation, number: usize, set: Option<&SetQuality>) -> Advice {
     let object = &scene.objects[number];
     let advice = |strategy, reason: String| Advice { strategy, reason };
@@ -131,17 +131,17 @@ fn about_spheres(mesh: &Mesh) -> String {
     }
 }
 
-/// Whether nobody gave an object a shadow: neither a proxy nor a strategy that needs none.
+/// Whether an object casts no shadow in the scene file: it has neither a proxy nor a strategy that needs none.
 fn casts_nothing(object: &Object) -> bool {
     object.strategy.map_or(object.proxy == Proxy::None, |s| s == Strategy::None)
 }
 
-/// Whether camera, lights, and the boxes of all other objects are in front of every triangle of an object, and the object
-/// itself bends that way only: a floor, a wall, a cove, the inside of a room. What casts a shadow and moves, or stands in
-/// a scene where something does, is none.
+/// Whether an object is a backdrop: a floor, a wall, a cove, the inside of a room. Camera, lights and the boxes of all other
+/// objects must be in front of each of its triangles, and the object must bend toward that side only. An object that casts a
+/// shadow is no backdrop if anything in the scene moves.
 ///
-/// Where the object casts nothing already, only the boxes of what casts shadows count: a floor that reaches behind a wall
-/// was not meant to be darkened by it.
+/// For an object that casts nothing already, only the boxes of casting objects count: a floor that reaches behind a wall
+/// need not receive the wall's shadow there.
 fn is_backdrop(scene: &Scene, animation: &Animation, number: usize, mesh: &Mesh) -> bool {
     let silent = casts_nothing(&scene.objects[number]);
     if animation.rig(number).is_some() || !(silent || animation.is_still()) {

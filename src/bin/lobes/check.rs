@@ -19,16 +19,16 @@ use std::collections::HashMap;
 const POINT_BYTES: usize = 2 * (size_of::<Receiver>() + 2 * size_of::<u32>() + size_of::<f32>());
 /// Bytes of a pixel: radiance, and three bytes of a PNG file.
 const PIXEL_BYTES: usize = size_of::<Vec3>() + 3;
-/// Bytes of a triangle with its share of the hierarchy, measured on the armadillo.
+/// Bytes of a triangle with its part of the hierarchy, measured on the armadillo.
 const TRIANGLE_BYTES: usize = 160;
 
-/// What an object requires.
+/// The requirements of an object.
 struct Requirement {
-    /// What it takes now, when `render` is told nothing else.
+    /// Its strategy when `render` has no `--visibility`.
     strategy: Strategy,
-    /// Blocker spheres: at most so many when they are still to be built.
+    /// Blocker spheres; an upper bound if they are still to be built.
     spheres: usize,
-    /// How well they stand for it, where they are there already.
+    /// The quality of its sphere set, if that exists already.
     quality: Option<SetQuality>,
     advice: Advice,
 }
@@ -90,7 +90,7 @@ fn requirement(scene: &Scene, animation: &Animation, plan: &Plan, number: usize)
     Ok(Requirement { strategy: plan.of(number), spheres, advice, quality })
 }
 
-/// How many spheres stand for an object, and how well, where that is known.
+/// The number of spheres that stand for an object, and their quality where known.
 fn spheres(object: &Object) -> Result<(usize, Option<SetQuality>), BlockersError> {
     match (&object.proxy, &object.shape) {
         (Proxy::None, _) => Ok((0, None)),
@@ -183,7 +183,7 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
     for (i, m) in scene.materials.iter().enumerate() {
         say(format_args!("material   {i}: {}", describe_material(m, scene.surface(i))));
     }
-    // Objects of which the same is to be told share their lines, at the first one's place.
+    // Objects with the same text share their lines, at the first one's place.
     let mut told: Vec<(String, Vec<&str>)> = Vec::new();
     let mut places: HashMap<String, usize> = HashMap::new();
     for (o, needs) in scene.objects.iter().zip(objects) {
@@ -225,7 +225,7 @@ fn describe_material(material: &Material, surface: Option<&Surface>) -> String {
     text
 }
 
-/// How far a material's lobes are from the material, where they are not the same.
+/// The residual of a material's lobes; empty where the lobes are the material.
 fn residuals(material: &Material) -> String {
     const EXACT: f64 = 1e-3;
     let percent = |residual: f64| format!("{:.1} %", 100.0 * residual);
@@ -242,7 +242,7 @@ fn residuals(material: &Material) -> String {
     format!("\n           its lobes are {told} (root mean square over directions, views up to 75°)")
 }
 
-/// What there is to tell of an object but its name: one line, and the advice in one or two.
+/// The description of an object without its name: one line, and the advice in one or two.
 fn describe(o: &Object, needs: &Requirement, of_scene: bool) -> String {
     let shape = match &o.shape {
         Shape::Mesh(m) => counted(m.triangles.len(), "triangle"),
@@ -264,7 +264,7 @@ fn describe(o: &Object, needs: &Requirement, of_scene: bool) -> String {
     text
 }
 
-/// What an object blocks light with.
+/// How an object blocks light.
 fn blocks(o: &Object, needs: &Requirement) -> String {
     let spheres = needs.spheres;
     match (needs.strategy, &o.proxy, &o.shape) {

@@ -10,15 +10,15 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// How often a checkpoint is written, if that takes a twentieth of the time at most.
+/// Interval of checkpoints, if writing one takes a twentieth of the time at most.
 const EVERY: Duration = Duration::from_secs(4);
 const SHARE: u32 = 20;
 
-/// Goes on from the checkpoint, if there is one for this job; true when so. One that is damaged or of another picture is told of
-/// and replaced later.
+/// Resumes from the checkpoint and returns true, if it belongs to this job. A damaged one, or one of another picture, gives a
+/// note and is replaced later.
 ///
 /// # Errors
-/// When there is one that cannot be read.
+/// When a checkpoint exists and cannot be read.
 pub(crate) fn resume(reference: &mut Reference<'_>, path: &Path, quiet: bool) -> Result<bool, Failure> {
     let Ok(file) = File::open(path) else { return Ok(false) };
     let fault = match reference.restore(BufReader::new(file)) {

@@ -1,4 +1,4 @@
-//! What is said to the user, and what the user says by Ctrl-C.
+//! Output to the user, and Ctrl-C.
 
 use crate::failure::Failure;
 use cosine_lobes::remove_unfinished;
@@ -18,8 +18,8 @@ static GRACEFUL: AtomicBool = AtomicBool::new(false);
 /// True once Ctrl-C ends the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Waits for the end where Ctrl-C is bringing it about: what fails meanwhile, its files having been taken away, is not to be
-/// told.
+/// Waits for the end of the program once Ctrl-C has begun it. Its files are removed meanwhile, and errors that follow from this
+/// are not reported.
 pub(crate) fn give_way() {
     while ENDING.load(Ordering::SeqCst) {
         std::thread::park();
@@ -48,7 +48,7 @@ pub(crate) fn stoppable<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// What first went wrong on standard output.
+/// The first error on standard output.
 static UNSAID: Mutex<Option<io::Error>> = Mutex::new(None);
 
 fn heard(result: io::Result<()>) {
@@ -57,12 +57,12 @@ fn heard(result: io::Result<()>) {
     }
 }
 
-/// Prints a line of the result. Whether it arrived is told by [`all_said`].
+/// Prints a line of the result. [`all_said`] reports whether it arrived.
 pub(crate) fn say(text: impl Display) {
     heard(writeln!(io::stdout(), "{text}"));
 }
 
-/// Whether standard output took all that was said. A reader that has gone away, as `head` does, is no error.
+/// Whether standard output took all lines. A reader that has gone away, as `head` does, is no error.
 pub(crate) fn all_said() -> Result<(), Failure> {
     heard(io::stdout().flush());
     match UNSAID.lock().unwrap_or_else(PoisonError::into_inner).take() {
@@ -78,7 +78,7 @@ pub(crate) fn counted(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
-/// Names in quotation marks, one that follows itself once; of more than four the first three and how many more.
+/// Names in quotation marks without adjacent repetitions; of more than four the first three and the number of the rest.
 pub(crate) fn listed(names: &[impl AsRef<str>]) -> String {
     let mut shown: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
     shown.dedup();
@@ -97,7 +97,7 @@ pub(crate) fn note(text: impl Display) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// A progress bar; invisible when `quiet` or when nobody is at the terminal.
+/// A progress bar; invisible when `quiet` or without a terminal.
 pub(crate) fn progress(what: &str, length: u64, quiet: bool) -> ProgressBar {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(length), target);
@@ -111,7 +111,7 @@ pub(crate) fn progress(what: &str, length: u64, quiet: bool) -> ProgressBar {
 /// From one line of a fit to the next, where no bar is seen.
 const LINES: Duration = Duration::from_secs(5);
 
-/// A fit of seconds: a bar at a terminal, else a line every few seconds and one at its end, so that a log tells what takes so long.
+/// A fit of seconds: a bar at a terminal, else a line every few seconds and one at its end, so that a log shows the slow fits.
 pub(crate) struct Fit {
     what: String,
     bar: ProgressBar,
@@ -126,7 +126,7 @@ impl Fit {
         Self { what: what.to_owned(), bar: progress("spheres", 1000, quiet), quiet, start: now, told: now }
     }
 
-    /// How much is done, in [0, 1].
+    /// The finished fraction, in [0, 1].
     pub(crate) fn report(&mut self, done: f32) {
         self.bar.set_position((done * 1000.0) as u64);
         if self.bar.is_hidden() && !self.quiet && self.told.elapsed() >= LINES {

@@ -1,4 +1,4 @@
-//! Which device shades, and what is told of it.
+//! The choice of the device, and messages about it.
 
 use crate::args::{self, RenderArgs};
 use crate::console::note;
@@ -8,7 +8,7 @@ use cosine_lobes::renderer::{Backend, Device, RenderError, Renderer, Settings};
 use cosine_lobes::scene::{Animation, Scene};
 use std::time::Duration;
 
-/// A renderer on the device that is asked for. What a GPU lacks is refused, or left to the CPU where the choice is free.
+/// A renderer on the requested device. Features that a GPU lacks are refused, or left to the CPU where the choice is free.
 pub(crate) fn renderer(
     args: &RenderArgs,
     scene: Scene,
@@ -46,7 +46,7 @@ pub(crate) fn gpu(quiet: bool) -> Result<Backend, Failure> {
 
 fn explain(error: RenderError) -> Failure {
     match error {
-        // What wgpu tells of it is a list of all that it was built without.
+        // The message of wgpu lists everything that it was built without, so it is replaced.
         RenderError::Gpu(GpuError::NoAdapter { .. }) => Failure::new(
             "--device gpu: no GPU adapter; install a Vulkan driver (a software one: packages libvulkan1 and \
              mesa-vulkan-drivers), or take --device cpu",
@@ -67,10 +67,10 @@ fn watch_all(backend: &Backend, quiet: bool) {
     }
 }
 
-/// Kernels that compile for longer are told of.
+/// Kernels that compile for longer are reported.
 const LONG: Duration = Duration::from_secs(10);
 
-/// Tells of kernels that take the driver long, from a thread of its own: whoever shades waits for the driver meanwhile.
+/// Reports kernels that take the driver long, from a thread of its own, because the shading thread waits for the driver meanwhile.
 fn watch(log: KernelLog) {
     let mut slow = Vec::new();
     let look = move || {
@@ -81,11 +81,11 @@ fn watch(log: KernelLog) {
             }
         }
     };
-    // Without a thread nothing is told.
+    // Without a thread there are no reports.
     let _ = std::thread::Builder::new().name("kernels".to_owned()).spawn(look);
 }
 
-/// A line for each kernel that has become slow, and one when it is done; `slow` are those that were told of and are not done.
+/// A line for each kernel that has become slow, and one when it is done; `slow` lists the reported kernels that are not done.
 fn news(slow: &mut Vec<String>, compiling: &[CompiledKernel], compiled: &[CompiledKernel]) -> Vec<String> {
     let mut lines = Vec::new();
     slow.retain(|name| {

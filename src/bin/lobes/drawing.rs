@@ -1,11 +1,11 @@
-//! What plots and sheets of pictures share.
+//! Colours and fonts for plots and sheets of pictures.
 
 use crate::failure::Failure;
 use cosine_lobes::Picture;
 use glam::Vec3;
 use plotters::style::{FontStyle, RGBColor, register_font};
 
-/// One colour a curve; told apart by those who see no red or green as well (M. Okabe, K. Ito).
+/// One colour a curve; people who see no red or green can tell them apart as well (M. Okabe, K. Ito).
 pub(crate) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -16,7 +16,7 @@ pub(crate) const COLORS: [RGBColor; 7] = [
     RGBColor(120, 120, 120),
 ];
 
-/// Makes text drawable: no font of the system is asked.
+/// Makes text drawable without fonts of the system.
 pub(crate) fn font() -> Result<(), Failure> {
     register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT)
         .map_err(|_| Failure::new("the built-in font cannot be read"))

@@ -5,8 +5,8 @@ use crate::args::{Command, Device, TradeDevice};
 use std::ffi::OsString;
 use std::path::Path;
 
-/// Where a GPU is asked for and the environment lacks something, replaces the program by itself with that set: the same process, so
-/// that signals, exit code and files stay what they are. Where that fails the program goes on, only louder or slower.
+/// If a GPU is requested and the environment lacks a variable, replaces the program by itself with that variable set. It stays the same
+/// process, so signals, exit code and files are unchanged. If this fails the program goes on, only louder or slower.
 pub(crate) fn prepare(command: &Command) {
     let wants_gpu = match command {
         Command::Render(args) => args.device != Device::Cpu,
@@ -21,7 +21,7 @@ pub(crate) fn prepare(command: &Command) {
     }
 }
 
-/// What to set, in an environment in which `get` finds what there is.
+/// The variables to set, in an environment that `get` reads.
 fn lacking(get: impl Fn(&str) -> Option<OsString>, has_avx512: bool) -> Vec<(&'static str, &'static str)> {
     let mut lacking = Vec::new();
     let is_absolute = |name| get(name).is_some_and(|value| Path::new(&value).is_absolute());

@@ -19,12 +19,12 @@ fn format(path: &Path) -> Result<Format, Failure> {
     }
 }
 
-/// Whether a file of that name can have layers besides its picture.
+/// Whether a file with that ending can have layers besides its picture.
 pub(crate) fn holds_layers(path: &Path) -> bool {
     matches!(format(path), Ok(Format::Exr))
 }
 
-/// The file that a path means, by whatever way it is named; the path itself where there is no such folder.
+/// The file that a path means, however it is spelled; the path itself if its folder does not exist.
 fn identity(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let new = || Some(canonicalize(folder).ok()?.join(path.file_name()?));
@@ -86,7 +86,7 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// Opens all of them, with the line that they are to carry: what cannot be written is refused before anything is computed.
+    /// Opens all of them, with the line that they carry. A path that cannot be written is refused before anything is computed.
     pub(crate) fn create(paths: &[PathBuf], stamp: Option<&str>) -> Result<Self, Failure> {
         let formats: Vec<Format> = paths.iter().map(|p| format(p)).collect::<Result<_, _>>()?;
         let open = |(format, path): (Format, &PathBuf)| Ok((format, Output::create(path)?.stamped(stamp)));

@@ -1,7 +1,7 @@
 use std::fmt::{self, Debug, Write};
 use xxhash_rust::xxh3::Xxh3;
 
-/// A number that tells what it was fed with: the same for the same, wherever it runs.
+/// A hash of its input: the same for the same input, on every machine.
 pub(crate) struct Fingerprint(Xxh3);
 
 impl Fingerprint {

@@ -40,7 +40,7 @@ fn too_bright(number: usize, material: &Material) -> Option<String> {
         .then(|| format!("material {number} ({}) reflects {most:.2} times the light it gets", material.model_name()))
 }
 
-/// The scene of a view, with the size that was asked for.
+/// The scene of a view, with the requested size.
 pub(crate) fn view(args: &ViewArgs) -> Result<(Scene, Animation), Failure> {
     console::set_threads(args.threads)?;
     let (mut scene, animation) = load(args.file.as_deref(), args.clip.as_deref(), args.quiet)?;
@@ -64,7 +64,7 @@ pub(crate) fn make_spheres(
     Ok(scene_spheres(scene, animation, plan, cache.as_deref(), &mut |event| teller.hear(event))?)
 }
 
-/// Where sphere sets and the paper's table of earlier runs are: `cosine-lobes` in the user's folder of caches, whether or not it is there.
+/// The folder of kept sphere sets and the paper's table: `cosine-lobes` in the user's cache folder. It need not exist.
 pub(crate) fn cache_folder() -> Option<PathBuf> {
     Some(dirs::cache_dir()?.join("cosine-lobes"))
 }

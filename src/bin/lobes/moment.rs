@@ -1,4 +1,4 @@
-//! The moments of an animation that are asked for.
+//! The requested moments of an animation.
 
 use crate::args::ViewArgs;
 use crate::failure::Failure;
@@ -15,7 +15,7 @@ pub(crate) struct Moment {
 
 /// Number of the animation's last frame: the last one that is not after its end.
 pub(crate) fn last_frame(animation: &Animation, fps: f32) -> u32 {
-    // What rounding takes from a whole number of frames.
+    // Allows for rounding below a whole number of frames.
     (f64::from(animation.duration()) * f64::from(fps) + 1e-3) as u32
 }
 
@@ -57,10 +57,10 @@ pub(crate) fn sequence(args: &ViewArgs, ends: (u32, u32), animation: &Animation)
     Ok((ends.0..ends.1).map(|frame| Moment { frame: Some(frame), time: at(frame, fps) }).collect())
 }
 
-/// What is said of a scene without animation.
+/// The message for a scene without animation.
 const STILL: &str = "nothing moves in this scene, so its first moment, frame 0, is all there is";
 
-/// Which frames there are, in words, and how to ask for all of them.
+/// The frames of an animation, in words, and the option that renders all of them.
 pub(crate) fn frames(animation: &Animation, fps: f32) -> String {
     if animation.is_still() {
         return STILL.to_owned();

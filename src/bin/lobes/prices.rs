@@ -1,4 +1,4 @@
-//! What each strategy costs on a scene and how far its picture is from the exact one, measured in small.
+//! The cost of each strategy on a scene and its difference from the exact picture, measured on a small picture.
 
 use crate::args::{Visibility, name};
 use crate::console::say;
@@ -15,16 +15,16 @@ use serde_json::{Value, json};
 
 /// Pixels of the small picture, about.
 const PIXELS: f32 = 32_768.0;
-/// The tolerance that prices are for: that of pictures unless told otherwise.
+/// The tolerance of the prices: the default of pictures.
 const TOLERANCE: f32 = 0.005;
-/// What the exact picture is made with.
+/// The tolerance of the exact picture.
 const EXACT: f32 = 0.001;
 
 /// Each strategy as a whole scene may take it, and the scene's own mixture.
 const CHOICES: [Visibility; 5] =
     [Visibility::Scene, Visibility::Silhouettes, Visibility::Spheres, Visibility::ShadowMap, Visibility::Rays];
 
-/// One strategy's price, in seconds, and errors as shares of the unshadowed radiance.
+/// One strategy's price, in seconds, and errors as fractions of the unshadowed radiance.
 pub(crate) struct Price {
     /// Once: fitting spheres, building hierarchies of edges.
     prepare: f64,

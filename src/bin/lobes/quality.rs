@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use cosine_lobes::lobe_core::Accuracy;
 
-/// How good a picture is to be: points of the front that `lobes trade` measures.
+/// The quality of a picture: points of the front that `lobes trade` measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Quality {
     /// Tolerance 10 %, depth 2: to look around

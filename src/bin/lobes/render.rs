@@ -46,7 +46,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let line = stamp.as_ref().map(|stamp| stamp.at(moment.time));
         Files::create(&paths(moment), line.as_deref())
     };
-    // Before the long work: what cannot be written is refused at once.
+    // Outputs are opened before the long work, so that a path that cannot be written is refused at once.
     let mut opened = moments.first().map(open).transpose()?;
     let stats_file = args.stats.as_ref().map(Output::create).transpose()?;
 
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let mut stream = files.stream(window.clone(), exposure, &names)?;
         let stats = renderer.render_bands(&window, &mut |event| teller.hear(event), &mut |band| {
             let rows = Window { rows: band.rows.clone(), ..window.clone() };
-            // Why it has had enough is told when the stream is finished.
+            // The stream reports the reason when it is finished.
             match stream.send(part(rows, &band)) {
                 true => ControlFlow::Continue(()),
                 false => ControlFlow::Break(()),
@@ -98,7 +98,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The names of a picture's channels, with those of `--layers` for so many lights where it is given.
+/// The names of a picture's channels, with the channels of `--layers` for a number of lights.
 fn channels(lights: Option<usize>) -> Vec<String> {
     let layers = lights.map(|count| Layers { lights: vec![Vec::new(); count], ..Layers::default() });
     let nowhere = Window { image: [0, 0], columns: 0..0, rows: 0..0 };

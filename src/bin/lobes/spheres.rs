@@ -13,7 +13,7 @@ use std::time::Instant;
 
 /// Side of a panel of the preview in pixels.
 const PANEL: u32 = 512;
-/// Spheres where no number is asked for: enough for most meshes that suit spheres at all.
+/// The default number of spheres: enough for most meshes that suit spheres at all.
 const COUNT: usize = 64;
 
 /// All triangles of the file, at the first moment of its clip.
@@ -34,7 +34,7 @@ fn load(args: &SpheresArgs) -> Result<WholeMesh, Failure> {
     Ok(whole)
 }
 
-/// Overhang of a bound beyond which it has filled what is open, as a share of the diagonal: 0.03 for a lumpy ball with 64
+/// A bound with a larger overhang has filled an opening. As a fraction of the diagonal it is 0.03 for a lumpy sphere with 64
 /// spheres, 0.34 to 0.46 for a bowl.
 const OVERHANG: f32 = 0.1;
 
@@ -47,7 +47,7 @@ fn doubt(args: &SpheresArgs, options: &BuildOptions, quality: &SetQuality) -> Op
                 "its bound reaches {percent:.0} % of the diagonal out of it, since it is open or the spheres are few"
             )
         }
-        // As many spheres as the error takes that was asked for.
+        // The number of spheres follows from the requested error.
         _ if args.tolerance.is_some() => return None,
         Verdict::Suits => return None,
         Verdict::FewSpheres => format!("too few spheres ({}) for it, --count allows more", options.count),

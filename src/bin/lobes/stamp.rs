@@ -1,4 +1,4 @@
-//! What the pictures of a sequence are made from, as a line that their files carry.
+//! The origin of a sequence's pictures, as a line that their files carry.
 
 use crate::args::{Device, RenderArgs, ViewArgs};
 use crate::console::note;
@@ -7,15 +7,15 @@ use cosine_lobes::read_stamp;
 use cosine_lobes::scene::{Animation, Proxy, Scene};
 use std::path::PathBuf;
 
-/// All that decides the pictures of a sequence but the moment: the program's version, the options, what shades, the scene as it was
-/// loaded, what moves in it, and the sphere-set files that it names.
+/// Everything that decides the pictures of a sequence except the moment: the program's version, the options, the device, the loaded
+/// scene, its animation, and the sphere-set files that it names.
 pub(crate) struct Stamp {
     sequence: u64,
 }
 
 impl Stamp {
     pub(crate) fn new(args: &RenderArgs, device: &str, scene: &Scene, animation: &Animation) -> Self {
-        // Options that decide nothing, or that scene, animation and moment tell about.
+        // Options without effect on the pictures, or covered by scene, animation and moment.
         let view = ViewArgs {
             file: None,
             size: None,
@@ -51,7 +51,7 @@ impl Stamp {
         format!("{} {moment:016x}", env!("CARGO_PKG_VERSION"))
     }
 
-    /// Whether all of these files are the picture of that moment, whole; a line on stderr for each that is damaged.
+    /// Whether all of these files are complete and show that moment; a line on stderr for each damaged one.
     pub(crate) fn made(&self, files: &[PathBuf], time: f32, quiet: bool) -> bool {
         let line = self.at(time);
         let is = |file: &PathBuf| match read_stamp(file) {
@@ -63,7 +63,7 @@ impl Stamp {
                 false
             }
         };
-        // All of them, so that each is told.
+        // Reads all of them, so that each damaged one is reported.
         files.iter().filter(|file| is(file)).count() == files.len()
     }
 }

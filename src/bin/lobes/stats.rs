@@ -10,7 +10,7 @@ use cosine_lobes::scene::{Scene, ShadeStats};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// What was rendered.
+/// The results of a run.
 #[derive(Default)]
 pub(crate) struct Figures {
     /// Seconds of loading.
@@ -21,7 +21,7 @@ pub(crate) struct Figures {
     pub(crate) skipped: usize,
     /// Of PNG files.
     pub(crate) exposure: Option<f32>,
-    /// What shades.
+    /// The name of the device.
     pub(crate) device: String,
     /// Each kernel of a GPU, the slowest first.
     pub(crate) compiled: Vec<CompiledKernel>,

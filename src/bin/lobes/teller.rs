@@ -1,4 +1,4 @@
-//! What a renderer tells, as bars and lines for the user.
+//! The events of a renderer, as bars and lines for the user.
 
 use crate::console::{Fit, counted, note, progress};
 use cosine_lobes::renderer::{Coarser, Event};
@@ -9,10 +9,10 @@ use std::ops::ControlFlow;
 /// Tells the user.
 pub(crate) struct Teller {
     quiet: bool,
-    /// How many pictures come, and how many are done.
+    /// The number of pictures to come, and of those that are done.
     pictures: u64,
     done: u64,
-    /// The time budget that was asked for, in milliseconds.
+    /// The requested time budget, in milliseconds.
     budget: Option<f32>,
     fit: Option<(String, Fit)>,
     tables: Option<ProgressBar>,
@@ -24,7 +24,7 @@ impl Teller {
         Self { quiet, pictures: 1, done: 0, budget: None, fit: None, tables: None, shading: None }
     }
 
-    /// For so many pictures, and a time budget.
+    /// For a number of pictures, and a time budget.
     pub(crate) fn of_pictures(quiet: bool, pictures: usize, budget: Option<f32>) -> Self {
         Self { pictures: pictures as u64, budget, ..Self::new(quiet) }
     }

@@ -44,7 +44,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let failed = |e: std::io::Error| Failure::new(format_args!("{}: {e}", args.output.display()));
     std::fs::create_dir_all(&args.output).map_err(failed)?;
 
-    // What is by spheres differs from strategy to strategy: balls are, whatever meshes are by.
+    // The objects that block by spheres depend on the strategy: spheres always do, meshes only by some.
     let mut sets = Vec::new();
     let all = strategies.iter().copied().filter(|v| *v != Visibility::Spheres);
     for visibility in all {
@@ -82,7 +82,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
                 continue;
             }
             let shot = stage.shoot(setting)?;
-            // What was cut short is no row.
+            // A measurement that was cut short is no row.
             if STOP.load(Ordering::SeqCst) {
                 break;
             }
@@ -133,19 +133,19 @@ fn posed(
     Ok(set)
 }
 
-/// What the rows call the scene.
+/// The scene's name in the rows.
 fn scene_name(args: &TradeArgs) -> String {
     let stem = args.view.file.as_ref().and_then(|f| f.file_stem());
     stem.map_or_else(|| "builtin".to_owned(), |s| s.to_string_lossy().into_owned())
 }
 
-/// The strategies that are asked for, or all that see what the reference sees.
+/// The requested strategies, or all that block with the geometry of the reference.
 fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failure> {
     let blocks = |s: &&cosine_lobes::scene::Object| s.proxy != Proxy::None;
     let balls = scene.objects.iter().filter(blocks).all(|o| matches!(o.shape, Shape::Spheres(_)));
     let mut good = vec![Visibility::Spheres];
     if args.geometry == TradeGeometry::Mesh && Plan::new(Visibility::ShadowMap.strategy(), scene).wants_maps(scene) {
-        // What `render` takes, then each strategy for all objects.
+        // The mixture that `render` uses, then each strategy for all objects.
         good.insert(0, Visibility::Scene);
         good.extend([Visibility::ShadowMap, Visibility::Silhouettes]);
     }
@@ -168,7 +168,7 @@ fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failur
     }
 }
 
-/// What rows must agree in to stand in one table: scene, options and the program itself.
+/// Rows share a table if this agrees: scene, options and the program itself.
 fn stamp(args: &TradeArgs, scene: &Scene, blockers: &BlockerSet) -> String {
     let options = (args.view.samples, name(&args.geometry), args.reference_spp, args.repeat, args.map_resolution);
     let program = std::env::current_exe().and_then(std::fs::metadata).map(|m| (m.len(), m.modified().ok())).ok();

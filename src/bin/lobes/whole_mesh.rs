@@ -1,4 +1,4 @@
-//! All parts of a mesh file as one mesh, with what carries it.
+//! All parts of a mesh file as one mesh, with its joints and weights.
 
 use cosine_lobes::scene::{Animation, Object, Shape};
 use cosine_lobes::sphere_sets::Carriers;
@@ -57,7 +57,7 @@ impl WholeMesh {
         self.targets.iter_mut().for_each(|t| t.resize(self.joints.len(), Vec3::ZERO));
     }
 
-    /// What carries its points; nothing when it stands still, or has more joints than can be numbered.
+    /// The joints and weights of its points; `None` when it stands still, or has more joints than can be numbered.
     pub(crate) fn carriers(&self) -> Option<Carriers<'_>> {
         (self.moves && self.rest_joints.len() <= usize::from(u16::MAX)).then_some(Carriers {
             joints: &self.joints,

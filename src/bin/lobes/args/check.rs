@@ -15,8 +15,8 @@ pub(crate) struct CheckArgs {
     #[arg(long, value_name = "CLIP", requires = "file")]
     pub(crate) clip: Option<String>,
 
-    /// Measure what each strategy costs on this scene, and how far its picture is from the exact one. Fits spheres that are not
-    /// there yet, and keeps them
+    /// Measure the cost of each strategy on this scene, and the difference of its picture from the exact one. Fits spheres that
+    /// do not exist yet, and keeps them
     #[arg(long)]
     pub(crate) prices: bool,
 

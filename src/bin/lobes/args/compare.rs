@@ -32,7 +32,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "PNG")]
     pub(crate) diff: Option<PathBuf>,
 
-    /// The difference that has full colour in --diff; when left out, what 99 % of the pixels that differ stay below
+    /// The difference that has full colour in --diff; when left out, the 99th percentile of the pixels that differ
     #[arg(long, value_name = "D", value_parser = positive)]
     pub(crate) diff_scale: Option<f32>,
 

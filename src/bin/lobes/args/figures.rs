@@ -2,12 +2,12 @@ use super::values::whole;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// Redo the paper's figures, each beside what the paper says
+/// Redo the paper's figures, each beside the paper's own statement
 ///
 /// Draws and measures Fig. 2 to 6, Fig. 8 to 22 and Table 1 of Meunier et al., Cosine lobes for interactive direct lighting in dynamic scenes
-/// (Computers & Graphics 34, 2010). Writes a PNG of each, for curves and drawings an SVG as well, and figures.md: what each figure
-/// shows, what the paper says, what is measured here, and where the two cannot be compared. Needs no other file: scenes are made by the
-/// program. Spheres are fitted once and kept for later runs. All take about two minutes; sections of figures that are not asked for
+/// (Computers & Graphics 34, 2010). Writes a PNG of each, for curves and drawings an SVG as well, and figures.md: the content of each
+/// figure, the paper's statement, the result measured here, and the reasons where the two cannot be compared. Needs no other file: the
+/// program makes the scenes. Spheres are fitted once and kept for later runs. All take about two minutes; sections of other figures
 /// stay in figures.md. Times are those of the machine that runs it.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
@@ -69,7 +69,7 @@ pub(crate) enum Figure {
     /// Integrals of lobe sums, by Monte Carlo and by products
     #[value(name = "14")]
     F14,
-    /// What the threshold saves
+    /// The saving of the threshold
     #[value(name = "15")]
     F15,
     /// 3578 spheres, timed

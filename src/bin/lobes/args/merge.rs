@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 /// Put the parts of a picture together
 ///
-/// Parts are OpenEXR files of `lobes render --tiles I/N` or `--crop`: their data windows say where they belong. They must cover
-/// the picture, each pixel once. The result is to the bit what one run would have made.
+/// Parts are OpenEXR files of `lobes render --tiles I/N` or `--crop`: their data windows give their places. They must cover
+/// the picture, each pixel once. The result has the bytes of a single run.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   lobes render scene.toml --tiles 1/2 -o a.exr
@@ -20,7 +20,7 @@ pub(crate) struct MergeArgs {
     #[arg(long, short, value_name = "FILE", default_value = "merged.exr")]
     pub(crate) output: Vec<PathBuf>,
 
-    /// Brightness of PNG files in stops: radiance times 2^E. When left out it is what the first part says, else 0
+    /// Brightness of PNG files in stops: radiance times 2^E. When left out, the value in the first part, else 0
     #[arg(long, value_name = "E", value_parser = exposure, allow_negative_numbers = true)]
     pub(crate) exposure: Option<f32>,
 

@@ -60,8 +60,8 @@ pub(crate) fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
 }
 
-/// The definition, in which a value that is no file's name may begin with a minus: then the option itself refuses a
-/// negative number, and says what it takes.
+/// The definition. Values that are no file names may begin with a minus, so that the option itself refuses a
+/// negative number and lists the values that it takes.
 fn definition() -> clap::Command {
     let named =
         |arg: &Arg| arg.is_positional() || arg.get_value_parser().type_id() == ValueParser::path_buf().type_id();
@@ -70,7 +70,7 @@ fn definition() -> clap::Command {
     Cli::command().mut_subcommands(|command| command.mut_args(free))
 }
 
-/// The command asked for; `None` when help or the version was asked for and has been printed.
+/// The requested command; `None` when help or the version was requested and has been printed.
 pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     match definition().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(Cli { command: Some(command) }) => Ok(Some(command)),
@@ -83,7 +83,7 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
             Ok(None)
         }
         Err(error) => {
-            // Up to the first empty line: the message and what it lists; then come tips and usage.
+            // The message and its list end at the first empty line; tips and usage follow.
             let text = error.render().to_string();
             let message = text.split("\n\n").next().unwrap_or_default().trim_start_matches("error: ");
             // The help of the command that was begun.

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 /// Compute the same picture by Monte Carlo, as a reference
 ///
 /// Writes OpenEXR files with the layers beauty (channels R, G, B), unshadowed and stderr (the standard error of each pixel,
-/// from eight independent randomisations). Ctrl-C keeps what was computed beside the output; the same command goes on
-/// from there.
+/// from eight independent randomisations). Ctrl-C keeps the finished work beside the output; the same command resumes
+/// it.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   lobes reference scene.toml -o ref.exr --spp 4096
@@ -26,7 +26,7 @@ pub(crate) struct ReferenceArgs {
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = whole(1..=1 << 24))]
     pub(crate) spp: u32,
 
-    /// What casts shadows
+    /// Geometry that casts shadows
     #[arg(long, value_enum, default_value_t = Geometry::Scene)]
     pub(crate) geometry: Geometry,
 
@@ -45,10 +45,10 @@ pub(crate) struct ReferenceArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Geometry {
-    /// What `render` uses: spheres for objects that block by spheres, the true geometry of the others
+    /// The geometry of `render`: spheres for objects that block by spheres, the true geometry of the others
     Scene,
     /// The spheres that stand for the objects
     Spheres,
-    /// The true geometry of all objects: triangles and balls
+    /// The true geometry of all objects: triangles and spheres
     Mesh,
 }

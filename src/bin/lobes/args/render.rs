@@ -36,7 +36,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_enum, default_value_t = Visibility::Scene)]
     pub(crate) visibility: Visibility,
 
-    /// Texels a side of each light's shadow map, 16 to 8192; when left out, what the light's width takes, 256 to 2048
+    /// Texels a side of each light's shadow map, 16 to 8192; when left out, 256 to 2048 by the light's width
     #[arg(long, value_name = "N", value_parser = map_resolution)]
     pub(crate) map_resolution: Option<u32>,
 
@@ -44,11 +44,11 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_enum, default_value_t = Method::Moments)]
     pub(crate) method: Method,
 
-    /// What computes
+    /// Device that computes
     #[arg(long, value_enum, default_value_t = Device::Cpu)]
     pub(crate) device: Device,
 
-    /// Asked mean error in penumbra, as a fraction of the unshadowed radiance: above 0, at most 0.1
+    /// Requested mean error in penumbra, as a fraction of the unshadowed radiance: above 0, at most 0.1
     #[arg(long, value_name = "T", default_value_t = 0.005, value_parser = tolerance)]
     pub(crate) tolerance: f32,
 
@@ -75,8 +75,8 @@ pub(crate) struct RenderArgs {
     pub(crate) layers: bool,
 
     /// Render the animation's frames A to B, B not included, each to a file of its own: -o out.png gives out.0007.png.
-    /// Frames that are there are kept where this very command has made them: their files carry a mark of the scene, the
-    /// options and the version. So the same command goes on where it was interrupted, and makes what changed anew
+    /// Existing frames are kept if the same command made them: their files carry a mark of the scene, the
+    /// options and the version. So the same command resumes an interrupted run, and renders changed frames again
     #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "time", "repeat"])]
     pub(crate) frames: Option<(u32, u32)>,
 
@@ -89,7 +89,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "I/N", value_parser = tiles)]
     pub(crate) tiles: Option<(u32, u32)>,
 
-    /// Write times and counts of each stage to this file, as JSON: what --json prints
+    /// Write times and counts of each stage to this file, as JSON (the output of --json)
     #[arg(long, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
 
@@ -108,7 +108,7 @@ impl RenderArgs {
         }
     }
 
-    /// What a renderer is asked for, but for the device.
+    /// The settings of the renderer, without the device.
     pub(crate) fn settings(&self) -> Settings {
         Settings {
             strategy: self.visibility.strategy(),
@@ -125,7 +125,7 @@ impl RenderArgs {
         }
     }
 
-    /// The part of a picture of that size that is asked for.
+    /// The requested part of a picture of that size.
     pub(crate) fn window(&self, width: u32, height: u32) -> Result<Window, Failure> {
         let mut window = Window::whole(width as usize, height as usize);
         if let Some([left, top, right, bottom]) = self.crop {
@@ -151,16 +151,16 @@ impl RenderArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Visibility {
-    /// Each object as the scene file says (its key `visibility`); where it says nothing meshes by their silhouettes, balls
+    /// Each object as the scene file says (its key `visibility`); where it says nothing meshes by their silhouettes, spheres
     /// and sets of spheres as they are
     Scene,
     /// The spheres that stand for the objects
     Spheres,
-    /// Depth maps around the lights, of the true triangles: no spheres to build; balls stay exact
+    /// Depth maps around the lights, of the true triangles: no spheres to build; spheres stay exact
     ShadowMap,
-    /// The silhouettes of the true triangles: exact, nothing to build; balls stay exact
+    /// The silhouettes of the true triangles: exact, nothing to build; spheres stay exact
     Silhouettes,
-    /// Shadow rays on the true triangles and balls: exact, and slower
+    /// Shadow rays on the true triangles and spheres: exact, and slower
     Rays,
     /// Nothing: no shadows
     None,
@@ -183,7 +183,7 @@ pub(crate) enum Device {
     /// The strongest graphics adapter, by Vulkan, Metal or Direct3D 12; a software one where there is no other. The same picture
     /// to a thousandth of its maximum, but for single points under lights wider than 65°. Without --layers
     Gpu,
-    /// The graphics adapter if it is hardware and has what the picture needs, else all cores; says which
+    /// The graphics adapter if it is hardware and supports the picture, else all cores; reports which
     Auto,
 }
 
@@ -198,7 +198,7 @@ impl From<Method> for renderer::Method {
 }
 
 impl Visibility {
-    /// The strategy that all objects take; none where each has its own.
+    /// The common strategy of all objects; `None` where each has its own.
     pub(crate) fn strategy(self) -> Option<Strategy> {
         match self {
             Self::Scene => None,

@@ -3,12 +3,12 @@ use super::{Method, ViewArgs, Visibility};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// Measure what accuracy costs: error against time of all settings on one scene
+/// Measure the cost of accuracy: error against time of all settings on one scene
 ///
-/// Shades the same visible points with every method, strategy, tolerance and depth, and by shadow rays with so many samples a
-/// light; compares each with one converged reference. Writes trade.csv, trade.json, trade.md, a plot with the Pareto front
+/// Shades the same visible points with every method, strategy, tolerance and depth, and by shadow rays with several numbers of
+/// samples a light; compares each with one converged reference. Writes trade.csv, trade.json, trade.md, a plot with the Pareto front
 /// marked (trade.svg, trade.png), pictures at equal time (sheet.png), and the reference with its checkpoint. Ctrl-C keeps the
-/// rows that are finished; the same command goes on from there.
+/// finished rows; the same command resumes.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   lobes trade scene.toml -o trade
@@ -23,7 +23,7 @@ pub(crate) struct TradeArgs {
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: PathBuf,
 
-    /// What casts shadows in the reference and for the sampler
+    /// Geometry that casts shadows in the reference and for the sampler
     #[arg(long, value_enum, default_value_t = TradeGeometry::Spheres)]
     pub(crate) geometry: TradeGeometry,
 
@@ -35,7 +35,7 @@ pub(crate) struct TradeArgs {
     #[arg(long, value_enum, value_delimiter = ',')]
     pub(crate) visibility: Vec<Visibility>,
 
-    /// What shades lobes, separated by commas; the sampler is the CPU's
+    /// Devices that shade lobes, separated by commas; the sampler runs on the CPU
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TradeDevice::Cpu])]
     pub(crate) device: Vec<TradeDevice>,
 
@@ -76,8 +76,8 @@ pub(crate) enum TradeDevice {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TradeGeometry {
-    /// The spheres that stand for the objects: what is measured is the lobes alone
+    /// The spheres that stand for the objects: measures the error of the lobes alone
     Spheres,
-    /// The true triangles and balls: the error of `spheres` is that of its spheres too
+    /// The true triangles and spheres: the error of `spheres` includes that of the sphere sets
     Mesh,
 }

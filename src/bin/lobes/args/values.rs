@@ -1,4 +1,4 @@
-//! Values of options: what is taken, and the line that refuses the rest.
+//! Values of options: parsers, and the messages for wrong values.
 
 use cosine_lobes::visibility_shadowmap::MapOptions;
 use std::ops::RangeInclusive;

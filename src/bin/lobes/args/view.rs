@@ -2,7 +2,7 @@ use super::values::{exposure, fps, size, time, whole};
 use clap::Args;
 use std::path::PathBuf;
 
-/// What all commands that take a picture of a scene share.
+/// Options of all commands that take a picture of a scene.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ViewArgs {
     /// Scene (.toml), model (.gltf, .glb, .obj, .ply); the built-in scene when left out
@@ -16,7 +16,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1..=1024))]
     pub(crate) samples: u32,
 
-    /// Brightness of PNG files in stops: radiance times 2^E. When left out it is metered, so that nine tenths of what is lit at the
+    /// Brightness of PNG files in stops: radiance times 2^E. When left out it is metered, so that nine tenths of the lit pixels at the
     /// scene's first moment are darker than half of white
     #[arg(long, value_name = "E", value_parser = exposure, allow_negative_numbers = true)]
     pub(crate) exposure: Option<f32>,

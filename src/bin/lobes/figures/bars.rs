@@ -1,4 +1,4 @@
-//! Shares of a whole, as horizontal bars.
+//! Parts of a whole, as horizontal bars.
 
 use super::canvas::{Draw, failed};
 use crate::drawing::COLORS;
@@ -53,7 +53,7 @@ impl Draw for Bars {
             for (k, share) in shares.iter().enumerate() {
                 let place = |share: f64| NAMES + (share / 100.0 * f64::from(WIDTH)).round() as i32;
                 block([(place(sum), top), (place(sum + share), top + 18)], k)?;
-                // Where there is room for it.
+                // Narrower bars have no room for their number.
                 if *share >= 6.0 {
                     text(&format!("{share:.0}"), (place(sum + 0.5 * share) - 8, top + 2))?;
                 }

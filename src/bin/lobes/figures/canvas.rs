@@ -9,7 +9,7 @@ use std::fmt::Display;
 use std::io::Write;
 use std::path::Path;
 
-/// A file of a figure, to be written when all of the figure is there.
+/// A file of a figure, written when the whole figure is complete.
 pub(super) struct Image {
     pub(super) name: String,
     content: Content,
@@ -40,7 +40,7 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
     Ok(Output::create(path)?.finish(|file| writeln!(file, "{}", text.trim_end()).map_err(failed))?)
 }
 
-/// What goes wrong in a drawing, in words.
+/// The message for an error of the drawing library.
 pub(super) fn failed(error: impl Display) -> String {
     format!("the figure cannot be drawn: {error}")
 }

@@ -12,7 +12,7 @@ pub(super) struct Chart {
     pub(super) x: Axis,
     pub(super) y: Axis,
     pub(super) curves: Vec<Curve>,
-    /// Where the names of the curves are.
+    /// The place of the legend.
     pub(super) key: SeriesLabelPosition,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Axis {
 pub(super) struct Curve {
     pub(super) name: String,
     pub(super) points: Vec<(f64, f64)>,
-    /// Which of the colours.
+    /// The number of its colour.
     pub(super) color: usize,
     /// With dots at its points; else the line alone.
     pub(super) has_dots: bool,
@@ -73,7 +73,7 @@ impl Draw for Chart {
 
 /// A number as short as it can be written.
 pub(super) fn plain(x: &f64) -> String {
-    // What is left of zero where an axis is counted up.
+    // Counting an axis up leaves a rounding error at zero.
     if x.abs() < 1e-9 {
         return "0".to_owned();
     }

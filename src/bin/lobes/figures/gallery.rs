@@ -6,20 +6,20 @@ use std::fmt::Write;
 
 /// A figure that is done.
 pub(super) struct Page {
-    /// What it is of, in a few words.
+    /// Its title, a few words.
     pub(super) title: &'static str,
     pub(super) images: Vec<Image>,
-    /// What it shows.
+    /// The content of the figure.
     pub(super) shows: String,
-    /// What the paper says, with the place.
+    /// The paper's statement, with the place.
     pub(super) paper: String,
-    /// What was measured.
+    /// The result of this program.
     pub(super) here: String,
-    /// How the two differ in what they are of, and what the paper leaves open.
+    /// The differences between the two settings, and the values that the paper leaves open.
     pub(super) differs: String,
 }
 
-/// What the paper calls a figure.
+/// The paper's name for a figure.
 pub(super) fn label(figure: Figure) -> String {
     match figure {
         Figure::Table1 => "Table 1".to_owned(),
@@ -27,7 +27,7 @@ pub(super) fn label(figure: Figure) -> String {
     }
 }
 
-/// How its files begin.
+/// The beginning of its file names.
 pub(super) fn stem(figure: Figure) -> String {
     match figure {
         Figure::Table1 => "table1".to_owned(),

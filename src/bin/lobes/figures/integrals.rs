@@ -90,7 +90,7 @@ pub(super) fn of_products(name: &str) -> Result<Page, Failure> {
     })
 }
 
-/// The share of random products whose integral reaches each threshold.
+/// The fraction of random products whose integral reaches each threshold.
 fn shares_above(largest: f64, count: usize) -> Vec<f64> {
     const BLOCK: usize = 1 << 14;
     let limits: Vec<f32> = (0..=DECADES * STEPS).map(|k| 10f32.powf(-2.0 + k as f32 / STEPS as f32)).collect();

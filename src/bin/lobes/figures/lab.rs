@@ -30,7 +30,7 @@ pub(super) fn shade(scene: &Scene, blockers: &BlockerSet, gbuffer: &GBuffer, how
     Ok(resolve(gbuffer, &radiance))
 }
 
-/// The same by so many samples a point.
+/// The same with this number of samples a point.
 pub(super) fn reference(
     scene: &Scene,
     blockers: &BlockerSet,

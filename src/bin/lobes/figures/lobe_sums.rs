@@ -1,4 +1,4 @@
-//! Fig. 14 and 15: what method `paper` integrates, point by point.
+//! Fig. 14 and 15: the integrals of method `paper`, point by point.
 
 use super::canvas::{Cell, Sheet, heat};
 use super::gallery::Page;
@@ -124,7 +124,7 @@ pub(super) fn integration(name: &str, studio: &mut Studio) -> Result<Page, Failu
         title: "integrals of lobe sums, by Monte Carlo and by products",
         images: vec![Sheet::new(4, cells).image(name)?],
         shows: "The same sums of lobes for reflectance, light and visibility, integrated in two ways: by Monte Carlo, and by the tabulated products \
-                of method `paper`. What differs is the error of the products alone."
+                of method `paper`. The difference is the error of the products alone."
             .into(),
         paper: "The largest radiance is 0.701961, the mean 0.127906; the largest difference is 0.054902, 43 % of the mean, the mean difference \
                 0.003884, 3.0 % of the mean (Fig. 14, §6). The error of the integration is also given as 10.02 % (§6)."
@@ -161,7 +161,7 @@ impl Observer for Products {
     }
 }
 
-/// How many products each point keeps.
+/// The number of products that each point keeps.
 fn kept(
     scene: &Scene,
     blockers: &BlockerSet,
@@ -214,7 +214,7 @@ pub(super) fn savings(name: &str, studio: &mut Studio) -> Result<Page, Failure> 
     let cells = shown.zip(maps).flat_map(|(picture, map)| [picture, map]).collect();
     let change = Comparison::of(&pictures[1], &pictures[0])?;
     Ok(Page {
-        title: "what the threshold saves",
+        title: "the saving of the threshold",
         images: vec![Sheet::new(4, cells).image(name)?],
         shows: "A glossy object on a glossy floor without and with a threshold, and how many products of lobes each pixel keeps.".into(),
         paper: "65 536 points, one spherical light, 64 spheres: about 50 % fewer products with a threshold that leaves the picture \

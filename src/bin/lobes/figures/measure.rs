@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 pub(crate) const TOLERANCE: f32 = 0.005;
 pub(crate) const DEPTH: u32 = 5;
 
-/// How a frame is shaded.
+/// The settings of a frame's shading.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct How<'t> {
     /// The paper's `t_i`.
@@ -32,17 +32,17 @@ pub(crate) struct Timing {
     pub(crate) stats: ShadeStats,
     /// All frames together.
     sum: ShadeStats,
-    /// The shortest time: the one that others on the machine disturbed least.
+    /// The shortest time: the one with the least disturbance by other programs.
     pub(crate) best: f64,
-    /// Seconds that the threads spent on a processor a frame, all together, where the system tells: what others on the machine do
-    /// is not in it.
+    /// Processor seconds of a frame, summed over its threads, where the system reports them. Other programs do not
+    /// change them.
     pub(crate) processor: Option<f64>,
     /// Quartiles of the time.
     pub(crate) quartiles: [f64; 2],
 }
 
 impl Timing {
-    /// Point–light pairs: their number, and what share of them lies in penumbra and in the dark.
+    /// Point–light pairs: their number, and the fractions of them in penumbra and in the dark.
     pub(crate) fn shares(&self) -> [f64; 3] {
         let c = self.stats.counts;
         let pairs = (c.lit_points + c.dark_points + c.penumbra_points).max(1) as f64;
@@ -62,7 +62,7 @@ impl Timing {
         self.processor.map_or_else(|| "–".to_owned(), |s| format!("{:.2}", 1e3 * s))
     }
 
-    /// Milliseconds on processors a frame, or of the shortest one where the system does not tell: what costs are compared by.
+    /// Processor milliseconds of a frame, or the shortest time where the system does not report them. Costs are compared by this number.
     pub(crate) fn cost(&self) -> f64 {
         1e3 * self.processor.unwrap_or(self.best)
     }
@@ -79,7 +79,7 @@ impl Timing {
 /// No scene is repeated for longer, once there are three frames.
 const LONGEST: Duration = Duration::from_secs(4);
 
-/// What blocks, as the shaders take it.
+/// The blockers, in the form that the shaders take.
 pub(crate) fn spheres(blockers: &BlockerSet) -> SphereBlockers {
     SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances)
         .with_self_shadows(&blockers.self_shadows)

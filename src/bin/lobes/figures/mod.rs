@@ -1,6 +1,6 @@
 //! The paper's figures and its table, redone: each is drawn and measured by one function, and put into a gallery.
 //!
-//! Curves and diagrams are drawn once, on any backend, and written as SVG and PNG; what is made of pictures is a PNG alone. The
+//! Curves and diagrams are drawn once, on any backend, and written as SVG and PNG; figures made of pictures are PNG only. The
 //! gallery's sentences about the paper quote it; all other numbers come from the run.
 
 mod bars;
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &FiguresArgs) -> Result<(), Failure> {
         for image in &page.images {
             image.write(&args.output)?;
         }
-        // What is there of earlier runs stays, whatever it is: it is replaced whole.
+        // Sections of earlier runs stay; the file is replaced whole.
         let old = std::fs::read_to_string(&index).unwrap_or_default();
         let text = gallery::with_section(&old, figure, &gallery::section(figure, &page));
         canvas::write_text(&index, &text)?;

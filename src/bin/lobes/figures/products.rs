@@ -162,7 +162,7 @@ pub(super) fn error(name: &str, studio: &mut Studio) -> Result<Page, Failure> {
 
 /// The angle of the axes in Fig. 6: the paper does not give it, at this one its vertical axis ends where the surface does.
 const FIXED: f64 = 30.0;
-/// Where its horizontal axes end.
+/// The end of its horizontal axes.
 const LAST: f64 = 9150.0;
 /// Lines a direction.
 const LINES: usize = 12;

@@ -24,7 +24,7 @@ const REPEATS: usize = 7;
 /// Frames a second of the paper.
 const PAPER_FPS: [f64; 3] = [3.01, 4.5, 2.3];
 
-/// Both methods, and what they are called.
+/// Both methods, with their names.
 fn methods(tables: &Tables) -> [(&'static str, How<'_>); 2] {
     [("moments", How::default()), ("paper", How { tables: Some(tables), ..How::default() })]
 }

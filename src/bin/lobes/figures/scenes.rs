@@ -15,10 +15,10 @@ type Make = fn(&Model) -> (Scene, BlockerSet);
 
 /// A scene with a number of points.
 pub(crate) struct Case {
-    /// How many points, and the image whose first ones they are.
+    /// The number of points, and the image that the first ones are taken from.
     pub(crate) points: usize,
     pub(crate) size: [u32; 2],
-    /// How many spheres the model has.
+    /// The number of spheres of the model.
     pub(crate) spheres: usize,
     make: Make,
     /// Points get one of the materials by a pattern over the surface.
@@ -109,7 +109,7 @@ fn lafortune() -> Vec<Material> {
     (0..16).map(one).collect()
 }
 
-/// A ball of the same flux whatever its radius.
+/// A sphere light with the same flux for any radius.
 pub(crate) fn light(center: Vec3, radius: f32) -> Light {
     SphereLight::new(Sphere { center, radius }, Vec3::splat(30.0 / (radius * radius))).into()
 }
@@ -119,7 +119,7 @@ fn key_light() -> Light {
     light(Vec3::new(3.0, 5.5, 1.5), 0.6)
 }
 
-/// What the camera sees of a floor that fills the picture.
+/// The visible part of a floor that fills the picture.
 pub(crate) fn floor_scene(eye: Vec3, target: Vec3, fov: f32, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 400.0, Vec3::NEG_Z * 400.0);
     Scene {
@@ -178,7 +178,7 @@ pub(crate) fn close_up(cow: &Model, radius: f32) -> (Scene, BlockerSet) {
 
 /// A cube of 64 spheres over a floor.
 pub(crate) fn cube(lights: Vec<Light>) -> (Scene, BlockerSet) {
-    // The outer ones touch the faces from inside: what bulges would blacken them.
+    // The outer ones touch the faces from inside: a sphere that bulges out would blacken them.
     let at = |i: u32| (i as f32 - 1.5) * 0.22;
     let balls: Vec<Sphere> = (0..64)
         .map(|i| Sphere { center: Vec3::new(at(i % 4), at(i / 4 % 4) + 0.9, at(i / 16)), radius: 0.17 })

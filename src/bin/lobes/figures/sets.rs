@@ -76,7 +76,7 @@ pub(crate) fn add(out: &mut BlockerSet, object: u32, set: &SphereSet, matrix: &M
     out.self_distances[object as usize] = set.self_distance;
 }
 
-/// Balls that stand for themselves.
+/// Spheres that stand for themselves.
 pub(crate) fn add_balls(out: &mut BlockerSet, object: u32, balls: &[Sphere]) {
     out.spheres.extend_from_slice(balls);
     out.self_shadows.resize(out.spheres.len(), SelfShadow::whole(1e-3));

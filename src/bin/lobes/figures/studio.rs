@@ -1,4 +1,4 @@
-//! What figures share: the paper's tables and the model with its spheres, made when they are first needed.
+//! Data that figures share: the paper's tables and the model with its spheres, made when they are first needed.
 
 use super::sets::{Model, fitted, spot};
 use crate::console::Fit;
@@ -36,7 +36,7 @@ impl Studio {
         Ok(tables)
     }
 
-    /// The model as so many spheres.
+    /// The model as this number of spheres.
     pub(super) fn model(&mut self, count: usize) -> Result<Model, Failure> {
         let mesh = match &self.mesh {
             Some(mesh) => mesh,

@@ -29,7 +29,7 @@ fn cube_time(lights: Vec<Light>, how: How<'_>) -> Result<Timing, Failure> {
     frames(&scene, &blockers, &points, how, 9).map(|(timing, _)| timing).map_err(Failure::new)
 }
 
-/// Milliseconds on processors by a number, for both methods, and the share of penumbra.
+/// Processor milliseconds over a number, for both methods, and the fraction of points in penumbra.
 struct Series {
     numbers: Vec<f64>,
     times: [Vec<f64>; 2],
@@ -75,7 +75,7 @@ impl Series {
         (0..self.numbers.len()).map(row).collect()
     }
 
-    /// How much of the times' variance a straight line explains, in per cent.
+    /// The part of the times' variance that a straight line explains, in per cent.
     fn linearity(&self, method: usize) -> f64 {
         let n = self.numbers.len() as f64;
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
@@ -115,7 +115,7 @@ pub(super) fn by_area(name: &str, studio: &mut Studio) -> Result<Page, Failure> 
             series.linearity(0),
             series.linearity(1)
         ),
-        differs: "The paper tests all spheres at every point, whatever the light; here a point that nothing can shade costs next to nothing, so the \
+        differs: "The paper tests all spheres at every point, for any light; here a point that nothing can shade costs next to nothing, so the \
                   ratio is larger. The paper's cube moves and its lights are placed at random, in a scene of its own; its distances and its values between the ends \
                   of the axis are not given."
             .into(),
@@ -186,13 +186,13 @@ pub(super) fn by_stage(name: &str, studio: &mut Studio) -> Result<Page, Failure>
     Ok(Page {
         title: "time by stage",
         images: super::bars::Bars { stages: STAGES, bars }.images(name)?,
-        shows: "The share of the time of a frame that each stage takes: (a) lobes of reflectance, (b) lighting, (c) visibility masks, \
+        shows: "The fraction of a frame's time that each stage takes: (a) lobes of reflectance, (b) lighting, (c) visibility masks, \
                 (d) visibility lobes, (e) products and integrals."
             .into(),
         paper: "Masks take most of it, 52 to 85 %, and their share falls as penumbrae grow (Table 1, §6).".into(),
         here: format!(
             "Per cent, on {} threads:\n\n| Fig. | | (a) | (b) | (c) | (d) | (e) |\n|---|---|---|---|---|---|---|{rows}\n\nMethod `moments` makes no \
-             visibility lobes: its (d) is the visible fraction. With `paper` the share of masks goes from {:.0} % in 22(a) to {:.0} % in 22(c).",
+             visibility lobes: its (d) is the visible fraction. With `paper` the fraction of masks goes from {:.0} % in 22(a) to {:.0} % in 22(c).",
             rayon::current_num_threads(),
             masks[1],
             masks[3]

@@ -15,8 +15,8 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// Takes over what the folder's file has of the same stamp; rows of another scene or other options go. So do damaged ones,
-    /// with a line on stderr unless `quiet`.
+    /// Reads the rows of the folder's file that have the same stamp; rows of another scene or other options are dropped. So are
+    /// damaged ones, with a line on stderr unless `quiet`.
     pub(super) fn open(folder: &Path, stamp: &str, quiet: bool) -> Self {
         let mut record = Self { folder: folder.to_owned(), stamp: stamp.to_owned(), rows: Vec::new() };
         let Ok(bytes) = std::fs::read(record.path()) else { return record };

@@ -32,7 +32,7 @@ pub(super) struct Row {
     /// No other row is both faster and nearer to the reference.
     #[serde(default)]
     pub(super) front: bool,
-    /// What the row was measured for: scene, options, version.
+    /// The stamp of the measurement: scene, options, version.
     pub(super) stamp: String,
     /// Of all other values but `front`, as JSON.
     #[serde(default)]
@@ -79,7 +79,7 @@ impl Row {
         checksum(serde_json::to_string(&plain).unwrap_or_default().as_bytes())
     }
 
-    /// Whether it is this setting's.
+    /// Whether it belongs to this setting.
     pub(super) fn is(&self, setting: &Setting) -> bool {
         self.method == setting.method
             && self.visibility == setting.visibility
@@ -88,13 +88,13 @@ impl Row {
             && (self.depth, self.spp) == (setting.depth, setting.spp)
     }
 
-    /// What made it: one line or curve of a plot.
+    /// The technique: one line or curve of a plot.
     pub(super) fn technique(&self) -> String {
         let device = if self.device == "cpu" { "" } else { " / gpu" };
         format!("{} / {}{device}", self.method, self.visibility)
     }
 
-    /// What was turned.
+    /// The values of the settings.
     pub(super) fn knobs(&self) -> String {
         match (self.tolerance, self.depth, self.spp) {
             (Some(t), Some(d), _) => format!("{} %, depth {d}", decimal((100.0 * t) as f32)),

@@ -1,9 +1,9 @@
-//! What is swept.
+//! The settings of a sweep.
 
 use super::word;
 use crate::args::{Method, TradeArgs, TradeDevice, TradeGeometry, Visibility, name};
 
-/// How a picture is made.
+/// The technique of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Technique {
     Lobes(Method, Visibility),
@@ -17,13 +17,13 @@ pub(super) enum Technique {
 #[derive(Clone, Debug)]
 pub(super) struct Setting {
     pub(super) technique: Technique,
-    /// How the row calls method and strategy.
+    /// The method's name in the row.
     pub(super) method: String,
     pub(super) visibility: String,
     pub(super) device: TradeDevice,
-    /// `cpu`, or what the GPU calls itself.
+    /// `cpu`, or the name of the GPU.
     pub(super) device_name: String,
-    /// What is turned, where the technique has it.
+    /// The swept values, where the technique has them.
     pub(super) tolerance: Option<f32>,
     pub(super) depth: Option<u32>,
     pub(super) spp: Option<u32>,

@@ -20,8 +20,8 @@ const COLUMNS: usize = 4;
 /// Difference of luminance that has full colour, as a fraction of the picture's mean.
 const FULL: f64 = 0.02;
 
-/// Of each technique its best setting within the time of the fastest lobes below 0.3 %, or its fastest where all take longer:
-/// pictures and, below, what they differ from the reference.
+/// For each technique its best setting within the time of the fastest lobes below 0.3 %, or its fastest where all take longer:
+/// pictures and, below them, their differences from the reference.
 pub(super) fn write(
     args: &TradeArgs,
     stage: &mut Stage<'_>,

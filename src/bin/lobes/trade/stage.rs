@@ -35,7 +35,7 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    /// The time that this share of the repetitions stays below.
+    /// The quantile of the times of the repetitions, `share` in [0, 1].
     pub(super) fn at(&self, share: f64) -> f64 {
         let index = (self.seconds.len() - 1) as f64 * share;
         let (low, high) = (self.seconds[index.floor() as usize], self.seconds[index.ceil() as usize]);
@@ -43,7 +43,7 @@ impl Shot {
     }
 }
 
-/// The scene at its moment, with what all settings share.
+/// The scene at its moment, with the data that all settings share.
 pub(super) struct Stage<'a> {
     args: &'a TradeArgs,
     world: &'a World<'a>,
@@ -58,7 +58,7 @@ pub(super) struct Stage<'a> {
     maps: Option<(Visibility, Vec<ShadowMap>, f64)>,
     /// Of pictures that are looked at.
     exposure: f32,
-    /// Asked for; the CPU where nobody did.
+    /// The requested GPU; the CPU by default.
     gpu: Backend,
     /// Made where the paper's method is swept.
     pub(super) tables: Option<Tables>,
@@ -132,7 +132,7 @@ impl<'a> Stage<'a> {
         )
     }
 
-    /// Shades once to warm up, then as often as asked.
+    /// Shades once to warm up, then as often as requested.
     pub(super) fn shoot(&mut self, setting: &Setting) -> Result<Shot, Failure> {
         let scene = self.world.scene();
         let any = Accuracy::new(setting.tolerance.unwrap_or(ANY_TOLERANCE));

@@ -71,7 +71,7 @@ pub(super) fn markdown(rows: &[Row], about: &str, points: usize) -> String {
     text
 }
 
-/// How long each technique takes to come below an error.
+/// The time that each technique takes to come below an error.
 fn equal_errors(text: &mut String, rows: &[Row]) {
     let mut techniques: Vec<String> = rows.iter().map(Row::technique).collect();
     techniques.sort();

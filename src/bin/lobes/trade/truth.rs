@@ -20,7 +20,7 @@ pub(super) struct Truth {
 }
 
 impl Truth {
-    /// Samples, or goes on from the checkpoint in the folder; leaves checkpoint and picture there.
+    /// Samples, or resumes from the checkpoint in the folder; leaves checkpoint and picture there.
     pub(super) fn find(
         args: &TradeArgs,
         world: &World<'_>,

@@ -81,7 +81,7 @@ impl Draw for Lobes<'_> {
 /// The depth of Fig. 10, small enough for its nodes to be seen.
 const SHOWN: u32 = 4;
 
-/// The share of a diffuse receiver's light that is seen, by method `paper` and by the spheres themselves.
+/// The visible fraction of a diffuse receiver's light, by method `paper` and by the spheres themselves.
 fn shares(setting: &Setting, seen: &Seen, tables: &Tables) -> [f64; 2] {
     let lambert = Lobe::new(setting.at.normal, 1.0, Vec3::ONE);
     let product = tables.product(&lambert, &tables.light_lobe(&setting.cone, Vec3::ONE));
@@ -116,11 +116,11 @@ pub(in crate::figures) fn lobes(name: &str, studio: &mut Studio) -> Result<Page,
         images: vec![image],
         shows: format!(
             "The mask of Fig. 9 at depth {SHOWN}: each shadow node has a sphere around its square, and the sphere a cosine lobe. The weighted \
-             sum of the lobes is what is hidden of the light; it has no edges, so single values are beside the truth where sums are not."
+             sum of the lobes is the hidden part of the light; it has no edges, so single values are beside the truth where sums are not."
         ),
         paper: "One bounding sphere a shadow leaf, one lobe a sphere; no numbers (Fig. 10, §5.3).".into(),
         here: format!(
-            "The share of its light that a diffuse receiver gets, by the depth of the quad-tree:\n\n| depth | lobes | method `paper` | exact |\n\
+            "The fraction of its light that a diffuse receiver gets, by the depth of the quad-tree:\n\n| depth | lobes | method `paper` | exact |\n\
              |---|---|---|---|{rows}"
         ),
         differs: String::new(),

@@ -10,7 +10,7 @@ use cosine_lobes::visibility_mask::PaperWeights;
 use glam::Vec3;
 use plotters::prelude::SeriesLabelPosition;
 
-/// Where the paper tabulates weights, some of them.
+/// Some of the distances at which the paper tabulates weights.
 const DISTANCES: [f32; 4] = [0.25, 1.0, 3.0, 10.0];
 
 pub(in crate::figures) fn overlap(name: &str, studio: &mut Studio) -> Result<Page, Failure> {

@@ -18,7 +18,7 @@ pub(super) const LIGHT: f32 = 8.0;
 /// The paper's `dist` of the unit square in Fig. 8 to 10: the light's half-angle is 14°.
 pub(super) const DIST: f32 = 2.0;
 
-/// What the receiver looks at.
+/// A receiver, its light and the blockers between.
 pub(super) struct Setting {
     pub(super) at: Receiver,
     pub(super) cone: Cone,
@@ -26,7 +26,7 @@ pub(super) struct Setting {
     pub(super) balls: Vec<Sphere>,
 }
 
-/// A ball by its place and radius on the unit square, and its height.
+/// A sphere by its place and radius on the unit square, and its height.
 pub(super) fn ball(u: f32, v: f32, radius: f32, height: f32) -> Sphere {
     let scale = height / DIST;
     Sphere { center: Vec3::new(u * scale, v * scale, height), radius: radius * scale }
@@ -40,7 +40,7 @@ impl Setting {
         Self { cone: Cone::of_sphere(at.position, light), at, light, balls }
     }
 
-    /// What it finds with a quad-tree of that depth.
+    /// The shadow nodes and lobes that it gets from a quad-tree of that depth.
     pub(super) fn seen(&self, depth: u32, tables: &Tables) -> Result<Seen, Failure> {
         let accuracy = Accuracy { tolerance: 0.005, depth };
         let blockers = SphereBlockers::new(&self.balls, &vec![0; self.balls.len()], &[0.0]);
@@ -54,7 +54,7 @@ impl Setting {
         Ok(Seen { nodes: scratch.nodes().to_vec(), lobes: sum.lobes.lobes().iter().collect() })
     }
 
-    /// Whether one of the balls changes what is seen.
+    /// Whether a sphere changes the visibility.
     pub(super) fn is_kept(&self, ball: Sphere, tables: &Tables) -> bool {
         let strategy = PaperVisibility::new(SphereBlockers::new(&[ball], &[0], &[0.0]), tables);
         let accuracy = Accuracy { tolerance: 0.005, depth: 6 };
@@ -68,7 +68,7 @@ impl Setting {
         Vec3::new(2.0 * p.x * tan, 2.0 * p.y * tan, 1.0).normalize()
     }
 
-    /// Whether a ball is in that direction, before the light.
+    /// Whether a sphere blocks that direction before the light.
     pub(super) fn is_blocked(&self, p: Vec2) -> bool {
         let d = self.direction(p);
         self.balls.iter().any(|b| {
@@ -77,7 +77,7 @@ impl Setting {
         })
     }
 
-    /// The outline of a ball's shadow on the unit square.
+    /// The outline of a sphere's shadow on the unit square.
     pub(super) fn outline(&self, ball: &Sphere) -> Vec<Vec2> {
         let cone = Cone::of_sphere(Vec3::ZERO, *ball);
         let (right, up) = cone.axis.any_orthonormal_pair();

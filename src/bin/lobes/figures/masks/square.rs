@@ -11,7 +11,7 @@ use glam::Vec3;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-/// Three balls that count, and three that do not: beside the light's cone, behind the light, behind the receiver.
+/// Three spheres that count, and three that do not: beside the light's cone, behind the light, behind the receiver.
 fn around() -> Vec<Sphere> {
     vec![
         ball(-0.22, 0.12, 0.20, 3.0),

@@ -13,7 +13,7 @@ use plotters::prelude::*;
 /// The depth of Fig. 9.
 const DEPTH: u32 = 3;
 
-/// What becomes of a node.
+/// The state of a node.
 #[derive(Clone, Copy, PartialEq)]
 enum State {
     Outside,
@@ -144,7 +144,7 @@ mod tests {
         let (setting, tables) = (Setting::new(DIST, three()), coarse());
         for depth in 2..=5 {
             let nodes = setting.seen(depth, &tables).unwrap().nodes;
-            // Slivers between the lines on which a mask is asked are missed, most of them in leaves at the light's rim.
+            // The lines of a mask miss slivers between them, most of them in leaves at the light's rim.
             let area = |node: &ShadowNode| 0.25_f64.powi(node.level as i32);
             let open = |node: &ShadowNode| {
                 let (all, covered) = covered(&setting, *node);
