@@ -5,7 +5,7 @@
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::Sphere;
-use ray_tracing::World;
+use ray_tracing::Hierarchy;
 use scene::{Camera, Mesh, Object, Proxy, Scene, Shape};
 use std::time::Instant;
 
@@ -35,19 +35,18 @@ fn main() {
             objects: vec![Object::mesh("sheet", mesh, 0, Proxy::Count(1))],
             lights: vec![SphereLight { ball, radiance: Vec3::ONE }.into()],
         };
-        let mut hierarchy = World::new(&scene).into_hierarchy();
+        let mut hierarchy = Hierarchy::new(&scene);
         let (mut builds, mut refits) = (Vec::new(), Vec::new());
         for frame in 1..=15 {
             if let Shape::Mesh(mesh) = &mut scene.objects[0].shape {
                 mesh.positions = sheet(n, frame as f32 * 0.04);
             }
             let start = Instant::now();
-            drop(World::new(&scene));
+            drop(Hierarchy::new(&scene));
             builds.push(start.elapsed().as_secs_f64());
             let start = Instant::now();
-            let world = World::refit(&scene, hierarchy);
+            hierarchy.update(&scene);
             refits.push(start.elapsed().as_secs_f64());
-            hierarchy = world.into_hierarchy();
         }
         let median = |times: &mut Vec<f64>| {
             times.sort_by(f64::total_cmp);

@@ -26,5 +26,5 @@ mod world;
 
 pub use crate::gbuffer::{GBuffer, TILE};
 pub use crate::sphere_hierarchy::SphereHierarchy;
-pub use crate::world::{Hierarchy, Primitive, Region, TriangleList, World};
+pub use crate::world::{Hierarchy, Primitive, Region, TriangleList, Update, World};
 pub use glam;

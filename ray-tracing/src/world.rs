@@ -1,5 +1,6 @@
 mod appearance;
 mod camera_rays;
+mod hierarchy;
 mod packet;
 mod primitive;
 mod query;
@@ -12,20 +13,17 @@ mod triangle_packet;
 
 pub(crate) use self::appearance::varied;
 pub(crate) use self::camera_rays::{Rays, SIDE};
+pub use self::hierarchy::{Hierarchy, Update};
 pub(crate) use self::packet::{NOTHING, RayPacket};
-use self::primitive::{Ball, Corners, Plane};
+use self::primitive::{Corners, Plane};
 pub use self::query::{Primitive, Region};
 pub(crate) use self::surface::RayHits;
 pub(crate) use self::tree::{Tree, hierarchy_scale};
 pub use self::triangle_list::TriangleList;
-use core::time::Duration;
-use glam::{DVec3, Vec3, Vec3A};
-use obvhs::aabb::Aabb;
-use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
+use glam::{DVec3, Vec3};
 use obvhs::ray::Ray;
-use obvhs::triangle::Triangle;
-use obvhs::{Boundable, BvhBuildParams};
-use scene::{Doubles, Proxy, Scene, Shape};
+use scene::{Scene, Shape};
+use std::sync::Arc;
 
 /// A hit of a ray.
 #[cfg(test)]
@@ -42,81 +40,26 @@ pub(crate) struct Hit {
     pub(crate) object: u32,
 }
 
-/// The geometry of a scene, ready for rays: triangles and exact spheres in two hierarchies.
+/// The geometry of a scene, ready for rays: a scene and its [`Hierarchy`].
 ///
 /// Holds the objects that the camera sees and those that block light. Building costs about 0.6 µs a triangle.
 #[derive(Debug)]
 pub struct World<'s> {
     scene: &'s Scene,
-    triangles: Tree<Corners>,
-    balls: Tree<Ball>,
-    /// Of vertices, by object, for normal maps; empty without.
-    tangents: Vec<Vec<Vec3>>,
-}
-
-/// The two hierarchies of a [`World`], kept to be refitted to the next frame: [`World::refit`].
-#[derive(Debug)]
-pub struct Hierarchy {
-    triangles: Tree<Corners>,
-    balls: Tree<Ball>,
-    tangents: Vec<Vec<Vec3>>,
+    hierarchy: Arc<Hierarchy>,
 }
 
 impl<'s> World<'s> {
     /// Prepares the scene's objects. Triangles without area are left out.
     #[must_use]
     pub fn new(scene: &'s Scene) -> Self {
-        Self::make(scene, None)
+        Self::with_hierarchy(scene, Arc::new(Hierarchy::new(scene)))
     }
 
-    /// The same for a scene whose objects have moved: boxes are refitted, and hierarchies built anew only where that
-    /// pays, when they have grown to twice their area, or when other triangles have an area.
-    ///
-    /// The same rays meet the same surfaces as in a new world. Cost: linear in the primitives, 0.02 to 0.19 ms a 1000
-    /// triangles (500 to 500 000 of them), 8 to 20 times less than a new one (`examples/refit.rs`).
+    /// A scene with its hierarchy, which has [followed](Hierarchy::update) it. Costs nothing.
     #[must_use]
-    pub fn refit(scene: &'s Scene, hierarchy: Hierarchy) -> Self {
-        Self::make(scene, Some(hierarchy))
-    }
-
-    /// The same scene again, in which nothing has moved since its hierarchy was made. Costs nothing.
-    #[must_use]
-    pub fn kept(scene: &'s Scene, hierarchy: Hierarchy) -> Self {
-        let Hierarchy { triangles, balls, tangents } = hierarchy;
-        Self { scene, triangles, balls, tangents }
-    }
-
-    /// The hierarchy, for [`refit`](Self::refit).
-    #[must_use]
-    pub fn into_hierarchy(self) -> Hierarchy {
-        Hierarchy { triangles: self.triangles, balls: self.balls, tangents: self.tangents }
-    }
-
-    fn make(scene: &'s Scene, old: Option<Hierarchy>) -> Self {
-        let (triangles, balls) = gather(scene);
-        let mut bounds = Aabb::empty();
-        triangles.iter().for_each(|t| bounds = bounds.union(&t.aabb()));
-        balls.iter().for_each(|b| bounds = bounds.union(&b.aabb()));
-        let empty = triangles.is_empty() && balls.is_empty();
-        let extent = if empty { 0.0 } else { bounds.diagonal().length() };
-        let far = if empty { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
-        let s = hierarchy_scale(extent.max(far));
-        let (old_triangles, old_balls) = old.map(|h| (h.triangles, h.balls)).unzip();
-        let params = BvhBuildParams::medium_build();
-        let triangles = Tree::refitted(old_triangles, &triangles, s).unwrap_or_else(|| {
-            Tree::new(&triangles, s, |t| {
-                let corners = |c: &Corners| Triangle { v0: c.v0 * s, v1: (c.v0 + c.e1) * s, v2: (c.v0 + c.e2) * s };
-                let t: Vec<_> = t.iter().map(corners).collect();
-                build_cwbvh_from_tris(&t, params, &mut Duration::ZERO.clone())
-            })
-        });
-        let balls = Tree::refitted(old_balls, &balls, s).unwrap_or_else(|| {
-            Tree::new(&balls, s, |b| {
-                let boxes = b.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * s, b.max * s));
-                build_cwbvh(&boxes.collect::<Vec<_>>(), params, &mut Duration::ZERO.clone())
-            })
-        });
-        Self { scene, triangles, balls, tangents: appearance::tangents(scene) }
+    pub const fn with_hierarchy(scene: &'s Scene, hierarchy: Arc<Hierarchy>) -> Self {
+        Self { scene, hierarchy }
     }
 
     /// The scene that was prepared.
@@ -128,7 +71,7 @@ impl<'s> World<'s> {
     /// Number of triangles, those without area not counted.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
-        self.triangles.primitives.len()
+        self.hierarchy.triangles.primitives.len()
     }
 
     /// The nearest visible surface along a ray of unit direction; tests compare tiles of rays with it.
@@ -136,9 +79,9 @@ impl<'s> World<'s> {
     pub(crate) fn hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let ray = Ray::new_inf(origin.into(), direction.into());
         let seen = |visible: bool, t: f32| if visible { t } else { f32::INFINITY };
-        let triangle = self.triangles.nearest(ray, |c, r| seen(c.visible, c.intersect(r)));
+        let triangle = self.hierarchy.triangles.nearest(ray, |c, r| seen(c.visible, c.intersect(r)));
         let limit = Ray { tmax: triangle.map_or(f32::INFINITY, |(_, t)| t), ..ray };
-        let ball = self.balls.nearest(limit, |b, r| seen(b.visible, b.intersect(r)));
+        let ball = self.hierarchy.balls.nearest(limit, |b, r| seen(b.visible, b.intersect(r)));
         match (ball, triangle) {
             (Some((ball, t)), _) => {
                 let (position, normal) = ball.surface(origin, direction, t);
@@ -161,9 +104,10 @@ impl<'s> World<'s> {
     #[must_use]
     pub fn occluded_by(&self, origin: Vec3, direction: Vec3, distance: f32, by: impl Fn(u32) -> bool) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
-        self.triangles
+        self.hierarchy
+            .triangles
             .any(ray, |c, r| if by(c.object) { c.meet(r, |_| self.distance_to_plane(c, &ray)) } else { f32::INFINITY })
-            || self.balls.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
+            || self.hierarchy.balls.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
     }
 
     /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of its largest coordinate (4 to 8 units
@@ -231,41 +175,6 @@ impl<'s> World<'s> {
             object: corners.object,
         }
     }
-}
-
-/// The triangles with an area and the spheres with a radius of all objects that are seen or block; equal meshes and spheres once.
-fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
-    let (mut triangles, mut balls, mut doubles) = (Vec::new(), Vec::new(), Doubles::default());
-    for (number, object) in scene.objects.iter().enumerate() {
-        let visible = object.visible;
-        if !visible && object.proxy == Proxy::None {
-            continue;
-        }
-        match &object.shape {
-            Shape::Mesh(mesh) if doubles.is_first_mesh(&scene.objects, number) => {
-                for (index, corners) in mesh.triangles.iter().enumerate() {
-                    let [a, b, c] = corners.map(|i| Vec3A::from(mesh.positions[i as usize]));
-                    let (e1, e2) = (b - a, c - a);
-                    if e1.cross(e2) != Vec3A::ZERO {
-                        let (object, index) = (number as u32, index as u32);
-                        triangles.push(Corners { v0: a, e1, e2, object, index, visible });
-                    }
-                }
-            }
-            Shape::Mesh(_) => {}
-            Shape::Spheres(spheres) => {
-                let all = spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0 && doubles.is_first(object, s));
-                balls.extend(all.map(|(index, sphere)| Ball {
-                    sphere: *sphere,
-                    object: number as u32,
-                    index: index as u32,
-                    visible,
-                    blocks: !scene.lights.iter().any(|l| l.is_shown_by(sphere)),
-                }));
-            }
-        }
-    }
-    (triangles, balls)
 }
 
 #[cfg(test)]

@@ -1,5 +1,8 @@
+use crate::Revision;
+use ray_tracing::Update;
 use rayon::prelude::*;
 use scene::{Mesh, Scene, Shape};
+use std::collections::HashMap;
 use visibility_silhouettes::SilhouetteMesh;
 
 /// Meshes from so many triangles on have simplified forms: the outlines of smaller ones are few anyway.
@@ -14,29 +17,36 @@ fn prepare(object: u32, mesh: &Mesh) -> SilhouetteMesh {
 #[derive(Clone, Debug, Default)]
 pub struct SceneSilhouettes {
     meshes: Vec<SilhouetteMesh>,
+    /// What each was made for.
+    revisions: Vec<Revision>,
 }
 
 impl SceneSilhouettes {
     /// Prepares the meshes of the objects that `blocks` says yes to by their number.
     #[must_use]
     pub fn new(scene: &Scene, blocks: impl Fn(u32) -> bool) -> Self {
-        let chosen: Vec<_> = (0..scene.objects.len() as u32).filter(|o| blocks(*o)).collect();
-        let mesh = |object: u32| match &scene.objects[object as usize].shape {
-            Shape::Mesh(mesh) => Some(prepare(object, mesh)),
-            Shape::Spheres(_) => None,
-        };
-        Self { meshes: chosen.into_par_iter().filter_map(mesh).collect() }
+        let mut all = Self::default();
+        all.update(scene, blocks, &Revision::unedited(scene.objects.len()));
+        all
     }
 
-    /// Follows the scene to another moment: the same objects, the same triangles.
-    pub fn update(&mut self, scene: &Scene) {
-        for kept in &mut self.meshes {
-            if let Shape::Mesh(mesh) = &scene.objects[kept.object() as usize].shape
-                && !kept.refit(&mesh.positions)
-            {
-                *kept = SilhouetteMesh::new(kept.object(), &mesh.positions, &mesh.triangles);
-            }
-        }
+    /// Follows the scene, of whose objects there is a revision each: meshes that have moved are refitted, others that are new are
+    /// prepared, the rest stays. How many were prepared, and how many refitted.
+    pub fn update(&mut self, scene: &Scene, blocks: impl Fn(u32) -> bool, revisions: &[Revision]) -> [usize; 2] {
+        let old = core::mem::take(&mut self.revisions).into_iter().zip(core::mem::take(&mut self.meshes));
+        let mut old: HashMap<u64, (Revision, SilhouetteMesh)> = old.map(|(r, mesh)| (r.object, (r, mesh))).collect();
+        let chosen = (0..scene.objects.len() as u32).zip(revisions).filter(|(object, _)| blocks(*object));
+        let work: Vec<_> = chosen.map(|(object, revision)| (object, *revision, old.remove(&revision.object))).collect();
+        let follow = |(object, revision, old): (u32, Revision, Option<(Revision, SilhouetteMesh)>)| {
+            let Shape::Mesh(mesh) = &scene.objects[object as usize].shape else { return None };
+            let (made, done) = follow(object, mesh, &revision, old);
+            Some((made, (revision, done)))
+        };
+        let made: (Vec<SilhouetteMesh>, Vec<(Revision, Update)>) = work.into_par_iter().filter_map(follow).unzip();
+        self.meshes = made.0;
+        let (revisions, done): (Vec<Revision>, Vec<Update>) = made.1.into_iter().unzip();
+        self.revisions = revisions;
+        [Update::Built, Update::Refitted].map(|kind| done.iter().filter(|done| **done == kind).count())
     }
 
     /// The meshes.
@@ -44,4 +54,21 @@ impl SceneSilhouettes {
     pub fn meshes(&self) -> &[SilhouetteMesh] {
         &self.meshes
     }
+}
+
+/// The mesh of an object, made from what there was of it.
+fn follow(
+    object: u32,
+    mesh: &Mesh,
+    revision: &Revision,
+    old: Option<(Revision, SilhouetteMesh)>,
+) -> (SilhouetteMesh, Update) {
+    let Some((before, mut kept)) = old.filter(|(before, _)| before.form == revision.form) else {
+        return (prepare(object, mesh), Update::Built);
+    };
+    kept.set_object(object);
+    if before.place == revision.place {
+        return (kept, Update::Kept);
+    }
+    if kept.refit(&mesh.positions) { (kept, Update::Refitted) } else { (prepare(object, mesh), Update::Built) }
 }

@@ -1,8 +1,10 @@
+use crate::Revision;
 use crate::blockers_error::{BlockersError, BlockersProgress};
 use glam::{Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
 use scene::{Animation, BlockerSet, Doubles, Mesh, Object, Proxy, Scene, Shape};
 use sphere_sets::{BoundSet, BuildOptions, Carriers, SphereSet};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Where an object's blocker spheres come from.
@@ -29,7 +31,7 @@ pub enum SphereSource {
 ///
 /// # Cost of a pose
 /// One to four matrix products a sphere that follows bones, a copy of the others.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SceneSpheres {
     objects: Vec<ObjectSpheres>,
 }
@@ -43,11 +45,78 @@ struct ObjectSpheres {
     self_shadows: Vec<SelfShadow>,
     /// Of a sphere set, as it was measured when it was built.
     silhouette_error: Option<f32>,
+    /// The sphere set before it was placed, of a mesh that stands still.
+    own: Option<Box<SphereSet>>,
+    made_for: MadeFor,
+}
+
+/// What the spheres of an object were made for.
+#[derive(Clone, Copy, Debug)]
+struct MadeFor {
+    revision: Revision,
+    source: SphereSource,
+    is_visible: bool,
+    /// Where the sphere set stands.
+    placement: Mat4,
+}
+
+impl MadeFor {
+    const NOTHING: Self = Self {
+        revision: Revision { object: u64::MAX, form: 0, place: 0, transform: Mat4::IDENTITY },
+        source: SphereSource::Nothing,
+        is_visible: false,
+        placement: Mat4::IDENTITY,
+    };
 }
 
 impl ObjectSpheres {
     const fn new(spheres: Spheres, self_distance: f32) -> Self {
-        Self { spheres, self_distance, self_shadows: Vec::new(), silhouette_error: None }
+        let made_for = MadeFor::NOTHING;
+        Self { spheres, self_distance, self_shadows: Vec::new(), silhouette_error: None, own: None, made_for }
+    }
+
+    /// Whether they are those of an object that is as it is now.
+    fn is_for(&self, revision: &Revision, source: SphereSource, object: &Object) -> bool {
+        let before = &self.made_for;
+        let measured = matches!(self.spheres, Spheres::Listed) && before.is_visible != object.visible;
+        before.revision.form == revision.form && before.source == source && !measured
+    }
+
+    /// Puts them where the object has been moved to.
+    fn place(&mut self, object: &Object, revision: &Revision) {
+        let placement = match object.proxy {
+            Proxy::File { placement, .. } => placement,
+            _ => revision.transform,
+        };
+        if let (Spheres::Still(spheres), Some(own), true) =
+            (&mut self.spheres, &self.own, placement != self.made_for.placement)
+        {
+            let is_own = placement == Mat4::IDENTITY && !matches!(object.proxy, Proxy::File { .. });
+            let placed = if is_own { (**own).clone() } else { own.placed(&placement) };
+            (*spheres, self.self_shadows) = (placed.spheres, placed.self_shadows);
+            self.self_distance = placed.self_distance;
+            self.made_for.placement = placement;
+        }
+        if revision.transform != self.made_for.revision.transform {
+            match (&self.spheres, &object.shape) {
+                (Spheres::Shape, Shape::Spheres(balls)) => self.self_distance = ball_self_distance(balls),
+                (Spheres::Listed, _) => self.self_distance = listed_distance(object),
+                _ => {}
+            }
+        }
+        self.made_for.revision = *revision;
+    }
+}
+
+/// The τ of the spheres that an object's proxy lists.
+fn listed_distance(object: &Object) -> f32 {
+    match (&object.proxy, &object.shape) {
+        // Spheres that stand for a flat or empty mesh: nothing to measure, and no inside to shadow.
+        (Proxy::Spheres(list), Shape::Mesh(mesh)) if object.visible => {
+            SphereSet::self_distance_of(&mesh.positions, &mesh.triangles, list).unwrap_or(0.0)
+        }
+        (Proxy::Spheres(list), _) => ball_self_distance(list),
+        _ => 0.0,
     }
 }
 
@@ -76,16 +145,56 @@ impl SceneSpheres {
         source: impl Fn(usize) -> SphereSource,
         progress: &mut BlockersProgress<'_>,
     ) -> Result<Self, BlockersError> {
-        let of = |(number, object): (usize, &Object)| match (source(number), &object.shape) {
-            (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_)) => {
-                Ok(ObjectSpheres::new(Spheres::Nothing, 0.0))
+        let mut all = Self::default();
+        all.update(scene, animation, source, &Revision::unedited(scene.objects.len()), progress)?;
+        Ok(all)
+    }
+
+    /// Follows a scene that has been edited, of whose objects there is a revision each: only spheres of objects whose form is new are
+    /// built, read or measured. How many. The scene has its objects where they stood at first, before any
+    /// [transform](Revision::transform); [`place`](Self::place) puts the spheres where they are.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new). What is made by then is kept for the next call.
+    pub fn update(
+        &mut self,
+        scene: &Scene,
+        animation: Option<&Animation>,
+        source: impl Fn(usize) -> SphereSource,
+        revisions: &[Revision],
+        progress: &mut BlockersProgress<'_>,
+    ) -> Result<usize, BlockersError> {
+        let old = core::mem::take(&mut self.objects);
+        let mut old: HashMap<u64, ObjectSpheres> =
+            old.into_iter().map(|own| (own.made_for.revision.object, own)).collect();
+        let mut count = 0;
+        for (number, (object, revision)) in scene.objects.iter().zip(revisions).enumerate() {
+            let source = source(number);
+            let known = old.remove(&revision.object).filter(|own| own.is_for(revision, source, object));
+            let made =
+                known.map_or_else(|| make(number, object, animation, source, progress).map(Err), |own| Ok(Ok(own)));
+            match made {
+                Ok(Ok(own)) => self.objects.push(own),
+                Ok(Err(mut own)) => {
+                    count += usize::from(!matches!(own.spheres, Spheres::Nothing));
+                    let revision = Revision { transform: Mat4::IDENTITY, ..*revision };
+                    own.made_for = MadeFor { revision, source, is_visible: object.visible, ..own.made_for };
+                    self.objects.push(own);
+                }
+                Err(error) => {
+                    self.objects.extend(old.into_values());
+                    return Err(error);
+                }
             }
-            (SphereSource::Shape, Shape::Spheres(balls)) => {
-                Ok(ObjectSpheres::new(Spheres::Shape, ball_self_distance(balls)))
-            }
-            (SphereSource::Proxy, _) => from_proxy(number, object, animation, progress),
-        };
-        Ok(Self { objects: scene.objects.iter().enumerate().map(of).collect::<Result<_, _>>()? })
+        }
+        Ok(count)
+    }
+
+    /// Puts the spheres where the objects of the scene have been moved to, after [`update`](Self::update).
+    pub fn place(&mut self, scene: &Scene, revisions: &[Revision]) {
+        for ((object, revision), own) in scene.objects.iter().zip(revisions).zip(&mut self.objects) {
+            own.place(object, revision);
+        }
     }
 
     /// Which objects block by a sphere set, and the share of their silhouettes that it misses.
@@ -147,6 +256,25 @@ impl SceneSpheres {
     }
 }
 
+/// The spheres of an object.
+fn make(
+    number: usize,
+    object: &Object,
+    animation: Option<&Animation>,
+    source: SphereSource,
+    progress: &mut BlockersProgress<'_>,
+) -> Result<ObjectSpheres, BlockersError> {
+    match (source, &object.shape) {
+        (SphereSource::Nothing, _) | (SphereSource::Shape, Shape::Mesh(_)) => {
+            Ok(ObjectSpheres::new(Spheres::Nothing, 0.0))
+        }
+        (SphereSource::Shape, Shape::Spheres(balls)) => {
+            Ok(ObjectSpheres::new(Spheres::Shape, ball_self_distance(balls)))
+        }
+        (SphereSource::Proxy, _) => from_proxy(number, object, animation, progress),
+    }
+}
+
 /// The spheres of an object's proxy and their τ.
 fn from_proxy(
     number: usize,
@@ -160,26 +288,29 @@ fn from_proxy(
         (Proxy::Count(_), Shape::Spheres(balls)) => {
             return Ok(ObjectSpheres::new(Spheres::Shape, ball_self_distance(balls)));
         }
-        (Proxy::Spheres(list), Shape::Mesh(Mesh { positions, triangles, .. })) if object.visible => {
-            // Spheres that stand for a flat or empty mesh: nothing to measure, and no inside to shadow.
-            let measured = SphereSet::self_distance_of(positions, triangles, list);
-            return Ok(ObjectSpheres::new(Spheres::Listed, measured.unwrap_or(0.0)));
-        }
-        (Proxy::Spheres(list), _) => return Ok(ObjectSpheres::new(Spheres::Listed, ball_self_distance(list))),
+        (Proxy::Spheres(_), _) => return Ok(ObjectSpheres::new(Spheres::Listed, listed_distance(object))),
         (Proxy::Count(count), Shape::Mesh(Mesh { positions, triangles, .. })) => {
             let mut report = |done| progress(&object.name, done);
             let options = BuildOptions::new(*count);
             let set = SphereSet::build_with_progress(positions, triangles, &options, &mut report);
-            set.map_err(|source| BlockersError::Build { object: name(), source })?
+            let set = set.map_err(|source| BlockersError::Build { object: name(), source })?;
+            (set.clone(), set, Mat4::IDENTITY)
         }
-        (Proxy::File { path, placement }, _) => read_set(path, placement, object)?,
+        (Proxy::File { path, placement }, _) => {
+            let (own, placed) = read_and_place(path, placement, object)?;
+            (own, placed, *placement)
+        }
     };
+    let (own, set, placement) = set;
     let (self_distance, silhouette_error) = (set.self_distance, Some(set.quality.silhouette_error));
     let self_shadows = set.self_shadows.clone();
-    let made = |spheres| Ok(ObjectSpheres { spheres, self_distance, self_shadows, silhouette_error });
+    let made = |spheres, own| {
+        let made_for = MadeFor { placement, ..MadeFor::NOTHING };
+        Ok(ObjectSpheres { spheres, self_distance, self_shadows, silhouette_error, own, made_for })
+    };
     let rig = animation.and_then(|a| Some((a.rig(number)?, a.pose(number, 0.0))));
     let (Some((rig, rest)), Shape::Mesh(mesh)) = (rig, &object.shape) else {
-        return made(Spheres::Still(set.spheres));
+        return made(Spheres::Still(set.spheres), Some(Box::new(own)));
     };
     let carriers = Carriers {
         joints: rig.joints,
@@ -190,7 +321,7 @@ fn from_proxy(
     };
     let bound = set.bind(&mesh.positions, &mesh.triangles, &carriers);
     let bound = bound.map_err(|source| BlockersError::Bind { object: name(), source })?;
-    made(Spheres::Bound(Box::new(bound)))
+    made(Spheres::Bound(Box::new(bound)), None)
 }
 
 /// Reads the file of a sphere set that is given for an object as it stood before `placement`, and puts the set where the
@@ -199,6 +330,11 @@ fn from_proxy(
 /// # Errors
 /// [`BlockersError::Read`], [`BlockersError::Set`], and [`BlockersError::Misfit`] for a set of another mesh.
 pub fn read_set(path: &Path, placement: &Mat4, object: &Object) -> Result<SphereSet, BlockersError> {
+    Ok(read_and_place(path, placement, object)?.1)
+}
+
+/// The set as it is in its file, and where the object is.
+fn read_and_place(path: &Path, placement: &Mat4, object: &Object) -> Result<(SphereSet, SphereSet), BlockersError> {
     let path = || path.to_owned();
     let text = std::fs::read_to_string(path()).map_err(|source| BlockersError::Read { path: path(), source })?;
     let set = SphereSet::from_json(&text).map_err(|source| BlockersError::Set { path: path(), source })?;
@@ -211,7 +347,7 @@ pub fn read_set(path: &Path, placement: &Mat4, object: &Object) -> Result<Sphere
         let bounds = mesh.bounds();
         placed.mesh_bounds = [bounds.min, bounds.max];
     }
-    Ok(placed)
+    Ok((set, placed))
 }
 
 fn ball_self_distance(balls: &[Sphere]) -> f32 {

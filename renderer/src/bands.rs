@@ -1,3 +1,4 @@
+use crate::kept_points::KeptPoints;
 use brdf::Material;
 use core::ops::Range;
 use pictures::Window;
@@ -27,17 +28,17 @@ pub(crate) struct Bands<'w> {
     samples: u32,
     pub(crate) window: Window,
     rows: u32,
-    /// The picture's only band, where it has been looked at before it is shaded.
-    kept: Option<GBuffer>,
+    /// Points of the picture before, or found before they are shaded.
+    kept: &'w mut KeptPoints,
     /// Seconds of finding visible points.
     pub(crate) seconds: f64,
 }
 
 impl<'w> Bands<'w> {
-    pub(crate) fn new(world: &'w World<'w>, samples: u32, window: Window) -> Self {
+    pub(crate) fn new(world: &'w World<'w>, samples: u32, window: Window, kept: &'w mut KeptPoints) -> Self {
         let rows = BAND_RAYS / (window.size()[0] as u64 * u64::from(samples)).max(1);
         let rows = (rows as u32 / TILE * TILE).max(TILE);
-        Self { world, samples, window, rows, kept: None, seconds: 0.0 }
+        Self { world, samples, window, rows, kept, seconds: 0.0 }
     }
 
     /// Bands of these rows, whose borders are those of tiles.
@@ -51,29 +52,35 @@ impl<'w> Bands<'w> {
         let (world, samples) = (self.world, self.samples);
         let scene = world.scene();
         let columns = window.columns.start as u32..window.columns.end as u32;
-        match self.kept.take() {
-            Some(g) => g,
-            None => {
-                seconds(&mut self.seconds, || GBuffer::window(world, scene.width, scene.height, samples, columns, rows))
-            }
+        if let Some(kept) = self.kept.take(window, samples, &rows) {
+            return kept;
         }
+        self.kept.found += 1;
+        seconds(&mut self.seconds, || GBuffer::window(world, scene.width, scene.height, samples, columns, rows))
+    }
+
+    /// Keeps the points of a band for the next time that they are needed.
+    pub(crate) fn keep(&mut self, window: &Window, rows: Range<u32>, points: GBuffer) {
+        self.kept.put(window, self.samples, rows, points);
     }
 
     /// The box of all visible points of the picture, those outside the window too: its parts are to be as the whole.
-    /// `None` when the camera sees nothing. Costs nothing where one band is the whole picture, since its points are kept; else all
+    /// `None` when the camera sees nothing. Costs nothing where the points of the whole picture are few enough to be kept; else all
     /// points are found twice.
     pub(crate) fn bounds(&mut self) -> Option<ReceiverBounds> {
         let mut all: Option<ReceiverBounds> = None;
         let [width, height] = self.window.image;
         let picture = Window::whole(width, height);
         let ranges: Vec<_> = self.ranges(0..height as u32).collect();
-        let keep = ranges.len() == 1 && self.window.is_whole();
+        let keep = self.window.is_whole();
         for rows in ranges {
-            let g = self.points(&picture, rows);
+            let g = self.points(&picture, rows.clone());
             if let Some(b) = ReceiverBounds::of(g.points.receivers.iter().map(|r| r.position)) {
                 all = Some(all.map_or(b, |a| ReceiverBounds { min: a.min.min(b.min), max: a.max.max(b.max) }));
             }
-            self.kept = keep.then_some(g);
+            if keep {
+                self.keep(&picture, rows, g);
+            }
         }
         all
     }

@@ -31,6 +31,22 @@ pub enum RenderError {
     /// The paper's light lobes are those of balls.
     #[error("method \"paper\" is for sphere lights: light {0} is {1}; use \"moments\"")]
     PaperLight(usize, &'static str),
+    /// The scene is not one that can be drawn.
+    #[error(transparent)]
+    Scene(#[from] scene::SceneError),
+    /// An edit is refused.
+    #[error(transparent)]
+    Edit(#[from] crate::EditError),
+    /// A setting is out of its range.
+    #[error("{name} is {value}: expected {expected}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// Its range.
+        expected: &'static str,
+    },
     /// The listener has stopped the work.
     #[error("cancelled")]
     Cancelled,

@@ -143,8 +143,10 @@ impl Work for Shading<'_, '_, '_, '_> {
                 all.depths = g.resolve(&g.depths, f32::INFINITY);
             }
             done.points += g.len();
+            let radiance = g.picture(&radiance, background);
+            bands.keep(&window, rows.clone(), g);
             let rows = rows.start as usize..rows.end as usize;
-            if sink(Band { rows, radiance: g.picture(&radiance, background), layers: all }).is_break() {
+            if sink(Band { rows, radiance, layers: all }).is_break() {
                 break;
             }
         }

@@ -5,14 +5,20 @@ use visibility_spheres::SphereBlockers;
 #[derive(Clone, Debug, Default)]
 pub struct KeptSpheres {
     blockers: Option<SphereBlockers>,
-    objects: Vec<u32>,
+    set: BlockerSet,
 }
 
 impl KeptSpheres {
-    /// Takes over the spheres of the next frame. The hierarchy is refitted as long as they are the same ones.
-    pub fn update(&mut self, set: &BlockerSet) {
-        let old = self.blockers.take().filter(|_| self.objects == set.objects);
-        self.objects.clone_from(&set.objects);
+    /// Takes over the spheres of the next frame. The hierarchy is kept where all are where they were, and refitted as long as they
+    /// are the same ones. Whether anything had to be done.
+    pub fn update(&mut self, set: &BlockerSet) -> bool {
+        let is_same = (&self.set.spheres, &self.set.objects) == (&set.spheres, &set.objects)
+            && (&self.set.self_distances, &self.set.self_shadows) == (&set.self_distances, &set.self_shadows);
+        if is_same {
+            return false;
+        }
+        let old = self.blockers.take().filter(|_| self.set.objects == set.objects);
+        self.set.clone_from(set);
         self.blockers = (!set.spheres.is_empty()).then(|| {
             let blockers = match old {
                 Some(mut blockers) => {
@@ -23,6 +29,7 @@ impl KeptSpheres {
             };
             blockers.with_self_shadows(&set.self_shadows)
         });
+        true
     }
 
     /// What blocks, where there is anything.

@@ -1,9 +1,9 @@
 use crate::RenderError;
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::LightLobes;
+use lobe_core::{LightLobes, Sphere};
 use rayon::prelude::*;
-use render_cpu::{SceneSilhouettes, SphereSource};
+use render_cpu::{Revision, SceneSilhouettes, SphereSource};
 use scene::{Object, Proxy, Scene, Shape, Strategy};
 use visibility_shadowmap::{MapOptions, PackedMaps, ReceiverBounds, ShadowMap};
 
@@ -88,6 +88,16 @@ impl Plan {
         SceneSilhouettes::new(scene, |o| self.by_silhouettes(scene, o) || self.is_mapped(scene, o as usize))
     }
 
+    /// Lets silhouettes follow the scene; how many meshes were prepared, and how many refitted.
+    pub(crate) fn follow_silhouettes(
+        &self,
+        scene: &Scene,
+        revisions: &[Revision],
+        kept: &mut SceneSilhouettes,
+    ) -> [usize; 2] {
+        kept.update(scene, |o| self.by_silhouettes(scene, o) || self.is_mapped(scene, o as usize), revisions)
+    }
+
     /// Whether an object's triangles block by their silhouettes.
     #[must_use]
     pub fn by_silhouettes(&self, scene: &Scene, object: u32) -> bool {
@@ -125,6 +135,18 @@ impl Plan {
         resolution: Option<u32>,
         room: u64,
     ) -> Result<(Vec<ShadowMap>, Option<Coarser>), RenderError> {
+        self.maps_beside(scene, receivers, resolution, room, &|_| None)
+    }
+
+    /// The same, with the maps that are `known` of lights.
+    pub(crate) fn maps_beside(
+        &self,
+        scene: &Scene,
+        receivers: ReceiverBounds,
+        resolution: Option<u32>,
+        room: u64,
+        known: &(dyn Fn(&Sphere) -> Option<ShadowMap> + Sync),
+    ) -> Result<(Vec<ShadowMap>, Option<Coarser>), RenderError> {
         let (mut positions, mut triangles) = (Vec::<Vec3>::new(), Vec::<[u32; 3]>::new());
         for (object, is_caster) in scene.objects.iter().zip(self.casters(scene)) {
             if let (Shape::Mesh(mesh), true) = (&object.shape, is_caster) {
@@ -136,6 +158,11 @@ impl Plan {
         let options = MapOptions { receivers: Some(receivers), ..MapOptions::default() };
         let draw = |finest: u32| -> Result<Vec<ShadowMap>, RenderError> {
             let map = |light| match resolution {
+                _ if finest == FITTED
+                    && let Some(map) = known(&light) =>
+                {
+                    Ok(map)
+                }
                 Some(resolution) => {
                     ShadowMap::build(&positions, &triangles, light, &MapOptions { resolution, ..options })
                 }

@@ -1,17 +1,24 @@
 use crate::bands::{Bands, seconds};
 use crate::budget::Budget;
 use crate::event::tell;
+use crate::handles::Handles;
 use crate::image::Shading;
+use crate::kept_maps::KeptMaps;
+use crate::kept_points::KeptPoints;
+use crate::rows::Rows;
+use crate::sphere_cache::{Scope, follow_spheres};
 use crate::{
     Backend, Clocks, Event, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Layers, Listener, Method, Plan,
-    RenderError, Settings, Sink, paper_tables, scene_spheres,
+    RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
+use lighting::Light;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
 use pictures::Window;
-use render_cpu::{Hierarchy, SceneSilhouettes, SceneSpheres, World};
+use render_cpu::{Hierarchy, SceneSilhouettes, SceneSpheres, Update, World};
 use scene::{Animation, BlockerSet, Frame, Scene};
+use std::sync::Arc;
 use visibility_shadowmap::ShadowMap;
 
 /// A scene, and all that turns it into pictures: which strategy each object's shadow takes, spheres, hierarchies and maps kept
@@ -24,36 +31,35 @@ use visibility_shadowmap::ShadowMap;
 /// are in the cache). Later ones refit what has moved.
 #[derive(Debug)]
 pub struct Renderer {
-    scene: Scene,
-    animation: Animation,
-    settings: Settings,
+    pub(crate) scene: Scene,
+    pub(crate) animation: Animation,
+    pub(crate) settings: Settings,
     plan: Plan,
-    backend: Backend,
+    pub(crate) backend: Backend,
     /// Seconds of the animation.
-    time: f32,
-    prepared: Option<Prepared>,
+    pub(crate) time: f32,
+    tables: Option<Tables>,
+    sets: SceneSpheres,
     /// What is spent once.
     clocks: Clocks,
     /// Seconds of the last [`seek`](Self::seek).
     pose: f64,
     /// What a time budget has chosen.
-    chosen: Option<Accuracy>,
+    pub(crate) chosen: Option<Accuracy>,
     set: BlockerSet,
     spheres: KeptSpheres,
-    hierarchy: Option<Hierarchy>,
-    /// Seconds of making it before the next picture.
+    hierarchy: Option<Arc<Hierarchy>>,
+    /// Seconds of following it before the next picture.
     built: f64,
-    silhouettes: Option<SceneSilhouettes>,
-    /// Whether anything has moved since what is kept was made.
-    is_moved: bool,
+    silhouettes: SceneSilhouettes,
+    pub(crate) points: KeptPoints,
+    maps: KeptMaps,
+    pub(crate) rows: Rows,
+    pub(crate) light_handles: Handles,
+    pub(crate) material_handles: Handles,
+    pub(crate) stale: Stale,
+    upkeep: Upkeep,
     is_advised: bool,
-}
-
-/// What is made once.
-#[derive(Debug)]
-struct Prepared {
-    spheres: SceneSpheres,
-    tables: Option<Tables>,
 }
 
 impl Renderer {
@@ -79,29 +85,23 @@ impl Renderer {
         backend: Backend,
     ) -> Result<Self, RenderError> {
         settings.check_device(backend.device())?;
-        if let (Method::Paper, Some((i, light))) =
-            (settings.method, scene.lights.iter().enumerate().find(|(_, light)| light.ball().is_none()))
-        {
-            // As scene files call them.
-            let kind = match light.kind() {
-                "flat" => "a rectangle, disc or polygon",
-                "tube" => "a tube",
-                "sun" => "a sun",
-                "spot" => "a spot",
-                "environment" => "an environment",
-                kind => kind,
-            };
-            return Err(RenderError::PaperLight(i, kind));
-        }
+        settings.validate()?;
+        scene.validate()?;
+        check_method(settings.method, &scene.lights)?;
         let plan = Plan::new(settings.strategy, &scene);
+        let settings = Settings { device: backend.device(), ..settings };
         Ok(Self {
+            rows: Rows::new(scene.objects.len()),
+            light_handles: Handles::new(scene.lights.len()),
+            material_handles: Handles::new(scene.materials.len()),
             scene,
             animation,
             settings,
             plan,
             backend,
             time: 0.0,
-            prepared: None,
+            tables: None,
+            sets: SceneSpheres::default(),
             clocks: Clocks::default(),
             pose: 0.0,
             chosen: None,
@@ -109,8 +109,11 @@ impl Renderer {
             spheres: KeptSpheres::default(),
             hierarchy: None,
             built: 0.0,
-            silhouettes: None,
-            is_moved: true,
+            silhouettes: SceneSilhouettes::default(),
+            points: KeptPoints::default(),
+            maps: KeptMaps::default(),
+            stale: Stale::ALL,
+            upkeep: Upkeep::default(),
             is_advised: false,
         })
     }
@@ -151,17 +154,21 @@ impl Renderer {
         self.clocks
     }
 
-    /// Another accuracy from the next picture on; a time budget has no say any more.
-    pub fn set_accuracy(&mut self, accuracy: Accuracy) {
-        self.settings.accuracy = accuracy;
-        self.settings.time_budget = None;
-        self.chosen = None;
+    /// What edits have made stale since the last picture.
+    #[must_use]
+    pub const fn stale(&self) -> Stale {
+        self.stale
     }
 
-    /// Changes the camera, lights, materials or the size of the picture. Objects are to stay: they follow the animation.
-    pub fn edit(&mut self, change: impl FnOnce(&mut Scene)) {
-        change(&mut self.scene);
-        self.is_moved = true;
+    /// How often what is kept between pictures was made or followed so far.
+    #[must_use]
+    pub const fn upkeep(&self) -> Upkeep {
+        Upkeep { point_bands: self.points.found, maps: self.maps.drawn, ..self.upkeep }
+    }
+
+    pub(crate) fn mark(&mut self, stale: Stale) -> Stale {
+        self.stale |= stale;
+        stale
     }
 
     /// Makes what is made once, spheres and tables, unless it is there. Pictures do it themselves.
@@ -169,24 +176,33 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn prepare(&mut self, listener: &mut Listener<'_>) -> Result<(), RenderError> {
-        if self.prepared.is_some() {
-            return Ok(());
+        if self.stale.has(Stale::PLAN) {
+            self.plan = Plan::new(self.settings.strategy, &self.scene);
+            self.stale = self.stale.without(Stale::PLAN);
+            self.maps.clear();
         }
-        // Spheres are fitted at the first moment.
-        if self.time != 0.0 {
-            self.animation.seek(0.0, &mut self.scene);
+        if self.stale.has(Stale::SETS) {
+            // Sets are fitted where objects stand at first.
+            self.rows.swap_rest(&mut self.scene);
+            if self.time != 0.0 {
+                self.animation.seek(0.0, &mut self.scene);
+            }
+            let (animation, plan, cache) = (&self.animation, &self.plan, self.settings.cache.as_deref());
+            let scope = Scope { animation, plan, cache, revisions: self.rows.revisions() };
+            let (sets, scene) = (&mut self.sets, &mut self.scene);
+            let made = seconds(&mut self.clocks.spheres, || follow_spheres(sets, scene, &scope, listener));
+            if self.time != 0.0 {
+                self.animation.seek(self.time, &mut self.scene);
+            }
+            self.rows.swap_rest(&mut self.scene);
+            self.rows.follow_proxies(&mut self.scene);
+            self.upkeep.sphere_sets += made? as u64;
+            self.stale = self.stale.without(Stale::SETS);
         }
-        let (scene, cache) = (&mut self.scene, self.settings.cache.as_deref());
-        let spheres =
-            seconds(&mut self.clocks.spheres, || scene_spheres(scene, &self.animation, &self.plan, cache, listener));
-        if self.time != 0.0 {
-            self.animation.seek(self.time, &mut self.scene);
+        if self.settings.method == Method::Paper && self.tables.is_none() {
+            let cache = self.settings.cache.as_deref();
+            self.tables = Some(seconds(&mut self.clocks.tables, || paper_tables(cache, listener))?);
         }
-        let tables = match self.settings.method {
-            Method::Paper => Some(seconds(&mut self.clocks.tables, || paper_tables(cache, listener))?),
-            Method::Moments | Method::Lobes => None,
-        };
-        self.prepared = Some(Prepared { spheres: spheres?, tables });
         Ok(())
     }
 
@@ -195,14 +211,10 @@ impl Renderer {
     pub fn exposure(&mut self) -> f32 {
         let time = self.time;
         self.seek(0.0);
-        let hierarchy = self.hierarchy.take();
-        let world = seconds(&mut self.built, || match hierarchy {
-            Some(hierarchy) => World::refit(&self.scene, hierarchy),
-            None => World::new(&self.scene),
-        });
-        let stops = crate::exposure(&world);
-        self.hierarchy = Some(world.into_hierarchy());
-        self.is_moved = true;
+        let mut built = core::mem::take(&mut self.built);
+        let hierarchy = seconds(&mut built, || self.follow_hierarchy());
+        self.built = built;
+        let stops = crate::exposure(&World::with_hierarchy(&self.scene, hierarchy));
         self.seek(time);
         stops
     }
@@ -211,7 +223,10 @@ impl Renderer {
     pub fn seek(&mut self, time: f32) {
         self.pose = 0.0;
         seconds(&mut self.pose, || self.animation.seek(time, &mut self.scene));
-        self.is_moved |= time != self.time || self.hierarchy.is_none();
+        if time != self.time && !self.animation.is_still() {
+            self.rows.bump_places(|object| self.animation.moves_object(object));
+            self.mark(Stale::MOVED | Stale::LIGHTS);
+        }
         self.time = time;
     }
 
@@ -257,49 +272,106 @@ impl Renderer {
         self.prepare(listener)?;
         let (pose, hierarchy) = (core::mem::take(&mut self.pose), core::mem::take(&mut self.built));
         let mut clocks = FrameClocks { pose, hierarchy, ..FrameClocks::default() };
-        self.follow(&mut clocks)?;
-        let hierarchy = self.hierarchy.take();
-        let world = seconds(&mut clocks.hierarchy, || match hierarchy {
-            Some(hierarchy) if self.is_moved => World::refit(&self.scene, hierarchy),
-            Some(hierarchy) => World::kept(&self.scene, hierarchy),
-            None => World::new(&self.scene),
-        });
-        let none = SceneSilhouettes::default();
-        let tables = self.prepared.as_ref().and_then(|prepared| prepared.tables.as_ref());
+        let hierarchy = self.follow(&mut clocks)?;
+        let world = World::with_hierarchy(&self.scene, hierarchy);
         let job = Job {
             settings: &self.settings,
             window,
             plan: &self.plan,
             spheres: &self.spheres,
-            silhouettes: self.silhouettes.as_ref().unwrap_or(&none),
-            tables,
+            silhouettes: &self.silhouettes,
+            tables: self.tables.as_ref(),
         };
-        let made =
-            job.picture(&world, &mut self.backend, &mut self.chosen, &mut self.is_advised, clocks, listener, sink);
-        self.hierarchy = Some(world.into_hierarchy());
-        self.is_moved = false;
-        made
+        let state = State {
+            backend: &mut self.backend,
+            chosen: &mut self.chosen,
+            is_advised: &mut self.is_advised,
+            points: &mut self.points,
+            maps: &mut self.maps,
+        };
+        job.picture(&world, state, clocks, listener, sink)
     }
 
-    /// Spheres and silhouettes of the present moment.
-    fn follow(&mut self, clocks: &mut FrameClocks) -> Result<(), RenderError> {
-        if !self.is_moved {
-            return Ok(());
+    /// The hierarchy of the present moment.
+    fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
+        let scene = &self.scene;
+        let mut done = Update::Kept;
+        match self.hierarchy.as_mut().and_then(Arc::get_mut) {
+            Some(kept) => {
+                if self.stale.has(Stale::HIERARCHY) {
+                    done = kept.update(scene);
+                } else {
+                    if self.stale.has(Stale::LIGHTS) {
+                        kept.update_lights(scene);
+                    }
+                    if self.stale.has(Stale::SURFACES) {
+                        kept.update_surfaces(scene);
+                    }
+                }
+            }
+            None => {
+                self.hierarchy = Some(Arc::new(Hierarchy::new(scene)));
+                done = Update::Built;
+            }
         }
-        let (scene, plan) = (&self.scene, &self.plan);
-        if let Some(prepared) = &self.prepared {
+        self.upkeep.hierarchy_builds += u64::from(done == Update::Built);
+        self.upkeep.hierarchy_refits += u64::from(done == Update::Refitted);
+        if done != Update::Kept {
+            self.maps.clear();
+        }
+        if done != Update::Kept || self.stale.has(Stale::POINTS) {
+            self.points.clear();
+        }
+        self.stale = self.stale.without(Stale::HIERARCHY | Stale::SURFACES | Stale::POINTS);
+        Arc::clone(self.hierarchy.get_or_insert_with(|| Arc::new(Hierarchy::new(scene))))
+    }
+
+    /// Spheres, silhouettes and hierarchy of the present moment.
+    fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
+        let hierarchy = seconds(&mut clocks.hierarchy, || self.follow_hierarchy());
+        let (scene, plan, revisions) = (&self.scene, &self.plan, self.rows.revisions());
+        if self.stale.has(Stale::SPHERES | Stale::LIGHTS) {
             seconds(&mut clocks.spheres, || {
-                prepared.spheres.pose(scene, Some((&self.animation, self.time)), &mut self.set)?;
-                self.spheres.update(&self.set);
+                self.sets.place(scene, revisions);
+                self.sets.pose(scene, Some((&self.animation, self.time)), &mut self.set)?;
+                self.upkeep.sphere_updates += u64::from(self.spheres.update(&self.set));
                 Ok::<(), RenderError>(())
             })?;
         }
-        seconds(&mut clocks.silhouettes, || match &mut self.silhouettes {
-            Some(kept) => kept.update(scene),
-            None => self.silhouettes = Some(plan.silhouettes(scene)),
-        });
-        Ok(())
+        if self.stale.has(Stale::SILHOUETTES) {
+            let [made, refitted] =
+                seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, revisions, &mut self.silhouettes));
+            self.upkeep.silhouette_builds += made as u64;
+            self.upkeep.silhouette_refits += refitted as u64;
+        }
+        self.stale = Stale::NOTHING;
+        Ok(hierarchy)
     }
+}
+
+/// Whether the lights are those that a method is for.
+pub(crate) fn check_method(method: Method, lights: &[Light]) -> Result<(), RenderError> {
+    let other = lights.iter().enumerate().find(|(_, light)| light.ball().is_none());
+    let (Method::Paper, Some((i, light))) = (method, other) else { return Ok(()) };
+    // As scene files call them.
+    let kind = match light.kind() {
+        "flat" => "a rectangle, disc or polygon",
+        "tube" => "a tube",
+        "sun" => "a sun",
+        "spot" => "a spot",
+        "environment" => "an environment",
+        kind => kind,
+    };
+    Err(RenderError::PaperLight(i, kind))
+}
+
+/// What a picture uses and leaves for the next one.
+struct State<'a> {
+    backend: &'a mut Backend,
+    chosen: &'a mut Option<Accuracy>,
+    is_advised: &'a mut bool,
+    points: &'a mut KeptPoints,
+    maps: &'a mut KeptMaps,
 }
 
 /// The parts of a picture, made and kept.
@@ -314,25 +386,23 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// One picture of a world, as far as the sink takes it.
-    #[expect(clippy::too_many_arguments, reason = "what it changes, whom it tells, where it goes")]
     fn picture(
         &self,
         world: &World<'_>,
-        backend: &mut Backend,
-        chosen: &mut Option<Accuracy>,
-        is_advised: &mut bool,
+        state: State<'_>,
         mut clocks: FrameClocks,
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
         let Self { settings, window, plan, silhouettes, tables, .. } = *self;
+        let State { backend, chosen, is_advised, points, maps: kept_maps } = state;
         let (scene, spheres) = (world.scene(), self.spheres.get());
-        let mut bands = Bands::new(world, settings.samples, window.clone());
+        let mut bands = Bands::new(world, settings.samples, window.clone(), points);
         let mut maps = Vec::new();
         if let Some(receivers) = plan.wants_maps(scene).then(|| bands.bounds()).flatten() {
             let (resolution, room) = (settings.map_resolution, backend.room_for_maps());
             let coarser;
-            (maps, coarser) = seconds(&mut clocks.maps, || plan.maps(scene, receivers, resolution, room))?;
+            (maps, coarser) = seconds(&mut clocks.maps, || kept_maps.update(plan, scene, receivers, resolution, room))?;
             if !core::mem::replace(is_advised, true) {
                 if let Some(coarser) = coarser {
                     tell(listener, Event::CoarserMaps(coarser))?;

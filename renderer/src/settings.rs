@@ -3,6 +3,10 @@ use crate::error::{LAYERS, LOBES};
 use lobe_core::Accuracy;
 use scene::Strategy;
 use std::path::PathBuf;
+use visibility_shadowmap::MapOptions;
+
+/// Camera rays a pixel, at most.
+const MAX_SAMPLES: u32 = 1 << 16;
 
 /// In which form visibility meets reflectance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,6 +62,40 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Whether all numbers are in their ranges.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] that names the first that is not.
+    pub fn validate(&self) -> Result<(), RenderError> {
+        let fault = |name, value: &dyn core::fmt::Display, expected| {
+            Err(RenderError::Setting { name, value: value.to_string(), expected })
+        };
+        let Accuracy { tolerance, depth } = self.accuracy;
+        if !(tolerance > 0.0 && tolerance <= 1.0) {
+            return fault("tolerance", &tolerance, "a number above 0, 1 at most");
+        }
+        if !(1..=6).contains(&depth) {
+            return fault("depth of masks", &depth, "1 to 6");
+        }
+        if let Some(budget) = self.time_budget.filter(|budget| !(*budget > 0.0 && budget.is_finite())) {
+            return fault("time budget", &budget, "milliseconds above 0");
+        }
+        if !(self.threshold >= 0.0 && self.threshold.is_finite()) {
+            return fault("threshold", &self.threshold, "a radiance of 0 or more");
+        }
+        if !(1..=MAX_SAMPLES).contains(&self.samples) {
+            return fault("camera rays a pixel", &self.samples, "1 to 65536");
+        }
+        if self.repeat == 0 {
+            return fault("repetitions", &self.repeat, "1 or more");
+        }
+        let resolutions = MapOptions::MIN_RESOLUTION..=MapOptions::MAX_RESOLUTION;
+        if let Some(resolution) = self.map_resolution.filter(|n| !resolutions.contains(n)) {
+            return fault("resolution of shadow maps", &resolution, "16 to 8192 texels a side");
+        }
+        Ok(())
+    }
+
     /// Whether a device has all that is asked for.
     ///
     /// # Errors

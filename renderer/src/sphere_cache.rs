@@ -2,7 +2,7 @@ use crate::event::tell;
 use crate::{Event, Listener, Plan, RenderError, cache};
 use core::ops::ControlFlow;
 use glam::Mat4;
-use render_cpu::{BlockersError, SceneSpheres, SphereSource};
+use render_cpu::{BlockersError, Revision, SceneSpheres, SphereSource};
 use scene::{Animation, Mesh, Object, Proxy, Scene, Shape};
 use sphere_sets::{BuildOptions, SetQuality, SphereSet};
 use std::path::{Path, PathBuf};
@@ -24,6 +24,28 @@ pub fn scene_spheres(
     cache: Option<&Path>,
     listener: &mut Listener<'_>,
 ) -> Result<SceneSpheres, RenderError> {
+    let (mut spheres, revisions) = (SceneSpheres::default(), Revision::unedited(scene.objects.len()));
+    let scope = Scope { animation, plan, cache, revisions: &revisions };
+    follow_spheres(&mut spheres, scene, &scope, listener)?;
+    Ok(spheres)
+}
+
+/// What spheres follow, beside the scene.
+pub(crate) struct Scope<'a> {
+    pub(crate) animation: &'a Animation,
+    pub(crate) plan: &'a Plan,
+    pub(crate) cache: Option<&'a Path>,
+    pub(crate) revisions: &'a [Revision],
+}
+
+/// Makes the spheres that there are not yet, of a scene with its objects where they stood at first. How many objects have new ones.
+pub(crate) fn follow_spheres(
+    spheres: &mut SceneSpheres,
+    scene: &mut Scene,
+    scope: &Scope<'_>,
+    listener: &mut Listener<'_>,
+) -> Result<usize, RenderError> {
+    let Scope { animation, plan, cache, revisions } = *scope;
     if let Some(folder) = cache {
         fill(scene, plan, folder, listener)?;
     }
@@ -34,11 +56,12 @@ pub fn scene_spheres(
         _ => 0,
     };
     let mut progress = |object: &str, done| listener(Event::Fitting { object, spheres: count(object), done });
-    let set = SceneSpheres::new(scene, Some(animation), source, &mut progress)?;
-    for (object, error) in set.silhouette_errors().filter(|(_, e)| *e > SetQuality::UNSUITABLE) {
+    let made = spheres.update(scene, Some(animation), source, revisions, &mut progress)?;
+    for (object, error) in spheres.silhouette_errors().filter(|_| made > 0).filter(|(_, e)| *e > SetQuality::UNSUITABLE)
+    {
         tell(listener, Event::PoorFit { object: &scene.objects[object].name, error })?;
     }
-    Ok(set)
+    Ok(made)
 }
 
 /// Builds the sphere sets that the scene's objects ask for, or finds them among those of earlier runs, and lets the

@@ -54,9 +54,11 @@
 //! Out of scope here: pictures as output, sphere-set construction, threads.
 
 mod animation;
+mod animation_edits;
 mod bounds;
 mod builtin;
 mod camera;
+mod check;
 mod coherence;
 mod context;
 mod cut_out;
@@ -114,6 +116,7 @@ mod toml_reader;
 mod track;
 
 pub use crate::animation::{Animation, Pose, Rig};
+pub use crate::animation_edits::{KeyFrame, KeyFrames};
 pub use crate::bounds::Bounds;
 pub use crate::builtin::builtin;
 pub use crate::camera::Camera;

@@ -1,5 +1,4 @@
-use crate::mesh::MAX_COORDINATE;
-use crate::{Bounds, Camera, Mesh, SceneError, Strategy, Surface};
+use crate::{Bounds, Camera, Mesh, Strategy, Surface};
 use brdf::Material;
 use glam::{Mat4, Vec3};
 use lighting::{Environment, Light};
@@ -75,9 +74,6 @@ pub struct Scene {
     pub environment: Option<Arc<Environment>>,
 }
 
-/// The largest image edge accepted, in pixels.
-pub(crate) const MAX_IMAGE: u32 = 16384;
-
 impl Shape {
     /// The smallest box that holds the shape.
     #[must_use]
@@ -136,98 +132,4 @@ impl Scene {
         };
         self.objects.iter().map(of).sum()
     }
-
-    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, spheres, proxies, lights, and
-    /// that there is an object. [`load`](crate::load) has done so.
-    ///
-    /// A scene without lights is allowed: its picture is black.
-    ///
-    /// # Errors
-    /// [`SceneError::Invalid`] that names the first fault.
-    pub fn validate(&self) -> Result<(), SceneError> {
-        let fault = |what: String, e: &dyn std::fmt::Display| SceneError::invalid(format!("{what}: {e}"));
-        self.camera.validate()?;
-        if !(1..=MAX_IMAGE).contains(&self.width) || !(1..=MAX_IMAGE).contains(&self.height) {
-            let (w, h) = (self.width, self.height);
-            return Err(SceneError::invalid(format!("image is {w}x{h}: both must lie in 1…{MAX_IMAGE}")));
-        }
-        if !(self.background.is_finite() && self.background.min_element() >= 0.0) {
-            let b = self.background;
-            return Err(SceneError::invalid(format!("background is {b}: expected finite values ≥ 0")));
-        }
-        for (i, material) in self.materials.iter().enumerate() {
-            material.validate().map_err(|e| fault(format!("material {i}"), &e))?;
-        }
-        for (i, surface) in self.surfaces.iter().enumerate() {
-            let emission = surface.emission;
-            if !(emission.is_finite() && emission.min_element() >= 0.0) {
-                return Err(SceneError::invalid(format!("material {i} emits {emission}: expected finite values ≥ 0")));
-            }
-        }
-        if self.objects.is_empty() {
-            return Err(SceneError::invalid("scene has no objects"));
-        }
-        for object in &self.objects {
-            let name = || format!("object \"{}\"", object.name);
-            if object.material >= self.materials.len() {
-                let (m, n) = (object.material, self.materials.len());
-                return Err(SceneError::invalid(format!("{} has material {m} of {n}", name())));
-            }
-            match &object.shape {
-                Shape::Mesh(mesh) => mesh.validate().map_err(|e| fault(name(), &e))?,
-                Shape::Spheres(balls) if balls.is_empty() => {
-                    return Err(SceneError::invalid(format!("{} has no spheres", name())));
-                }
-                Shape::Spheres(balls) => {
-                    check_balls(balls).map_err(|e| fault(name(), &e))?;
-                    if object.visible {
-                        balls.iter().try_for_each(|b| self.check_seen(b)).map_err(|e| fault(name(), &e))?;
-                    }
-                }
-            }
-            if let Proxy::Spheres(balls) = &object.proxy {
-                check_balls(balls).map_err(|e| fault(format!("proxy of {}", name()), &e))?;
-            }
-        }
-        for (i, light) in self.lights.iter().enumerate() {
-            if let Some(ball) = light.ball() {
-                check_balls(&[ball]).map_err(|e| fault(format!("light {i}"), &e))?;
-            }
-            let r = light.full_radiance();
-            if !(r.is_finite() && r.min_element() >= 0.0) {
-                return Err(SceneError::invalid(format!("light {i} has radiance {r}: expected finite values ≥ 0")));
-            }
-        }
-        Ok(())
-    }
-
-    /// Points on a sphere have an error of up to 1e-7 of its radius: seen from too near they are noise.
-    fn check_seen(&self, ball: &Sphere) -> Result<(), SceneError> {
-        let radius = f64::from(ball.radius);
-        let height = (ball.center.as_dvec3().distance(self.camera.eye.as_dvec3()) - radius).abs();
-        if radius <= MAX_RADIUS_SEEN * height {
-            return Ok(());
-        }
-        Err(SceneError::invalid(format!(
-            "sphere of radius {radius:e} is seen from {height:.3e} away: expected at least {:.3e}, or a plane",
-            radius / MAX_RADIUS_SEEN
-        )))
-    }
-}
-
-/// The largest radius over the eye's distance to its surface at which single precision shows a sphere well: speckles begin at 5e6.
-const MAX_RADIUS_SEEN: f64 = 2e6;
-
-pub(crate) fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {
-    for ball in balls {
-        if ball.center.is_nan() || ball.center.abs().max_element() > MAX_COORDINATE {
-            let c = ball.center;
-            return Err(SceneError::invalid(format!("sphere has centre {c}: coordinates must lie within ±1e9")));
-        }
-        if !(ball.radius > 0.0 && ball.radius <= MAX_COORDINATE) {
-            let r = ball.radius;
-            return Err(SceneError::invalid(format!("sphere has radius {r}: expected a positive number up to 1e9")));
-        }
-    }
-    Ok(())
 }

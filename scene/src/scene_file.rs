@@ -54,7 +54,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
         None => DEFAULT_SIZE,
         Some(value) => {
             let mut t = value.table()?;
-            let edge = |v: Option<Value<'_>>, default| v.map_or(Ok(default), |v| v.whole(1, crate::scene::MAX_IMAGE));
+            let edge = |v: Option<Value<'_>>, default| v.map_or(Ok(default), |v| v.whole(1, crate::check::MAX_IMAGE));
             let size = (edge(t.get("width"), DEFAULT_SIZE.0)?, edge(t.get("height"), DEFAULT_SIZE.1)?);
             t.finish()?;
             size

@@ -1,10 +1,10 @@
 //! The lights of a scene file.
 
 use crate::animation::{Body, LightMover, LightPlace, Mover};
+use crate::check::check_balls;
 use crate::keys::Keys;
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
-use crate::scene::check_balls;
 use crate::scene_environment::{read_environment, read_linear};
 use crate::toml_reader::{Table, Value};
 use crate::{Bounds, Object, SceneError, Shape, Strategy, Surface};

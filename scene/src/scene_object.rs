@@ -1,6 +1,7 @@
 //! The objects of a scene file.
 
 use crate::animation::{Body, Mover};
+use crate::check::check_balls;
 use crate::context::Context;
 use crate::defaults::DEFAULT_SPHERES;
 use crate::deformer::BoundBall;
@@ -9,7 +10,6 @@ use crate::mesh_file::mesh_parts;
 use crate::origin::{Origins, relative};
 use crate::part::{Normals, Part, share_out};
 use crate::placement::Placement;
-use crate::scene::check_balls;
 use crate::scene_material::Materials;
 use crate::toml_reader::{Table, Value};
 use crate::{Mesh, Object, Proxy, SceneError, Shape, Strategy};

@@ -258,6 +258,11 @@ impl SilhouetteMesh {
         }
     }
 
+    /// Gives the object another number.
+    pub fn set_object(&mut self, object: u32) {
+        self.object = object;
+    }
+
     /// The number of the object.
     #[must_use]
     pub fn object(&self) -> u32 {

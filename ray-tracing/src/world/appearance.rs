@@ -93,7 +93,7 @@ impl World<'_> {
             let [u, v] = patch.changes(map.uv_set);
             let (m, [x, y]) = (map.transform.matrix2, [u, v]);
             let gradients = [x * m.x_axis.x + y * m.y_axis.x, x * m.x_axis.y + y * m.y_axis.y];
-            let tangents = self.tangents.get(at.object as usize).map_or(&[][..], Vec::as_slice);
+            let tangents = self.hierarchy.tangents.get(at.object as usize).map_or(&[][..], Vec::as_slice);
             at.normal = turned(at, gradients, patch.mix(tangents), local);
         }
         let material = (color.is_some() || surface.varies()).then(|| {
@@ -109,11 +109,11 @@ impl World<'_> {
     fn patch(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &Receiver) -> Patch<'_> {
         let sides = beside.map(|direction| side(eye, at, direction));
         if found & BALL != 0 {
-            let ball = self.balls.primitives[(found & !BALL) as usize].sphere;
+            let ball = self.hierarchy.balls.primitives[(found & !BALL) as usize].sphere;
             let (weights, gradients) = on_ball(ball, at.position);
             return Patch { mesh: None, vertices: [0; 3], weights, gradients, sides };
         }
-        let corners = &self.triangles.primitives[found as usize];
+        let corners = &self.hierarchy.triangles.primitives[found as usize];
         let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
             unreachable!("triangles come from meshes")
         };

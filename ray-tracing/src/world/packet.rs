@@ -287,9 +287,9 @@ impl<T> Tree<T> {
 impl World<'_> {
     /// Finds the nearest visible surface on each ray of the packet.
     pub(crate) fn trace(&self, packet: &mut RayPacket<'_>) {
-        let all = &self.triangles.primitives[..];
+        let all = &self.hierarchy.triangles.primitives[..];
         let (mut waiting, mut count) = ([0u32; SIDE], 0);
-        self.triangles.visit_packet(packet, |packet, number| {
+        self.hierarchy.triangles.visit_packet(packet, |packet, number| {
             if !all[number as usize].visible {
                 return;
             }
@@ -303,8 +303,8 @@ impl World<'_> {
         if count > 0 {
             packet.meet_triangles(&waiting[..count], all);
         }
-        let balls = &self.balls.primitives[..];
-        self.balls.visit_packet(packet, |packet, number| {
+        let balls = &self.hierarchy.balls.primitives[..];
+        self.hierarchy.balls.visit_packet(packet, |packet, number| {
             let ball = &balls[number as usize];
             if ball.visible {
                 packet.meet_ball(ball, number | BALL);

@@ -1,5 +1,6 @@
 //! Triangles and spheres, and where rays meet them.
 
+use super::Update;
 use glam::{DVec3, Vec3, Vec3A};
 use lobe_core::Sphere;
 use obvhs::Boundable;
@@ -156,17 +157,39 @@ impl Boundable for Ball {
 
 /// Identifies a primitive by its object and number.
 pub(crate) trait Named {
+    /// What tells that two primitives are the same one of the same object.
     fn name(&self) -> (u32, u32);
+
+    /// How much changes where it becomes another one of the same name.
+    fn update_to(&self, other: &Self) -> Update;
+}
+
+/// The update of a primitive that has moved, or only its marks.
+const fn update_of(is_moved: bool, is_marked: bool) -> Update {
+    match (is_moved, is_marked) {
+        (true, _) => Update::Refitted,
+        (false, true) => Update::Marked,
+        (false, false) => Update::Kept,
+    }
 }
 
 impl Named for Corners {
     fn name(&self) -> (u32, u32) {
         (self.object, self.index)
     }
+
+    fn update_to(&self, other: &Self) -> Update {
+        let is_moved = (self.v0, self.e1, self.e2) != (other.v0, other.e1, other.e2);
+        update_of(is_moved, self.visible != other.visible)
+    }
 }
 
 impl Named for Ball {
     fn name(&self) -> (u32, u32) {
         (self.object, self.index)
+    }
+
+    fn update_to(&self, other: &Self) -> Update {
+        update_of(self.sphere != other.sphere, (self.visible, self.blocks) != (other.visible, other.blocks))
     }
 }

@@ -191,7 +191,7 @@ impl World<'_> {
     /// there are more than `limit`.
     pub fn in_shaft(&self, shaft: &Shaft, of: impl Fn(u32) -> bool, limit: usize, out: &mut Vec<Primitive>) -> bool {
         self.triangles_in(shaft, &of, limit, out)
-            && !self.balls.in_shaft(shaft, &mut |i, b| {
+            && !self.hierarchy.balls.in_shaft(shaft, &mut |i, b| {
                 if b.blocks && of(b.object) {
                     out.push(Primitive::Ball(i));
                 }
@@ -221,7 +221,7 @@ impl World<'_> {
         mut found: impl FnMut(u32, &Corners),
     ) -> bool {
         let mut count = 0;
-        !self.triangles.in_shaft(shaft, &mut |i, c| {
+        !self.hierarchy.triangles.in_shaft(shaft, &mut |i, c| {
             if of(c.object) {
                 found(i, c);
                 count += 1;
@@ -233,8 +233,8 @@ impl World<'_> {
     /// Object and number of primitives.
     pub fn names(&self, primitives: &[Primitive]) -> impl Iterator<Item = (u32, u32)> {
         primitives.iter().map(|p| match p {
-            Primitive::Triangle(i) => self.triangles.primitives[*i as usize].name(),
-            Primitive::Ball(i) => self.balls.primitives[*i as usize].name(),
+            Primitive::Triangle(i) => self.hierarchy.triangles.primitives[*i as usize].name(),
+            Primitive::Ball(i) => self.hierarchy.balls.primitives[*i as usize].name(),
         })
     }
 
@@ -249,13 +249,13 @@ impl World<'_> {
         last: &mut Option<u32>,
     ) -> bool {
         let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
-        if last.is_some_and(|i| self.is_met(&self.triangles.primitives[i as usize], &ray)) {
+        if last.is_some_and(|i| self.is_met(&self.hierarchy.triangles.primitives[i as usize], &ray)) {
             return true;
         }
         let meet = |c: &Corners, r: &Ray| {
             if of(c.object) { c.meet(r, |_| self.distance_to_plane(c, &ray)) } else { f32::INFINITY }
         };
-        *last = self.triangles.any_number(ray, meet);
+        *last = self.hierarchy.triangles.any_number(ray, meet);
         last.is_some()
     }
 
@@ -267,8 +267,8 @@ impl World<'_> {
     #[must_use]
     pub fn meets_any(&self, region: &Region, primitives: &[Primitive]) -> bool {
         primitives.iter().any(|p| match p {
-            Primitive::Triangle(i) => !region.misses_triangle(&self.triangles.primitives[*i as usize]),
-            Primitive::Ball(i) => !region.misses_ball(&self.balls.primitives[*i as usize]),
+            Primitive::Triangle(i) => !region.misses_triangle(&self.hierarchy.triangles.primitives[*i as usize]),
+            Primitive::Ball(i) => !region.misses_ball(&self.hierarchy.balls.primitives[*i as usize]),
         })
     }
 
@@ -276,7 +276,7 @@ impl World<'_> {
     #[must_use]
     pub fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
         let outside = |b: &Aabb| region.misses_box(b);
-        self.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
-            || self.balls.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_ball(b))
+        self.hierarchy.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
+            || self.hierarchy.balls.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_ball(b))
     }
 }

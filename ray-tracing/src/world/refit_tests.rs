@@ -1,7 +1,8 @@
-use super::World;
+use super::{Hierarchy, Update, World};
 use glam::{Quat, Vec3};
 use lobe_core::Sphere;
 use scene::{Mesh, Object, Proxy, Scene, Shape};
+use std::sync::Arc;
 use test_scenes::floor_and_ball;
 
 struct Rng(u64);
@@ -49,7 +50,7 @@ fn bend(scene: &mut Scene, by: f32) {
 fn a_refitted_world_is_the_new_one() {
     let mut rng = Rng(3);
     let mut scene = soup(&mut rng);
-    let mut hierarchy = World::new(&scene).into_hierarchy();
+    let mut hierarchy = Arc::new(Hierarchy::new(&scene));
     let (mut hits, mut refits) = (0, 0);
     for pose in 0..20 {
         let by = if pose == 12 { 3.0 } else { 0.02 };
@@ -58,8 +59,8 @@ fn a_refitted_world_is_the_new_one() {
             let (a, b) = (mesh.positions[0], mesh.positions[1]);
             mesh.positions[1] = if pose == 5 { a } else { b + Vec3::Y * 0.1 };
         }
-        let before = hierarchy.triangles.built_area;
-        let world = World::refit(&scene, hierarchy);
+        let done = Arc::get_mut(&mut hierarchy).expect("no world has it").update(&scene);
+        let world = World::with_hierarchy(&scene, Arc::clone(&hierarchy));
         let anew = World::new(&scene);
         assert_eq!(world.triangle_count(), anew.triangle_count());
         for _ in 0..500 {
@@ -70,10 +71,31 @@ fn a_refitted_world_is_the_new_one() {
             assert_eq!(world.occluded(origin, direction, reach), anew.occluded(origin, direction, reach));
             hits += usize::from(a.is_some());
         }
-        hierarchy = world.into_hierarchy();
-        refits += usize::from(hierarchy.triangles.built_area == before);
+        refits += usize::from(done == Update::Refitted);
     }
     assert!(hits > 1000, "{hits}");
     // Those where a triangle vanishes or comes back, or everything is wound up, are built anew.
     assert!((16..20).contains(&refits), "{refits}");
+}
+
+/// What stands still is kept, what is seen or blocks in another way is marked, what moves is refitted, what comes is built.
+#[test]
+fn an_update_does_no_more_than_it_must() {
+    let mut scene = soup(&mut Rng(4));
+    let mut hierarchy = Hierarchy::new(&scene);
+    assert_eq!(hierarchy.update(&scene), Update::Kept);
+    let light = scene.lights[0].ball().expect("a ball");
+    scene.lights.clear();
+    assert!(!hierarchy.update_lights(&scene));
+    scene.objects[2].visible = false;
+    assert_eq!(hierarchy.update(&scene), Update::Marked);
+    bend(&mut scene, 0.01);
+    assert_eq!(hierarchy.update(&scene), Update::Refitted);
+    scene.objects.push(Object::spheres("lamp", vec![light], 0));
+    assert_eq!(hierarchy.update(&scene), Update::Built);
+    scene.lights = floor_and_ball().lights;
+    assert!(hierarchy.update_lights(&scene));
+    assert_eq!(hierarchy.update(&scene), Update::Kept);
+    let world = World::with_hierarchy(&scene, Arc::new(hierarchy));
+    assert!(!world.occluded(light.center - Vec3::Y * (light.radius + 0.1), Vec3::Y, 1.0));
 }

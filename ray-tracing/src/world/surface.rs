@@ -65,7 +65,7 @@ impl World<'_> {
             if number & BALL != 0 {
                 continue;
             }
-            let corners = &self.triangles.primitives[*number as usize];
+            let corners = &self.hierarchy.triangles.primitives[*number as usize];
             objects[l] = corners.object;
             let Shape::Mesh(mesh) = &self.scene.objects[corners.object as usize].shape else {
                 unreachable!("triangles come from meshes")
@@ -128,7 +128,7 @@ impl World<'_> {
             let (mut position, mut normal, mut face) = (at(&position, l), at(&normal, l), at(&face, l));
             let mut object = objects[l];
             if number & BALL != 0 && number != NOTHING {
-                let ball = &self.balls.primitives[(number & !BALL) as usize];
+                let ball = &self.hierarchy.balls.primitives[(number & !BALL) as usize];
                 let t = ball.intersect(&Ray::new_inf(eye.into(), direction.into()));
                 (position, normal) = ball.surface(eye, direction, t);
                 (face, object) = (normal, ball.object);

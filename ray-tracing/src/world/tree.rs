@@ -1,5 +1,6 @@
 //! A hierarchy over primitives, built once and refitted as they move.
 
+use super::Update;
 use super::primitive::Named;
 use glam::Vec3A;
 use obvhs::Boundable;
@@ -44,23 +45,29 @@ impl<T: Copy + Boundable> Tree<T> {
         tree
     }
 
-    /// The old hierarchy around primitives that have moved; `None` without an old one, if the primitives are others, or
-    /// if a new one would be much better.
-    pub(super) fn refitted(old: Option<Self>, primitives: &[T], scale: f32) -> Option<Self>
+    /// Follows primitives that have moved. `None` where these are others or a new hierarchy would be much better: then build it.
+    pub(super) fn update(&mut self, primitives: &[T], scale: f32) -> Option<Update>
     where
         T: Named,
     {
-        let mut tree = old.filter(|t| t.scale == scale && t.primitives.len() == primitives.len())?;
-        let order = tree.bvh.as_ref().map_or(&[][..], |b| &b.primitive_indices);
-        for (place, number) in tree.primitives.iter_mut().zip(order) {
+        if primitives.is_empty() && self.primitives.is_empty() {
+            return Some(Update::Kept);
+        }
+        if self.scale != scale || self.primitives.len() != primitives.len() {
+            return None;
+        }
+        let order = self.bvh.as_ref().map_or(&[][..], |b| &b.primitive_indices);
+        let mut done = Update::Kept;
+        for (place, number) in self.primitives.iter_mut().zip(order) {
             let moved = primitives[*number as usize];
             if place.name() != moved.name() {
                 return None;
             }
+            done = done.max(place.update_to(&moved));
             *place = moved;
         }
-        let area = tree.fit();
-        (area <= 2.0 * tree.built_area).then_some(tree)
+        let is_good = done < Update::Refitted || self.fit() <= 2.0 * self.built_area;
+        is_good.then_some(done)
     }
 
     /// Fits all boxes to the primitives, leaves first; gives their area over the root's.

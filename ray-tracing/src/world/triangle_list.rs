@@ -47,7 +47,7 @@ impl TriangleList {
         if let Some((_, plane)) = self.planes.iter().find(|(other, _)| *other == place) {
             return *plane;
         }
-        let plane = world.plane(&world.triangles.primitives[place as usize]);
+        let plane = world.plane(&world.hierarchy.triangles.primitives[place as usize]);
         self.planes.push((place, plane));
         plane
     }
@@ -183,7 +183,7 @@ mod tests {
             let distance = 0.001 * case as f32;
             let ray = Ray::new(origin.into(), direction.into(), 0.0, distance);
             let alone = list.places.iter().any(|place| {
-                let corners = &world.triangles.primitives[*place as usize];
+                let corners = &world.hierarchy.triangles.primitives[*place as usize];
                 corners.meet(&ray, |_| world.distance_to_plane(corners, &ray)).is_finite()
             });
             assert_eq!(

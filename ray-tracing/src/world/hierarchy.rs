@@ -1,0 +1,162 @@
+//! The two hierarchies over a scene, which follow it from frame to frame.
+
+use super::appearance;
+use super::primitive::{Ball, Corners};
+use super::tree::{Tree, hierarchy_scale};
+use core::time::Duration;
+use glam::{Vec3, Vec3A};
+use lobe_core::Sphere;
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
+use obvhs::triangle::Triangle;
+use obvhs::{Boundable, BvhBuildParams};
+use scene::{Doubles, Proxy, Scene, Shape};
+
+/// The triangles and the exact balls of a scene in two hierarchies, kept from frame to frame.
+///
+/// ```
+/// use ray_tracing::{Hierarchy, Update};
+/// let mut scene = scene::builtin();
+/// let mut hierarchy = Hierarchy::new(&scene);
+/// scene.lights.pop();
+/// assert_eq!(hierarchy.update(&scene), Update::Kept);
+/// scene.objects.pop();
+/// assert_eq!(hierarchy.update(&scene), Update::Built);
+/// ```
+#[derive(Debug)]
+pub struct Hierarchy {
+    pub(super) triangles: Tree<Corners>,
+    pub(super) balls: Tree<Ball>,
+    /// Of vertices, by object, for normal maps; empty without.
+    pub(super) tangents: Vec<Vec<Vec3>>,
+}
+
+/// How much an update had to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Update {
+    /// Nothing has moved.
+    Kept,
+    /// Nothing has moved, but other objects are seen or block light.
+    Marked,
+    /// Boxes were fitted to what has moved.
+    Refitted,
+    /// Built anew: other primitives than before, or boxes that have grown too much.
+    Built,
+}
+
+impl Hierarchy {
+    /// Prepares the scene's objects. Triangles without area are left out.
+    #[must_use]
+    pub fn new(scene: &Scene) -> Self {
+        let (triangles, balls) = gather(scene);
+        let scale = scale_of(&triangles, &balls);
+        let tangents = appearance::tangents(scene);
+        Self { triangles: triangle_tree(&triangles, scale), balls: ball_tree(&balls, scale), tangents }
+    }
+
+    /// Follows the scene: objects may have moved, come or gone. Boxes are refitted where primitives have moved, and a hierarchy is
+    /// built anew only where other primitives have an area or its boxes have grown to twice their area.
+    ///
+    /// The same rays meet the same surfaces as in a new hierarchy. Cost: linear in the primitives, 0.02 to 0.19 ms a 1000
+    /// triangles (500 to 500 000 of them), 8 to 20 times less than a new one (`examples/refit.rs`).
+    pub fn update(&mut self, scene: &Scene) -> Update {
+        let (triangles, balls) = gather(scene);
+        let scale = scale_of(&triangles, &balls);
+        let of_triangles = self.triangles.update(&triangles, scale).unwrap_or_else(|| {
+            self.triangles = triangle_tree(&triangles, scale);
+            Update::Built
+        });
+        let of_balls = self.balls.update(&balls, scale).unwrap_or_else(|| {
+            self.balls = ball_tree(&balls, scale);
+            Update::Built
+        });
+        self.update_surfaces(scene);
+        of_triangles.max(of_balls)
+    }
+
+    /// Follows lights that have changed while all objects stay: a ball that shows a light does not block. Whether any ball blocks
+    /// that did not, or the reverse. Costs one comparison for each ball and light.
+    pub fn update_lights(&mut self, scene: &Scene) -> bool {
+        let mut is_changed = false;
+        for ball in &mut self.balls.primitives {
+            let blocks = blocks(scene, &ball.sphere);
+            is_changed |= core::mem::replace(&mut ball.blocks, blocks) != blocks;
+        }
+        is_changed
+    }
+
+    /// Follows surfaces that have changed while all objects stay: tangents of normal maps.
+    pub fn update_surfaces(&mut self, scene: &Scene) {
+        self.tangents = appearance::tangents(scene);
+    }
+}
+
+fn triangle_tree(triangles: &[Corners], scale: f32) -> Tree<Corners> {
+    Tree::new(triangles, scale, |triangles| {
+        let corners = |c: &Corners| {
+            let (v0, v1, v2) = (c.v0 * scale, (c.v0 + c.e1) * scale, (c.v0 + c.e2) * scale);
+            Triangle { v0, v1, v2 }
+        };
+        let triangles: Vec<_> = triangles.iter().map(corners).collect();
+        build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
+    })
+}
+
+fn ball_tree(balls: &[Ball], scale: f32) -> Tree<Ball> {
+    Tree::new(balls, scale, |balls| {
+        let boxes = balls.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * scale, b.max * scale));
+        build_cwbvh(&boxes.collect::<Vec<_>>(), BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
+    })
+}
+
+/// Units of the hierarchies a world unit.
+fn scale_of(triangles: &[Corners], balls: &[Ball]) -> f32 {
+    if triangles.is_empty() && balls.is_empty() {
+        return hierarchy_scale(0.0);
+    }
+    let mut bounds = Aabb::empty();
+    triangles.iter().for_each(|t| bounds = bounds.union(&t.aabb()));
+    balls.iter().for_each(|b| bounds = bounds.union(&b.aabb()));
+    let far = bounds.min.abs().max(bounds.max.abs()).max_element();
+    hierarchy_scale(bounds.diagonal().length().max(far))
+}
+
+/// Whether a ball hides lights: not where it shows one.
+fn blocks(scene: &Scene, ball: &Sphere) -> bool {
+    !scene.lights.iter().any(|light| light.is_shown_by(ball))
+}
+
+/// The triangles with an area and the balls with a radius of all objects that are seen or block; equal meshes and balls once.
+fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
+    let (mut triangles, mut balls, mut doubles) = (Vec::new(), Vec::new(), Doubles::default());
+    for (number, object) in scene.objects.iter().enumerate() {
+        let visible = object.visible;
+        if !visible && object.proxy == Proxy::None {
+            continue;
+        }
+        match &object.shape {
+            Shape::Mesh(mesh) if doubles.is_first_mesh(&scene.objects, number) => {
+                for (index, corners) in mesh.triangles.iter().enumerate() {
+                    let [a, b, c] = corners.map(|i| Vec3A::from(mesh.positions[i as usize]));
+                    let (e1, e2) = (b - a, c - a);
+                    if e1.cross(e2) != Vec3A::ZERO {
+                        let (object, index) = (number as u32, index as u32);
+                        triangles.push(Corners { v0: a, e1, e2, object, index, visible });
+                    }
+                }
+            }
+            Shape::Mesh(_) => {}
+            Shape::Spheres(spheres) => {
+                let all = spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0 && doubles.is_first(object, s));
+                balls.extend(all.map(|(index, sphere)| Ball {
+                    sphere: *sphere,
+                    object: number as u32,
+                    index: index as u32,
+                    visible,
+                    blocks: blocks(scene, sphere),
+                }));
+            }
+        }
+    }
+    (triangles, balls)
+}

@@ -1,0 +1,365 @@
+//! Edits of what is drawn: each is checked first, and says what it makes stale.
+
+use crate::renderer::check_method;
+use crate::{Backend, EditError, LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer, Settings, Stale};
+use brdf::Material;
+use glam::{Mat4, Vec3};
+use lighting::Light;
+use lobe_core::Accuracy;
+use scene::{Camera, KeyFrames, Object, Proxy, Scene, Shape, Strategy, Surface};
+
+impl Renderer {
+    /// The objects and their handles.
+    pub fn objects(&self) -> impl Iterator<Item = (ObjectHandle, &Object)> {
+        self.rows.revisions().iter().map(|row| ObjectHandle(row.object)).zip(&self.scene.objects)
+    }
+
+    /// The lights and their handles.
+    pub fn lights(&self) -> impl Iterator<Item = (LightHandle, &Light)> {
+        self.light_handles.iter().map(LightHandle).zip(&self.scene.lights)
+    }
+
+    /// The materials and their handles.
+    pub fn materials(&self) -> impl Iterator<Item = (MaterialHandle, &Material)> {
+        self.material_handles.iter().map(MaterialHandle).zip(&self.scene.materials)
+    }
+
+    fn object_place(&self, object: ObjectHandle) -> Result<usize, EditError> {
+        self.rows.place(object.0).ok_or(EditError::NoObject(object))
+    }
+
+    fn light_place(&self, light: LightHandle) -> Result<usize, EditError> {
+        self.light_handles.place(light.0).ok_or(EditError::NoLight(light))
+    }
+
+    fn material_place(&self, material: MaterialHandle) -> Result<usize, EditError> {
+        self.material_handles.place(material.0).ok_or(EditError::NoMaterial(material))
+    }
+
+    /// The place of an object that the animation leaves alone.
+    fn still_object(&self, object: ObjectHandle) -> Result<usize, EditError> {
+        let place = self.object_place(object)?;
+        if self.animation.moves_object(place) {
+            return Err(EditError::Animated(format!("object \"{}\"", self.scene.objects[place].name)));
+        }
+        Ok(place)
+    }
+
+    /// Adds an object, which stands still.
+    ///
+    /// # Errors
+    /// [`RenderError::Scene`] where it is not one that can be drawn.
+    pub fn add_object(&mut self, object: Object) -> Result<ObjectHandle, RenderError> {
+        self.scene.check_object(&object)?;
+        self.scene.objects.push(object);
+        self.mark(Stale::STRATEGY);
+        Ok(ObjectHandle(self.rows.push()))
+    }
+
+    /// Takes an object out. Lights that it shines with stay.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] where it is not there, or the last one.
+    pub fn remove_object(&mut self, object: ObjectHandle) -> Result<Object, RenderError> {
+        let place = self.object_place(object)?;
+        if self.scene.objects.len() == 1 {
+            return Err(EditError::LastObject(self.scene.objects[place].name.clone()).into());
+        }
+        self.rows.remove(place);
+        self.animation.remove_object(place);
+        self.mark(Stale::STRATEGY | Stale::LIGHTS);
+        Ok(self.scene.remove_object(place))
+    }
+
+    /// Puts an object where the matrix takes it from where it stood when it came, or got its shape. Spheres, and meshes with spheres
+    /// that stand for them, keep their proportions: a rotation, one scale, a translation. A sphere set is not fitted anew.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] where the animation moves it, and for such a matrix; [`RenderError::Scene`] where it ends out of bounds.
+    pub fn set_transform(&mut self, object: ObjectHandle, matrix: Mat4) -> Result<Stale, RenderError> {
+        let place = self.still_object(object)?;
+        let moved = &mut self.scene.objects[place];
+        if let Some(fault) = fault_of(moved, &matrix) {
+            return Err(EditError::Transform { object: moved.name.clone(), fault }.into());
+        }
+        let before = self.rows.transform(place);
+        self.rows.put(place, moved, matrix);
+        if let Err(error) = self.scene.check_object(&self.scene.objects[place]) {
+            self.rows.put(place, &mut self.scene.objects[place], before);
+            return Err(error.into());
+        }
+        Ok(self.mark(Stale::MOVED))
+    }
+
+    /// Gives an object another shape and what stands for it, both where they are in the world.
+    ///
+    /// # Errors
+    /// As [`add_object`](Self::add_object); [`RenderError::Edit`] where the animation moves it.
+    pub fn set_shape(&mut self, object: ObjectHandle, shape: Shape, proxy: Proxy) -> Result<Stale, RenderError> {
+        let place = self.still_object(object)?;
+        let old = &self.scene.objects[place];
+        let new = Object { name: old.name.clone(), shape, proxy, ..*old };
+        self.scene.check_object(&new)?;
+        self.scene.objects[place] = new;
+        self.rows.renew(place);
+        Ok(self.mark(Stale::STRATEGY | Stale::SURFACES))
+    }
+
+    /// Gives an object another material.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] where either is not there.
+    pub fn set_object_material(
+        &mut self,
+        object: ObjectHandle,
+        material: MaterialHandle,
+    ) -> Result<Stale, RenderError> {
+        let (place, material) = (self.object_place(object)?, self.material_place(material)?);
+        self.scene.objects[place].material = material;
+        Ok(self.mark(Stale::SHADING | Stale::POINTS | Stale::SURFACES))
+    }
+
+    /// Lets an object block light in another way; none: as suits it.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] where it is not there.
+    pub fn set_object_strategy(
+        &mut self,
+        object: ObjectHandle,
+        strategy: Option<Strategy>,
+    ) -> Result<Stale, RenderError> {
+        let place = self.object_place(object)?;
+        self.scene.objects[place].strategy = strategy;
+        Ok(self.mark(Stale::STRATEGY))
+    }
+
+    /// Shows an object to the camera, or hides it.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] where it is not there; [`RenderError::Scene`] for a sphere that the camera is too near to.
+    pub fn set_visible(&mut self, object: ObjectHandle, visible: bool) -> Result<Stale, RenderError> {
+        let place = self.object_place(object)?;
+        let before = core::mem::replace(&mut self.scene.objects[place].visible, visible);
+        if let Err(error) = self.scene.check_object(&self.scene.objects[place]) {
+            self.scene.objects[place].visible = before;
+            return Err(error.into());
+        }
+        Ok(self.mark(Stale::STRATEGY))
+    }
+
+    /// Moves an object by keys, from where it stands at the animation's first moment.
+    ///
+    /// # Errors
+    /// As [`Animation::set_keys`](scene::Animation::set_keys).
+    pub fn set_keys(&mut self, object: ObjectHandle, keys: &KeyFrames) -> Result<Stale, RenderError> {
+        let place = self.object_place(object)?;
+        let time = self.time;
+        self.seek(0.0);
+        let set = self.animation.set_keys(place, keys, &mut self.scene);
+        if set.is_ok() {
+            self.rows.renew(place);
+        }
+        self.seek(time);
+        set?;
+        Ok(self.mark(Stale::STRATEGY))
+    }
+
+    /// Adds a light.
+    ///
+    /// # Errors
+    /// [`RenderError::Scene`] where its numbers are none, [`RenderError::PaperLight`] where the method is not for it.
+    pub fn add_light(&mut self, light: Light) -> Result<LightHandle, RenderError> {
+        self.check_light(self.scene.lights.len(), &light)?;
+        self.scene.lights.push(light);
+        self.mark(LIT);
+        Ok(LightHandle(self.light_handles.push()))
+    }
+
+    /// Takes a light out.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] where it is not there.
+    pub fn remove_light(&mut self, light: LightHandle) -> Result<Light, RenderError> {
+        let place = self.light_place(light)?;
+        self.light_handles.remove(place);
+        self.animation.remove_light(place);
+        self.mark(LIT);
+        Ok(self.scene.lights.remove(place))
+    }
+
+    /// Replaces a light by another one.
+    ///
+    /// # Errors
+    /// As [`add_light`](Self::add_light); [`RenderError::Edit`] where it is not there or the animation moves it.
+    pub fn set_light(&mut self, handle: LightHandle, light: Light) -> Result<Stale, RenderError> {
+        let place = self.light_place(handle)?;
+        if self.animation.moves_light(place) {
+            return Err(EditError::Animated(format!("light {place}")).into());
+        }
+        self.check_light(place, &light)?;
+        self.scene.lights[place] = light;
+        Ok(self.mark(LIT))
+    }
+
+    fn check_light(&self, number: usize, light: &Light) -> Result<(), RenderError> {
+        Scene::check_light(number, light)?;
+        check_method(self.settings.method, core::slice::from_ref(light)).map_err(|error| match error {
+            RenderError::PaperLight(_, kind) => RenderError::PaperLight(number, kind),
+            error => error,
+        })
+    }
+
+    /// Adds a material, and what surfaces show beside it.
+    ///
+    /// # Errors
+    /// [`RenderError::Scene`].
+    pub fn add_material(&mut self, material: Material, surface: Surface) -> Result<MaterialHandle, RenderError> {
+        let before = self.scene.materials.len();
+        Scene::check_material(before, &material, &surface)?;
+        self.scene.materials.push(material);
+        self.put_surface(before, surface);
+        self.points.set_materials(&self.scene.materials, before);
+        Ok(MaterialHandle(self.material_handles.push()))
+    }
+
+    /// Replaces a material, and what surfaces show beside it. No point is found anew, but where surfaces have textures.
+    ///
+    /// # Errors
+    /// [`RenderError::Scene`]; [`RenderError::Edit`] where it is not there.
+    pub fn set_material(
+        &mut self,
+        handle: MaterialHandle,
+        material: Material,
+        surface: Surface,
+    ) -> Result<Stale, RenderError> {
+        let place = self.material_place(handle)?;
+        Scene::check_material(place, &material, &surface)?;
+        let has_colors = |o: &Object| matches!(&o.shape, Shape::Mesh(mesh) if !mesh.colors.is_empty());
+        let varies = self.scene.surface(place).is_some()
+            || !surface.is_plain()
+            || self.scene.objects.iter().any(|o| o.material == place && has_colors(o));
+        self.scene.materials[place] = material;
+        self.put_surface(place, surface);
+        self.points.set_materials(&self.scene.materials, self.scene.materials.len());
+        let points = if varies { Stale::POINTS | Stale::SURFACES } else { Stale::NOTHING };
+        Ok(self.mark(Stale::SHADING | points))
+    }
+
+    /// Takes out a material that no object has.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] where an object has it, or it is not there.
+    pub fn remove_material(&mut self, material: MaterialHandle) -> Result<Material, RenderError> {
+        let place = self.material_place(material)?;
+        if let Some(object) = self.scene.objects.iter().find(|o| o.material == place) {
+            return Err(EditError::MaterialInUse(object.name.clone()).into());
+        }
+        self.scene.objects.iter_mut().filter(|o| o.material > place).for_each(|o| o.material -= 1);
+        if place < self.scene.surfaces.len() {
+            self.scene.surfaces.remove(place);
+        }
+        self.material_handles.remove(place);
+        self.mark(Stale::SHADING | Stale::POINTS);
+        Ok(self.scene.materials.remove(place))
+    }
+
+    fn put_surface(&mut self, place: usize, surface: Surface) {
+        if place >= self.scene.surfaces.len() {
+            if surface.is_plain() {
+                return;
+            }
+            self.scene.surfaces.resize(place + 1, Surface::default());
+        }
+        self.scene.surfaces[place] = surface;
+    }
+
+    /// Another camera.
+    ///
+    /// # Errors
+    /// [`RenderError::Scene`] for one that sees nothing; [`RenderError::Edit`] where the animation moves it.
+    pub fn set_camera(&mut self, camera: Camera) -> Result<Stale, RenderError> {
+        if self.animation.moves_camera() {
+            return Err(EditError::Animated("the camera".to_owned()).into());
+        }
+        self.scene.check_camera(&camera)?;
+        self.scene.camera = camera;
+        Ok(self.mark(Stale::SHADING | Stale::POINTS))
+    }
+
+    /// Another size of the picture.
+    ///
+    /// # Errors
+    /// [`RenderError::Scene`] for one without pixels, or too many.
+    pub fn set_size(&mut self, width: u32, height: u32) -> Result<Stale, RenderError> {
+        Scene::check_size(width, height)?;
+        (self.scene.width, self.scene.height) = (width, height);
+        Ok(self.mark(Stale::SHADING | Stale::POINTS))
+    }
+
+    /// Another background.
+    ///
+    /// # Errors
+    /// [`RenderError::Scene`] for one that is no radiance.
+    pub fn set_background(&mut self, background: Vec3) -> Result<Stale, RenderError> {
+        Scene::check_background(background)?;
+        self.scene.background = background;
+        Ok(self.mark(Stale::SHADING))
+    }
+
+    /// Another accuracy from the next picture on; a time budget has no say any more.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`].
+    pub fn set_accuracy(&mut self, accuracy: Accuracy) -> Result<Stale, RenderError> {
+        self.set_settings(Settings { accuracy, time_budget: None, ..self.settings.clone() })
+    }
+
+    /// Other settings: strategy, method, device and all else.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); the settings are then as before.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<Stale, RenderError> {
+        settings.check_device(settings.device)?;
+        settings.validate()?;
+        check_method(settings.method, &self.scene.lights)?;
+        let mut stale = Stale::SHADING | Stale::BUDGET;
+        if settings.device != self.backend.device() {
+            self.backend = Backend::open(settings.device)?;
+            stale |= Stale::BACKEND;
+        }
+        if settings.strategy != self.settings.strategy {
+            stale |= Stale::STRATEGY;
+        }
+        if settings.samples != self.settings.samples {
+            stale |= Stale::POINTS;
+        }
+        if settings.method != self.settings.method {
+            stale |= Stale::TABLES;
+        }
+        self.settings = settings;
+        self.chosen = None;
+        Ok(self.mark(stale))
+    }
+}
+
+/// What follows from another light.
+const LIT: Stale = Stale::SHADING.with(Stale::LIGHTS).with(Stale::MAPS);
+
+/// Why an object cannot follow a matrix.
+fn fault_of(object: &Object, matrix: &Mat4) -> Option<&'static str> {
+    if !matrix.is_finite() {
+        return Some("is not finite");
+    }
+    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.truncate());
+    let volume = axes[0].cross(axes[1]).dot(axes[2]);
+    if volume == 0.0 {
+        return Some("flattens it");
+    }
+    if matches!((&object.shape, &object.proxy), (Shape::Mesh(_), Proxy::None)) {
+        return None;
+    }
+    let scale = axes[0].length();
+    let is_even = axes.iter().all(|axis| (axis.length() - scale).abs() <= 1e-4 * scale)
+        && [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, k)| axes[i].dot(axes[k]).abs() <= 1e-4 * scale * scale);
+    (!is_even || volume < 0.0).then_some("has unequal scales or mirrors, which its spheres cannot follow")
+}

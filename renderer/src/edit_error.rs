@@ -1,0 +1,33 @@
+use crate::{LightHandle, MaterialHandle, ObjectHandle};
+
+/// Why an edit is refused; the renderer is as it was before.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EditError {
+    /// The object has been removed.
+    #[error("object {n} is not in the scene", n = .0.0)]
+    NoObject(ObjectHandle),
+    /// The light has been removed.
+    #[error("light {n} is not in the scene", n = .0.0)]
+    NoLight(LightHandle),
+    /// The material has been removed.
+    #[error("material {n} is not in the scene", n = .0.0)]
+    NoMaterial(MaterialHandle),
+    /// The animation would undo it.
+    #[error("{0} is moved by the animation")]
+    Animated(String),
+    /// An object has the material that is to be removed.
+    #[error("object \"{0}\" has this material")]
+    MaterialInUse(String),
+    /// A scene keeps one object at least.
+    #[error("object \"{0}\" is the only one: a scene has at least one object")]
+    LastObject(String),
+    /// A matrix that the object cannot follow.
+    #[error("object \"{object}\": transform {fault}")]
+    Transform {
+        /// The object's name.
+        object: String,
+        /// What is wrong.
+        fault: &'static str,
+    },
+}

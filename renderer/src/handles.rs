@@ -1,0 +1,44 @@
+/// An object of a [`Renderer`](crate::Renderer): the same one while others come and go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ObjectHandle(pub(crate) u64);
+
+/// A light of a [`Renderer`](crate::Renderer).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LightHandle(pub(crate) u64);
+
+/// A material of a [`Renderer`](crate::Renderer).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MaterialHandle(pub(crate) u64);
+
+/// The handles of a list that grows at its end: numbers that rise and are never given twice.
+#[derive(Clone, Debug)]
+pub(crate) struct Handles {
+    list: Vec<u64>,
+    next: u64,
+}
+
+impl Handles {
+    pub(crate) fn new(count: usize) -> Self {
+        let next = count as u64;
+        Self { list: (0..next).collect(), next }
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = u64> + '_ {
+        self.list.iter().copied()
+    }
+
+    /// The place of a handle in the list; none where it was taken out.
+    pub(crate) fn place(&self, handle: u64) -> Option<usize> {
+        self.list.binary_search(&handle).ok()
+    }
+
+    pub(crate) fn push(&mut self) -> u64 {
+        self.list.push(self.next);
+        self.next += 1;
+        self.next - 1
+    }
+
+    pub(crate) fn remove(&mut self, place: usize) {
+        self.list.remove(place);
+    }
+}

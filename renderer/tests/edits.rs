@@ -1,0 +1,190 @@
+//! Edits: the picture after them is that of a new renderer, and no more is made anew than must be.
+
+use brdf::Material;
+use glam::{Mat4, Vec3};
+use lighting::{FlatLight, Light, SphereLight};
+use lobe_core::oracle::Random;
+use lobe_core::{Accuracy, Sphere};
+use renderer::{EditError, Method, RenderError, Renderer, Settings, Upkeep};
+use scene::{Animation, KeyFrame, KeyFrames, Mesh, Object, Proxy, Scene, Strategy, Surface};
+use test_scenes::{floor_and_ball, globe};
+
+fn lamp(x: f32) -> Light {
+    SphereLight::new(Sphere { center: Vec3::new(x, 4.0, 1.0), radius: 0.5 }, Vec3::splat(4.0)).into()
+}
+
+fn mesh_object(x: f32) -> Object {
+    let center = Vec3::new(x, 0.8, 0.5);
+    let spheres = vec![Sphere { center, radius: 0.45 }];
+    Object::mesh("globe", globe(6, center, 0.5, true), 0, Proxy::Spheres(spheres))
+}
+
+fn stage() -> Scene {
+    let mut scene = floor_and_ball();
+    (scene.width, scene.height) = (48, 27);
+    scene.objects.push(mesh_object(-1.0));
+    scene.objects.push(mesh_object(1.2));
+    scene
+}
+
+fn renderer(settings: Settings) -> Renderer {
+    Renderer::new(stage(), Animation::default(), settings).expect("a scene")
+}
+
+fn check_same(edited: &mut Renderer, what: &str) {
+    let (scene, settings) = (edited.scene().clone(), edited.settings().clone());
+    let fresh = Renderer::new(scene, Animation::default(), settings).expect("a scene").render().expect("a picture");
+    let image = edited.render().expect("a picture");
+    assert_eq!(image.size, fresh.size, "{what}");
+    let differs = image.radiance.iter().zip(&fresh.radiance).position(|(a, b)| a != b);
+    assert_eq!(differs, None, "{what}");
+}
+
+fn all_strategies() -> impl Iterator<Item = Option<Strategy>> {
+    Strategy::ALL.into_iter().map(Some).chain([None])
+}
+
+#[test]
+fn a_moved_object_takes_its_shadow_with_it() {
+    for strategy in all_strategies() {
+        let mut edited = renderer(Settings { strategy, ..Settings::default() });
+        edited.render().expect("a picture");
+        let objects: Vec<_> = edited.objects().map(|(handle, _)| handle).collect();
+        for (i, object) in objects.iter().enumerate().skip(1) {
+            let shift = Mat4::from_translation(Vec3::new(0.1 * i as f32, 0.0, 0.3));
+            edited.set_transform(*object, shift).expect("a shift");
+        }
+        check_same(&mut edited, &format!("{strategy:?}"));
+        for object in &objects[1..] {
+            edited.set_transform(*object, Mat4::IDENTITY).expect("back");
+        }
+        assert_eq!(edited.scene(), &stage());
+    }
+}
+
+#[test]
+fn objects_come_and_go() {
+    for strategy in all_strategies() {
+        let mut edited = renderer(Settings { strategy, ..Settings::default() });
+        edited.render().expect("a picture");
+        let added = edited.add_object(mesh_object(0.2)).expect("an object");
+        check_same(&mut edited, &format!("{strategy:?}, added"));
+        let first = edited.objects().nth(1).expect("a ball").0;
+        edited.remove_object(first).expect("is there");
+        check_same(&mut edited, &format!("{strategy:?}, removed"));
+        let gone = edited.set_visible(first, false);
+        assert!(matches!(gone, Err(RenderError::Edit(EditError::NoObject(_)))));
+        edited.set_transform(added, Mat4::from_translation(Vec3::X)).expect("still the same one");
+        check_same(&mut edited, &format!("{strategy:?}, moved"));
+    }
+}
+
+fn work(edited: &mut Renderer, before: Upkeep) -> Upkeep {
+    edited.render().expect("a picture");
+    let now = edited.upkeep();
+    Upkeep {
+        hierarchy_builds: now.hierarchy_builds - before.hierarchy_builds,
+        hierarchy_refits: now.hierarchy_refits - before.hierarchy_refits,
+        silhouette_builds: now.silhouette_builds - before.silhouette_builds,
+        silhouette_refits: now.silhouette_refits - before.silhouette_refits,
+        sphere_sets: now.sphere_sets - before.sphere_sets,
+        sphere_updates: now.sphere_updates - before.sphere_updates,
+        point_bands: now.point_bands - before.point_bands,
+        maps: now.maps - before.maps,
+    }
+}
+
+#[test]
+fn no_more_is_made_than_must_be() {
+    let mut edited = renderer(Settings { strategy: Some(Strategy::Silhouettes), ..Settings::default() });
+    edited.render().expect("a picture");
+    let nothing = Upkeep::default();
+    let light = edited.lights().next().expect("a light").0;
+    let before = edited.upkeep();
+    edited.set_light(light, lamp(0.3)).expect("a light");
+    assert_eq!(work(&mut edited, before), nothing, "a light");
+    let material = edited.materials().next().expect("a material").0;
+    edited.set_material(material, Material::lambert(Vec3::X), Surface::default()).expect("a material");
+    assert_eq!(work(&mut edited, before), nothing, "a material");
+    let object = edited.objects().nth(2).expect("a globe").0;
+    edited.set_transform(object, Mat4::from_translation(0.05 * Vec3::X)).expect("a shift");
+    let once = Upkeep { hierarchy_refits: 1, silhouette_refits: 1, point_bands: 1, ..nothing };
+    assert_eq!(work(&mut edited, before), once, "an object");
+}
+
+#[test]
+fn faults_are_refused() {
+    let mut edited = renderer(Settings::default());
+    let light = edited.lights().next().expect("a light").0;
+    let fails =
+        |radius: f32, radiance: f32| SphereLight::new(Sphere { center: Vec3::Y, radius }, Vec3::splat(radiance)).into();
+    assert!(
+        edited.set_light(light, fails(-1.0, 1.0)).is_err() && edited.set_light(light, fails(1.0, f32::NAN)).is_err()
+    );
+    assert!(edited.set_size(0, 0).is_err());
+    assert!(edited.set_accuracy(Accuracy { tolerance: -1.0, depth: 4 }).is_err());
+    assert!(edited.add_object(Object { material: 99, ..mesh_object(0.0) }).is_err());
+    let bad = Mesh { positions: vec![Vec3::ZERO; 3], triangles: vec![[0, 1, 3]], ..Mesh::default() };
+    assert!(edited.add_object(Object::mesh("bad", bad, 0, Proxy::None)).is_err());
+    let object = edited.objects().nth(2).expect("a globe").0;
+    assert!(edited.set_transform(object, Mat4::from_scale(Vec3::new(1.0, 2.0, 1.0))).is_err());
+    assert!(edited.set_transform(object, Mat4::from_translation(Vec3::splat(1e12))).is_err());
+    assert_eq!(edited.scene(), &stage());
+    edited.set_settings(Settings { method: Method::Paper, ..Settings::default() }).expect("sphere lights");
+    let flat = FlatLight::rectangle(Vec3::Y * 3.0, Vec3::X, Vec3::Z, Vec3::ONE).expect("a rectangle");
+    assert!(matches!(edited.add_light(flat.into()), Err(RenderError::PaperLight(1, _))));
+    let mut scene = stage();
+    scene.objects[0].material = 99;
+    assert!(Renderer::new(scene, Animation::default(), Settings::default()).is_err());
+}
+
+#[test]
+fn keys_can_be_given_in_code() {
+    let mut edited = renderer(Settings::default());
+    let object = edited.objects().nth(2).expect("a globe").0;
+    let keys = vec![KeyFrame::at(0.0), KeyFrame { translation: Vec3::X, ..KeyFrame::at(1.0) }];
+    edited.set_keys(object, &KeyFrames { keys, ..KeyFrames::default() }).expect("keys");
+    assert!(matches!(edited.set_transform(object, Mat4::IDENTITY), Err(RenderError::Edit(EditError::Animated(_)))));
+    edited.seek(0.5);
+    check_same(&mut edited, "keys");
+    assert!(edited.set_keys(object, &KeyFrames::default()).is_err());
+}
+
+fn change(edited: &mut Renderer, random: &mut Random) -> Result<(), RenderError> {
+    let at = |random: &mut Random, n: usize| ((random.next_f64() * n as f64) as usize).min(n - 1);
+    let shift = |random: &mut Random| (random.next_f64() * 2.0 - 1.0) as f32;
+    let objects: Vec<_> = edited.objects().map(|(handle, _)| handle).collect();
+    let object = objects[at(random, objects.len())];
+    let lights: Vec<_> = edited.lights().map(|(handle, _)| handle).collect();
+    match at(random, 10) {
+        0 | 1 => {
+            let by = Vec3::new(shift(random), 0.0, shift(random));
+            edited.set_transform(object, Mat4::from_rotation_y(by.x) * Mat4::from_translation(by)).map(drop)
+        }
+        2 => edited.add_object(mesh_object(shift(random))).map(drop),
+        3 => edited.remove_object(object).map(drop),
+        4 => edited.add_light(lamp(shift(random))).map(drop),
+        5 if lights.len() > 1 => edited.remove_light(lights[0]).map(drop),
+        6 => edited.set_object_strategy(object, all_strategies().nth(at(random, 6)).flatten()).map(drop),
+        7 => {
+            let (material, _) = edited.materials().next().expect("a material");
+            let color = Vec3::splat(random.next_f64() as f32);
+            edited.set_material(material, Material::lambert(color), Surface::default()).map(drop)
+        }
+        8 => edited.set_size(40 + at(random, 9) as u32, 27).map(drop),
+        _ => edited.set_visible(object, random.next_f64() < 0.5).map(drop),
+    }
+}
+
+#[test]
+fn any_edits_give_the_picture_of_a_new_renderer() {
+    for (seed, strategy) in all_strategies().enumerate() {
+        let mut random = Random::new(seed as u64);
+        let mut edited = renderer(Settings { strategy, ..Settings::default() });
+        for step in 0..12 {
+            // Edits may be refused: nothing changes then.
+            let _ = change(&mut edited, &mut random);
+            check_same(&mut edited, &format!("{strategy:?}, step {step}"));
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! What a renderer relies on, checked for a whole scene and for each thing in it.
+
+use crate::mesh::MAX_COORDINATE;
+use crate::{Camera, Object, Proxy, Scene, SceneError, Shape, Surface};
+use brdf::Material;
+use glam::Vec3;
+use lighting::{Light, SkyLight, SunLight};
+use lobe_core::{LightLobes, Sphere};
+use std::fmt::Display;
+
+/// The largest image edge accepted, in pixels.
+pub(crate) const MAX_IMAGE: u32 = 16384;
+
+fn fault(thing: &dyn Display, error: &dyn Display) -> SceneError {
+    SceneError::invalid(format!("{thing}: {error}"))
+}
+
+fn is_color(color: Vec3) -> bool {
+    color.is_finite() && color.min_element() >= 0.0
+}
+
+impl Scene {
+    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, spheres, proxies, lights, and
+    /// that there is an object. [`load`](crate::load) has done so.
+    ///
+    /// A scene without lights is allowed: its picture is black.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] that names the first fault.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.camera.validate()?;
+        Self::check_size(self.width, self.height)?;
+        Self::check_background(self.background)?;
+        for (i, material) in self.materials.iter().enumerate() {
+            material.validate().map_err(|e| fault(&format_args!("material {i}"), &e))?;
+        }
+        for (i, surface) in self.surfaces.iter().enumerate() {
+            check_emission(i, surface)?;
+        }
+        if self.objects.is_empty() {
+            return Err(SceneError::invalid("scene has no objects"));
+        }
+        self.objects.iter().try_for_each(|object| self.check_object(object))?;
+        self.lights.iter().enumerate().try_for_each(|(i, light)| Self::check_light(i, light))
+    }
+
+    /// Checks the size of a picture.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`].
+    pub fn check_size(width: u32, height: u32) -> Result<(), SceneError> {
+        if (1..=MAX_IMAGE).contains(&width) && (1..=MAX_IMAGE).contains(&height) {
+            return Ok(());
+        }
+        Err(SceneError::invalid(format!("image is {width}x{height}: both must lie in 1…{MAX_IMAGE}")))
+    }
+
+    /// Checks a background.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`].
+    pub fn check_background(background: Vec3) -> Result<(), SceneError> {
+        if is_color(background) {
+            return Ok(());
+        }
+        Err(SceneError::invalid(format!("background is {background}: expected finite values ≥ 0")))
+    }
+
+    /// Checks a material of some number and what surfaces show beside it.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`].
+    pub fn check_material(number: usize, material: &Material, surface: &Surface) -> Result<(), SceneError> {
+        material.validate().map_err(|e| fault(&format_args!("material {number}"), &e))?;
+        check_emission(number, surface)
+    }
+
+    /// Checks an object that is in this scene, or is to be: its shape and proxy, its material, how near this camera sees it.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`].
+    pub fn check_object(&self, object: &Object) -> Result<(), SceneError> {
+        let name = format!("object \"{}\"", object.name);
+        if object.material >= self.materials.len() {
+            let (m, n) = (object.material, self.materials.len());
+            return Err(SceneError::invalid(format!("{name} has material {m} of {n}")));
+        }
+        match &object.shape {
+            Shape::Mesh(mesh) => mesh.validate().map_err(|e| fault(&name, &e))?,
+            Shape::Spheres(spheres) if spheres.is_empty() => {
+                return Err(SceneError::invalid(format!("{name} has no spheres")));
+            }
+            Shape::Spheres(spheres) => {
+                check_balls(spheres).map_err(|e| fault(&name, &e))?;
+                Self::check_seen_object(&self.camera, object)?;
+            }
+        }
+        if let Proxy::Spheres(spheres) = &object.proxy {
+            check_balls(spheres).map_err(|e| fault(&format_args!("proxy of {name}"), &e))?;
+        }
+        Ok(())
+    }
+
+    /// Checks another camera for this scene.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`].
+    pub fn check_camera(&self, camera: &Camera) -> Result<(), SceneError> {
+        camera.validate()?;
+        self.objects.iter().try_for_each(|object| Self::check_seen_object(camera, object))
+    }
+
+    fn check_seen_object(camera: &Camera, object: &Object) -> Result<(), SceneError> {
+        match &object.shape {
+            Shape::Spheres(spheres) if object.visible => spheres
+                .iter()
+                .try_for_each(|sphere| check_seen(camera, sphere))
+                .map_err(|e| fault(&format_args!("object \"{}\"", object.name), &e)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks a light of some number: where it is, how large, and how bright.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`].
+    pub fn check_light(number: usize, light: &Light) -> Result<(), SceneError> {
+        check_place(light).map_err(|e| fault(&format_args!("light {number}"), &e))?;
+        let radiance = light.full_radiance();
+        if is_color(radiance) {
+            return Ok(());
+        }
+        Err(SceneError::invalid(format!("light {number} has radiance {radiance}: expected finite values ≥ 0")))
+    }
+}
+
+fn check_emission(number: usize, surface: &Surface) -> Result<(), SceneError> {
+    let emission = surface.emission;
+    if is_color(emission) {
+        return Ok(());
+    }
+    Err(SceneError::invalid(format!("material {number} emits {emission}: expected finite values ≥ 0")))
+}
+
+/// Where a light is, and how large.
+fn check_place(light: &Light) -> Result<(), SceneError> {
+    match light {
+        Light::Sphere(light) => check_balls(&[light.ball]),
+        Light::Spot(spot) => {
+            check_balls(&[spot.light.ball])?;
+            check_direction("axis", spot.axis)?;
+            let [inner, outer] = spot.cos;
+            if (-1.0..=1.0).contains(&outer) && (outer..=1.0).contains(&inner) {
+                return Ok(());
+            }
+            Err(SceneError::invalid(format!("cosines are {inner} and {outer}: expected 1 ≥ first ≥ second ≥ -1")))
+        }
+        Light::Tube(tube) => {
+            check_balls(&tube.ends.map(|center| Sphere { center, radius: tube.radius }))?;
+            if tube.ends[0].distance(tube.ends[1]) > 1e-4 * tube.radius {
+                return Ok(());
+            }
+            Err(SceneError::invalid("a tube has two ends: both are the same"))
+        }
+        Light::Sun(sun) | Light::Sky(SkyLight::Sun(sun)) => check_sun(sun),
+        Light::Ambient(ambient) => check_world(ambient.world),
+        Light::Inside(inside) => check_place(&inside.light),
+        // Its shape was checked when it was made.
+        light => check_world(light.bounds()),
+    }
+}
+
+fn check_sun(sun: &SunLight) -> Result<(), SceneError> {
+    check_direction("direction", sun.toward)?;
+    if !(sun.sin > 0.0 && sun.sin <= 1.0) {
+        let sin = sun.sin;
+        return Err(SceneError::invalid(format!("sine of its half-angle is {sin}: expected more than 0, 1 at most")));
+    }
+    check_world(sun.world)
+}
+
+fn check_direction(name: &str, direction: Vec3) -> Result<(), SceneError> {
+    if (direction.length() - 1.0).abs() <= 1e-3 {
+        return Ok(());
+    }
+    Err(SceneError::invalid(format!("{name} is {direction}: expected a unit vector")))
+}
+
+fn check_world(world: Sphere) -> Result<(), SceneError> {
+    if world.center.is_finite() && world.radius.is_finite() && world.radius >= 0.0 {
+        return Ok(());
+    }
+    let Sphere { center, radius } = world;
+    Err(SceneError::invalid(format!("it lies in a sphere of radius {radius} at {center}: expected finite numbers")))
+}
+
+/// Points of a sphere are off its surface by up to 1e-7 of its radius: seen from too near they are noise.
+fn check_seen(camera: &Camera, ball: &Sphere) -> Result<(), SceneError> {
+    let radius = f64::from(ball.radius);
+    let height = (ball.center.as_dvec3().distance(camera.eye.as_dvec3()) - radius).abs();
+    if radius <= MAX_RADIUS_SEEN * height {
+        return Ok(());
+    }
+    Err(SceneError::invalid(format!(
+        "sphere of radius {radius:e} is seen from {height:.3e} away: expected at least {:.3e}, or a plane",
+        radius / MAX_RADIUS_SEEN
+    )))
+}
+
+/// Radius over the eye's distance to its surface up to which single precision shows a ball well: speckles begin at 5e6.
+const MAX_RADIUS_SEEN: f64 = 2e6;
+
+pub(crate) fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {
+    for ball in balls {
+        if ball.center.is_nan() || ball.center.abs().max_element() > MAX_COORDINATE {
+            let c = ball.center;
+            return Err(SceneError::invalid(format!("sphere has centre {c}: coordinates must lie within ±1e9")));
+        }
+        if !(ball.radius > 0.0 && ball.radius <= MAX_COORDINATE) {
+            let r = ball.radius;
+            return Err(SceneError::invalid(format!("sphere has radius {r}: expected a positive number up to 1e9")));
+        }
+    }
+    Ok(())
+}
