@@ -3,7 +3,7 @@
 use brdf::Material;
 use glam::{Mat4, Vec3};
 use lighting::{FlatLight, Light, SphereLight};
-use lobe_core::oracle::Random;
+use lobe_core::Random;
 use lobe_core::{Accuracy, Sphere};
 use renderer::{EditError, Method, RenderError, Renderer, Settings, Upkeep};
 use scene::{Animation, KeyFrame, KeyFrames, Mesh, Object, Proxy, Scene, Strategy, Surface};
@@ -151,8 +151,8 @@ fn keys_can_be_given_in_code() {
 }
 
 fn change(edited: &mut Renderer, random: &mut Random) -> Result<(), RenderError> {
-    let at = |random: &mut Random, n: usize| ((random.next_f64() * n as f64) as usize).min(n - 1);
-    let shift = |random: &mut Random| (random.next_f64() * 2.0 - 1.0) as f32;
+    let at = |random: &mut Random, n: usize| ((random.uniform() * n as f64) as usize).min(n - 1);
+    let shift = |random: &mut Random| (random.uniform() * 2.0 - 1.0) as f32;
     let objects: Vec<_> = edited.objects().map(|(handle, _)| handle).collect();
     let object = objects[at(random, objects.len())];
     let lights: Vec<_> = edited.lights().map(|(handle, _)| handle).collect();
@@ -168,11 +168,11 @@ fn change(edited: &mut Renderer, random: &mut Random) -> Result<(), RenderError>
         6 => edited.set_object_strategy(object, all_strategies().nth(at(random, 6)).flatten()).map(drop),
         7 => {
             let (material, _) = edited.materials().next().expect("a material");
-            let color = Vec3::splat(random.next_f64() as f32);
+            let color = Vec3::splat(random.uniform() as f32);
             edited.set_material(material, Material::lambert(color), Surface::default()).map(drop)
         }
         8 => edited.set_size(40 + at(random, 9) as u32, 27).map(drop),
-        _ => edited.set_visible(object, random.next_f64() < 0.5).map(drop),
+        _ => edited.set_visible(object, random.uniform() < 0.5).map(drop),
     }
 }
 
