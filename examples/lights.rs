@@ -237,7 +237,7 @@ impl Case {
         let of = vec![scene.objects.len() as u32 - 1; balls.len()];
         let spheres = SphereBlockers::new(&balls, &of, &vec![1e-4; scene.objects.len()]);
         let mut silhouettes = SceneSilhouettes::new(scene, |_| true);
-        silhouettes.update(scene);
+        silhouettes.refit(scene);
         let hits = SurfaceHits::new(&world, |o| o as usize + 1 < scene.objects.len());
         let meshes = SilhouetteBlockers::new(silhouettes.meshes(), hits).with_tolerance(tolerance);
         let mut out = vec![Vec3::ZERO; chosen.len()];

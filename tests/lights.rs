@@ -65,7 +65,7 @@ fn shade(scene: &Scene, tolerance: f32, by_rays: bool) -> Vec<Vec3> {
         return run(scene, tolerance, MaskVisibility::new(RayBlockers::new(&world)));
     }
     let mut silhouettes = SceneSilhouettes::new(scene, |_| true);
-    silhouettes.update(scene);
+    silhouettes.refit(scene);
     let meshes = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |o| o < 3));
     let Proxy::Spheres(balls) = &scene.objects[3].proxy else { panic!("a ball") };
     let spheres = SphereBlockers::new(balls, &[3], &[1e-4; 4]);

@@ -90,7 +90,7 @@ fn measure(name: &str, mut scene: Scene, degrees: f32) {
     let mut silhouettes = SceneSilhouettes::new(&scene, |_| true);
     let build = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    silhouettes.update(&scene);
+    silhouettes.refit(&scene);
     let refit = start.elapsed().as_secs_f64();
     let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
     let hits = SurfaceHits::new(&world, |_| true);

@@ -49,6 +49,18 @@ impl SceneSilhouettes {
         [Update::Built, Update::Refitted].map(|kind| done.iter().filter(|done| **done == kind).count())
     }
 
+    /// Follows a scene whose objects have moved and are otherwise the same: every mesh is refitted.
+    pub fn refit(&mut self, scene: &Scene) {
+        self.meshes.par_iter_mut().for_each(|kept| {
+            let object = kept.object();
+            if let Shape::Mesh(mesh) = &scene.objects[object as usize].shape
+                && !kept.refit(&mesh.positions)
+            {
+                *kept = prepare(object, mesh);
+            }
+        });
+    }
+
     /// The meshes.
     #[must_use]
     pub fn meshes(&self) -> &[SilhouetteMesh] {

@@ -1,4 +1,4 @@
-//! What a renderer relies on, checked for a whole scene and for each thing in it.
+//! Checks of everything that a renderer relies on, for a whole scene and for each item.
 
 use crate::mesh::MAX_COORDINATE;
 use crate::{Camera, Object, Proxy, Scene, SceneError, Shape, Surface};
@@ -207,7 +207,7 @@ fn check_seen(camera: &Camera, ball: &Sphere) -> Result<(), SceneError> {
     )))
 }
 
-/// Radius over the eye's distance to its surface up to which single precision shows a ball well: speckles begin at 5e6.
+/// Radius over the eye's distance to its surface up to which single precision shows a sphere well: speckles begin at 5e6.
 const MAX_RADIUS_SEEN: f64 = 2e6;
 
 pub(crate) fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {

@@ -12,7 +12,7 @@ use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
 use scene::{Doubles, Proxy, Scene, Shape};
 
-/// The triangles and the exact balls of a scene in two hierarchies, kept from frame to frame.
+/// The triangles and the exact spheres of a scene in two hierarchies, kept from frame to frame.
 ///
 /// ```
 /// use ray_tracing::{Hierarchy, Update};
@@ -74,8 +74,8 @@ impl Hierarchy {
         of_triangles.max(of_balls)
     }
 
-    /// Follows lights that have changed while all objects stay: a ball that shows a light does not block. Whether any ball blocks
-    /// that did not, or the reverse. Costs one comparison for each ball and light.
+    /// Follows lights that have changed while all objects stay: a sphere that shows a light does not block. Whether any sphere blocks
+    /// that did not, or the reverse. Costs one comparison for each sphere and light.
     pub fn update_lights(&mut self, scene: &Scene) -> bool {
         let mut is_changed = false;
         for ball in &mut self.balls.primitives {
@@ -121,12 +121,12 @@ fn scale_of(triangles: &[Corners], balls: &[Ball]) -> f32 {
     hierarchy_scale(bounds.diagonal().length().max(far))
 }
 
-/// Whether a ball hides lights: not where it shows one.
+/// Whether a sphere hides lights: a sphere that shows a light does not.
 fn blocks(scene: &Scene, ball: &Sphere) -> bool {
     !scene.lights.iter().any(|light| light.is_shown_by(ball))
 }
 
-/// The triangles with an area and the balls with a radius of all objects that are seen or block; equal meshes and balls once.
+/// The triangles with an area and the spheres with a radius of all objects that are seen or block; equal meshes and spheres once.
 fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
     let (mut triangles, mut balls, mut doubles) = (Vec::new(), Vec::new(), Doubles::default());
     for (number, object) in scene.objects.iter().enumerate() {

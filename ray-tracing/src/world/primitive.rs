@@ -157,7 +157,7 @@ impl Boundable for Ball {
 
 /// Identifies a primitive by its object and number.
 pub(crate) trait Named {
-    /// What tells that two primitives are the same one of the same object.
+    /// Object and number: equal for one primitive at two moments.
     fn name(&self) -> (u32, u32);
 
     /// How much changes where it becomes another one of the same name.

@@ -78,7 +78,7 @@ fn a_refitted_world_is_the_new_one() {
     assert!((16..20).contains(&refits), "{refits}");
 }
 
-/// What stands still is kept, what is seen or blocks in another way is marked, what moves is refitted, what comes is built.
+/// A resting object is kept; another visibility marks it; a moved object is refitted; a new object is built.
 #[test]
 fn an_update_does_no_more_than_it_must() {
     let mut scene = soup(&mut Rng(4));

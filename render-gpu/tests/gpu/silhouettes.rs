@@ -130,7 +130,7 @@ fn follow_motion(gpu: &Gpu) {
     let Shape::Mesh(mesh) = &mut scene.objects[1].shape else { unreachable!("a mesh") };
     mesh.transform(&Mat4::from_translation(Vec3::new(0.03, 0.0, -0.1)));
     world.update(&scene).expect("geometry");
-    meshes.update(&scene);
+    meshes.refit(&scene);
     let moved = shade(&world, &meshes, &scene);
     assert!(before != moved && moved == from_gpu(gpu, &scene, &points, &frame(&scene, 0.003, 5)).0);
 }

@@ -122,7 +122,7 @@ fn run(
     let mut silhouettes = seconds(&mut prepare, || plan.silhouettes(scene));
     let (mut set, mut kept) = (BlockerSet::default(), KeptSpheres::default());
     seconds(&mut update, || {
-        silhouettes.update(scene);
+        silhouettes.refit(scene);
         spheres.pose(scene, Some((animation, 0.0)), &mut set)
     })?;
     seconds(&mut update, || kept.update(&set));
