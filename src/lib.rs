@@ -20,9 +20,9 @@
 //! ```
 //!
 //! # Features
-//! `cli` (default): the command `lobes`. `gpu` (default): `render_gpu`, through wgpu. `oracle`: the f64 oracle, and the suites that strategies,
-//! lights and materials are tried with ([`lobe_core`]'s `conformance`, [`brdf`]'s `conformance`). With `default-features = false` neither
-//! clap nor wgpu nor plotters is built.
+//! `gpu` (default): `render_gpu`, through wgpu. `oracle`: the f64 oracle, and the suites that strategies, lights and materials are
+//! tried with ([`lobe_core`]'s `conformance`, [`brdf`]'s `conformance`). The command `lobes` is a package of its own,
+//! `cosine-lobes-cli`.
 
 pub use brdf;
 pub use glam;
