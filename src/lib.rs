@@ -5,7 +5,7 @@
 //! - [`renderer`]: a scene to a picture, the whole of it as one type; start here.
 //! - [`scene`]: meshes, materials, camera, animation and their files; [`pictures`]: OpenEXR, PNG, comparison.
 //! - [`lobe_core`], [`brdf`], [`lighting`], [`visibility_mask`]: lobes, and the three sources of them: reflectance, light, visibility.
-//! - [`visibility_silhouettes`], [`visibility_spheres`] with [`sphere_sets`], [`visibility_shadowmap`]: what blocks light.
+//! - [`visibility_silhouettes`], [`visibility_spheres`] with [`sphere_sets`], [`visibility_shadowmap`], [`visibility_rays`]: what blocks light.
 //! - [`ray_tracing`]: what rays meet, and the visible points of a picture.
 //! - [`render_cpu`], `render_gpu`: points to radiance; [`reference`](mod@reference): the same by Monte Carlo, to measure them by.
 //!
@@ -38,6 +38,7 @@ pub use renderer;
 pub use scene;
 pub use sphere_sets;
 pub use visibility_mask;
+pub use visibility_rays;
 pub use visibility_shadowmap;
 pub use visibility_silhouettes;
 pub use visibility_spheres;

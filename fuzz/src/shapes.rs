@@ -6,10 +6,11 @@ use cosine_lobes::lobe_core::{
     Accuracy, Cone, LightId, Lobe, Look, Receiver, Sphere, VisibilityLobes, VisibilitySum, Visit, cap_integral,
     visible_fraction,
 };
-use cosine_lobes::render_cpu::{RayBlockers, SceneSilhouettes, SurfaceHits, World};
+use cosine_lobes::render_cpu::{SceneSilhouettes, SurfaceHits, World};
 use cosine_lobes::scene::{Camera, Mesh, Object, Proxy, Scene};
 use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
 use cosine_lobes::visibility_mask::{Blockers, MaskVisibility};
+use cosine_lobes::visibility_rays::RayBlockers;
 use cosine_lobes::visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
 use cosine_lobes::visibility_spheres::SphereBlockers;
