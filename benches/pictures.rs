@@ -62,7 +62,7 @@ fn shots(device: &str) -> Vec<Shot> {
                 }
                 let mut arguments = vec!["render".to_owned()];
                 if scene != "builtin" {
-                    arguments.push(format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR")));
+                    arguments.push(format!("{}/../scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR")));
                 }
                 let size = if device == "cpu" { "120x68" } else { "64x40" };
                 let rest = ["--quiet", "--size", size, "--visibility", strategy, "--device", device];
@@ -98,14 +98,19 @@ fn digest(shot: &Shot, folder: &Path) -> Result<String, String> {
     Ok(checksum(&bytes))
 }
 
+/// A path that the caller gives from the repository's root: Cargo runs benches in the folder of their package.
+fn from_root(path: &str) -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(path)
+}
+
 fn run() -> Result<ExitCode, String> {
     let (mut save, mut against, mut device) = (None, None, None);
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word}: what follows is missing"));
         match word.as_str() {
-            "--save" => save = Some(PathBuf::from(value()?)),
-            "--against" => against = Some(PathBuf::from(value()?)),
+            "--save" => save = Some(from_root(&value()?)),
+            "--against" => against = Some(from_root(&value()?)),
             "--device" => device = Some(value()?),
             // Cargo adds it.
             "--bench" => {}

@@ -10,9 +10,10 @@ use cosine_lobes::lighting::{
 use cosine_lobes::lobe_core::{Accuracy, LightImage, Sphere};
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Estimate, Geometry, Reference, ReferenceJob};
-use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits};
+use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
 use cosine_lobes::scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints};
 use cosine_lobes::visibility_mask::{MaskVisibility, Mixture};
+use cosine_lobes::visibility_rays::RayBlockers;
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use cosine_lobes::{Picture, ShadowErrors};

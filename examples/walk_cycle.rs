@@ -6,10 +6,11 @@
 //! and the tentacle of `scenes/assets`. Light of half-angle 6°, mask of depth 5, a floor of 96 × 96 points.
 
 use cosine_lobes::lobe_core::{Accuracy, Receiver, Visibility};
-use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSpheres, SphereSource, World, blockers};
+use cosine_lobes::render_cpu::{CpuShader, SceneSpheres, SphereSource, World, blockers};
 use cosine_lobes::scene::{self, Animation, BlockerSet, Frame, Proxy, Scene, ShadingPoints, Shape};
 use cosine_lobes::sphere_sets::SphereSet;
 use cosine_lobes::visibility_mask::MaskVisibility;
+use cosine_lobes::visibility_rays::RayBlockers;
 use cosine_lobes::visibility_spheres::SphereBlockers;
 use glam::Vec3;
 use std::error::Error;

@@ -76,7 +76,26 @@
 //!
 //! # Edits
 //!
-//! Between two pictures a program may change the scene of its [`Renderer`](renderer::Renderer).
+//! Between two pictures a program may change the scene by handles. Each edit is checked, and says what it made stale; the next
+//! picture makes no more than that anew.
+//!
+//! ```
+//! use cosine_lobes::glam::{Mat4, Vec3};
+//! use cosine_lobes::renderer::{Renderer, Settings};
+//! use cosine_lobes::scene::{Animation, builtin};
+//! let mut scene = builtin();
+//! (scene.width, scene.height) = (32, 18);
+//! let mut renderer = Renderer::new(scene, Animation::default(), Settings::default())?;
+//! renderer.render()?;
+//! let (object, _) = renderer.objects().last().expect("an object");
+//! renderer.set_transform(object, Mat4::from_translation(Vec3::Y * 0.2))?;
+//! let (light, lamp) = renderer.lights().next().expect("a light");
+//! let lamp = lamp.moved(Mat4::from_translation(Vec3::X));
+//! renderer.set_light(light, lamp)?;
+//! let image = renderer.render()?;
+//! # assert_eq!(image.size, [32, 18]);
+//! # Ok::<(), cosine_lobes::renderer::RenderError>(())
+//! ```
 //!
 //! # Own parts
 //!
@@ -108,16 +127,15 @@
 //!
 //! Each crate of the workspace is a module here. [`scene`]: scenes and their files. [`renderer`]: the front door. [`brdf`], [`lighting`]:
 //! materials and lights as lobes; [`lobe_core`]: lobes, their integrals and the traits. [`visibility_mask`], [`visibility_silhouettes`],
-//! [`visibility_spheres`], [`sphere_sets`], [`visibility_shadowmap`]: visibility. [`render_cpu`], `render_gpu`: shading. [`ray_tracing`]: rays
+//! [`visibility_spheres`], [`sphere_sets`], [`visibility_shadowmap`], [`visibility_rays`]: visibility. [`render_cpu`], `render_gpu`: shading. [`ray_tracing`]: rays
 //! and visible points. [`reference`](mod@reference): Monte Carlo. [`pictures`]: image files and comparison.
 //!
 //! # Features
 //!
-//! - `cli` (default): the command `lobes`.
 //! - `gpu` (default): `render_gpu`, through wgpu.
 //! - `oracle`: f64 oracles, and suites for own materials, lights and strategies ([`lobe_core`] and [`brdf`], module `conformance`).
 //!
-//! With `default-features = false` neither clap nor wgpu nor plotters is built.
+//! The command `lobes` is a package of its own, `cosine-lobes-cli`. With `default-features = false` no wgpu is built.
 
 pub use brdf;
 pub use glam;
@@ -133,6 +151,7 @@ pub use renderer;
 pub use scene;
 pub use sphere_sets;
 pub use visibility_mask;
+pub use visibility_rays;
 pub use visibility_shadowmap;
 pub use visibility_silhouettes;
 pub use visibility_spheres;

@@ -15,13 +15,13 @@ fn lobes(folder: &Path, arguments: &[&str]) {
 }
 
 fn script(folder: &Path, name: &str, arguments: &[&str]) -> Command {
-    let mut command = Command::new(format!("{}/examples/farm/{name}", env!("CARGO_MANIFEST_DIR")));
+    let mut command = Command::new(format!("{}/../examples/farm/{name}", env!("CARGO_MANIFEST_DIR")));
     command.current_dir(folder).args(arguments).env("LOBES", env!("CARGO_BIN_EXE_lobes"));
     command
 }
 
 fn scene(name: &str) -> String {
-    format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+    format!("{}/../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
 
 /// The picture of one run, to the bit.

@@ -18,11 +18,12 @@ use cosine_lobes::lighting::{Light, SphereLight};
 use cosine_lobes::lobe_core::{Accuracy, DynVisibility, LightLobes, Sphere, Unshadowed};
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Estimate, Geometry, Reference, ReferenceJob};
-use cosine_lobes::render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits};
+use cosine_lobes::render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
 use cosine_lobes::scene::{
     BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Strategy, load_animated,
 };
 use cosine_lobes::visibility_mask::MaskVisibility;
+use cosine_lobes::visibility_rays::RayBlockers;
 use cosine_lobes::visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 use cosine_lobes::visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use cosine_lobes::visibility_spheres::SphereBlockers;

@@ -5,10 +5,11 @@ use cosine_lobes::brdf::Material;
 use cosine_lobes::lobe_core::{
     Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
 };
-use cosine_lobes::render_cpu::{RayBlockers, SceneSilhouettes, SurfaceHits, World};
+use cosine_lobes::render_cpu::{SceneSilhouettes, SurfaceHits, World};
 use cosine_lobes::scene::{Camera, Mesh, Object, Proxy, Scene};
 use cosine_lobes::sphere_sets::{BuildOptions, SphereSet};
 use cosine_lobes::visibility_mask::{Blockers, MaskVisibility};
+use cosine_lobes::visibility_rays::RayBlockers;
 use cosine_lobes::visibility_shadowmap::{MapOptions, ShadowMap, ShadowMapBlockers};
 use cosine_lobes::visibility_silhouettes::SilhouetteBlockers;
 use cosine_lobes::visibility_spheres::SphereBlockers;

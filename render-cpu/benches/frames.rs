@@ -10,10 +10,11 @@ use lighting::{Light, SphereLight};
 use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere, Unshadowed};
 use ray_tracing::World;
 use reference::RayShader;
-use render_cpu::{CpuShader, RayBlockers};
+use render_cpu::CpuShader;
 use scene::{BlockerSet, Camera, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Texture, Wrap};
 use std::fmt::Display;
 use visibility_mask::MaskVisibility;
+use visibility_rays::RayBlockers;
 use visibility_spheres::SphereBlockers;
 
 /// What a curve turns one number of.

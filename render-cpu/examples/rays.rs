@@ -12,9 +12,10 @@ use lighting::SphereLight;
 use lobe_core::{Accuracy, Sphere, Visibility};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
-use render_cpu::{CpuShader, RayBlockers, SceneSilhouettes, SurfaceHits};
+use render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits};
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadeStats};
 use visibility_mask::MaskVisibility;
+use visibility_rays::RayBlockers;
 use visibility_silhouettes::SilhouetteBlockers;
 
 /// Samples of the reference at each receiver.

@@ -11,13 +11,14 @@ use lobe_core::{
     Accuracy, Coverage, LightCoverage, LightId, LightLobes, LightVisibility, Lobe, Receiver, Shaft, Sphere, Tile,
     Visibility, VisibilityQuery,
 };
-use render_cpu::{GBuffer, RayBlockers, SceneSilhouettes, SurfaceHits, World};
+use render_cpu::{GBuffer, SceneSilhouettes, SurfaceHits, World};
 use scene::{GROUP, Mesh, Scene, Shape, load_animated};
 use std::collections::HashMap;
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 use visibility_mask::{Blockers, MaskVisibility};
+use visibility_rays::RayBlockers;
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
 const SIZE: (u32, u32) = (480, 270);

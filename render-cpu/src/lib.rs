@@ -1,8 +1,7 @@
 //! Shading on the CPU by lobe sums, and what blocks light in a scene.
 //!
 //! - [`CpuShader`]: shades points, with any visibility strategy, materials and lights.
-//! - What blocks: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`], [`RayBlockers`];
-//!   [`GpuRays`], the same for a GPU.
+//! - What blocks: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`].
 //! - [`World`] and [`GBuffer`], which they ask and shade, are [`ray_tracing`]'s.
 //!
 //! ```
@@ -22,8 +21,6 @@
 
 mod blockers;
 mod blockers_error;
-mod gpu_rays;
-mod rays;
 mod revision;
 mod scene_silhouettes;
 mod scene_spheres;
@@ -32,8 +29,6 @@ mod surface_hits;
 
 pub use crate::blockers::blockers;
 pub use crate::blockers_error::{BlockersError, BlockersProgress};
-pub use crate::gpu_rays::GpuRays;
-pub use crate::rays::{RayBlockers, RayScratch};
 pub use crate::revision::Revision;
 pub use crate::scene_silhouettes::SceneSilhouettes;
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};

@@ -4,10 +4,11 @@ use brdf::Material;
 use glam::Vec3;
 use lobe_core::Sphere;
 use lobe_core::conformance::{Limits, Setting, Subject, Visitor, check};
-use render_cpu::{RayBlockers, SceneSilhouettes, SurfaceHits, World};
+use render_cpu::{SceneSilhouettes, SurfaceHits, World};
 use scene::{Camera, Mesh, Object, Scene, Shape};
 use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture};
+use visibility_rays::RayBlockers;
 use visibility_silhouettes::SilhouetteBlockers;
 use visibility_spheres::SphereBlockers;
 

@@ -12,11 +12,12 @@ use lobe_core::{Accuracy, Receiver, Sphere, Visibility};
 use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
 use reference::{Geometry, RayShader, Reference, ReferenceJob};
-use render_cpu::{CpuShader, RayBlockers};
+use render_cpu::CpuShader;
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
 use visibility_mask::MaskVisibility;
+use visibility_rays::RayBlockers;
 use visibility_spheres::SphereBlockers;
 
 const FLOORS: [f32; 4] = [1.0, 8.0, 80.0, 1000.0];

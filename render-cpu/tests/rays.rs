@@ -7,10 +7,11 @@ use lighting::SphereLight;
 use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
-use render_cpu::{CpuShader, RayBlockers};
+use render_cpu::CpuShader;
 use scene::{BlockerSet, Camera, Frame, Mesh, Object, Proxy, Scene, ShadingPoints};
 use test_scenes::globe;
 use visibility_mask::{Blockers, Mask, MaskVisibility};
+use visibility_rays::RayBlockers;
 
 fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
     let object = |(i, mesh)| Object::mesh(format!("mesh {i}"), mesh, 0, Proxy::None);

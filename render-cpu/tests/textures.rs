@@ -7,12 +7,13 @@ use lighting::SphereLight;
 use lobe_core::{Accuracy, Sphere};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
-use render_cpu::{CpuShader, RayBlockers};
+use render_cpu::CpuShader;
 use scene::{
     BlockerSet, Camera, Channel, Encoding, Frame, Mesh, Object, Proxy, Scene, Shade, Shape, Surface, Texture,
     TextureMap,
 };
 use visibility_mask::MaskVisibility;
+use visibility_rays::RayBlockers;
 
 /// A square floor of half edge 4, seen at an angle.
 fn floor(material: Material, surface: Surface) -> Scene {

@@ -80,8 +80,11 @@ fn variants() -> impl Iterator<Item = Variant> {
         strategies.into_iter().flat_map(move |(has_spheres, has_maps)| {
             (1..=6).flat_map(move |depth| {
                 let pages = if depth % 2 == 0 { GpuPages::ONE } else { GpuPages::of(3 << 27, 1 << 27) };
-                let mut all =
-                    vec![if has_spheres { own(&spheres(), 0, pages) } else { own(&render_cpu::GpuRays, 0, pages) }];
+                let mut all = vec![if has_spheres {
+                    own(&spheres(), 0, pages)
+                } else {
+                    own(&visibility_rays::GpuRays, 0, pages)
+                }];
                 if has_maps {
                     all.push(own(&PackedMaps::default(), 3, pages));
                 }

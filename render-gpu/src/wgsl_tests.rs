@@ -163,7 +163,7 @@ const PAIRS: &[Pair] = &[
     ("render-gpu/src/kernels/bvh.wgsl", "CLOSE", Is("ray-tracing/src/world/primitive.rs", "CLOSE")),
     ("render-gpu/src/kernels/bvh.wgsl", "CLOSE_TO_BALL", Is("ray-tracing/src/world/primitive.rs", "CLOSE_TO_BALL")),
     ("render-gpu/src/kernels/any_hit.wgsl", "BLUR", Is("ray-tracing/src/world/query.rs", "BLUR")),
-    ("render-cpu/src/rays_splat.wgsl", "GRAZING", Is("render-cpu/src/rays.rs", "GRAZING")),
+    ("visibility-rays/src/rays_splat.wgsl", "GRAZING", Is("visibility-rays/src/rays.rs", "GRAZING")),
 ];
 
 /// The folder of all crates; none where this one was unpacked alone.

@@ -106,7 +106,7 @@ fn checking_advises_for_each_object() {
     let roll = json(folder, &["check", "roll.toml", "--json"]);
     assert_eq!((&roll["animation"]["duration"], &roll["animation"]["frames"]), (&1.0.into(), &11.into()));
     assert!(succeed(folder, &["check", "roll.toml"]).contains("frames 0 to 10 at 10 a second: all by --frames 0..11"));
-    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
+    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/assets/fox.glb");
     let of = |options: &[&str]| {
         json(folder, &[&["check", fox, "--json"], options].concat())["animation"]["duration"].clone()
     };

@@ -178,7 +178,7 @@ fn frames_that_there_are_not_are_refused() {
 fn a_clip_is_chosen_by_name_or_number() {
     let folder = folder();
     let folder = folder.path();
-    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
+    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/assets/fox.glb");
     let picture = |name: &str, options: &[&str]| {
         let common = ["render", fox, "-o", name, "--size", "32x18", "--visibility", "none", "-q"];
         succeed(folder, &[&common, options].concat());

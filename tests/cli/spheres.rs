@@ -66,7 +66,7 @@ fn the_table_of_the_paper_is_kept_between_runs() {
 fn sets_of_skinned_meshes_have_bones() {
     let folder = folder();
     let folder = folder.path();
-    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets/fox.glb");
+    let fox = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/assets/fox.glb");
     let build = |options: &[&str]| {
         succeed(folder, &[&["spheres", fox, "--count", "8", "--draft", "-o", "fox.json", "-q"], options].concat());
         fs::read_to_string(folder.join("fox.json")).unwrap()

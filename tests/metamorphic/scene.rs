@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/assets");
+const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/assets");
 
 /// A change that must not change the picture.
 #[derive(Clone, Copy, Debug)]

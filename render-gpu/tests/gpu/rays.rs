@@ -14,11 +14,12 @@ use lobe_core::paper::{PaperIntegrator, ProductTable, Resolution, Tables};
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
-use render_cpu::{CpuShader, GpuRays, RayBlockers, blockers};
+use render_cpu::{CpuShader, blockers};
 use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, Stops};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility, facet_coverage};
+use visibility_rays::{GpuRays, RayBlockers};
 use visibility_spheres::SphereBlockers;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {

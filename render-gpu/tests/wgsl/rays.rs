@@ -3,8 +3,8 @@
 use crate::validated::module;
 use lobe_core::gpu::GpuBlockers;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
-use render_cpu::GpuRays;
 use render_gpu::wgsl::{ANY_HIT, BVH, TRACE};
+use visibility_rays::GpuRays;
 
 #[test]
 fn visible_points_validate() {

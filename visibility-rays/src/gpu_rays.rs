@@ -5,7 +5,7 @@ use visibility_mask::wgsl::CONTOUR;
 ///
 /// ```
 /// use lobe_core::gpu::GpuBlockers;
-/// assert!(render_cpu::GpuRays.asks_any_hit());
+/// assert!(visibility_rays::GpuRays.asks_any_hit());
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct GpuRays;

@@ -6,15 +6,15 @@
 
 mod blob;
 mod counts;
-#[path = "../../src/bin/lobes/figures/measure.rs"]
+#[path = "../../src/figures/measure.rs"]
 mod measure;
 mod models;
 mod order;
 mod rows;
 mod scaling;
-#[path = "../../src/bin/lobes/figures/scenes.rs"]
+#[path = "../../src/figures/scenes.rs"]
 mod scenes;
-#[path = "../../src/bin/lobes/figures/sets.rs"]
+#[path = "../../src/figures/sets.rs"]
 mod sets;
 mod table;
 
