@@ -7,7 +7,7 @@ use visibility_mask::{Blockers, Contour, Edges, Mask, facet_coverage};
 /// So many primitives in a group's shaft are tested one by one for each receiver; more are left to the hierarchy.
 const LISTED: usize = 48;
 
-/// The `rays` strategy: shadow rays on the true triangles and balls decide the cells of the mask. Wrap it in
+/// The `rays` strategy: shadow rays on the true triangles and spheres decide the cells of the mask. Wrap it in
 /// [`MaskVisibility`](visibility_mask::MaskVisibility).
 ///
 /// # Method
@@ -26,8 +26,8 @@ const LISTED: usize = 48;
 /// 0.25 %, 233; floor behind a picket fence, three pickets across the light, 0.11 / 0.42 %, 581. Depth 4: 0.17 / 0.63 %, 155
 /// on the bunny's floor, 0.31 / 1.2 % behind the fence. Lit receivers cost next to none.
 ///
-/// What the contour saves costs little: from masks with a ray for every cell (812 rays at depth 5, 3 200 at depth 6) the
-/// share differs by 0.13 / 0.08 % in the mean around a ball, with 232 rays, and by 0.15 / 0.09 % around a picket fence,
+/// The contour saves rays at a small price: from masks with a ray for every cell (812 rays at depth 5, 3 200 at depth 6) the
+/// visible fraction differs by 0.13 / 0.08 % in the mean around a sphere, with 232 rays, and by 0.15 / 0.09 % around a picket fence,
 /// with 466.
 #[derive(Debug)]
 pub struct RayBlockers<'w> {

@@ -9,7 +9,7 @@ fn rays_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     if cone.one_minus_cos <= 0.0 {
         return select(LIT, DARK, any_hit(origin, cone.axis, cone.distance));
     }
-    // No ray is asked for below a facet that cuts the light.
+    // No ray is traced below a facet that cuts the light.
     let is_above = facet == PARTIAL || dot(at.face, cone.axis) >= sqrt(cone_sin_sq(cone));
     return select(facet, PARTIAL, any_hit_cone(origin, cone, select(vec3f(0.0), at.face, is_above)));
 }

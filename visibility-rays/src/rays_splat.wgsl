@@ -6,7 +6,7 @@ var<private> rays_light: Cone;
 // Normal of the point's facet where that hides a part of the light, or 0.
 var<private> rays_face: vec3f;
 
-// Sine of the least elevation above a facet at which it is asked for light: rounding does not turn such a ray down.
+// Sine of the least elevation above a facet at which a ray is traced: rounding does not turn such a ray below the facet.
 const GRAZING = 1e-6;
 
 fn light_is_hidden(v: vec3f) -> bool {
