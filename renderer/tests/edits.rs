@@ -6,7 +6,7 @@ use lighting::{FlatLight, Light, SphereLight};
 use lobe_core::Random;
 use lobe_core::{Accuracy, Sphere};
 use renderer::{EditError, Method, RenderError, Renderer, Settings, Upkeep};
-use scene::{Animation, KeyFrame, KeyFrames, Mesh, Object, Proxy, Scene, Strategy, Surface};
+use scene::{Animation, Camera, KeyFrame, KeyFrames, Mesh, Object, Proxy, Scene, Strategy, Surface};
 use test_scenes::{floor_and_ball, globe};
 
 fn lamp(x: f32) -> Light {
@@ -156,7 +156,7 @@ fn change(edited: &mut Renderer, random: &mut Random) -> Result<(), RenderError>
     let objects: Vec<_> = edited.objects().map(|(handle, _)| handle).collect();
     let object = objects[at(random, objects.len())];
     let lights: Vec<_> = edited.lights().map(|(handle, _)| handle).collect();
-    match at(random, 10) {
+    match at(random, 13) {
         0 | 1 => {
             let by = Vec3::new(shift(random), 0.0, shift(random));
             edited.set_transform(object, Mat4::from_rotation_y(by.x) * Mat4::from_translation(by)).map(drop)
@@ -172,6 +172,15 @@ fn change(edited: &mut Renderer, random: &mut Random) -> Result<(), RenderError>
             edited.set_material(material, Material::lambert(color), Surface::default()).map(drop)
         }
         8 => edited.set_size(40 + at(random, 9) as u32, 27).map(drop),
+        9 => {
+            let eye = edited.scene().camera.eye + 0.2 * Vec3::new(shift(random), shift(random), 0.0);
+            edited.set_camera(Camera { eye, ..edited.scene().camera }).map(drop)
+        }
+        10 => edited.set_accuracy(Accuracy::new([0.02, 0.003][at(random, 2)])).map(drop),
+        11 => {
+            let method = [Method::Moments, Method::Lobes][at(random, 2)];
+            edited.set_settings(Settings { method, ..edited.settings().clone() }).map(drop)
+        }
         _ => edited.set_visible(object, random.uniform() < 0.5).map(drop),
     }
 }
