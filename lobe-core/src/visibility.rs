@@ -1,6 +1,6 @@
 //! Visibility: the traits of a strategy, and the query object that keeps the order of the questions.
 
-use crate::{Accuracy, Cone, LightId, LightImage, Lobe, Outline, Receiver, Shaft, VisibilitySum};
+use crate::{Accuracy, Cone, LightId, LightImage, Lobe, Outline, Receiver, Shaft, VisibilitySum, visible_fraction};
 use glam::Vec3;
 
 /// How much of a light a receiver sees.
@@ -122,6 +122,20 @@ pub trait VisibilityLobes: Visibility {
         scratch: &mut Self::Scratch,
         out: &mut VisibilitySum,
     );
+
+    /// The visible fraction that the [lobes](Self::lobes) give by closed products ([`visible_fraction`](crate::visible_fraction)). Provided:
+    /// [`fraction`](Visibility::fraction) of strategies that have nothing faster. `sum` is working memory.
+    fn fraction_of_lobes(
+        &self,
+        query: &VisibilityQuery<'_>,
+        brdf: &Lobe,
+        unshadowed: f32,
+        scratch: &mut Self::Scratch,
+        sum: &mut VisibilitySum,
+    ) -> Vec3 {
+        self.lobes(query, brdf, unshadowed, scratch, sum);
+        Vec3::splat(visible_fraction(query.at, brdf, unshadowed, sum))
+    }
 }
 
 /// The visibility of one light for a group of receivers: the group enters, each receiver asks for its coverage, and receivers in

@@ -19,7 +19,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::Light;
-use lobe_core::{Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, Shaft, Sphere, Tile, orthonormal_basis};
+use lobe_core::{
+    Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, SeenLight, Shaft, Sphere, Tile, orthonormal_basis,
+};
 use ray_tracing::vec3x8::{LANES, Vec3x8};
 use ray_tracing::{Primitive, Region, World};
 use rayon::prelude::*;
@@ -146,7 +148,7 @@ impl<'a> RayShader<'a> {
                 self.enter(&shaft, scratch);
             }
             for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
-                let cone = light.cone(at);
+                let SeenLight { cone, radiance, .. } = light.seen_from(at);
                 if cone.one_minus_cos <= 0.0 {
                     continue;
                 }
@@ -166,7 +168,7 @@ impl<'a> RayShader<'a> {
                 let clear = matches!(coverage, Coverage::Lit);
                 let material = &frame.materials[*material as usize];
                 let Some((ball, area)) = Area::of(light, at.position) else { continue };
-                let pair = Pair { at, ball, radiance: light.radiance(at), cone, number: number as u64, clear };
+                let pair = Pair { at, ball, radiance, cone, number: number as u64, clear };
                 if let Some(area) = area {
                     out[i] += self.sample_area(&pair, &area, material, &mut rays);
                     continue;

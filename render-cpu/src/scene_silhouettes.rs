@@ -17,7 +17,7 @@ fn prepare(object: u32, mesh: &Mesh) -> SilhouetteMesh {
 #[derive(Clone, Debug, Default)]
 pub struct SceneSilhouettes {
     meshes: Vec<SilhouetteMesh>,
-    /// What each was made for.
+    /// The revision of each mesh's object.
     revisions: Vec<Revision>,
 }
 

@@ -50,7 +50,7 @@ struct ObjectSpheres {
     made_for: MadeFor,
 }
 
-/// What the spheres of an object were made for.
+/// The inputs from which the spheres of an object were made.
 #[derive(Clone, Copy, Debug)]
 struct MadeFor {
     revision: Revision,
@@ -170,12 +170,12 @@ impl SceneSpheres {
         let mut count = 0;
         for (number, (object, revision)) in scene.objects.iter().zip(revisions).enumerate() {
             let source = source(number);
-            let known = old.remove(&revision.object).filter(|own| own.is_for(revision, source, object));
-            let made =
-                known.map_or_else(|| make(number, object, animation, source, progress).map(Err), |own| Ok(Ok(own)));
-            match made {
-                Ok(Ok(own)) => self.objects.push(own),
-                Ok(Err(mut own)) => {
+            if let Some(own) = old.remove(&revision.object).filter(|own| own.is_for(revision, source, object)) {
+                self.objects.push(own);
+                continue;
+            }
+            match make(number, object, animation, source, progress) {
+                Ok(mut own) => {
                     count += usize::from(!matches!(own.spheres, Spheres::Nothing));
                     let revision = Revision { transform: Mat4::IDENTITY, ..*revision };
                     own.made_for = MadeFor { revision, source, is_visible: object.visible, ..own.made_for };

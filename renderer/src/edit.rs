@@ -342,7 +342,7 @@ impl Renderer {
     }
 }
 
-/// What follows from another light.
+/// The consequences of another light.
 const LIT: Stale = Stale::SHADING.with(Stale::LIGHTS).with(Stale::MAPS);
 
 /// Why an object cannot follow a matrix.

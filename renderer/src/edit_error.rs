@@ -27,7 +27,7 @@ pub enum EditError {
     Transform {
         /// The object's name.
         object: String,
-        /// What is wrong.
+        /// The fault of the matrix.
         fault: &'static str,
     },
 }

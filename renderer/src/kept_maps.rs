@@ -1,6 +1,6 @@
+use crate::plan::map_sphere;
 use crate::{Coarser, Plan, RenderError};
-use lighting::Light;
-use lobe_core::{LightLobes, Sphere};
+use lobe_core::Sphere;
 use scene::Scene;
 use visibility_shadowmap::{ReceiverBounds, ShadowMap};
 
@@ -14,7 +14,7 @@ pub(crate) struct KeptMaps {
     pub(crate) drawn: u64,
 }
 
-/// What decides the maps, beside the objects.
+/// All inputs of the maps but the objects.
 #[derive(Debug, PartialEq)]
 struct MadeFor {
     receivers: ReceiverBounds,
@@ -40,8 +40,7 @@ impl KeptMaps {
         resolution: Option<u32>,
         room: u64,
     ) -> Result<(Vec<ShadowMap>, Option<Coarser>), RenderError> {
-        let ball = |light: &Light| light.ball().unwrap_or_else(|| light.bounds());
-        let lights: Vec<Sphere> = scene.lights.iter().map(ball).collect();
+        let lights: Vec<Sphere> = scene.lights.iter().map(map_sphere).collect();
         let casters = match &self.of {
             Some(of) if of.lights == lights => of.casters.clone(),
             _ => plan.casters(scene),
@@ -51,8 +50,8 @@ impl KeptMaps {
             return Ok((self.maps.clone(), self.coarser));
         }
         let old = self.of.take().filter(|of| {
-            let same = (of.resolution, of.room, &of.casters) == (resolution, room, &now.casters);
-            same && of.receivers == receivers && self.coarser.is_none()
+            let same = (of.receivers, of.resolution, of.room, &of.casters);
+            same == (receivers, resolution, room, &now.casters) && self.coarser.is_none()
         });
         let known = |light: &Sphere| {
             let place = old.as_ref()?.lights.iter().position(|other| other == light)?;

@@ -168,9 +168,7 @@ impl Plan {
                 }
                 None => ShadowMap::fitted(&positions, &triangles, light, &MapOptions { resolution: finest, ..options }),
             };
-            // No object is in a map where a light has none.
-            let ball = |light: &Light| light.ball().unwrap_or_else(|| light.bounds());
-            Ok(scene.lights.par_iter().map(|light| map(ball(light))).collect::<Result<_, _>>()?)
+            Ok(scene.lights.par_iter().map(|light| map(map_sphere(light))).collect::<Result<_, _>>()?)
         };
         let mut maps = draw(FITTED)?;
         // Which objects cast and which lights have maps comes before them.
@@ -190,6 +188,11 @@ impl Plan {
         let coarser = (most < wanted).then(|| Coarser { wanted, needed, room, drawn: finest(&maps) });
         Ok((maps, coarser))
     }
+}
+
+/// The sphere that a light's shadow map is drawn for. No object is in the map of a light that is no sphere.
+pub(crate) fn map_sphere(light: &Light) -> Sphere {
+    light.ball().unwrap_or_else(|| light.bounds())
 }
 
 /// Maps that are coarser than their lights want, since the device has no room for finer ones.

@@ -154,7 +154,7 @@ impl Renderer {
         self.clocks
     }
 
-    /// What edits have made stale since the last picture.
+    /// The union of all that edits have made stale since the last picture.
     #[must_use]
     pub const fn stale(&self) -> Stale {
         self.stale
@@ -365,7 +365,7 @@ pub(crate) fn check_method(method: Method, lights: &[Light]) -> Result<(), Rende
     Err(RenderError::PaperLight(i, kind))
 }
 
-/// What a picture uses and leaves for the next one.
+/// The state that a picture uses and leaves for the next one.
 struct State<'a> {
     backend: &'a mut Backend,
     chosen: &'a mut Option<Accuracy>,

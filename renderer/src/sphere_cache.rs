@@ -30,7 +30,7 @@ pub fn scene_spheres(
     Ok(spheres)
 }
 
-/// What spheres follow, beside the scene.
+/// The inputs of sphere sets beside the scene.
 pub(crate) struct Scope<'a> {
     pub(crate) animation: &'a Animation,
     pub(crate) plan: &'a Plan,

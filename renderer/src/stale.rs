@@ -1,7 +1,7 @@
 use core::fmt;
 use core::ops::{BitOr, BitOrAssign};
 
-/// What an edit has made stale: what the next picture makes anew or follows. Nothing else is recomputed.
+/// The kinds of results that an edit has made stale. The next picture updates these and recomputes nothing else.
 #[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct Stale(u16);
 
@@ -12,9 +12,9 @@ impl Stale {
     pub const SHADING: Self = Self(1);
     /// The visible points.
     pub const POINTS: Self = Self(1 << 1);
-    /// Boxes of the hierarchy: refitted where objects have moved, built anew where they came or went.
+    /// Boxes of the hierarchy: refitted where objects have moved, built again where objects were added or removed.
     pub const HIERARCHY: Self = Self(1 << 2);
-    /// What normal maps need of meshes.
+    /// Tangents of meshes, for normal maps.
     pub const SURFACES: Self = Self(1 << 3);
     /// Which spheres block and where they are.
     pub const SPHERES: Self = Self(1 << 4);
@@ -30,19 +30,19 @@ impl Stale {
     pub const TABLES: Self = Self(1 << 9);
     /// The lights.
     pub const LIGHTS: Self = Self(1 << 10);
-    /// What shades.
+    /// The device that shades.
     pub const BACKEND: Self = Self(1 << 11);
-    /// What a time budget has chosen.
+    /// The accuracy that a time budget has chosen.
     pub const BUDGET: Self = Self(1 << 12);
 
-    /// What follows from a moved object.
+    /// The consequences of a moved object.
     pub(crate) const MOVED: Self = Self::SHADING
         .with(Self::POINTS)
         .with(Self::HIERARCHY)
         .with(Self::SPHERES)
         .with(Self::SILHOUETTES)
         .with(Self::MAPS);
-    /// What follows from another strategy of an object.
+    /// The consequences of another strategy of an object.
     pub(crate) const STRATEGY: Self = Self::MOVED.with(Self::PLAN).with(Self::SETS);
 
     /// Every kind, by its name.

@@ -3,7 +3,7 @@ use crate::shadow_tree::{ShadowNode, ShadowTree};
 use crate::{Blockers, MAX_DEPTH, Mask, PaperWeights, UnitSquare};
 use glam::Vec3;
 use lobe_core::paper;
-use lobe_core::{Coverage, Lobe, Shaft, Visibility, VisibilityLobes, VisibilityQuery, VisibilitySum, visible_fraction};
+use lobe_core::{Coverage, Lobe, Shaft, Visibility, VisibilityLobes, VisibilityQuery, VisibilitySum};
 use std::sync::OnceLock;
 
 /// The paper's visibility (§5.3): shadow nodes of a quad-tree as least-squares lobes, any [`Blockers`].
@@ -148,10 +148,9 @@ impl<B: Blockers> Visibility for PaperVisibility<'_, B> {
     /// That of the [lobes](VisibilityLobes::lobes), by closed products.
     fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
         let mut sum = core::mem::take(&mut scratch.sum);
-        self.lobes(query, brdf, unshadowed, scratch, &mut sum);
-        let fraction = visible_fraction(query.at, brdf, unshadowed, &sum);
+        let fraction = self.fraction_of_lobes(query, brdf, unshadowed, scratch, &mut sum);
         scratch.sum = sum;
-        Vec3::splat(fraction)
+        fraction
     }
 }
 

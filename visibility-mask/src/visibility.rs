@@ -6,7 +6,7 @@ use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{
     Accuracy, Cone, Coverage, LightImage, Lobe, Microfacets, Outline, Shaft, Visibility, VisibilityLobes,
-    VisibilityQuery, VisibilitySum, is_lambert, visible_fraction,
+    VisibilityQuery, VisibilitySum, is_lambert,
 };
 
 /// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one: else some
@@ -357,10 +357,9 @@ impl<B: Blockers> Visibility for MaskLobes<B> {
     /// That of the [lobes](VisibilityLobes::lobes), by closed products.
     fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3 {
         let mut sum = core::mem::take(&mut scratch.sum);
-        self.lobes(query, brdf, unshadowed, scratch, &mut sum);
-        let fraction = visible_fraction(query.at, brdf, unshadowed, &sum);
+        let fraction = self.fraction_of_lobes(query, brdf, unshadowed, scratch, &mut sum);
         scratch.sum = sum;
-        Vec3::splat(fraction)
+        fraction
     }
 }
 
