@@ -1,11 +1,12 @@
 //! The share of light that a rough dielectric coat leaves to the base below it: a table over roughness and the view's angle.
 
+use crate::Packer;
 use crate::ggx::reflected;
 use std::sync::LazyLock;
 
 /// Rows, even in roughness, and columns, even in `√(1 − n·ω_o)`.
-pub(crate) const ROUGHNESSES: usize = 17;
-pub(crate) const VIEWS: usize = 64;
+const ROUGHNESSES: usize = 17;
+const VIEWS: usize = 64;
 
 /// Smallest `α = roughness²`: a lobe of exponent 2e6.
 pub(crate) const MIN_ALPHA: f32 = 1e-3;
@@ -89,6 +90,20 @@ fn place(at: f32, nodes: usize) -> (usize, f32) {
     let at = at.clamp(0.0, 1.0) * (nodes - 1) as f32;
     let first = (at as usize).min(nodes - 2);
     (first, at - first as f32)
+}
+
+/// The WGSL of the base under a coat, with the sizes of its table.
+pub(crate) static WGSL: LazyLock<String> = LazyLock::new(|| {
+    let sizes = format!("const COAT_ROUGHNESSES = {ROUGHNESSES}u;\nconst COAT_VIEWS = {VIEWS}u;\n");
+    format!("{}\n{sizes}", include_str!("coat.wgsl"))
+});
+
+/// Where the packed table begins.
+pub(crate) fn pack(out: &mut Packer) -> u32 {
+    out.table(&*TABLE, |table, out| {
+        out.push(table.schlick);
+        out.push(table.reflected.as_flattened().as_flattened().iter().copied());
+    })
 }
 
 #[cfg(test)]

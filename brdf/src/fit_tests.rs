@@ -1,8 +1,8 @@
 //! Fits of what the models have, and of what they have not.
 
 use crate::{
-    Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Material, MetallicRoughness, fit, fit_half_vector,
-    fit_lafortune,
+    Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Material, MetallicRoughness, Model as _, fit,
+    fit_half_vector, fit_lafortune,
 };
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
@@ -60,7 +60,7 @@ fn half_vector_lobes_are_found_again() {
     let want = Material::from(two);
     let fitted = fit(|i, o| of(&want, i, o), 2).expect("finite values");
     println!("residual {:.2e}: {:?}", fitted.residual, fitted.model);
-    assert!(fitted.residual < 0.01 && fitted.model.model_name() == "half-vector", "{fitted:?}");
+    assert!(fitted.residual < 0.01 && fitted.model.name() == "half-vector", "{fitted:?}");
 }
 
 /// A metal as measured ones are: slopes of another distribution, and Fresnel's equations with absorption.

@@ -3,7 +3,8 @@ use crate::error::{check_coefficient, check_fraction};
 use crate::rows::{self, RowTable};
 use crate::sampling::{cosine_power_direction, luminance};
 use crate::visible_normals::VisibleNormals;
-use crate::{Brdf, BrdfSample, MaterialError};
+use crate::wgsl::{ModelWgsl, TURN};
+use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
@@ -60,16 +61,16 @@ impl HalfVectorLobe {
     }
 
     /// One of many, a point's own.
-    pub(crate) fn scaled(&self, roughness: f32, color: Vec3) -> Self {
+    fn scaled(&self, roughness: f32, color: Vec3) -> Self {
         let reflectances = self.reflectances.map(|f| f * color);
         Self { roughness: self.roughness * roughness, reflectances, rows: RowTable::Shared }
     }
 
-    pub(crate) fn alpha(&self) -> f32 {
+    fn alpha(&self) -> f32 {
         (self.roughness * self.roughness).max(MIN_ALPHA)
     }
 
-    pub(crate) fn rows(&self) -> &rows::Rows {
+    fn rows(&self) -> &rows::Rows {
         self.rows.get(self.roughness, (self.reflectances[0].element_sum() / 3.0).clamp(0.04, 1.0))
     }
 
@@ -96,20 +97,6 @@ impl HalfVectorLobe {
 }
 
 impl HalfVector {
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// [`MaterialError`] that names what is wrong.
-    pub fn validate(&self) -> Result<(), MaterialError> {
-        check_coefficient("diffuse", self.diffuse)?;
-        self.lobes.iter().try_for_each(HalfVectorLobe::validate)
-    }
-
-    /// How many there may be of microfacets.
-    pub(crate) fn microfacet_lobes(&self) -> usize {
-        1 + 2 * self.lobes.len()
-    }
-
     /// Of microfacets where whoever reads them knows those, else of directions.
     pub(crate) fn lobes<'a>(
         &'a self,
@@ -168,5 +155,74 @@ impl Brdf for HalfVector {
         }
         let highlights: f32 = self.lobes.iter().map(|lobe| lobe.weight(at) * lobe.visible(at).density(v)).sum();
         (diffuse * cos * FRAC_1_PI + highlights) / (diffuse + lobes)
+    }
+}
+
+impl HalfVector {
+    /// Of microfacets: exponent and reflectances of each.
+    fn pack_microfacets(&self, out: &mut Packer) -> u32 {
+        let diffuse = out.push_diffuse(self.diffuse);
+        out.push_word(1 - diffuse);
+        for lobe in &self.lobes {
+            let alpha = lobe.alpha();
+            out.push([2.0 / (alpha * alpha) - 2.0]);
+            out.push(lobe.reflectances.into_iter().flat_map(|f| f.to_array()));
+        }
+        diffuse + 2 * self.lobes.len() as u32
+    }
+
+    /// Of directions: for each lobe where its half-vector lobe's rows and reflectances begin, and its slot.
+    fn pack_directions(&self, out: &mut Packer) -> u32 {
+        let pack = |lobe: &HalfVectorLobe, out: &mut Packer| {
+            let rows = rows::pack(lobe.rows(), out);
+            let at = out.len();
+            out.push_word(rows);
+            out.push(lobe.reflectances.into_iter().flat_map(|f| f.to_array()));
+            (at, rows::slots(lobe.rows(), 0))
+        };
+        let lobes: Vec<_> = self.lobes.iter().map(|lobe| pack(lobe, out)).collect();
+        out.begin();
+        let mut count = out.push_diffuse(self.diffuse);
+        out.push_word(1 - count);
+        for (at, (slots, used)) in lobes {
+            for slot in &slots[..used as usize] {
+                out.push_word(at);
+                out.push_word(*slot);
+            }
+            count += used;
+        }
+        count
+    }
+}
+
+impl Model for HalfVector {
+    fn name(&self) -> &'static str {
+        "half-vector"
+    }
+
+    fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("diffuse", self.diffuse)?;
+        self.lobes.iter().try_for_each(HalfVectorLobe::validate)
+    }
+
+    fn lobe_count(&self, takes_microfacets: bool) -> usize {
+        1 + self.lobes.len() * if takes_microfacets { 2 } else { rows::LOBES }
+    }
+
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        let lobes = self.lobes.iter().map(|lobe| lobe.scaled(by.roughness, by.specular)).collect();
+        Some(Self { diffuse: self.diffuse * by.color, lobes }.into())
+    }
+
+    fn wgsl(&self, takes_microfacets: bool) -> Option<ModelWgsl> {
+        Some(match takes_microfacets {
+            true => ModelWgsl::new("half-vector-microfacets", [include_str!("half_vector_microfacets.wgsl")])
+                .with_microfacets(),
+            false => ModelWgsl::new("half-vector", [TURN, &rows::WGSL, include_str!("half_vector.wgsl")]),
+        })
+    }
+
+    fn pack(&self, takes_microfacets: bool, out: &mut Packer) -> u32 {
+        if takes_microfacets { self.pack_microfacets(out) } else { self.pack_directions(out) }
     }
 }

@@ -3,7 +3,8 @@ use crate::lafortune_term::{IsotropicTerm, LafortuneTerm, spectral_norm};
 use crate::sampling::{density, draw};
 use crate::shape::Diffuse;
 use crate::term::Term;
-use crate::{Brdf, BrdfSample, MaterialError};
+use crate::wgsl::ModelWgsl;
+use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Mat3, Vec3};
 use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
@@ -30,7 +31,7 @@ pub struct Lafortune {
 pub struct LafortuneLobe {
     scale: Vec3,
     /// Right for any matrix; what the GPU takes.
-    pub(crate) any: LafortuneTerm,
+    any: LafortuneTerm,
     /// The cheaper form, where the matrix has it.
     isotropic: Option<IsotropicTerm>,
 }
@@ -140,15 +141,6 @@ impl Lafortune {
         Self { diffuse: self.diffuse, lobes: self.lobes.iter().map(turned).collect() }
     }
 
-    /// Checks all parameters; see [`LafortuneLobe::validate`].
-    ///
-    /// # Errors
-    /// [`MaterialError`] that names what is wrong.
-    pub fn validate(&self) -> Result<(), MaterialError> {
-        check_coefficient("diffuse", self.diffuse)?;
-        self.lobes.iter().try_for_each(LafortuneLobe::validate)
-    }
-
     pub(crate) fn lobes<'a>(&'a self, at: &'a Receiver) -> impl Iterator<Item = Lobe> + Clone + 'a {
         (0..=self.lobes.len()).filter_map(|place| self.term(place)?.lobe(at))
     }
@@ -183,5 +175,45 @@ impl Brdf for Lafortune {
 
     fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
         density(self.lobes(at), at.normal, v)
+    }
+}
+
+/// All parameters are valid; see [`LafortuneLobe::validate`].
+impl Model for Lafortune {
+    fn name(&self) -> &'static str {
+        "lafortune"
+    }
+
+    fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("diffuse", self.diffuse)?;
+        self.lobes.iter().try_for_each(LafortuneLobe::validate)
+    }
+
+    fn lobe_count(&self, _: bool) -> usize {
+        1 + self.lobes.len()
+    }
+
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        let scaled =
+            |l: &LafortuneLobe| LafortuneLobe::new(l.matrix(), l.exponent() * by.exponent, l.scale() * by.specular);
+        Some(Self { diffuse: self.diffuse * by.color, lobes: self.lobes.iter().map(scaled).collect() }.into())
+    }
+
+    fn turned(&self, normal: Vec3, tangent: Vec3) -> Option<Material> {
+        self.is_anisotropic().then(|| Self::turned(self, normal, tangent).into())
+    }
+
+    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+        Some(ModelWgsl::new("lafortune", [include_str!("lafortune.wgsl")]))
+    }
+
+    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+        let mut lobes = out.push_diffuse(self.diffuse);
+        out.push_word(1 - lobes);
+        for lobe in self.lobes.iter().filter(|lobe| lobe.scale != Vec3::ZERO) {
+            out.push(bytemuck::cast::<_, [f32; 25]>(lobe.any));
+            lobes += 1;
+        }
+        lobes
     }
 }

@@ -2,7 +2,8 @@ use crate::error::check_coefficient;
 use crate::sampling::{density, draw};
 use crate::shape::Diffuse;
 use crate::term::Term;
-use crate::{Brdf, BrdfSample, MaterialError};
+use crate::wgsl::ModelWgsl;
+use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
@@ -17,14 +18,6 @@ pub struct Lambert {
 }
 
 impl Lambert {
-    /// Checks that the albedo is finite and not negative.
-    ///
-    /// # Errors
-    /// [`MaterialError`] that names what is wrong.
-    pub fn validate(&self) -> Result<(), MaterialError> {
-        check_coefficient("albedo", self.albedo)
-    }
-
     pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
         self.term(0).and_then(|term| term.lobe(at)).into_iter()
     }
@@ -51,5 +44,32 @@ impl Brdf for Lambert {
 
     fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
         density(self.lobes(at), at.normal, v)
+    }
+}
+
+/// The albedo is finite and not negative.
+impl Model for Lambert {
+    fn name(&self) -> &'static str {
+        "lambert"
+    }
+
+    fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("albedo", self.albedo)
+    }
+
+    fn lobe_count(&self, _: bool) -> usize {
+        1
+    }
+
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        Some(Self { albedo: self.albedo * by.color }.into())
+    }
+
+    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+        Some(ModelWgsl::new("lambert", [include_str!("lambert.wgsl")]))
+    }
+
+    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+        out.push_diffuse(self.albedo)
     }
 }

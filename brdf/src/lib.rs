@@ -11,7 +11,7 @@
 //! | [`HalfVector`] | `diffuse/π·(n·v) + Σ F·D·W` | ≤ 1 + 2 a lobe with microfacets, else 1 + 8 |
 //! | [`Neumann`], metals | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e/max(n·v, n·ω_o))·(n·v)` | ≤ 4 |
 //!
-//! [`Material`] is one of these; a model of your own implements [`Brdf`]. Lobes that reflect nothing are not written.
+//! [`Material`] is one of these, or a [`Model`] of your own. Lobes that reflect nothing are not written.
 //!
 //! ```
 //! use brdf::{Brdf, ModifiedPhong};
@@ -59,7 +59,6 @@ mod material_lobes;
 mod merl;
 mod metallic_roughness;
 mod model;
-mod models;
 mod modified_phong;
 mod neumann;
 mod packed;
@@ -84,11 +83,10 @@ pub use crate::lambert::Lambert;
 pub use crate::material::Material;
 pub use crate::merl::Merl;
 pub use crate::metallic_roughness::MetallicRoughness;
-pub use crate::model::{Brdf, BrdfSample};
-pub use crate::models::Models;
+pub use crate::model::{Brdf, BrdfSample, Model};
 pub use crate::modified_phong::ModifiedPhong;
 pub use crate::neumann::Neumann;
-pub use crate::packed::PackedMaterials;
+pub use crate::packed::{PackedMaterials, Packer};
 pub use crate::phong::Phong;
 pub use crate::residual::residual;
 pub use glam;

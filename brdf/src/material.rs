@@ -1,45 +1,65 @@
 use crate::{
-    Brdf, BrdfSample, Factors, HalfVector, Lafortune, LafortuneLobe, Lambert, MaterialError, MetallicRoughness,
-    ModifiedPhong, Neumann, Phong,
+    Brdf, BrdfSample, Factors, HalfVector, Lafortune, Lambert, MaterialError, MetallicRoughness, Model, ModifiedPhong,
+    Neumann, Phong,
 };
 use glam::Vec3;
 use lobe_core::Receiver;
+use std::sync::Arc;
 
-/// Any of the built-in models: the closed set that scene files name. The open set is the [`Brdf`](crate::Brdf) trait.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Material {
-    /// Ideally diffuse.
-    Lambert(Lambert),
-    /// The paper's Phong model, without cosine on the specular term.
-    Phong(Phong),
-    /// Normalised Phong.
-    ModifiedPhong(ModifiedPhong),
-    /// Lafortune.
-    Lafortune(Lafortune),
-    /// glTF's metallic–roughness model.
-    MetallicRoughness(MetallicRoughness),
-    /// Neumann et al.'s metals.
-    Neumann(Neumann),
-    /// Lobes about the half vector.
-    HalfVector(HalfVector),
-}
-
-/// The same call on whichever model it is.
-macro_rules! each {
-    ($material:expr, $model:ident => $call:expr) => {
-        match $material {
-            Material::Lambert($model) => $call,
-            Material::Phong($model) => $call,
-            Material::ModifiedPhong($model) => $call,
-            Material::Lafortune($model) => $call,
-            Material::MetallicRoughness($model) => $call,
-            Material::Neumann($model) => $call,
-            Material::HalfVector($model) => $call,
+/// The enum with a variant for each built-in model of the same name, and its conversions.
+macro_rules! materials {
+    ($($(#[$doc:meta])* $model:ident,)*) => {
+        /// Any model. The built-in ones have variants of their own, so that many receivers are shaded at once; all others are
+        /// [`Custom`](Self::Custom).
+        #[derive(Clone, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum Material {
+            $($(#[$doc])* $model($model),)*
+            /// Anybody's model.
+            Custom(Arc<dyn Model>),
         }
+
+        impl Material {
+            /// The model.
+            #[must_use]
+            pub fn model(&self) -> &dyn Model {
+                match self {
+                    $(Self::$model(model) => model,)*
+                    Self::Custom(model) => &**model,
+                }
+            }
+
+            /// One material of each built-in model, with the parameters of its [`Default`].
+            #[must_use]
+            pub fn built_in() -> Vec<Self> {
+                vec![$($model::default().into()),*]
+            }
+        }
+
+        $(impl From<$model> for Material {
+            fn from(model: $model) -> Self {
+                Self::$model(model)
+            }
+        })*
     };
 }
-pub(crate) use each;
+
+materials! {
+    /// Ideally diffuse.
+    Lambert,
+    /// The paper's Phong model, without cosine on the specular term.
+    Phong,
+    /// Normalised Phong.
+    ModifiedPhong,
+    /// Lafortune.
+    Lafortune,
+    /// glTF's metallic–roughness model.
+    MetallicRoughness,
+    /// Neumann et al.'s metals.
+    Neumann,
+    /// Lobes about the half vector.
+    HalfVector,
+}
 
 impl Material {
     /// A diffuse material.
@@ -53,42 +73,29 @@ impl Material {
     /// # Errors
     /// [`MaterialError`] that names what is wrong.
     pub fn validate(&self) -> Result<(), MaterialError> {
-        match self {
-            Self::Lambert(m) => m.validate(),
-            Self::Phong(m) => m.validate(),
-            Self::ModifiedPhong(m) => m.validate(),
-            Self::Lafortune(m) => m.validate(),
-            // Was checked when it was made.
-            Self::MetallicRoughness(_) => Ok(()),
-            Self::Neumann(m) => m.validate(),
-            Self::HalfVector(m) => m.validate(),
-        }
+        self.model().validate()
     }
 
-    /// The model's name as scene files spell it.
+    /// The model's [name](Model::name).
     #[must_use]
-    pub const fn model_name(&self) -> &'static str {
-        match self {
-            Self::Lambert(_) => "lambert",
-            Self::Phong(_) => "phong",
-            Self::ModifiedPhong(_) => "modified-phong",
-            Self::Lafortune(_) => "lafortune",
-            Self::MetallicRoughness(_) => "metallic-roughness",
-            Self::Neumann(_) => "neumann",
-            Self::HalfVector(_) => "half-vector",
-        }
+    pub fn name(&self) -> &'static str {
+        self.model().name()
     }
 
-    /// The material as it is at a point of this normal with this tangent: [`Lafortune::turned`]; none if the tangent has no say.
+    /// The most lobes that it has, with those of microfacets, as the default method takes them, or without.
+    #[must_use]
+    pub fn lobe_count(&self, takes_microfacets: bool) -> usize {
+        self.model().lobe_count(takes_microfacets)
+    }
+
+    /// The material as it is at a point of this normal with this tangent ([`Lafortune::turned`]); none if the tangent has no say.
     #[must_use]
     pub fn turned(&self, normal: Vec3, tangent: Vec3) -> Option<Self> {
-        match self {
-            Self::Lafortune(m) if m.is_anisotropic() => Some(m.turned(normal, tangent).into()),
-            _ => None,
-        }
+        self.model().turned(normal, tangent)
     }
 
-    /// The material with its parameters times factors, which are taken within [0, 1]: [valid](Self::validate) if this one is.
+    /// The material with its parameters times factors, which are taken within [0, 1]: [valid](Self::validate) if this one is. The same if
+    /// [textures have no say](Self::takes_textures).
     ///
     /// Of metallic–roughness and half-vector lobes, the lobes of directions are those of the nearest of 256 roughnesses and four reflectances; their
     /// microfacets are exact.
@@ -97,84 +104,26 @@ impl Material {
     /// Some nanoseconds, and an allocation for Lafortune's.
     #[must_use]
     pub fn scaled(&self, by: &Factors) -> Self {
-        let by = by.clamped();
-        let Factors { color, specular, exponent, roughness, .. } = by;
-        match self {
-            Self::Lambert(m) => Lambert { albedo: m.albedo * color }.into(),
-            Self::Phong(m) => Phong { kd: m.kd * color, ks: m.ks * specular, exponent: m.exponent * exponent }.into(),
-            Self::ModifiedPhong(m) => {
-                ModifiedPhong { kd: m.kd * color, ks: m.ks * specular, exponent: m.exponent * exponent }.into()
-            }
-            Self::Neumann(m) => {
-                let exponent = (m.exponent * exponent).max(1.0);
-                Neumann { kd: m.kd * color, ks: m.ks * specular, exponent }.into()
-            }
-            Self::Lafortune(m) => {
-                let scaled =
-                    |l: &LafortuneLobe| LafortuneLobe::new(l.matrix(), l.exponent() * exponent, l.scale() * specular);
-                Lafortune { diffuse: m.diffuse * color, lobes: m.lobes.iter().map(scaled).collect() }.into()
-            }
-            Self::MetallicRoughness(m) => m.scaled(&by).into(),
-            Self::HalfVector(m) => {
-                let lobes = m.lobes.iter().map(|lobe| lobe.scaled(roughness, specular)).collect();
-                HalfVector { diffuse: m.diffuse * color, lobes }.into()
-            }
-        }
+        self.model().scaled(&by.clamped()).unwrap_or_else(|| self.clone())
+    }
+
+    /// Whether textures can scale its parameters.
+    #[must_use]
+    pub fn takes_textures(&self) -> bool {
+        self.model().scaled(&Factors::ONE).is_some()
     }
 }
 
 impl Brdf for Material {
     fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
-        each!(self, m => m.eval(at, v))
+        self.model().eval(at, v)
     }
 
     fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
-        each!(self, m => m.sample(at, u))
+        self.model().sample(at, u)
     }
 
     fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
-        each!(self, m => m.pdf(at, v))
-    }
-}
-
-impl From<Lambert> for Material {
-    fn from(model: Lambert) -> Self {
-        Self::Lambert(model)
-    }
-}
-
-impl From<Phong> for Material {
-    fn from(model: Phong) -> Self {
-        Self::Phong(model)
-    }
-}
-
-impl From<ModifiedPhong> for Material {
-    fn from(model: ModifiedPhong) -> Self {
-        Self::ModifiedPhong(model)
-    }
-}
-
-impl From<Lafortune> for Material {
-    fn from(model: Lafortune) -> Self {
-        Self::Lafortune(model)
-    }
-}
-
-impl From<MetallicRoughness> for Material {
-    fn from(model: MetallicRoughness) -> Self {
-        Self::MetallicRoughness(model)
-    }
-}
-
-impl From<Neumann> for Material {
-    fn from(model: Neumann) -> Self {
-        Self::Neumann(model)
-    }
-}
-
-impl From<HalfVector> for Material {
-    fn from(model: HalfVector) -> Self {
-        Self::HalfVector(model)
+        self.model().pdf(at, v)
     }
 }

@@ -1,10 +1,9 @@
 //! The lobes of materials: receiver by receiver, and of tiles sixteen receivers at a time.
 
 use crate::lafortune_term::{IsotropicTerm, LafortuneTerm};
-use crate::material::each;
 use crate::shape::{Diffuse, Mirror, Shape};
 use crate::term::Term;
-use crate::{Material, MetallicRoughness, Neumann, rows};
+use crate::Material;
 use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
@@ -12,21 +11,6 @@ use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
 use lobe_core::{BrdfLobes, Lobe, LobeWriter, OWN_NONE, Receiver, Tile, TileLobes};
 
 impl Material {
-    /// The most lobes that it has, with those of microfacets, as the default method takes them, or without.
-    #[must_use]
-    pub fn lobe_count(&self, takes_microfacets: bool) -> usize {
-        match self {
-            Self::MetallicRoughness(_) if takes_microfacets => MetallicRoughness::MICROFACET_LOBES,
-            Self::HalfVector(m) if takes_microfacets => m.microfacet_lobes(),
-            Self::Lambert(_) => 1,
-            Self::Phong(_) | Self::ModifiedPhong(_) => 2,
-            Self::Lafortune(m) => 1 + m.lobes.len(),
-            Self::Neumann(_) => Neumann::LOBES,
-            Self::MetallicRoughness(_) => 1 + rows::LOBES,
-            Self::HalfVector(m) => 1 + rows::LOBES * m.lobes.len(),
-        }
-    }
-
     /// The constants of the lobe at a place. There are none beyond the last, and none of models whose lobes have no such constants.
     pub(crate) fn term(&self, place: usize) -> Option<Term<'_>> {
         match self {
@@ -34,19 +18,20 @@ impl Material {
             Self::Phong(m) => m.term(place),
             Self::ModifiedPhong(m) => m.term(place),
             Self::Lafortune(m) => m.term(place),
-            Self::MetallicRoughness(_) | Self::Neumann(_) | Self::HalfVector(_) => None,
+            _ => None,
         }
     }
 }
 
 impl BrdfLobes for Material {
     fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        each!(self, m => m.brdf_lobes(at, out));
+        self.model().brdf_lobes(at, out);
     }
 
     /// Sixteen receivers at a time, as many in one instruction as the processor offers; least where neighbours have the same material.
-    fn tile_lobes(materials: &[Self], of: &[u32], _: &[Receiver], tile: &Tile, out: &mut TileLobes) {
+    fn tile_lobes(materials: &[Self], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes) {
         lobes_at(Level::new(), materials, of, tile, out);
+        custom(materials, of, at, out);
     }
 }
 
@@ -90,6 +75,15 @@ fn tables(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out
             Material::HalfVector(material) => write(material.lobes(&at, out.takes_microfacets()), block, j, out),
             Material::Neumann(material) => write(material.lobes(&at), block, j, out),
             _ => {}
+        }
+    }
+}
+
+/// Lobes of models that are not built in, one receiver after the other.
+fn custom(materials: &[Material], of: &[u32], at: &[Receiver], out: &mut TileLobes) {
+    for (i, (number, at)) in of.iter().zip(at).enumerate() {
+        if let Material::Custom(model) = &materials[*number as usize] {
+            out.set_row(i, at, &**model);
         }
     }
 }

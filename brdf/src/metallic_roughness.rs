@@ -1,10 +1,10 @@
-use crate::coat::{Coat, MIN_ALPHA};
+use crate::coat::{self, Coat, MIN_ALPHA};
 use crate::error::check_fraction;
-use crate::ggx::Row;
-use crate::rows::{self, ROWS, RowTable};
+use crate::rows::{self, RowTable, Rows};
 use crate::sampling::{cosine_power_direction, luminance};
 use crate::visible_normals::VisibleNormals;
-use crate::{Brdf, BrdfSample, Factors, MaterialError};
+use crate::wgsl::{ModelWgsl, TURN};
+use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
@@ -58,6 +58,14 @@ pub struct MetallicRoughness {
     rows: RowTable,
 }
 
+/// glTF's: a white, rough metal.
+impl Default for MetallicRoughness {
+    fn default() -> Self {
+        let coat = [Vec3::splat(DIELECTRIC), Vec3::ONE];
+        Self { base: Vec3::ONE, metallic: 1.0, roughness: 1.0, coat, rows: RowTable::own() }
+    }
+}
+
 impl PartialEq for MetallicRoughness {
     fn eq(&self, other: &Self) -> bool {
         // The rows follow from these.
@@ -75,8 +83,7 @@ impl MetallicRoughness {
         base.to_array().iter().try_for_each(|&b| check_fraction("base", b))?;
         check_fraction("metallic", metallic)?;
         check_fraction("roughness", roughness)?;
-        let coat = [Vec3::splat(DIELECTRIC), Vec3::ONE];
-        Ok(Self { base, metallic, roughness, coat, rows: RowTable::own() })
+        Ok(Self { base, metallic, roughness, ..Self::default() })
     }
 
     /// Another coat than that of refractive index 1.5: its reflectance at normal incidence and at grazing views, both in [0, 1]; the
@@ -94,19 +101,7 @@ impl MetallicRoughness {
         Ok(Self { coat: [f0, Vec3::splat(f90)], rows: RowTable::own(), ..self })
     }
 
-    /// One of many, a point's own: its parameters times factors in [0, 1].
-    pub(crate) fn scaled(&self, by: &Factors) -> Self {
-        let [f0, f90] = self.coat;
-        Self {
-            base: self.base * by.color,
-            metallic: self.metallic * by.metallic,
-            roughness: self.roughness * by.roughness,
-            coat: [f0 * by.specular * by.coat, f90 * by.coat],
-            rows: RowTable::Shared,
-        }
-    }
-
-    pub(crate) fn rows(&self) -> &[Row; ROWS] {
+    pub(crate) fn rows(&self) -> &Rows {
         self.rows.get(self.roughness, self.reflectances()[0].element_sum() / 3.0)
     }
 
@@ -212,5 +207,61 @@ impl MetallicRoughness {
 
     fn visible(&self, at: &Receiver) -> VisibleNormals {
         VisibleNormals::new(at.normal, at.view, self.alpha())
+    }
+}
+
+/// Was checked when it was made.
+impl Model for MetallicRoughness {
+    fn name(&self) -> &'static str {
+        "metallic-roughness"
+    }
+
+    fn lobe_count(&self, takes_microfacets: bool) -> usize {
+        if takes_microfacets { Self::MICROFACET_LOBES } else { 1 + rows::LOBES }
+    }
+
+    /// One of many, a point's own.
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        let [f0, f90] = self.coat;
+        let scaled = Self {
+            base: self.base * by.color,
+            metallic: self.metallic * by.metallic,
+            roughness: self.roughness * by.roughness,
+            coat: [f0 * by.specular * by.coat, f90 * by.coat],
+            rows: RowTable::Shared,
+        };
+        Some(scaled.into())
+    }
+
+    fn wgsl(&self, takes_microfacets: bool) -> Option<ModelWgsl> {
+        Some(match takes_microfacets {
+            true => ModelWgsl::new("metallic-microfacets", [&coat::WGSL, include_str!("metallic_microfacets.wgsl")])
+                .with_microfacets(),
+            false => {
+                let pieces = [&coat::WGSL, TURN, &rows::WGSL, include_str!("metallic_roughness.wgsl")];
+                ModelWgsl::new("metallic-roughness", pieces)
+            }
+        })
+    }
+
+    fn pack(&self, takes_microfacets: bool, out: &mut Packer) -> u32 {
+        let coat = coat::pack(out);
+        let rows = (!takes_microfacets).then(|| rows::pack(self.rows(), out));
+        out.begin();
+        let diffuse = self.base * (1.0 - self.metallic);
+        let [f0, f90] = self.reflectances();
+        let below = self.coat();
+        out.push(diffuse.to_array().into_iter().chain(f0.to_array()));
+        out.push([f90.x, self.roughness, below.f0, below.f90, below.base, self.alpha()]);
+        out.push_word(coat);
+        let has_base = u32::from(diffuse != Vec3::ZERO);
+        let Some(rows) = rows else {
+            out.push_word(has_base);
+            return has_base + 2;
+        };
+        out.push_word(rows);
+        let (slots, lobes) = rows::slots(self.rows(), has_base);
+        slots.into_iter().for_each(|slot| out.push_word(slot));
+        lobes
     }
 }

@@ -1,8 +1,10 @@
 use crate::error::{check_coefficient, check_exponent};
+use crate::phong;
 use crate::sampling::{density, draw};
 use crate::shape::{Diffuse, Mirror, mirrored_view};
 use crate::term::Term;
-use crate::{Brdf, BrdfSample, MaterialError};
+use crate::wgsl::{MIRRORED_VIEW, ModelWgsl};
+use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
@@ -23,16 +25,6 @@ pub struct ModifiedPhong {
 }
 
 impl ModifiedPhong {
-    /// Checks that the coefficients are finite and not negative and the exponent in range.
-    ///
-    /// # Errors
-    /// [`MaterialError`] that names what is wrong.
-    pub fn validate(&self) -> Result<(), MaterialError> {
-        check_coefficient("kd", self.kd)?;
-        check_coefficient("ks", self.ks)?;
-        check_exponent(self.exponent)
-    }
-
     pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
         [0, 1].map(|place| self.term(place).and_then(|term| term.lobe(at))).into_iter().flatten()
     }
@@ -66,5 +58,35 @@ impl Brdf for ModifiedPhong {
 
     fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
         density(self.lobes(at), at.normal, v)
+    }
+}
+
+/// The coefficients are finite and not negative, the exponent in range.
+impl Model for ModifiedPhong {
+    fn name(&self) -> &'static str {
+        "modified-phong"
+    }
+
+    fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("kd", self.kd)?;
+        check_coefficient("ks", self.ks)?;
+        check_exponent(self.exponent)
+    }
+
+    fn lobe_count(&self, _: bool) -> usize {
+        2
+    }
+
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        let exponent = self.exponent * by.exponent;
+        Some(Self { kd: self.kd * by.color, ks: self.ks * by.specular, exponent }.into())
+    }
+
+    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+        Some(ModelWgsl::new("modified-phong", [MIRRORED_VIEW, include_str!("modified_phong.wgsl")]))
+    }
+
+    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+        phong::pack([self.kd, self.ks * ((self.exponent + 2.0) / (self.exponent + 1.0))], self.exponent, out)
     }
 }

@@ -1,10 +1,12 @@
 use crate::error::{check_coefficient, check_metal_exponent};
 use crate::sampling::{density, draw};
 use crate::shape::mirrored_view;
-use crate::{Brdf, BrdfSample, MaterialError};
+use crate::wgsl::{ModelWgsl, TURN};
+use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer, phong};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, orthonormal_basis, power};
+use std::sync::LazyLock;
 
 /// Neumann et al.'s *stretched Phong* model of metals: `f_r = kd/π + ks·(e+2)/2π·max(r·v, 0)^e / max(n·v, n·ω_o)`, `r` the mirrored
 /// view (L. Neumann, A. Neumann, L. Szirmay-Kalos, *Compact Metallic Reflectance Models*, 1999; \[25\] of the paper).
@@ -55,7 +57,7 @@ pub struct Neumann {
 /// Lobes for `k/(1+k) = 0, 1/16 … 15/16`: weight of the lobes with cosine at their axis, relative to the peak; how far they are tilted
 /// away from the normal, in lobe widths `1/√(e+1)`; their exponent over `e`; the square of how far each is aside, in lobe widths. Then
 /// weight, tilt and exponent of the lobe without cosine; and what the others' weight grows by, times `e + 5`, where lobes are not narrow.
-pub(crate) const SHAPES: [[f32; 8]; 16] = [
+const SHAPES: [[f32; 8]; 16] = [
     [1.0, 0.0, 1.0, 0.0, 0.0, -1.3434, 1.3521, 0.0],
     [1.0105, 0.0310, 1.0359, 0.0340, 0.0, -1.3434, 1.3521, 0.43],
     [1.0216, 0.0618, 1.0738, 0.0663, 0.0, -1.3434, 1.3521, 0.43],
@@ -75,20 +77,10 @@ pub(crate) const SHAPES: [[f32; 8]; 16] = [
 ];
 
 /// The largest `k`: beyond, the divisor is constant in all of the lobe that is above the horizon.
-pub(crate) const STEEPEST: f32 = (SHAPES.len() - 1) as f32;
+const STEEPEST: f32 = (SHAPES.len() - 1) as f32;
 
 impl Neumann {
-    pub(crate) const LOBES: usize = 4;
-
-    /// Checks that the coefficients are finite and not negative and the exponent in range.
-    ///
-    /// # Errors
-    /// [`MaterialError`] that names what is wrong.
-    pub fn validate(&self) -> Result<(), MaterialError> {
-        check_coefficient("kd", self.kd)?;
-        check_coefficient("ks", self.ks)?;
-        check_metal_exponent(self.exponent)
-    }
+    const LOBES: usize = 4;
 
     pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
         let n = at.normal;
@@ -155,6 +147,49 @@ impl Brdf for Neumann {
 
     fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
         density(self.drawn_from(at), at.normal, v)
+    }
+}
+
+/// With its table.
+static WGSL: LazyLock<String> = LazyLock::new(|| {
+    let shape = |[a, b, c, d, e, f, g, h]: &[f32; 8]| {
+        format!("mat2x4f({a:?}, {b:?}, {c:?}, {d:?}, {e:?}, {f:?}, {g:?}, {h:?})")
+    };
+    let shapes = SHAPES.iter().map(shape).collect::<Vec<_>>().join(", ");
+    let count = SHAPES.len();
+    let table = format!("const NEUMANN_SHAPES = array<mat2x4f, {count}>({shapes});\n");
+    format!("{}\nconst NEUMANN_STEEPEST = {STEEPEST:?};\n{table}", include_str!("neumann.wgsl"))
+});
+
+/// The coefficients are finite and not negative, the exponent in range.
+impl Model for Neumann {
+    fn name(&self) -> &'static str {
+        "neumann"
+    }
+
+    fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("kd", self.kd)?;
+        check_coefficient("ks", self.ks)?;
+        check_metal_exponent(self.exponent)
+    }
+
+    fn lobe_count(&self, _: bool) -> usize {
+        Self::LOBES
+    }
+
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        let exponent = (self.exponent * by.exponent).max(1.0);
+        Some(Self { kd: self.kd * by.color, ks: self.ks * by.specular, exponent }.into())
+    }
+
+    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+        Some(ModelWgsl::new("neumann", [TURN, &WGSL]))
+    }
+
+    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+        let highlight = phong::pack([self.kd, self.ks * (self.exponent + 2.0)], self.exponent, out);
+        // For the one of Phong's.
+        highlight + if self.ks == Vec3::ZERO { 0 } else { Self::LOBES as u32 - 2 }
     }
 }
 

@@ -1,230 +1,138 @@
-use crate::coat;
-use crate::ggx::{FAMILY_COUNT, Row};
-use crate::models::{Models, number};
-use crate::rows::ROWS;
-use crate::{HalfVector, Lafortune, Material, MetallicRoughness, Neumann};
-use core::f32::consts::{PI, TAU};
+use crate::Material;
+use crate::wgsl::{ModelWgsl, compose};
 use glam::Vec3;
 use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
 
 /// Materials as the words that the WGSL of [`wgsl`](crate::wgsl) reads from its `materials`.
 ///
-/// Two words a material (number of its model + 256 × number of its lobes; where its numbers begin), then the numbers: 3
-/// words for Lambert, 8 for Phong and Neumann, 4 and 25 a lobe for Lafortune, 14 for metallic–roughness by microfacets and 22 by lobes of directions, and
-/// tables that these share. Lobes that reflect nothing from anywhere are not among them.
+/// Two words a material (number of its model among `models` + 256 × number of its lobes; where its numbers begin), then what each
+/// [packs](crate::Model::pack), and tables that materials share. Lobes that reflect nothing from anywhere are not among them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedMaterials {
     /// What the shader reads. Not empty.
     pub words: Vec<u32>,
-    /// Whose code the shader needs.
-    pub models: Models,
+    /// Whose code the shader needs, by name.
+    pub models: Vec<ModelWgsl>,
     /// The largest number of lobes.
     pub max_lobes: u32,
+}
+
+/// The words of materials while they are [packed](crate::Model::pack).
+#[derive(Debug)]
+pub struct Packer {
+    words: Vec<u32>,
+    /// Where the numbers of the present material begin.
+    first: usize,
+    /// Tables by address, and where they begin: few, with so many users that they share them.
+    tables: Vec<(*const (), u32)>,
+}
+
+impl Packer {
+    /// The numbers of the present material begin here, and not where it began to write.
+    pub fn begin(&mut self) {
+        self.first = self.words.len();
+    }
+
+    /// Appends numbers.
+    pub fn push(&mut self, values: impl IntoIterator<Item = f32>) {
+        self.words.extend(values.into_iter().map(f32::to_bits));
+    }
+
+    /// Appends a whole number.
+    pub fn push_word(&mut self, word: u32) {
+        self.words.push(word);
+    }
+
+    /// Appends the flux of a diffuse lobe; whether there is such a lobe, 1 or 0.
+    pub fn push_diffuse(&mut self, flux: Vec3) -> u32 {
+        self.push(flux.to_array());
+        u32::from(flux != Vec3::ZERO)
+    }
+
+    /// How many words there are, of all materials together.
+    #[must_use]
+    pub fn len(&self) -> u32 {
+        self.words.len() as u32
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.words.is_empty()
+    }
+
+    /// Where a table begins, which is written by the first who asks for it. To be asked for before [`begin`](Self::begin).
+    pub(crate) fn table<T>(&mut self, table: &T, write: impl FnOnce(&T, &mut Self)) -> u32 {
+        let key = core::ptr::from_ref(table).cast();
+        if let Some((_, at)) = self.tables.iter().find(|(known, _)| *known == key) {
+            return *at;
+        }
+        let at = self.len();
+        write(table, self);
+        self.tables.push((key, at));
+        at
+    }
 }
 
 impl PackedMaterials {
     /// Packs materials whose parameters are [valid](Material::validate), with lobes of microfacets where `takes_microfacets`.
     ///
+    /// # Errors
+    /// The name of a model that has no WGSL, or shares its name with another, in a sentence.
+    ///
     /// ```
     /// use brdf::{Material, PackedMaterials};
-    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)], false);
+    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)], false)?;
     /// assert_eq!((packed.words.len(), packed.max_lobes), (5, 1));
+    /// # Ok::<(), String>(())
     /// ```
-    #[must_use]
-    pub fn new(materials: &[Material], takes_microfacets: bool) -> Self {
+    pub fn new(materials: &[Material], takes_microfacets: bool) -> Result<Self, String> {
+        let mut of = Vec::with_capacity(materials.len());
+        for material in materials {
+            let text = material.model().wgsl(takes_microfacets);
+            of.push(text.ok_or_else(|| format!("a GPU cannot shade the material `{}`: it has no WGSL", material.name()))?);
+        }
+        let mut models = of.clone();
+        models.sort_by_key(|model| model.name);
+        models.dedup();
+        if let Some(pair) = models.windows(2).find(|pair| pair[0].name == pair[1].name) {
+            return Err(format!("two models are called `{}`, and have different WGSL", pair[0].name));
+        }
         // Nothing at all reads as a material without lobes.
-        let mut words = vec![0; 2 * materials.len().max(1)];
+        let words = vec![0; 2 * materials.len().max(1)];
+        let mut packer = Packer { words, first: 0, tables: Vec::new() };
         let mut max_lobes = 0;
-        let mut tables = Tables::default();
-        for (i, material) in materials.iter().enumerate() {
-            let mut first = words.len() as u32;
-            let lobes = match material {
-                Material::Lambert(m) => lambert(m.albedo, &mut words),
-                Material::Phong(m) => phong([PI * m.kd, m.ks * (TAU / (m.exponent + 1.0))], m.exponent, &mut words),
-                Material::ModifiedPhong(m) => {
-                    let e = m.exponent;
-                    phong([m.kd, m.ks * ((e + 2.0) / (e + 1.0))], e, &mut words)
-                }
-                Material::Neumann(m) => {
-                    let highlight = phong([m.kd, m.ks * (m.exponent + 2.0)], m.exponent, &mut words);
-                    // For the one of Phong's.
-                    highlight + if m.ks == Vec3::ZERO { 0 } else { Neumann::LOBES as u32 - 2 }
-                }
-                Material::Lafortune(m) => lafortune(m, &mut words),
-                Material::HalfVector(m) if takes_microfacets => half_vector(m, &mut words),
-                Material::HalfVector(m) => {
-                    let lobes;
-                    (lobes, first) = tables.half_vector(m, &mut words);
-                    lobes
-                }
-                Material::MetallicRoughness(m) => {
-                    let lobes;
-                    (lobes, first) = tables.metal(m, takes_microfacets, &mut words);
-                    lobes
-                }
-            };
-            words[2 * i + 1] = first;
-            words[2 * i] = number(material, takes_microfacets) | lobes << 8;
+        for (i, (material, own)) in materials.iter().zip(&of).enumerate() {
+            packer.begin();
+            let lobes = material.model().pack(takes_microfacets, &mut packer);
+            let number = models.iter().position(|model| model.name == own.name).unwrap_or_default();
+            packer.words[2 * i] = number as u32 | lobes << 8;
+            packer.words[2 * i + 1] = packer.first as u32;
             max_lobes = max_lobes.max(lobes);
         }
-        Self { words, models: Models::of(materials, takes_microfacets), max_lobes }
+        Ok(Self { words: packer.words, models, max_lobes })
     }
 }
 
 impl GpuMaterials for Material {
-    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> GpuMaterialSet {
-        let PackedMaterials { words, models, max_lobes } = PackedMaterials::new(materials, takes_microfacets);
-        let names: Vec<&str> = models.names().collect();
-        GpuMaterialSet {
+    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> Result<GpuMaterialSet, String> {
+        let PackedMaterials { words, models, max_lobes } = PackedMaterials::new(materials, takes_microfacets)?;
+        let names: Vec<&str> = models.iter().map(|model| model.name).collect();
+        Ok(GpuMaterialSet {
             name: if names.is_empty() { "no materials".to_owned() } else { names.join(" + ") },
-            wgsl: crate::wgsl::compose(models),
+            wgsl: compose(&models),
             words,
             max_lobes,
             is_lambert: names.iter().all(|name| *name == "lambert"),
-            has_microfacets: takes_microfacets
-                && materials.iter().any(|m| matches!(m, Self::MetallicRoughness(_) | Self::HalfVector(_))),
-        }
+            has_microfacets: models.iter().any(|model| model.has_microfacets),
+        })
     }
-}
-
-fn push(words: &mut Vec<u32>, values: impl IntoIterator<Item = f32>) {
-    words.extend(values.into_iter().map(f32::to_bits));
-}
-
-fn lambert(albedo: Vec3, words: &mut Vec<u32>) -> u32 {
-    push(words, albedo.to_array());
-    u32::from(albedo != Vec3::ZERO)
-}
-
-fn phong([diffuse, specular]: [Vec3; 2], exponent: f32, words: &mut Vec<u32>) -> u32 {
-    let lobes = lambert(diffuse, words);
-    words.push(1 - lobes);
-    push(words, specular.to_array());
-    push(words, [exponent]);
-    lobes + u32::from(specular != Vec3::ZERO)
-}
-
-fn lafortune(model: &Lafortune, words: &mut Vec<u32>) -> u32 {
-    let mut lobes = lambert(model.diffuse, words);
-    words.push(1 - lobes);
-    for lobe in model.lobes.iter().filter(|lobe| lobe.scale() != Vec3::ZERO) {
-        push(words, bytemuck::cast::<_, [f32; 25]>(lobe.any));
-        lobes += 1;
-    }
-    lobes
-}
-
-/// Of microfacets: exponent and reflectances of each.
-fn half_vector(model: &HalfVector, words: &mut Vec<u32>) -> u32 {
-    let diffuse = lambert(model.diffuse, words);
-    words.push(1 - diffuse);
-    for lobe in &model.lobes {
-        let alpha = lobe.alpha();
-        push(words, [2.0 / (alpha * alpha) - 2.0]);
-        push(words, lobe.reflectances().into_iter().flat_map(|f| f.to_array()));
-    }
-    diffuse + 2 * model.lobes.len() as u32
-}
-
-/// Where the tables of metals begin, once they are there.
-#[derive(Default)]
-struct Tables {
-    coat: Option<u32>,
-    /// By the rows' address: few, with so many users that they share it.
-    rows: Vec<(*const Row, u32)>,
-}
-
-impl Tables {
-    /// Packs a metallic–roughness material and, before it, what tables it is the first to need; its number of lobes, and where it begins.
-    fn metal(&mut self, model: &MetallicRoughness, takes_microfacets: bool, words: &mut Vec<u32>) -> (u32, u32) {
-        let coat = *self.coat.get_or_insert_with(|| {
-            let (at, table) = (words.len() as u32, &*coat::TABLE);
-            push(words, table.schlick);
-            push(words, table.reflected.as_flattened().as_flattened().iter().copied());
-            at
-        });
-        let rows = if takes_microfacets { 0 } else { self.rows(model.rows(), words) };
-        let first = words.len() as u32;
-        let diffuse = model.base * (1.0 - model.metallic);
-        let [f0, f90] = model.reflectances();
-        let below = model.coat();
-        push(words, diffuse.to_array());
-        push(words, f0.to_array());
-        push(words, [f90.x, model.roughness, below.f0, below.f90, below.base, model.alpha()]);
-        words.push(coat);
-        let has_base = u32::from(diffuse != Vec3::ZERO);
-        if takes_microfacets {
-            words.push(has_base);
-            return (has_base + 2, first);
-        }
-        words.push(rows);
-        let (slots, lobes) = slots(model.rows(), has_base);
-        words.extend(slots);
-        (lobes, first)
-    }
-
-    /// Packs lobes of directions, after the tables that they are the first to need: for each of them where its half-vector lobe's rows and
-    /// reflectances begin, and its slot; their number, and where they begin.
-    fn half_vector(&mut self, model: &HalfVector, words: &mut Vec<u32>) -> (u32, u32) {
-        let lobes: Vec<_> = model
-            .lobes
-            .iter()
-            .map(|lobe| {
-                let rows = self.rows(lobe.rows(), words);
-                let at = words.len() as u32;
-                words.push(rows);
-                push(words, lobe.reflectances().into_iter().flat_map(|f| f.to_array()));
-                (at, slots(lobe.rows(), 0))
-            })
-            .collect();
-        let first = words.len() as u32;
-        let mut count = lambert(model.diffuse, words);
-        words.push(1 - count);
-        for (at, (slots, used)) in lobes {
-            words.extend(slots[..used as usize].iter().flat_map(|slot| [at, *slot]));
-            count += used;
-        }
-        (count, first)
-    }
-
-    fn rows(&mut self, rows: &[Row; ROWS], words: &mut Vec<u32>) -> u32 {
-        let key = rows.as_ptr();
-        if let Some(known) = self.rows.iter().find(|(known, _)| *known == key) {
-            return known.1;
-        }
-        let at = words.len() as u32;
-        for f in rows.iter().flat_map(|row| &row.families) {
-            push(words, [f.flux[0], f.flux[1], f.tilt, f.spread, f.exponent]);
-        }
-        self.rows.push((key, at));
-        at
-    }
-}
-
-/// For each lobe of directions its word, and how many there are.
-fn slots(rows: &[Row; ROWS], has_base: u32) -> ([u32; 9], u32) {
-    let mut slots = [0; 9];
-    let mut lobes = has_base as usize;
-    for k in 0..FAMILY_COUNT {
-        let families = || rows.iter().map(|row| &row.families[k]);
-        // Without F0 all that is left of a family is its grazing part.
-        let places = match families().any(|family| family.flux != [0.0; 2]) {
-            false => 0..0,
-            true if families().all(|family| family.spread == 0.0) => 1..2,
-            true => 0..3,
-        };
-        for place in places {
-            slots[lobes] = 1 + 3 * k as u32 + place;
-            lobes += 1;
-        }
-    }
-    (slots, lobes as u32)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LafortuneLobe, Lambert, ModifiedPhong, Phong};
+    use crate::{Lafortune, LafortuneLobe, Lambert, MetallicRoughness, ModifiedPhong, Phong};
 
     #[test]
     fn what_reflects_nothing_is_not_counted() {
@@ -243,13 +151,15 @@ mod tests {
             (MetallicRoughness::new(white, 1.0, 1.0).unwrap().into(), 1),
         ];
         let materials: Vec<Material> = cases.iter().map(|(material, _)| material.clone()).collect();
-        let packed = PackedMaterials::new(&materials, false);
+        let packed = PackedMaterials::new(&materials, false).unwrap();
         for (i, (material, lobes)) in cases.iter().enumerate() {
-            assert_eq!(packed.words[2 * i] >> 8, *lobes, "{} {i}", material.model_name());
+            assert_eq!(packed.words[2 * i] >> 8, *lobes, "{} {i}", material.name());
+            let model = &packed.models[(packed.words[2 * i] & 0xff) as usize];
+            assert_eq!(model.name, material.name());
         }
-        assert_eq!((packed.models, packed.max_lobes), (Models::from_bits(0x1f), 9));
-        assert_eq!(PackedMaterials::new(&materials, true).max_lobes, 3);
-        let none = PackedMaterials::new(&[], false);
-        assert_eq!((none.words.len(), none.models, none.max_lobes), (2, Models::default(), 0));
+        assert_eq!((packed.models.len(), packed.max_lobes), (5, 9));
+        assert_eq!(PackedMaterials::new(&materials, true).unwrap().max_lobes, 3);
+        let none = PackedMaterials::new(&[], false).unwrap();
+        assert_eq!((none.words.len(), none.models.len(), none.max_lobes), (2, 0, 0));
     }
 }

@@ -2,7 +2,8 @@ use crate::error::{check_coefficient, check_exponent};
 use crate::sampling::{density, draw};
 use crate::shape::{Diffuse, Mirror, mirrored_view};
 use crate::term::Term;
-use crate::{Brdf, BrdfSample, MaterialError};
+use crate::wgsl::{MIRRORED_VIEW, ModelWgsl};
+use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
 use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
@@ -23,16 +24,6 @@ pub struct Phong {
 }
 
 impl Phong {
-    /// Checks that the coefficients are finite and not negative and the exponent in range.
-    ///
-    /// # Errors
-    /// [`MaterialError`] that names what is wrong.
-    pub fn validate(&self) -> Result<(), MaterialError> {
-        check_coefficient("kd", self.kd)?;
-        check_coefficient("ks", self.ks)?;
-        check_exponent(self.exponent)
-    }
-
     pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
         [0, 1].map(|place| self.term(place).and_then(|term| term.lobe(at))).into_iter().flatten()
     }
@@ -68,5 +59,44 @@ impl Brdf for Phong {
 
     fn pdf(&self, at: &Receiver, v: Vec3) -> f32 {
         density(self.lobes(at), at.normal, v)
+    }
+}
+
+/// Writes a diffuse flux, then flux and exponent of a highlight; the number of lobes.
+pub(crate) fn pack([diffuse, specular]: [Vec3; 2], exponent: f32, out: &mut Packer) -> u32 {
+    let lobes = out.push_diffuse(diffuse);
+    out.push_word(1 - lobes);
+    out.push(specular.to_array());
+    out.push([exponent]);
+    lobes + u32::from(specular != Vec3::ZERO)
+}
+
+/// The coefficients are finite and not negative, the exponent in range.
+impl Model for Phong {
+    fn name(&self) -> &'static str {
+        "phong"
+    }
+
+    fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("kd", self.kd)?;
+        check_coefficient("ks", self.ks)?;
+        check_exponent(self.exponent)
+    }
+
+    fn lobe_count(&self, _: bool) -> usize {
+        2
+    }
+
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        let exponent = self.exponent * by.exponent;
+        Some(Self { kd: self.kd * by.color, ks: self.ks * by.specular, exponent }.into())
+    }
+
+    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+        Some(ModelWgsl::new("phong", [MIRRORED_VIEW, include_str!("phong.wgsl")]))
+    }
+
+    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+        pack([PI * self.kd, self.ks * (TAU / (self.exponent + 1.0))], self.exponent, out)
     }
 }

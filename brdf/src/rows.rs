@@ -1,10 +1,11 @@
 //! Tables of GGX's lobes of directions, and the lobes that they give.
 
+use crate::Packer;
 use crate::coat::MIN_ALPHA;
 use crate::ggx::{FAMILY_COUNT, Row, SPREAD};
 use glam::Vec3;
 use lobe_core::{Lobe, Receiver, orthonormal_basis};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 /// Rows of a table over the view, even in `√(1 − n·ω_o)`, which is all but even in the angle.
 pub(crate) const ROWS: usize = 48;
@@ -100,4 +101,39 @@ fn row_place(cos: f32, sin: f32) -> (usize, f32) {
     let at = (sin / (1.0 + cos).sqrt()).clamp(0.0, 1.0) * (ROWS - 1) as f32;
     let first = (at as usize).min(ROWS - 2);
     (first, at - first as f32)
+}
+
+/// The WGSL of a lobe of directions, with the sizes of its table. Needs [`TURN`](crate::wgsl::TURN).
+pub(crate) static WGSL: LazyLock<String> = LazyLock::new(|| {
+    let words = 5 * FAMILY_COUNT;
+    format!("{}\nconst METAL_ROWS = {ROWS}u;\nconst METAL_ROW_WORDS = {words}u;\n", include_str!("row_lobe.wgsl"))
+});
+
+/// Where packed rows begin.
+pub(crate) fn pack(rows: &Rows, out: &mut Packer) -> u32 {
+    out.table(rows, |rows, out| {
+        for f in rows.iter().flat_map(|row| &row.families) {
+            out.push([f.flux[0], f.flux[1], f.tilt, f.spread, f.exponent]);
+        }
+    })
+}
+
+/// For each lobe of directions its word, and how many there are; those of a base come first.
+pub(crate) fn slots(rows: &Rows, has_base: u32) -> ([u32; 9], u32) {
+    let mut slots = [0; 9];
+    let mut lobes = has_base as usize;
+    for k in 0..FAMILY_COUNT {
+        let families = || rows.iter().map(|row| &row.families[k]);
+        // Without F0 all that is left of a family is its grazing part.
+        let places = match families().any(|family| family.flux != [0.0; 2]) {
+            false => 0..0,
+            true if families().all(|family| family.spread == 0.0) => 1..2,
+            true => 0..3,
+        };
+        for place in places {
+            slots[lobes] = 1 + 3 * k as u32 + place;
+            lobes += 1;
+        }
+    }
+    (slots, lobes as u32)
 }

@@ -1,7 +1,7 @@
 //! What every model must pass, against f64 formulas and quadratures that share no code with it.
 
 use crate::{
-    Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong,
+    Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, Model, ModifiedPhong,
     Neumann, Phong,
 };
 use core::f64::consts::PI;
@@ -486,4 +486,59 @@ fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
             }
         }
     }
+}
+
+/// Lobes about the view, of a model that is not built in.
+#[derive(Debug)]
+struct Retro;
+
+impl lobe_core::BrdfLobes for Retro {
+    fn brdf_lobes(&self, at: &Receiver, out: &mut lobe_core::LobeWriter<'_>) {
+        // By place, which no built-in model is.
+        let red = Vec3::X * at.position.x.abs();
+        out.push(lobe_core::Lobe::new(at.view, 9.0, red + Vec3::Y).times_cosine());
+    }
+}
+
+impl Brdf for Retro {
+    fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+        let cos = at.normal.dot(v).max(0.0);
+        (Vec3::X * at.position.x.abs() + Vec3::Y) * (at.view.dot(v).max(0.0).powi(9) * cos)
+    }
+}
+
+impl Model for Retro {
+    fn name(&self) -> &'static str {
+        "retro"
+    }
+
+    fn lobe_count(&self, _: bool) -> usize {
+        1
+    }
+}
+
+/// A model of one's own passes the suite with what is provided, and its tiles are its receivers beside built-in models.
+#[test]
+fn custom_models_are_models() {
+    let retro: Material = Material::Custom(std::sync::Arc::new(Retro));
+    crate::conformance::check(&Retro, &crate::conformance::BrdfLimits { energy: 1.0, ..Default::default() }).unwrap();
+    assert_eq!((&retro == &retro.clone(), retro == Material::Custom(std::sync::Arc::new(Retro))), (true, false));
+    assert!(!retro.takes_textures() && Material::lambert(Vec3::ONE).takes_textures());
+    let gold = Material::from(MetallicRoughness::new(Vec3::ONE, 1.0, 0.3).unwrap());
+    let materials = [Material::lambert(Vec3::ONE), retro, gold];
+    let receivers: Vec<Receiver> = receivers().into_iter().cycle().take(64).collect();
+    let of: Vec<u32> = (0..64).map(|i| (i * i + i / 7) % 3).collect();
+    let mut tile = Tile::default();
+    tile.set(&receivers);
+    let (mut lobes, mut one) = (TileLobes::default(), LobeBuffer::default());
+    for microfacets in [false, true] {
+        lobes.take_microfacets(microfacets);
+        Material::tile_lobes(&materials, &of, &receivers, &tile, &mut lobes);
+        for (i, at) in receivers.iter().enumerate() {
+            materials[of[i] as usize].brdf_lobes(at, &mut one.writer_of(microfacets));
+            let (got, want): (Vec<_>, Vec<_>) = (lobes.of(i).map(|(_, lobe)| lobe).collect(), one.lobes().iter().collect());
+            assert_eq!(got, want, "{i}");
+        }
+    }
+    assert!(crate::PackedMaterials::new(&materials, true).unwrap_err().contains("`retro`"));
 }

@@ -124,7 +124,7 @@ fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Re
         let textures = scene.surface(i).into_iter().flat_map(Surface::textures);
         let texture = |(name, texture): (_, &Texture)| json!({"field": name, "size": texture.size()});
         json!({
-            "model": m.model_name(),
+            "model": m.name(),
             "lobes": m.lobe_count(true),
             "lobes_of_directions": m.lobe_count(false),
             "residual": residual(m, true),
@@ -213,7 +213,7 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
 /// A material's model, lobes and textures.
 fn describe_material(material: &Material, surface: Option<&Surface>) -> String {
     let (most, of_directions) = (material.lobe_count(true), material.lobe_count(false));
-    let mut text = format!("{}, lobes at most: {most}", material.model_name());
+    let mut text = format!("{}, lobes at most: {most}", material.name());
     if of_directions != most {
         text += &format!(" ({of_directions} by the methods `paper` and `lobes`)");
     }

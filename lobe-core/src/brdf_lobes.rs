@@ -101,6 +101,20 @@ impl TileLobes {
         }
     }
 
+    /// Writes the lobes of receiver `i` into its places: of a model that has nothing faster, among models that have. The tile has been
+    /// [reset](Self::reset) to as many places as the model needs.
+    ///
+    /// # Panics
+    /// When it writes more lobes than there are places, or there is no such receiver.
+    pub fn set_row(&mut self, i: usize, at: &Receiver, material: &(impl BrdfLobes + ?Sized)) {
+        material.brdf_lobes(at, &mut self.buffer.writer_of(self.takes_microfacets));
+        let lobes = self.buffer.lobes();
+        assert!(lobes.len() <= self.places(), "{} lobes in {} places", lobes.len(), self.places());
+        for (place, lobe) in lobes.iter().enumerate() {
+            set_row(&mut self.columns[place * self.blocks + i / WIDTH].0, i % WIDTH, &bytemuck::cast(lobe));
+        }
+    }
+
     /// Number of blocks, of all places together: those of the first place come first.
     #[must_use]
     pub fn blocks(&self) -> usize {

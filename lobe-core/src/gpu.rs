@@ -47,20 +47,23 @@ pub struct GpuMaterialSet {
 /// }
 ///
 /// impl GpuMaterials for Retro {
-///     fn gpu_set(materials: &[Self], _: bool) -> GpuMaterialSet {
+///     fn gpu_set(materials: &[Self], _: bool) -> Result<GpuMaterialSet, String> {
 ///         let wgsl = "fn brdf_lobe_count(material: u32) -> u32 { return 1u; }
 ///             fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe {
 ///                 let color = vec3u(materials[3u * material], materials[3u * material + 1u], materials[3u * material + 2u]);
 ///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), 0.0);
 ///             }";
 ///         let words = materials.iter().flat_map(|m| m.0.to_array()).map(f32::to_bits).collect();
-///         GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, is_lambert: false, has_microfacets: false }
+///         Ok(GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, is_lambert: false, has_microfacets: false })
 ///     }
 /// }
 /// ```
 pub trait GpuMaterials: BrdfLobes + Sized {
     /// All of a frame's materials, numbered as in the list; lobes of microfacets among them only if `takes_microfacets`.
-    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> GpuMaterialSet;
+    ///
+    /// # Errors
+    /// Which of them a GPU cannot shade, in a sentence.
+    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> Result<GpuMaterialSet, String>;
 }
 
 /// The most rows of a light's [shape](GpuLight::gpu_shape).

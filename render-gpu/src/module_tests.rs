@@ -5,7 +5,8 @@ use crate::binding::Access;
 use crate::layout::GpuFrame;
 use crate::occlusion::pass_text;
 use crate::{GpuError, validated};
-use brdf::Models;
+use brdf::Material;
+use brdf::wgsl::ModelWgsl;
 use glam::Vec3;
 use lighting::{FlatLight, Light, SphereLight};
 use lobe_core::Sphere;
@@ -50,10 +51,23 @@ fn check(name: &str, text: &Text) -> naga::Module {
 const LIGHT: [&str; 2] = [SphereLight::NAME, SphereLight::WGSL];
 
 /// Materials of these models.
-fn set(models: Models) -> MaterialText {
-    let (name, wgsl) = (models.names().collect::<Vec<_>>().join(" + "), brdf::wgsl::compose(models));
-    let is_lambert = name == "lambert";
-    MaterialText { has_microfacets: name.contains("microfacets"), name, wgsl, is_lambert }
+fn set(models: &[ModelWgsl]) -> MaterialText {
+    let name = models.iter().map(|model| model.name).collect::<Vec<_>>().join(" + ");
+    let has_microfacets = models.iter().any(|model| model.has_microfacets);
+    MaterialText { is_lambert: name == "lambert", has_microfacets, name, wgsl: brdf::wgsl::compose(models) }
+}
+
+/// The built-in models, with lobes of microfacets or without.
+fn models(takes_microfacets: bool) -> Vec<ModelWgsl> {
+    Material::built_in().iter().filter_map(|material| material.model().wgsl(takes_microfacets)).collect()
+}
+
+/// Each model alone, the first two, and all.
+fn choices() -> Vec<Vec<ModelWgsl>> {
+    let (mut all, facets) = (models(false), models(true));
+    all.extend(facets.into_iter().filter(|model| model.has_microfacets));
+    let alone = all.iter().map(|model| vec![model.clone()]);
+    alone.chain([all[..2].to_vec(), all.clone()]).collect()
 }
 
 /// A strategy whose slots begin with this one.
@@ -73,10 +87,9 @@ fn spheres() -> SphereBlockers {
 }
 
 fn variants() -> impl Iterator<Item = Variant> {
-    let models = [0b1, 0b10, 0b100, 0b1000, 0b1_0000, 0b10_0000, 0b100_0000, 0b1_0000_0000, 0b11, 0b1_1111_1111]
-        .map(Models::from_bits);
     let strategies = [(true, false), (false, true), (true, true), (false, false)];
-    models.into_iter().flat_map(move |models| {
+    choices().into_iter().flat_map(move |models| {
+        let materials = set(&models);
         strategies.into_iter().flat_map(move |(has_spheres, has_maps)| {
             (1..=6).flat_map(move |depth| {
                 let pages = if depth % 2 == 0 { GpuPages::ONE } else { GpuPages::of(3 << 27, 1 << 27) };
@@ -91,7 +104,7 @@ fn variants() -> impl Iterator<Item = Variant> {
                 [(0.001, false), (0.003, false), (0.01, false), (0.003, true)].map(move |(tolerance, paper)| Variant {
                     depth,
                     fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
-                    materials: set(models),
+                    materials: materials.clone(),
                     light: LIGHT,
                     shown: Shown::Cone,
                     own: all.clone(),
@@ -171,7 +184,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
     let lambert = Variant {
         depth: 5,
         fineness: [Fineness::FINE; 2],
-        materials: set(Models::from_bits(1)),
+        materials: set(&models(false)[..1]),
         light: LIGHT,
         shown: Shown::Cone,
         own: vec![own(&spheres(), 0, GpuPages::ONE)],

@@ -229,7 +229,7 @@ impl GpuShader {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
         // The paper's products are of lobes of directions.
-        let set = M::gpu_set(frame.materials, self.paper.is_none());
+        let set = M::gpu_set(frame.materials, self.paper.is_none()).map_err(GpuError::Unsupported)?;
         let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert, has_microfacets } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;

@@ -158,7 +158,7 @@ fn receivers() -> Vec<Receiver> {
 
 /// All lobes that the GPU makes of materials, as many as each has, for each of the receivers.
 fn lobes(gpu: &Gpu, materials: &[Material], receivers: &[Receiver], microfacets: bool) -> Vec<Vec<Lobe>> {
-    let packed = PackedMaterials::new(materials, microfacets);
+    let packed = PackedMaterials::new(materials, microfacets).expect("built-in models");
     let pairs = (0..materials.len()).flat_map(|m| receivers.iter().map(move |at| (m, at)));
     let mut rows: Vec<f32> = Vec::new();
     for (material, at) in pairs {
@@ -167,7 +167,7 @@ fn lobes(gpu: &Gpu, materials: &[Material], receivers: &[Receiver], microfacets:
             rows.extend([material as f32, k as f32]);
         }
     }
-    let text = brdf::wgsl::compose(packed.models);
+    let text = brdf::wgsl::compose(&packed.models);
     let binding = "@group(0) @binding(2) var<storage, read> materials: array<u32>;";
     let body = "
         let n = vec3f(x(0), x(1), x(2));
@@ -206,7 +206,7 @@ fn agree_with(gpu: &Gpu, materials: &[Material], microfacets: bool) {
         material.brdf_lobes(at, &mut buffer.writer_of(microfacets));
         let want: Vec<Lobe> = buffer.lobes().iter().filter(visible).collect();
         let got: Vec<&Lobe> = got.iter().filter(|lobe| visible(lobe)).collect();
-        let name = material.model_name();
+        let name = material.name();
         assert_eq!(got.len(), want.len(), "{name} {i}: {got:?}\n{want:?}");
         for (got, want) in got.iter().zip(&want) {
             let errors = [

@@ -206,7 +206,7 @@ fn of_textures(gpu: &Gpu) {
     ];
     for material in materials {
         let mut scene = scene::builtin();
-        let name = format!("textures on {}", material.model_name());
+        let name = format!("textures on {}", material.name());
         scene.materials[0] = material;
         scene.surfaces = vec![surface.clone()];
         View::new(scene, 96, 54).compare_spheres(gpu, &name, 0.003, 5);

@@ -1,58 +1,58 @@
 //! The WGSL of the materials without a GPU: every choice of models validates, and has no code of the others.
 
 use crate::validated::with_info;
-use brdf::{Models, wgsl};
+use brdf::Material;
+use brdf::wgsl::{ModelWgsl, compose};
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::Capabilities;
 
-const FUNCTIONS: [&str; 9] = [
-    "lambert_lobe",
-    "phong_lobe",
-    "modified_phong_lobe",
-    "lafortune_lobe",
-    "metallic_roughness_lobe",
-    "metallic_microfacets_lobe",
-    "neumann_lobe",
-    "half_vector_lobe",
-    "half_vector_microfacets_lobe",
-];
+/// The built-in models; those with lobes of microfacets beside the same without.
+fn models() -> Vec<ModelWgsl> {
+    let of = |material: &Material| [false, true].map(|facets| material.model().wgsl(facets).expect("a built-in model"));
+    let mut all: Vec<ModelWgsl> = Material::built_in().iter().flat_map(of).collect();
+    all.dedup();
+    all
+}
 
 /// None, one, two, or all.
-fn choices() -> impl Iterator<Item = (u16, String)> {
-    let all = (1_u16 << FUNCTIONS.len()) - 1;
-    let few = (0..=all).filter(move |bits| bits.count_ones() <= 2 || *bits == all);
-    few.map(|bits| (bits, wgsl::compose(Models::from_bits(bits))))
+fn choices() -> Vec<Vec<ModelWgsl>> {
+    let all = models();
+    let mut choices = vec![Vec::new(), all.clone()];
+    for (i, model) in all.iter().enumerate() {
+        choices.push(vec![model.clone()]);
+        choices.extend(all[..i].iter().map(|other| vec![other.clone(), model.clone()]));
+    }
+    choices
+}
+
+fn names(models: &[ModelWgsl]) -> Vec<&str> {
+    models.iter().map(|model| model.name).collect()
 }
 
 #[test]
 fn every_choice_of_models_validates() {
     let binding = "@group(0) @binding(2) var<storage, read> materials: array<u32>;";
-    for (bits, text) in choices() {
-        let text = [&text, binding, SPECIAL, GEOMETRY, LOBE].join("\n");
-        with_info(&bits.to_string(), &text, Capabilities::default());
+    for models in choices() {
+        let text = [&compose(&models), binding, SPECIAL, GEOMETRY, LOBE].join("\n");
+        with_info(&names(&models).join(" + "), &text, Capabilities::default());
     }
 }
 
 #[test]
 fn there_is_no_code_of_absent_models() {
-    for (bits, text) in choices() {
-        for (number, name) in FUNCTIONS.iter().enumerate() {
-            let there = bits >> number & 1 == 1;
-            assert_eq!(text.contains(&format!("fn {name}(")), there, "{bits} {name}");
+    let all = models();
+    assert_eq!(all.len(), 9);
+    for models in choices() {
+        let (text, there) = (compose(&models), names(&models));
+        for name in names(&all) {
+            let function = format!("fn {}_lobe(", name.replace('-', "_"));
+            assert_eq!(text.contains(&function), there.contains(&name), "{there:?} {name}");
         }
-        assert_eq!(text.contains("fn mirrored_view("), bits & 6 != 0, "{bits}");
-        assert_eq!(text.contains("fn lafortune_excess("), bits & 8 != 0, "{bits}");
-        assert_eq!(text.contains("fn row_value("), bits & 0x90 != 0, "{bits}");
-        assert_eq!(text.contains("fn unit_or("), bits & 0xd0 != 0, "{bits}");
-        assert_eq!(text.contains("switch"), bits.count_ones() > 1, "{bits}");
+        let any = |of: &[&str]| of.iter().any(|name| there.contains(name));
+        assert_eq!(text.contains("fn mirrored_view("), any(&["phong", "modified-phong"]), "{there:?}");
+        assert_eq!(text.contains("fn lafortune_excess("), any(&["lafortune"]), "{there:?}");
+        assert_eq!(text.contains("fn row_value("), any(&["metallic-roughness", "half-vector"]), "{there:?}");
+        assert_eq!(text.contains("fn unit_or("), any(&["metallic-roughness", "neumann", "half-vector"]), "{there:?}");
+        assert_eq!(text.contains("switch"), models.len() > 1, "{there:?}");
     }
-}
-
-#[test]
-fn function_names_are_scene_files_names() {
-    for (number, name) in FUNCTIONS.iter().enumerate() {
-        let model = Models::from_bits(1 << number).names().next().unwrap_or_default();
-        assert_eq!(*name, format!("{}_lobe", model.replace('-', "_")));
-    }
-    assert_eq!(Models::ALL.names().count(), FUNCTIONS.len());
 }

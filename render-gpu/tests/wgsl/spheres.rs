@@ -46,8 +46,8 @@ fn culling_validates() {
 #[test]
 fn classification_validates() {
     let stub = "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
-    let models = brdf::Models::of(&[brdf::Material::lambert(glam::Vec3::ONE)], false);
-    let reflectance = brdf::wgsl::compose(models);
+    let lambert = brdf::Material::lambert(glam::Vec3::ONE).model().wgsl(false).expect("lambert");
+    let reflectance = brdf::wgsl::compose(&[lambert]);
     let parts = [BUFFERS, wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
     let mut pieces =
         vec![CLASSIFY, QUEUE, FRAME, SphereLight::WGSL, HOOK, stub, &reflectance, GEOMETRY, NO_OUTLINE, LOBE, SPECIAL];
