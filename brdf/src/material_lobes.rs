@@ -1,9 +1,9 @@
 //! The lobes of materials: receiver by receiver, and of tiles sixteen receivers at a time.
 
+use crate::Material;
 use crate::lafortune_term::{IsotropicTerm, LafortuneTerm};
 use crate::shape::{Diffuse, Mirror, Shape};
 use crate::term::Term;
-use crate::Material;
 use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;

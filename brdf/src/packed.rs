@@ -90,7 +90,9 @@ impl PackedMaterials {
         let mut of = Vec::with_capacity(materials.len());
         for material in materials {
             let text = material.model().wgsl(takes_microfacets);
-            of.push(text.ok_or_else(|| format!("a GPU cannot shade the material `{}`: it has no WGSL", material.name()))?);
+            of.push(
+                text.ok_or_else(|| format!("a GPU cannot shade the material `{}`: it has no WGSL", material.name()))?,
+            );
         }
         let mut models = of.clone();
         models.sort_by_key(|model| model.name);

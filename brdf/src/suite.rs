@@ -1,8 +1,8 @@
 //! What every model must pass, against f64 formulas and quadratures that share no code with it.
 
 use crate::{
-    Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, Model, ModifiedPhong,
-    Neumann, Phong,
+    Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, Model,
+    ModifiedPhong, Neumann, Phong,
 };
 use core::f64::consts::PI;
 use glam::{DMat3, DVec3, Mat3, Vec3};
@@ -536,7 +536,8 @@ fn custom_models_are_models() {
         Material::tile_lobes(&materials, &of, &receivers, &tile, &mut lobes);
         for (i, at) in receivers.iter().enumerate() {
             materials[of[i] as usize].brdf_lobes(at, &mut one.writer_of(microfacets));
-            let (got, want): (Vec<_>, Vec<_>) = (lobes.of(i).map(|(_, lobe)| lobe).collect(), one.lobes().iter().collect());
+            let (got, want): (Vec<_>, Vec<_>) =
+                (lobes.of(i).map(|(_, lobe)| lobe).collect(), one.lobes().iter().collect());
             assert_eq!(got, want, "{i}");
         }
     }

@@ -68,8 +68,11 @@ pub fn compose(models: &[ModelWgsl]) -> String {
         [] => "return diffuse_lobe(at, vec3f(0.0));".to_owned(),
         [only] => call(only),
         [most @ .., last] => {
-            let cases: String =
-                most.iter().enumerate().map(|(k, model)| format!("        case {k}u: {{ {} }}\n", call(model))).collect();
+            let cases: String = most
+                .iter()
+                .enumerate()
+                .map(|(k, model)| format!("        case {k}u: {{ {} }}\n", call(model)))
+                .collect();
             format!("switch material_model(material) {{\n{cases}        default: {{ {} }}\n    }}", call(last))
         }
     };

@@ -269,6 +269,7 @@ fn blocks(o: &Object, needs: &Requirement) -> String {
     let spheres = needs.spheres;
     match (needs.strategy, &o.proxy, &o.shape) {
         (Strategy::None, ..) => "blocks nothing".to_owned(),
+        (Strategy::Custom(name), ..) => format!("blocks by {name}"),
         (Strategy::Silhouettes, _, Shape::Mesh(_)) => "blocks by its silhouettes".to_owned(),
         (Strategy::Rays, ..) => "blocks by rays".to_owned(),
         (Strategy::ShadowMap, _, Shape::Mesh(_)) => "blocks through shadow maps".to_owned(),

@@ -36,8 +36,7 @@ fn too_bright(number: usize, material: &Material) -> Option<String> {
     let all: Vec3 = lobes.lobes().iter().map(|l| l.flux * part(&l)).sum();
     let most = all.max_element();
     // Lobes reach below the horizon by a little, and numbers are rounded.
-    (most > 1.01)
-        .then(|| format!("material {number} ({}) reflects {most:.2} times the light it gets", material.name()))
+    (most > 1.01).then(|| format!("material {number} ({}) reflects {most:.2} times the light it gets", material.name()))
 }
 
 /// The scene of a view, with the requested size.

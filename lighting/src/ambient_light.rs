@@ -1,3 +1,5 @@
+use crate::gpu::{AMBIENT, CONES};
+use crate::{Area, Light, LightError, LightKind};
 use glam::{Mat4, Vec3};
 use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
 
@@ -10,14 +12,6 @@ pub struct AmbientLight {
     pub radiance: Vec3,
     /// A ball around all that is lit.
     pub world: Sphere,
-}
-
-impl AmbientLight {
-    /// The same light: it is everywhere.
-    #[must_use]
-    pub const fn moved(&self, _: Mat4) -> Self {
-        *self
-    }
 }
 
 impl LightLobes for AmbientLight {
@@ -34,5 +28,40 @@ impl LightLobes for AmbientLight {
     fn seen_from(&self, at: &Receiver) -> SeenLight {
         let cone = Cone { axis: at.normal, one_minus_cos: 2.0, distance: f32::MIN_POSITIVE };
         SeenLight::of_cone(cone, self.radiance)
+    }
+}
+
+impl LightKind for AmbientLight {
+    fn name(&self) -> &'static str {
+        "ambient"
+    }
+
+    fn validate(&self) -> Result<(), LightError> {
+        LightError::check_bounds(self.world)
+    }
+
+    fn full_radiance(&self) -> Vec3 {
+        self.radiance
+    }
+
+    /// It is everywhere.
+    fn moved(&self, _: Mat4) -> Light {
+        (*self).into()
+    }
+
+    fn area(&self, from: Vec3) -> Option<Area<'_>> {
+        Some(Area::sphere(Sphere { center: from, radius: 1.0 }))
+    }
+
+    fn has_shadows(&self) -> bool {
+        false
+    }
+
+    fn wgsl(&self) -> Option<[&'static str; 2]> {
+        Some(CONES)
+    }
+
+    fn gpu_shape(&self) -> Vec<[f32; 4]> {
+        vec![[0.0; 4], [0.0, 0.0, 0.0, AMBIENT]]
     }
 }

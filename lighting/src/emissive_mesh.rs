@@ -91,7 +91,7 @@ impl core::error::Error for EmissiveMeshError {}
 /// let triangles: Vec<[u32; 3]> =
 ///     (0..32).flat_map(|k| [[k, (k + 1) % 32, 32 + k], [32 + k, (k + 1) % 32, 32 + (k + 1) % 32]]).collect();
 /// let lamp = lighting::emissive_mesh(&positions, &triangles, Vec3::ONE).unwrap();
-/// assert_eq!((lamp.lights.len(), lamp.lights[0].kind(), lamp.is_inside), (1, "tube", true));
+/// assert_eq!((lamp.lights.len(), lamp.lights[0].name(), lamp.is_inside), (1, "tube", true));
 /// assert!(lamp.error < 0.02);
 /// ```
 pub fn emissive_mesh(
@@ -416,7 +416,7 @@ mod tests {
         positions.extend(others);
         triangles.extend(more.iter().map(|t| t.map(|i| i + first)));
         let lamp = lamp(&(positions, triangles));
-        assert_eq!(lamp.lights.iter().map(Light::kind).collect::<Vec<_>>(), ["sphere", "sphere"]);
+        assert_eq!(lamp.lights.iter().map(Light::name).collect::<Vec<_>>(), ["sphere", "sphere"]);
     }
 
     /// Its lights grow and move with a mesh.

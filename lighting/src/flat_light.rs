@@ -1,3 +1,5 @@
+use crate::gpu::{NO_OBJECT, PLANE_DISC, PLANE_POLYGON, PLANES, shape_of};
+use crate::{Area, AreaShape, Light, LightKind, ShownImage};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Mat4, Vec3};
 use lobe_core::{Cone, LightImage, LightLobes, Outline, Receiver, SeenLight, Sphere};
@@ -206,15 +208,6 @@ impl FlatLight {
         self.roundness
     }
 
-    /// The same light somewhere else. Turns and shifts only.
-    #[must_use]
-    pub fn moved(&self, placement: Mat4) -> Self {
-        let center = placement.transform_point3(self.bounds.center);
-        let normal = placement.transform_vector3(self.normal).normalize_or(self.normal);
-        let corners = self.corners.map(|p| placement.transform_point3(p));
-        Self { corners, normal, bounds: Sphere { center, ..self.bounds }, ..self.clone() }
-    }
-
     /// The outline that a receiver sees, none behind a light of one side.
     #[must_use]
     pub fn outline(&self, at: &Receiver) -> Option<Outline> {
@@ -250,6 +243,58 @@ impl LightLobes for FlatLight {
         let outline = self.outline(at);
         let cone = cone_of(outline.as_ref(), self.bounds.center - at.position);
         SeenLight { cone, radiance: self.radiance, outline }
+    }
+}
+
+impl LightKind for FlatLight {
+    fn name(&self) -> &'static str {
+        "flat"
+    }
+
+    fn full_radiance(&self) -> Vec3 {
+        self.radiance
+    }
+
+    fn moved(&self, placement: Mat4) -> Light {
+        let center = placement.transform_point3(self.bounds.center);
+        let normal = placement.transform_vector3(self.normal).normalize_or(self.normal);
+        let corners = self.corners.map(|p| placement.transform_point3(p));
+        Self { corners, normal, bounds: Sphere { center, ..self.bounds }, ..self.clone() }.into()
+    }
+
+    fn area(&self, from: Vec3) -> Option<Area<'_>> {
+        let (center, normal) = (self.bounds.center.as_dvec3() - from.as_dvec3(), self.normal.as_dvec3().normalize());
+        let height = -normal.dot(center);
+        if height == 0.0 || height < 0.0 && !self.two_sided {
+            return None;
+        }
+        let normal = normal * height.signum();
+        let shape = match self.disc {
+            Some(radius) => AreaShape::Disc { center, normal, radius: f64::from(radius) },
+            None => AreaShape::polygon(self.corners(), normal, from),
+        };
+        let shown = self.image.as_deref().zip(<&[Vec3; 4]>::try_from(self.corners()).ok()).map(|(image, corners)| {
+            let [a, b, c, d] = corners.map(|p| p.as_dvec3() - from.as_dvec3());
+            ShownImage { image, middle: 0.25 * (a + b + c + d), sides: [0.5 * (b - a), 0.5 * (d - a)] }
+        });
+        Some(Area { bounds: self.bounds, shape, shown })
+    }
+
+    fn roundness(&self) -> Option<f32> {
+        Some(self.roundness)
+    }
+
+    fn wgsl(&self) -> Option<[&'static str; 2]> {
+        Some(PLANES)
+    }
+
+    fn gpu_shape(&self) -> Vec<[f32; 4]> {
+        let side = self.normal.extend(f32::from(u8::from(self.two_sided))).to_array();
+        if let Some(radius) = self.disc {
+            return vec![side, [radius, 0.0, NO_OBJECT, PLANE_DISC]];
+        }
+        let has_places = f32::from(u8::from(self.image.is_some()));
+        shape_of(side, [self.count as f32, has_places, NO_OBJECT, PLANE_POLYGON], self.corners())
     }
 }
 

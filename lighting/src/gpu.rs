@@ -1,104 +1,82 @@
-//! Lights as GPUs see them.
+//! Lights as GPUs see them: texts that several kinds share, and how those tell the kinds apart.
 
-use crate::{Light, SkyLight, SphereLight};
+use crate::{Light, SphereLight};
 use glam::Vec3;
+use lobe_core::Sphere;
 use lobe_core::gpu::GpuLight;
-use lobe_core::{LightLobes as _, Outline, Sphere};
 
-/// `frame.shape[1].w` says which kind a light is: of those that are cones, 0 for a ball.
-const SPOT: f32 = 1.0;
-const SUN: f32 = 2.0;
-const INSIDE: f32 = 3.0;
-/// Of those in a plane, 0 for a polygon.
-const DISC: f32 = 1.0;
-const TUBE: f32 = 2.0;
-const SKY: f32 = 3.0;
-/// Of a light that is the same from everywhere, which is a cone all around.
-const AMBIENT: f32 = 4.0;
-/// The number of no object.
-const NO_OBJECT: f32 = -1.0;
-
-const IN_A_PLANE: [&str; 2] = ["flat lights", include_str!("plane_lights.wgsl")];
-
-impl GpuLight for SphereLight {
-    const NAME: &'static str = "sphere lights";
-    const WGSL: &'static str = include_str!("sphere_light.wgsl");
-
-    fn gpu_radiance(&self) -> [f32; 3] {
-        self.radiance.to_array()
-    }
+macro_rules! shared {
+    ($(#[$doc:meta])* $text:ident = $wgsl:expr; $($(#[$of:meta])* $name:ident = $value:literal;)*) => {
+        $($(#[$of])* pub(crate) const $name: f32 = $value;)*
+        $(#[$doc])*
+        const $text: &str = concat!($wgsl, $("const ", stringify!($name), ": f32 = ", stringify!($value), ";\n"),*);
+    };
 }
+
+shared! {
+    /// Lights that are seen as cones. `frame.shape[1].w` says which kind one is; 0 is a sphere.
+    CONES_WGSL = include_str!("light.wgsl");
+    SPOT = 1.0;
+    SUN = 2.0;
+    /// Inside an object that it does not light.
+    INSIDE = 3.0;
+    /// The same from everywhere, which is a cone all around.
+    AMBIENT = 4.0;
+}
+
+shared! {
+    /// Lights that are seen as outlines; `frame.shape[1].w` again.
+    PLANES_WGSL = include_str!("plane_lights.wgsl");
+    PLANE_POLYGON = 0.0;
+    PLANE_DISC = 1.0;
+    PLANE_TUBE = 2.0;
+    /// Its corners are the same for all receivers.
+    PLANE_SKY = 3.0;
+    /// Receivers nearer to a tube's middle line than so many radii may see one end before the other.
+    TUBE_BESIDE = 1.05;
+    /// Tangent of the angle beyond which a tube goes on unseen.
+    TUBE_FAR = 60.0;
+    /// The number of no object.
+    NO_OBJECT = -1.0;
+}
+
+pub(crate) const CONES: [&str; 2] = ["lights", CONES_WGSL];
+pub(crate) const PLANES: [&str; 2] = ["flat lights", PLANES_WGSL];
 
 impl GpuLight for Light {
     const NAME: &'static str = "lights";
-    const WGSL: &'static str = include_str!("light.wgsl");
+    const WGSL: &'static str = CONES_WGSL;
 
-    fn gpu_text(lights: &[&Self]) -> Result<[&'static str; 2], &'static str> {
-        if lights.iter().any(|light| light.gpu_roundness().is_some()) {
-            return Ok(IN_A_PLANE);
-        }
-        let is_ball = |light: &&Self| matches!(light, Self::Sphere(_));
-        Ok(if lights.iter().all(is_ball) { [SphereLight::NAME, SphereLight::WGSL] } else { [Self::NAME, Self::WGSL] })
+    fn gpu_text(&self, frame: &[Self]) -> Result<[&'static str; 2], String> {
+        let text = |light: &Self| light.kind().wgsl();
+        let own = text(self).ok_or_else(|| {
+            let name = self.kind().name();
+            format!("a GPU cannot shade with the light `{name}`: it has no WGSL")
+        })?;
+        // Spheres among other cones share their kernels.
+        let is_alone = own[0] != SphereLight::NAME || frame.iter().all(|light| text(light) != Some(CONES));
+        Ok(if is_alone { own } else { CONES })
     }
 
     fn gpu_roundness(&self) -> Option<f32> {
-        match self {
-            Self::Flat(light) => Some(light.roundness()),
-            Self::Tube(light) => Some(light.roundness()),
-            Self::Sky(SkyLight::Patch(patch)) => Some(patch.roundness()),
-            Self::Inside(light) => light.light.gpu_roundness(),
-            _ => None,
-        }
+        self.kind().roundness()
     }
 
     fn gpu_bounds(&self) -> Sphere {
-        match self {
-            Self::Flat(_) | Self::Tube(_) => Outline::ball_around(self.bounds()),
-            Self::Inside(light) => light.light.gpu_bounds(),
-            light => light.bounds(),
-        }
+        self.kind().gpu_bounds()
     }
 
     fn gpu_radiance(&self) -> [f32; 3] {
-        self.full_radiance().to_array()
+        self.kind().full_radiance().to_array()
     }
 
     fn gpu_shape(&self) -> Vec<[f32; 4]> {
-        match self {
-            Self::Spot(light) => {
-                vec![light.axis.extend(0.0).to_array(), [light.cos[0], light.cos[1], 0.0, SPOT]]
-            }
-            Self::Sun(light) | Self::Sky(SkyLight::Sun(light)) => {
-                let cone = light.seen();
-                vec![light.toward.extend(0.0).to_array(), [cone.one_minus_cos, cone.distance, 0.0, SUN]]
-            }
-            Self::Ambient(_) => vec![[0.0; 4], [0.0, 0.0, 0.0, AMBIENT]],
-            Self::Sky(SkyLight::Patch(patch)) => {
-                shape_of(patch.axis.extend(0.0).to_array(), [4.0, 1.0, NO_OBJECT, SKY], &patch.corners())
-            }
-            Self::Inside(inside) if inside.light.gpu_roundness().is_some() => {
-                let mut shape = inside.light.gpu_shape();
-                shape[1][2] = inside.object as f32;
-                shape
-            }
-            Self::Inside(inside) => vec![[inside.object as f32, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, INSIDE]],
-            Self::Flat(light) => {
-                let side = light.normal().extend(f32::from(u8::from(light.two_sided))).to_array();
-                match light.as_disc() {
-                    (_, Some(radius)) => vec![side, [radius, 0.0, NO_OBJECT, DISC]],
-                    _ => {
-                        let has_places = f32::from(u8::from(light.image().is_some()));
-                        shape_of(side, [light.corners().len() as f32, has_places, NO_OBJECT, 0.0], light.corners())
-                    }
-                }
-            }
-            Self::Tube(light) => shape_of([0.0; 4], [light.radius, 0.0, NO_OBJECT, TUBE], &light.ends),
-            Self::Sphere(_) => Vec::new(),
-        }
+        self.kind().gpu_shape()
     }
 }
 
-fn shape_of(first: [f32; 4], second: [f32; 4], points: &[Vec3]) -> Vec<[f32; 4]> {
+/// Two rows and points.
+pub(crate) fn shape_of(first: [f32; 4], second: [f32; 4], points: &[Vec3]) -> Vec<[f32; 4]> {
     let points = points.iter().map(|p| p.extend(0.0).to_array());
     [first, second].into_iter().chain(points).collect()
 }

@@ -1,8 +1,8 @@
 //! Area lights: the cone in which a receiver sees one, its radiance, and its lobes.
 //!
 //! A light is one type that implements [`LightLobes`](lobe_core::LightLobes): [`SphereLight`], [`FlatLight`] (rectangles, discs, convex polygons),
-//! [`TubeLight`], [`SunLight`], [`SpotLight`], [`AmbientLight`], [`InsideLight`]; [`Light`] is any of these. An [`Environment`] is a set of them, [`faces`] and [`emissive_mesh`] are those of a mesh
-//! that emits. Add another kind beside them, here or in a crate of your own.
+//! [`TubeLight`], [`SunLight`], [`SpotLight`], [`AmbientLight`], [`InsideLight`]; [`Light`] is any of these, or a [`LightKind`] of your own. An [`Environment`]
+//! is a set of them, [`faces`] and [`emissive_mesh`] are those of a mesh that emits.
 //!
 //! Out of scope: what hides a light (the `visibility-*` crates), scenes, images.
 //!
@@ -16,11 +16,15 @@
 //! ```
 
 mod ambient_light;
+mod area;
 mod emissive_mesh;
 mod environment;
+mod error;
 mod faces;
 mod flat_light;
 mod gpu;
+mod inside_light;
+mod kind;
 mod light;
 mod sky_light;
 mod sphere_light;
@@ -29,11 +33,15 @@ mod sun_light;
 mod tube_light;
 
 pub use crate::ambient_light::AmbientLight;
+pub use crate::area::{Area, AreaPoint, AreaShape, SampledArea, ShownImage};
 pub use crate::emissive_mesh::{EmissiveMesh, EmissiveMeshError, emissive_mesh};
 pub use crate::environment::{Environment, EnvironmentError, EnvironmentMap};
+pub use crate::error::LightError;
 pub use crate::faces::{FacesError, faces};
 pub use crate::flat_light::{FlatLight, FlatLightError};
-pub use crate::light::{InsideLight, Light};
+pub use crate::inside_light::InsideLight;
+pub use crate::kind::LightKind;
+pub use crate::light::Light;
 pub use crate::sky_light::{SkyLight, SkyPatch};
 pub use crate::sphere_light::SphereLight;
 pub use crate::spot_light::SpotLight;

@@ -1,15 +1,44 @@
-//! Any of the built-in lights as one type, and one of them inside an object that it does not light.
+//! Any light as one type.
 
-use crate::{AmbientLight, FlatLight, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
+use crate::{AmbientLight, FlatLight, InsideLight, LightKind, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
 use glam::{Mat4, Vec3};
 use lobe_core::{LightImage, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
+use std::sync::Arc;
 
-/// The built-in kinds of lights.
-#[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "a scene has few lights, and they are copied once a frame")]
-#[non_exhaustive]
-pub enum Light {
-    /// A ball.
+/// The enum with a variant for each built-in kind, and its conversions.
+macro_rules! lights {
+    ($($(#[$doc:meta])* $kind:ident($light:ident),)*) => {
+        /// Any light. The built-in kinds have variants of their own; all others are [`Custom`](Self::Custom).
+        #[derive(Clone, Debug, PartialEq)]
+        #[expect(clippy::large_enum_variant, reason = "a scene has few lights, and they are copied once a frame")]
+        #[non_exhaustive]
+        pub enum Light {
+            $($(#[$doc])* $kind($light),)*
+            /// Anybody's kind of light.
+            Custom(Arc<dyn LightKind>),
+        }
+
+        impl Light {
+            /// The light behind the variant.
+            #[must_use]
+            pub fn kind(&self) -> &dyn LightKind {
+                match self {
+                    $(Self::$kind(light) => light,)*
+                    Self::Custom(light) => &**light,
+                }
+            }
+        }
+
+        $(impl From<$light> for Light {
+            fn from(light: $light) -> Self {
+                Self::$kind(light)
+            }
+        })*
+    };
+}
+
+lights! {
+    /// A sphere.
     Sphere(SphereLight),
     /// A rectangle, disc or convex polygon.
     Flat(FlatLight),
@@ -17,7 +46,7 @@ pub enum Light {
     Tube(TubeLight),
     /// A light at infinity.
     Sun(SunLight),
-    /// A ball that shines into a cone.
+    /// A sphere that shines into a cone.
     Spot(SpotLight),
     /// A part of an environment.
     Sky(SkyLight),
@@ -27,58 +56,17 @@ pub enum Light {
     Inside(InsideLight),
 }
 
-macro_rules! each {
-    ($self:expr, $light:ident => $value:expr) => {
-        match $self {
-            Light::Sphere($light) => $value,
-            Light::Flat($light) => $value,
-            Light::Tube($light) => $value,
-            Light::Sun($light) => $value,
-            Light::Spot($light) => $value,
-            Light::Sky($light) => $value,
-            Light::Ambient($light) => $value,
-            Light::Inside($light) => $value,
-        }
-    };
-}
-
 impl Light {
-    /// Its radiance, where it shines.
-    #[must_use]
-    pub fn full_radiance(&self) -> Vec3 {
-        match self {
-            Self::Sphere(light) => light.radiance,
-            Self::Flat(light) => light.radiance,
-            Self::Tube(light) => light.radiance,
-            Self::Sun(light) => light.radiance,
-            Self::Spot(light) => light.light.radiance,
-            Self::Sky(light) => light.full_radiance(),
-            Self::Ambient(light) => light.radiance,
-            Self::Inside(light) => light.light.full_radiance(),
-        }
-    }
-
-    /// The ball that it is, for all receivers alike; none where it is none.
-    #[must_use]
-    pub fn ball(&self) -> Option<Sphere> {
-        match self {
-            Self::Sphere(light) => Some(light.ball),
-            Self::Spot(light) => Some(light.light.ball),
-            Self::Inside(light) => light.light.ball(),
-            _ => None,
-        }
-    }
-
-    /// Whether a ball's surface is the light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
+    /// Whether a sphere's surface is the light's, to a thousandth of its radius: a sphere that makes the light visible does not hide it.
     #[must_use]
     pub fn is_shown_by(&self, ball: &Sphere) -> bool {
-        self.ball().is_some_and(|light| {
+        self.sphere().is_some_and(|light| {
             let slack = 1e-3 * light.radius;
             (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
         })
     }
 
-    /// The ball, to be changed, where it is one that shines to all sides.
+    /// The sphere, to be changed, where it is one that shines to all sides.
     pub const fn as_sphere_mut(&mut self) -> Option<&mut SphereLight> {
         match self {
             Self::Sphere(light) => Some(light),
@@ -86,112 +74,45 @@ impl Light {
         }
     }
 
-    /// The same light somewhere else. Turns and shifts only.
+    /// The [name](LightKind::name) of its kind.
     #[must_use]
-    pub fn moved(&self, placement: Mat4) -> Self {
-        each!(self, light => light.moved(placement).into())
+    pub fn name(&self) -> &'static str {
+        self.kind().name()
     }
 
-    /// Its kind, in a word, for messages.
+    /// The [sphere](LightKind::sphere) that it is, for all receivers alike.
     #[must_use]
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Sphere(_) => "sphere",
-            Self::Flat(_) => "flat",
-            Self::Tube(_) => "tube",
-            Self::Sun(_) => "sun",
-            Self::Spot(_) => "spot",
-            Self::Sky(_) => "environment",
-            Self::Ambient(_) => "ambient",
-            Self::Inside(light) => light.light.kind(),
-        }
+    pub fn sphere(&self) -> Option<Sphere> {
+        self.kind().sphere()
+    }
+
+    /// Its [radiance](LightKind::full_radiance), where it shines.
+    #[must_use]
+    pub fn full_radiance(&self) -> Vec3 {
+        self.kind().full_radiance()
+    }
+
+    /// The same light [somewhere else](LightKind::moved).
+    #[must_use]
+    pub fn moved(&self, placement: Mat4) -> Self {
+        self.kind().moved(placement)
     }
 }
 
 impl LightLobes for Light {
     fn bounds(&self) -> Sphere {
-        each!(self, light => light.bounds())
+        self.kind().bounds()
     }
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
-        each!(self, light => light.bounds_from(receivers))
+        self.kind().bounds_from(receivers)
     }
     fn seen_from(&self, at: &Receiver) -> SeenLight {
-        each!(self, light => light.seen_from(at))
+        self.kind().seen_from(at)
     }
     fn image(&self) -> Option<&LightImage> {
-        each!(self, light => light.image())
+        self.kind().image()
     }
     fn tile_light(&self, at: &[Receiver], tile: &Tile, out: &mut TileLight) {
-        each!(self, light => light.tile_light(at, tile, out));
-    }
-}
-
-macro_rules! from {
-    ($($kind:ident($light:ident)),*) => {
-        $(impl From<$light> for Light {
-            fn from(light: $light) -> Self {
-                Self::$kind(light)
-            }
-        })*
-    };
-}
-
-from!(
-    Sphere(SphereLight),
-    Flat(FlatLight),
-    Tube(TubeLight),
-    Sun(SunLight),
-    Spot(SpotLight),
-    Sky(SkyLight),
-    Ambient(AmbientLight),
-    Inside(InsideLight)
-);
-
-/// A light inside an object whose surface it stands for: it does not light that object.
-///
-/// A ball in place of a faceted mesh is above its surface here and below it there; what that surface got of it would be noise.
-///
-/// ```
-/// use glam::Vec3;
-/// use lighting::{InsideLight, SphereLight};
-/// use lobe_core::{LightLobes, Receiver, Sphere};
-/// let ball = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::ONE);
-/// let light = InsideLight { light: Box::new(ball.into()), object: 3 };
-/// let at = Receiver { position: Vec3::Z * 0.99, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 3 };
-/// assert_eq!(light.radiance(&at), Vec3::ZERO);
-/// assert_eq!(light.radiance(&Receiver { object: 2, ..at }), Vec3::ONE);
-/// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct InsideLight {
-    /// The light.
-    pub light: Box<Light>,
-    /// The number of the object, as receivers have it.
-    pub object: u32,
-}
-
-impl InsideLight {
-    /// The same light somewhere else. Turns and shifts only.
-    #[must_use]
-    pub fn moved(&self, placement: Mat4) -> Self {
-        Self { light: Box::new(self.light.moved(placement)), ..*self }
-    }
-}
-
-impl LightLobes for InsideLight {
-    fn bounds(&self) -> Sphere {
-        self.light.bounds()
-    }
-
-    fn bounds_from(&self, receivers: &Sphere) -> Sphere {
-        self.light.bounds_from(receivers)
-    }
-
-    fn seen_from(&self, at: &Receiver) -> SeenLight {
-        let seen = self.light.seen_from(at);
-        if at.object == self.object { SeenLight { radiance: Vec3::ZERO, ..seen } } else { seen }
-    }
-
-    fn image(&self) -> Option<&LightImage> {
-        self.light.image()
+        self.kind().tile_light(at, tile, out);
     }
 }

@@ -1,11 +1,11 @@
-// Balls, spots, suns, balls inside an object and ambient light, as `Light`. `frame.shape[1].w` says which: 0, 1, 2, 3, 4.
+// Balls, spots, suns, balls inside an object and ambient light, as `Light`. `frame.shape[1].w` says which.
 // Needs frame.wgsl of render-gpu and lobe-core's geometry.
 
 fn light_cone(at: Receiver) -> Cone {
-    if frame.shape[1].w == 2.0 {
+    if frame.shape[1].w == SUN {
         return Cone(frame.shape[0].xyz, frame.shape[1].x, frame.shape[1].y);
     }
-    if frame.shape[1].w == 4.0 {
+    if frame.shape[1].w == AMBIENT {
         // From inside a light nothing is hidden.
         return Cone(at.normal, 2.0, 1.1754944e-38);
     }
@@ -13,10 +13,10 @@ fn light_cone(at: Receiver) -> Cone {
 }
 
 fn light_radiance(at: Receiver) -> vec3f {
-    if frame.shape[1].w == 3.0 && f32(at.object) == frame.shape[0].x {
+    if frame.shape[1].w == INSIDE && f32(at.object) == frame.shape[0].x {
         return vec3f(0.0);
     }
-    if frame.shape[1].w != 1.0 {
+    if frame.shape[1].w != SPOT {
         return frame.radiance;
     }
     let to = at.position - frame.light.xyz;

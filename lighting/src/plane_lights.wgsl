@@ -1,14 +1,6 @@
 // Rectangles, discs, polygons, tubes and patches of the sky, as `FlatLight`, `TubeLight` and `SkyPatch`. `frame.shape[1]`: corners or
 // radius, whether it has places, which object it is inside of, kind. Needs frame.wgsl of render-gpu, and lobe-core's geometry and outline.
 
-const PLANE_DISC = 1.0;
-const PLANE_TUBE = 2.0;
-// Corners are the same for all receivers.
-const PLANE_SKY = 3.0;
-// Receivers nearer to a tube's middle line than so many radii may see one end before the other.
-const TUBE_BESIDE = 1.05;
-// Tangent of the angle beyond which a tube goes on unseen.
-const TUBE_FAR = 60.0;
 // From half an ellipse to a polygon of six sides of its area.
 const TUBE_REACH = 1.0471976;
 

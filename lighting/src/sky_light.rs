@@ -1,5 +1,6 @@
-use crate::SunLight;
 use crate::flat_light::cone_of;
+use crate::gpu::{NO_OBJECT, PLANE_SKY, PLANES, shape_of};
+use crate::{Area, AreaShape, Light, LightError, LightKind, ShownImage, SunLight};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use lobe_core::{LightImage, LightLobes, Outline, Receiver, SeenLight, Sphere};
@@ -59,23 +60,6 @@ impl SkyPatch {
     }
 }
 
-impl SkyLight {
-    /// Its mean radiance.
-    #[must_use]
-    pub const fn full_radiance(&self) -> Vec3 {
-        match self {
-            Self::Patch(patch) => patch.radiance,
-            Self::Sun(sun) => sun.radiance,
-        }
-    }
-
-    /// The same light: an environment stands still.
-    #[must_use]
-    pub fn moved(&self, _: Mat4) -> Self {
-        self.clone()
-    }
-}
-
 impl LightLobes for SkyLight {
     fn bounds(&self) -> Sphere {
         match self {
@@ -110,6 +94,78 @@ impl LightLobes for SkyLight {
                 let outline = patch.seen();
                 let cone = cone_of(outline.as_ref(), patch.center * patch.distance());
                 SeenLight { cone, radiance: patch.radiance, outline }
+            }
+        }
+    }
+}
+
+impl LightKind for SkyLight {
+    fn name(&self) -> &'static str {
+        "environment"
+    }
+
+    fn validate(&self) -> Result<(), LightError> {
+        match self {
+            Self::Sun(sun) => sun.validate(),
+            // Its shape was checked when it was made.
+            Self::Patch(_) => LightError::check_bounds(self.bounds()),
+        }
+    }
+
+    fn full_radiance(&self) -> Vec3 {
+        match self {
+            Self::Patch(patch) => patch.radiance,
+            Self::Sun(sun) => sun.radiance,
+        }
+    }
+
+    /// An environment stands still.
+    fn moved(&self, _: Mat4) -> Light {
+        self.clone().into()
+    }
+
+    fn area(&self, from: Vec3) -> Option<Area<'_>> {
+        let patch = match self {
+            Self::Sun(sun) => return sun.area(from),
+            Self::Patch(patch) => patch,
+        };
+        let bounds = self.bounds_from(&Sphere { center: from, radius: 0.0 });
+        let middle = bounds.center.as_dvec3() - from.as_dvec3();
+        // As far away as the sphere is.
+        let distance = middle.length() / patch.center.as_dvec3().length();
+        let sides = patch.sides.map(|side| side.as_dvec3() * distance);
+        let [u, v] = sides;
+        let corners = vec![middle - u - v, middle + u - v, middle + u + v, middle - u + v];
+        let area = 4.0 * u.cross(v).length();
+        let shape = AreaShape::Polygon { corners, normal: -patch.axis.as_dvec3(), area };
+        let shown = patch.image.as_deref().map(|image| ShownImage { image, middle, sides });
+        Some(Area { bounds, shape, shown })
+    }
+
+    fn roundness(&self) -> Option<f32> {
+        match self {
+            Self::Sun(_) => None,
+            Self::Patch(patch) => Some(patch.roundness()),
+        }
+    }
+
+    fn wgsl(&self) -> Option<[&'static str; 2]> {
+        match self {
+            Self::Sun(sun) => sun.wgsl(),
+            Self::Patch(_) => Some(PLANES),
+        }
+    }
+
+    fn gpu_bounds(&self) -> Sphere {
+        self.bounds()
+    }
+
+    fn gpu_shape(&self) -> Vec<[f32; 4]> {
+        match self {
+            Self::Sun(sun) => sun.gpu_shape(),
+            Self::Patch(patch) => {
+                let number = [4.0, 1.0, NO_OBJECT, PLANE_SKY];
+                shape_of(patch.axis.extend(0.0).to_array(), number, &patch.corners())
             }
         }
     }

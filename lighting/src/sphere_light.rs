@@ -1,4 +1,6 @@
+use crate::{Area, Light, LightError, LightKind};
 use glam::{Mat4, Vec3};
+use lobe_core::gpu::GpuLight;
 use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
 
 /// A ball that emits the same radiance in all directions from all of its surface.
@@ -31,12 +33,6 @@ impl SphereLight {
     pub fn with_intensity(ball: Sphere, intensity: Vec3) -> Self {
         Self { ball, radiance: intensity / (core::f32::consts::PI * ball.radius * ball.radius) }
     }
-
-    /// The same light somewhere else. Turns and shifts only.
-    #[must_use]
-    pub fn moved(&self, placement: Mat4) -> Self {
-        Self { ball: Sphere { center: placement.transform_point3(self.ball.center), ..self.ball }, ..*self }
-    }
 }
 
 impl LightLobes for SphereLight {
@@ -50,5 +46,44 @@ impl LightLobes for SphereLight {
 
     fn tile_light(&self, _: &[Receiver], tile: &Tile, out: &mut TileLight) {
         out.ball(tile, self.ball, self.radiance);
+    }
+}
+
+impl LightKind for SphereLight {
+    fn name(&self) -> &'static str {
+        "sphere"
+    }
+
+    fn validate(&self) -> Result<(), LightError> {
+        LightError::check_sphere(self.ball)
+    }
+
+    fn full_radiance(&self) -> Vec3 {
+        self.radiance
+    }
+
+    fn sphere(&self) -> Option<Sphere> {
+        Some(self.ball)
+    }
+
+    fn moved(&self, placement: Mat4) -> Light {
+        Self { ball: Sphere { center: placement.transform_point3(self.ball.center), ..self.ball }, ..*self }.into()
+    }
+
+    fn area(&self, _: Vec3) -> Option<Area<'_>> {
+        Some(Area::sphere(self.ball))
+    }
+
+    fn wgsl(&self) -> Option<[&'static str; 2]> {
+        Some([Self::NAME, Self::WGSL])
+    }
+}
+
+impl GpuLight for SphereLight {
+    const NAME: &'static str = "sphere lights";
+    const WGSL: &'static str = include_str!("sphere_light.wgsl");
+
+    fn gpu_radiance(&self) -> [f32; 3] {
+        self.radiance.to_array()
     }
 }

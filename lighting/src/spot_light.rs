@@ -1,4 +1,5 @@
-use crate::SphereLight;
+use crate::gpu::{CONES, SPOT};
+use crate::{Area, Light, LightError, LightKind, SphereLight};
 use glam::{Mat4, Vec3};
 use lobe_core::{LightLobes, Receiver, SeenLight, Sphere};
 
@@ -23,13 +24,6 @@ impl SpotLight {
         let share = ((cos - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
         share * share
     }
-
-    /// The same light somewhere else. Turns and shifts only.
-    #[must_use]
-    pub fn moved(&self, placement: Mat4) -> Self {
-        let axis = placement.transform_vector3(self.axis).normalize_or(self.axis);
-        Self { light: self.light.moved(placement), axis, ..*self }
-    }
 }
 
 impl LightLobes for SpotLight {
@@ -39,5 +33,47 @@ impl LightLobes for SpotLight {
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {
         SeenLight { radiance: self.light.radiance * self.share(at.position), ..self.light.seen_from(at) }
+    }
+}
+
+impl LightKind for SpotLight {
+    fn name(&self) -> &'static str {
+        "spot"
+    }
+
+    fn validate(&self) -> Result<(), LightError> {
+        LightError::check_sphere(self.light.ball)?;
+        LightError::check_direction("axis", self.axis)?;
+        let [inner, outer] = self.cos;
+        if (-1.0..=1.0).contains(&outer) && (outer..=1.0).contains(&inner) {
+            return Ok(());
+        }
+        Err(LightError::new(format!("cosines are {inner} and {outer}: expected 1 ≥ first ≥ second ≥ -1")))
+    }
+
+    fn full_radiance(&self) -> Vec3 {
+        self.light.radiance
+    }
+
+    fn sphere(&self) -> Option<Sphere> {
+        Some(self.light.ball)
+    }
+
+    fn moved(&self, placement: Mat4) -> Light {
+        let axis = placement.transform_vector3(self.axis).normalize_or(self.axis);
+        let ball = Sphere { center: placement.transform_point3(self.light.ball.center), ..self.light.ball };
+        Self { light: SphereLight { ball, ..self.light }, axis, ..*self }.into()
+    }
+
+    fn area(&self, _: Vec3) -> Option<Area<'_>> {
+        Some(Area::sphere(self.light.ball))
+    }
+
+    fn wgsl(&self) -> Option<[&'static str; 2]> {
+        Some(CONES)
+    }
+
+    fn gpu_shape(&self) -> Vec<[f32; 4]> {
+        vec![self.axis.extend(0.0).to_array(), [self.cos[0], self.cos[1], 0.0, SPOT]]
     }
 }

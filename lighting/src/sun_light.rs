@@ -1,3 +1,5 @@
+use crate::gpu::{CONES, SUN};
+use crate::{Area, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
@@ -46,12 +48,6 @@ impl SunLight {
     pub fn ball_from(&self, position: Vec3) -> Sphere {
         Sphere { center: position + self.toward * self.distance(), radius: self.distance() * self.sin }
     }
-
-    /// The same light turned.
-    #[must_use]
-    pub fn moved(&self, placement: Mat4) -> Self {
-        Self { toward: placement.transform_vector3(self.toward).normalize_or(self.toward), ..*self }
-    }
 }
 
 impl LightLobes for SunLight {
@@ -67,5 +63,41 @@ impl LightLobes for SunLight {
 
     fn seen_from(&self, _: &Receiver) -> SeenLight {
         SeenLight::of_cone(self.seen(), self.radiance)
+    }
+}
+
+impl LightKind for SunLight {
+    fn name(&self) -> &'static str {
+        "sun"
+    }
+
+    fn validate(&self) -> Result<(), LightError> {
+        LightError::check_direction("direction", self.toward)?;
+        let sin = self.sin;
+        if !(sin > 0.0 && sin <= 1.0) {
+            return Err(LightError::new(format!("sine of its half-angle is {sin}: expected more than 0, 1 at most")));
+        }
+        LightError::check_bounds(self.world)
+    }
+
+    fn full_radiance(&self) -> Vec3 {
+        self.radiance
+    }
+
+    fn moved(&self, placement: Mat4) -> Light {
+        Self { toward: placement.transform_vector3(self.toward).normalize_or(self.toward), ..*self }.into()
+    }
+
+    fn area(&self, from: Vec3) -> Option<Area<'_>> {
+        Some(Area::sphere(self.ball_from(from)))
+    }
+
+    fn wgsl(&self) -> Option<[&'static str; 2]> {
+        Some(CONES)
+    }
+
+    fn gpu_shape(&self) -> Vec<[f32; 4]> {
+        let cone = self.seen();
+        vec![self.toward.extend(0.0).to_array(), [cone.one_minus_cos, cone.distance, 0.0, SUN]]
     }
 }

@@ -1,4 +1,6 @@
 use crate::flat_light::{cone_of, half_ellipse};
+use crate::gpu::{NO_OBJECT, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_FAR, shape_of};
+use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
 use lobe_core::{Cone, LightLobes, Outline, Receiver, SeenLight, Sphere};
@@ -17,11 +19,6 @@ pub struct TubeLight {
     /// Radiance, W·m⁻²·sr⁻¹ per channel.
     pub radiance: Vec3,
 }
-
-/// Receivers nearer to the middle line than so many radii may see one end before the other.
-const BESIDE: f32 = 1.05;
-/// Tangent of the angle beyond which a tube goes on unseen.
-const FAR: f32 = 60.0;
 
 impl TubeLight {
     /// Area of its surface.
@@ -44,12 +41,6 @@ impl TubeLight {
         Self { radiance: flux / (PI * self.area()), ..self }
     }
 
-    /// The same light somewhere else. Turns and shifts only.
-    #[must_use]
-    pub fn moved(&self, placement: Mat4) -> Self {
-        Self { ends: self.ends.map(|p| placement.transform_point3(p)), ..*self }
-    }
-
     /// The ball at the end next to a receiver.
     fn nearer_end(&self, x: Vec3) -> Sphere {
         let [a, b] = self.ends;
@@ -66,7 +57,7 @@ impl TubeLight {
         // From the receiver to the foot of its perpendicular on the middle line.
         let foot = a - along * a.dot(along);
         let height = foot.length();
-        if !(height > BESIDE * self.radius && length > 0.0) {
+        if !(height > TUBE_BESIDE * self.radius && length > 0.0) {
             return None;
         }
         let axis = foot / height;
@@ -81,7 +72,7 @@ impl TubeLight {
             let tan = sin / ((1.0 - sin) * (1.0 + sin)).sqrt();
             let slope = place / height;
             let limit = |over: f32, under: f32| {
-                if under > 0.0 { (over / under).clamp(-FAR, FAR) } else { FAR * slope.signum() }
+                if under > 0.0 { (over / under).clamp(-TUBE_FAR, TUBE_FAR) } else { TUBE_FAR * slope.signum() }
             };
             let low = limit(slope - tan, 1.0 + slope * tan);
             let high = limit(slope + tan, 1.0 - slope * tan);
@@ -113,5 +104,48 @@ impl LightLobes for TubeLight {
             None => Cone::of_sphere(at.position, self.nearer_end(at.position)),
         };
         SeenLight { cone, radiance: self.radiance, outline }
+    }
+}
+
+impl LightKind for TubeLight {
+    fn name(&self) -> &'static str {
+        "tube"
+    }
+
+    fn validate(&self) -> Result<(), LightError> {
+        let [a, b] = self.ends;
+        for center in self.ends {
+            LightError::check_sphere(Sphere { center, radius: self.radius })?;
+        }
+        if a.distance(b) > 1e-4 * self.radius {
+            return Ok(());
+        }
+        Err(LightError::new("a tube has two ends: both are the same"))
+    }
+
+    fn full_radiance(&self) -> Vec3 {
+        self.radiance
+    }
+
+    fn moved(&self, placement: Mat4) -> Light {
+        Self { ends: self.ends.map(|p| placement.transform_point3(p)), ..*self }.into()
+    }
+
+    fn area(&self, from: Vec3) -> Option<Area<'_>> {
+        let [a, b] = self.ends.map(|p| p.as_dvec3() - from.as_dvec3());
+        let shape = AreaShape::Capsule { end: a, along: b - a, radius: f64::from(self.radius) };
+        Some(Area { bounds: self.bounds(), shape, shown: None })
+    }
+
+    fn roundness(&self) -> Option<f32> {
+        Some(Self::roundness(self))
+    }
+
+    fn wgsl(&self) -> Option<[&'static str; 2]> {
+        Some(PLANES)
+    }
+
+    fn gpu_shape(&self) -> Vec<[f32; 4]> {
+        shape_of([0.0; 4], [self.radius, 0.0, NO_OBJECT, PLANE_TUBE], &self.ends)
     }
 }

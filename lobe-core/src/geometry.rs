@@ -37,6 +37,26 @@ pub struct Sphere {
     pub radius: f32,
 }
 
+impl Sphere {
+    /// The largest coordinate and radius of a sphere in a scene.
+    pub const LARGEST: f32 = 1e9;
+
+    /// Checks that it is finite, not beyond [`LARGEST`](Self::LARGEST), and has a radius above 0.
+    ///
+    /// # Errors
+    /// What is wrong, in a sentence.
+    pub fn validate(&self) -> Result<(), String> {
+        let Self { center, radius } = self;
+        if center.is_nan() || center.abs().max_element() > Self::LARGEST {
+            return Err(format!("sphere has centre {center}: coordinates must lie within ±1e9"));
+        }
+        if !(*radius > 0.0 && *radius <= Self::LARGEST) {
+            return Err(format!("sphere has radius {radius}: expected a positive number up to 1e9"));
+        }
+        Ok(())
+    }
+}
+
 /// How a blocker sphere is seen by receivers of its own object that are near it, in units of its radius R, so that it follows
 /// a sphere that moves and grows: as a smaller ball inside it, which blocks a direction only if the ray leaves it farther than
 /// `distance` from the receiver.

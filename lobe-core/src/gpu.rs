@@ -80,13 +80,16 @@ pub trait GpuLight: LightLobes {
     /// ([`OUTLINE`](crate::wgsl::OUTLINE)).
     const WGSL: &'static str;
 
-    /// Name and text for some lights of a frame, with outlines all of them or none. [`NAME`](Self::NAME) and [`WGSL`](Self::WGSL), unless some
-    /// of several kinds need less.
+    /// Name and text for this light, among all of a frame: lights of the same text share their kernels. [`NAME`](Self::NAME) and
+    /// [`WGSL`](Self::WGSL), unless the type has several kinds.
     ///
     /// # Errors
-    /// Which of them a GPU cannot shade with.
-    fn gpu_text(lights: &[&Self]) -> Result<[&'static str; 2], &'static str> {
-        let _ = lights;
+    /// Why a GPU cannot shade with it, in a sentence.
+    fn gpu_text(&self, frame: &[Self]) -> Result<[&'static str; 2], String>
+    where
+        Self: Sized,
+    {
+        let _ = frame;
         Ok([Self::NAME, Self::WGSL])
     }
 

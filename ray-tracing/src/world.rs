@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn a_lamp_does_not_hide_its_light() {
         let mut scene = floor_and_ball();
-        let light = scene.lights[0].ball().expect("a ball");
+        let light = scene.lights[0].sphere().expect("a sphere");
         let from = light.center - Vec3::Y * (light.radius + 0.1);
         let hidden = |scene: &Scene| World::new(scene).occluded(from, Vec3::Y, 1.0);
         assert!(!hidden(&scene));

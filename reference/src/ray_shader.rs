@@ -9,7 +9,7 @@ mod tests;
 use self::discs::Discs;
 use self::reflectance::{Reflectance, Sum};
 use self::spheres::{Seen, SpherePacket, SphereTargets};
-use crate::area::Area;
+use crate::area;
 use crate::sobol::{Sequence, mix};
 use brdf::{Brdf, Material};
 use core::convert::Infallible;
@@ -18,7 +18,7 @@ use core::sync::atomic::{AtomicU64, Ordering};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
-use lighting::Light;
+use lighting::Area;
 use lobe_core::{
     Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, SeenLight, Shaft, Sphere, Tile, orthonormal_basis,
 };
@@ -153,7 +153,7 @@ impl<'a> RayShader<'a> {
                     continue;
                 }
                 let coverage = match self.culled {
-                    _ if matches!(light, Light::Ambient(_)) => Coverage::Lit,
+                    _ if !light.kind().has_shadows() => Coverage::Lit,
                     true => self.select(at, &cone, scratch),
                     false => Coverage::Partial,
                 };
@@ -167,9 +167,10 @@ impl<'a> RayShader<'a> {
                 }
                 let clear = matches!(coverage, Coverage::Lit);
                 let material = &frame.materials[*material as usize];
-                let Some((ball, area)) = Area::of(light, at.position) else { continue };
+                let Some(area) = light.kind().area(at.position) else { continue };
+                let ball = area.bounds;
                 let pair = Pair { at, ball, radiance, cone, number: number as u64, clear };
-                if let Some(area) = area {
+                if !area.is_sphere() {
                     out[i] += self.sample_area(&pair, &area, material, &mut rays);
                     continue;
                 }
@@ -222,7 +223,7 @@ impl<'a> RayShader<'a> {
         let sequence = Sequence::new(mix(mix(x | y << 32, z), *number));
         let samples = if *clear { self.samples.min(CLEAR_SAMPLES) } else { self.samples };
         let mut sum = Vec3::ZERO;
-        for seen in (0..samples).filter_map(|i| area.sample(sequence.get(i, 0), sequence.get(i, 1))) {
+        for seen in (0..samples).filter_map(|i| area::sample(area, sequence.get(i, 0), sequence.get(i, 1))) {
             let v = seen.direction.as_vec3();
             let value = material.eval(at, v) * seen.shows / seen.pdf as f32;
             if value == Vec3::ZERO {

@@ -7,7 +7,7 @@ mod occluders;
 pub use self::checkpoint::CheckpointError;
 use self::meridian::{Cap, Meridian};
 use self::occluders::{Occluders, tile_candidates};
-use crate::area::{Area, Seen};
+use crate::area::{self, Seen};
 use crate::cone::LightCone;
 use crate::sky::Sky;
 use crate::sobol::{Sequence, mix};
@@ -15,7 +15,7 @@ use brdf::{Brdf, Material};
 use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Vec3};
-use lighting::Light;
+use lighting::{Area, Light};
 use lobe_core::{BrdfLobes, LightLobes, LobeBuffer, OWN_NONE, Receiver, Sphere};
 use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
@@ -230,15 +230,15 @@ impl Sampler {
             if sky.is_some() && matches!(light, Light::Sky(_)) {
                 continue;
             }
-            let geometry = if matches!(light, Light::Ambient(_)) { Geometry::None } else { job.geometry };
+            let geometry = if light.kind().has_shadows() { job.geometry } else { Geometry::None };
             if geometry.has_spheres() {
                 let bounds = receivers.iter().fold(Bounds::EMPTY, |b, at| b.with_point(at.position));
                 let around = Sphere { center: bounds.center(), radius: bounds.radius() };
                 tile_candidates(receivers, light.bounds_from(&around), job.blockers, &mut self.candidates);
             }
             for (i, (at, sums)) in receivers.iter().zip(&mut sums).enumerate() {
-                let Some((sphere, area)) = Area::of(light, at.position) else { continue };
-                let cone = LightCone::new(at.position, sphere);
+                let Some(area) = light.kind().area(at.position) else { continue };
+                let cone = LightCone::new(at.position, area.bounds);
                 if cone.one_minus_cos() <= 0.0 {
                     continue;
                 }
@@ -258,7 +258,7 @@ impl Sampler {
                     at,
                     material,
                     radiance: light.radiance(at),
-                    area,
+                    area: (!area.is_sphere()).then_some(area),
                     cone,
                     occluders: &self.occluders,
                     origin: job.world.leave(at.position, at.face),
@@ -398,7 +398,7 @@ impl Pair<'_> {
 
     /// Adds a point of a light's surface, and a direction of a reflectance that is narrow compared with it.
     fn area_sample(&self, area: &Area<'_>, [x, y]: [f64; 2], on_brdf: [f64; 3], sums: &mut [DVec3; 2]) {
-        if let Some(Seen { direction, distance, pdf, shows }) = area.sample(x, y) {
+        if let Some(Seen { direction, distance, pdf, shows }) = area::sample(area, x, y) {
             let reflectance = self.material.eval(self.at, direction.as_vec3());
             if reflectance != Vec3::ZERO {
                 let other = if self.glossy { f64::from(self.material.pdf(self.at, direction.as_vec3())) } else { 0.0 };
@@ -410,7 +410,8 @@ impl Pair<'_> {
         }
         let u = on_brdf.map(below_one);
         let Some(sample) = self.material.sample(self.at, u) else { return };
-        if let Some(Seen { direction, distance, pdf, shows }) = area.hit(sample.direction.as_dvec3().normalize()) {
+        if let Some(Seen { direction, distance, pdf, shows }) = area::hit(area, sample.direction.as_dvec3().normalize())
+        {
             let reflectance = self.material.eval(self.at, sample.direction);
             let value = self.weighted(reflectance * shows, f64::from(sample.pdf), pdf);
             self.add_before(direction, distance, value, sums);

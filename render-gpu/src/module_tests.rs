@@ -87,33 +87,35 @@ fn spheres() -> SphereBlockers {
 }
 
 fn variants() -> impl Iterator<Item = Variant> {
-    let strategies = [(true, false), (false, true), (true, true), (false, false)];
-    choices().into_iter().flat_map(move |models| {
+    let mut all = Vec::new();
+    for models in choices() {
         let materials = set(&models);
-        strategies.into_iter().flat_map(move |(has_spheres, has_maps)| {
-            (1..=6).flat_map(move |depth| {
+        for (has_spheres, has_maps) in [(true, false), (false, true), (true, true), (false, false)] {
+            for depth in 1..=6 {
                 let pages = if depth % 2 == 0 { GpuPages::ONE } else { GpuPages::of(3 << 27, 1 << 27) };
-                let mut all = vec![if has_spheres {
-                    own(&spheres(), 0, pages)
-                } else {
-                    own(&visibility_rays::GpuRays, 0, pages)
+                let mut parts = vec![match has_spheres {
+                    true => own(&spheres(), 0, pages),
+                    false => own(&visibility_rays::GpuRays, 0, pages),
                 }];
                 if has_maps {
-                    all.push(own(&PackedMaps::default(), 3, pages));
+                    parts.push(own(&PackedMaps::default(), 3, pages));
                 }
-                [(0.001, false), (0.003, false), (0.01, false), (0.003, true)].map(move |(tolerance, paper)| Variant {
-                    depth,
-                    fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
-                    materials: materials.clone(),
-                    light: LIGHT,
-                    shown: Shown::Cone,
-                    own: all.clone(),
-                    stack: (!has_spheres).then_some(64),
-                    paper,
-                })
-            })
-        })
-    })
+                for (tolerance, paper) in [(0.001, false), (0.003, false), (0.01, false), (0.003, true)] {
+                    all.push(Variant {
+                        depth,
+                        fineness: [Fineness::broad(tolerance), Fineness::narrow(tolerance)],
+                        materials: materials.clone(),
+                        light: LIGHT,
+                        shown: Shown::Cone,
+                        own: parts.clone(),
+                        stack: (!has_spheres).then_some(64),
+                        paper,
+                    });
+                }
+            }
+        }
+    }
+    all.into_iter()
 }
 
 /// Passes of the blockers that have some.
@@ -147,7 +149,7 @@ fn uses(variant: &Variant, name: &str) -> bool {
 /// Lights with outlines.
 fn flat_variants() -> impl Iterator<Item = Variant> {
     let panel = FlatLight::rectangle(Vec3::Z, Vec3::X, Vec3::Y, Vec3::ONE).expect("a rectangle");
-    let light = Light::gpu_text(&[&panel.into()]).expect("for a GPU");
+    let light = Light::from(panel).gpu_text(&[]).expect("for a GPU");
     let of = |v: &Variant| !v.paper && !uses(v, "maps") && [1, 5, 6].contains(&v.depth);
     let of_shown =
         move |variant: Variant| [Shown::Outline, Shown::Image].map(|shown| Variant { light, shown, ..variant.clone() });

@@ -214,17 +214,9 @@ impl GpuShader {
         &mut self,
         frame: &Frame<'_, M, L>,
     ) -> Result<(Vec<usize>, u64), GpuError> {
-        let refused = |what: &str| GpuError::Unsupported(what.to_owned());
-        let is_flat = |light: &&L| light.gpu_roundness().is_some();
-        if self.paper.is_some() && frame.lights.iter().any(|light| is_flat(&light)) {
-            return Err(refused(FLAT_BY_PAPER));
+        if self.paper.is_some() && frame.lights.iter().any(|light| light.gpu_roundness().is_some()) {
+            return Err(GpuError::Unsupported(FLAT_BY_PAPER.to_owned()));
         }
-        let (flat, round): (Vec<&L>, Vec<&L>) = frame.lights.iter().partition(is_flat);
-        let text = |lights: &[&L]| match lights.is_empty() {
-            true => Ok([L::NAME, L::WGSL]),
-            false => L::gpu_text(lights).map_err(refused),
-        };
-        let (flat, round) = (text(&flat)?, text(&round)?);
         if let Some(paper) = &mut self.paper {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
@@ -237,7 +229,7 @@ impl GpuShader {
         let mut kernels = Vec::with_capacity(frame.lights.len());
         for light in frame.lights {
             let shown = Shown::of(light);
-            let text = if shown == Shown::Cone { round } else { flat };
+            let text = light.gpu_text(frame.lights).map_err(GpuError::Unsupported)?;
             kernels.push(self.kernels(frame.accuracy, materials.clone(), text, (shown, light.gpu_roundness()))?);
         }
         self.images.hold(&self.gpu, frame.lights.iter().map(LightLobes::image))?;

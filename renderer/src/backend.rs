@@ -104,18 +104,26 @@ pub struct GpuBackend {
     maps: Option<PackedMaps>,
 }
 
+/// The built-in strategies that block, but for rays.
+#[cfg(feature = "gpu")]
+pub(crate) struct GpuParts<'a> {
+    pub(crate) spheres: Option<&'a SphereBlockers>,
+    pub(crate) maps: Option<&'a ShadowMapBlockers>,
+    pub(crate) silhouettes: Option<&'a GpuSilhouettes>,
+}
+
 #[cfg(feature = "gpu")]
 impl GpuBackend {
     /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each which they are: the
-    /// same scene with each call. Those objects are by `silhouettes`, or by rays where there are none.
+    /// same scene with each call. Those objects are by silhouettes, or by rays where there are none.
     pub(crate) fn occluded(
         &mut self,
         tables: Option<&Tables>,
-        spheres: Option<&SphereBlockers>,
-        maps: Option<&ShadowMapBlockers>,
+        parts: &GpuParts<'_>,
         traced: Option<(&Scene, Vec<Stops>)>,
-        silhouettes: Option<&GpuSilhouettes>,
+        custom: &[&dyn GpuBlockers],
     ) -> Result<&mut GpuShader, GpuError> {
+        let GpuParts { spheres, maps, silhouettes } = *parts;
         if let Some((scene, objects)) = traced {
             match &mut self.world {
                 // What maps show changes as lights move.
@@ -140,7 +148,8 @@ impl GpuBackend {
         }
         let spheres = spheres.map(|spheres| spheres as &dyn GpuBlockers);
         let maps = self.maps.as_ref().map(|maps| maps as &dyn GpuBlockers);
-        let blockers: Vec<&dyn GpuBlockers> = [spheres, maps, traced].into_iter().flatten().collect();
+        let blockers: Vec<&dyn GpuBlockers> =
+            [spheres, maps, traced].into_iter().flatten().chain(custom.iter().copied()).collect();
         self.shader.occlude(Occlusion { blockers: &blockers, any_hit })?;
         Ok(&mut self.shader)
     }

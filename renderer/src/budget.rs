@@ -1,6 +1,6 @@
 use crate::bands::{Bands, seconds};
 use crate::event::tell;
-use crate::{Backend, Event, FrameBlockers, Listener, Method, Plan, RenderError, Shader, Work};
+use crate::{Backend, CustomStrategy, Event, FrameBlockers, Listener, Method, Plan, RenderError, Shader, Work};
 use glam::Vec3;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
@@ -24,6 +24,7 @@ pub(crate) struct Budget<'a> {
     pub(crate) spheres: Option<&'a SphereBlockers>,
     pub(crate) maps: &'a [ShadowMap],
     pub(crate) silhouettes: &'a SceneSilhouettes,
+    pub(crate) custom: &'a [Box<dyn CustomStrategy>],
     pub(crate) method: Method,
     pub(crate) tables: Option<&'a Tables>,
     /// Seconds of a frame that no setting changes, but for finding the visible points.
@@ -49,7 +50,8 @@ impl Budget<'_> {
         for accuracy in LADDER {
             let frame = Frame { materials: &materials, accuracy, ..*frame };
             let blockers =
-                FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy);
+                FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy)
+                    .with_custom(self.custom);
             let shading =
                 blockers.shade(backend, self.method, self.tables, Twice { points: &points, frame: &frame })?;
             let total = 1e3 * (fixed + shading * scale);

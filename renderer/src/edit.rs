@@ -1,7 +1,10 @@
 //! Edits of what is drawn: each is checked first, and says what it makes stale.
 
 use crate::renderer::check_method;
-use crate::{Backend, EditError, LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer, Settings, Stale};
+use crate::{
+    Backend, CustomStrategy, EditError, LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer, Settings,
+    Stale,
+};
 use brdf::Material;
 use glam::{Mat4, Vec3};
 use lighting::Light;
@@ -69,6 +72,12 @@ impl Renderer {
         self.animation.remove_object(place);
         self.mark(Stale::STRATEGY | Stale::LIGHTS);
         Ok(self.scene.remove_object(place))
+    }
+
+    /// Gives the renderer a strategy for the objects that [name](scene::Strategy::Custom) it, in the place of one of the same name.
+    pub fn put_strategy(&mut self, strategy: Box<dyn CustomStrategy>) -> Stale {
+        self.custom.put(strategy);
+        self.mark(Stale::STRATEGY)
     }
 
     /// Puts an object where the matrix takes it from where it stood when it came, or got its shape. Spheres, and meshes with spheres

@@ -6,6 +6,7 @@ use visibility_shadowmap::MapError;
 
 /// What [`RenderError::NotOnGpu`] says of layers and of visibility as lobes.
 pub(crate) const LAYERS: &str = "layers are made by the CPU only";
+pub(crate) const NO_WGSL: &str = "it has no blockers for a GPU";
 pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
 
 /// Why a picture could not be made. Nothing of it is printed or kept here.
@@ -37,6 +38,22 @@ pub enum RenderError {
     /// An edit is refused.
     #[error(transparent)]
     Edit(#[from] crate::EditError),
+    /// An object blocks by a strategy that the renderer was not given.
+    #[error("object \"{object}\" blocks by `{name}`: the renderer has no such strategy")]
+    NoStrategy {
+        /// The object's name.
+        object: String,
+        /// The strategy.
+        name: &'static str,
+    },
+    /// A strategy of one's own cannot follow the scene, or block on a device.
+    #[error("strategy `{name}`: {fault}")]
+    Strategy {
+        /// The strategy.
+        name: &'static str,
+        /// Its own words.
+        fault: String,
+    },
     /// A setting is out of its range.
     #[error("{name} is {value}: expected {expected}")]
     Setting {

@@ -1,16 +1,17 @@
 use crate::on_objects::OnObjects;
-use crate::{Backend, Method, Plan, RenderError, Shader};
+use crate::{Backend, CustomStrategy, Method, Plan, RenderError, Shader};
 use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{Accuracy, LightId, LobeIntegrator, Unshadowed};
 use render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits, World};
 use scene::{Object, Shape, Strategy};
-use visibility_mask::{Blockers, MaskVisibility, Mixture, PaperVisibility};
+use visibility_mask::{Blockers, DynMixture, MaskVisibility, Mixture, PaperVisibility};
 use visibility_rays::RayBlockers;
 use visibility_shadowmap::{ShadowMap, ShadowMapBlockers};
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 use visibility_spheres::SphereBlockers;
 #[cfg(feature = "gpu")]
 use {
+    crate::backend::GpuParts,
     lighting::Light,
     lobe_core::Sphere,
     lobe_core::gpu::GpuLight as _,
@@ -31,6 +32,8 @@ pub struct FrameBlockers<'a> {
     drawn: Option<OnObjects<Silhouettes<'a>>>,
     silhouettes: Option<Silhouettes<'a>>,
     rays: Option<RayBlockers<'a>>,
+    /// Anybody's.
+    custom: &'a [Box<dyn CustomStrategy>],
     /// The meshes by silhouettes for all receivers.
     meshes: Vec<&'a SilhouetteMesh>,
     /// For each object, from whom it hides lights by its true surface.
@@ -92,7 +95,13 @@ impl<'a> FrameBlockers<'a> {
         let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes, false));
         let on_drawn = drawn.contains(&true).then(|| OnObjects::new(outlines(&own, true), drawn.clone()));
         let maps = (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters).leaving(drawn));
-        Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, meshes, hides }
+        Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, custom: &[], meshes, hides }
+    }
+
+    /// The same, and strategies that are not built in.
+    #[must_use]
+    pub fn with_custom(self, custom: &'a [Box<dyn CustomStrategy>]) -> Self {
+        Self { custom, ..self }
     }
 
     /// The meshes by silhouettes as a GPU has them. None where others are by rays anyway, or where a ball of light holds parts of triangles:
@@ -113,7 +122,7 @@ impl<'a> FrameBlockers<'a> {
                 // All that blocks is before the sky, whose ball may hold the scene.
                 Light::Sky(_) => None,
                 light if is_flat => Some(light.gpu_bounds()),
-                light => light.ball(),
+                light => light.sphere(),
             };
             let triangles = ball.filter(|ball| ball.radius > 0.0).map(meeting).unwrap_or_default();
             if !is_flat && !triangles.is_empty() {
@@ -150,12 +159,24 @@ impl<'a> FrameBlockers<'a> {
             if method == Method::Lobes {
                 return Err(RenderError::NotOnGpu(crate::error::LOBES));
             }
-            return work.with(gpu.occluded(tables, self.spheres, self.maps.as_ref(), traced, silhouettes.as_ref())?);
+            let mut blockers = Vec::with_capacity(self.custom.len());
+            for own in self.custom {
+                let fault = || RenderError::Strategy { name: own.name(), fault: crate::error::NO_WGSL.to_owned() };
+                blockers.push(own.gpu_blockers().ok_or_else(fault)?);
+            }
+            let parts = GpuParts { spheres: self.spheres, maps: self.maps.as_ref(), silhouettes: silhouettes.as_ref() };
+            return work.with(gpu.occluded(tables, &parts, traced, &blockers)?);
         }
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
         let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
+        let custom = DynMixture(self.custom.iter().map(|own| own.blockers()).collect());
         match (self.spheres, maps, self.silhouettes, self.rays) {
+            parts if !custom.0.is_empty() => {
+                let (spheres, maps, silhouettes, rays) = parts;
+                let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
+                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), method, tables, work)
+            }
             (None, None, None, None) => match tables {
                 Some(tables) => work.with(&mut CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })),
                 None => work.with(&mut CpuShader::new(Unshadowed)),

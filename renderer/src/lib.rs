@@ -5,6 +5,9 @@
 //! - Its parts, for those who put them together in another way: [`Plan`] (which strategy each object takes), [`scene_spheres`],
 //!   [`KeptSpheres`], [`FrameBlockers`], [`Backend`].
 //!
+//! Everything that a picture is made of is open: a [`Material`](brdf::Material::Custom), a [`Light`](lighting::Light::Custom) and a
+//! [`Strategy`](scene::Strategy::Custom) of one's own are put into a scene like the built-in ones, on both devices.
+//!
 //! The command `lobes` is a thin shell over it.
 //!
 //! ```
@@ -26,6 +29,7 @@ mod bands;
 mod budget;
 mod cache;
 mod clocks;
+mod custom_strategy;
 mod edit;
 mod edit_error;
 mod error;
@@ -50,6 +54,7 @@ pub use crate::backend::{Backend, Shader};
 pub use crate::bands::{BAND_RAYS, seconds};
 pub use crate::budget::LADDER;
 pub use crate::clocks::{Clocks, FrameClocks};
+pub use crate::custom_strategy::CustomStrategy;
 pub use crate::edit_error::EditError;
 pub use crate::error::RenderError;
 pub use crate::event::{Event, Listener};

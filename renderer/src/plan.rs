@@ -31,6 +31,7 @@ impl Plan {
             let blocks = match strategy {
                 Strategy::Spheres => o.proxy != Proxy::None,
                 Strategy::None => false,
+                Strategy::Custom(_) => true,
                 // The true geometry also of things that nobody gave a proxy.
                 _ => o.visible || o.proxy != Proxy::None,
             };
@@ -55,7 +56,7 @@ impl Plan {
             let Shape::Mesh(mesh) = &object.shape else { return false };
             // A map is seen from a ball's middle.
             let shows = |light: &Light| {
-                light.ball().is_some_and(|ball| ShadowMap::shows(&mesh.positions, &mesh.triangles, ball))
+                light.sphere().is_some_and(|ball| ShadowMap::shows(&mesh.positions, &mesh.triangles, ball))
             };
             self.objects[o] == Strategy::ShadowMap && scene.lights.iter().all(shows)
         };
@@ -192,7 +193,7 @@ impl Plan {
 
 /// The sphere that a light's shadow map is drawn for. No object is in the map of a light that is no sphere.
 pub(crate) fn map_sphere(light: &Light) -> Sphere {
-    light.ball().unwrap_or_else(|| light.bounds())
+    light.sphere().unwrap_or_else(|| light.bounds())
 }
 
 /// Maps that are coarser than their lights want, since the device has no room for finer ones.

@@ -1,5 +1,6 @@
 use crate::bands::{Bands, seconds};
 use crate::budget::Budget;
+use crate::custom_strategy::CustomStrategies;
 use crate::event::tell;
 use crate::handles::Handles;
 use crate::image::Shading;
@@ -8,8 +9,8 @@ use crate::kept_points::KeptPoints;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::{
-    Backend, Clocks, Event, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Layers, Listener, Method, Plan,
-    RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
+    Backend, Clocks, CustomStrategy, Event, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Layers,
+    Listener, Method, Plan, RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
 use lighting::Light;
@@ -52,6 +53,7 @@ pub struct Renderer {
     /// Seconds of following it before the next picture.
     built: f64,
     silhouettes: SceneSilhouettes,
+    pub(crate) custom: CustomStrategies,
     pub(crate) points: KeptPoints,
     maps: KeptMaps,
     pub(crate) rows: Rows,
@@ -110,6 +112,7 @@ impl Renderer {
             hierarchy: None,
             built: 0.0,
             silhouettes: SceneSilhouettes::default(),
+            custom: CustomStrategies::default(),
             points: KeptPoints::default(),
             maps: KeptMaps::default(),
             stale: Stale::ALL,
@@ -280,6 +283,7 @@ impl Renderer {
             plan: &self.plan,
             spheres: &self.spheres,
             silhouettes: &self.silhouettes,
+            custom: &self.custom.0,
             tables: self.tables.as_ref(),
         };
         let state = State {
@@ -339,6 +343,7 @@ impl Renderer {
             })?;
         }
         if self.stale.has(Stale::SILHOUETTES) {
+            self.custom.update(scene, plan)?;
             let [made, refitted] =
                 seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, revisions, &mut self.silhouettes));
             self.upkeep.silhouette_builds += made as u64;
@@ -351,10 +356,10 @@ impl Renderer {
 
 /// Whether the lights are those that a method is for.
 pub(crate) fn check_method(method: Method, lights: &[Light]) -> Result<(), RenderError> {
-    let other = lights.iter().enumerate().find(|(_, light)| light.ball().is_none());
+    let other = lights.iter().enumerate().find(|(_, light)| light.sphere().is_none());
     let (Method::Paper, Some((i, light))) = (method, other) else { return Ok(()) };
     // As scene files call them.
-    let kind = match light.kind() {
+    let kind = match light.name() {
         "flat" => "a rectangle, disc or polygon",
         "tube" => "a tube",
         "sun" => "a sun",
@@ -381,6 +386,7 @@ struct Job<'a> {
     plan: &'a Plan,
     spheres: &'a KeptSpheres,
     silhouettes: &'a SceneSilhouettes,
+    custom: &'a [Box<dyn CustomStrategy>],
     tables: Option<&'a Tables>,
 }
 
@@ -394,7 +400,7 @@ impl Job<'_> {
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
-        let Self { settings, window, plan, silhouettes, tables, .. } = *self;
+        let Self { settings, window, plan, silhouettes, custom, tables, .. } = *self;
         let State { backend, chosen, is_advised, points, maps: kept_maps } = state;
         let (scene, spheres) = (world.scene(), self.spheres.get());
         let mut bands = Bands::new(world, settings.samples, window.clone(), points);
@@ -423,6 +429,7 @@ impl Job<'_> {
                     spheres,
                     maps: &maps,
                     silhouettes,
+                    custom,
                     method: settings.method,
                     tables,
                     fixed: clocks.maps,
@@ -434,7 +441,7 @@ impl Job<'_> {
         }
         let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
+        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy).with_custom(custom);
         let (repeat, layers) = (settings.repeat, settings.layers);
         let shading = Shading { frame: &frame, bands: &mut bands, repeat, layers, listener, sink };
         let mut stats = blockers.shade(backend, settings.method, tables, shading)?;

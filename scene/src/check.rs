@@ -1,11 +1,10 @@
 //! Checks of everything that a renderer relies on, for a whole scene and for each item.
 
-use crate::mesh::MAX_COORDINATE;
 use crate::{Camera, Object, Proxy, Scene, SceneError, Shape, Surface};
 use brdf::Material;
 use glam::Vec3;
-use lighting::{Light, SkyLight, SunLight};
-use lobe_core::{LightLobes, Sphere};
+use lighting::Light;
+use lobe_core::Sphere;
 use std::fmt::Display;
 
 /// The largest image edge accepted, in pixels.
@@ -32,10 +31,7 @@ impl Scene {
         Self::check_size(self.width, self.height)?;
         Self::check_background(self.background)?;
         for (i, material) in self.materials.iter().enumerate() {
-            material.validate().map_err(|e| fault(&format_args!("material {i}"), &e))?;
-        }
-        for (i, surface) in self.surfaces.iter().enumerate() {
-            check_emission(i, surface)?;
+            Self::check_material(i, material, self.surfaces.get(i).unwrap_or(&Surface::default()))?;
         }
         if self.objects.is_empty() {
             return Err(SceneError::invalid("scene has no objects"));
@@ -72,6 +68,12 @@ impl Scene {
     /// [`SceneError::Invalid`].
     pub fn check_material(number: usize, material: &Material, surface: &Surface) -> Result<(), SceneError> {
         material.validate().map_err(|e| fault(&format_args!("material {number}"), &e))?;
+        if surface.varies() && !material.takes_textures() {
+            let name = material.name();
+            return Err(SceneError::invalid(format!(
+                "material {number} (`{name}`) has textures: the model takes none"
+            )));
+        }
         check_emission(number, surface)
     }
 
@@ -86,7 +88,16 @@ impl Scene {
             return Err(SceneError::invalid(format!("{name} has material {m} of {n}")));
         }
         match &object.shape {
-            Shape::Mesh(mesh) => mesh.validate().map_err(|e| fault(&name, &e))?,
+            Shape::Mesh(mesh) => {
+                mesh.validate().map_err(|e| fault(&name, &e))?;
+                let material = &self.materials[object.material];
+                if !mesh.colors.is_empty() && !material.takes_textures() {
+                    let model = material.name();
+                    return Err(SceneError::invalid(format!(
+                        "{name} has vertex colours: the model `{model}` takes none"
+                    )));
+                }
+            }
             Shape::Spheres(spheres) if spheres.is_empty() => {
                 return Err(SceneError::invalid(format!("{name} has no spheres")));
             }
@@ -125,7 +136,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError::Invalid`].
     pub fn check_light(number: usize, light: &Light) -> Result<(), SceneError> {
-        check_place(light).map_err(|e| fault(&format_args!("light {number}"), &e))?;
+        light.kind().validate().map_err(|e| fault(&format_args!("light {number}"), &e))?;
         let radiance = light.full_radiance();
         if is_color(radiance) {
             return Ok(());
@@ -140,58 +151,6 @@ fn check_emission(number: usize, surface: &Surface) -> Result<(), SceneError> {
         return Ok(());
     }
     Err(SceneError::invalid(format!("material {number} emits {emission}: expected finite values ≥ 0")))
-}
-
-/// Where a light is, and how large.
-fn check_place(light: &Light) -> Result<(), SceneError> {
-    match light {
-        Light::Sphere(light) => check_balls(&[light.ball]),
-        Light::Spot(spot) => {
-            check_balls(&[spot.light.ball])?;
-            check_direction("axis", spot.axis)?;
-            let [inner, outer] = spot.cos;
-            if (-1.0..=1.0).contains(&outer) && (outer..=1.0).contains(&inner) {
-                return Ok(());
-            }
-            Err(SceneError::invalid(format!("cosines are {inner} and {outer}: expected 1 ≥ first ≥ second ≥ -1")))
-        }
-        Light::Tube(tube) => {
-            check_balls(&tube.ends.map(|center| Sphere { center, radius: tube.radius }))?;
-            if tube.ends[0].distance(tube.ends[1]) > 1e-4 * tube.radius {
-                return Ok(());
-            }
-            Err(SceneError::invalid("a tube has two ends: both are the same"))
-        }
-        Light::Sun(sun) | Light::Sky(SkyLight::Sun(sun)) => check_sun(sun),
-        Light::Ambient(ambient) => check_world(ambient.world),
-        Light::Inside(inside) => check_place(&inside.light),
-        // Its shape was checked when it was made.
-        light => check_world(light.bounds()),
-    }
-}
-
-fn check_sun(sun: &SunLight) -> Result<(), SceneError> {
-    check_direction("direction", sun.toward)?;
-    if !(sun.sin > 0.0 && sun.sin <= 1.0) {
-        let sin = sun.sin;
-        return Err(SceneError::invalid(format!("sine of its half-angle is {sin}: expected more than 0, 1 at most")));
-    }
-    check_world(sun.world)
-}
-
-fn check_direction(name: &str, direction: Vec3) -> Result<(), SceneError> {
-    if (direction.length() - 1.0).abs() <= 1e-3 {
-        return Ok(());
-    }
-    Err(SceneError::invalid(format!("{name} is {direction}: expected a unit vector")))
-}
-
-fn check_world(world: Sphere) -> Result<(), SceneError> {
-    if world.center.is_finite() && world.radius.is_finite() && world.radius >= 0.0 {
-        return Ok(());
-    }
-    let Sphere { center, radius } = world;
-    Err(SceneError::invalid(format!("it lies in a sphere of radius {radius} at {center}: expected finite numbers")))
 }
 
 /// Points of a sphere are off its surface by up to 1e-7 of its radius: seen from too near they are noise.
@@ -211,15 +170,5 @@ fn check_seen(camera: &Camera, ball: &Sphere) -> Result<(), SceneError> {
 const MAX_RADIUS_SEEN: f64 = 2e6;
 
 pub(crate) fn check_balls(balls: &[Sphere]) -> Result<(), SceneError> {
-    for ball in balls {
-        if ball.center.is_nan() || ball.center.abs().max_element() > MAX_COORDINATE {
-            let c = ball.center;
-            return Err(SceneError::invalid(format!("sphere has centre {c}: coordinates must lie within ±1e9")));
-        }
-        if !(ball.radius > 0.0 && ball.radius <= MAX_COORDINATE) {
-            let r = ball.radius;
-            return Err(SceneError::invalid(format!("sphere has radius {r}: expected a positive number up to 1e9")));
-        }
-    }
-    Ok(())
+    balls.iter().try_for_each(Sphere::validate).map_err(SceneError::invalid)
 }

@@ -19,7 +19,7 @@ pub struct Mesh {
 
 /// Larger coordinates are refused: single precision resolves 64 there, and squares of differences are far
 /// from overflow.
-pub(crate) const MAX_COORDINATE: f32 = 1e9;
+pub(crate) const MAX_COORDINATE: f32 = lobe_core::Sphere::LARGEST;
 
 impl Mesh {
     /// The smallest box that holds all vertices that a triangle uses.

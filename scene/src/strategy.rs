@@ -12,10 +12,12 @@ pub enum Strategy {
     Rays,
     /// Not at all: it casts no shadow.
     None,
+    /// By the strategy of this name, which a renderer is given.
+    Custom(&'static str),
 }
 
 impl Strategy {
-    /// All of them, in the order that messages list them in.
+    /// The built-in ones, in the order that messages list them in.
     pub const ALL: [Self; 5] = [Self::Spheres, Self::ShadowMap, Self::Silhouettes, Self::Rays, Self::None];
 
     /// Its name in scene files and on the command line.
@@ -27,10 +29,11 @@ impl Strategy {
             Self::Silhouettes => "silhouettes",
             Self::Rays => "rays",
             Self::None => "none",
+            Self::Custom(name) => name,
         }
     }
 
-    /// The strategy of that [`name`](Self::name).
+    /// The built-in strategy of that [`name`](Self::name).
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|s| s.name() == name)

@@ -43,6 +43,7 @@
 mod bits;
 mod contour;
 mod counts;
+mod dyn_blockers;
 mod edges;
 mod facet;
 mod fineness;
@@ -70,6 +71,7 @@ pub mod wgsl;
 mod window_masks;
 
 pub use crate::contour::Contour;
+pub use crate::dyn_blockers::{DynBlockers, DynMixture};
 pub use crate::edges::Edges;
 pub use crate::facet::facet_coverage;
 pub use crate::fineness::Fineness;

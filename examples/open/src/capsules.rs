@@ -3,7 +3,9 @@
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lobe_core::gpu::{GpuBlockers, GpuBuffer};
 use cosine_lobes::lobe_core::{Cone, Coverage, Sphere, VisibilityQuery};
-use cosine_lobes::visibility_mask::{Blockers, Mask};
+use cosine_lobes::renderer::CustomStrategy;
+use cosine_lobes::scene::Scene;
+use cosine_lobes::visibility_mask::{Blockers, DynBlockers, Mask};
 
 /// All points nearer than `radius` to the segment between two ends.
 #[derive(Clone, Copy, Debug)]
@@ -97,6 +99,25 @@ impl Blockers for Capsules {
             let [p, q] = ends.map(|end| mask.square().local(end - query.at.position));
             (0..mask.side()).for_each(|row| mask.block_area(row, |y| capsule(p, q, *radius, y)));
         }
+    }
+}
+
+/// For renderers. Nothing is to be followed: the capsules are the objects.
+impl CustomStrategy for Capsules {
+    fn name(&self) -> &'static str {
+        "capsules"
+    }
+
+    fn update(&mut self, _: &Scene, _: &[usize]) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn blockers(&self) -> &dyn DynBlockers {
+        self
+    }
+
+    fn gpu_blockers(&self) -> Option<&dyn GpuBlockers> {
+        Some(self)
     }
 }
 

@@ -1,8 +1,9 @@
 //! A light: a sphere in a shade, so that it shines into a cone with a smooth edge.
 
-use cosine_lobes::glam::Vec3;
-use cosine_lobes::lobe_core::gpu::GpuLight;
+use cosine_lobes::glam::{Mat4, Vec3};
+use cosine_lobes::lighting::{Area, Light, LightKind};
 use cosine_lobes::lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
+use std::sync::Arc;
 
 /// Full radiance within an angle of `direction`, none beyond another, smooth between.
 #[derive(Clone, Copy, Debug)]
@@ -29,20 +30,41 @@ impl LightLobes for Spot {
     }
 }
 
-impl GpuLight for Spot {
-    const NAME: &'static str = "spot";
+const WGSL: &str = "
+    fn light_cone(at: Receiver) -> Cone { return cone_of_sphere(at.position, frame.light); }
 
-    const WGSL: &'static str = "
-        fn light_cone(at: Receiver) -> Cone { return cone_of_sphere(at.position, frame.light); }
+    fn light_radiance(at: Receiver) -> vec3f {
+        let cos = -dot(light_cone(at).axis, frame.shape[0].xyz);
+        let x = clamp((cos - frame.shape[1].y) / (frame.shape[1].x - frame.shape[1].y), 0.0, 1.0);
+        return frame.radiance * (x * x * (3.0 - 2.0 * x));
+    }";
 
-        fn light_radiance(at: Receiver) -> vec3f {
-            let cos = -dot(light_cone(at).axis, frame.shape[0].xyz);
-            let x = clamp((cos - frame.shape[1].y) / (frame.shape[1].x - frame.shape[1].y), 0.0, 1.0);
-            return frame.radiance * (x * x * (3.0 - 2.0 * x));
-        }";
+/// For renderers, the reference and GPUs.
+impl LightKind for Spot {
+    fn name(&self) -> &'static str {
+        "shaded spot"
+    }
 
-    fn gpu_radiance(&self) -> [f32; 3] {
-        self.radiance.to_array()
+    fn full_radiance(&self) -> Vec3 {
+        self.radiance
+    }
+
+    fn sphere(&self) -> Option<Sphere> {
+        Some(self.ball)
+    }
+
+    fn moved(&self, placement: Mat4) -> Light {
+        let ball = Sphere { center: placement.transform_point3(self.ball.center), ..self.ball };
+        let direction = placement.transform_vector3(self.direction).normalize();
+        Light::Custom(Arc::new(Self { ball, direction, ..*self }))
+    }
+
+    fn area(&self, _: Vec3) -> Option<Area<'_>> {
+        Some(Area::sphere(self.ball))
+    }
+
+    fn wgsl(&self) -> Option<[&'static str; 2]> {
+        Some(["shaded spot", WGSL])
     }
 
     fn gpu_shape(&self) -> Vec<[f32; 4]> {

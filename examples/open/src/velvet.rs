@@ -1,10 +1,11 @@
 //! A material: diffuse, and bright back toward where the light comes from, as velvet and road signs are.
 
 use core::f32::consts::{PI, TAU};
-use cosine_lobes::brdf::{Brdf, BrdfSample};
+use cosine_lobes::brdf::wgsl::ModelWgsl;
+use cosine_lobes::brdf::{Brdf, BrdfSample, Factors, Material, Model, Packer};
 use cosine_lobes::glam::Vec3;
-use cosine_lobes::lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
 use cosine_lobes::lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+use std::sync::Arc;
 
 /// `f_r = kd/π + ks·(n + 2)/2π·max(v·ω_o, 0)ⁿ`.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +29,7 @@ impl BrdfLobes for Velvet {
     }
 }
 
-/// For the Monte-Carlo reference and the suite.
+/// For the Monte-Carlo reference.
 impl Brdf for Velvet {
     fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
         let cos = at.normal.dot(v).max(0.0);
@@ -51,24 +52,27 @@ impl Brdf for Velvet {
     }
 }
 
-/// Seven words a material.
-impl GpuMaterials for Velvet {
-    fn gpu_set(materials: &[Self], _: bool) -> GpuMaterialSet {
-        let numbers = |m: &Self| {
-            let flux = m.scale() * (TAU / (m.exponent + 1.0));
-            m.kd.to_array().into_iter().chain(flux.to_array()).chain([m.exponent])
-        };
-        let mut words: Vec<u32> = materials.iter().flat_map(numbers).map(f32::to_bits).collect();
-        // No buffer is empty.
-        words.push(0);
-        let wgsl = include_str!("velvet.wgsl").to_owned();
-        GpuMaterialSet {
-            name: "velvet".to_owned(),
-            wgsl,
-            words,
-            max_lobes: 2,
-            is_lambert: false,
-            has_microfacets: false,
-        }
+/// For renderers: textures of colours, and seven words for a GPU.
+impl Model for Velvet {
+    fn name(&self) -> &'static str {
+        "velvet"
+    }
+
+    fn lobe_count(&self, _: bool) -> usize {
+        2
+    }
+
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        Some(Material::Custom(Arc::new(Self { kd: self.kd * by.color, ks: self.ks * by.specular, ..*self })))
+    }
+
+    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+        Some(ModelWgsl::new("velvet", [include_str!("velvet.wgsl")]))
+    }
+
+    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+        let flux = self.scale() * (TAU / (self.exponent + 1.0));
+        out.push(self.kd.to_array().into_iter().chain(flux.to_array()).chain([self.exponent]));
+        2
     }
 }

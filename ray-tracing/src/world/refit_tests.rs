@@ -84,7 +84,7 @@ fn an_update_does_no_more_than_it_must() {
     let mut scene = soup(&mut Rng(4));
     let mut hierarchy = Hierarchy::new(&scene);
     assert_eq!(hierarchy.update(&scene), Update::Kept);
-    let light = scene.lights[0].ball().expect("a ball");
+    let light = scene.lights[0].sphere().expect("a sphere");
     scene.lights.clear();
     assert!(!hierarchy.update_lights(&scene));
     scene.objects[2].visible = false;

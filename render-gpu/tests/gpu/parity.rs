@@ -81,7 +81,7 @@ impl View {
         let receivers = ReceiverBounds::of(self.points.receivers.iter().map(|r| r.position));
         let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
         let map = |l: &Light| {
-            ShadowMap::fitted(&all.positions, &all.triangles, l.ball().expect("a ball"), &options).expect("a map")
+            ShadowMap::fitted(&all.positions, &all.triangles, l.sphere().expect("a sphere"), &options).expect("a map")
         };
         let casters = self.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
         ShadowMapBlockers::new(self.scene.lights.iter().map(map).collect()).with_casters(casters)

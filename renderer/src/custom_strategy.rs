@@ -1,0 +1,63 @@
+use crate::{Plan, RenderError};
+use core::fmt::Debug;
+use lobe_core::gpu::GpuBlockers;
+use scene::{Scene, Strategy};
+use visibility_mask::DynBlockers;
+
+/// Anybody's way to block light, for the objects whose [strategy](scene::Strategy::Custom) has its name and whatever else it keeps.
+///
+/// A renderer takes it by [`put_strategy`](crate::Renderer::put_strategy). It blocks beside the built-in strategies, by every method, in
+/// animations, bands and layers, and on a GPU where it has [`gpu_blockers`](Self::gpu_blockers).
+///
+/// `examples/open` has one, of capsules.
+pub trait CustomStrategy: Debug + Send + Sync {
+    /// Its name, as objects say it.
+    fn name(&self) -> &'static str;
+
+    /// Follows the scene: called before the first picture, and before each one for which objects or strategies have changed. `objects` are
+    /// the numbers of those that block by it.
+    ///
+    /// # Errors
+    /// Why it cannot block for one of them, in a sentence.
+    fn update(&mut self, scene: &Scene, objects: &[usize]) -> Result<(), String>;
+
+    /// The blockers, on the CPU.
+    fn blockers(&self) -> &dyn DynBlockers;
+
+    /// The same on a GPU. Provided: `None`, a strategy that is refused there.
+    fn gpu_blockers(&self) -> Option<&dyn GpuBlockers> {
+        None
+    }
+}
+
+/// The strategies that a renderer was given.
+#[derive(Debug, Default)]
+pub(crate) struct CustomStrategies(pub(crate) Vec<Box<dyn CustomStrategy>>);
+
+impl CustomStrategies {
+    /// Takes one, in the place of one of the same name.
+    pub(crate) fn put(&mut self, strategy: Box<dyn CustomStrategy>) {
+        self.0.retain(|known| known.name() != strategy.name());
+        self.0.push(strategy);
+    }
+
+    /// Lets all of them follow the scene.
+    pub(crate) fn update(&mut self, scene: &Scene, plan: &Plan) -> Result<(), RenderError> {
+        let names: Vec<_> = self.0.iter().map(|strategy| strategy.name()).collect();
+        for (number, object) in scene.objects.iter().enumerate() {
+            match plan.of(number) {
+                Strategy::Custom(name) if !names.contains(&name) => {
+                    return Err(RenderError::NoStrategy { object: object.name.clone(), name });
+                }
+                _ => {}
+            }
+        }
+        for strategy in &mut self.0 {
+            let name = strategy.name();
+            let is_own = |number: &usize| plan.of(*number) == Strategy::Custom(name);
+            let objects: Vec<usize> = (0..scene.objects.len()).filter(is_own).collect();
+            strategy.update(scene, &objects).map_err(|fault| RenderError::Strategy { name, fault })?;
+        }
+        Ok(())
+    }
+}
