@@ -12,7 +12,7 @@ use cosine_lobes::brdf::{
 use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{
     Accuracy, BrdfLobes, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility,
-    LobeBuffer, OWN_NONE, Receiver, SeenLight, Sphere, Unshadowed, Visibility, VisibilityQuery, orthonormal_basis,
+    OWN_NONE, Receiver, SeenLight, Sphere, Unshadowed, Visibility, VisibilityQuery, orthonormal_basis,
 };
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{Frame, Shade, ShadingPoints};
@@ -119,11 +119,11 @@ fn truth(material: &Material, case: &Case) -> Radiance {
 
 fn by_lobes(material: &Material, case: &Case, accuracy: Accuracy) -> Radiance {
     let strategy = MaskVisibility::new(case.edge);
-    let mut lobes = LobeBuffer::default();
+    let mut lobes = Vec::new();
     let mut scratch = strategy.scratch();
-    material.brdf_lobes(&case.at, &mut lobes.writer_of(true));
+    material.brdf_lobes(&case.at, &mut lobes);
     let light = SeenLight::of_cone(case.cone, Vec3::ONE);
-    let call = Interaction { at: &case.at, brdf: lobes.lobes(), light: &light, threshold: 0.0 };
+    let call = Interaction { at: &case.at, brdf: &lobes, light: &light, threshold: 0.0 };
     let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
     let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
     [lit.unshadowed.as_dvec3(), lit.radiance.as_dvec3()]
@@ -296,8 +296,8 @@ fn print_costs(materials: &[(String, Material, f64)]) {
     );
     for (name, material, _) in materials {
         let [lit, behind] = cost(material);
-        let residual = residual(material, true);
+        let residual = residual(material);
         let residual = if residual < 1e-3 { "none".to_owned() } else { format!("{:.1} %", 100.0 * residual) };
-        println!("| {name} | {} | {residual} | {lit:.0} | {behind:.0} |", material.lobe_count(true));
+        println!("| {name} | {} | {residual} | {lit:.0} | {behind:.0} |", material.lobe_count());
     }
 }

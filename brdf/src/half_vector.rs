@@ -6,7 +6,7 @@ use crate::visible_normals::VisibleNormals;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Microfacets, Receiver};
 
 /// A diffuse part and lobes about the half vector, each with a roughness and colours of its own: what [`fit`](crate::fit()) makes of
 /// measured metals. `f̃(v) = diffuse/π·(n·v) + Σ F·D(h)·W(v)`, with `D`, `W` and `h` of
@@ -15,8 +15,8 @@ use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
 /// Reciprocal. Conserves energy while `diffuse + Σ max(f0, f90) ≤ 1`; a fit may do with more at grazing views, where nothing was measured.
 ///
 /// # Lobes
-/// Two of [microfacets](Lobe::microfacets) for each, which are the model; those of
-/// [`MetallicRoughness`](crate::MetallicRoughness) where only lobes of directions are taken.
+/// Two of [`Microfacets`] for each, which are the model; the [cosine lobes](BrdfLobes::cosine_lobes) are those of
+/// [`MetallicRoughness`](crate::MetallicRoughness).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HalfVector {
     /// Fraction of light that is reflected diffusely.
@@ -79,8 +79,8 @@ impl HalfVectorLobe {
         check_coefficient("f90", self.reflectances[1])
     }
 
-    fn microfacets(&self, at: &Receiver) -> [Lobe; 2] {
-        Lobe::microfacets(at.view, self.alpha(), self.reflectances)
+    fn microfacets(&self, at: &Receiver) -> [Microfacets; 2] {
+        Microfacets::new(at.view, self.alpha(), self.reflectances)
     }
 
     fn visible(&self, at: &Receiver) -> VisibleNormals {
@@ -105,22 +105,19 @@ impl HalfVector {
         self.lobes.iter().try_for_each(HalfVectorLobe::validate)
     }
 
-    /// How many there may be of microfacets.
-    pub(crate) fn microfacet_lobes(&self) -> usize {
-        1 + 2 * self.lobes.len()
+    /// The diffuse part, and both parts of each lobe; without those that reflect nothing.
+    pub(crate) fn lobes<'a>(&'a self, at: &'a Receiver) -> impl Iterator<Item = BrdfLobe> + Clone + 'a {
+        let facets = self.lobes.iter().flat_map(|lobe| lobe.microfacets(at)).map(BrdfLobe::Microfacets);
+        core::iter::once(self.diffuse_lobe(at).into()).chain(facets).filter(|lobe| lobe.flux() != Vec3::ZERO)
     }
 
-    /// Of microfacets where whoever reads them knows those, else of directions.
-    pub(crate) fn lobes<'a>(
-        &'a self,
-        at: &'a Receiver,
-        takes_microfacets: bool,
-    ) -> impl Iterator<Item = Lobe> + Clone + 'a {
-        let diffuse = Lobe::with_flux(at.normal, 1.0, self.diffuse);
-        let facets = self.lobes.iter().filter(move |_| takes_microfacets).flat_map(|lobe| lobe.microfacets(at));
-        let directions = self.lobes.iter().filter(move |_| !takes_microfacets);
-        let directions = directions.flat_map(|lobe| rows::lobes(lobe.rows(), lobe.reflectances, at));
-        core::iter::once(diffuse).chain(facets).chain(directions).filter(|lobe| lobe.flux != Vec3::ZERO)
+    pub(crate) fn cosines<'a>(&'a self, at: &'a Receiver) -> impl Iterator<Item = Lobe> + Clone + 'a {
+        let highlights = self.lobes.iter().flat_map(|lobe| rows::lobes(lobe.rows(), lobe.reflectances, at));
+        core::iter::once(self.diffuse_lobe(at)).chain(highlights).filter(|lobe| lobe.flux != Vec3::ZERO)
+    }
+
+    fn diffuse_lobe(&self, at: &Receiver) -> Lobe {
+        Lobe::with_flux(at.normal, 1.0, self.diffuse)
     }
 
     /// Of the diffuse part and of all lobes: how often each is drawn from.
@@ -130,8 +127,12 @@ impl HalfVector {
 }
 
 impl BrdfLobes for HalfVector {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at, out.takes_microfacets()));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at));
+    }
+
+    fn cosine_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.cosines(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -140,7 +141,7 @@ impl Brdf for HalfVector {
         if at.normal.dot(v) <= 0.0 {
             return Vec3::ZERO;
         }
-        self.lobes(at, true).map(|lobe| lobe.eval_at(at.normal, v)).sum()
+        self.lobes(at).map(|lobe| lobe.eval_at(at.normal, v)).sum()
     }
 
     fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {

@@ -5,7 +5,7 @@ use crate::term::Term;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
 
 /// An ideally diffuse surface: `f̃(v) = ρ/π·max(n·v, 0)` (Eq. 25 with `kd = ρ/π`).
 ///
@@ -35,8 +35,8 @@ impl Lambert {
 }
 
 impl BrdfLobes for Lambert {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at).map(BrdfLobe::Cosine));
     }
 }
 

@@ -9,21 +9,29 @@ use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, OWN_NONE, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobe, BrdfLobes, OWN_NONE, PackedLobe, Receiver, Tile, TileLobes};
 
 impl Material {
-    /// The most lobes that it has, with those of microfacets, as the default method takes them, or without.
+    /// The most [lobes](BrdfLobes::brdf_lobes) that it has.
     #[must_use]
-    pub fn lobe_count(&self, takes_microfacets: bool) -> usize {
+    pub fn lobe_count(&self) -> usize {
         match self {
-            Self::MetallicRoughness(_) if takes_microfacets => MetallicRoughness::MICROFACET_LOBES,
-            Self::HalfVector(m) if takes_microfacets => m.microfacet_lobes(),
             Self::Lambert(_) => 1,
             Self::Phong(_) | Self::ModifiedPhong(_) => 2,
             Self::Lafortune(m) => 1 + m.lobes.len(),
             Self::Neumann(_) => Neumann::LOBES,
+            Self::MetallicRoughness(_) => MetallicRoughness::LOBES,
+            Self::HalfVector(m) => 1 + 2 * m.lobes.len(),
+        }
+    }
+
+    /// The most [cosine lobes](BrdfLobes::cosine_lobes) that it has.
+    #[must_use]
+    pub fn cosine_lobe_count(&self) -> usize {
+        match self {
             Self::MetallicRoughness(_) => 1 + rows::LOBES,
             Self::HalfVector(m) => 1 + rows::LOBES * m.lobes.len(),
+            _ => self.lobe_count(),
         }
     }
 
@@ -40,17 +48,68 @@ impl Material {
 }
 
 impl BrdfLobes for Material {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
         each!(self, m => m.brdf_lobes(at, out));
+    }
+
+    fn cosine_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        each!(self, m => m.cosine_lobes(at, out));
     }
 
     /// Sixteen receivers at a time, as many in one instruction as the processor offers; least where neighbours have the same material.
     fn tile_lobes(materials: &[Self], of: &[u32], _: &[Receiver], tile: &Tile, out: &mut TileLobes) {
-        lobes_at(Level::new(), materials, of, tile, out);
+        lobes_at::<ByModel>(Level::new(), materials, of, tile, out);
+    }
+
+    fn tile_cosine_lobes(materials: &[Self], of: &[u32], _: &[Receiver], tile: &Tile, out: &mut TileLobes) {
+        lobes_at::<ByCosines>(Level::new(), materials, of, tile, out);
     }
 }
 
-pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
+/// Which of a material's lobes a tile has.
+pub(crate) trait Which {
+    fn count(material: &Material) -> usize;
+
+    /// Those that come from a material's table.
+    fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe)));
+}
+
+/// [`BrdfLobes::brdf_lobes`].
+pub(crate) struct ByModel;
+
+impl Which for ByModel {
+    fn count(material: &Material) -> usize {
+        material.lobe_count()
+    }
+
+    fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe))) {
+        match material {
+            Material::MetallicRoughness(m) => m.lobes(at).map(PackedLobe::from).enumerate().for_each(write),
+            Material::HalfVector(m) => m.lobes(at).map(PackedLobe::from).enumerate().for_each(write),
+            Material::Neumann(m) => m.lobes(at).map(PackedLobe::from).enumerate().for_each(write),
+            _ => {}
+        }
+    }
+}
+
+/// [`BrdfLobes::cosine_lobes`].
+pub(crate) struct ByCosines;
+
+impl Which for ByCosines {
+    fn count(material: &Material) -> usize {
+        material.cosine_lobe_count()
+    }
+
+    fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe))) {
+        match material {
+            Material::MetallicRoughness(m) => m.cosines(at).map(PackedLobe::from).enumerate().for_each(write),
+            Material::HalfVector(m) => m.cosines(at).map(PackedLobe::from).enumerate().for_each(write),
+            _ => ByModel::of_table(material, at, write),
+        }
+    }
+}
+
+pub(crate) fn lobes_at<W: Which>(level: Level, materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
     assert_eq!(of.len(), tile.len(), "one material a receiver");
     // A thread's own, so that nobody has to carry it about, or clear it.
     thread_local! {
@@ -61,7 +120,7 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
     for number in of {
         // Neighbours mostly have the same.
         if last != Some(number) {
-            places = places.max(materials[*number as usize].lobe_count(out.takes_microfacets()));
+            places = places.max(W::count(&materials[*number as usize]));
             last = Some(number);
         }
     }
@@ -72,31 +131,20 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
             for place in 0..places {
                 shapes.lobes(level, materials, of, place, at, out.block_mut(place, block));
             }
-            tables(materials, of, at, block, out);
+            tables::<W>(materials, of, at, block, out);
         }
     });
 }
 
 /// Lobes that come from a material's table, one receiver after the other.
-fn tables(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out: &mut TileLobes) {
+fn tables<W: Which>(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out: &mut TileLobes) {
     for (j, number) in of.iter().enumerate() {
         let [_, _, _, x, y, z, view @ ..] = row(at, j);
         let (normal, view) = (Vec3::new(x, y, z), Vec3::from_array(view));
         let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
-        match &materials[*number as usize] {
-            Material::MetallicRoughness(material) => {
-                write(material.lobes(&at, out.takes_microfacets()), block, j, out);
-            }
-            Material::HalfVector(material) => write(material.lobes(&at, out.takes_microfacets()), block, j, out),
-            Material::Neumann(material) => write(material.lobes(&at), block, j, out),
-            _ => {}
-        }
-    }
-}
-
-fn write(lobes: impl Iterator<Item = Lobe>, block: usize, j: usize, out: &mut TileLobes) {
-    for (place, lobe) in lobes.enumerate() {
-        set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
+        W::of_table(&materials[*number as usize], &at, |(place, lobe)| {
+            set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
+        });
     }
 }
 
@@ -203,7 +251,7 @@ struct Own<S, const P: usize>(PhantomData<S>);
 
 #[inline(always)]
 fn lobe<S: Shape<P>, const P: usize>(shape: &S, [_, _, _, n @ .., x, y, z]: [f32; 9]) -> [f32; 8] {
-    bytemuck::cast::<Lobe, _>(shape.lobe(Vec3::from_array(n), Vec3::new(x, y, z)))
+    bytemuck::cast(PackedLobe::from(shape.lobe(Vec3::from_array(n), Vec3::new(x, y, z))))
 }
 
 impl<S: Shape<P>, const P: usize> Lane<9, 0, 8> for Same<S, P> {

@@ -4,7 +4,7 @@ use crate::Material;
 ///
 /// ```
 /// use brdf::{Material, Models};
-/// let models = Models::of(&[Material::lambert(glam::Vec3::ONE)], false);
+/// let models = Models::of(&[Material::lambert(glam::Vec3::ONE)]);
 /// assert_eq!(models.names().collect::<Vec<_>>(), ["lambert"]);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -14,7 +14,7 @@ impl Models {
     /// All of them.
     pub const ALL: Self = Self(0x1ff);
 
-    /// Names by number, as [`Material::model_name`] spells them; some a second time, by microfacets instead of lobes of directions.
+    /// Names by number, as [`Material::model_name`] spells them; some a second time, by microfacets instead of cosine lobes.
     const NAMES: [&'static str; 9] = [
         "lambert",
         "phong",
@@ -27,10 +27,20 @@ impl Models {
         "half-vector-microfacets",
     ];
 
-    /// The models of these materials, with lobes of microfacets or without.
+    /// The models of these materials.
     #[must_use]
-    pub fn of(materials: &[Material], takes_microfacets: bool) -> Self {
-        Self(materials.iter().fold(0, |all, material| all | 1 << number(material, takes_microfacets)))
+    pub fn of(materials: &[Material]) -> Self {
+        Self::numbered(materials, number)
+    }
+
+    /// The models of their [cosine lobes](lobe_core::BrdfLobes::cosine_lobes).
+    #[must_use]
+    pub fn of_cosine_lobes(materials: &[Material]) -> Self {
+        Self::numbered(materials, cosine_number)
+    }
+
+    fn numbered(materials: &[Material], number: impl Fn(&Material) -> u32) -> Self {
+        Self(materials.iter().fold(0, |all, material| all | 1 << number(material)))
     }
 
     /// The models whose bits are set, in the order of the table in the crate's documentation.
@@ -51,14 +61,23 @@ impl Models {
 }
 
 /// Number of a material's model.
-pub(crate) const fn number(material: &Material, takes_microfacets: bool) -> u32 {
+pub(crate) const fn number(material: &Material) -> u32 {
     match material {
         Material::Lambert(_) => 0,
         Material::Phong(_) => 1,
         Material::ModifiedPhong(_) => 2,
         Material::Lafortune(_) => 3,
-        Material::MetallicRoughness(_) => 4 + takes_microfacets as u32,
+        Material::MetallicRoughness(_) => 5,
         Material::Neumann(_) => 6,
-        Material::HalfVector(_) => 7 + takes_microfacets as u32,
+        Material::HalfVector(_) => 8,
+    }
+}
+
+/// Number of the model of its cosine lobes.
+pub(crate) const fn cosine_number(material: &Material) -> u32 {
+    match material {
+        Material::MetallicRoughness(_) => 4,
+        Material::HalfVector(_) => 7,
+        _ => number(material),
     }
 }

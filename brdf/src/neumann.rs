@@ -4,7 +4,7 @@ use crate::shape::mirrored_view;
 use crate::{Brdf, BrdfSample, MaterialError};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, orthonormal_basis, power};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, orthonormal_basis, power};
 
 /// Neumann et al.'s *stretched Phong* model of metals: `f_r = kd/π + ks·(e+2)/2π·max(r·v, 0)^e / max(n·v, n·ω_o)`, `r` the mirrored
 /// view (L. Neumann, A. Neumann, L. Szirmay-Kalos, *Compact Metallic Reflectance Models*, 1999; \[25\] of the paper).
@@ -134,8 +134,8 @@ impl Neumann {
 }
 
 impl BrdfLobes for Neumann {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -163,7 +163,7 @@ pub(crate) mod tests {
     use super::*;
     use core::f64::consts::PI;
     use glam::DVec3;
-    use lobe_core::{LobeBuffer, OWN_NONE};
+    use lobe_core::OWN_NONE;
 
     const EXPONENTS: [f32; 6] = [1.0, 5.0, 20.0, 100.0, 1000.0, 1e5];
     const VIEWS: [f64; 6] = [0.0, 30.0, 50.0, 65.0, 75.0, 82.0];
@@ -211,12 +211,12 @@ pub(crate) mod tests {
     pub(crate) fn residual(exponent: f32, degrees: f64) -> [f64; 2] {
         let model = Neumann { ks: Vec3::ONE, exponent, ..Neumann::default() };
         let (view, at) = (view(degrees), receiver(view(degrees)));
-        let mut buffer = LobeBuffer::default();
-        model.brdf_lobes(&at, &mut buffer.writer());
+        let mut lobes = Vec::new();
+        model.brdf_lobes(&at, &mut lobes);
         let e = f64::from(exponent);
         let [error, square, flux, want] = about_mirror(e, view, |v| {
             let want = oracle(e, view, v);
-            let got = f64::from(buffer.lobes().eval(Vec3::Z, v.as_vec3().normalize()).x);
+            let got = f64::from(BrdfLobe::sum_at(&lobes, Vec3::Z, v.as_vec3().normalize()).x);
             [(got - want).powi(2), want * want, got, want]
         });
         [(error / square).sqrt(), flux / want]

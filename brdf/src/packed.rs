@@ -1,6 +1,6 @@
 use crate::coat;
 use crate::ggx::{FAMILY_COUNT, Row};
-use crate::models::{Models, number};
+use crate::models::{Models, cosine_number, number};
 use crate::rows::ROWS;
 use crate::{HalfVector, Lafortune, Material, MetallicRoughness, Neumann};
 use core::f32::consts::{PI, TAU};
@@ -10,7 +10,7 @@ use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
 /// Materials as the words that the WGSL of [`wgsl`](crate::wgsl) reads from its `materials`.
 ///
 /// Two words a material (number of its model + 256 × number of its lobes; where its numbers begin), then the numbers: 3
-/// words for Lambert, 8 for Phong and Neumann, 4 and 25 a lobe for Lafortune, 14 for metallic–roughness by microfacets and 22 by lobes of directions, and
+/// words for Lambert, 8 for Phong and Neumann, 4 and 25 a lobe for Lafortune, 14 for metallic–roughness by microfacets and 22 by cosine lobes, and
 /// tables that these share. Lobes that reflect nothing from anywhere are not among them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedMaterials {
@@ -23,67 +23,85 @@ pub struct PackedMaterials {
 }
 
 impl PackedMaterials {
-    /// Packs materials whose parameters are [valid](Material::validate), with lobes of microfacets where `takes_microfacets`.
+    /// Packs the lobes of materials whose parameters are [valid](Material::validate).
     ///
     /// ```
     /// use brdf::{Material, PackedMaterials};
-    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)], false);
+    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)]);
     /// assert_eq!((packed.words.len(), packed.max_lobes), (5, 1));
     /// ```
     #[must_use]
-    pub fn new(materials: &[Material], takes_microfacets: bool) -> Self {
+    pub fn new(materials: &[Material]) -> Self {
+        Self::pack(materials, Tables::microfacets)
+    }
+
+    /// Packs their [cosine lobes](lobe_core::BrdfLobes::cosine_lobes).
+    #[must_use]
+    pub fn of_cosine_lobes(materials: &[Material]) -> Self {
+        Self::pack(materials, Tables::cosine_lobes)
+    }
+
+    /// `glossy` packs those that are microfacets, and returns the number of the model, that of the lobes, and where its numbers begin.
+    fn pack(materials: &[Material], glossy: fn(&mut Tables, &Material, &mut Vec<u32>) -> Option<[u32; 3]>) -> Self {
         // Nothing at all reads as a material without lobes.
         let mut words = vec![0; 2 * materials.len().max(1)];
-        let mut max_lobes = 0;
+        let (mut models, mut max_lobes) = (0, 0);
         let mut tables = Tables::default();
         for (i, material) in materials.iter().enumerate() {
-            let mut first = words.len() as u32;
-            let lobes = match material {
-                Material::Lambert(m) => lambert(m.albedo, &mut words),
-                Material::Phong(m) => phong([PI * m.kd, m.ks * (TAU / (m.exponent + 1.0))], m.exponent, &mut words),
-                Material::ModifiedPhong(m) => {
-                    let e = m.exponent;
-                    phong([m.kd, m.ks * ((e + 2.0) / (e + 1.0))], e, &mut words)
-                }
-                Material::Neumann(m) => {
-                    let highlight = phong([m.kd, m.ks * (m.exponent + 2.0)], m.exponent, &mut words);
-                    // For the one of Phong's.
-                    highlight + if m.ks == Vec3::ZERO { 0 } else { Neumann::LOBES as u32 - 2 }
-                }
-                Material::Lafortune(m) => lafortune(m, &mut words),
-                Material::HalfVector(m) if takes_microfacets => half_vector(m, &mut words),
-                Material::HalfVector(m) => {
-                    let lobes;
-                    (lobes, first) = tables.half_vector(m, &mut words);
-                    lobes
-                }
-                Material::MetallicRoughness(m) => {
-                    let lobes;
-                    (lobes, first) = tables.metal(m, takes_microfacets, &mut words);
-                    lobes
-                }
-            };
+            let [model, lobes, first] = glossy(&mut tables, material, &mut words).unwrap_or_else(|| {
+                let first = words.len() as u32;
+                [number(material), plain(material, &mut words), first]
+            });
             words[2 * i + 1] = first;
-            words[2 * i] = number(material, takes_microfacets) | lobes << 8;
+            words[2 * i] = model | lobes << 8;
+            models |= 1 << model;
             max_lobes = max_lobes.max(lobes);
         }
-        Self { words, models: Models::of(materials, takes_microfacets), max_lobes }
+        Self { words, models: Models::from_bits(models), max_lobes }
     }
 }
 
 impl GpuMaterials for Material {
-    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> GpuMaterialSet {
-        let PackedMaterials { words, models, max_lobes } = PackedMaterials::new(materials, takes_microfacets);
+    fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
+        let has_microfacets = materials.iter().any(|m| matches!(m, Self::MetallicRoughness(_) | Self::HalfVector(_)));
+        GpuMaterialSet { has_microfacets, ..PackedMaterials::new(materials).into() }
+    }
+
+    fn gpu_cosine_set(materials: &[Self]) -> GpuMaterialSet {
+        PackedMaterials::of_cosine_lobes(materials).into()
+    }
+}
+
+impl From<PackedMaterials> for GpuMaterialSet {
+    fn from(PackedMaterials { words, models, max_lobes }: PackedMaterials) -> Self {
         let names: Vec<&str> = models.names().collect();
-        GpuMaterialSet {
+        Self {
             name: if names.is_empty() { "no materials".to_owned() } else { names.join(" + ") },
             wgsl: crate::wgsl::compose(models),
             words,
             max_lobes,
             is_lambert: names.iter().all(|name| *name == "lambert"),
-            has_microfacets: takes_microfacets
-                && materials.iter().any(|m| matches!(m, Self::MetallicRoughness(_) | Self::HalfVector(_))),
+            has_microfacets: false,
         }
+    }
+}
+
+/// Packs a material whose lobes are all cosine lobes; their number.
+fn plain(material: &Material, words: &mut Vec<u32>) -> u32 {
+    match material {
+        Material::Lambert(m) => lambert(m.albedo, words),
+        Material::Phong(m) => phong([PI * m.kd, m.ks * (TAU / (m.exponent + 1.0))], m.exponent, words),
+        Material::ModifiedPhong(m) => {
+            let e = m.exponent;
+            phong([m.kd, m.ks * ((e + 2.0) / (e + 1.0))], e, words)
+        }
+        Material::Neumann(m) => {
+            let highlight = phong([m.kd, m.ks * (m.exponent + 2.0)], m.exponent, words);
+            // For the one of Phong's.
+            highlight + if m.ks == Vec3::ZERO { 0 } else { Neumann::LOBES as u32 - 2 }
+        }
+        Material::Lafortune(m) => lafortune(m, words),
+        Material::HalfVector(_) | Material::MetallicRoughness(_) => 0,
     }
 }
 
@@ -114,7 +132,7 @@ fn lafortune(model: &Lafortune, words: &mut Vec<u32>) -> u32 {
     lobes
 }
 
-/// Of microfacets: exponent and reflectances of each.
+/// By microfacets: exponent and reflectances of each.
 fn half_vector(model: &HalfVector, words: &mut Vec<u32>) -> u32 {
     let diffuse = lambert(model.diffuse, words);
     words.push(1 - diffuse);
@@ -135,15 +153,46 @@ struct Tables {
 }
 
 impl Tables {
-    /// Packs a metallic–roughness material and, before it, what tables it is the first to need; its number of lobes, and where it begins.
-    fn metal(&mut self, model: &MetallicRoughness, takes_microfacets: bool, words: &mut Vec<u32>) -> (u32, u32) {
+    fn microfacets(&mut self, material: &Material, words: &mut Vec<u32>) -> Option<[u32; 3]> {
+        let (lobes, first) = match material {
+            Material::HalfVector(m) => {
+                let first = words.len() as u32;
+                (half_vector(m, words), first)
+            }
+            Material::MetallicRoughness(m) => {
+                let (has_base, first) = self.metal(m, None, words);
+                words.push(has_base);
+                (has_base + 2, first)
+            }
+            _ => return None,
+        };
+        Some([number(material), lobes, first])
+    }
+
+    fn cosine_lobes(&mut self, material: &Material, words: &mut Vec<u32>) -> Option<[u32; 3]> {
+        let (lobes, first) = match material {
+            Material::HalfVector(m) => self.half_vector(m, words),
+            Material::MetallicRoughness(m) => {
+                let (has_base, first) = self.metal(m, Some(m.rows()), words);
+                let (slots, lobes) = slots(m.rows(), has_base);
+                words.extend(slots);
+                (lobes, first)
+            }
+            _ => return None,
+        };
+        Some([cosine_number(material), lobes, first])
+    }
+
+    /// Packs the numbers of a metallic–roughness material that both need, with its rows or without, and, before them, the tables that it is
+    /// the first to need; 1 if it has a diffuse base, and where it begins.
+    fn metal(&mut self, model: &MetallicRoughness, rows: Option<&[Row; ROWS]>, words: &mut Vec<u32>) -> (u32, u32) {
         let coat = *self.coat.get_or_insert_with(|| {
             let (at, table) = (words.len() as u32, &*coat::TABLE);
             push(words, table.schlick);
             push(words, table.reflected.as_flattened().as_flattened().iter().copied());
             at
         });
-        let rows = if takes_microfacets { 0 } else { self.rows(model.rows(), words) };
+        let rows = rows.map(|rows| self.rows(rows, words));
         let first = words.len() as u32;
         let diffuse = model.base * (1.0 - model.metallic);
         let [f0, f90] = model.reflectances();
@@ -152,18 +201,11 @@ impl Tables {
         push(words, f0.to_array());
         push(words, [f90.x, model.roughness, below.f0, below.f90, below.base, model.alpha()]);
         words.push(coat);
-        let has_base = u32::from(diffuse != Vec3::ZERO);
-        if takes_microfacets {
-            words.push(has_base);
-            return (has_base + 2, first);
-        }
-        words.push(rows);
-        let (slots, lobes) = slots(model.rows(), has_base);
-        words.extend(slots);
-        (lobes, first)
+        words.extend(rows);
+        (u32::from(diffuse != Vec3::ZERO), first)
     }
 
-    /// Packs lobes of directions, after the tables that they are the first to need: for each of them where its half-vector lobe's rows and
+    /// Packs cosine lobes, after the tables that they are the first to need: for each of them where its half-vector lobe's rows and
     /// reflectances begin, and its slot; their number, and where they begin.
     fn half_vector(&mut self, model: &HalfVector, words: &mut Vec<u32>) -> (u32, u32) {
         let lobes: Vec<_> = model
@@ -201,7 +243,7 @@ impl Tables {
     }
 }
 
-/// For each lobe of directions its word, and how many there are.
+/// For each cosine lobe its word, and how many there are.
 fn slots(rows: &[Row; ROWS], has_base: u32) -> ([u32; 9], u32) {
     let mut slots = [0; 9];
     let mut lobes = has_base as usize;
@@ -243,13 +285,13 @@ mod tests {
             (MetallicRoughness::new(white, 1.0, 1.0).unwrap().into(), 1),
         ];
         let materials: Vec<Material> = cases.iter().map(|(material, _)| material.clone()).collect();
-        let packed = PackedMaterials::new(&materials, false);
+        let packed = PackedMaterials::of_cosine_lobes(&materials);
         for (i, (material, lobes)) in cases.iter().enumerate() {
             assert_eq!(packed.words[2 * i] >> 8, *lobes, "{} {i}", material.model_name());
         }
         assert_eq!((packed.models, packed.max_lobes), (Models::from_bits(0x1f), 9));
-        assert_eq!(PackedMaterials::new(&materials, true).max_lobes, 3);
-        let none = PackedMaterials::new(&[], false);
+        assert_eq!(PackedMaterials::new(&materials).max_lobes, 3);
+        let none = PackedMaterials::new(&[]);
         assert_eq!((none.words.len(), none.models, none.max_lobes), (2, Models::default(), 0));
     }
 }

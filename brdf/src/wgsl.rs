@@ -58,7 +58,7 @@ const MODELS: [(&str, &[&str]); 9] = [
 ///
 /// ```
 /// use brdf::{Material, Models, wgsl};
-/// let text = wgsl::compose(Models::of(&[Material::lambert(glam::Vec3::ONE)], false));
+/// let text = wgsl::compose(Models::of(&[Material::lambert(glam::Vec3::ONE)]));
 /// assert!(text.contains("lambert_lobe") && !text.contains("switch"));
 /// ```
 #[must_use]

@@ -3,9 +3,7 @@
 use crate::table::Table;
 use core::f64::consts::TAU;
 use cosine_lobes::brdf::{Brdf, Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
-use cosine_lobes::lobe_core::{
-    BrdfLobes, Cone, LobeBuffer, OWN_NONE, Receiver, Sphere, cap_integral, orthonormal_basis,
-};
+use cosine_lobes::lobe_core::{BrdfLobes, Cone, OWN_NONE, Receiver, Sphere, cap_integral, orthonormal_basis};
 use glam::Vec3;
 
 pub(crate) fn reflected(table: &mut Table) {
@@ -53,9 +51,9 @@ pub(crate) fn reflected(table: &mut Table) {
 }
 
 fn by_lobes(material: &Material, at: &Receiver, cone: &Cone) -> f32 {
-    let mut lobes = LobeBuffer::default();
-    material.brdf_lobes(at, &mut lobes.writer());
-    lobes.lobes().iter().map(|lobe| cap_integral(at, &lobe, cone) * lobe.flux.x).sum()
+    let mut lobes = Vec::new();
+    material.cosine_lobes(at, &mut lobes);
+    lobes.into_iter().map(|lobe| cap_integral(at, lobe, cone) * lobe.flux().x).sum()
 }
 
 /// The model itself, summed over the light in f64.

@@ -114,7 +114,7 @@ fn environments_are_their_pictures() {
                         let v = map.direction((x as f32 + 0.5) / 2.0, (y as f32 + 0.5) / 2.0);
                         let (along, above) = (axis.dot(v.as_dvec3()), f64::from(normal.dot(v)));
                         if along > 0.0 && above > 0.0 {
-                            let cosine = if lobe.factor > 0.0 { above } else { 1.0 };
+                            let cosine = if lobe.has_cosine { above } else { 1.0 };
                             let weight = along.powf(e) * cosine * f64::from(solid);
                             want += map.radiance(v).as_dvec3() * weight;
                         }

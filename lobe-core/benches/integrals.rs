@@ -6,8 +6,8 @@ use glam::Vec3;
 use lobe_core::lanes::{WIDTH, set_row};
 use lobe_core::oracle::{self, CapLobe, Random};
 use lobe_core::{
-    Cone, Lobe, OWN_NONE, Receiver, Sphere, Tile, TileLight, TileLobes, VisibilitySum, cap_integral, cap_integrals,
-    product_of_angle, products_of_angle, visible_fraction,
+    Cone, Lobe, OWN_NONE, PackedLobe, Receiver, Sphere, Tile, TileLight, TileLobes, VisibilitySum, cap_integral,
+    cap_integrals, product_of_angle, products_of_angle, visible_fraction,
 };
 
 /// Pairs at a time.
@@ -79,7 +79,7 @@ fn caps(c: &mut Criterion) {
         light.ball(&tile, Sphere { center: Vec3::ZERO, radius: 6.0_f32.to_radians().sin() }, Vec3::ONE);
         lobes.reset(&tile, 1);
         for (k, lobe) in own.iter().enumerate() {
-            set_row(lobes.block_mut(0, k / WIDTH), k % WIDTH, &bytemuck::cast(*lobe));
+            set_row(lobes.block_mut(0, k / WIDTH), k % WIDTH, &bytemuck::cast(PackedLobe::from(*lobe)));
         }
         let cones: Vec<Cone> = (0..TILE).map(|k| light.cone(k)).collect();
         let mut out = Vec::new();

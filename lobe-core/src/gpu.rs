@@ -26,7 +26,7 @@ pub struct GpuMaterialSet {
     pub max_lobes: u32,
     /// Whether all lobes are Lambert's: exponent 1 about the normal. Kernels are smaller then.
     pub is_lambert: bool,
-    /// Whether there may be lobes of [microfacets](crate::Lobe::microfacets).
+    /// Whether there may be lobes of [microfacets](crate::Microfacets).
     pub has_microfacets: bool,
 }
 
@@ -35,23 +35,23 @@ pub struct GpuMaterialSet {
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
-/// use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+/// use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
 ///
 /// /// Reflects back to where the light came from, in a colour.
 /// struct Retro(Vec3);
 ///
 /// impl BrdfLobes for Retro {
-///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-///         out.push(Lobe::with_flux(at.view, 40.0, self.0));
+///     fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+///         out.push(Lobe::with_flux(at.view, 40.0, self.0).into());
 ///     }
 /// }
 ///
 /// impl GpuMaterials for Retro {
-///     fn gpu_set(materials: &[Self], _: bool) -> GpuMaterialSet {
+///     fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
 ///         let wgsl = "fn brdf_lobe_count(material: u32) -> u32 { return 1u; }
 ///             fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe {
 ///                 let color = vec3u(materials[3u * material], materials[3u * material + 1u], materials[3u * material + 2u]);
-///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), 0.0);
+///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), LOBE_PLAIN);
 ///             }";
 ///         let words = materials.iter().flat_map(|m| m.0.to_array()).map(f32::to_bits).collect();
 ///         GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, is_lambert: false, has_microfacets: false }
@@ -59,8 +59,13 @@ pub struct GpuMaterialSet {
 /// }
 /// ```
 pub trait GpuMaterials: BrdfLobes + Sized {
-    /// All of a frame's materials, numbered as in the list; lobes of microfacets among them only if `takes_microfacets`.
-    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> GpuMaterialSet;
+    /// All of a frame's materials, numbered as in the list.
+    fn gpu_set(materials: &[Self]) -> GpuMaterialSet;
+
+    /// The same by [`cosine_lobes`](BrdfLobes::cosine_lobes). Provided: [`gpu_set`](Self::gpu_set), of materials without microfacets.
+    fn gpu_cosine_set(materials: &[Self]) -> GpuMaterialSet {
+        Self::gpu_set(materials)
+    }
 }
 
 /// The most rows of a light's [shape](GpuLight::gpu_shape).

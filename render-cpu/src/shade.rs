@@ -180,8 +180,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         let (ball, half_extent) = tile.bounds();
         // A facet under a smooth normal may hide the light that nothing else does.
         let is_bent = receivers.iter().any(|at| at.face != at.normal);
-        lobes.take_microfacets(I::TAKES_MICROFACETS);
-        M::tile_lobes(frame.materials, materials, receivers, tile, lobes);
+        I::reflectance(frame.materials, materials, receivers, tile, lobes);
         work.lap(0);
         for (l, light) in frame.lights.iter().enumerate() {
             light.tile_light(receivers, tile, cones);

@@ -228,8 +228,8 @@ impl GpuShader {
         if let Some(paper) = &mut self.paper {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
-        // The paper's products are of lobes of directions.
-        let set = M::gpu_set(frame.materials, self.paper.is_none());
+        // The paper's products are of cosine lobes.
+        let set = if self.paper.is_some() { M::gpu_cosine_set(frame.materials) } else { M::gpu_set(frame.materials) };
         let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert, has_microfacets } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;

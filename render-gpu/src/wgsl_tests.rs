@@ -23,8 +23,6 @@ use Rust::{Inverse, Is, Number, Own};
 
 const PAIRS: &[Pair] = &[
     ("lobe-core/src/geometry.wgsl", "CONE_INSIDE", Is("lobe-core/src/geometry.rs", "INSIDE")),
-    ("lobe-core/src/lobe.wgsl", "LOBE_MICROFACETS", Is("lobe-core/src/lobe.rs", "MICROFACETS")),
-    ("lobe-core/src/lobe.wgsl", "LOBE_EDGE", Is("lobe-core/src/lobe.rs", "EDGE")),
     ("lobe-core/src/microfacets.wgsl", "MICROFACETS_GRAZING", Is("lobe-core/src/microfacets.rs", "GRAZING")),
     ("lobe-core/src/special.wgsl", "PI", Number(consts::PI)),
     ("lobe-core/src/special.wgsl", "TAU", Number(consts::TAU)),

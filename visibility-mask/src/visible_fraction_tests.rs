@@ -22,7 +22,7 @@ fn exact(mask: &Mask, at: &Receiver, lobe: &Lobe) -> Option<(f64, f64)> {
             let p: DVec3 = right * x + up * y + toward;
             let v = p.normalize();
             let along = lobe.axis.as_dvec3().dot(v).max(0.0);
-            let cosine = if lobe.factor > 0.0 { at.normal.as_dvec3().dot(v) } else { 1.0 };
+            let cosine = if lobe.has_cosine { at.normal.as_dvec3().dot(v) } else { 1.0 };
             let w = along.powf(f64::from(lobe.exponent)) * cosine.max(0.0) / p.length().powi(3);
             all += w;
             let k = k as usize;

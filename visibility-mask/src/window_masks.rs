@@ -2,7 +2,7 @@ use crate::counts::Counts;
 use crate::visible_fraction::{Shown, Sums, image_sums, microfacet_sums, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
-use lobe_core::{Coverage, LightImage, Lobe, Outline, Receiver};
+use lobe_core::{BrdfLobe, Coverage, LightImage, Lobe, Microfacets, Outline, Receiver};
 
 /// The masks of a window: one, or several side by side where the tolerance wants more samples than one has.
 #[derive(Clone, Debug, Default)]
@@ -75,17 +75,17 @@ pub(crate) fn microfacet_fractions(
     whole: &WindowMasks,
     near: Option<&WindowMasks>,
     at: &Receiver,
-    lobe: &Lobe,
+    facets: &Microfacets,
     counts: [&mut Counts; 2],
 ) -> [f32; 2] {
     let [whole_counts, near_counts] = counts;
     let mut total = [Sums::default(); 2];
     let mut add = |sums: [Sums; 2]| total = [total[0] + sums[0], total[1] + sums[1]];
     for mask in whole.masks() {
-        add(microfacet_sums(mask, at, lobe, near.map(WindowMasks::window), whole_counts));
+        add(microfacet_sums(mask, at, facets, near.map(WindowMasks::window), whole_counts));
     }
     for mask in near.map(WindowMasks::masks).unwrap_or_default() {
-        add(microfacet_sums(mask, at, lobe, None, near_counts));
+        add(microfacet_sums(mask, at, facets, None, near_counts));
     }
     total.map(|sums| sums.ratio(whole.masks()))
 }
@@ -95,7 +95,7 @@ pub(crate) fn image_fractions(
     whole: &WindowMasks,
     near: Option<&WindowMasks>,
     at: &Receiver,
-    lobe: &Lobe,
+    lobe: &BrdfLobe,
     (image, outline): (&LightImage, &Outline),
     counts: &mut Counts,
 ) -> Vec3 {

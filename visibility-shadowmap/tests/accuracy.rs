@@ -160,7 +160,7 @@ fn glossy_lobes_see_what_they_look_at() {
             let cone = Cone::of_sphere(at.position, LIGHT);
             let off = random.between(0.0, 0.8) * f64::from(cone.tan());
             let axis = random.axis_at(cone.axis.as_dvec3(), off).as_vec3().normalize();
-            let lobe = Lobe { exponent, flux: Vec3::ONE, axis, factor: 0.0 };
+            let lobe = Lobe { exponent, flux: Vec3::ONE, axis, has_cosine: false };
             let truth = mesh.seen_by(&at, LIGHT, 64, |v| {
                 // The square's area as solid angle.
                 axis.as_dvec3().dot(v).powf(f64::from(exponent)) * cone.axis.as_dvec3().dot(v).powi(3)

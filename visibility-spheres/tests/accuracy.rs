@@ -99,7 +99,7 @@ fn truth(case: &Case, n: usize) -> (f64, f64) {
             if c <= 0.0 {
                 continue;
             }
-            let weight = (e * c.ln()).exp() * length_sq.powf(-1.5) * if case.lobe.factor > 0.0 { cos } else { 1.0 };
+            let weight = (e * c.ln()).exp() * length_sq.powf(-1.5) * if case.lobe.has_cosine { cos } else { 1.0 };
             all += weight;
             let blocked = case.spheres.iter().any(|s| {
                 let to = s.center.as_dvec3();

@@ -74,7 +74,7 @@ impl Scene {
     fn brdf(&self) -> Lobe {
         let (axis, exponent, cosine) = self.lobe;
         let axis = if exponent == 1.0 { self.at().normal } else { axis.as_vec3().normalize() };
-        let lobe = Lobe { exponent: exponent as f32, flux: Vec3::ONE, axis, factor: 0.0 };
+        let lobe = Lobe { exponent: exponent as f32, flux: Vec3::ONE, axis, has_cosine: false };
         if cosine { lobe.times_cosine() } else { lobe }
     }
 

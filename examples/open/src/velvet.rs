@@ -4,7 +4,7 @@ use core::f32::consts::{PI, TAU};
 use cosine_lobes::brdf::{Brdf, BrdfSample};
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
-use cosine_lobes::lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+use cosine_lobes::lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
 
 /// `f_r = kd/π + ks·(n + 2)/2π·max(v·ω_o, 0)ⁿ`.
 #[derive(Clone, Copy, Debug)]
@@ -22,9 +22,9 @@ impl Velvet {
 }
 
 impl BrdfLobes for Velvet {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.push(Lobe::new(at.normal, 1.0, self.kd / PI));
-        out.push(Lobe::new(at.view, self.exponent, self.scale()).times_cosine());
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.push(Lobe::new(at.normal, 1.0, self.kd / PI).into());
+        out.push(Lobe::new(at.view, self.exponent, self.scale()).times_cosine().into());
     }
 }
 
@@ -53,7 +53,7 @@ impl Brdf for Velvet {
 
 /// Seven words a material.
 impl GpuMaterials for Velvet {
-    fn gpu_set(materials: &[Self], _: bool) -> GpuMaterialSet {
+    fn gpu_set(materials: &[Self]) -> GpuMaterialSet {
         let numbers = |m: &Self| {
             let flux = m.scale() * (TAU / (m.exponent + 1.0));
             m.kd.to_array().into_iter().chain(flux.to_array()).chain([m.exponent])

@@ -10,7 +10,7 @@ fn brdf_lobe_count(material: u32) -> u32 { return 2u; }
 
 fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe {
     if k == 0u {
-        return Lobe(at.normal, 1.0, velvet_color(material, 0u), 0.0);
+        return Lobe(at.normal, 1.0, velvet_color(material, 0u), LOBE_PLAIN);
     }
-    return Lobe(at.view, velvet_number(material, 6u), velvet_color(material, 3u), 1.0);
+    return Lobe(at.view, velvet_number(material, 6u), velvet_color(material, 3u), LOBE_COSINE);
 }

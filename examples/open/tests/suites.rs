@@ -4,8 +4,7 @@ use cosine_lobes::brdf::conformance::{BrdfLimits, check as check_brdf};
 use cosine_lobes::glam::Vec3;
 use cosine_lobes::lobe_core::conformance::{LightLimits, Limits, Setting, check, check_light};
 use cosine_lobes::lobe_core::{
-    BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, LobeBuffer,
-    Visibility,
+    BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Visibility,
 };
 use cosine_lobes::render_gpu::{Gpu, GpuOptions};
 use cosine_lobes::visibility_mask::MaskVisibility;
@@ -42,14 +41,15 @@ fn tiles_are_single_points() {
     let tiled = own.on_cpu(&points).unwrap();
     let (visibility, frame) = (MaskVisibility::new(own.capsules.clone()), own.frame());
     let mut scratch = visibility.scratch();
-    let mut lobes = LobeBuffer::default();
+    let mut lobes = Vec::new();
     for (i, at) in points.points.receivers.iter().enumerate() {
-        frame.materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer());
+        lobes.clear();
+        frame.materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes);
         let mut all = Vec3::ZERO;
         for (number, light) in frame.lights.iter().enumerate() {
             let term = light.seen_from(at);
             let mut visit = LightVisibility::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
-            let call = Interaction { at, brdf: lobes.lobes(), light: &term, threshold: 0.0 };
+            let call = Interaction { at, brdf: &lobes, light: &term, threshold: 0.0 };
             all += FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ()).radiance;
         }
         assert_eq!(all, tiled[i], "point {i}");

@@ -31,7 +31,7 @@ fn integrals_are_finite_for_everything() {
         let (e1, e2) = (pick(), pick());
         let (a, b) = (awkward(&mut random, normal), awkward(&mut random, normal));
         let b = if case % 3 == 0 { awkward(&mut random, a) } else { b };
-        let f = Lobe { factor: (random.bits() % 2) as f32, ..Lobe::with_flux(a, e1, Vec3::ONE) };
+        let f = Lobe { has_cosine: random.bits() % 2 == 1, ..Lobe::with_flux(a, e1, Vec3::ONE) };
         let c = Lobe::with_flux(b, e2, Vec3::ONE);
         let one_minus_cos = [0.0, f32::MIN_POSITIVE, 1e-14, 1e-7, 1e-3, 0.5, 1.0 - 6e-8, 1.0, 2.0][case % 9];
         let cone = Cone { axis: b, one_minus_cos, distance: [0.0, 1.0, f32::INFINITY][case % 3] };
@@ -55,7 +55,7 @@ fn fractions_stay_between_zero_and_one() {
         let pick = |random: &mut Random| EXTREME[(random.bits() % 12) as usize];
         let e = pick(&mut random);
         let axis = awkward(&mut random, normal);
-        let f = Lobe { factor: (case % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+        let f = Lobe { has_cosine: case % 2 == 1, ..Lobe::with_flux(axis, e, Vec3::ONE) };
         let mut lit = sum.lobes.writer();
         let mut whole = sum.whole.writer();
         for k in 0..case % 4 {

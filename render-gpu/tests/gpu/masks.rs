@@ -6,8 +6,8 @@ use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use lobe_core::{
-    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Visibility,
-    VisibilityQuery,
+    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, OWN_NONE, PackedLobe, Receiver,
+    Visibility, VisibilityQuery,
 };
 use render_gpu::Gpu;
 use visibility_mask::{Blockers, Edges, Fineness, Mask, MaskVisibility, UnitSquare, hooks, wgsl};
@@ -84,7 +84,8 @@ impl Case {
     fn row(&self) -> [f32; 13] {
         let (a, n, f) = (self.light.axis, self.at.normal, self.lobe);
         let [e, d] = [self.light.one_minus_cos, self.light.distance];
-        [a.x, a.y, a.z, e, d, n.x, n.y, n.z, f.axis.x, f.axis.y, f.axis.z, f.exponent, f.factor]
+        let kind = PackedLobe::from(f).kind;
+        [a.x, a.y, a.z, e, d, n.x, n.y, n.z, f.axis.x, f.axis.y, f.axis.z, f.exponent, kind]
     }
 }
 

@@ -74,7 +74,7 @@ impl Moment {
         let at = Receiver { position: self.position.as_vec3(), normal, face: normal, view: normal, object: OWN_NONE };
         let cone = Cone::of_sphere(at.position, Sphere { center: self.light.as_vec3(), radius: self.radius as f32 });
         let axis = if self.lobe.1 == 1.0 { normal } else { self.lobe.0.as_vec3().normalize() };
-        let lobe = Lobe { exponent: self.lobe.1 as f32, flux: Vec3::ONE, axis, factor: 0.0 };
+        let lobe = Lobe { exponent: self.lobe.1 as f32, flux: Vec3::ONE, axis, has_cosine: false };
         let mut soup = self.soup.clone();
         soup.positions.iter_mut().for_each(|p| *p = (p.as_dvec3() + self.moved).as_vec3());
         let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];
