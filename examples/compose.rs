@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for i in 0..width * height {
         // A view from straight above: pixels are points of the floor.
         let (x, z) = ((i % width) as f32 / 100.0 - 3.2, (i / width) as f32 / 100.0 - 1.8);
-        let at = Receiver { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
+        let at = Receiver::on_surface(Vec3::new(x, 0.0, z), Vec3::Y, Vec3::Y).on_object(0);
         lobes.clear();
         material.brdf_lobes(&at, &mut lobes);
         let term = light.seen_from(&at);

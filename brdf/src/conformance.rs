@@ -5,7 +5,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec3, Vec3};
 use lobe_core::conformance::{Report, Run};
 use lobe_core::oracle::Random;
-use lobe_core::{BrdfLobe, OWN_NONE, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobe, Receiver, Tile, TileLobes};
 
 /// How far a model may be off.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,7 @@ pub fn check<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Re
     let (t, b) = normal.any_orthonormal_pair();
     let around = 0.6 * t + 0.8 * b;
     let toward = |angle: f32| normal * angle.cos() + around * angle.sin();
-    let receiver = |view: Vec3| Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
+    let receiver = |view: Vec3| Receiver::on_surface(Vec3::ZERO, normal, view);
     let mut receivers = Vec::new();
     for angle in [0.0_f32, 0.3, 0.8, 1.2, 1.5] {
         let at = receiver(toward(angle).normalize());

@@ -4,7 +4,7 @@ use crate::{Brdf, Material, MaterialError, MetallicRoughness};
 use core::f32::consts::FRAC_PI_2;
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
-use lobe_core::{BrdfLobe, BrdfLobes, OWN_NONE, Receiver};
+use lobe_core::{BrdfLobe, BrdfLobes, Receiver};
 
 const ROUGHNESSES: [f32; 8] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.85, 1.0];
 
@@ -12,7 +12,7 @@ const ROUGHNESSES: [f32; 8] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.85, 1.0];
 fn receiver(degrees: f64) -> Receiver {
     let (s, c) = degrees.to_radians().sin_cos();
     let view = DVec3::new(-s, 0.0, c).as_vec3();
-    Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, Vec3::Z, view)
 }
 
 /// `f̃` as glTF 2.0 prints it (appendix B.3), times the cosine.
@@ -260,7 +260,7 @@ fn every_view_gives_finite_lobes_within_capacity() {
             let material = MetallicRoughness::new(Vec3::new(1.0, 0.5, 0.0), metallic, roughness).unwrap();
             for angle in [0.0_f32, 1e-8, 1e-4, 0.3, 1.2, 1.56, FRAC_PI_2, 1.6, 2.5, PI as f32] {
                 let view = n * angle.cos() + (t * 0.6 + b * 0.8) * angle.sin();
-                let at = Receiver { position: Vec3::ZERO, normal: n, face: n, view, object: OWN_NONE };
+                let at = Receiver::on_surface(Vec3::ZERO, n, view);
                 let lobes: Vec<_> = material.cosines(&at).collect();
                 assert!(!lobes.is_empty());
                 for lobe in lobes {

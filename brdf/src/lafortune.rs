@@ -79,7 +79,7 @@ impl LafortuneLobe {
     /// let mirror = LafortuneLobe::diagonal(Vec3::new(-1.0, -1.0, 1.0), 100.0, Vec3::ONE);
     /// let metal = Lafortune { diffuse: Vec3::ZERO, lobes: vec![mirror] };
     /// let (n, view) = (Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
-    /// let at = lobe_core::Receiver { position: Vec3::ZERO, normal: n, face: n, view, object: lobe_core::OWN_NONE };
+    /// let at = lobe_core::Receiver::on_surface(Vec3::ZERO, n, view);
     /// let reflected = metal.eval(&at, Vec3::new(-0.6, 0.0, 0.8));
     /// assert!((reflected.x - 0.8).abs() < 1e-5); // k·1^e·(n·v)
     /// ```

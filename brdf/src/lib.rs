@@ -16,10 +16,10 @@
 //! ```
 //! use brdf::{Brdf, ModifiedPhong};
 //! use glam::Vec3;
-//! use lobe_core::{BrdfLobe, BrdfLobes, OWN_NONE, Receiver};
+//! use lobe_core::{BrdfLobe, BrdfLobes, Receiver};
 //!
 //! let gloss = ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.3), exponent: 60.0 };
-//! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
+//! let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
 //! let mut lobes = Vec::new();
 //! gloss.brdf_lobes(&at, &mut lobes);
 //!

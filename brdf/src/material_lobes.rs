@@ -9,7 +9,7 @@ use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
-use lobe_core::{BrdfLobe, BrdfLobes, OWN_NONE, PackedLobe, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobe, BrdfLobes, PackedLobe, Receiver, Tile, TileLobes};
 
 impl Material {
     /// The most [lobes](BrdfLobes::brdf_lobes) that it has.
@@ -141,7 +141,7 @@ fn tables<W: Which>(materials: &[Material], of: &[u32], at: &Columns<9>, block: 
     for (j, number) in of.iter().enumerate() {
         let [_, _, _, x, y, z, view @ ..] = row(at, j);
         let (normal, view) = (Vec3::new(x, y, z), Vec3::from_array(view));
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, normal, view);
         W::of_table(&materials[*number as usize], &at, |(place, lobe)| {
             set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
         });

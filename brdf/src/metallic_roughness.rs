@@ -39,9 +39,7 @@ use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Microfacets, Receiver};
 /// use brdf::{Brdf, MetallicRoughness};
 /// use glam::Vec3;
 /// let gold = MetallicRoughness::new(Vec3::new(1.0, 0.77, 0.34), 1.0, 0.3)?;
-/// let at = lobe_core::Receiver {
-///     position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: lobe_core::OWN_NONE,
-/// };
+/// let at = lobe_core::Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// // Straight back: F0·D/4 with D = 1/(π 0.09²).
 /// let peak = gold.eval(&at, Vec3::Z);
 /// assert!((peak.x - 9.82).abs() < 0.05 * 9.82);

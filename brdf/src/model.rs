@@ -16,9 +16,9 @@ pub struct BrdfSample {
 /// ```
 /// use brdf::{Brdf, Lambert};
 /// use glam::Vec3;
-/// use lobe_core::{OWN_NONE, Receiver};
+/// use lobe_core::{Receiver};
 /// let paper = Lambert { albedo: Vec3::splat(0.8) };
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// let drawn = paper.sample(&at, [0.1, 0.2, 0.3]).unwrap();
 /// let weight = paper.eval(&at, drawn.direction) / drawn.pdf; // the albedo, for perfect importance sampling
 /// assert!((weight.x - 0.8).abs() < 1e-5);

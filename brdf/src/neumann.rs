@@ -33,9 +33,9 @@ use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, orthonormal_basis, power};
 /// ```
 /// use brdf::{Brdf, Neumann};
 /// use glam::Vec3;
-/// use lobe_core::{OWN_NONE, Receiver};
+/// use lobe_core::{Receiver};
 /// let gold = Neumann { kd: Vec3::ZERO, ks: Vec3::new(1.0, 0.77, 0.34), exponent: 60.0 };
-/// let at = |view| Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+/// let at = |view| Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
 /// let (steep, grazing) = (Vec3::Z, Vec3::new(0.96, 0.0, 0.28));
 /// // As bright in its mirrored direction from everywhere.
 /// let mirrored = Vec3::new(-0.96, 0.0, 0.28);
@@ -163,7 +163,7 @@ pub(crate) mod tests {
     use super::*;
     use core::f64::consts::PI;
     use glam::DVec3;
-    use lobe_core::OWN_NONE;
+    use lobe_core;
 
     const EXPONENTS: [f32; 6] = [1.0, 5.0, 20.0, 100.0, 1000.0, 1e5];
     const VIEWS: [f64; 6] = [0.0, 30.0, 50.0, 65.0, 75.0, 82.0];
@@ -180,7 +180,7 @@ pub(crate) mod tests {
 
     fn receiver(view: DVec3) -> Receiver {
         let view = view.as_vec3().normalize();
-        Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE }
+        Receiver::on_surface(Vec3::ZERO, Vec3::Z, view)
     }
 
     /// `∫ f(v) dv` over what is above the horizon, by rings about the mirrored view as dense as a lobe of exponent `e`.

@@ -1,7 +1,7 @@
 use crate::Brdf;
 use core::f64::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobe, OWN_NONE, Receiver};
+use lobe_core::{BrdfLobe, Receiver};
 
 /// Angles of the views to the normal, in degrees.
 const VIEWS: [f32; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
@@ -45,7 +45,7 @@ fn residual_of<B: Brdf>(material: &B, lobes_of: impl Fn(&B, &Receiver, &mut Vec<
     for degrees in VIEWS {
         let (s, c) = degrees.to_radians().sin_cos();
         let view = Vec3::new(s, 0.0, c);
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
         lobes.clear();
         lobes_of(material, &at, &mut lobes);
         let (mut error, mut square) = (0.0, 0.0);

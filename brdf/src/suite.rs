@@ -6,7 +6,7 @@ use crate::{
 };
 use core::f64::consts::PI;
 use glam::{DMat3, DVec3, Mat3, Vec3};
-use lobe_core::{BrdfLobe, BrdfLobes, Lobe, OWN_NONE, Receiver, Tile, TileLobes, orthonormal_basis};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, Tile, TileLobes, orthonormal_basis};
 
 const EXTREME_EXPONENTS: [f32; 7] = [0.0, 1e-6, 0.5, 1.0, 200.0, 1e5, 1e7];
 
@@ -35,13 +35,7 @@ impl Random {
 }
 
 fn receiver(normal: Vec3, view: Vec3) -> Receiver {
-    Receiver {
-        position: Vec3::new(1.0, 2.0, 3.0),
-        normal: normal.normalize(),
-        face: normal.normalize(),
-        view: view.normalize(),
-        object: OWN_NONE,
-    }
+    Receiver::on_surface(Vec3::new(1.0, 2.0, 3.0), normal.normalize(), view.normalize())
 }
 
 /// Views from straight above to grazing and to just below the horizon, over an oblique normal.

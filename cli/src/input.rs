@@ -28,7 +28,7 @@ pub(crate) fn load(file: Option<&Path>, clip: Option<&str>, quiet: bool) -> Resu
 
 /// A line about a material that reflects more than it receives, seen and lit from straight above.
 fn too_bright(number: usize, material: &Material) -> Option<String> {
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 0 };
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(0);
     let mut lobes = Vec::new();
     material.cosine_lobes(&at, &mut lobes);
     let lobes = lobes.iter().map(|lobe| lobe.cosine_lobe(at.normal));

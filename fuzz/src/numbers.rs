@@ -7,7 +7,7 @@ use cosine_lobes::brdf::{
     Neumann, Phong,
 };
 use cosine_lobes::lobe_core::{
-    BrdfLobe, BrdfLobes, Cone, Lobe, OWN_NONE, Receiver, cap_integral, power, product_of_angle, products_of_angle,
+    BrdfLobe, BrdfLobes, Cone, Lobe, NO_OBJECT, Receiver, cap_integral, power, product_of_angle, products_of_angle,
     sphere_light_irradiance,
 };
 use cosine_lobes::visibility_mask::{MAX_DEPTH, Mask, UnitSquare};
@@ -55,7 +55,7 @@ fn receiver(bytes: &mut Bytes<'_>) -> Receiver {
     let face = if bytes.byte() < 128 { normal } else { (normal + 0.3 * bytes.direction()).normalize() };
     let view = bytes.direction();
     let view = if view.dot(normal) < 0.0 { -view } else { view };
-    Receiver { position: Vec3::ZERO, normal, face, view, object: OWN_NONE }
+    Receiver { position: Vec3::ZERO, normal, face, view, object: NO_OBJECT }
 }
 
 pub(crate) fn cap(data: &[u8]) {

@@ -13,7 +13,7 @@ use crate::faces::weld;
 use crate::{FacesError, Light, faces};
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
-use lobe_core::{LightLobes, Lobe, OWN_NONE, Receiver, cap_integral, outline_integral};
+use lobe_core::{LightLobes, Lobe, Receiver, cap_integral, outline_integral};
 
 /// The most lights that a mesh becomes.
 const MOST: usize = 24;
@@ -201,7 +201,7 @@ impl Part {
             .map(|(v, distance)| {
                 let normal = -v.as_vec3().normalize();
                 let position = (v * distance).as_vec3();
-                let at = Receiver { position, normal, face: normal, view: normal, object: OWN_NONE };
+                let at = Receiver::on_surface(position, normal, normal);
                 let picture = Picture::new(triangles.iter(), DVec3::ZERO, 1.0, v, distance);
                 (at, picture.irradiance(), picture)
             })

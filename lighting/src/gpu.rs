@@ -46,7 +46,7 @@ impl GpuLight for Light {
             Self::Flat(light) => Some(light.roundness()),
             Self::Tube(light) => Some(light.roundness()),
             Self::Sky(SkyLight::Patch(patch)) => Some(patch.roundness()),
-            Self::Inside(light) => light.light.gpu_roundness(),
+            Self::Enclosed(light) => light.light.gpu_roundness(),
             _ => None,
         }
     }
@@ -54,7 +54,7 @@ impl GpuLight for Light {
     fn gpu_bounds(&self) -> Sphere {
         match self {
             Self::Flat(_) | Self::Tube(_) => Outline::ball_around(self.bounds()),
-            Self::Inside(light) => light.light.gpu_bounds(),
+            Self::Enclosed(light) => light.light.gpu_bounds(),
             light => light.bounds(),
         }
     }
@@ -76,12 +76,12 @@ impl GpuLight for Light {
             Self::Sky(SkyLight::Patch(patch)) => {
                 shape_of(patch.axis.extend(0.0).to_array(), [4.0, 1.0, NO_OBJECT, SKY], &patch.corners())
             }
-            Self::Inside(inside) if inside.light.gpu_roundness().is_some() => {
+            Self::Enclosed(inside) if inside.light.gpu_roundness().is_some() => {
                 let mut shape = inside.light.gpu_shape();
                 shape[1][2] = inside.object as f32;
                 shape
             }
-            Self::Inside(inside) => vec![[inside.object as f32, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, INSIDE]],
+            Self::Enclosed(inside) => vec![[inside.object as f32, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, INSIDE]],
             Self::Flat(light) => {
                 let side = light.normal().extend(f32::from(u8::from(light.two_sided))).to_array();
                 match light.as_disc() {

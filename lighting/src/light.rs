@@ -24,7 +24,7 @@ pub enum Light {
     /// The same from everywhere.
     Ambient(AmbientLight),
     /// One inside an object that it does not light.
-    Inside(InsideLight),
+    Enclosed(EnclosedLight),
 }
 
 macro_rules! each {
@@ -37,7 +37,7 @@ macro_rules! each {
             Light::Spot($light) => $value,
             Light::Sky($light) => $value,
             Light::Ambient($light) => $value,
-            Light::Inside($light) => $value,
+            Light::Enclosed($light) => $value,
         }
     };
 }
@@ -54,7 +54,7 @@ impl Light {
             Self::Spot(light) => light.light.radiance,
             Self::Sky(light) => light.full_radiance(),
             Self::Ambient(light) => light.radiance,
-            Self::Inside(light) => light.light.full_radiance(),
+            Self::Enclosed(light) => light.light.full_radiance(),
         }
     }
 
@@ -64,7 +64,7 @@ impl Light {
         match self {
             Self::Sphere(light) => Some(light.ball),
             Self::Spot(light) => Some(light.light.ball),
-            Self::Inside(light) => light.light.ball(),
+            Self::Enclosed(light) => light.light.ball(),
             _ => None,
         }
     }
@@ -103,7 +103,7 @@ impl Light {
             Self::Spot(_) => "spot",
             Self::Sky(_) => "environment",
             Self::Ambient(_) => "ambient",
-            Self::Inside(light) => light.light.kind(),
+            Self::Enclosed(light) => light.light.kind(),
         }
     }
 }
@@ -144,7 +144,7 @@ from!(
     Spot(SpotLight),
     Sky(SkyLight),
     Ambient(AmbientLight),
-    Inside(InsideLight)
+    Enclosed(EnclosedLight)
 );
 
 /// A light inside an object whose surface it stands for: it does not light that object.
@@ -153,23 +153,23 @@ from!(
 ///
 /// ```
 /// use glam::Vec3;
-/// use lighting::{InsideLight, SphereLight};
+/// use lighting::{EnclosedLight, SphereLight};
 /// use lobe_core::{LightLobes, Receiver, Sphere};
 /// let ball = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::ONE);
-/// let light = InsideLight { light: Box::new(ball.into()), object: 3 };
-/// let at = Receiver { position: Vec3::Z * 0.99, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 3 };
+/// let light = EnclosedLight { light: Box::new(ball.into()), object: 3 };
+/// let at = Receiver::on_surface(Vec3::Z * 0.99, Vec3::Z, Vec3::Z).on_object(3);
 /// assert_eq!(light.radiance(&at), Vec3::ZERO);
 /// assert_eq!(light.radiance(&Receiver { object: 2, ..at }), Vec3::ONE);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct InsideLight {
+pub struct EnclosedLight {
     /// The light.
     pub light: Box<Light>,
     /// The number of the object, as receivers have it.
     pub object: u32,
 }
 
-impl InsideLight {
+impl EnclosedLight {
     /// The same light somewhere else. Turns and shifts only.
     #[must_use]
     pub fn moved(&self, placement: Mat4) -> Self {
@@ -177,7 +177,7 @@ impl InsideLight {
     }
 }
 
-impl LightLobes for InsideLight {
+impl LightLobes for EnclosedLight {
     fn bounds(&self) -> Sphere {
         self.light.bounds()
     }

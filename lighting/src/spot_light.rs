@@ -15,13 +15,13 @@ pub struct SpotLight {
 }
 
 impl SpotLight {
-    /// The part of the radiance that reaches a point.
+    /// The angular falloff: the part of the radiance that reaches a point.
     #[must_use]
-    pub fn share(&self, position: Vec3) -> f32 {
+    pub fn falloff(&self, position: Vec3) -> f32 {
         let cos = self.axis.dot((position - self.light.ball.center).normalize_or_zero());
         let [inner, outer] = self.cos;
-        let share = ((cos - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
-        share * share
+        let part = ((cos - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
+        part * part
     }
 
     /// The same light somewhere else. Turns and shifts only.
@@ -38,6 +38,6 @@ impl LightLobes for SpotLight {
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {
-        SeenLight { radiance: self.light.radiance * self.share(at.position), ..self.light.seen_from(at) }
+        SeenLight { radiance: self.light.radiance * self.falloff(at.position), ..self.light.seen_from(at) }
     }
 }

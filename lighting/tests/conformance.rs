@@ -7,15 +7,13 @@ use lighting::{
     SunLight, TubeLight,
 };
 use lobe_core::conformance::{LightLimits, check_light};
-use lobe_core::{
-    LightImage, LightLobes, Lobe, OWN_NONE, Receiver, Sphere, cap_integral, image_integral, outline_integral,
-};
+use lobe_core::{LightImage, LightLobes, Lobe, Receiver, Sphere, cap_integral, image_integral, outline_integral};
 use std::sync::Arc;
 
 const COLOR: Vec3 = Vec3::new(3.0, 2.0, 1.0);
 
 fn at(position: Vec3) -> Receiver {
-    Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+    Receiver::on_surface(position, Vec3::Y, Vec3::Y)
 }
 
 fn rectangle() -> FlatLight {

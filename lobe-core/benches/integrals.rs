@@ -6,8 +6,8 @@ use glam::Vec3;
 use lobe_core::lanes::{WIDTH, set_row};
 use lobe_core::oracle::{self, CapLobe, Random};
 use lobe_core::{
-    Cone, Lobe, OWN_NONE, PackedLobe, Receiver, Sphere, Tile, TileLight, TileLobes, VisibilitySum, cap_integral,
-    cap_integrals, product_of_angle, products_of_angle, visible_fraction,
+    Cone, Lobe, PackedLobe, Receiver, Sphere, Tile, TileLight, TileLobes, VisibilitySum, cap_integral, cap_integrals,
+    product_of_angle, products_of_angle, visible_fraction,
 };
 
 /// Pairs at a time.
@@ -137,7 +137,7 @@ fn fractions(c: &mut Criterion) {
 }
 
 fn receiver(normal: Vec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, normal, normal)
 }
 
 fn print_errors(what: &str, mut errors: Vec<f64>) {

@@ -1,7 +1,7 @@
 use glam::{Mat3, Vec3};
 
 /// The object number of a receiver that belongs to no object with blockers of its own.
-pub const OWN_NONE: u32 = u32::MAX;
+pub const NO_OBJECT: u32 = u32::MAX;
 
 /// The shaded point: where it is, how it faces, from where it is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,16 +15,23 @@ pub struct Receiver {
     pub face: Vec3,
     /// Unit direction toward the eye (ω_o of the paper).
     pub view: Vec3,
-    /// Number of the object that the point lies on, or [`OWN_NONE`]: a visibility strategy must not let an object's
-    /// own proxy blacken its skin.
+    /// Number of the object that the point lies on, or [`NO_OBJECT`]: a visibility strategy must not let an object's
+    /// own proxy blacken its surface.
     pub object: u32,
 }
 
 impl Receiver {
     /// A point of a surface whose shading normal is that of its face, on no object with blockers of its own.
     #[must_use]
+    #[inline]
     pub const fn on_surface(position: Vec3, normal: Vec3, view: Vec3) -> Self {
-        Self { position, normal, face: normal, view, object: OWN_NONE }
+        Self { position, normal, face: normal, view, object: NO_OBJECT }
+    }
+
+    /// The same point on an object.
+    #[must_use]
+    pub const fn on_object(self, object: u32) -> Self {
+        Self { object, ..self }
     }
 }
 

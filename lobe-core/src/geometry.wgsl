@@ -1,6 +1,6 @@
 // The types of geometry.rs, and what visibility.rs calls `Coverage`.
 
-const OWN_NONE = 0xffffffffu;
+const NO_OBJECT = 0xffffffffu;
 
 const LIT = 0u;
 const PARTIAL = 1u;

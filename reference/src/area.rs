@@ -63,7 +63,7 @@ impl<'l> Area<'l> {
             Light::Sphere(light) => (light.ball, None),
             Light::Spot(light) => (light.light.ball, None),
             Light::Sun(light) | Light::Sky(SkyLight::Sun(light)) => (light.ball_from(position), None),
-            Light::Inside(inside) => return Self::of(&inside.light, position),
+            Light::Enclosed(inside) => return Self::of(&inside.light, position),
             Light::Ambient(_) => (Sphere { center: position, radius: 1.0 }, None),
             Light::Tube(light) => (light.bounds(), plain(Shape::of_tube(light, position))),
             Light::Flat(light) => {

@@ -20,7 +20,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::Light;
 use lobe_core::{
-    Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, SeenLight, Shaft, Sphere, Tile, orthonormal_basis,
+    Cone, Coverage, LightId, LightLobes, NO_OBJECT, Receiver, SeenLight, Shaft, Sphere, Tile, orthonormal_basis,
 };
 use ray_tracing::vec3x8::{LANES, Vec3x8};
 use ray_tracing::{Primitive, Region, World};
@@ -191,7 +191,7 @@ impl<'a> RayShader<'a> {
 
     fn select(&self, at: &Receiver, cone: &Cone, scratch: &mut Scratch) -> Coverage {
         let cuts = match &self.targets {
-            Targets::Surfaces(_) => at.object != OWN_NONE,
+            Targets::Surfaces(_) => at.object != NO_OBJECT,
             Targets::Spheres(spheres) => spheres.facet(at) != at.normal,
         };
         let facet = if cuts { facet_coverage(at, cone) } else { Coverage::Lit };
@@ -233,7 +233,7 @@ impl<'a> RayShader<'a> {
                     spheres.facet(at).dot(v) <= 0.0 || spheres.hide(at, v, seen.distance as f32)
                 }
                 Targets::Surfaces(world) => {
-                    let facet = if at.object == OWN_NONE { at.normal } else { at.face };
+                    let facet = if at.object == NO_OBJECT { at.normal } else { at.face };
                     facet.dot(v) <= 0.0 || hidden(world, world.leave(at.position, at.face), v, seen.distance as f32)
                 }
             };
@@ -267,7 +267,7 @@ impl<'a> RayShader<'a> {
         let inside = omc > 1.0;
         // Rays that leave a facet do not meet it, although they go below it.
         let (origin, facet) = match &self.targets {
-            Targets::Surfaces(world) if at.object == OWN_NONE => (world.leave(at.position, at.face), at.normal),
+            Targets::Surfaces(world) if at.object == NO_OBJECT => (world.leave(at.position, at.face), at.normal),
             Targets::Surfaces(world) => (world.leave(at.position, at.face), at.face),
             Targets::Spheres(spheres) => (at.position, spheres.facet(at)),
         };

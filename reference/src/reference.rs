@@ -16,7 +16,7 @@ use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Vec3};
 use lighting::Light;
-use lobe_core::{BrdfLobe, BrdfLobes, LightLobes, OWN_NONE, Receiver, Sphere};
+use lobe_core::{BrdfLobe, BrdfLobes, LightLobes, NO_OBJECT, Receiver, Sphere};
 use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
 use scene::{BlockerSet, Bounds};
@@ -498,7 +498,7 @@ impl Pair<'_> {
             _ => true,
         };
         let own = self.at.object;
-        if self.at.face.as_dvec3().dot(v) <= 0.0 && own != OWN_NONE && counts(own) {
+        if self.at.face.as_dvec3().dot(v) <= 0.0 && own != NO_OBJECT && counts(own) {
             return true;
         }
         distance > 0.0 && self.world.occluded_by(self.origin, v.as_vec3(), distance as f32, counts)

@@ -2,7 +2,7 @@ use crate::Revision;
 use crate::blockers_error::{BlockersError, BlockersProgress};
 use glam::{Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
-use scene::{Animation, BlockerSet, Doubles, Mesh, Object, Proxy, Scene, Shape};
+use scene::{Animation, BlockerSet, Duplicates, Mesh, Object, Proxy, Scene, Shape};
 use sphere_sets::{BoundSet, BuildOptions, Carriers, SphereSet};
 use std::collections::HashMap;
 use std::path::Path;
@@ -27,7 +27,7 @@ pub enum SphereSource {
 /// How an object shadows itself is fitted with its sphere set, sphere by sphere, and follows the spheres' radii; explicit
 /// spheres are measured against a visible mesh for one distance τ.
 /// Exact balls stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
-/// blackening a surface. Equal balls are one, and equal meshes ([`Doubles`]). A ball that coincides with a light blocks nothing: it is how a light is made visible.
+/// blackening a surface. Equal balls are one, and equal meshes ([`Duplicates`]). A ball that coincides with a light blocks nothing: it is how a light is made visible.
 ///
 /// # Cost of a pose
 /// One to four matrix products a sphere that follows bones, a copy of the others.
@@ -218,7 +218,8 @@ impl SceneSpheres {
         out.self_distances.clear();
         out.self_shadows.clear();
         let (mut posed, mut turned) = (Vec::new(), Vec::new());
-        let (mut balls, mut own_balls, mut meshes) = (Doubles::default(), Doubles::default(), Doubles::default());
+        let (mut balls, mut own_balls, mut meshes) =
+            (Duplicates::default(), Duplicates::default(), Duplicates::default());
         for (number, (object, own)) in scene.objects.iter().zip(&self.objects).enumerate() {
             let mut self_shadows = &own.self_shadows;
             let is_double = !meshes.is_first_mesh(&scene.objects, number);

@@ -4,7 +4,7 @@ use brdf::Material;
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
+use lobe_core::{Accuracy, Receiver, Sphere};
 use render_cpu::CpuShader;
 use scene::{Frame, Shade, ShadingPoints};
 use visibility_mask::MaskVisibility;
@@ -15,7 +15,7 @@ fn floor(random: &mut Random, count: usize) -> ShadingPoints {
     let at = |random: &mut Random| {
         let position = Vec3::new(random.between(-2.0, 2.0) as f32, 0.0, random.between(-2.0, 2.0) as f32);
         let view = (Vec3::new(0.0, 3.0, 4.0) - position).normalize();
-        Receiver { position, normal: Vec3::Y, face: Vec3::Y, view, object: OWN_NONE }
+        Receiver::on_surface(position, Vec3::Y, view)
     };
     let materials = (0..count as u32).map(|k| k % 3).collect();
     ShadingPoints { receivers: (0..count).map(|_| at(random)).collect(), materials }

@@ -164,7 +164,7 @@ fn check_place(light: &Light) -> Result<(), SceneError> {
         }
         Light::Sun(sun) | Light::Sky(SkyLight::Sun(sun)) => check_sun(sun),
         Light::Ambient(ambient) => check_world(ambient.world),
-        Light::Inside(inside) => check_place(&inside.light),
+        Light::Enclosed(inside) => check_place(&inside.light),
         // Its shape was checked when it was made.
         light => check_world(light.bounds()),
     }

@@ -472,7 +472,7 @@ fn curved_meshes_light_as_balls_and_tubes() {
         Ok::<_, SceneError>((scene, animation, context.warnings))
     };
     let (scene, _, warnings) = read(&text("column", "")).expect("a scene");
-    let [Light::Inside(light)] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    let [Light::Enclosed(light)] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
     let Light::Tube(tube) = *light.light else { panic!("{light:?}") };
     assert_eq!(light.object, 0);
     assert!((tube.radius - 0.1).abs() < 0.005 && (tube.radiance / Vec3::new(2.0, 1.0, 1.0)).x > 0.97, "{tube:?}");

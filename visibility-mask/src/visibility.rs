@@ -414,13 +414,13 @@ fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
 /// The tolerance for a light that fills its window, with samples that stand for the same: a long one has few of the window's samples, a
 /// wide one few that count.
 fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
-    let fill = query.outline.map_or(1.0, |outline| filled(outline.roundness()));
+    let fill = query.outline.map_or(1.0, |outline| fill_factor(outline.roundness()));
     query.accuracy.tolerance * fill * (2.0 * CROWDED / crowding(query)).min(1.0)
 }
 
-/// The part of a tolerance that masks of a flat light of some [roundness](Outline::roundness) are made for.
+/// The fill factor of a mask: the part of a tolerance that masks of a flat light of some [roundness](Outline::roundness) are made for.
 #[must_use]
-pub fn filled(roundness: f32) -> f32 {
+pub fn fill_factor(roundness: f32) -> f32 {
     (FILLED * roundness).min(1.0)
 }
 

@@ -115,8 +115,8 @@ pub(crate) fn image_fractions(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lobe_core::Cone;
     use lobe_core::oracle::Random;
-    use lobe_core::{Cone, OWN_NONE};
 
     /// A straight edge across a light that lobes of all widths see: the fraction through many masks is that through one mask, but for
     /// the samples of each.
@@ -129,7 +129,7 @@ mod tests {
             let axis = random.axis();
             let tilt = random.between(0.0, 1.5);
             let normal = random.axis_at(axis, tilt).as_vec3().normalize();
-            let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+            let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
             let aside = theta * random.between(0.0, 1.2);
             let exponent = random.log_uniform(1.0, 1e5) as f32;
             let lobe = match case % 3 {

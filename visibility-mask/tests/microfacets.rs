@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use lobe_core::oracle::{CapMicrofacets, Random};
 use lobe_core::{
     Accuracy, BrdfLobe, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility,
-    Microfacets, OWN_NONE, Receiver, SeenLight, Visibility, VisibilityQuery, orthonormal_basis,
+    Microfacets, Receiver, SeenLight, Visibility, VisibilityQuery, orthonormal_basis,
 };
 use visibility_mask::{Blockers, Edges, Mask, MaskVisibility};
 
@@ -69,7 +69,7 @@ impl Case {
     /// The visible fraction of both lobes, by masks.
     fn seen(&self, tolerance: f32) -> f64 {
         let view = self.view.as_vec3();
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
         let one_minus_cos = (2.0 * (0.5 * self.half_angle).sin().powi(2)) as f32;
         let cone = Cone { axis: self.axis.as_vec3().normalize(), one_minus_cos, distance: f32::INFINITY };
         let strategy = MaskVisibility::new(Edge { hidden: self.hidden.as_vec3() });

@@ -5,7 +5,7 @@ use lobe_core::oracle::Random;
 use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{
     Accuracy, Cone, Contribution, Coverage, FractionIntegrator, Integrator, Interaction, LightCoverage, LightId,
-    LightVisibility, Lobe, OWN_NONE, Observer, Receiver, SeenLight, Visibility, VisibilityQuery, VisibilitySum,
+    LightVisibility, Lobe, Observer, Receiver, SeenLight, Visibility, VisibilityQuery, VisibilitySum,
 };
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -88,7 +88,7 @@ impl Blockers for &Shapes {
 }
 
 fn receiver(normal: Vec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, normal, normal)
 }
 
 fn cone(axis: Vec3, theta: f64) -> Cone {

@@ -7,7 +7,7 @@ use crate::sphere_tree::SphereTree;
 use crate::splat::Front;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Coverage, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 /// Spheres that block light, as the `spheres` strategy sees them: wrap it in
@@ -68,7 +68,7 @@ impl SphereBlockers {
 
     fn find_casters(&mut self) {
         self.casters.clear();
-        self.casters.extend(self.tree.order().iter().map(|i| self.objects[*i as usize]).filter(|o| *o != OWN_NONE));
+        self.casters.extend(self.tree.order().iter().map(|i| self.objects[*i as usize]).filter(|o| *o != NO_OBJECT));
         self.casters.sort_unstable();
         self.casters.dedup();
     }
@@ -160,7 +160,7 @@ impl SphereBlockers {
     /// # Panics
     /// When there is no such sphere.
     #[must_use]
-    pub fn own_law(&self, index: usize) -> (SelfShadow, f32) {
+    pub fn self_shadow(&self, index: usize) -> (SelfShadow, f32) {
         match self.self_shadows.get(index) {
             Some(own) => (*own, 0.0),
             None => (SelfShadow::whole(0.0), self.own(index).1),

@@ -205,7 +205,7 @@ fn own_receivers_see_the_smaller_ball() {
     let light = Sphere { center: Vec3::Z * 20.0, radius: 5.0 };
     let cone = Cone::of_sphere(Vec3::ZERO, light);
     let seen = |blockers: &SphereBlockers, object| {
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(object);
         let mut scratch = blockers.scratch();
         let coverage =
             blockers.select(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);
@@ -263,7 +263,7 @@ fn own_balls_move_without_pops() {
 fn light_of_more_than_a_hemisphere_keeps_everything() {
     let ball = Sphere { center: Vec3::new(0.0, 0.0, -1.0), radius: 0.5 };
     let blockers = SphereBlockers::new(&[ball], &[0], &[]);
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(1);
     for one_minus_cos in [1.0, 1.5, 2.0] {
         let cone = Cone { axis: Vec3::Z, one_minus_cos, distance: f32::INFINITY };
         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
@@ -313,7 +313,7 @@ fn what_is_not_a_sphere_blocks_nothing() {
         Sphere { center: Vec3::new(f32::NAN, 0.0, 5.0), ..good },
         Sphere { center: Vec3::new(0.0, f32::NEG_INFINITY, 5.0), ..good },
     ];
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(1);
     let light = Sphere { center: Vec3::Z * 10.0, radius: 1.0 };
     let cone = Cone::of_sphere(at.position, light);
     let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
@@ -434,8 +434,7 @@ fn timings() {
                     blockers.enter(shaft, &mut scratch);
                     candidates += scratch.candidates().len();
                     for position in points.iter().filter(|_| stage > 0) {
-                        let at =
-                            Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
+                        let at = Receiver::on_surface(*position, Vec3::Y, Vec3::Y).on_object(1);
                         let cone = Cone::of_sphere(at.position, light);
                         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
                         if blockers.select(&query, &mut scratch) == Coverage::Partial {
@@ -456,8 +455,7 @@ fn timings() {
             let flat_select = nanoseconds(256 * 64 / few, || {
                 for (_, points) in &shafts {
                     for position in points.iter().step_by(few) {
-                        let at =
-                            Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
+                        let at = Receiver::on_surface(*position, Vec3::Y, Vec3::Y).on_object(1);
                         let cone = Cone::of_sphere(at.position, light);
                         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
                         std::hint::black_box(blockers.select(&query, &mut whole));

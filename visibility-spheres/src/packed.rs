@@ -1,6 +1,6 @@
 use crate::SphereBlockers;
 use bytemuck::{Pod, Zeroable};
-use lobe_core::OWN_NONE;
+use lobe_core::NO_OBJECT;
 
 /// How many neighbours of [`SphereBlockers::pack`] share a bound on the GPU: `SPHERE_BLOCK` of `packed.wgsl`.
 pub const SPHERE_BLOCK: usize = 32;
@@ -25,7 +25,7 @@ pub struct BlockerSphere {
     pub object: u32,
     /// For receivers of that object: how far away a ray must leave it to be blocked (τ).
     pub own_distance: f32,
-    /// Of the objects that have a sphere, the one at this sphere's place in ascending order; [`OWN_NONE`] behind the last.
+    /// Of the objects that have a sphere, the one at this sphere's place in ascending order; [`NO_OBJECT`] behind the last.
     pub caster: u32,
     /// Nothing.
     pub pad: u32,
@@ -39,7 +39,7 @@ impl SphereBlockers {
     /// new one. Spheres that block nothing (radius zero or less, anything infinite or NaN) are left out. O(n).
     pub fn pack(&self, out: &mut Vec<BlockerSphere>) {
         out.clear();
-        let casters = self.casters().iter().copied().chain(core::iter::repeat(OWN_NONE));
+        let casters = self.casters().iter().copied().chain(core::iter::repeat(NO_OBJECT));
         out.extend(self.order().iter().zip(casters).map(|(index, caster)| {
             let index = *index as usize;
             let (own, own_distance) = self.own(index);

@@ -8,7 +8,7 @@ struct BlockerSphere {
     own_radius: f32,
     object: u32,
     own_distance: f32,
-    // Of the objects that have a sphere, the one at this sphere's place in ascending order; OWN_NONE behind the last.
+    // Of the objects that have a sphere, the one at this sphere's place in ascending order; NO_OBJECT behind the last.
     caster: u32,
     pad: u32,
 }

@@ -89,7 +89,7 @@ fn spheres_cast(object: u32) -> bool {
             end = middle;
         }
     }
-    return object != OWN_NONE && first < arrayLength(&spheres) && spheres[min(first, arrayLength(&spheres) - 1u)].caster == object;
+    return object != NO_OBJECT && first < arrayLength(&spheres) && spheres[min(first, arrayLength(&spheres) - 1u)].caster == object;
 }
 
 // How much of the light the receiver's own facet hides, and its horizon does not.

@@ -9,7 +9,7 @@ use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, Visi
 use visibility_mask::{Blockers, Mask, UnitSquare};
 
 fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
-    Receiver { position, normal, face: normal, view: normal, object }
+    Receiver::on_surface(position, normal, normal).on_object(object)
 }
 
 /// Share of the light's disc that rays from the receiver see, by the definition; sampled.

@@ -3,7 +3,8 @@
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
 use lobe_core::{
-    Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility, cap_integral,
+    Accuracy, Cone, LightCoverage, LightId, LightVisibility, Lobe, NO_OBJECT, Receiver, Sphere, Visibility,
+    cap_integral,
 };
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
@@ -43,13 +44,7 @@ fn case(random: &mut Random, theta: f64, exponent: f64, cosine: bool, through: b
             Sphere { center: (random.axis_at(light, offset.min(1.5)) * distance).as_vec3(), radius: radius as f32 }
         })
         .collect();
-    let at = Receiver {
-        position: Vec3::ZERO,
-        normal: unit(normal),
-        face: unit(normal),
-        view: unit(normal),
-        object: OWN_NONE,
-    };
+    let at = Receiver::on_surface(Vec3::ZERO, unit(normal), unit(normal));
     let lobe = if exponent == 1.0 {
         Lobe::new(at.normal, 1.0, Vec3::ONE)
     } else {
@@ -207,10 +202,10 @@ fn wide_lights() {
                 Sphere { center: (random.axis_at(axis, delta) * 0.02).as_vec3(), radius: (0.02 * beta.sin()) as f32 };
             let light = Sphere { center: (axis * 10.0).as_vec3(), radius: (10.0 * theta.sin()) as f32 };
             let normal = unit(axis);
-            let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+            let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
             let cone = Cone::of_sphere(at.position, light);
             let lobe = Lobe::new(normal, 1.0, Vec3::ONE);
-            let strategy = MaskVisibility::new(SphereBlockers::new(&[ball], &[OWN_NONE], &[0.0]));
+            let strategy = MaskVisibility::new(SphereBlockers::new(&[ball], &[NO_OBJECT], &[0.0]));
             let mut scratch = strategy.scratch();
             let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::new(0.005), &mut scratch);
             let unshadowed = cap_integral(&at, &lobe, &cone);

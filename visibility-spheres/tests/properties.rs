@@ -68,7 +68,7 @@ impl Scene {
 
     fn at(&self) -> Receiver {
         let normal = self.normal.as_vec3().normalize();
-        Receiver { position: self.position.as_vec3(), normal, face: normal, view: normal, object: 0 }
+        Receiver::on_surface(self.position.as_vec3(), normal, normal).on_object(0)
     }
 
     fn brdf(&self) -> Lobe {

@@ -16,7 +16,7 @@ use self::microfacets::Ellipse;
 use self::pair::Pair;
 use crate::lanes::{WIDTH, row};
 use crate::seen::Seen;
-use crate::{BrdfLobe, Cone, OWN_NONE, PackedLobe, Receiver, TileLight, TileLobes, outline};
+use crate::{BrdfLobe, Cone, PackedLobe, Receiver, TileLight, TileLobes, outline};
 use core::cell::RefCell;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
@@ -87,8 +87,8 @@ pub fn cap_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, cone: &Cone) -> f3
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::lanes::set_row;
-/// use lobe_core::{Lobe, OWN_NONE, PackedLobe, Receiver, Sphere, Tile, TileLight, TileLobes, cap_integral, cap_integrals};
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// use lobe_core::{Lobe, PackedLobe, Receiver, Sphere, Tile, TileLight, TileLobes, cap_integral, cap_integrals};
+/// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// let gloss = Lobe::new(Vec3::new(0.0, 0.5, 0.86).normalize(), 40.0, Vec3::ONE);
 /// let (mut tile, mut light, mut lobes, mut out) = Default::default();
 /// Tile::set(&mut tile, &[at]);
@@ -125,8 +125,7 @@ fn of_outlines(light: &TileLight, lobes: &TileLobes, out: &mut [f32]) {
     out.fill(0.0);
     for (i, outline) in light.outlines().iter().enumerate() {
         let seen: Seen = bytemuck::cast(row(&light.seen[i / WIDTH].0, i % WIDTH));
-        let (position, normal, object) = (Vec3::ZERO, seen.normal, OWN_NONE);
-        let at = Receiver { position, normal, face: normal, view: normal, object };
+        let at = Receiver::on_surface(Vec3::ZERO, seen.normal, seen.normal);
         for (number, lobe) in lobes.of(i) {
             out[number] = outline::light_integral(&at, &lobe, &light.cone(i), outline.as_ref());
         }

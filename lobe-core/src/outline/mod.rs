@@ -6,7 +6,7 @@ mod integral;
 #[cfg(test)]
 mod tests;
 
-pub use self::image::{LightImage, hash_of};
+pub use self::image::{LightImage, fingerprint};
 pub use self::integral::{image_integral, outline_integral};
 pub(crate) use self::integral::{light_integral, of_image};
 

@@ -1,6 +1,6 @@
 use super::{LightImage, Outline, image_integral, outline_integral};
 use crate::oracle::{CapMicrofacets, Random};
-use crate::{Lobe, Microfacets, OWN_NONE, Receiver};
+use crate::{Lobe, Microfacets, Receiver};
 use core::f64::consts::{PI, TAU};
 use glam::{DVec3, UVec2, Vec2, Vec3};
 
@@ -67,7 +67,7 @@ impl Case {
 }
 
 fn receiver(view: DVec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: view.as_vec3(), object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, Vec3::Z, view.as_vec3())
 }
 
 #[test]
@@ -262,7 +262,7 @@ fn a_horizon_through_a_corner_takes_nothing_else() {
     let mut random = Random::new(17);
     for k in 0..2000 {
         let normal = (DVec3::new(0.15, 0.62, 0.77) + random.axis() * 0.1).as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, normal, view);
         let once = outline_integral(&at, lobe, &light);
         let twice = light.above(normal).map_or(0.0, |light| outline_integral(&at, lobe, &light));
         assert!((once - twice).abs() < 1e-3, "{k}: {once} {twice}, {normal}");

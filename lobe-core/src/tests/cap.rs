@@ -361,7 +361,7 @@ fn surfaces_of_lights_see_nothing_of_them() {
         let ball = Sphere { center: random.axis().as_vec3() * 30.0, radius: random.log_uniform(1e-2, 1e2) as f32 };
         let normal = random.axis().as_vec3().normalize();
         let position = ball.center + normal * ball.radius;
-        let at = Receiver { position, normal, face: normal, view: normal, object: OWN_NONE };
+        let at = Receiver::on_surface(position, normal, normal);
         let cone = Cone::of_sphere(position, ball);
         assert!((cone.one_minus_cos - 1.0).abs() < 0.05, "{ball:?} {cone:?}");
         let seen = cap_integral(&at, &Lobe::new(normal, 1.0, Vec3::ONE), &cone);

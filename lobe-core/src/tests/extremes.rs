@@ -26,7 +26,7 @@ fn integrals_are_finite_for_everything() {
     let mut random = Random::new(21);
     for case in 0..60_000 {
         let normal = random.axis().as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
         let mut pick = || EXTREME[(random.bits() % 12) as usize];
         let (e1, e2) = (pick(), pick());
         let (a, b) = (awkward(&mut random, normal), awkward(&mut random, normal));
@@ -51,7 +51,7 @@ fn fractions_stay_between_zero_and_one() {
     let mut sum = VisibilitySum::default();
     for case in 0..30_000 {
         let normal = random.axis().as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
         let pick = |random: &mut Random| EXTREME[(random.bits() % 12) as usize];
         let e = pick(&mut random);
         let axis = awkward(&mut random, normal);

@@ -10,7 +10,7 @@ use obvhs::aabb::Aabb;
 use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
 use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
-use scene::{Doubles, Proxy, Scene, Shape};
+use scene::{Duplicates, Proxy, Scene, Shape};
 
 /// The triangles and the exact spheres of a scene in two hierarchies, kept from frame to frame.
 ///
@@ -128,14 +128,14 @@ fn blocks(scene: &Scene, ball: &Sphere) -> bool {
 
 /// The triangles with an area and the spheres with a radius of all objects that are seen or block; equal meshes and spheres once.
 fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
-    let (mut triangles, mut balls, mut doubles) = (Vec::new(), Vec::new(), Doubles::default());
+    let (mut triangles, mut balls, mut duplicates) = (Vec::new(), Vec::new(), Duplicates::default());
     for (number, object) in scene.objects.iter().enumerate() {
         let visible = object.visible;
         if !visible && object.proxy == Proxy::None {
             continue;
         }
         match &object.shape {
-            Shape::Mesh(mesh) if doubles.is_first_mesh(&scene.objects, number) => {
+            Shape::Mesh(mesh) if duplicates.is_first_mesh(&scene.objects, number) => {
                 for (index, corners) in mesh.triangles.iter().enumerate() {
                     let [a, b, c] = corners.map(|i| Vec3A::from(mesh.positions[i as usize]));
                     let (e1, e2) = (b - a, c - a);
@@ -147,7 +147,7 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
             }
             Shape::Mesh(_) => {}
             Shape::Spheres(spheres) => {
-                let all = spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0 && doubles.is_first(object, s));
+                let all = spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0 && duplicates.is_first(object, s));
                 balls.extend(all.map(|(index, sphere)| Ball {
                     sphere: *sphere,
                     object: number as u32,

@@ -29,7 +29,7 @@ fn run(scene: &Scene, gbuffer: &GBuffer, geometry: Geometry, samples: u32) -> Es
 }
 
 fn at(position: Vec3, normal: Vec3, view: Vec3) -> Receiver {
-    Receiver { position, normal, face: normal, view: view.normalize(), object: 0 }
+    Receiver::on_surface(position, normal, view.normalize()).on_object(0)
 }
 
 fn empty(light: SphereLight, material: Material) -> Scene {

@@ -26,15 +26,15 @@ pub(crate) const BLOCKS_ALIKE: u32 = 1 << 28;
 /// No normals of its own.
 pub(crate) const FLAT: u32 = u32::MAX;
 
-/// Which receivers' shadow rays an object stops.
+/// On which receivers an object casts shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stops {
-    /// Those of none.
+pub enum ShadowCasting {
+    /// On none.
     None,
-    /// Those of all.
+    /// On all.
     #[default]
     All,
-    /// Those of receivers on objects that stop alike: others have other blockers for it, such as shadow maps.
+    /// On receivers of objects that cast alike: others have other blockers for it, such as shadow maps.
     Alike,
 }
 

@@ -21,7 +21,7 @@ var<private> world_stop: u32 = BLOCKS;
 
 // From whom an object hides the light: 0 none, 1 all, 2 receivers on its like.
 fn world_stops(object: u32) -> u32 {
-    if object == OWN_NONE {
+    if object == NO_OBJECT {
         return 0u;
     }
     if nodes[0].count != 0u {

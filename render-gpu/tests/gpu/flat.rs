@@ -7,11 +7,11 @@ use crate::silhouettes::SILHOUETTES;
 use core::f32::consts::TAU;
 use glam::{DVec3, UVec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{AmbientLight, Environment, EnvironmentMap, FlatLight, InsideLight, Light, SphereLight, TubeLight};
+use lighting::{AmbientLight, EnclosedLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, TubeLight};
 use lobe_core::oracle::Random;
 use lobe_core::paper::{ProductTable, Resolution, Tables};
 use lobe_core::{
-    BrdfLobe, LightImage, Lobe, Microfacets, OWN_NONE, Outline, PackedLobe, Receiver, Sphere, outline_integral, wgsl,
+    BrdfLobe, LightImage, Lobe, Microfacets, Outline, PackedLobe, Receiver, Sphere, outline_integral, wgsl,
 };
 use render_cpu::{GBuffer, World};
 use render_gpu::{Gpu, GpuShader, Occlusion};
@@ -64,7 +64,7 @@ fn integrals(gpu: &Gpu) {
         let Some((light, corners, radius)) = outline(&mut random) else { continue };
         let tilt = random.between(0.0, 1.5);
         let view = random.axis_at(DVec3::Z, tilt).as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
         let Some(above) = light.above(at.normal) else { continue };
         let aside = random.axis().as_vec3() * random.log_uniform(0.01, 1.0) as f32;
         let toward = (above.middle().normalize() + aside).normalize();
@@ -162,7 +162,7 @@ fn lit(scene: Scene, light: Light) -> Scene {
 
 /// All shapes at once and a ball, on all kinds of surfaces.
 fn beside_spheres(gpu: &Gpu) {
-    let inside = InsideLight { light: Box::new(disc()), object: 0 }.into();
+    let inside = EnclosedLight { light: Box::new(disc()), object: 0 }.into();
     let ball = SphereLight::new(Sphere { center: Vec3::new(2.0, 3.0, 1.0), radius: 0.3 }, Vec3::splat(20.0)).into();
     let scene = Scene { lights: vec![panel(), disc(), ball, standing(), inside], ..builtin() };
     View::new(scene, 64, 36).compare_spheres(gpu, "flat lights", 0.003, 5);

@@ -3,7 +3,7 @@
 use crate::call::{call, trial};
 use libtest_mimic::Trial;
 use lobe_core::oracle::{self, Random};
-use lobe_core::{Cone, Lobe, Microfacets, OWN_NONE, PackedLobe, Receiver, Sphere, cap_integral, orthonormal_basis};
+use lobe_core::{Cone, Lobe, Microfacets, PackedLobe, Receiver, Sphere, cap_integral, orthonormal_basis};
 use lobe_core::{is_lambert, power, special, sphere_light_irradiance, wgsl};
 use render_gpu::Gpu;
 
@@ -86,7 +86,7 @@ fn special_functions(gpu: &Gpu) {
 }
 
 fn receiver(normal: glam::Vec3) -> Receiver {
-    Receiver { position: glam::Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE }
+    Receiver::on_surface(glam::Vec3::ZERO, normal, normal)
 }
 
 fn cones_and_bases(gpu: &Gpu) {

@@ -8,7 +8,7 @@ use brdf::{
 use glam::{DMat3, Mat3, Quat, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use lobe_core::{BrdfLobe, BrdfLobes, OWN_NONE, PackedLobe, Receiver, orthonormal_basis};
+use lobe_core::{BrdfLobe, BrdfLobes, PackedLobe, Receiver, orthonormal_basis};
 use render_gpu::Gpu;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -125,7 +125,7 @@ fn metallic_roughness(random: &mut Random) -> Material {
 }
 
 fn receiver(normal: Vec3, view: Vec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, normal, view)
 }
 
 /// Views from along the normal to grazing and below the horizon; normals at the poles, where bases turn.
@@ -170,7 +170,7 @@ fn lobes(gpu: &Gpu, packed: &PackedMaterials, materials: usize, receivers: &[Rec
     let binding = "@group(0) @binding(2) var<storage, read> materials: array<u32>;";
     let body = "
         let n = vec3f(x(0), x(1), x(2));
-        let at = Receiver(vec3f(0.0), OWN_NONE, n, u32(x(6)), n, 0u, vec3f(x(3), x(4), x(5)), 0u);
+        let at = Receiver(vec3f(0.0), NO_OBJECT, n, u32(x(6)), n, 0u, vec3f(x(3), x(4), x(5)), 0u);
         var lobe = Lobe();
         if u32(x(7)) < brdf_lobe_count(at.material) { lobe = brdf_lobe(at.material, at, u32(x(7))); }
         y(0, lobe.axis.x); y(1, lobe.axis.y); y(2, lobe.axis.z); y(3, lobe.exponent);

@@ -8,7 +8,7 @@ use brdf::{
 };
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{InsideLight, Light, SphereLight, SpotLight, SunLight};
+use lighting::{EnclosedLight, Light, SphereLight, SpotLight, SunLight};
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, Visibility};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
@@ -279,7 +279,7 @@ fn of_spots_and_suns(gpu: &Gpu) {
     let sun = |degrees| SunLight::new(toward, degrees, Vec3::new(2.0, 1.8, 1.5), world).into();
     // Next to the floor, which it does not light where it is that object's.
     let near = SphereLight::new(Sphere { center: Vec3::new(0.5, 0.3, 1.5), radius: 0.2 }, Vec3::splat(20.0));
-    let inside = |object| InsideLight { light: Box::new(near.into()), object }.into();
+    let inside = |object| EnclosedLight { light: Box::new(near.into()), object }.into();
     for (name, lights) in [
         ("a spot", vec![spot.clone()]),
         ("a sun", vec![sun(3.0)]),

@@ -5,7 +5,7 @@ use brdf::Material;
 use glam::{Mat3, Mat4, Quat, Vec3};
 use libtest_mimic::Trial;
 use lighting::SphereLight;
-use lobe_core::{Accuracy, OWN_NONE, Receiver, SelfShadow, Sphere};
+use lobe_core::{Accuracy, Receiver, SelfShadow, Sphere};
 use render_gpu::{Gpu, GpuError, GpuPose, GpuShader, Occlusion};
 use scene::{Frame, Shade, ShadingPoints};
 use sphere_sets::{BoundSet, BuildOptions, Carriers, SphereRig, SphereRigPart, SphereSet};
@@ -246,7 +246,7 @@ fn moves_shadows(gpu: &Gpu) {
     let floor = |i: usize| {
         let (x, z) = ((i % 32) as f32 * 0.2 - 3.1, (i / 32) as f32 * 0.2 - 3.1);
         let normal = Vec3::Y;
-        Receiver { position: Vec3::new(x, -1.0, z), normal, face: normal, view: normal, object: OWN_NONE }
+        Receiver::on_surface(Vec3::new(x, -1.0, z), normal, normal)
     };
     let points = ShadingPoints { receivers: (0..1024).map(floor).collect(), materials: vec![0; 1024] };
     let materials = [Material::lambert(Vec3::ONE)];

@@ -109,6 +109,6 @@ fn a_receiver_has_rusts_layout() {
 
 #[test]
 fn constants_are_rusts() {
-    assert_eq!(lobe_core::OWN_NONE, u32::MAX);
-    assert!(wgsl::GEOMETRY.contains("const OWN_NONE = 0xffffffffu;"));
+    assert_eq!(lobe_core::NO_OBJECT, u32::MAX);
+    assert!(wgsl::GEOMETRY.contains("const NO_OBJECT = 0xffffffffu;"));
 }

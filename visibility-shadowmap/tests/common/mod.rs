@@ -131,7 +131,7 @@ impl Mesh {
 
 /// A receiver that faces along `normal`.
 pub(crate) fn receiver(position: Vec3, normal: Vec3) -> Receiver {
-    Receiver { position, normal, face: normal, view: normal, object: 0 }
+    Receiver::on_surface(position, normal, normal).on_object(0)
 }
 
 /// Share of the light's disc that the strategy leaves.
