@@ -136,7 +136,7 @@ fn by_spheres(set: &BlockerSet) -> MaskVisibility<SphereBlockers> {
 /// A square of the floor that holds the shadow.
 fn floor(scene: &Scene) -> ShadingPoints {
     let bounds = scene.objects[1].shape.bounds();
-    let (light, ground) = (scene.lights[0].ball().unwrap_or_default().center, scene.objects[0].shape.bounds().max.y);
+    let (light, ground) = (scene.lights[0].sphere().unwrap_or_default().center, scene.objects[0].shape.bounds().max.y);
     // The light's centre projects the corners of the box to these points of the floor.
     let mut region = scene::Bounds::EMPTY;
     for i in 0..8 {

@@ -117,7 +117,7 @@ fn metals_reflect_as_much_as_ggx_with_its_highlight() {
         for (degrees, limits) in allowed {
             let at = receiver(degrees);
             let view = at.view.as_dvec3().normalize();
-            let lobes: Vec<_> = metal.lobes(&at, false).collect();
+            let lobes: Vec<_> = metal.cosines(&at).collect();
             let sum = |l: DVec3| lobes.iter().map(|f| f64::from(f.eval(l.as_vec3()).x)).sum::<f64>();
             let true_value = |l: DVec3| printed(1.0, 1.0, f64::from(roughness), view, l);
             let both = integrate(view, |l| {
@@ -176,7 +176,7 @@ fn coated_materials_never_reflect_more_than_they_get() {
             for degrees in [0.0, 45.0, 80.0, 89.0] {
                 let at = receiver(degrees);
                 let view = at.view.as_dvec3().normalize();
-                let lobes: Vec<_> = material.lobes(&at, false).collect();
+                let lobes: Vec<_> = material.cosines(&at).collect();
                 if roughness == 0.0 {
                     // Too narrow for the quadrature; all of it is above the horizon, but at 89°.
                     let all: f32 = lobes.iter().map(|f| f.flux.x).sum();
@@ -199,29 +199,29 @@ fn coated_materials_never_reflect_more_than_they_get() {
     }
 }
 
-/// Other coats reflect by their own index, in both forms of lobes, and the base below gets what is left.
+/// Other coats reflect by their own index, as cosine lobes and as microfacets, and the base below gets what is left.
 #[test]
 fn coats_of_other_indices() {
     let plastic = MetallicRoughness::new(Vec3::splat(0.5), 0.0, 0.4).unwrap();
     let at = receiver(30.0);
     // Rows that are there must not stay.
-    assert!(plastic.lobes(&at, false).count() > 1);
-    let flux = |m: &MetallicRoughness, takes: bool| -> (f32, f32) {
-        let lobes: Vec<_> = m.lobes(&at, takes).collect();
+    assert!(plastic.cosines(&at).count() > 1);
+    let flux = |m: &MetallicRoughness| -> (f32, f32) {
+        let lobes: Vec<_> = m.cosines(&at).collect();
         (lobes[0].flux.x, lobes[1..].iter().map(|lobe| lobe.flux.x).sum())
     };
-    let mut last = flux(&plastic, false);
+    let mut last = flux(&plastic);
     for (f0, f90) in [(0.1, 1.0), (0.25, 1.0), (0.6, 1.0)] {
         let coated = plastic.clone().with_coat(Vec3::splat(f0), f90).unwrap();
-        let now = flux(&coated, false);
+        let now = flux(&coated);
         assert!(now.0 < last.0 && now.1 > last.1, "{f0}: {now:?} after {last:?}");
         last = now;
     }
     // No coat at all: a diffuse surface.
     let bare = plastic.clone().with_coat(Vec3::ZERO, 0.0).unwrap();
-    for takes in [false, true] {
-        assert_eq!(flux(&bare, takes), (0.5, 0.0));
-    }
+    assert_eq!(flux(&bare), (0.5, 0.0));
+    let lobes: Vec<_> = bare.lobes(&at).map(|lobe| lobe.flux().x).collect();
+    assert_eq!(lobes, [0.5, 0.0, 0.0]);
     let l = DVec3::new(0.3, 0.2, 0.9).normalize().as_vec3();
     let diffuse = Material::lambert(Vec3::splat(0.5));
     assert!((bare.eval(&at, l) - diffuse.eval(&at, l)).length() < 1e-6);

@@ -239,7 +239,7 @@ impl LightLobes for FlatLight {
     }
 
     fn bounds_from(&self, _: &Sphere) -> Sphere {
-        Outline::ball_around(self.bounds)
+        Outline::sphere_around(self.bounds)
     }
 
     fn image(&self) -> Option<&LightImage> {

@@ -5,7 +5,7 @@ use glam::Vec3;
 use lobe_core::gpu::GpuLight;
 use lobe_core::{LightLobes as _, Outline, Sphere};
 
-/// `frame.shape[1].w` says which kind a light is: of those that are cones, 0 for a ball.
+/// `frame.shape[1].w` says which kind a light is: of those that are cones, 0 for a sphere.
 const SPOT: f32 = 1.0;
 const SUN: f32 = 2.0;
 const INSIDE: f32 = 3.0;
@@ -37,8 +37,8 @@ impl GpuLight for Light {
         if lights.iter().any(|light| light.gpu_roundness().is_some()) {
             return Ok(IN_A_PLANE);
         }
-        let is_ball = |light: &&Self| matches!(light, Self::Sphere(_));
-        Ok(if lights.iter().all(is_ball) { [SphereLight::NAME, SphereLight::WGSL] } else { [Self::NAME, Self::WGSL] })
+        let is_sphere = |light: &&Self| matches!(light, Self::Sphere(_));
+        Ok(if lights.iter().all(is_sphere) { [SphereLight::NAME, SphereLight::WGSL] } else { [Self::NAME, Self::WGSL] })
     }
 
     fn gpu_roundness(&self) -> Option<f32> {
@@ -53,7 +53,7 @@ impl GpuLight for Light {
 
     fn gpu_bounds(&self) -> Sphere {
         match self {
-            Self::Flat(_) | Self::Tube(_) => Outline::ball_around(self.bounds()),
+            Self::Flat(_) | Self::Tube(_) => Outline::sphere_around(self.bounds()),
             Self::Enclosed(light) => light.light.gpu_bounds(),
             light => light.bounds(),
         }

@@ -9,7 +9,7 @@ use lobe_core::{LightImage, LightLobes, Receiver, SeenLight, Sphere, Tile, TileL
 #[expect(clippy::large_enum_variant, reason = "a scene has few lights, and they are copied once a frame")]
 #[non_exhaustive]
 pub enum Light {
-    /// A ball.
+    /// A sphere.
     Sphere(SphereLight),
     /// A rectangle, disc or convex polygon.
     Flat(FlatLight),
@@ -17,7 +17,7 @@ pub enum Light {
     Tube(TubeLight),
     /// A light at infinity.
     Sun(SunLight),
-    /// A ball that shines into a cone.
+    /// A sphere that shines into a cone.
     Spot(SpotLight),
     /// A part of an environment.
     Sky(SkyLight),
@@ -58,27 +58,27 @@ impl Light {
         }
     }
 
-    /// The ball that it is, for all receivers alike; none where it is none.
+    /// The sphere that it is, for all receivers alike; none where it is none.
     #[must_use]
-    pub fn ball(&self) -> Option<Sphere> {
+    pub fn sphere(&self) -> Option<Sphere> {
         match self {
-            Self::Sphere(light) => Some(light.ball),
-            Self::Spot(light) => Some(light.light.ball),
-            Self::Enclosed(light) => light.light.ball(),
+            Self::Sphere(light) => Some(light.sphere),
+            Self::Spot(light) => Some(light.light.sphere),
+            Self::Enclosed(light) => light.light.sphere(),
             _ => None,
         }
     }
 
-    /// Whether a ball's surface is the light's, to a thousandth of its radius: a ball that makes the light visible does not hide it.
+    /// Whether a sphere's surface is the light's, to a thousandth of its radius: a sphere that makes the light visible does not hide it.
     #[must_use]
-    pub fn is_shown_by(&self, ball: &Sphere) -> bool {
-        self.ball().is_some_and(|light| {
+    pub fn is_shown_by(&self, sphere: &Sphere) -> bool {
+        self.sphere().is_some_and(|light| {
             let slack = 1e-3 * light.radius;
-            (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
+            (sphere.radius - light.radius).abs() <= slack && (sphere.center - light.center).length() <= slack
         })
     }
 
-    /// The ball, to be changed, where it is one that shines to all sides.
+    /// The sphere, to be changed, where it is one that shines to all sides.
     pub const fn as_sphere_mut(&mut self) -> Option<&mut SphereLight> {
         match self {
             Self::Sphere(light) => Some(light),
@@ -149,14 +149,14 @@ from!(
 
 /// A light inside an object whose surface it stands for: it does not light that object.
 ///
-/// A ball in place of a faceted mesh is above its surface here and below it there; what that surface got of it would be noise.
+/// A sphere in place of a faceted mesh is above its surface here and below it there; what that surface got of it would be noise.
 ///
 /// ```
 /// use glam::Vec3;
 /// use lighting::{EnclosedLight, SphereLight};
 /// use lobe_core::{LightLobes, Receiver, Sphere};
-/// let ball = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::ONE);
-/// let light = EnclosedLight { light: Box::new(ball.into()), object: 3 };
+/// let sphere = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::ONE);
+/// let light = EnclosedLight { light: Box::new(sphere.into()), object: 3 };
 /// let at = Receiver::on_surface(Vec3::Z * 0.99, Vec3::Z, Vec3::Z).on_object(3);
 /// assert_eq!(light.radiance(&at), Vec3::ZERO);
 /// assert_eq!(light.radiance(&Receiver { object: 2, ..at }), Vec3::ONE);

@@ -1,4 +1,4 @@
-// Balls, spots, suns, balls inside an object and ambient light, as `Light`. `frame.shape[1].w` says which: 0, 1, 2, 3, 4.
+// Spheres, spots, suns, spheres inside an object and ambient light, as `Light`. `frame.shape[1].w` says which: 0, 1, 2, 3, 4.
 // Needs frame.wgsl of render-gpu and lobe-core's geometry.
 
 fn light_cone(at: Receiver) -> Cone {

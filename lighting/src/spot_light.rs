@@ -2,7 +2,7 @@ use crate::SphereLight;
 use glam::{Mat4, Vec3};
 use lobe_core::{LightLobes, Receiver, SeenLight, Sphere};
 
-/// A ball of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
+/// A sphere of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
 /// between the spot's axis and the direction from the light's middle to the receiver (as KHR_lights_punctual has it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
@@ -18,7 +18,7 @@ impl SpotLight {
     /// The angular falloff: the part of the radiance that reaches a point.
     #[must_use]
     pub fn falloff(&self, position: Vec3) -> f32 {
-        let cos = self.axis.dot((position - self.light.ball.center).normalize_or_zero());
+        let cos = self.axis.dot((position - self.light.sphere.center).normalize_or_zero());
         let [inner, outer] = self.cos;
         let part = ((cos - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
         part * part
@@ -34,7 +34,7 @@ impl SpotLight {
 
 impl LightLobes for SpotLight {
     fn bounds(&self) -> Sphere {
-        self.light.ball
+        self.light.sphere
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {

@@ -76,7 +76,7 @@ fn caps(c: &mut Criterion) {
         }
         let (mut tile, mut light, mut lobes) = (Tile::default(), TileLight::default(), TileLobes::default());
         tile.set(&at);
-        light.ball(&tile, Sphere { center: Vec3::ZERO, radius: 6.0_f32.to_radians().sin() }, Vec3::ONE);
+        light.sphere(&tile, Sphere { center: Vec3::ZERO, radius: 6.0_f32.to_radians().sin() }, Vec3::ONE);
         lobes.reset(&tile, 1);
         for (k, lobe) in own.iter().enumerate() {
             set_row(lobes.block_mut(0, k / WIDTH), k % WIDTH, &bytemuck::cast(PackedLobe::from(*lobe)));

@@ -98,10 +98,10 @@ pub trait GpuLight: LightLobes {
         None
     }
 
-    /// What `frame.light` holds: a ball around the light and, of one with an outline, around windows on it.
+    /// What `frame.light` holds: a sphere around the light and, of one with an outline, around windows on it.
     fn gpu_bounds(&self) -> Sphere {
         match self.gpu_roundness() {
-            Some(_) => Outline::ball_around(self.bounds()),
+            Some(_) => Outline::sphere_around(self.bounds()),
             None => self.bounds(),
         }
     }
@@ -191,7 +191,7 @@ pub enum GpuRun {
 ///   of them call it: there may be barriers and workgroup memory;
 /// - where [`has_edges`](Self::has_edges), of the same: `fn NAME_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f`, a thread's part of the
 ///   sum of edges, and of that of four times the angles of straight ones (or 0);
-/// - for use where [`asks_any_hit`](Self::asks_any_hit), of a scene's triangles and balls: `any_hit(origin: vec3f, direction: vec3f, distance: f32)
+/// - for use where [`asks_any_hit`](Self::asks_any_hit), of a scene's triangles and spheres: `any_hit(origin: vec3f, direction: vec3f, distance: f32)
 ///   -> bool`, whether one lies on a ray; `any_hit_cone(origin: vec3f, cone: Cone, face: vec3f) -> bool`, false only where no ray meets any that
 ///   leaves into the cone, on the side of `face` of the plane through the origin (or 0: all), up to the light; `any_hit_leave(at: Receiver) -> vec3f`,
 ///   where rays start that leave a receiver; `any_hit_of(object: u32)`, said before the rays of a receiver on an object where the scene knows objects

@@ -13,7 +13,7 @@
 //! let world = World::new(&scene);
 //! let points = GBuffer::new(&world, 32, 18, 1);
 //! let at = &points.points.receivers[0];
-//! let light = scene.lights[0].ball().expect("a sphere").center - at.position;
+//! let light = scene.lights[0].sphere().expect("a sphere").center - at.position;
 //! let hidden = world.occluded(world.leave(at.position, at.face), light.normalize(), light.length());
 //! assert!(!hidden && !points.is_empty());
 //! ```

@@ -60,9 +60,9 @@ impl<'l> Area<'l> {
     pub(crate) fn of(light: &'l Light, position: Vec3) -> Option<(Sphere, Option<Self>)> {
         let plain = |shape| Some(Self { shape, shown: None });
         Some(match light {
-            Light::Sphere(light) => (light.ball, None),
-            Light::Spot(light) => (light.light.ball, None),
-            Light::Sun(light) | Light::Sky(SkyLight::Sun(light)) => (light.ball_from(position), None),
+            Light::Sphere(light) => (light.sphere, None),
+            Light::Spot(light) => (light.light.sphere, None),
+            Light::Sun(light) | Light::Sky(SkyLight::Sun(light)) => (light.sphere_from(position), None),
             Light::Enclosed(inside) => return Self::of(&inside.light, position),
             Light::Ambient(_) => (Sphere { center: position, radius: 1.0 }, None),
             Light::Tube(light) => (light.bounds(), plain(Shape::of_tube(light, position))),

@@ -47,7 +47,7 @@ fn points(side: usize) -> ShadingPoints {
     points
 }
 
-/// A ball of spheres, of the same coverage for every count.
+/// A sphere of spheres, of the same coverage for every count.
 fn blob(count: usize) -> Vec<Sphere> {
     let radius = 0.7 * (count as f32).powf(-1.0 / 3.0);
     let one = |i: usize| {

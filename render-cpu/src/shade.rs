@@ -177,7 +177,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         stats.restart();
         let Memory { tile, lobes, cones, integrals, lit, scratch, integration } = memory;
         tile.set(receivers);
-        let (ball, half_extent) = tile.bounds();
+        let (sphere, half_extent) = tile.bounds();
         // A facet under a smooth normal may hide the light that nothing else does.
         let is_bent = receivers.iter().any(|at| at.face != at.normal);
         I::reflectance(frame.materials, materials, receivers, tile, lobes);
@@ -190,7 +190,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             }
             stats.lap(1);
             let (id, accuracy) = (LightId(l as u32), frame.accuracy);
-            let shaft = Shaft::new(ball, light.bounds_from(&ball), id).in_box(half_extent);
+            let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id).in_box(half_extent);
             // Of receivers that all face away from the light none is asked about.
             let any =
                 !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);

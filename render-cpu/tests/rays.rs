@@ -95,13 +95,13 @@ fn lit_points_cost_nothing() {
     let world = World::new(&scene);
     let visibility = MaskVisibility::new(RayBlockers::new(&world));
     let mut scratch = visibility.scratch();
-    let mut ask = |x: f32, ball: Sphere, entered: bool| {
+    let mut ask = |x: f32, sphere: Sphere, entered: bool| {
         let at = Receiver::on_surface(Vec3::new(x, 0.0, 0.3), Vec3::Y, Vec3::Y).on_object(0);
         if entered {
             let receivers = Sphere { center: at.position, radius: 0.05 };
-            visibility.enter(&Shaft::new(receivers, ball, LightId(0)), &mut scratch);
+            visibility.enter(&Shaft::new(receivers, sphere, LightId(0)), &mut scratch);
         }
-        let cone = Cone::of_sphere(at.position, ball);
+        let cone = Cone::of_sphere(at.position, sphere);
         let before = visibility.blockers().rays();
         let coverage =
             visibility.coverage(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);

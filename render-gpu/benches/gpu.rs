@@ -33,7 +33,7 @@ fn points(side: usize) -> ShadingPoints {
     points
 }
 
-/// A ball of spheres, of the same coverage for every count.
+/// A sphere of spheres, of the same coverage for every count.
 fn blob(count: usize) -> Vec<Sphere> {
     let radius = 0.7 * (count as f32).powf(-1.0 / 3.0);
     let one = |i: usize| {
@@ -107,8 +107,8 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let lights = lights(1);
     let cube = Mesh::cuboid(Vec3::Y * 0.8, Vec3::splat(0.9));
     let options = MapOptions { resolution: 1024, ..MapOptions::default() };
-    let map =
-        ShadowMap::build(&cube.positions, &cube.triangles, lights[0].ball().expect("a ball"), &options).expect("a map");
+    let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].sphere().expect("a ball"), &options)
+        .expect("a map");
     let maps = ShadowMapBlockers::new(vec![map]).pack();
     let scene = Scene {
         surfaces: Vec::new(),

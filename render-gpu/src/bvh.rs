@@ -6,7 +6,7 @@ mod tree;
 
 pub use self::primitive::ShadowCasting;
 #[cfg(test)]
-pub(crate) use self::primitive::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, VISIBLE};
+pub(crate) use self::primitive::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, SPHERE, VISIBLE};
 #[cfg(test)]
 pub(crate) use self::tree::GpuNode;
 
@@ -20,7 +20,7 @@ use wgpu::BufferUsages;
 /// Stacks of kernels are multiples of this.
 const STACK_STEP: u32 = 32;
 
-/// The geometry of a scene on a GPU, ready for rays: triangles and exact balls in one hierarchy of two children a node.
+/// The geometry of a scene on a GPU, ready for rays: triangles and exact spheres in one hierarchy of two children a node.
 ///
 /// Holds what `render_cpu::World` holds, by the same rules: the objects that the camera sees and those that block light;
 /// no triangles without area. The kernels know them in units that bring the scene's size to about 2²⁰.
@@ -108,7 +108,7 @@ impl GpuWorld {
         self.uploaded
     }
 
-    /// Number of triangles and balls.
+    /// Number of triangles and spheres.
     #[must_use]
     pub fn primitive_count(&self) -> usize {
         self.tree.as_ref().map_or(0, Tree::primitive_count)

@@ -159,7 +159,7 @@ const PAIRS: &[Pair] = &[
     ("render-gpu/src/kernels/bvh.wgsl", "BVH_EDGE", Is("ray-tracing/src/world/primitive.rs", "EDGE")),
     ("render-gpu/src/kernels/bvh.wgsl", "WIDEST", Is("ray-tracing/src/world/packet.rs", "WIDEST")),
     ("render-gpu/src/kernels/bvh.wgsl", "CLOSE", Is("ray-tracing/src/world/primitive.rs", "CLOSE")),
-    ("render-gpu/src/kernels/bvh.wgsl", "CLOSE_TO_BALL", Is("ray-tracing/src/world/primitive.rs", "CLOSE_TO_BALL")),
+    ("render-gpu/src/kernels/bvh.wgsl", "CLOSE_TO_SPHERE", Is("ray-tracing/src/world/primitive.rs", "CLOSE_TO_SPHERE")),
     ("render-gpu/src/kernels/any_hit.wgsl", "BLUR", Is("ray-tracing/src/world/query.rs", "BLUR")),
     ("visibility-rays/src/rays_splat.wgsl", "GRAZING", Is("visibility-rays/src/rays.rs", "GRAZING")),
 ];

@@ -113,7 +113,7 @@ impl<'a> FrameBlockers<'a> {
                 // All that blocks is before the sky, whose ball may hold the scene.
                 Light::Sky(_) => None,
                 light if is_flat => Some(light.gpu_bounds()),
-                light => light.ball(),
+                light => light.sphere(),
             };
             let triangles = ball.filter(|ball| ball.radius > 0.0).map(meeting).unwrap_or_default();
             if !is_flat && !triangles.is_empty() {

@@ -55,7 +55,7 @@ impl Plan {
             let Shape::Mesh(mesh) = &object.shape else { return false };
             // A map is seen from a ball's middle.
             let shows = |light: &Light| {
-                light.ball().is_some_and(|ball| ShadowMap::shows(&mesh.positions, &mesh.triangles, ball))
+                light.sphere().is_some_and(|ball| ShadowMap::shows(&mesh.positions, &mesh.triangles, ball))
             };
             self.objects[o] == Strategy::ShadowMap && scene.lights.iter().all(shows)
         };
@@ -192,7 +192,7 @@ impl Plan {
 
 /// The sphere that a light's shadow map is drawn for. No object is in the map of a light that is no sphere.
 pub(crate) fn map_sphere(light: &Light) -> Sphere {
-    light.ball().unwrap_or_else(|| light.bounds())
+    light.sphere().unwrap_or_else(|| light.bounds())
 }
 
 /// Shadow maps whose resolution was reduced, since the device has no room for what the lights want.

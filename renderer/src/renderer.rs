@@ -351,7 +351,7 @@ impl Renderer {
 
 /// Whether the lights are those that a method is for.
 pub(crate) fn check_method(method: Method, lights: &[Light]) -> Result<(), RenderError> {
-    let other = lights.iter().enumerate().find(|(_, light)| light.ball().is_none());
+    let other = lights.iter().enumerate().find(|(_, light)| light.sphere().is_none());
     let (Method::Paper, Some((i, light))) = (method, other) else { return Ok(()) };
     // As scene files call them.
     let kind = match light.kind() {

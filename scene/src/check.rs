@@ -145,9 +145,9 @@ fn check_emission(number: usize, surface: &Surface) -> Result<(), SceneError> {
 /// Where a light is, and how large.
 fn check_place(light: &Light) -> Result<(), SceneError> {
     match light {
-        Light::Sphere(light) => check_balls(&[light.ball]),
+        Light::Sphere(light) => check_balls(&[light.sphere]),
         Light::Spot(spot) => {
-            check_balls(&[spot.light.ball])?;
+            check_balls(&[spot.light.sphere])?;
             check_direction("axis", spot.axis)?;
             let [inner, outer] = spot.cos;
             if (-1.0..=1.0).contains(&outer) && (outer..=1.0).contains(&inner) {

@@ -40,7 +40,7 @@ fn the_example_is_a_valid_scene_with_every_key() {
     assert_eq!(scene.objects.len(), 6);
     assert_eq!(scene.lights.len(), 37);
     // Φ = 4π²·L·Σr² of the three spheres.
-    let flux = |l: &Light| l.full_radiance().x * l.ball().expect("a ball").radius.powi(2);
+    let flux = |l: &Light| l.full_radiance().x * l.sphere().expect("a ball").radius.powi(2);
     let flux: f32 = scene.lights[2..5].iter().map(flux).sum::<f32>();
     assert!((flux * 4.0 * std::f32::consts::PI.powi(2) - 30.0).abs() < 1e-3);
     let crate_box = &scene.objects[4];
@@ -399,7 +399,7 @@ fn emission_lights_where_it_is_asked_for() {
     assert_eq!(faces.len(), 6);
     assert!(faces.iter().all(|l| l.kind() == "flat" && l.full_radiance() == Vec3::new(2.0, 1.0, 0.0)));
     let ball = lights(&text("sphere = { center = [0, 3, 0], radius = 0.5 }", "[1, 1, 1]", ""));
-    assert_eq!(ball[0].ball().map(|b| b.radius), Some(0.5));
+    assert_eq!(ball[0].sphere().map(|b| b.radius), Some(0.5));
     assert!(lights(&text(cube, "[1, 1, 1]", "").replace("true", "false")).is_empty());
     // A sphere at a light shows it only with an emission of its own: the light does not light its surface.
     for (emission, count) in [("[1, 1, 1]", 0), ("[0, 0, 0]", 1)] {

@@ -32,7 +32,7 @@ fn holds(set: &SphereSet, p: Vec3) -> bool {
 }
 
 #[test]
-fn one_sphere_for_a_ball_is_the_ball() {
+fn one_sphere_for_a_sphere_is_the_sphere() {
     let set = build(&ball(16), &few(1));
     let [Sphere { center, radius }] = set.spheres[..] else { panic!("{} spheres", set.spheres.len()) };
     // The polyhedron lies between radii 1 and cos(edge/2) ≈ 0.996; a view's subpixel is 0.01 of the radius.

@@ -10,8 +10,8 @@ use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlock
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 4.6, 0.5), radius: 0.5 };
 
-/// A ball of triangles over the floor.
-fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+/// A sphere of triangles over the floor.
+fn sphere() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     const N: u32 = 32;
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for j in 0..=N {
@@ -31,7 +31,7 @@ fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 fn maps(c: &mut Criterion) {
-    let (positions, triangles) = ball();
+    let (positions, triangles) = sphere();
     let receivers = ReceiverBounds { min: Vec3::new(-2.0, -0.01, -2.0), max: Vec3::new(2.0, 0.01, 2.0) };
     let position = Vec3::new(-0.55, 0.0, -0.1);
     let at = Receiver::on_surface(position, Vec3::Y, Vec3::Y);

@@ -257,8 +257,8 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                     let (mut lit, mut pen, mut quads, mut time) = ((0, 0), (0, 0), 0, 0.0);
                     for (at, truth, contact) in &chosen {
                         let cone = Cone::of_sphere(at.position, light);
-                        let ball = Sphere { center: at.position, radius: 0.0 };
-                        blockers.enter(&Shaft::new(ball, light, LightId(0)), &mut scratch);
+                        let sphere = Sphere { center: at.position, radius: 0.0 };
+                        blockers.enter(&Shaft::new(sphere, light, LightId(0)), &mut scratch);
                         let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
                         let before = scratch.counts();
                         let mut run = |scratch: &mut ShadowMapScratch| {

@@ -123,9 +123,9 @@ fn full_cover_is_exactly_dark() {
         }
     }
     // Tilted, curved, and tessellated: no cracks.
-    let ball = Mesh::default().sphere(Vec3::new(0.0, 2.0, 0.0), 1.5, 40);
+    let sphere = Mesh::default().sphere(Vec3::new(0.0, 2.0, 0.0), 1.5, 40);
     for resolution in [32, 128, 512, 2048] {
-        let blockers = blockers(&ball, LIGHT, resolution);
+        let blockers = blockers(&sphere, LIGHT, resolution);
         let mut scratch = blockers.scratch();
         for at in floor_points(100, 0.8, 5) {
             assert_eq!(share(&blockers, &mut scratch, &at, LIGHT), 0.0, "{at:?} {resolution}");

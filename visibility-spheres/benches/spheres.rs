@@ -10,7 +10,7 @@ use visibility_spheres::SphereBlockers;
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 4.6, 0.5), radius: 0.5 };
 
-/// A ball of spheres over the floor, of the same coverage for every count.
+/// A sphere of spheres over the floor, of the same coverage for every count.
 fn blob(count: usize) -> Vec<Sphere> {
     let radius = 0.7 * (count as f32).powf(-1.0 / 3.0);
     let one = |i: usize| {

@@ -16,10 +16,10 @@ pub struct BlockerSphere {
     pub center: [f32; 3],
     /// Radius.
     pub radius: f32,
-    /// The ball that receivers of its own object see from inside it ([`SelfShadow`](lobe_core::SelfShadow)): from the centre
-    /// to that ball's.
+    /// The sphere that receivers of its own object see from inside it ([`SelfShadow`](lobe_core::SelfShadow)): from the centre
+    /// to that sphere's.
     pub own_offset: [f32; 3],
-    /// Radius of that ball.
+    /// Radius of that sphere.
     pub own_radius: f32,
     /// Number of the object that it stands for.
     pub object: u32,

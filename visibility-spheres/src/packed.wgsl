@@ -2,7 +2,7 @@
 struct BlockerSphere {
     center: vec3f,
     radius: f32,
-    // The ball that receivers of its own object see from inside it: from the centre to that ball's, radius, and how far away a
+    // The sphere that receivers of its own object see from inside it: from the centre to that sphere's, radius, and how far away a
     // ray must leave it to be blocked.
     own_offset: vec3f,
     own_radius: f32,

@@ -92,7 +92,7 @@ pub fn cap_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, cone: &Cone) -> f3
 /// let gloss = Lobe::new(Vec3::new(0.0, 0.5, 0.86).normalize(), 40.0, Vec3::ONE);
 /// let (mut tile, mut light, mut lobes, mut out) = Default::default();
 /// Tile::set(&mut tile, &[at]);
-/// TileLight::ball(&mut light, &tile, Sphere { center: Vec3::new(0.0, 1.2, 1.6), radius: 0.3 }, Vec3::ONE);
+/// TileLight::sphere(&mut light, &tile, Sphere { center: Vec3::new(0.0, 1.2, 1.6), radius: 0.3 }, Vec3::ONE);
 /// TileLobes::reset(&mut lobes, &tile, 1);
 /// set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(PackedLobe::from(gloss)));
 /// cap_integrals(&light, &lobes, &mut out);

@@ -34,14 +34,14 @@ impl Default for LightLimits {
 /// use glam::Vec3;
 /// use lobe_core::conformance::{LightLimits, check_light};
 /// # use lobe_core::*;
-/// # struct Ball(Sphere);
-/// # impl LightLobes for Ball {
+/// # struct Sphere64(Sphere);
+/// # impl LightLobes for Sphere64 {
 /// #     fn bounds(&self) -> Sphere { self.0 }
 /// #     fn seen_from(&self, at: &Receiver) -> SeenLight {
 /// #         SeenLight::of_cone(Cone::of_sphere(at.position, self.0), Vec3::ONE)
 /// #     }
 /// # }
-/// let lamp = Ball(Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 });
+/// let lamp = Sphere64(Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 });
 /// check_light(&lamp, &LightLimits::default()).unwrap();
 /// ```
 pub fn check_light(light: &impl LightLobes, limits: &LightLimits) -> Result<(), Report> {
@@ -49,7 +49,7 @@ pub fn check_light(light: &impl LightLobes, limits: &LightLimits) -> Result<(), 
     let bounds = light.bounds();
     run.ensure(
         bounds.radius >= 0.0 && bounds.center.is_finite() && bounds.radius.is_finite(),
-        "bounds are a ball",
+        "bounds are a sphere",
         || format!("{bounds:?}"),
     );
     let mut receivers = Vec::new();

@@ -358,16 +358,16 @@ fn the_tail_of_a_lobe_is_right_too() {
 fn surfaces_of_lights_see_nothing_of_them() {
     let mut random = oracle::Random::new(5);
     for _ in 0..10_000 {
-        let ball = Sphere { center: random.axis().as_vec3() * 30.0, radius: random.log_uniform(1e-2, 1e2) as f32 };
+        let sphere = Sphere { center: random.axis().as_vec3() * 30.0, radius: random.log_uniform(1e-2, 1e2) as f32 };
         let normal = random.axis().as_vec3().normalize();
-        let position = ball.center + normal * ball.radius;
+        let position = sphere.center + normal * sphere.radius;
         let at = Receiver::on_surface(position, normal, normal);
-        let cone = Cone::of_sphere(position, ball);
-        assert!((cone.one_minus_cos - 1.0).abs() < 0.05, "{ball:?} {cone:?}");
+        let cone = Cone::of_sphere(position, sphere);
+        assert!((cone.one_minus_cos - 1.0).abs() < 0.05, "{sphere:?} {cone:?}");
         let seen = cap_integral(&at, &Lobe::new(normal, 1.0, Vec3::ONE), &cone);
-        assert!(seen < 2e-3, "{ball:?}: {seen}");
+        assert!(seen < 2e-3, "{sphere:?}: {seen}");
     }
-    let ball = Sphere { center: Vec3::ZERO, radius: 2.0 };
-    let of = |x: f32| Cone::of_sphere(Vec3::X * x, ball).one_minus_cos;
+    let sphere = Sphere { center: Vec3::ZERO, radius: 2.0 };
+    let of = |x: f32| Cone::of_sphere(Vec3::X * x, sphere).one_minus_cos;
     assert_eq!((of(0.0), of(1.99), of(1.9981), of(2.0)), (2.0, 2.0, 1.0, 1.0));
 }

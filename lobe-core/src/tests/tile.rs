@@ -24,7 +24,7 @@ fn small_lights_at_the_horizon_of_a_tile() {
         (Tile::default(), TileLight::default(), TileLobes::default(), Vec::new());
     for (at, (radius, _)) in at.iter().zip(&centers) {
         tile.set(core::slice::from_ref(at));
-        light.ball(&tile, Sphere { center: Vec3::ZERO, radius: *radius }, Vec3::ONE);
+        light.sphere(&tile, Sphere { center: Vec3::ZERO, radius: *radius }, Vec3::ONE);
         lobes.reset(&tile, 1);
         set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(PackedLobe::from(Lobe::new(Vec3::Z, 1.0, Vec3::ONE))));
         cap_integrals(&light, &lobes, &mut out);
@@ -128,24 +128,24 @@ fn pairs_of_microfacets_are_the_single_ones_on_every_machine() {
 }
 
 #[test]
-fn cones_and_balls_of_tiles_are_the_single_ones() {
+fn cones_and_spheres_of_tiles_are_the_single_ones() {
     let mut random = Random::new(26);
     for count in [0, 1, 16, 63, 64, 200] {
         let mut point = || random.axis().as_vec3() * random.log_uniform(1e-3, 1e3) as f32;
         let at: Vec<Receiver> = (0..count).map(|_| Receiver { position: point(), ..receiver(DVec3::Z) }).collect();
         let mut tile = Tile::default();
         tile.set(&at);
-        let (ball, half_extent) = tile.bounds();
-        let is_in_box = |p: Vec3| (p - ball.center).abs().cmple(half_extent).all();
-        assert!(at.iter().all(|at| at.position.distance(ball.center) <= ball.radius && is_in_box(at.position)));
-        let mut balls = vec![Sphere { center: point(), radius: 0.5 }, Sphere { center: point(), radius: 0.0 }];
-        balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.3 }));
-        balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.0 }));
-        for ball in balls {
+        let (sphere, half_extent) = tile.bounds();
+        let is_in_box = |p: Vec3| (p - sphere.center).abs().cmple(half_extent).all();
+        assert!(at.iter().all(|at| at.position.distance(sphere.center) <= sphere.radius && is_in_box(at.position)));
+        let mut spheres = vec![Sphere { center: point(), radius: 0.5 }, Sphere { center: point(), radius: 0.0 }];
+        spheres.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.3 }));
+        spheres.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.0 }));
+        for sphere in spheres {
             let mut light = TileLight::default();
-            light.ball(&tile, ball, Vec3::ONE);
+            light.sphere(&tile, sphere, Vec3::ONE);
             for (i, at) in at.iter().enumerate() {
-                assert_eq!(light.cone(i), Cone::of_sphere(at.position, ball));
+                assert_eq!(light.cone(i), Cone::of_sphere(at.position, sphere));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What of a scene rays may meet.
 
-use super::primitive::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, ShadowCasting, VISIBLE, bounds};
+use super::primitive::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, SPHERE, ShadowCasting, VISIBLE, bounds};
 use crate::GpuError;
 use glam::Vec3;
 use scene::{Duplicates, Proxy, Scene, Shape};
@@ -16,7 +16,7 @@ pub(super) struct Gathered {
     pub(super) scale: f32,
 }
 
-/// The triangles with an area and the balls with a radius of all objects that are seen or block, equal meshes and balls once.
+/// The triangles with an area and the spheres with a radius of all objects that are seen or block, equal meshes and spheres once.
 /// Something that is neither
 /// where there is none: a hierarchy has a node at least.
 pub(super) fn gather(scene: &Scene, casting: &[ShadowCasting]) -> Result<Gathered, GpuError> {
@@ -83,17 +83,17 @@ fn add(all: &mut Gathered, duplicates: &mut Duplicates, number: u32, scene: &Sce
             }
         }
         Shape::Mesh(_) => {}
-        Shape::Spheres(balls) => {
-            for (index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.radius > 0.0) {
-                if !duplicates.is_first(object, ball) {
+        Shape::Spheres(spheres) => {
+            for (index, sphere) in spheres.iter().enumerate().filter(|(_, sphere)| sphere.radius > 0.0) {
+                if !duplicates.is_first(object, sphere) {
                     continue;
                 }
-                let hides = if scene.lights.iter().any(|l| l.is_shown_by(ball)) { 0 } else { blocks };
+                let hides = if scene.lights.iter().any(|l| l.is_shown_by(sphere)) { 0 } else { blocks };
                 all.names.push(index as u32);
                 all.primitives.push(GpuPrimitive {
-                    a: ball.center.into(),
-                    object: number | seen | hides | BALL,
-                    b: [ball.radius, 0.0, 0.0],
+                    a: sphere.center.into(),
+                    object: number | seen | hides | SPHERE,
+                    b: [sphere.radius, 0.0, 0.0],
                     material,
                     c: [0.0; 3],
                     corners: FLAT,

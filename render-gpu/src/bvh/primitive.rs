@@ -1,4 +1,4 @@
-//! Triangles and balls as the kernels read them, and whose rays they stop.
+//! Triangles and spheres as the kernels read them, and whose rays they stop.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -7,11 +7,11 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct GpuPrimitive {
-    /// A triangle's corner or a ball's centre.
+    /// A triangle's corner or a sphere's centre.
     pub(crate) a: [f32; 3],
     /// Number of the object, and flags.
     pub(crate) object: u32,
-    /// The next corner, or a ball's radius.
+    /// The next corner, or a sphere's radius.
     pub(crate) b: [f32; 3],
     pub(crate) material: u32,
     pub(crate) c: [f32; 3],
@@ -19,7 +19,7 @@ pub(crate) struct GpuPrimitive {
     pub(crate) corners: u32,
 }
 
-pub(crate) const BALL: u32 = 1 << 31;
+pub(crate) const SPHERE: u32 = 1 << 31;
 pub(crate) const VISIBLE: u32 = 1 << 30;
 pub(crate) const BLOCKS: u32 = 1 << 29;
 pub(crate) const BLOCKS_ALIKE: u32 = 1 << 28;
@@ -41,7 +41,7 @@ pub enum ShadowCasting {
 /// The smallest box around a primitive.
 pub(super) fn bounds(p: &GpuPrimitive) -> [Vec3; 2] {
     let a = Vec3::from(p.a);
-    if p.object & BALL != 0 {
+    if p.object & SPHERE != 0 {
         return [a - p.b[0], a + p.b[0]];
     }
     let (b, c) = (Vec3::from(p.b), Vec3::from(p.c));

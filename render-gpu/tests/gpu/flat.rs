@@ -160,11 +160,11 @@ fn lit(scene: Scene, light: Light) -> Scene {
     Scene { lights: vec![light], ..scene }
 }
 
-/// All shapes at once and a ball, on all kinds of surfaces.
+/// All shapes at once and a sphere, on all kinds of surfaces.
 fn beside_spheres(gpu: &Gpu) {
     let inside = EnclosedLight { light: Box::new(disc()), object: 0 }.into();
-    let ball = SphereLight::new(Sphere { center: Vec3::new(2.0, 3.0, 1.0), radius: 0.3 }, Vec3::splat(20.0)).into();
-    let scene = Scene { lights: vec![panel(), disc(), ball, standing(), inside], ..builtin() };
+    let sphere = SphereLight::new(Sphere { center: Vec3::new(2.0, 3.0, 1.0), radius: 0.3 }, Vec3::splat(20.0)).into();
+    let scene = Scene { lights: vec![panel(), disc(), sphere, standing(), inside], ..builtin() };
     View::new(scene, 64, 36).compare_spheres(gpu, "flat lights", 0.003, 5);
 }
 

@@ -211,7 +211,7 @@ fn parity_of_the_paper(gpu: &Gpu) {
     compare(gpu, &view, &tables, "modified phong, four lights", 4, 0.0);
 }
 
-/// The meshes by maps, alone and with the balls by spheres.
+/// The meshes by maps, alone and with the spheres by spheres.
 fn parity_of_the_paper_with_maps(gpu: &Gpu) {
     let tables = tables();
     let view = View::new(scene::builtin(), 64, 36);

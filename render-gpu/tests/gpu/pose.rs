@@ -67,7 +67,7 @@ fn tube() -> BoundSet {
     set.bind(&positions, &triangles, &carriers).expect("it fits")
 }
 
-/// Balls that stand still, a tube, one more ball, the tube once more; sphere i is of object i.
+/// Spheres that stand still, a tube, one more sphere, the tube once more; sphere i is of object i.
 struct Crowd {
     set: BoundSet,
     blockers: SphereBlockers,
@@ -78,9 +78,9 @@ struct Crowd {
 impl Crowd {
     fn new() -> Self {
         let set = tube();
-        let ball = |x: f32| Sphere { center: Vec3::new(x, 3.0, -x), radius: 0.25 };
+        let sphere = |x: f32| Sphere { center: Vec3::new(x, 3.0, -x), radius: 0.25 };
         let rest = &set.rest().spheres;
-        let spheres = [&[ball(0.0), ball(1.0)], rest.as_slice(), &[ball(2.0)], rest].concat();
+        let spheres = [&[sphere(0.0), sphere(1.0)], rest.as_slice(), &[sphere(2.0)], rest].concat();
         // As the sets have them, whatever radii and distances.
         let still = [SelfShadow::whole(0.0)];
         let fitted = &set.rest().self_shadows;

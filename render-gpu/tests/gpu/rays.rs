@@ -204,7 +204,7 @@ fn masks_of_all_depths(gpu: &Gpu) {
 fn tiny_lights(gpu: &Gpu) {
     let mut scene = plain();
     for light in scene.lights.iter_mut().filter_map(Light::as_sphere_mut) {
-        light.ball.radius *= 1e-4;
+        light.sphere.radius *= 1e-4;
         light.radiance *= 1e8;
     }
     let world = World::new(&scene);
@@ -247,7 +247,7 @@ fn at_all_scales(gpu: &Gpu) {
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::Count(8)));
-    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 48, 1).points;

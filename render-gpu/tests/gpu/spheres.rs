@@ -169,10 +169,10 @@ impl Setup {
 
     /// The same with all radii a little different.
     fn scaled(&self, spheres: f32, light: f32) -> Self {
-        let scale = |ball: &Sphere, by: f32| Sphere { radius: ball.radius * by, ..*ball };
+        let scale = |sphere: &Sphere, by: f32| Sphere { radius: sphere.radius * by, ..*sphere };
         Self {
             light: scale(&self.light, light),
-            spheres: self.spheres.iter().map(|ball| scale(ball, spheres)).collect(),
+            spheres: self.spheres.iter().map(|sphere| scale(sphere, spheres)).collect(),
             receivers: self.receivers.clone(),
             objects: self.objects.clone(),
             self_shadows: self.self_shadows.clone(),
