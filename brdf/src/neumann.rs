@@ -163,7 +163,6 @@ pub(crate) mod tests {
     use super::*;
     use core::f64::consts::PI;
     use glam::DVec3;
-    use lobe_core;
 
     const EXPONENTS: [f32; 6] = [1.0, 5.0, 20.0, 100.0, 1000.0, 1e5];
     const VIEWS: [f64; 6] = [0.0, 30.0, 50.0, 65.0, 75.0, 82.0];

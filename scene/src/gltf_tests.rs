@@ -244,8 +244,8 @@ fn punctual_lights_are_read() {
         {"type": "spot", "intensity": 3, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.5}}"#)
     .unwrap();
     let [lighting::Light::Sphere(point), lighting::Light::Spot(spot)] = lights[..] else { panic!("{lights:?}") };
-    let intensity = point.radiance * std::f32::consts::PI * point.ball.radius.powi(2);
-    assert!((intensity - Vec3::new(5.0, 2.5, 0.0)).length() < 1e-4 && point.ball.center == Vec3::Y * 2.0);
+    let intensity = point.radiance * std::f32::consts::PI * point.sphere.radius.powi(2);
+    assert!((intensity - Vec3::new(5.0, 2.5, 0.0)).length() < 1e-4 && point.sphere.center == Vec3::Y * 2.0);
     assert!((spot.axis - Vec3::NEG_Y).length() < 1e-6, "−z turned by −90° about x: {}", spot.axis);
     assert!((spot.cos[0] - 0.2_f32.cos()).abs() < 1e-6 && (spot.cos[1] - 0.5_f32.cos()).abs() < 1e-6);
     let lights = lit(r#"{"type": "point"}, {"type": "directional", "intensity": 2}"#).unwrap();

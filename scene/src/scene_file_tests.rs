@@ -311,7 +311,7 @@ fn lights_of_all_kinds_are_read() {
     };
     assert!((tube.radiance.x * std::f32::consts::PI * tube.area() - 1.0).abs() < 1e-5);
     let Light::Sphere(point) = read("kind = \"point\"\ncenter = [0, 3, 0]\nintensity = 2") else { panic!() };
-    assert!((point.radiance.x * std::f32::consts::PI * point.ball.radius.powi(2) - 2.0).abs() < 1e-5);
+    assert!((point.radiance.x * std::f32::consts::PI * point.sphere.radius.powi(2) - 2.0).abs() < 1e-5);
     let spot = "kind = \"spot\"\ncenter = [0, 3, 0]\ndirection = [0, -3, 0]\nangle = 60\ninner = 0\nintensity = 2";
     let Light::Spot(spot) = read(spot) else { panic!() };
     assert!((spot.cos[1] - 0.5).abs() < 1e-6 && spot.axis == Vec3::NEG_Y);

@@ -28,7 +28,7 @@ fn spots_are_lights() {
 fn capsules_are_blockers() {
     let capsules = |s: &Setting<'_>| {
         let capsule = |ball: &cosine_lobes::lobe_core::Sphere| Capsule { ends: [ball.center; 2], radius: ball.radius };
-        MaskVisibility::new(Capsules(s.balls.iter().map(capsule).collect()))
+        MaskVisibility::new(Capsules(s.spheres.iter().map(capsule).collect()))
     };
     let limits = Limits { overlap: 0.005, jump: 0.008, jump_several: 0.008, ..Limits::default() };
     println!("{:?}", check(&capsules, &limits).unwrap());

@@ -9,7 +9,6 @@ use xxhash_rust::xxh3::Xxh3;
 ///
 /// ```
 /// use glam::{UVec2, Vec2, Vec3, Vec3A};
-use xxhash_rust::xxh3::Xxh3;
 /// use lobe_core::LightImage;
 /// let (image, mean) = LightImage::new(UVec2::new(2, 1), &[Vec3::splat(1.0), Vec3::splat(3.0)]).unwrap();
 /// assert_eq!(mean, Vec3::splat(2.0));

@@ -2,7 +2,7 @@
 
 use super::World;
 use super::camera_rays::{Rays, Row, SIDE};
-use super::primitive::{Corners, EDGE, Sphere};
+use super::primitive::{Corners, EDGE, SceneSphere};
 use super::tree::Tree;
 use super::triangle_packet::{TrianglePacket, inside};
 use fearless_simd::dispatch;
@@ -189,13 +189,13 @@ impl<'r> RayPacket<'r> {
         }
     }
 
-    /// [`Sphere::intersect`] for all rays that may meet it.
-    fn meet_sphere(&mut self, sphere: &Sphere, number: u32) {
+    /// [`SceneSphere::intersect`] for all rays that may meet it.
+    fn meet_sphere(&mut self, sphere: &SceneSphere, number: u32) {
         dispatch!(self.rays.level, _simd => self.meet_sphere_simd(sphere, number));
     }
 
     #[inline(always)]
-    fn meet_sphere_simd(&mut self, sphere: &Sphere, number: u32) {
+    fn meet_sphere_simd(&mut self, sphere: &SceneSphere, number: u32) {
         let to = sphere.sphere.center - self.rays.eye;
         let r = sphere.sphere.radius;
         let slack = 1e-6 * (to.abs().element_sum() + r);

@@ -1,7 +1,7 @@
 //! Queries for the primitives that a whole packet of rays may meet.
 
 use super::World;
-use super::primitive::{Corners, Named, Sphere};
+use super::primitive::{Corners, Named, SceneSphere};
 use super::tree::Tree;
 use glam::{Vec3, Vec3A};
 use lobe_core::{Cone, Shaft};
@@ -80,7 +80,7 @@ impl Region {
         self.misses(center, 0.0, |n| n.dot(center) + n.abs().dot(half))
     }
 
-    fn misses_sphere(&self, sphere: &Sphere) -> bool {
+    fn misses_sphere(&self, sphere: &SceneSphere) -> bool {
         let center = Vec3A::from(sphere.sphere.center) - self.origin;
         // All planes' normals have length 1.
         let blur = BLUR * (center.abs().element_sum() + sphere.sphere.radius);

@@ -81,7 +81,7 @@ impl Draw for Splat<'_> {
         self.side(root, 245, true)?;
         words(root, "(c) splatted onto the square", (510, 8))?;
         let panel = Panel { left: 510, top: 60, side: 230 };
-        for (ball, _) in self.setting.spheres.iter().zip(self.kept).filter(|(_, kept)| **kept) {
+        for (ball, _) in self.setting.balls.iter().zip(self.kept).filter(|(_, kept)| **kept) {
             let path = panel.path(&self.setting.outline(ball));
             root.draw(&Polygon::new(path.clone(), COLORS[0].mix(0.45))).map_err(failed)?;
             root.draw(&PathElement::new(path, COLORS[0].stroke_width(1))).map_err(failed)?;
@@ -95,7 +95,7 @@ impl Draw for Splat<'_> {
 pub(in crate::figures) fn square(name: &str, studio: &mut Studio) -> Result<Page, Failure> {
     let tables = studio.tables()?;
     let setting = Setting::new(DIST, around());
-    let kept: Vec<bool> = setting.spheres.iter().map(|b| setting.is_kept(*b, &tables)).collect();
+    let kept: Vec<bool> = setting.balls.iter().map(|b| setting.is_kept(*b, &tables)).collect();
     let nodes = setting.seen(5, &tables)?.nodes.len();
     let left = kept.iter().filter(|k| **k).count();
     let images = Splat { setting: &setting, kept: &kept, nodes }.images(name)?;
@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn what_cannot_block_is_clipped() {
         let (setting, tables) = (Setting::new(DIST, around()), coarse());
-        let kept: Vec<bool> = setting.spheres.iter().map(|b| setting.is_kept(*b, &tables)).collect();
+        let kept: Vec<bool> = setting.balls.iter().map(|b| setting.is_kept(*b, &tables)).collect();
         assert_eq!(kept, [true, true, true, false, false, false]);
     }
 }

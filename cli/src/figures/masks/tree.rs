@@ -59,7 +59,7 @@ impl Draw for Tree<'_> {
     {
         let panel = |k: i32| Panel { left: 10 + 203 * k, top: 32, side: 190 };
         let outlines = |panel: &Panel| {
-            for ball in &self.setting.spheres {
+            for ball in &self.setting.balls {
                 let path = panel.path(&self.setting.outline(ball));
                 root.draw(&PathElement::new(path, GREY.stroke_width(2))).map_err(failed)?;
             }
