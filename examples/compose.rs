@@ -6,8 +6,8 @@
 use cosine_lobes::brdf::Lambert;
 use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{
-    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, LobeBuffer,
-    Receiver, Sphere, Visibility,
+    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Receiver,
+    Sphere, Visibility,
 };
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -23,15 +23,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let accuracy = Accuracy::new(0.003);
 
     let mut scratch = visibility.scratch();
-    let mut lobes = LobeBuffer::default();
+    let mut lobes = Vec::new();
     let mut pixels = Vec::new();
     for i in 0..width * height {
         // A view from straight above: pixels are points of the floor.
         let (x, z) = ((i % width) as f32 / 100.0 - 3.2, (i / width) as f32 / 100.0 - 1.8);
-        let at = Receiver { position: Vec3::new(x, 0.0, z), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
-        material.brdf_lobes(&at, &mut lobes.writer());
+        let at = Receiver::on_surface(Vec3::new(x, 0.0, z), Vec3::Y, Vec3::Y).on_object(0);
+        lobes.clear();
+        material.brdf_lobes(&at, &mut lobes);
         let term = light.seen_from(&at);
-        let call = Interaction { at: &at, brdf: lobes.lobes(), light: &term, threshold: 0.0 };
+        let call = Interaction { at: &at, brdf: &lobes, light: &term, threshold: 0.0 };
         let mut visit = LightVisibility::alone(&visibility, LightId(0), accuracy, &mut scratch);
         let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
         pixels.push(lit.radiance);

@@ -12,7 +12,7 @@ use cosine_lobes::brdf::{
 use cosine_lobes::lighting::SphereLight;
 use cosine_lobes::lobe_core::{
     Accuracy, BrdfLobes, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility,
-    LobeBuffer, OWN_NONE, Receiver, SeenLight, Sphere, Unshadowed, Visibility, VisibilityQuery, orthonormal_basis,
+    Receiver, SeenLight, Sphere, Unshadowed, Visibility, VisibilityQuery, orthonormal_basis,
 };
 use cosine_lobes::render_cpu::CpuShader;
 use cosine_lobes::scene::{Frame, Shade, ShadingPoints};
@@ -119,11 +119,11 @@ fn truth(material: &Material, case: &Case) -> Radiance {
 
 fn by_lobes(material: &Material, case: &Case, accuracy: Accuracy) -> Radiance {
     let strategy = MaskVisibility::new(case.edge);
-    let mut lobes = LobeBuffer::default();
+    let mut lobes = Vec::new();
     let mut scratch = strategy.scratch();
-    material.brdf_lobes(&case.at, &mut lobes.writer_of(true));
+    material.brdf_lobes(&case.at, &mut lobes);
     let light = SeenLight::of_cone(case.cone, Vec3::ONE);
-    let call = Interaction { at: &case.at, brdf: lobes.lobes(), light: &light, threshold: 0.0 };
+    let call = Interaction { at: &case.at, brdf: &lobes, light: &light, threshold: 0.0 };
     let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
     let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
     [lit.unshadowed.as_dvec3(), lit.radiance.as_dvec3()]
@@ -153,7 +153,7 @@ fn cases(half_angle: f64, width: f64) -> Vec<Case> {
             let hidden = frame(hidden);
             let hidden = (hidden - through * through.dot(hidden)).normalize();
             let view = polar(view, 0.0).as_vec3();
-            let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+            let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
             let cone = Cone {
                 axis: axis.as_vec3().normalize(),
                 one_minus_cos: (2.0 * (0.5 * half_angle).sin().powi(2)) as f32,
@@ -195,7 +195,7 @@ fn cost(material: &Material) -> [f64; 2] {
         let (x, z) = (tile % (SIDE / 8) * 8 + inside % 8, tile / (SIDE / 8) * 8 + inside / 8);
         let position = Vec3::new(x as f32, 0.0, z as f32) * (4.0 / SIDE as f32) - Vec3::new(2.0, 0.0, 2.0);
         let view = (Vec3::new(0.0, 2.0, 5.0) - position).normalize();
-        Receiver { position, normal: Vec3::Y, face: Vec3::Y, view, object: OWN_NONE }
+        Receiver::on_surface(position, Vec3::Y, view)
     };
     let count = SIDE * SIDE;
     let points = ShadingPoints { receivers: (0..count).map(at).collect(), materials: vec![0; count as usize] };
@@ -296,8 +296,8 @@ fn print_costs(materials: &[(String, Material, f64)]) {
     );
     for (name, material, _) in materials {
         let [lit, behind] = cost(material);
-        let residual = residual(material, true);
+        let residual = residual(material);
         let residual = if residual < 1e-3 { "none".to_owned() } else { format!("{:.1} %", 100.0 * residual) };
-        println!("| {name} | {} | {residual} | {lit:.0} | {behind:.0} |", material.lobe_count(true));
+        println!("| {name} | {} | {residual} | {lit:.0} | {behind:.0} |", material.model().lobe_count());
     }
 }

@@ -109,7 +109,7 @@ fn group(world: &World<'_>, mesh: &Mesh, number: usize) -> Group {
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let cone = Cone::of_sphere(position, light);
         let above = normal.dot(cone.axis) > cone.sin_sq().sqrt();
-        above.then_some(Receiver { position, normal, face: normal, view: normal, object: 0 })
+        above.then_some(Receiver::on_surface(position, normal, normal).on_object(0))
     });
     let receivers: Vec<Receiver> = facing.take(RECEIVERS).collect();
     let truth = receivers.par_iter().map(|at| {

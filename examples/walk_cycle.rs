@@ -147,7 +147,7 @@ fn floor(scene: &Scene) -> ShadingPoints {
     let at = |i: usize| half * (2.0 * (i as f32 + 0.5) / FLOOR as f32 - 1.0);
     let receiver = |(x, z)| {
         let position = Vec3::new(middle.x + x, ground, middle.z + z);
-        Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 }
+        Receiver::on_surface(position, Vec3::Y, Vec3::Y).on_object(0)
     };
     let receivers: Vec<_> = (0..FLOOR).flat_map(|z| (0..FLOOR).map(move |x| (at(x), at(z)))).map(receiver).collect();
     ShadingPoints { materials: vec![1; receivers.len()], receivers }
@@ -156,7 +156,7 @@ fn floor(scene: &Scene) -> ShadingPoints {
 /// The mesh's own vertices, as receivers that go with it.
 fn skin(scene: &Scene) -> ShadingPoints {
     let mesh = mesh(scene);
-    let vertex = |(p, n): (&Vec3, &Vec3)| Receiver { position: *p, normal: *n, face: *n, view: *n, object: 1 };
+    let vertex = |(p, n): (&Vec3, &Vec3)| Receiver::on_surface(*p, *n, *n).on_object(1);
     let receivers: Vec<_> = mesh.positions.iter().zip(&mesh.normals).map(vertex).collect();
     ShadingPoints { materials: vec![1; receivers.len()], receivers }
 }

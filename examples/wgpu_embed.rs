@@ -78,7 +78,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
         println!("picture {picture}: {:.0} ms, read back", 1e3 * start.elapsed().as_secs_f64());
         save(&format!("{prefix}-{picture}.png"), &texels, scene.background)?;
         if let Some(light) = scene.lights[0].as_sphere_mut() {
-            light.ball.center += Vec3::new(-3.0, 0.5, 0.0);
+            light.sphere.center += Vec3::new(-3.0, 0.5, 0.0);
         }
     }
     Ok(())

@@ -5,7 +5,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec3, Vec3};
 use lobe_core::conformance::{Report, Run};
 use lobe_core::oracle::Random;
-use lobe_core::{LobeBuffer, OWN_NONE, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobe, Receiver, Tile, TileLobes};
 
 /// How far a model may be off.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,7 @@ pub fn check<B: Brdf>(model: &B, limits: &BrdfLimits) -> Result<MeasuredBrdf, Re
     let (t, b) = normal.any_orthonormal_pair();
     let around = 0.6 * t + 0.8 * b;
     let toward = |angle: f32| normal * angle.cos() + around * angle.sin();
-    let receiver = |view: Vec3| Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
+    let receiver = |view: Vec3| Receiver::on_surface(Vec3::ZERO, normal, view);
     let mut receivers = Vec::new();
     for angle in [0.0_f32, 0.3, 0.8, 1.2, 1.5] {
         let at = receiver(toward(angle).normalize());
@@ -106,8 +106,8 @@ fn above(random: &mut Random, normal: Vec3) -> Vec3 {
 
 /// The sum of lobes against `eval`, the horizon, and signs.
 fn lobes<B: Brdf>(model: &B, at: &Receiver, limits: &BrdfLimits, random: &mut Random, run: &mut Run<MeasuredBrdf>) {
-    let mut buffer = LobeBuffer::default();
-    model.brdf_lobes(at, &mut buffer.writer_of(true));
+    let mut lobes = Vec::new();
+    model.brdf_lobes(at, &mut lobes);
     let mirror = (2.0 * at.normal.dot(at.view) * at.normal - at.view).normalize();
     let mut directions: Vec<Vec3> = (0..400).map(|_| above(random, at.normal)).collect();
     directions.extend([at.view, mirror, at.normal]);
@@ -123,7 +123,7 @@ fn lobes<B: Brdf>(model: &B, at: &Receiver, limits: &BrdfLimits, random: &mut Ra
         run.ensure(f.is_finite() && f.min_element() >= 0.0, "eval is finite and not negative", || {
             format!("{f} at {v}")
         });
-        let sum = buffer.lobes().eval(at.normal, *v);
+        let sum = BrdfLobe::sum_at(&lobes, at.normal, *v);
         let error = f64::from((sum - *f).abs().max_element() / peak);
         run.measured.lobes = run.measured.lobes.max(error);
         run.within(error, ("lobes", limits.lobes), "lobes are the model", || {
@@ -173,23 +173,28 @@ fn energy<B: Brdf>(model: &B, at: &Receiver, limits: &BrdfLimits, random: &mut R
     });
 }
 
-/// The same bits in tiles, with lobes of microfacets and without.
+/// The same bits in tiles, of the lobes and of the cosine lobes.
 fn tiles<B: Brdf>(model: &B, receivers: &[Receiver], run: &mut Run<MeasuredBrdf>) {
-    [false, true].into_iter().for_each(|microfacets| tiles_with(model, receivers, microfacets, run));
+    let (mut tile, mut out) = (Tile::default(), TileLobes::default());
+    tile.set(receivers);
+    let (of, models) = (vec![0; receivers.len()], core::slice::from_ref(model));
+    B::tile_lobes(models, &of, receivers, &tile, &mut out);
+    are_single(&out, receivers, |at, single| model.brdf_lobes(at, single), run);
+    B::tile_cosine_lobes(models, &of, receivers, &tile, &mut out);
+    are_single(&out, receivers, |at, single| model.cosine_lobes(at, single), run);
 }
 
-fn tiles_with<B: Brdf>(model: &B, receivers: &[Receiver], microfacets: bool, run: &mut Run<MeasuredBrdf>) {
-    let (mut tile, mut out) = (Tile::default(), TileLobes::default());
-    out.take_microfacets(microfacets);
-    tile.set(receivers);
-    let of = vec![0; receivers.len()];
-    let mut buffer = LobeBuffer::default();
-    let models = core::slice::from_ref(model);
-    B::tile_lobes(models, &of, receivers, &tile, &mut out);
+fn are_single(
+    tiled: &TileLobes,
+    receivers: &[Receiver],
+    lobes: impl Fn(&Receiver, &mut Vec<BrdfLobe>),
+    run: &mut Run<MeasuredBrdf>,
+) {
     for (i, at) in receivers.iter().enumerate() {
-        model.brdf_lobes(at, &mut buffer.writer_of(microfacets));
-        let single: Vec<_> = buffer.lobes().iter().filter(|lobe| lobe.flux != Vec3::ZERO).collect();
-        let tiled: Vec<_> = out.of(i).map(|(_, lobe)| lobe).collect();
+        let mut single = Vec::new();
+        lobes(at, &mut single);
+        single.retain(|lobe| lobe.flux() != Vec3::ZERO);
+        let tiled: Vec<_> = tiled.of(i).map(|(_, lobe)| lobe).collect();
         run.ensure(single == tiled, "tiles have the lobes of single receivers", || format!("{tiled:?} for {single:?}"));
     }
 }

@@ -41,10 +41,10 @@ const LEAST_ALPHA: f32 = 3e-3;
 /// ```
 /// use brdf::{Brdf, Material, MetallicRoughness, fit};
 /// use glam::Vec3;
-/// use lobe_core::{OWN_NONE, Receiver};
+/// use lobe_core::{Receiver};
 /// let gold: Material = MetallicRoughness::new(Vec3::new(1.0, 0.77, 0.34), 1.0, 0.4)?.into();
 /// let measured = |i: Vec3, o: Vec3| {
-///     gold.eval(&Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: o, object: OWN_NONE }, i) / i.z
+///     gold.eval(&Receiver::on_surface(Vec3::ZERO, Vec3::Z, o), i) / i.z
 /// };
 /// let fitted = fit(measured, 1)?;
 /// assert!(matches!(fitted.model, Material::HalfVector(_)) && fitted.residual < 1e-3);

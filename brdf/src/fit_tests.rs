@@ -6,11 +6,11 @@ use crate::{
 };
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
-use lobe_core::{OWN_NONE, Receiver};
+use lobe_core::Receiver;
 
 /// A model's reflectance, without the cosine of the light.
 fn of(material: &Material, i: Vec3, o: Vec3) -> Vec3 {
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: o, object: OWN_NONE };
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, o);
     material.eval(&at, i) / i.z
 }
 

@@ -4,7 +4,7 @@ use crate::{Brdf, Material, MaterialError, MetallicRoughness};
 use core::f32::consts::FRAC_PI_2;
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
-use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver};
+use lobe_core::{BrdfLobe, BrdfLobes, Receiver};
 
 const ROUGHNESSES: [f32; 8] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.85, 1.0];
 
@@ -12,7 +12,7 @@ const ROUGHNESSES: [f32; 8] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.85, 1.0];
 fn receiver(degrees: f64) -> Receiver {
     let (s, c) = degrees.to_radians().sin_cos();
     let view = DVec3::new(-s, 0.0, c).as_vec3();
-    Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, Vec3::Z, view)
 }
 
 /// `f̃` as glTF 2.0 prints it (appendix B.3), times the cosine.
@@ -81,15 +81,15 @@ fn metals_are_ggx() {
             let at = receiver(degrees);
             let view = at.view.as_dvec3().normalize();
             let scale = f64::from(roughness * roughness);
-            let mut lobes = LobeBuffer::default();
-            metal.brdf_lobes(&at, &mut lobes.writer_of(true));
+            let mut lobes = Vec::new();
+            metal.brdf_lobes(&at, &mut lobes);
             for k in 0..200 {
                 let (aside, turn) = (scale * 0.02 * f64::from(k), f64::from(k));
                 let mirror = DVec3::new(-view.x, -view.y, view.z);
                 let l = (mirror + DVec3::new(turn.cos(), turn.sin(), 0.5 * turn.sin()) * aside).normalize();
                 let want = printed(0.7, 1.0, f64::from(roughness), view, l.as_vec3().as_dvec3());
                 let l = l.as_vec3();
-                let (got, sum) = (f64::from(metal.eval(&at, l).x), f64::from(lobes.lobes().eval(at.normal, l).x));
+                let (got, sum) = (f64::from(metal.eval(&at, l).x), f64::from(BrdfLobe::sum_at(&lobes, at.normal, l).x));
                 // A rounding of a direction, beside the width of the highlight.
                 let allowed = want * (1e-5 + 3e-6 / scale) + 1e-12;
                 assert!((got - want).abs() < allowed, "{roughness} {degrees}: {got} {want} for {l}");
@@ -117,7 +117,7 @@ fn metals_reflect_as_much_as_ggx_with_its_highlight() {
         for (degrees, limits) in allowed {
             let at = receiver(degrees);
             let view = at.view.as_dvec3().normalize();
-            let lobes: Vec<_> = metal.lobes(&at, false).collect();
+            let lobes: Vec<_> = metal.cosines(&at).collect();
             let sum = |l: DVec3| lobes.iter().map(|f| f64::from(f.eval(l.as_vec3()).x)).sum::<f64>();
             let true_value = |l: DVec3| printed(1.0, 1.0, f64::from(roughness), view, l);
             let both = integrate(view, |l| {
@@ -176,7 +176,7 @@ fn coated_materials_never_reflect_more_than_they_get() {
             for degrees in [0.0, 45.0, 80.0, 89.0] {
                 let at = receiver(degrees);
                 let view = at.view.as_dvec3().normalize();
-                let lobes: Vec<_> = material.lobes(&at, false).collect();
+                let lobes: Vec<_> = material.cosines(&at).collect();
                 if roughness == 0.0 {
                     // Too narrow for the quadrature; all of it is above the horizon, but at 89°.
                     let all: f32 = lobes.iter().map(|f| f.flux.x).sum();
@@ -199,29 +199,29 @@ fn coated_materials_never_reflect_more_than_they_get() {
     }
 }
 
-/// Other coats reflect by their own index, in both forms of lobes, and the base below gets what is left.
+/// Other coats reflect by their own index, as cosine lobes and as microfacets, and the base below gets what is left.
 #[test]
 fn coats_of_other_indices() {
     let plastic = MetallicRoughness::new(Vec3::splat(0.5), 0.0, 0.4).unwrap();
     let at = receiver(30.0);
     // Rows that are there must not stay.
-    assert!(plastic.lobes(&at, false).count() > 1);
-    let flux = |m: &MetallicRoughness, takes: bool| -> (f32, f32) {
-        let lobes: Vec<_> = m.lobes(&at, takes).collect();
+    assert!(plastic.cosines(&at).count() > 1);
+    let flux = |m: &MetallicRoughness| -> (f32, f32) {
+        let lobes: Vec<_> = m.cosines(&at).collect();
         (lobes[0].flux.x, lobes[1..].iter().map(|lobe| lobe.flux.x).sum())
     };
-    let mut last = flux(&plastic, false);
+    let mut last = flux(&plastic);
     for (f0, f90) in [(0.1, 1.0), (0.25, 1.0), (0.6, 1.0)] {
         let coated = plastic.clone().with_coat(Vec3::splat(f0), f90).unwrap();
-        let now = flux(&coated, false);
+        let now = flux(&coated);
         assert!(now.0 < last.0 && now.1 > last.1, "{f0}: {now:?} after {last:?}");
         last = now;
     }
     // No coat at all: a diffuse surface.
     let bare = plastic.clone().with_coat(Vec3::ZERO, 0.0).unwrap();
-    for takes in [false, true] {
-        assert_eq!(flux(&bare, takes), (0.5, 0.0));
-    }
+    assert_eq!(flux(&bare), (0.5, 0.0));
+    let lobes: Vec<_> = bare.lobes(&at).map(|lobe| lobe.flux().x).collect();
+    assert_eq!(lobes, [0.5, 0.0, 0.0]);
     let l = DVec3::new(0.3, 0.2, 0.9).normalize().as_vec3();
     let diffuse = Material::lambert(Vec3::splat(0.5));
     assert!((bare.eval(&at, l) - diffuse.eval(&at, l)).length() < 1e-6);
@@ -258,13 +258,12 @@ fn every_view_gives_finite_lobes_within_capacity() {
     for roughness in [0.0, 1e-3, 0.03, 0.5, 1.0] {
         for metallic in [0.0, 0.5, 1.0] {
             let material = MetallicRoughness::new(Vec3::new(1.0, 0.5, 0.0), metallic, roughness).unwrap();
-            let mut buffer = LobeBuffer::default();
             for angle in [0.0_f32, 1e-8, 1e-4, 0.3, 1.2, 1.56, FRAC_PI_2, 1.6, 2.5, PI as f32] {
                 let view = n * angle.cos() + (t * 0.6 + b * 0.8) * angle.sin();
-                let at = Receiver { position: Vec3::ZERO, normal: n, face: n, view, object: OWN_NONE };
-                material.brdf_lobes(&at, &mut buffer.writer());
-                assert!(!buffer.lobes().is_empty());
-                for lobe in buffer.lobes().iter() {
+                let at = Receiver::on_surface(Vec3::ZERO, n, view);
+                let lobes: Vec<_> = material.cosines(&at).collect();
+                assert!(!lobes.is_empty());
+                for lobe in lobes {
                     let ok = lobe.flux.is_finite() && lobe.flux.min_element() >= 0.0 && lobe.exponent >= 0.0;
                     assert!(ok && (lobe.axis.length() - 1.0).abs() < 1e-5 && lobe.exponent <= 1e7, "{lobe:?}");
                 }

@@ -7,7 +7,7 @@ use crate::wgsl::{ModelWgsl, TURN};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Microfacets, Receiver};
 
 /// A diffuse part and lobes about the half vector, each with a roughness and colours of its own: what [`fit`](crate::fit()) makes of
 /// measured metals. `f̃(v) = diffuse/π·(n·v) + Σ F·D(h)·W(v)`, with `D`, `W` and `h` of
@@ -16,8 +16,8 @@ use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
 /// Reciprocal. Conserves energy while `diffuse + Σ max(f0, f90) ≤ 1`; a fit may do with more at grazing views, where nothing was measured.
 ///
 /// # Lobes
-/// Two of [microfacets](Lobe::microfacets) for each, which are the model; those of
-/// [`MetallicRoughness`](crate::MetallicRoughness) where only lobes of directions are taken.
+/// Two of [`Microfacets`] for each, which are the model; the [cosine lobes](BrdfLobes::cosine_lobes) are those of
+/// [`MetallicRoughness`](crate::MetallicRoughness).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HalfVector {
     /// Fraction of light that is reflected diffusely.
@@ -80,8 +80,8 @@ impl HalfVectorLobe {
         check_coefficient("f90", self.reflectances[1])
     }
 
-    fn microfacets(&self, at: &Receiver) -> [Lobe; 2] {
-        Lobe::microfacets(at.view, self.alpha(), self.reflectances)
+    fn microfacets(&self, at: &Receiver) -> [Microfacets; 2] {
+        Microfacets::new(at.view, self.alpha(), self.reflectances)
     }
 
     fn visible(&self, at: &Receiver) -> VisibleNormals {
@@ -97,17 +97,19 @@ impl HalfVectorLobe {
 }
 
 impl HalfVector {
-    /// Of microfacets where whoever reads them knows those, else of directions.
-    pub(crate) fn lobes<'a>(
-        &'a self,
-        at: &'a Receiver,
-        takes_microfacets: bool,
-    ) -> impl Iterator<Item = Lobe> + Clone + 'a {
-        let diffuse = Lobe::with_flux(at.normal, 1.0, self.diffuse);
-        let facets = self.lobes.iter().filter(move |_| takes_microfacets).flat_map(|lobe| lobe.microfacets(at));
-        let directions = self.lobes.iter().filter(move |_| !takes_microfacets);
-        let directions = directions.flat_map(|lobe| rows::lobes(lobe.rows(), lobe.reflectances, at));
-        core::iter::once(diffuse).chain(facets).chain(directions).filter(|lobe| lobe.flux != Vec3::ZERO)
+    /// The diffuse part, and both parts of each lobe; without those that reflect nothing.
+    pub(crate) fn lobes<'a>(&'a self, at: &'a Receiver) -> impl Iterator<Item = BrdfLobe> + Clone + 'a {
+        let facets = self.lobes.iter().flat_map(|lobe| lobe.microfacets(at)).map(BrdfLobe::Microfacets);
+        core::iter::once(self.diffuse_lobe(at).into()).chain(facets).filter(|lobe| lobe.flux() != Vec3::ZERO)
+    }
+
+    pub(crate) fn cosines<'a>(&'a self, at: &'a Receiver) -> impl Iterator<Item = Lobe> + Clone + 'a {
+        let highlights = self.lobes.iter().flat_map(|lobe| rows::lobes(lobe.rows(), lobe.reflectances, at));
+        core::iter::once(self.diffuse_lobe(at)).chain(highlights).filter(|lobe| lobe.flux != Vec3::ZERO)
+    }
+
+    fn diffuse_lobe(&self, at: &Receiver) -> Lobe {
+        Lobe::with_flux(at.normal, 1.0, self.diffuse)
     }
 
     /// Of the diffuse part and of all lobes: how often each is drawn from.
@@ -117,8 +119,12 @@ impl HalfVector {
 }
 
 impl BrdfLobes for HalfVector {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at, out.takes_microfacets()));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at));
+    }
+
+    fn cosine_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.cosines(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -127,7 +133,7 @@ impl Brdf for HalfVector {
         if at.normal.dot(v) <= 0.0 {
             return Vec3::ZERO;
         }
-        self.lobes(at, true).map(|lobe| lobe.eval_at(at.normal, v)).sum()
+        self.lobes(at).map(|lobe| lobe.eval_at(at.normal, v)).sum()
     }
 
     fn sample(&self, at: &Receiver, u: [f32; 3]) -> Option<BrdfSample> {
@@ -158,9 +164,40 @@ impl Brdf for HalfVector {
     }
 }
 
-impl HalfVector {
+impl Model for HalfVector {
+    fn name(&self) -> &'static str {
+        "half-vector"
+    }
+
+    fn validate(&self) -> Result<(), MaterialError> {
+        check_coefficient("diffuse", self.diffuse)?;
+        self.lobes.iter().try_for_each(HalfVectorLobe::validate)
+    }
+
+    fn lobe_count(&self) -> usize {
+        1 + 2 * self.lobes.len()
+    }
+
+    fn cosine_lobe_count(&self) -> usize {
+        1 + rows::LOBES * self.lobes.len()
+    }
+
+    fn scaled(&self, by: &Factors) -> Option<Material> {
+        let lobes = self.lobes.iter().map(|lobe| lobe.scaled(by.roughness, by.specular)).collect();
+        Some(Self { diffuse: self.diffuse * by.color, lobes }.into())
+    }
+
+    fn wgsl(&self) -> Option<ModelWgsl> {
+        let own = ModelWgsl::new("half-vector-microfacets", [include_str!("half_vector_microfacets.wgsl")]);
+        Some(own.with_microfacets())
+    }
+
+    fn cosine_wgsl(&self) -> Option<ModelWgsl> {
+        Some(ModelWgsl::new("half-vector", [TURN, &rows::WGSL, include_str!("half_vector.wgsl")]))
+    }
+
     /// Of microfacets: exponent and reflectances of each.
-    fn pack_microfacets(&self, out: &mut Packer) -> u32 {
+    fn pack(&self, out: &mut Packer) -> u32 {
         let diffuse = out.push_diffuse(self.diffuse);
         out.push_word(1 - diffuse);
         for lobe in &self.lobes {
@@ -171,8 +208,8 @@ impl HalfVector {
         diffuse + 2 * self.lobes.len() as u32
     }
 
-    /// Of directions: for each lobe where its half-vector lobe's rows and reflectances begin, and its slot.
-    fn pack_directions(&self, out: &mut Packer) -> u32 {
+    /// For each lobe where its half-vector lobe's rows and reflectances begin, and its slot.
+    fn cosine_pack(&self, out: &mut Packer) -> u32 {
         let pack = |lobe: &HalfVectorLobe, out: &mut Packer| {
             let rows = rows::pack(lobe.rows(), out);
             let at = out.len();
@@ -192,37 +229,5 @@ impl HalfVector {
             count += used;
         }
         count
-    }
-}
-
-impl Model for HalfVector {
-    fn name(&self) -> &'static str {
-        "half-vector"
-    }
-
-    fn validate(&self) -> Result<(), MaterialError> {
-        check_coefficient("diffuse", self.diffuse)?;
-        self.lobes.iter().try_for_each(HalfVectorLobe::validate)
-    }
-
-    fn lobe_count(&self, takes_microfacets: bool) -> usize {
-        1 + self.lobes.len() * if takes_microfacets { 2 } else { rows::LOBES }
-    }
-
-    fn scaled(&self, by: &Factors) -> Option<Material> {
-        let lobes = self.lobes.iter().map(|lobe| lobe.scaled(by.roughness, by.specular)).collect();
-        Some(Self { diffuse: self.diffuse * by.color, lobes }.into())
-    }
-
-    fn wgsl(&self, takes_microfacets: bool) -> Option<ModelWgsl> {
-        Some(match takes_microfacets {
-            true => ModelWgsl::new("half-vector-microfacets", [include_str!("half_vector_microfacets.wgsl")])
-                .with_microfacets(),
-            false => ModelWgsl::new("half-vector", [TURN, &rows::WGSL, include_str!("half_vector.wgsl")]),
-        })
-    }
-
-    fn pack(&self, takes_microfacets: bool, out: &mut Packer) -> u32 {
-        if takes_microfacets { self.pack_microfacets(out) } else { self.pack_directions(out) }
     }
 }

@@ -7,7 +7,7 @@ use crate::wgsl::ModelWgsl;
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Mat3, Vec3};
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, power};
 
 /// The Lafortune model: `f̃(v) = (ρ/π + Σ_i k_i·max(v·M_iω_o, 0)^e_i)·max(n·v, 0)` (Eqs. 27–29; E. Lafortune, S. Foo,
 /// K. Torrance, D. Greenberg, *Non-Linear Approximation of Reflectance Functions*, SIGGRAPH 1997).
@@ -80,7 +80,7 @@ impl LafortuneLobe {
     /// let mirror = LafortuneLobe::diagonal(Vec3::new(-1.0, -1.0, 1.0), 100.0, Vec3::ONE);
     /// let metal = Lafortune { diffuse: Vec3::ZERO, lobes: vec![mirror] };
     /// let (n, view) = (Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
-    /// let at = lobe_core::Receiver { position: Vec3::ZERO, normal: n, face: n, view, object: lobe_core::OWN_NONE };
+    /// let at = lobe_core::Receiver::on_surface(Vec3::ZERO, n, view);
     /// let reflected = metal.eval(&at, Vec3::new(-0.6, 0.0, 0.8));
     /// assert!((reflected.x - 0.8).abs() < 1e-5); // k·1^e·(n·v)
     /// ```
@@ -154,8 +154,8 @@ impl Lafortune {
 }
 
 impl BrdfLobes for Lafortune {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -189,7 +189,7 @@ impl Model for Lafortune {
         self.lobes.iter().try_for_each(LafortuneLobe::validate)
     }
 
-    fn lobe_count(&self, _: bool) -> usize {
+    fn lobe_count(&self) -> usize {
         1 + self.lobes.len()
     }
 
@@ -203,11 +203,11 @@ impl Model for Lafortune {
         self.is_anisotropic().then(|| Self::turned(self, normal, tangent).into())
     }
 
-    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+    fn wgsl(&self) -> Option<ModelWgsl> {
         Some(ModelWgsl::new("lafortune", [include_str!("lafortune.wgsl")]))
     }
 
-    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+    fn pack(&self, out: &mut Packer) -> u32 {
         let mut lobes = out.push_diffuse(self.diffuse);
         out.push_word(1 - lobes);
         for lobe in self.lobes.iter().filter(|lobe| lobe.scale != Vec3::ZERO) {

@@ -25,7 +25,7 @@ fn lafortune_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
         ln_length = ln_of(largest, largest - 1.0) + 0.5 * ln_of(dot(scaled, scaled), dot(scaled, scaled) - 1.0);
     }
     let gain = min(exp_f32(exponent * ln_length), 1e12);
-    return Lobe(axis / sqrt(dot(axis, axis)), exponent, material_vec3(lobe + 21u) * gain, 1.0);
+    return Lobe(axis / sqrt(dot(axis, axis)), exponent, material_vec3(lobe + 21u) * gain, LOBE_COSINE);
 }
 
 // |Mω|² − |ω|² = ωᵀ(MᵀM − 1)ω, which Rust computes in f64. By the eigenvectors it loses no digits: a mirror has none of

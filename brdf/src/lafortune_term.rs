@@ -93,7 +93,7 @@ impl Shape<25> for LafortuneTerm {
     #[inline(always)]
     fn lobe(&self, normal: Vec3, view: Vec3) -> Lobe {
         let (axis, gain) = self.axis_and_gain(normal, view);
-        Lobe { axis, exponent: self.exponent, flux: self.flux * gain, factor: Lobe::COSINE }
+        Lobe { axis, exponent: self.exponent, flux: self.flux * gain, has_cosine: true }
     }
 }
 
@@ -104,7 +104,7 @@ impl Shape<8> for IsotropicTerm {
         let m = view * self.across + normal * (self.along * cos);
         let excess = self.across_excess + self.along_excess * (cos * cos);
         let (axis, gain) = unit_and_power(m, |m| m, excess, self.exponent, normal);
-        Lobe { axis, exponent: self.exponent, flux: self.flux * gain, factor: Lobe::COSINE }
+        Lobe { axis, exponent: self.exponent, flux: self.flux * gain, has_cosine: true }
     }
 }
 

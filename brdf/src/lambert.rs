@@ -6,7 +6,7 @@ use crate::wgsl::ModelWgsl;
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
 
 /// An ideally diffuse surface: `f̃(v) = ρ/π·max(n·v, 0)` (Eq. 25 with `kd = ρ/π`).
 ///
@@ -28,8 +28,8 @@ impl Lambert {
 }
 
 impl BrdfLobes for Lambert {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -57,7 +57,7 @@ impl Model for Lambert {
         check_coefficient("albedo", self.albedo)
     }
 
-    fn lobe_count(&self, _: bool) -> usize {
+    fn lobe_count(&self) -> usize {
         1
     }
 
@@ -65,11 +65,11 @@ impl Model for Lambert {
         Some(Self { albedo: self.albedo * by.color }.into())
     }
 
-    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+    fn wgsl(&self) -> Option<ModelWgsl> {
         Some(ModelWgsl::new("lambert", [include_str!("lambert.wgsl")]))
     }
 
-    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+    fn pack(&self, out: &mut Packer) -> u32 {
         out.push_diffuse(self.albedo)
     }
 }

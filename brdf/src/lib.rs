@@ -7,8 +7,8 @@
 //! | [`Phong`], as the paper prints it (Eq. 23) | `kd·(n·v) + ks·max(r·v, 0)^e` | ≤ 2 |
 //! | [`ModifiedPhong`], normalised | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e)·(n·v)` | ≤ 2 |
 //! | [`Lafortune`] (Eqs. 27–29) | `(ρ/π + Σ k·max(v·Mω_o, 0)^e)·(n·v)` | ≤ 1 + number of lobes |
-//! | [`MetallicRoughness`] (GGX) | diffuse + `F·D·W` | 3 with microfacets, else ≤ 9 |
-//! | [`HalfVector`] | `diffuse/π·(n·v) + Σ F·D·W` | ≤ 1 + 2 a lobe with microfacets, else 1 + 8 |
+//! | [`MetallicRoughness`] (GGX) | diffuse + `F·D·W` | 3, or ≤ 9 cosine lobes |
+//! | [`HalfVector`] | `diffuse/π·(n·v) + Σ F·D·W` | ≤ 1 + 2 a lobe, or 1 + 8 cosine lobes |
 //! | [`Neumann`], metals | `(kd/π + ks·(e+2)/2π·max(r·v, 0)^e/max(n·v, n·ω_o))·(n·v)` | ≤ 4 |
 //!
 //! [`Material`] is one of these, or a [`Model`] of your own. Lobes that reflect nothing are not written.
@@ -16,15 +16,15 @@
 //! ```
 //! use brdf::{Brdf, ModifiedPhong};
 //! use glam::Vec3;
-//! use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver};
+//! use lobe_core::{BrdfLobe, BrdfLobes, Receiver};
 //!
 //! let gloss = ModifiedPhong { kd: Vec3::splat(0.5), ks: Vec3::splat(0.3), exponent: 60.0 };
-//! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::new(0.6, 0.0, 0.8), object: OWN_NONE };
-//! let mut buffer = LobeBuffer::default();
-//! gloss.brdf_lobes(&at, &mut buffer.writer());
+//! let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
+//! let mut lobes = Vec::new();
+//! gloss.brdf_lobes(&at, &mut lobes);
 //!
 //! let v = Vec3::new(-0.6, 0.0, 0.8); // where a mirror would reflect to
-//! let (sum, direct) = (buffer.lobes().eval(at.normal, v), gloss.eval(&at, v));
+//! let (sum, direct) = (BrdfLobe::sum_at(&lobes, at.normal, v), gloss.eval(&at, v));
 //! assert!((sum - direct).length() < 1e-4 * direct.length());
 //! ```
 //!
@@ -88,5 +88,5 @@ pub use crate::modified_phong::ModifiedPhong;
 pub use crate::neumann::Neumann;
 pub use crate::packed::{PackedMaterials, Packer};
 pub use crate::phong::Phong;
-pub use crate::residual::residual;
+pub use crate::residual::{residual, residual_of_cosine_lobes};
 pub use glam;

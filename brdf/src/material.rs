@@ -82,12 +82,6 @@ impl Material {
         self.model().name()
     }
 
-    /// The most lobes that it has, with those of microfacets, as the default method takes them, or without.
-    #[must_use]
-    pub fn lobe_count(&self, takes_microfacets: bool) -> usize {
-        self.model().lobe_count(takes_microfacets)
-    }
-
     /// The material as it is at a point of this normal with this tangent ([`Lafortune::turned`]); none if the tangent has no say.
     #[must_use]
     pub fn turned(&self, normal: Vec3, tangent: Vec3) -> Option<Self> {
@@ -97,7 +91,7 @@ impl Material {
     /// The material with its parameters times factors, which are taken within [0, 1]: [valid](Self::validate) if this one is. The same if
     /// [textures have no say](Self::takes_textures).
     ///
-    /// Of metallic–roughness and half-vector lobes, the lobes of directions are those of the nearest of 256 roughnesses and four reflectances; their
+    /// Of metallic–roughness and half-vector lobes, the cosine lobes are those of the nearest of 256 roughnesses and four reflectances; their
     /// microfacets are exact.
     ///
     /// # Cost

@@ -24,5 +24,5 @@ fn material_vec3(word: u32) -> vec3f {
 
 // `Lambert::lobes`: exactly the normal.
 fn diffuse_lobe(at: Receiver, flux: vec3f) -> Lobe {
-    return Lobe(at.normal, 1.0, flux, 0.0);
+    return Lobe(at.normal, 1.0, flux, LOBE_PLAIN);
 }

@@ -1,14 +1,14 @@
 //! The lobes of materials: receiver by receiver, and of tiles sixteen receivers at a time.
 
-use crate::Material;
 use crate::lafortune_term::{IsotropicTerm, LafortuneTerm};
 use crate::shape::{Diffuse, Mirror, Shape};
 use crate::term::Term;
+use crate::{Material, Model};
 use core::cell::RefCell;
 use core::marker::PhantomData;
 use glam::Vec3;
 use lobe_core::lanes::{Columns, Lane, Level, WIDTH, map, row, set_row};
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, OWN_NONE, Receiver, Tile, TileLobes};
+use lobe_core::{BrdfLobe, BrdfLobes, PackedLobe, Receiver, Tile, TileLobes};
 
 impl Material {
     /// The constants of the lobe at a place. There are none beyond the last, and none of models whose lobes have no such constants.
@@ -24,18 +24,70 @@ impl Material {
 }
 
 impl BrdfLobes for Material {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
         self.model().brdf_lobes(at, out);
+    }
+
+    fn cosine_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        self.model().cosine_lobes(at, out);
     }
 
     /// Sixteen receivers at a time, as many in one instruction as the processor offers; least where neighbours have the same material.
     fn tile_lobes(materials: &[Self], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes) {
-        lobes_at(Level::new(), materials, of, tile, out);
-        custom(materials, of, at, out);
+        lobes_at::<ByModel>(Level::new(), materials, of, tile, out);
+        custom(materials, of, at, out, |model, at, lobes| model.brdf_lobes(at, lobes));
+    }
+
+    fn tile_cosine_lobes(materials: &[Self], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes) {
+        lobes_at::<ByCosines>(Level::new(), materials, of, tile, out);
+        custom(materials, of, at, out, |model, at, lobes| model.cosine_lobes(at, lobes));
     }
 }
 
-pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
+/// Which of a material's lobes a tile has.
+pub(crate) trait Which {
+    fn count(model: &dyn Model) -> usize;
+
+    /// Those that come from a built-in model's table.
+    fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe)));
+}
+
+/// [`BrdfLobes::brdf_lobes`].
+pub(crate) struct ByModel;
+
+impl Which for ByModel {
+    fn count(model: &dyn Model) -> usize {
+        model.lobe_count()
+    }
+
+    fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe))) {
+        match material {
+            Material::MetallicRoughness(m) => m.lobes(at).map(PackedLobe::from).enumerate().for_each(write),
+            Material::HalfVector(m) => m.lobes(at).map(PackedLobe::from).enumerate().for_each(write),
+            Material::Neumann(m) => m.lobes(at).map(PackedLobe::from).enumerate().for_each(write),
+            _ => {}
+        }
+    }
+}
+
+/// [`BrdfLobes::cosine_lobes`].
+pub(crate) struct ByCosines;
+
+impl Which for ByCosines {
+    fn count(model: &dyn Model) -> usize {
+        model.cosine_lobe_count()
+    }
+
+    fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe))) {
+        match material {
+            Material::MetallicRoughness(m) => m.cosines(at).map(PackedLobe::from).enumerate().for_each(write),
+            Material::HalfVector(m) => m.cosines(at).map(PackedLobe::from).enumerate().for_each(write),
+            _ => ByModel::of_table(material, at, write),
+        }
+    }
+}
+
+pub(crate) fn lobes_at<W: Which>(level: Level, materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
     assert_eq!(of.len(), tile.len(), "one material a receiver");
     // A thread's own, so that nobody has to carry it about, or clear it.
     thread_local! {
@@ -46,7 +98,7 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
     for number in of {
         // Neighbours mostly have the same.
         if last != Some(number) {
-            places = places.max(materials[*number as usize].lobe_count(out.takes_microfacets()));
+            places = places.max(W::count(materials[*number as usize].model()));
             last = Some(number);
         }
     }
@@ -57,40 +109,35 @@ pub(crate) fn lobes_at(level: Level, materials: &[Material], of: &[u32], tile: &
             for place in 0..places {
                 shapes.lobes(level, materials, of, place, at, out.block_mut(place, block));
             }
-            tables(materials, of, at, block, out);
+            tables::<W>(materials, of, at, block, out);
         }
     });
 }
 
 /// Lobes that come from a material's table, one receiver after the other.
-fn tables(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out: &mut TileLobes) {
+fn tables<W: Which>(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out: &mut TileLobes) {
     for (j, number) in of.iter().enumerate() {
         let [_, _, _, x, y, z, view @ ..] = row(at, j);
         let (normal, view) = (Vec3::new(x, y, z), Vec3::from_array(view));
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
-        match &materials[*number as usize] {
-            Material::MetallicRoughness(material) => {
-                write(material.lobes(&at, out.takes_microfacets()), block, j, out);
-            }
-            Material::HalfVector(material) => write(material.lobes(&at, out.takes_microfacets()), block, j, out),
-            Material::Neumann(material) => write(material.lobes(&at), block, j, out),
-            _ => {}
-        }
+        let at = Receiver::on_surface(Vec3::ZERO, normal, view);
+        W::of_table(&materials[*number as usize], &at, |(place, lobe)| {
+            set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
+        });
     }
 }
 
 /// Lobes of models that are not built in, one receiver after the other.
-fn custom(materials: &[Material], of: &[u32], at: &[Receiver], out: &mut TileLobes) {
+fn custom(
+    materials: &[Material],
+    of: &[u32],
+    at: &[Receiver],
+    out: &mut TileLobes,
+    lobes: impl Fn(&dyn Model, &Receiver, &mut Vec<BrdfLobe>),
+) {
     for (i, (number, at)) in of.iter().zip(at).enumerate() {
         if let Material::Custom(model) = &materials[*number as usize] {
-            out.set_row(i, at, &**model);
+            out.set_row(i, |own| lobes(&**model, at, own));
         }
-    }
-}
-
-fn write(lobes: impl Iterator<Item = Lobe>, block: usize, j: usize, out: &mut TileLobes) {
-    for (place, lobe) in lobes.enumerate() {
-        set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
     }
 }
 
@@ -197,7 +244,7 @@ struct Own<S, const P: usize>(PhantomData<S>);
 
 #[inline(always)]
 fn lobe<S: Shape<P>, const P: usize>(shape: &S, [_, _, _, n @ .., x, y, z]: [f32; 9]) -> [f32; 8] {
-    bytemuck::cast::<Lobe, _>(shape.lobe(Vec3::from_array(n), Vec3::new(x, y, z)))
+    bytemuck::cast(PackedLobe::from(shape.lobe(Vec3::from_array(n), Vec3::new(x, y, z))))
 }
 
 impl<S: Shape<P>, const P: usize> Lane<9, 0, 8> for Same<S, P> {

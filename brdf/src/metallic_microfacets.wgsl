@@ -7,7 +7,7 @@ fn metallic_microfacets_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
     let alpha = material_f32(offset + 11u);
     let exponent = 2.0 / (alpha * alpha) - 2.0;
     if (k == has_base) {
-        return Lobe(at.view, exponent, material_vec3(offset + 3u), LOBE_MICROFACETS);
+        return Lobe(at.view, exponent, material_vec3(offset + 3u), LOBE_MICROFACETS_F0);
     }
-    return Lobe(at.view, exponent, vec3f(material_f32(offset + 6u)), LOBE_EDGE);
+    return Lobe(at.view, exponent, vec3f(material_f32(offset + 6u)), LOBE_MICROFACETS_F90);
 }

@@ -7,7 +7,7 @@ use crate::wgsl::{ModelWgsl, TURN};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Microfacets, Receiver};
 
 /// glTF's metallic–roughness material as lobes: a diffuse base under a dielectric coat, mixed with a
 /// metal (glTF 2.0, appendix B; B. Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007).
@@ -21,28 +21,25 @@ use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
 /// together give back no more than they get.
 ///
 /// # Lobes
-/// - Of [microfacets](Lobe::microfacets), where whoever reads them takes those, as the default method does: `F·D·W` itself, with its long tails
-///   and its length at grazing views; two lobes, and one for a diffuse base.
-/// - Of directions elsewhere (the paper's method, visibility as lobes): `D` is split into three or (α < 0.3) four parts, each of which
+/// - By default [`Microfacets`]: `F·D·W` itself, with its long tails and its length at grazing views; two lobes, and one for a diffuse base.
+/// - [Cosine lobes](BrdfLobes::cosine_lobes) for the paper's method and visibility as lobes: `D` is split into three or (α < 0.3) four parts, each of which
 ///   becomes a lobe with the same flux, mean direction and width across the plane of incidence, the two narrow ones up to three lobes
 ///   where the highlight is longer than wide (from about 30°): one to eight lobes, and one for a diffuse base.
 ///
 /// # Accuracy
-/// Microfacets: docs/materials.md has the table (radiance of lights of 0.5 to 25°: 0.2 % in the mean). Lobes of directions: the reflected
+/// Microfacets: docs/materials.md has the table (radiance of lights of 0.5 to 25°: 0.2 % in the mean). Cosine lobes: the reflected
 /// fraction is GGX's within 0.5 %, and never above 1. For roughness 0.1 … 1 the highlight's peak is within 9 % of GGX's up to 60° from the
 /// normal, and its L2 residual 2–15 %. Beyond, three round lobes are no streak: at 75° the peak is 11–35 % low and the highlight up to
 /// 1.8 times too wide across, at 80° 15–55 % and 2.6 times.
 ///
 /// # Cost
-/// Some milliseconds when its lobes of directions are first asked for.
+/// Some milliseconds when its cosine lobes are first requested.
 ///
 /// ```
 /// use brdf::{Brdf, MetallicRoughness};
 /// use glam::Vec3;
 /// let gold = MetallicRoughness::new(Vec3::new(1.0, 0.77, 0.34), 1.0, 0.3)?;
-/// let at = lobe_core::Receiver {
-///     position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: lobe_core::OWN_NONE,
-/// };
+/// let at = lobe_core::Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// // Straight back: F0·D/4 with D = 1/(π 0.09²).
 /// let peak = gold.eval(&at, Vec3::Z);
 /// assert!((peak.x - 9.82).abs() < 0.05 * 9.82);
@@ -97,7 +94,7 @@ impl MetallicRoughness {
         if f90 < f0.max_element() {
             return Err(MaterialError::Fraction { name: "f90 less than f0", value: f90 });
         }
-        // Lobes of directions that are there are another coat's.
+        // Cosine lobes that are there are another coat's.
         Ok(Self { coat: [f0, Vec3::splat(f90)], rows: RowTable::own(), ..self })
     }
 
@@ -116,25 +113,14 @@ impl MetallicRoughness {
     }
 
     /// A diffuse lobe and two of microfacets.
-    pub(crate) const MICROFACET_LOBES: usize = 3;
+    const LOBES: usize = 3;
 
-    /// Of microfacets where whoever reads them knows those, else of directions.
-    pub(crate) fn lobes(&self, at: &Receiver, takes_microfacets: bool) -> impl Iterator<Item = Lobe> + Clone + use<> {
-        let microfacets = takes_microfacets.then(|| self.microfacet_lobes(at));
-        let directions = (!takes_microfacets).then(|| self.direction_lobes(at));
-        microfacets.into_iter().flatten().chain(directions.into_iter().flatten())
-    }
-
-    /// Diffuse, microfacets, and what grows toward grazing of them; the first may be missing.
-    fn microfacet_lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+    /// The diffuse base, if there is one, and both parts of the coat or metal.
+    pub(crate) fn lobes(&self, at: &Receiver) -> impl Iterator<Item = BrdfLobe> + Clone + use<> {
         let diffuse = self.base * (1.0 - self.metallic) * self.diffuse(at);
-        let diffuse = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, diffuse));
-        diffuse.into_iter().chain(self.microfacets(at))
-    }
-
-    /// The coat or metal.
-    fn microfacets(&self, at: &Receiver) -> [Lobe; 2] {
-        Lobe::microfacets(at.view, self.alpha(), self.reflectances())
+        let diffuse = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, diffuse).into());
+        let facets = Microfacets::new(at.view, self.alpha(), self.reflectances());
+        diffuse.into_iter().chain(facets.map(BrdfLobe::Microfacets))
     }
 
     pub(crate) fn alpha(&self) -> f32 {
@@ -148,7 +134,7 @@ impl MetallicRoughness {
         self.coat().leaves(self.roughness, cos, sin)
     }
 
-    fn direction_lobes(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
+    pub(crate) fn cosines(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
         let diffuse = self.base * ((1.0 - self.metallic) * self.diffuse(at));
         let diffuse = (diffuse != Vec3::ZERO).then(|| Lobe::with_flux(at.normal, 1.0, diffuse));
         diffuse.into_iter().chain(rows::lobes(self.rows(), self.reflectances(), at))
@@ -159,8 +145,12 @@ impl MetallicRoughness {
 const DIELECTRIC: f32 = 0.04;
 
 impl BrdfLobes for MetallicRoughness {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at, out.takes_microfacets()));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at));
+    }
+
+    fn cosine_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.cosines(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -169,7 +159,7 @@ impl Brdf for MetallicRoughness {
         if at.normal.dot(v) <= 0.0 {
             return Vec3::ZERO;
         }
-        self.microfacet_lobes(at).map(|lobe| lobe.eval_at(at.normal, v)).sum()
+        self.lobes(at).map(|lobe| lobe.eval_at(at.normal, v)).sum()
     }
 
     /// Of the base in proportion to the cosine, of the coat by the normals that the eye sees (E. Heitz, *Sampling the GGX
@@ -216,8 +206,12 @@ impl Model for MetallicRoughness {
         "metallic-roughness"
     }
 
-    fn lobe_count(&self, takes_microfacets: bool) -> usize {
-        if takes_microfacets { Self::MICROFACET_LOBES } else { 1 + rows::LOBES }
+    fn lobe_count(&self) -> usize {
+        Self::LOBES
+    }
+
+    fn cosine_lobe_count(&self) -> usize {
+        1 + rows::LOBES
     }
 
     /// One of many, a point's own.
@@ -233,20 +227,37 @@ impl Model for MetallicRoughness {
         Some(scaled.into())
     }
 
-    fn wgsl(&self, takes_microfacets: bool) -> Option<ModelWgsl> {
-        Some(match takes_microfacets {
-            true => ModelWgsl::new("metallic-microfacets", [&coat::WGSL, include_str!("metallic_microfacets.wgsl")])
-                .with_microfacets(),
-            false => {
-                let pieces = [&coat::WGSL, TURN, &rows::WGSL, include_str!("metallic_roughness.wgsl")];
-                ModelWgsl::new("metallic-roughness", pieces)
-            }
-        })
+    fn wgsl(&self) -> Option<ModelWgsl> {
+        let own = ModelWgsl::new("metallic-microfacets", [&coat::WGSL, include_str!("metallic_microfacets.wgsl")]);
+        Some(own.with_microfacets())
     }
 
-    fn pack(&self, takes_microfacets: bool, out: &mut Packer) -> u32 {
+    fn cosine_wgsl(&self) -> Option<ModelWgsl> {
+        let pieces = [&coat::WGSL, TURN, &rows::WGSL, include_str!("metallic_roughness.wgsl")];
+        Some(ModelWgsl::new("metallic-roughness", pieces))
+    }
+
+    fn pack(&self, out: &mut Packer) -> u32 {
         let coat = coat::pack(out);
-        let rows = (!takes_microfacets).then(|| rows::pack(self.rows(), out));
+        let has_base = self.pack_numbers(coat, out);
+        out.push_word(has_base);
+        has_base + 2
+    }
+
+    fn cosine_pack(&self, out: &mut Packer) -> u32 {
+        let coat = coat::pack(out);
+        let rows = rows::pack(self.rows(), out);
+        let has_base = self.pack_numbers(coat, out);
+        out.push_word(rows);
+        let (slots, lobes) = rows::slots(self.rows(), has_base);
+        slots.into_iter().for_each(|slot| out.push_word(slot));
+        lobes
+    }
+}
+
+impl MetallicRoughness {
+    /// The numbers that both kinds of lobes come from; 1 if there is a diffuse base.
+    fn pack_numbers(&self, coat: u32, out: &mut Packer) -> u32 {
         out.begin();
         let diffuse = self.base * (1.0 - self.metallic);
         let [f0, f90] = self.reflectances();
@@ -254,14 +265,6 @@ impl Model for MetallicRoughness {
         out.push(diffuse.to_array().into_iter().chain(f0.to_array()));
         out.push([f90.x, self.roughness, below.f0, below.f90, below.base, self.alpha()]);
         out.push_word(coat);
-        let has_base = u32::from(diffuse != Vec3::ZERO);
-        let Some(rows) = rows else {
-            out.push_word(has_base);
-            return has_base + 2;
-        };
-        out.push_word(rows);
-        let (slots, lobes) = rows::slots(self.rows(), has_base);
-        slots.into_iter().for_each(|slot| out.push_word(slot));
-        lobes
+        u32::from(diffuse != Vec3::ZERO)
     }
 }

@@ -54,7 +54,7 @@ pub trait Brdf: BrdfLobes {
 /// ```
 /// use brdf::{Brdf, Material, MaterialError, Model};
 /// use glam::Vec3;
-/// use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+/// use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
 /// use std::sync::Arc;
 ///
 /// /// Reflects back to where the light came from, in a colour.
@@ -62,8 +62,8 @@ pub trait Brdf: BrdfLobes {
 /// struct Retro(Vec3);
 ///
 /// impl BrdfLobes for Retro {
-///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-///         out.push(Lobe::new(at.view, 40.0, self.0).times_cosine());
+///     fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+///         out.push(Lobe::new(at.view, 40.0, self.0).times_cosine().into());
 ///     }
 /// }
 ///
@@ -77,13 +77,13 @@ pub trait Brdf: BrdfLobes {
 ///     fn name(&self) -> &'static str {
 ///         "retro"
 ///     }
-///     fn lobe_count(&self, _: bool) -> usize {
+///     fn lobe_count(&self) -> usize {
 ///         1
 ///     }
 /// }
 ///
 /// let material = Material::Custom(Arc::new(Retro(Vec3::ONE)));
-/// assert_eq!((material.name(), material.lobe_count(true)), ("retro", 1));
+/// assert_eq!((material.name(), material.model().lobe_count()), ("retro", 1));
 /// ```
 pub trait Model: Brdf + Debug + Send + Sync {
     /// The name in messages and, for a built-in model, in scene files.
@@ -97,8 +97,13 @@ pub trait Model: Brdf + Debug + Send + Sync {
         Ok(())
     }
 
-    /// The most lobes that it writes, with those of microfacets, as the default method takes them, or without.
-    fn lobe_count(&self, takes_microfacets: bool) -> usize;
+    /// The most [lobes](BrdfLobes::brdf_lobes) that it has.
+    fn lobe_count(&self) -> usize;
+
+    /// The most [cosine lobes](BrdfLobes::cosine_lobes) that it has. Provided: as many.
+    fn cosine_lobe_count(&self) -> usize {
+        self.lobe_count()
+    }
 
     /// The material with its parameters times factors within [0, 1], as textures give them: valid if this one is. Provided: `None`, a model
     /// without textures.
@@ -113,16 +118,25 @@ pub trait Model: Brdf + Debug + Send + Sync {
         None
     }
 
-    /// The WGSL of the model, with lobes of microfacets or without. Provided: `None`, a model that GPUs cannot shade.
-    fn wgsl(&self, takes_microfacets: bool) -> Option<ModelWgsl> {
-        let _ = takes_microfacets;
+    /// The WGSL of its lobes. Provided: `None`, a model that GPUs cannot shade.
+    fn wgsl(&self) -> Option<ModelWgsl> {
         None
     }
 
-    /// Writes what its WGSL reads, and returns the number of lobes, [`lobe_count`](Self::lobe_count) at most. Provided: no words.
-    fn pack(&self, takes_microfacets: bool, out: &mut Packer) -> u32 {
+    /// The WGSL of its cosine lobes. Provided: [`wgsl`](Self::wgsl), of a model without microfacets.
+    fn cosine_wgsl(&self) -> Option<ModelWgsl> {
+        self.wgsl().filter(|wgsl| !wgsl.has_microfacets)
+    }
+
+    /// Writes what its [WGSL](Self::wgsl) reads, and returns the number of lobes, [`lobe_count`](Self::lobe_count) at most. Provided: no words.
+    fn pack(&self, out: &mut Packer) -> u32 {
         let _ = out;
-        self.lobe_count(takes_microfacets) as u32
+        self.lobe_count() as u32
+    }
+
+    /// The same of its [cosine lobes](Self::cosine_wgsl). Provided: [`pack`](Self::pack).
+    fn cosine_pack(&self, out: &mut Packer) -> u32 {
+        self.pack(out)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::wgsl::{MIRRORED_VIEW, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, power};
 
 /// The normalised Phong model: `f̃(v) = (kd/π + ks·(e+2)/(2π)·max(r·v, 0)^e)·max(n·v, 0)`, `r` the mirrored view
 /// (E. Lafortune, Y. Willems, *Using the Modified Phong Reflectance Model for Physically Based Rendering*, 1994; \[26\]
@@ -40,8 +40,8 @@ impl ModifiedPhong {
 }
 
 impl BrdfLobes for ModifiedPhong {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -73,7 +73,7 @@ impl Model for ModifiedPhong {
         check_exponent(self.exponent)
     }
 
-    fn lobe_count(&self, _: bool) -> usize {
+    fn lobe_count(&self) -> usize {
         2
     }
 
@@ -82,11 +82,11 @@ impl Model for ModifiedPhong {
         Some(Self { kd: self.kd * by.color, ks: self.ks * by.specular, exponent }.into())
     }
 
-    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+    fn wgsl(&self) -> Option<ModelWgsl> {
         Some(ModelWgsl::new("modified-phong", [MIRRORED_VIEW, include_str!("modified_phong.wgsl")]))
     }
 
-    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+    fn pack(&self, out: &mut Packer) -> u32 {
         phong::pack([self.kd, self.ks * ((self.exponent + 2.0) / (self.exponent + 1.0))], self.exponent, out)
     }
 }

@@ -5,7 +5,7 @@ use crate::wgsl::{ModelWgsl, TURN};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer, phong};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, orthonormal_basis, power};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, orthonormal_basis, power};
 use std::sync::LazyLock;
 
 /// Neumann et al.'s *stretched Phong* model of metals: `f_r = kd/π + ks·(e+2)/2π·max(r·v, 0)^e / max(n·v, n·ω_o)`, `r` the mirrored
@@ -35,9 +35,9 @@ use std::sync::LazyLock;
 /// ```
 /// use brdf::{Brdf, Neumann};
 /// use glam::Vec3;
-/// use lobe_core::{OWN_NONE, Receiver};
+/// use lobe_core::{Receiver};
 /// let gold = Neumann { kd: Vec3::ZERO, ks: Vec3::new(1.0, 0.77, 0.34), exponent: 60.0 };
-/// let at = |view| Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+/// let at = |view| Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
 /// let (steep, grazing) = (Vec3::Z, Vec3::new(0.96, 0.0, 0.28));
 /// // As bright in its mirrored direction from everywhere.
 /// let mirrored = Vec3::new(-0.96, 0.0, 0.28);
@@ -126,8 +126,8 @@ impl Neumann {
 }
 
 impl BrdfLobes for Neumann {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -173,7 +173,7 @@ impl Model for Neumann {
         check_metal_exponent(self.exponent)
     }
 
-    fn lobe_count(&self, _: bool) -> usize {
+    fn lobe_count(&self) -> usize {
         Self::LOBES
     }
 
@@ -182,11 +182,11 @@ impl Model for Neumann {
         Some(Self { kd: self.kd * by.color, ks: self.ks * by.specular, exponent }.into())
     }
 
-    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+    fn wgsl(&self) -> Option<ModelWgsl> {
         Some(ModelWgsl::new("neumann", [TURN, &WGSL]))
     }
 
-    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+    fn pack(&self, out: &mut Packer) -> u32 {
         let highlight = phong::pack([self.kd, self.ks * (self.exponent + 2.0)], self.exponent, out);
         // For the one of Phong's.
         highlight + if self.ks == Vec3::ZERO { 0 } else { Self::LOBES as u32 - 2 }
@@ -198,7 +198,6 @@ pub(crate) mod tests {
     use super::*;
     use core::f64::consts::PI;
     use glam::DVec3;
-    use lobe_core::{LobeBuffer, OWN_NONE};
 
     const EXPONENTS: [f32; 6] = [1.0, 5.0, 20.0, 100.0, 1000.0, 1e5];
     const VIEWS: [f64; 6] = [0.0, 30.0, 50.0, 65.0, 75.0, 82.0];
@@ -215,7 +214,7 @@ pub(crate) mod tests {
 
     fn receiver(view: DVec3) -> Receiver {
         let view = view.as_vec3().normalize();
-        Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE }
+        Receiver::on_surface(Vec3::ZERO, Vec3::Z, view)
     }
 
     /// `∫ f(v) dv` over what is above the horizon, by rings about the mirrored view as dense as a lobe of exponent `e`.
@@ -246,12 +245,12 @@ pub(crate) mod tests {
     pub(crate) fn residual(exponent: f32, degrees: f64) -> [f64; 2] {
         let model = Neumann { ks: Vec3::ONE, exponent, ..Neumann::default() };
         let (view, at) = (view(degrees), receiver(view(degrees)));
-        let mut buffer = LobeBuffer::default();
-        model.brdf_lobes(&at, &mut buffer.writer());
+        let mut lobes = Vec::new();
+        model.brdf_lobes(&at, &mut lobes);
         let e = f64::from(exponent);
         let [error, square, flux, want] = about_mirror(e, view, |v| {
             let want = oracle(e, view, v);
-            let got = f64::from(buffer.lobes().eval(Vec3::Z, v.as_vec3().normalize()).x);
+            let got = f64::from(BrdfLobe::sum_at(&lobes, Vec3::Z, v.as_vec3().normalize()).x);
             [(got - want).powi(2), want * want, got, want]
         });
         [(error / square).sqrt(), flux / want]

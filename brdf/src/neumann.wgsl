@@ -43,5 +43,5 @@ fn neumann_lobe(offset: u32, at: Receiver, k: u32) -> Lobe {
     let axis = unit_or(middle * across.x + cross(n, forward) * across.y, n);
     let exponent = e * ratio;
     let flux = material_vec3(offset + 4u) * (weight / (exponent + 1.0));
-    return Lobe(axis, exponent, flux, select(1.0, 0.0, is_plain));
+    return Lobe(axis, exponent, flux, select(LOBE_COSINE, LOBE_PLAIN, is_plain));
 }

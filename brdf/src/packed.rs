@@ -1,5 +1,5 @@
-use crate::Material;
 use crate::wgsl::{ModelWgsl, compose};
+use crate::{Material, Model};
 use glam::Vec3;
 use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
 
@@ -75,24 +75,38 @@ impl Packer {
 }
 
 impl PackedMaterials {
-    /// Packs materials whose parameters are [valid](Material::validate), with lobes of microfacets where `takes_microfacets`.
+    /// Packs materials whose parameters are [valid](Material::validate).
     ///
     /// # Errors
     /// The name of a model that has no WGSL, or shares its name with another, in a sentence.
     ///
     /// ```
     /// use brdf::{Material, PackedMaterials};
-    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)], false)?;
+    /// let packed = PackedMaterials::new(&[Material::lambert(glam::Vec3::ONE)])?;
     /// assert_eq!((packed.words.len(), packed.max_lobes), (5, 1));
     /// # Ok::<(), String>(())
     /// ```
-    pub fn new(materials: &[Material], takes_microfacets: bool) -> Result<Self, String> {
+    pub fn new(materials: &[Material]) -> Result<Self, String> {
+        Self::with(materials, |model| model.wgsl(), |model, out| model.pack(out))
+    }
+
+    /// The same by [cosine lobes](lobe_core::BrdfLobes::cosine_lobes).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_cosine_lobes(materials: &[Material]) -> Result<Self, String> {
+        Self::with(materials, |model| model.cosine_wgsl(), |model, out| model.cosine_pack(out))
+    }
+
+    fn with(
+        materials: &[Material],
+        wgsl: impl Fn(&dyn Model) -> Option<ModelWgsl>,
+        pack: impl Fn(&dyn Model, &mut Packer) -> u32,
+    ) -> Result<Self, String> {
         let mut of = Vec::with_capacity(materials.len());
-        for material in materials {
-            let text = material.model().wgsl(takes_microfacets);
-            of.push(
-                text.ok_or_else(|| format!("a GPU cannot shade the material `{}`: it has no WGSL", material.name()))?,
-            );
+        for model in materials.iter().map(Material::model) {
+            let name = model.name();
+            of.push(wgsl(model).ok_or_else(|| format!("a GPU cannot shade the material `{name}`: it has no WGSL"))?);
         }
         let mut models = of.clone();
         models.sort_by_key(|model| model.name);
@@ -106,7 +120,7 @@ impl PackedMaterials {
         let mut max_lobes = 0;
         for (i, (material, own)) in materials.iter().zip(&of).enumerate() {
             packer.begin();
-            let lobes = material.model().pack(takes_microfacets, &mut packer);
+            let lobes = pack(material.model(), &mut packer);
             let number = models.iter().position(|model| model.name == own.name).unwrap_or_default();
             packer.words[2 * i] = number as u32 | lobes << 8;
             packer.words[2 * i + 1] = packer.first as u32;
@@ -117,17 +131,26 @@ impl PackedMaterials {
 }
 
 impl GpuMaterials for Material {
-    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> Result<GpuMaterialSet, String> {
-        let PackedMaterials { words, models, max_lobes } = PackedMaterials::new(materials, takes_microfacets)?;
+    fn gpu_set(materials: &[Self]) -> Result<GpuMaterialSet, String> {
+        PackedMaterials::new(materials).map(Into::into)
+    }
+
+    fn gpu_cosine_set(materials: &[Self]) -> Result<GpuMaterialSet, String> {
+        PackedMaterials::of_cosine_lobes(materials).map(Into::into)
+    }
+}
+
+impl From<PackedMaterials> for GpuMaterialSet {
+    fn from(PackedMaterials { words, models, max_lobes }: PackedMaterials) -> Self {
         let names: Vec<&str> = models.iter().map(|model| model.name).collect();
-        Ok(GpuMaterialSet {
+        Self {
             name: if names.is_empty() { "no materials".to_owned() } else { names.join(" + ") },
             wgsl: compose(&models),
             words,
             max_lobes,
             is_lambert: names.iter().all(|name| *name == "lambert"),
             has_microfacets: models.iter().any(|model| model.has_microfacets),
-        })
+        }
     }
 }
 
@@ -153,15 +176,15 @@ mod tests {
             (MetallicRoughness::new(white, 1.0, 1.0).unwrap().into(), 1),
         ];
         let materials: Vec<Material> = cases.iter().map(|(material, _)| material.clone()).collect();
-        let packed = PackedMaterials::new(&materials, false).unwrap();
+        let packed = PackedMaterials::of_cosine_lobes(&materials).unwrap();
         for (i, (material, lobes)) in cases.iter().enumerate() {
             assert_eq!(packed.words[2 * i] >> 8, *lobes, "{} {i}", material.name());
             let model = &packed.models[(packed.words[2 * i] & 0xff) as usize];
             assert_eq!(model.name, material.name());
         }
         assert_eq!((packed.models.len(), packed.max_lobes), (5, 9));
-        assert_eq!(PackedMaterials::new(&materials, true).unwrap().max_lobes, 3);
-        let none = PackedMaterials::new(&[], false).unwrap();
+        assert_eq!(PackedMaterials::new(&materials).unwrap().max_lobes, 3);
+        let none = PackedMaterials::new(&[]).unwrap();
         assert_eq!((none.words.len(), none.models.len(), none.max_lobes), (2, 0, 0));
     }
 }

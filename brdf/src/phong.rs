@@ -6,7 +6,7 @@ use crate::wgsl::{MIRRORED_VIEW, ModelWgsl};
 use crate::{Brdf, BrdfSample, Factors, Material, MaterialError, Model, Packer};
 use core::f32::consts::{PI, TAU};
 use glam::Vec3;
-use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver, power};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, power};
 
 /// The Phong model as the paper prints it: `f̃(v) = kd·max(n·v, 0) + ks·max(r·v, 0)^e` (Eqs. 23–26), `r` the mirrored
 /// view.
@@ -39,8 +39,8 @@ impl Phong {
 }
 
 impl BrdfLobes for Phong {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.extend(self.lobes(at));
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.extend(self.lobes(at).map(BrdfLobe::Cosine));
     }
 }
 
@@ -83,7 +83,7 @@ impl Model for Phong {
         check_exponent(self.exponent)
     }
 
-    fn lobe_count(&self, _: bool) -> usize {
+    fn lobe_count(&self) -> usize {
         2
     }
 
@@ -92,11 +92,11 @@ impl Model for Phong {
         Some(Self { kd: self.kd * by.color, ks: self.ks * by.specular, exponent }.into())
     }
 
-    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+    fn wgsl(&self) -> Option<ModelWgsl> {
         Some(ModelWgsl::new("phong", [MIRRORED_VIEW, include_str!("phong.wgsl")]))
     }
 
-    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+    fn pack(&self, out: &mut Packer) -> u32 {
         pack([PI * self.kd, self.ks * (TAU / (self.exponent + 1.0))], self.exponent, out)
     }
 }

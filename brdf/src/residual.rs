@@ -1,7 +1,7 @@
 use crate::Brdf;
 use core::f64::consts::{FRAC_1_PI, TAU};
 use glam::Vec3;
-use lobe_core::{LobeBuffer, OWN_NONE, Receiver};
+use lobe_core::{BrdfLobe, Receiver};
 
 /// Angles of the views to the normal, in degrees.
 const VIEWS: [f32; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
@@ -10,37 +10,49 @@ const VIEWS: [f32; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 const DRAWN: u32 = 256;
 
 /// How far a material's lobes are from the material: `√(∫ (f̃ − Σ lobes)² dv / ∫ f̃² dv)`, root mean square over views up to 75° from the
-/// normal, by lobes of microfacets where `takes_microfacets`, as the default method reads them, or by lobes of directions alone. No tolerance
-/// makes errors of highlights much smaller than this. 0 for a black material; below 1e-3 the lobes are the material.
+/// normal. No tolerance makes errors of highlights much smaller than this. 0 for a black material; below 1e-3 the lobes are the material.
 ///
 /// # Accuracy
 /// A tenth of itself: 512 directions a view, drawn in proportion to the material and to the cosine.
 ///
 /// # Cost
-/// A millisecond; some more for the tables of a material whose lobes of directions were not asked for before.
+/// A millisecond.
 ///
 /// ```
-/// use brdf::{MetallicRoughness, residual};
+/// use brdf::{MetallicRoughness, residual, residual_of_cosine_lobes};
 /// let gold = MetallicRoughness::new(glam::Vec3::new(1.0, 0.77, 0.34), 1.0, 0.4)?;
-/// assert!(residual(&gold, true) < 1e-3);
-/// assert!(residual(&gold, false) > 0.05);
+/// assert!(residual(&gold) < 1e-3);
+/// assert!(residual_of_cosine_lobes(&gold) > 0.05);
 /// # Ok::<(), brdf::MaterialError>(())
 /// ```
 #[must_use]
-pub fn residual(material: &impl Brdf, takes_microfacets: bool) -> f64 {
-    let mut buffer = LobeBuffer::default();
+pub fn residual<B: Brdf>(material: &B) -> f64 {
+    residual_of(material, B::brdf_lobes)
+}
+
+/// The same of a material's [cosine lobes](lobe_core::BrdfLobes::cosine_lobes).
+///
+/// # Cost
+/// A few milliseconds where these come from tables that are not there yet.
+#[must_use]
+pub fn residual_of_cosine_lobes<B: Brdf>(material: &B) -> f64 {
+    residual_of(material, B::cosine_lobes)
+}
+
+fn residual_of<B: Brdf>(material: &B, lobes_of: impl Fn(&B, &Receiver, &mut Vec<BrdfLobe>)) -> f64 {
+    let mut lobes = Vec::new();
     let (mut sum, mut views) = (0.0, 0);
     for degrees in VIEWS {
         let (s, c) = degrees.to_radians().sin_cos();
         let view = Vec3::new(s, 0.0, c);
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
-        material.brdf_lobes(&at, &mut buffer.writer_of(takes_microfacets));
-        let lobes = buffer.lobes();
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
+        lobes.clear();
+        lobes_of(material, &at, &mut lobes);
         let (mut error, mut square) = (0.0, 0.0);
         let mut add = |v: Vec3| {
             let pdf = f64::from(material.pdf(&at, v)) + f64::from(v.z) * FRAC_1_PI;
             if v.z > 0.0 && pdf > 0.0 {
-                let (want, got) = (material.eval(&at, v).as_dvec3(), lobes.eval(Vec3::Z, v).as_dvec3());
+                let (want, got) = (material.eval(&at, v).as_dvec3(), BrdfLobe::sum_at(&lobes, Vec3::Z, v).as_dvec3());
                 error += (got - want).length_squared() / pdf;
                 square += want.length_squared() / pdf;
             }
@@ -85,7 +97,7 @@ mod tests {
             HalfVector { diffuse: Vec3::ZERO, lobes: vec![HalfVectorLobe::new(0.3, Vec3::ONE, Vec3::ONE)] }.into(),
         ];
         for material in exact {
-            let residual = residual(&material, true);
+            let residual = residual(&material);
             assert!(residual < 1e-3, "{material:?}: {residual}");
         }
     }
@@ -96,13 +108,13 @@ mod tests {
         for exponent in [20.0, 100.0, 1000.0] {
             let square = |degrees: f32| crate::neumann::tests::residual(exponent, f64::from(degrees))[0].powi(2);
             let want = (VIEWS.map(square).iter().sum::<f64>() / VIEWS.len() as f64).sqrt();
-            let got = residual(&Neumann { kd: Vec3::ZERO, ks: Vec3::ONE, exponent }, true);
+            let got = residual(&Neumann { kd: Vec3::ZERO, ks: Vec3::ONE, exponent });
             println!("{exponent}: {got:.4} for {want:.4}");
             assert!((got / want - 1.0).abs() < 0.1, "{exponent}: {got} {want}");
         }
         let glossy = |roughness| MetallicRoughness::new(Vec3::splat(0.8), 1.0, roughness).expect("in range");
-        let [narrow, broad] = [0.3, 0.9].map(|roughness| residual(&glossy(roughness), false));
-        println!("GGX by lobes of directions: {narrow:.3}, {broad:.3}");
+        let [narrow, broad] = [0.3, 0.9].map(|roughness| residual_of_cosine_lobes(&glossy(roughness)));
+        println!("GGX by cosine lobes: {narrow:.3}, {broad:.3}");
         assert!(narrow > broad && narrow < 0.4, "{narrow} {broad}");
     }
 }

@@ -31,7 +31,7 @@ fn row_lobe(rows: u32, slot: u32, f0: vec3f, f90: vec3f, at: Receiver) -> Lobe {
     let beside = unit_or(forward * cosine - n * sine, forward);
     let turn = cos_sin(tilt + side * spread);
     let axis = mirror * turn.x + beside * turn.y;
-    return Lobe(axis / sqrt(dot(axis, axis)), exponent, flux * share, 0.0);
+    return Lobe(axis / sqrt(dot(axis, axis)), exponent, flux * share, LOBE_PLAIN);
 }
 
 // Between a row and the next.

@@ -33,7 +33,12 @@ pub(crate) struct Mirror {
 impl Shape<5> for Mirror {
     #[inline(always)]
     fn lobe(&self, normal: Vec3, view: Vec3) -> Lobe {
-        Lobe { axis: mirrored_view(normal, view), exponent: self.exponent, flux: self.flux, factor: self.cosine }
+        Lobe {
+            axis: mirrored_view(normal, view),
+            exponent: self.exponent,
+            flux: self.flux,
+            has_cosine: self.cosine > 0.0,
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use crate::{
 };
 use core::f64::consts::PI;
 use glam::{DMat3, DVec3, Mat3, Vec3};
-use lobe_core::{BrdfLobes, LobeBuffer, OWN_NONE, Receiver, Tile, TileLobes, orthonormal_basis};
+use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, Tile, TileLobes, orthonormal_basis};
 
 const EXTREME_EXPONENTS: [f32; 7] = [0.0, 1e-6, 0.5, 1.0, 200.0, 1e5, 1e7];
 
@@ -35,13 +35,7 @@ impl Random {
 }
 
 fn receiver(normal: Vec3, view: Vec3) -> Receiver {
-    Receiver {
-        position: Vec3::new(1.0, 2.0, 3.0),
-        normal: normal.normalize(),
-        face: normal.normalize(),
-        view: view.normalize(),
-        object: OWN_NONE,
-    }
+    Receiver::on_surface(Vec3::new(1.0, 2.0, 3.0), normal.normalize(), view.normalize())
 }
 
 /// Views from straight above to grazing and to just below the horizon, over an oblique normal.
@@ -147,14 +141,13 @@ fn eval_and_lobe_sum_equal_the_printed_formulas() {
     let mut random = Random::new(1);
     for material in materials() {
         material.validate().unwrap();
-        let mut buffer = LobeBuffer::default();
         for at in receivers() {
-            material.brdf_lobes(&at, &mut buffer.writer());
+            let lobes = lobes(&material, &at);
             for v in probes(&at, &mut random) {
                 let want = oracle(&material, &at, v.as_dvec3().normalize());
                 let direct = material.eval(&at, v);
                 let below = at.normal.dot(v) <= 0.0;
-                let sum = if below { Vec3::ZERO } else { buffer.lobes().eval(at.normal, v) };
+                let sum = if below { Vec3::ZERO } else { BrdfLobe::sum_at(&lobes, at.normal, v) };
                 assert!(direct.is_finite() && sum.is_finite(), "{material:?} {at:?} {v}");
                 let e = match &material {
                     Material::Phong(m) => m.exponent,
@@ -179,14 +172,18 @@ fn eval_and_lobe_sum_equal_the_printed_formulas() {
     }
 }
 
+fn lobes(material: &impl Brdf, at: &Receiver) -> Vec<BrdfLobe> {
+    let mut lobes = Vec::new();
+    material.brdf_lobes(at, &mut lobes);
+    lobes
+}
+
 #[test]
 fn lambert_lobe_is_recognisable() {
     let at = receivers()[3];
     for material in [Material::lambert(Vec3::splat(0.3)), lafortune().into(), materials()[3].clone()] {
-        let mut buffer = LobeBuffer::default();
-        material.brdf_lobes(&at, &mut buffer.writer());
-        let first = buffer.lobes().get(0);
-        assert_eq!((first.axis, first.exponent, first.factor), (at.normal, 1.0, 0.0));
+        let BrdfLobe::Cosine(Lobe { axis, exponent, has_cosine, .. }) = lobes(&material, &at)[0] else { panic!() };
+        assert_eq!((axis, exponent, has_cosine), (at.normal, 1.0, false));
     }
 }
 
@@ -199,8 +196,7 @@ fn black_materials_have_no_lobe_and_draw_nothing() {
         Lafortune { diffuse: Vec3::ZERO, lobes: vec![LafortuneLobe::diagonal(Vec3::ONE, 3.0, Vec3::ZERO)] }.into(),
     ];
     for material in black {
-        let mut buffer = LobeBuffer::default();
-        material.brdf_lobes(&receivers()[1], &mut buffer.writer());
+        assert_eq!(lobes(&material, &receivers()[1]), []);
         assert!(material.sample(&receivers()[1], [0.5; 3]).is_none());
         assert_eq!(material.pdf(&receivers()[1], receivers()[1].normal), 0.0);
     }
@@ -214,8 +210,7 @@ fn lafortune_without_an_axis_has_no_lobe() {
             let model = Lafortune { diffuse: Vec3::ZERO, lobes: vec![LafortuneLobe::diagonal(c, exponent, Vec3::ONE)] };
             model.validate().unwrap();
             let at = receiver(Vec3::Z, Vec3::X);
-            let mut buffer = LobeBuffer::default();
-            model.brdf_lobes(&at, &mut buffer.writer());
+            assert_eq!(lobes(&model, &at), []);
             assert_eq!(model.eval(&at, Vec3::Z), Vec3::ZERO);
             assert!(model.sample(&at, [0.3; 3]).is_none());
         }
@@ -458,6 +453,7 @@ fn bad_parameters_are_refused_in_one_line() {
 
 #[test]
 fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
+    use crate::material_lobes::{ByCosines, ByModel, lobes_at};
     use lobe_core::lanes::Level;
     let mut random = Random::new(6);
     let glossy = MetallicRoughness::new(Vec3::new(0.9, 0.6, 0.3), 0.5, 0.3).unwrap();
@@ -466,22 +462,25 @@ fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
     materials.extend([glossy.into(), stretched.into(), half_vector().into(), Material::lambert(Vec3::ZERO)]);
     let receivers: Vec<Receiver> =
         (0..100).map(|i| receiver(random.direction(), if i % 9 == 0 { Vec3::X } else { random.direction() })).collect();
-    let (mut tile, mut lobes) = (Tile::default(), TileLobes::default());
+    let (mut tile, mut tiled) = (Tile::default(), TileLobes::default());
     for receivers in [&receivers[..], &receivers[..16], &receivers[..1], &[]] {
         tile.set(receivers);
         // One material for all, for some, and for each its own.
         for run in [1000, 16, 5, 1] {
             let count = materials.len();
             let of: Vec<u32> = (0..receivers.len()).map(|i| ((i / run * 7 + run) % count) as u32).collect();
-            for (level, microfacets) in [(Level::new(), false), (Level::baseline(), false), (Level::new(), true)] {
-                lobes.take_microfacets(microfacets);
-                crate::material_lobes::lobes_at(level, &materials, &of, &tile, &mut lobes);
+            for level in [Level::new(), Level::baseline()] {
+                lobes_at::<ByModel>(level, &materials, &of, &tile, &mut tiled);
                 for (i, at) in receivers.iter().enumerate() {
-                    let material = &materials[of[i] as usize];
-                    let mut buffer = LobeBuffer::default();
-                    material.brdf_lobes(at, &mut buffer.writer_of(microfacets));
-                    let got: Vec<_> = lobes.of(i).map(|(_, lobe)| lobe).collect();
-                    assert_eq!(got, buffer.lobes().iter().collect::<Vec<_>>(), "{level:?} {material:?} {at:?}");
+                    let got: Vec<_> = tiled.of(i).map(|(_, lobe)| lobe).collect();
+                    assert_eq!(got, lobes(&materials[of[i] as usize], at), "{level:?} {at:?}");
+                }
+                lobes_at::<ByCosines>(level, &materials, &of, &tile, &mut tiled);
+                for (i, at) in receivers.iter().enumerate() {
+                    let mut want = Vec::new();
+                    materials[of[i] as usize].cosine_lobes(at, &mut want);
+                    let got: Vec<_> = tiled.of(i).map(|(_, lobe)| lobe).collect();
+                    assert_eq!(got, want, "{level:?} {at:?}");
                 }
             }
         }
@@ -493,10 +492,10 @@ fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
 struct Retro;
 
 impl lobe_core::BrdfLobes for Retro {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut lobe_core::LobeWriter<'_>) {
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<lobe_core::BrdfLobe>) {
         // By place, which no built-in model is.
         let red = Vec3::X * at.position.x.abs();
-        out.push(lobe_core::Lobe::new(at.view, 9.0, red + Vec3::Y).times_cosine());
+        out.push(lobe_core::Lobe::new(at.view, 9.0, red + Vec3::Y).times_cosine().into());
     }
 }
 
@@ -512,7 +511,7 @@ impl Model for Retro {
         "retro"
     }
 
-    fn lobe_count(&self, _: bool) -> usize {
+    fn lobe_count(&self) -> usize {
         1
     }
 }
@@ -530,16 +529,18 @@ fn custom_models_are_models() {
     let of: Vec<u32> = (0..64).map(|i| (i * i + i / 7) % 3).collect();
     let mut tile = Tile::default();
     tile.set(&receivers);
-    let (mut lobes, mut one) = (TileLobes::default(), LobeBuffer::default());
-    for microfacets in [false, true] {
-        lobes.take_microfacets(microfacets);
-        Material::tile_lobes(&materials, &of, &receivers, &tile, &mut lobes);
+    let mut lobes = TileLobes::default();
+    let are_single = |tiled: &TileLobes, lobes_of: fn(&Material, &Receiver, &mut Vec<lobe_core::BrdfLobe>)| {
         for (i, at) in receivers.iter().enumerate() {
-            materials[of[i] as usize].brdf_lobes(at, &mut one.writer_of(microfacets));
-            let (got, want): (Vec<_>, Vec<_>) =
-                (lobes.of(i).map(|(_, lobe)| lobe).collect(), one.lobes().iter().collect());
+            let mut want = Vec::new();
+            lobes_of(&materials[of[i] as usize], at, &mut want);
+            let got: Vec<_> = tiled.of(i).map(|(_, lobe)| lobe).collect();
             assert_eq!(got, want, "{i}");
         }
-    }
-    assert!(crate::PackedMaterials::new(&materials, true).unwrap_err().contains("`retro`"));
+    };
+    Material::tile_lobes(&materials, &of, &receivers, &tile, &mut lobes);
+    are_single(&lobes, Material::brdf_lobes);
+    Material::tile_cosine_lobes(&materials, &of, &receivers, &tile, &mut lobes);
+    are_single(&lobes, Material::cosine_lobes);
+    assert!(crate::PackedMaterials::new(&materials).unwrap_err().contains("`retro`"));
 }

@@ -16,7 +16,7 @@ pub(crate) const TURN: &str = include_str!("turn.wgsl");
 /// The WGSL of one model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModelWgsl {
-    /// Its name, of letters, digits and hyphens; another one with lobes of microfacets than with lobes of directions.
+    /// Its name, of letters, digits and hyphens; another one for lobes of microfacets than for cosine lobes.
     pub name: &'static str,
     /// Texts that it needs beside [`MATERIAL`], each of which is there once, however many models need it. One defines
     /// `fn NAME_lobe(words: u32, at: Receiver, k: u32) -> Lobe`, with underscores for the hyphens of the name: the lobes of
@@ -49,7 +49,7 @@ impl ModelWgsl {
 ///
 /// ```
 /// use brdf::{Material, wgsl};
-/// let lambert = Material::lambert(glam::Vec3::ONE).model().wgsl(false).unwrap();
+/// let lambert = Material::lambert(glam::Vec3::ONE).model().wgsl().unwrap();
 /// let text = wgsl::compose(&[lambert]);
 /// assert!(text.contains("lambert_lobe") && !text.contains("switch"));
 /// ```

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::input;
 use crate::moment::last_frame;
 use crate::prices::Prices;
-use cosine_lobes::brdf::{Material, residual};
+use cosine_lobes::brdf::{Material, residual, residual_of_cosine_lobes};
 use cosine_lobes::lobe_core::Receiver;
 use cosine_lobes::render_cpu::{BlockersError, SphereSource, read_set};
 use cosine_lobes::renderer::{BAND_RAYS, Plan, known_set};
@@ -125,10 +125,10 @@ fn requirements(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Re
         let texture = |(name, texture): (_, &Texture)| json!({"field": name, "size": texture.size()});
         json!({
             "model": m.name(),
-            "lobes": m.lobe_count(true),
-            "lobes_of_directions": m.lobe_count(false),
-            "residual": residual(m, true),
-            "residual_of_directions": residual(m, false),
+            "lobes": m.model().lobe_count(),
+            "lobes_of_directions": m.model().cosine_lobe_count(),
+            "residual": residual(m),
+            "residual_of_directions": residual_of_cosine_lobes(m),
             "textures": textures.map(texture).collect::<Vec<_>>(),
         })
     });
@@ -212,7 +212,7 @@ fn print(scene: &Scene, animation: &Animation, plan: &Plan, objects: &[Requireme
 
 /// A material's model, lobes and textures.
 fn describe_material(material: &Material, surface: Option<&Surface>) -> String {
-    let (most, of_directions) = (material.lobe_count(true), material.lobe_count(false));
+    let (most, of_directions) = (material.model().lobe_count(), material.model().cosine_lobe_count());
     let mut text = format!("{}, lobes at most: {most}", material.name());
     if of_directions != most {
         text += &format!(" ({of_directions} by the methods `paper` and `lobes`)");
@@ -229,7 +229,7 @@ fn describe_material(material: &Material, surface: Option<&Surface>) -> String {
 fn residuals(material: &Material) -> String {
     const EXACT: f64 = 1e-3;
     let percent = |residual: f64| format!("{:.1} %", 100.0 * residual);
-    let told = match [true, false].map(|takes_microfacets| residual(material, takes_microfacets)) {
+    let told = match [residual(material), residual_of_cosine_lobes(material)] {
         [own, of_directions] if own < EXACT && of_directions < EXACT => return String::new(),
         [own, of_directions] if own < EXACT => {
             format!("exact; {} off by the methods `paper` and `lobes`", percent(of_directions))

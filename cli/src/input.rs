@@ -5,7 +5,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::teller::Teller;
 use cosine_lobes::brdf::Material;
-use cosine_lobes::lobe_core::{BrdfLobes, Lobe, LobeBuffer, Receiver};
+use cosine_lobes::lobe_core::{BrdfLobes, Receiver};
 use cosine_lobes::render_cpu::SceneSpheres;
 use cosine_lobes::renderer::{Plan, scene_spheres};
 use cosine_lobes::scene::{self, Animation, Scene};
@@ -28,12 +28,13 @@ pub(crate) fn load(file: Option<&Path>, clip: Option<&str>, quiet: bool) -> Resu
 
 /// A line about a material that reflects more than it receives, seen and lit from straight above.
 fn too_bright(number: usize, material: &Material) -> Option<String> {
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 0 };
-    let mut lobes = LobeBuffer::default();
-    material.brdf_lobes(&at, &mut lobes.writer());
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(0);
+    let mut lobes = Vec::new();
+    material.cosine_lobes(&at, &mut lobes);
+    let lobes = lobes.iter().map(|lobe| lobe.cosine_lobe(at.normal));
     // About the normal a cosine leaves so much of a lobe.
-    let part = |l: &Lobe| if l.factor == Lobe::COSINE { (l.exponent + 1.0) / (l.exponent + 2.0) } else { 1.0 };
-    let all: Vec3 = lobes.lobes().iter().map(|l| l.flux * part(&l)).sum();
+    let all: Vec3 =
+        lobes.map(|l| l.flux * if l.has_cosine { (l.exponent + 1.0) / (l.exponent + 2.0) } else { 1.0 }).sum();
     let most = all.max_element();
     // Lobes reach below the horizon by a little, and numbers are rounded.
     (most > 1.01).then(|| format!("material {number} ({}) reflects {most:.2} times the light it gets", material.name()))

@@ -6,7 +6,9 @@ use crate::failure::Failure;
 use crate::input;
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::{GBuffer, World};
-use cosine_lobes::renderer::{Backend, FrameBlockers, KeptSpheres, Method, Plan, RenderError, Shader, Work, seconds};
+use cosine_lobes::renderer::{
+    Backend, FrameBlockers, KeptSpheres, Method, Plan, RenderError, Shader, ShaderTask, seconds,
+};
 use cosine_lobes::scene::{Animation, BlockerSet, Frame, Scene, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::ReceiverBounds;
 use cosine_lobes::{Picture, RegionError, ShadowErrors};
@@ -148,7 +150,7 @@ struct Shot<'a> {
     frame: &'a Frame<'a>,
 }
 
-impl Work for Shot<'_> {
+impl ShaderTask for Shot<'_> {
     type Output = (f64, Vec<Vec3>);
 
     /// The quickest of three.

@@ -1,7 +1,7 @@
 //! The events of a renderer, as bars and lines for the user.
 
 use crate::console::{Fit, counted, note, progress};
-use cosine_lobes::renderer::{Coarser, Event};
+use cosine_lobes::renderer::{Event, MapReduction};
 use cosine_lobes::visibility_shadowmap::MapFineness;
 use indicatif::ProgressBar;
 use std::ops::ControlFlow;
@@ -77,7 +77,7 @@ impl Teller {
                      exact, or more spheres (its keys `visibility` and `proxy`)"
                 ));
             }
-            Event::CoarserMaps(Coarser { wanted, needed, room, drawn }) => {
+            Event::MapsReduced(MapReduction { wanted, needed, room, drawn }) => {
                 let (needed, room) = (needed.div_ceil(1_000_000), room / 1_000_000);
                 note(format_args!(
                     "lobes: note: shadow maps of {wanted}² texels take {needed} MB, the GPU has room for {room} MB: drawn with \

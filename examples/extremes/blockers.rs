@@ -3,7 +3,7 @@
 use crate::table::Table;
 use core::f64::consts::TAU;
 use cosine_lobes::lobe_core::{
-    Accuracy, Cone, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility, cap_integral,
+    Accuracy, Cone, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral,
 };
 use cosine_lobes::visibility_mask::MaskVisibility;
 use cosine_lobes::visibility_spheres::SphereBlockers;
@@ -58,7 +58,7 @@ pub(crate) fn visible(table: &mut Table) {
 }
 
 fn fraction(spheres: &[Sphere]) -> f32 {
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
     let visibility = MaskVisibility::new(SphereBlockers::new(spheres, &vec![0; spheres.len()], &[]));
     let (cone, lobe) = (Cone::of_sphere(at.position, LIGHT), Lobe::new(Vec3::Y, 1.0, Vec3::ONE));
     let mut scratch = visibility.scratch();

@@ -3,9 +3,7 @@
 use crate::table::Table;
 use core::f32::consts::{FRAC_PI_2, PI};
 use cosine_lobes::lobe_core::oracle::{self, CapLobe};
-use cosine_lobes::lobe_core::{
-    Cone, Lobe, OWN_NONE, Receiver, cap_integral, power, product_of_angle, sphere_light_irradiance,
-};
+use cosine_lobes::lobe_core::{Cone, Lobe, Receiver, cap_integral, power, product_of_angle, sphere_light_irradiance};
 use glam::{DVec3, Vec3};
 
 /// Angles as `1 − cos`, and their name.
@@ -97,13 +95,7 @@ pub(crate) fn caps(table: &mut Table) {
                     let light = DVec3::new(elevation.cos(), 0.0, elevation.sin()).as_vec3().normalize();
                     let aside = DVec3::Y;
                     let axis = (light.as_dvec3() * off.cos() + aside * off.sin()).as_vec3().normalize();
-                    let at = Receiver {
-                        position: Vec3::ZERO,
-                        normal: normal.as_vec3(),
-                        face: normal.as_vec3(),
-                        view: Vec3::Z,
-                        object: OWN_NONE,
-                    };
+                    let at = Receiver::on_surface(Vec3::ZERO, normal.as_vec3(), Vec3::Z);
                     let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
                     let truth =
                         CapLobe { axis: axis.as_dvec3().normalize(), exponent: f64::from(e), cosine: false, normal };

@@ -3,9 +3,7 @@
 use crate::table::Table;
 use core::f64::consts::TAU;
 use cosine_lobes::brdf::{Brdf, Lafortune, LafortuneLobe, Lambert, Material, ModifiedPhong, Phong};
-use cosine_lobes::lobe_core::{
-    BrdfLobes, Cone, LobeBuffer, OWN_NONE, Receiver, Sphere, cap_integral, orthonormal_basis,
-};
+use cosine_lobes::lobe_core::{BrdfLobes, Cone, Receiver, Sphere, cap_integral, orthonormal_basis};
 use glam::Vec3;
 
 pub(crate) fn reflected(table: &mut Table) {
@@ -36,7 +34,7 @@ pub(crate) fn reflected(table: &mut Table) {
     ];
     for (name, material) in &materials {
         for (view_name, view) in [("from above", Vec3::Z), ("grazing", Vec3::new(1.0, 0.0, 1e-3).normalize())] {
-            let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+            let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
             for degrees in [1e-4_f64, 6.0, 40.0] {
                 // Above the horizon, where a mirror sees it.
                 let theta = degrees.to_radians();
@@ -53,9 +51,9 @@ pub(crate) fn reflected(table: &mut Table) {
 }
 
 fn by_lobes(material: &Material, at: &Receiver, cone: &Cone) -> f32 {
-    let mut lobes = LobeBuffer::default();
-    material.brdf_lobes(at, &mut lobes.writer());
-    lobes.lobes().iter().map(|lobe| cap_integral(at, &lobe, cone) * lobe.flux.x).sum()
+    let mut lobes = Vec::new();
+    material.cosine_lobes(at, &mut lobes);
+    lobes.into_iter().map(|lobe| cap_integral(at, lobe, cone) * lobe.flux().x).sum()
 }
 
 /// The model itself, summed over the light in f64.

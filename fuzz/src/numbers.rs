@@ -7,7 +7,7 @@ use cosine_lobes::brdf::{
     Neumann, Phong,
 };
 use cosine_lobes::lobe_core::{
-    BrdfLobes, Cone, Lobe, LobeBuffer, OWN_NONE, Receiver, cap_integral, power, product_of_angle, products_of_angle,
+    BrdfLobe, BrdfLobes, Cone, Lobe, NO_OBJECT, Receiver, cap_integral, power, product_of_angle, products_of_angle,
     sphere_light_irradiance,
 };
 use cosine_lobes::visibility_mask::{MAX_DEPTH, Mask, UnitSquare};
@@ -55,7 +55,7 @@ fn receiver(bytes: &mut Bytes<'_>) -> Receiver {
     let face = if bytes.byte() < 128 { normal } else { (normal + 0.3 * bytes.direction()).normalize() };
     let view = bytes.direction();
     let view = if view.dot(normal) < 0.0 { -view } else { view };
-    Receiver { position: Vec3::ZERO, normal, face, view, object: OWN_NONE }
+    Receiver { position: Vec3::ZERO, normal, face, view, object: NO_OBJECT }
 }
 
 pub(crate) fn cap(data: &[u8]) {
@@ -142,16 +142,18 @@ pub(crate) fn brdf(data: &[u8]) {
             continue;
         }
         let at = receiver(&mut bytes);
-        let mut lobes = LobeBuffer::default();
         let cone = Cone { axis: bytes.direction(), one_minus_cos: bytes.edge(), distance: 1.0 };
-        for microfacets in [false, true] {
-            model.brdf_lobes(&at, &mut lobes.writer_of(microfacets));
-            for lobe in lobes.lobes().iter() {
-                let sound = lobe.axis.is_finite() && lobe.exponent >= 0.0 && lobe.scale().min_element() >= 0.0;
-                assert!(sound && !lobe.scale().is_nan(), "{model:?} {at:?}: {lobe:?}");
-                let integral = if lobe.is_microfacets() { cap_integral(&at, &lobe, &cone) } else { 0.0 };
-                assert!((0.0..1.5).contains(&integral), "{model:?} {at:?} {cone:?}: {integral}");
-            }
+        let mut lobes = Vec::new();
+        model.brdf_lobes(&at, &mut lobes);
+        model.cosine_lobes(&at, &mut lobes);
+        for brdf in lobes {
+            // Of microfacets this is the lobe that stands for them.
+            let lobe = brdf.cosine_lobe(at.normal);
+            let sound = lobe.axis.is_finite() && lobe.exponent >= 0.0 && lobe.scale().min_element() >= 0.0;
+            assert!(sound && !lobe.scale().is_nan(), "{model:?} {at:?}: {lobe:?}");
+            let is_facets = matches!(brdf, BrdfLobe::Microfacets(_));
+            let integral = if is_facets { cap_integral(&at, brdf, &cone) } else { 0.0 };
+            assert!((0.0..1.5).contains(&integral), "{model:?} {at:?} {cone:?}: {integral}");
         }
         let v = bytes.direction();
         let value = model.eval(&at, v);

@@ -88,7 +88,7 @@ pub(crate) fn visibility(data: &[u8]) {
             1 => bounds.center() + bytes.vector(size),
             _ => bounds.center() + bytes.vector(100.0 * size),
         };
-        let at = Receiver { position, normal, face: normal, view: normal, object: bytes.below(2) };
+        let at = Receiver::on_surface(position, normal, normal).on_object(bytes.below(2));
         let query = (at, light);
         let rays = check("rays", RayBlockers::new(&world), &query, &mut bytes);
         let exact = SilhouetteBlockers::new(outlines.meshes(), SurfaceHits::new(&world, |_| true));

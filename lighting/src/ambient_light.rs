@@ -5,12 +5,12 @@ use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
 
 /// The same radiance from everywhere, which nothing hides: what a scene without walls reflects, as a guess.
 ///
-/// A receiver is inside of a ball of light, as large as you like; for whoever wants one ball for all receivers it is `world`.
+/// A receiver is inside of a sphere of light, as large as you like; for whoever wants one sphere for all receivers it is `world`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmbientLight {
     /// Radiance, W·m⁻²·sr⁻¹ per channel.
     pub radiance: Vec3,
-    /// A ball around all that is lit.
+    /// A sphere around all that is lit.
     pub world: Sphere,
 }
 
@@ -19,7 +19,7 @@ impl LightLobes for AmbientLight {
         self.world
     }
 
-    /// Nothing between receivers and this ball hides the light.
+    /// Nothing between receivers and this sphere hides the light.
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
         *receivers
     }

@@ -1,4 +1,4 @@
-//! A mesh that emits, as lights: by its flat faces, or by balls and tubes.
+//! A mesh that emits, as lights: by its flat faces, or by spheres and tubes.
 
 mod lamp;
 mod picture;
@@ -13,7 +13,7 @@ use crate::faces::weld;
 use crate::{FacesError, Light, faces};
 use core::f64::consts::PI;
 use glam::{DVec3, Vec3};
-use lobe_core::{LightLobes, Lobe, OWN_NONE, Receiver, cap_integral, outline_integral};
+use lobe_core::{LightLobes, Lobe, Receiver, cap_integral, outline_integral};
 
 /// The most lights that a mesh becomes.
 const MOST: usize = 24;
@@ -32,7 +32,7 @@ const PIECE: f64 = 0.2;
 pub struct EmissiveMesh {
     /// The lights.
     pub lights: Vec<Light>,
-    /// Whether they are inside the mesh, which must not hide them: balls and tubes. Flat faces are the mesh itself.
+    /// Whether they are inside the mesh, which must not hide them: spheres and tubes. Flat faces are the mesh itself.
     pub is_inside: bool,
     /// How far their irradiance is off, a part of it: the mean over receivers around the mesh, at 1.5 and 4 times its radius. Of the
     /// separate parts of a mesh the largest.
@@ -47,7 +47,7 @@ pub enum EmissiveMeshError {
     Degenerate,
     /// It is of more than 24 separate parts.
     Parts,
-    /// Balls and tubes give a light that is off by this part of it.
+    /// Spheres and tubes give a light that is off by this part of it.
     Shape(f32),
 }
 
@@ -65,8 +65,8 @@ impl core::error::Error for EmissiveMeshError {}
 
 /// Lights for a mesh whose surface emits the same radiance everywhere.
 ///
-/// Up to 24 flat faces are what they are ([`faces`]). Of other meshes each separate part becomes a ball or a tube, or several where
-/// that is nearer to it: the fewest of 1, 2, 4, 8 and 16 that receivers see where they see the part, but for a twentieth, else the best. A ball has
+/// Up to 24 flat faces are what they are ([`faces`]). Of other meshes each separate part becomes a sphere or a tube, or several where
+/// that is nearer to it: the fewest of 1, 2, 4, 8 and 16 that receivers see where they see the part, but for a twentieth, else the best. A sphere has
 /// the area that the part shows to receivers around it; a tube has the areas that it shows along its axis and across; of several each has the area
 /// that its share of the surface shows. The radiance is that of equal irradiance four radii away.
 ///
@@ -201,7 +201,7 @@ impl Part {
             .map(|(v, distance)| {
                 let normal = -v.as_vec3().normalize();
                 let position = (v * distance).as_vec3();
-                let at = Receiver { position, normal, face: normal, view: normal, object: OWN_NONE };
+                let at = Receiver::on_surface(position, normal, normal);
                 let picture = Picture::new(triangles.iter(), DVec3::ZERO, 1.0, v, distance);
                 (at, picture.irradiance(), picture)
             })
@@ -212,7 +212,7 @@ impl Part {
     /// The fewest lights that are good enough, or the best.
     fn fit(&self, most: usize) -> Fit {
         let all: Vec<&Triangle> = self.triangles.iter().collect();
-        let mut best = self.measured(vec![self.ball()]);
+        let mut best = self.measured(vec![self.sphere()]);
         let mut pieces = Vec::new();
         for count in COUNTS.into_iter().take_while(|count| *count <= most) {
             if best.difference <= GOOD {
@@ -237,7 +237,7 @@ impl Part {
     }
 
     /// Of the area that it shows to the far receivers.
-    fn ball(&self) -> Lamp {
+    fn sphere(&self) -> Lamp {
         let far = &self.truth[DIRECTIONS..];
         let mean = far.iter().map(|(_, irradiance, _)| irradiance).sum::<f64>() / far.len() as f64;
         Lamp { ends: [DVec3::ZERO; 2], radius: mean.sqrt() * DISTANCES[1] }
@@ -353,7 +353,7 @@ mod tests {
         Vec3::new(cos, sin, 0.0)
     }
 
-    /// A tube of radius 0.2 between two half balls, as long as is said.
+    /// A tube of radius 0.2 between two half spheres, as long as is said.
     fn pill(length: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         surface([32, 32], false, |u, v| {
             let (sin, cos) = (core::f32::consts::PI * v).sin_cos();
@@ -375,15 +375,15 @@ mod tests {
     }
 
     #[test]
-    fn balls_and_tubes_are_found() {
-        let ball = lamp(&surface([48, 24], false, |u, v| {
+    fn spheres_and_tubes_are_found() {
+        let sphere = lamp(&surface([48, 24], false, |u, v| {
             let (sin, cos) = (core::f32::consts::PI * v).sin_cos();
             Vec3::new(3.0, 0.0, 0.0) + (around(u) * sin + Vec3::Z * cos) * 0.5
         }));
-        println!("{ball:?}");
-        let [Light::Sphere(light)] = ball.lights[..] else { panic!("{ball:?}") };
-        assert!((light.ball.radius - 0.5).abs() < 0.005 && light.ball.center.distance(Vec3::X * 3.0) < 1e-3);
-        assert!((light.radiance.x - 2.0).abs() < 0.01 && ball.error < 0.003);
+        println!("{sphere:?}");
+        let [Light::Sphere(light)] = sphere.lights[..] else { panic!("{sphere:?}") };
+        assert!((light.sphere.radius - 0.5).abs() < 0.005 && light.sphere.center.distance(Vec3::X * 3.0) < 1e-3);
+        assert!((light.radiance.x - 2.0).abs() < 0.01 && sphere.error < 0.003);
         let pill = lamp(&pill(2.0));
         println!("{pill:?}");
         let [Light::Tube(tube)] = pill.lights[..] else { panic!("{pill:?}") };
@@ -401,18 +401,18 @@ mod tests {
         }
     }
 
-    /// Two bulbs of a mesh are two balls.
+    /// Two bulbs of a mesh are two spheres.
     #[test]
     fn parts_are_lights_of_their_own() {
-        let ball = |x: f32| {
+        let sphere = |x: f32| {
             surface([24, 12], false, move |u, v| {
                 let (sin, cos) = (core::f32::consts::PI * v).sin_cos();
                 Vec3::X * x + (around(u) * sin + Vec3::Z * cos) * 0.1
             })
         };
-        let (mut positions, mut triangles) = ball(0.0);
+        let (mut positions, mut triangles) = sphere(0.0);
         let first = positions.len() as u32;
-        let (others, more) = ball(1.0);
+        let (others, more) = sphere(1.0);
         positions.extend(others);
         triangles.extend(more.iter().map(|t| t.map(|i| i + first)));
         let lamp = lamp(&(positions, triangles));

@@ -38,7 +38,7 @@ const MOST: u32 = 256;
 const PLAIN: f32 = 1e-4;
 
 impl Environment {
-    /// The lights of a map, with `across`² patches on each side of the cube; `world` is a ball around all that blocks and all that is lit.
+    /// The lights of a map, with `across`² patches on each side of the cube; `world` is a sphere around all that blocks and all that is lit.
     #[must_use]
     pub fn new(map: EnvironmentMap, across: u32, world: Sphere) -> Self {
         let (rest, suns) = suns::cut(&map, world);

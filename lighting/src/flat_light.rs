@@ -12,9 +12,9 @@ use std::sync::Arc;
 /// ```
 /// use glam::Vec3;
 /// use lighting::FlatLight;
-/// use lobe_core::{LightLobes, OWN_NONE, Receiver};
+/// use lobe_core::{LightLobes, Receiver};
 /// let panel = FlatLight::rectangle(Vec3::new(0.0, 3.0, 0.0), Vec3::X, Vec3::Z * 0.5, Vec3::splat(10.0)).unwrap();
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+/// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
 /// // X × Z is down.
 /// assert_eq!(panel.outline(&at).unwrap().height(), 3.0);
 /// assert_eq!(panel.area(), 2.0);
@@ -232,7 +232,7 @@ impl LightLobes for FlatLight {
     }
 
     fn bounds_from(&self, _: &Sphere) -> Sphere {
-        Outline::ball_around(self.bounds)
+        Outline::sphere_around(self.bounds)
     }
 
     fn image(&self) -> Option<&LightImage> {

@@ -93,7 +93,7 @@ pub trait LightKind: LightLobes + Debug + Send + Sync {
     /// A sphere around the light and, of one with an outline, around windows on it: `frame.light` of its WGSL. Provided.
     fn gpu_bounds(&self) -> Sphere {
         match self.roundness() {
-            Some(_) => Outline::ball_around(self.bounds()),
+            Some(_) => Outline::sphere_around(self.bounds()),
             None => self.bounds(),
         }
     }

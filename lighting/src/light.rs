@@ -1,6 +1,6 @@
 //! Any light as one type.
 
-use crate::{AmbientLight, FlatLight, InsideLight, LightKind, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
+use crate::{AmbientLight, EnclosedLight, FlatLight, LightKind, SkyLight, SphereLight, SpotLight, SunLight, TubeLight};
 use glam::{Mat4, Vec3};
 use lobe_core::{LightImage, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
 use std::sync::Arc;
@@ -53,16 +53,16 @@ lights! {
     /// The same from everywhere.
     Ambient(AmbientLight),
     /// One inside an object that it does not light.
-    Inside(InsideLight),
+    Enclosed(EnclosedLight),
 }
 
 impl Light {
     /// Whether a sphere's surface is the light's, to a thousandth of its radius: a sphere that makes the light visible does not hide it.
     #[must_use]
-    pub fn is_shown_by(&self, ball: &Sphere) -> bool {
+    pub fn is_shown_by(&self, sphere: &Sphere) -> bool {
         self.sphere().is_some_and(|light| {
             let slack = 1e-3 * light.radius;
-            (ball.radius - light.radius).abs() <= slack && (ball.center - light.center).length() <= slack
+            (sphere.radius - light.radius).abs() <= slack && (sphere.center - light.center).length() <= slack
         })
     }
 

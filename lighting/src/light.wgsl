@@ -1,4 +1,4 @@
-// Balls, spots, suns, balls inside an object and ambient light, as `Light`. `frame.shape[1].w` says which.
+// Spheres, spots, suns, spheres inside an object and ambient light, as `Light`. `frame.shape[1].w` says which.
 // Needs frame.wgsl of render-gpu and lobe-core's geometry.
 
 fn light_cone(at: Receiver) -> Cone {
@@ -21,6 +21,6 @@ fn light_radiance(at: Receiver) -> vec3f {
     }
     let to = at.position - frame.light.xyz;
     let cos = dot(frame.shape[0].xyz, to) / max(length(to), 1e-30);
-    let share = clamp((cos - frame.shape[1].y) / max(frame.shape[1].x - frame.shape[1].y, 1e-4), 0.0, 1.0);
-    return frame.radiance * (share * share);
+    let part = clamp((cos - frame.shape[1].y) / max(frame.shape[1].x - frame.shape[1].y, 1e-4), 0.0, 1.0);
+    return frame.radiance * (part * part);
 }

@@ -76,7 +76,7 @@ fn tube_outline(at: Receiver) {
     outline_new(14u, axis);
 }
 
-// Middle and half-length of the ellipse in which the ball at an end is seen: from the angle φ − δ to φ + δ.
+// Middle and half-length of the ellipse in which the sphere at an end is seen: from the angle φ − δ to φ + δ.
 fn tube_end(place: f32, height: f32, radius: f32) -> vec2f {
     let sin = radius / sqrt(height * height + place * place);
     let tan = sin / sqrt((1.0 - sin) * (1.0 + sin));

@@ -29,7 +29,7 @@ pub struct SkyPatch {
     pub radiance: Vec3,
     /// Where it is how bright, if not everywhere the same.
     pub image: Option<Arc<LightImage>>,
-    /// A ball around all that blocks and all that is lit.
+    /// A sphere around all that blocks and all that is lit.
     pub world: Sphere,
 }
 

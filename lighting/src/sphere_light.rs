@@ -3,13 +3,13 @@ use glam::{Mat4, Vec3};
 use lobe_core::gpu::GpuLight;
 use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere, Tile, TileLight};
 
-/// A ball that emits the same radiance in all directions from all of its surface.
+/// A sphere that emits the same radiance in all directions from all of its surface.
 ///
 /// Neither seen by the camera nor a blocker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereLight {
     /// Where it is, how large.
-    pub ball: Sphere,
+    pub sphere: Sphere,
     /// Radiance, W·m⁻²·sr⁻¹ per channel.
     pub radiance: Vec3,
 }
@@ -17,35 +17,35 @@ pub struct SphereLight {
 impl SphereLight {
     /// A light of the given radiance `L`.
     #[must_use]
-    pub const fn new(ball: Sphere, radiance: Vec3) -> Self {
-        Self { ball, radiance }
+    pub const fn new(sphere: Sphere, radiance: Vec3) -> Self {
+        Self { sphere, radiance }
     }
 
     /// A light that emits the total power `flux` (W per channel): `L = Φ/(4π²r²)`. The radius must be positive.
     #[must_use]
-    pub fn with_flux(ball: Sphere, flux: Vec3) -> Self {
+    pub fn with_flux(sphere: Sphere, flux: Vec3) -> Self {
         let pi = core::f32::consts::PI;
-        Self { ball, radiance: flux / (4.0 * pi * pi * ball.radius * ball.radius) }
+        Self { sphere, radiance: flux / (4.0 * pi * pi * sphere.radius * sphere.radius) }
     }
 
     /// A small light of the intensity `I` (W·sr⁻¹ per channel, from afar): `L = I/(πr²)`. The radius must be positive.
     #[must_use]
-    pub fn with_intensity(ball: Sphere, intensity: Vec3) -> Self {
-        Self { ball, radiance: intensity / (core::f32::consts::PI * ball.radius * ball.radius) }
+    pub fn with_intensity(sphere: Sphere, intensity: Vec3) -> Self {
+        Self { sphere, radiance: intensity / (core::f32::consts::PI * sphere.radius * sphere.radius) }
     }
 }
 
 impl LightLobes for SphereLight {
     fn bounds(&self) -> Sphere {
-        self.ball
+        self.sphere
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {
-        SeenLight::of_cone(Cone::of_sphere(at.position, self.ball), self.radiance)
+        SeenLight::of_cone(Cone::of_sphere(at.position, self.sphere), self.radiance)
     }
 
     fn tile_light(&self, _: &[Receiver], tile: &Tile, out: &mut TileLight) {
-        out.ball(tile, self.ball, self.radiance);
+        out.sphere(tile, self.sphere, self.radiance);
     }
 }
 
@@ -55,7 +55,7 @@ impl LightKind for SphereLight {
     }
 
     fn validate(&self) -> Result<(), LightError> {
-        LightError::check_sphere(self.ball)
+        LightError::check_sphere(self.sphere)
     }
 
     fn full_radiance(&self) -> Vec3 {
@@ -63,15 +63,16 @@ impl LightKind for SphereLight {
     }
 
     fn sphere(&self) -> Option<Sphere> {
-        Some(self.ball)
+        Some(self.sphere)
     }
 
     fn moved(&self, placement: Mat4) -> Light {
-        Self { ball: Sphere { center: placement.transform_point3(self.ball.center), ..self.ball }, ..*self }.into()
+        Self { sphere: Sphere { center: placement.transform_point3(self.sphere.center), ..self.sphere }, ..*self }
+            .into()
     }
 
     fn area(&self, _: Vec3) -> Option<Area<'_>> {
-        Some(Area::sphere(self.ball))
+        Some(Area::sphere(self.sphere))
     }
 
     fn wgsl(&self) -> Option<[&'static str; 2]> {

@@ -3,7 +3,7 @@ use crate::{Area, Light, LightError, LightKind, SphereLight};
 use glam::{Mat4, Vec3};
 use lobe_core::{LightLobes, Receiver, SeenLight, Sphere};
 
-/// A ball of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
+/// A sphere of light that shines into a cone with a soft edge: `L(ψ) = L·clamp((cos ψ − cos ψ_o)/(cos ψ_i − cos ψ_o), 0, 1)²`, ψ the angle
 /// between the spot's axis and the direction from the light's middle to the receiver (as KHR_lights_punctual has it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
@@ -16,23 +16,23 @@ pub struct SpotLight {
 }
 
 impl SpotLight {
-    /// The part of the radiance that reaches a point.
+    /// The angular falloff: the part of the radiance that reaches a point.
     #[must_use]
-    pub fn share(&self, position: Vec3) -> f32 {
-        let cos = self.axis.dot((position - self.light.ball.center).normalize_or_zero());
+    pub fn falloff(&self, position: Vec3) -> f32 {
+        let cos = self.axis.dot((position - self.light.sphere.center).normalize_or_zero());
         let [inner, outer] = self.cos;
-        let share = ((cos - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
-        share * share
+        let part = ((cos - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
+        part * part
     }
 }
 
 impl LightLobes for SpotLight {
     fn bounds(&self) -> Sphere {
-        self.light.ball
+        self.light.sphere
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {
-        SeenLight { radiance: self.light.radiance * self.share(at.position), ..self.light.seen_from(at) }
+        SeenLight { radiance: self.light.radiance * self.falloff(at.position), ..self.light.seen_from(at) }
     }
 }
 
@@ -42,7 +42,7 @@ impl LightKind for SpotLight {
     }
 
     fn validate(&self) -> Result<(), LightError> {
-        LightError::check_sphere(self.light.ball)?;
+        LightError::check_sphere(self.light.sphere)?;
         LightError::check_direction("axis", self.axis)?;
         let [inner, outer] = self.cos;
         if (-1.0..=1.0).contains(&outer) && (outer..=1.0).contains(&inner) {
@@ -56,17 +56,17 @@ impl LightKind for SpotLight {
     }
 
     fn sphere(&self) -> Option<Sphere> {
-        Some(self.light.ball)
+        Some(self.light.sphere)
     }
 
     fn moved(&self, placement: Mat4) -> Light {
         let axis = placement.transform_vector3(self.axis).normalize_or(self.axis);
-        let ball = Sphere { center: placement.transform_point3(self.light.ball.center), ..self.light.ball };
-        Self { light: SphereLight { ball, ..self.light }, axis, ..*self }.into()
+        let sphere = Sphere { center: placement.transform_point3(self.light.sphere.center), ..self.light.sphere };
+        Self { light: SphereLight { sphere, ..self.light }, axis, ..*self }.into()
     }
 
     fn area(&self, _: Vec3) -> Option<Area<'_>> {
-        Some(Area::sphere(self.light.ball))
+        Some(Area::sphere(self.light.sphere))
     }
 
     fn wgsl(&self) -> Option<[&'static str; 2]> {

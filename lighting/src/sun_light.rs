@@ -6,7 +6,7 @@ use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
 
 /// A light so far away that all receivers see it in the same directions: the sun, a window to a plain sky.
 ///
-/// For whoever wants balls it is one at a distance that all blockers are nearer than, another one for each receiver.
+/// For whoever wants spheres it is one at a distance that all blockers are nearer than, another one for each receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunLight {
     /// Unit direction toward the light.
@@ -15,7 +15,7 @@ pub struct SunLight {
     pub sin: f32,
     /// Radiance, W·m⁻²·sr⁻¹ per channel.
     pub radiance: Vec3,
-    /// A ball around all that blocks and all that is lit.
+    /// A sphere around all that blocks and all that is lit.
     pub world: Sphere,
 }
 
@@ -24,7 +24,7 @@ impl SunLight {
     pub const HALF_ANGLE: f32 = 0.265;
 
     /// A light toward a unit direction with half-angle `degrees` that gives the irradiance `E` (W·m⁻² per channel) to a surface that faces
-    /// it: `L = E/(π sin²θ)`. `world` is a ball around all that blocks and all that is lit.
+    /// it: `L = E/(π sin²θ)`. `world` is a sphere around all that blocks and all that is lit.
     #[must_use]
     pub fn new(toward: Vec3, degrees: f32, irradiance: Vec3, world: Sphere) -> Self {
         let sin = degrees.to_radians().sin();
@@ -43,22 +43,22 @@ impl SunLight {
         Cone { axis: self.toward, one_minus_cos, distance: self.distance() }
     }
 
-    /// The ball that a receiver sees.
+    /// The sphere that a receiver sees.
     #[must_use]
-    pub fn ball_from(&self, position: Vec3) -> Sphere {
+    pub fn sphere_from(&self, position: Vec3) -> Sphere {
         Sphere { center: position + self.toward * self.distance(), radius: self.distance() * self.sin }
     }
 }
 
 impl LightLobes for SunLight {
-    /// Around the balls of all receivers in the world.
+    /// Around the spheres of all receivers in the world.
     fn bounds(&self) -> Sphere {
         self.bounds_from(&self.world)
     }
 
     fn bounds_from(&self, receivers: &Sphere) -> Sphere {
-        let ball = self.ball_from(receivers.center);
-        Sphere { radius: ball.radius + receivers.radius, ..ball }
+        let sphere = self.sphere_from(receivers.center);
+        Sphere { radius: sphere.radius + receivers.radius, ..sphere }
     }
 
     fn seen_from(&self, _: &Receiver) -> SeenLight {
@@ -89,7 +89,7 @@ impl LightKind for SunLight {
     }
 
     fn area(&self, from: Vec3) -> Option<Area<'_>> {
-        Some(Area::sphere(self.ball_from(from)))
+        Some(Area::sphere(self.sphere_from(from)))
     }
 
     fn wgsl(&self) -> Option<[&'static str; 2]> {

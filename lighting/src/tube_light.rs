@@ -8,11 +8,11 @@ use lobe_core::{Cone, LightLobes, Outline, Receiver, SeenLight, Sphere};
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
 /// Seen from a receiver it is flat: its outline in the plane through its middle line that faces the receiver, two straight lines
-/// and two halves of ellipses, those of the balls at its ends. What is behind that plane does not shade it. A receiver in line with the tube,
-/// within a few of its radii of that line, sees the ball at the nearer end.
+/// and two halves of ellipses, those of the spheres at its ends. What is behind that plane does not shade it. A receiver in line with the tube,
+/// within a few of its radii of that line, sees the sphere at the nearer end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubeLight {
-    /// The middles of the balls at its ends; not the same.
+    /// The middles of the spheres at its ends; not the same.
     pub ends: [Vec3; 2],
     /// Radius.
     pub radius: f32,
@@ -41,7 +41,7 @@ impl TubeLight {
         Self { radiance: flux / (PI * self.area()), ..self }
     }
 
-    /// The ball at the end next to a receiver.
+    /// The sphere at the end next to a receiver.
     fn nearer_end(&self, x: Vec3) -> Sphere {
         let [a, b] = self.ends;
         let center = if a.distance_squared(x) < b.distance_squared(x) { a } else { b };
@@ -64,7 +64,7 @@ impl TubeLight {
         // Half the width: of the planes along the tube that touch it.
         let (sin, cos) = (self.radius / height, ((1.0 - self.radius / height) * (1.0 + self.radius / height)).sqrt());
         let across = axis.cross(along) * (height * sin / cos);
-        // A ball seen at the angle φ from the foot under ±δ reaches from tan(φ − δ) to tan(φ + δ).
+        // A sphere seen at the angle φ from the foot under ±δ reaches from tan(φ − δ) to tan(φ + δ).
         let ellipse = |end: Vec3| {
             let place = end.dot(along);
             let distance = height.hypot(place);
@@ -94,7 +94,7 @@ impl LightLobes for TubeLight {
     }
 
     fn bounds_from(&self, _: &Sphere) -> Sphere {
-        Outline::ball_around(self.bounds())
+        Outline::sphere_around(self.bounds())
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {

@@ -7,15 +7,13 @@ use lighting::{
     SphereLight, SpotLight, SunLight, TubeLight,
 };
 use lobe_core::conformance::{LightLimits, check_light};
-use lobe_core::{
-    LightImage, LightLobes, Lobe, OWN_NONE, Receiver, Sphere, cap_integral, image_integral, outline_integral,
-};
+use lobe_core::{LightImage, LightLobes, Lobe, Receiver, Sphere, cap_integral, image_integral, outline_integral};
 use std::sync::Arc;
 
 const COLOR: Vec3 = Vec3::new(3.0, 2.0, 1.0);
 
 fn at(position: Vec3) -> Receiver {
-    Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+    Receiver::on_surface(position, Vec3::Y, Vec3::Y)
 }
 
 fn rectangle() -> FlatLight {
@@ -46,7 +44,7 @@ fn all_kinds_conform() {
     let (image, _) = LightImage::new(UVec2::new(2, 1), &[Vec3::ONE, Vec3::X]).expect("an image");
     let right = FlatLight::rectangle(Vec3::Y * 2.0, Vec3::X, Vec3::Z * 0.4, COLOR).expect("a rectangle");
     check_light(&right.showing(Arc::new(image)).expect("right angles"), &limits).expect("a screen");
-    // Its outline is that of a capsule in one plane: its ends reach beyond the ball around it by a little.
+    // Its outline is that of a capsule in one plane: its ends reach beyond the sphere around it by a little.
     check_light(&tube(), &LightLimits { beyond: 0.2, ..limits }).expect("a tube");
 }
 
@@ -114,7 +112,7 @@ fn environments_are_their_pictures() {
                         let v = map.direction((x as f32 + 0.5) / 2.0, (y as f32 + 0.5) / 2.0);
                         let (along, above) = (axis.dot(v.as_dvec3()), f64::from(normal.dot(v)));
                         if along > 0.0 && above > 0.0 {
-                            let cosine = if lobe.factor > 0.0 { above } else { 1.0 };
+                            let cosine = if lobe.has_cosine { above } else { 1.0 };
                             let weight = along.powf(e) * cosine * f64::from(solid);
                             want += map.radiance(v).as_dvec3() * weight;
                         }
@@ -156,7 +154,7 @@ fn pictures_of_all_directions() {
     assert!(Environment::new(EnvironmentMap::uniform(Vec3::ZERO), 2, WORLD).lights().is_empty());
 }
 
-/// What of a light's area is lost or added by its outline shows in the flux that passes a far away ball.
+/// What of a light's area is lost or added by its outline shows in the flux that passes a far away sphere.
 #[test]
 fn flux_is_that_of_the_surface() {
     let flux = |light: &Light| {
@@ -207,7 +205,7 @@ fn a_spot_ends_softly_and_a_sun_is_everywhere_the_same() {
     let bounds = sun.bounds_from(&receivers);
     for k in 0..20 {
         let from = receivers.center + Quat::from_rotation_z(k as f32) * Vec3::X * 0.5;
-        let ball = sun.ball_from(from);
+        let ball = sun.sphere_from(from);
         assert!(ball.center.distance(bounds.center) + ball.radius <= bounds.radius * 1.000_01);
     }
 }

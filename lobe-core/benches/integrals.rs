@@ -6,7 +6,7 @@ use glam::Vec3;
 use lobe_core::lanes::{WIDTH, set_row};
 use lobe_core::oracle::{self, CapLobe, Random};
 use lobe_core::{
-    Cone, Lobe, OWN_NONE, Receiver, Sphere, Tile, TileLight, TileLobes, VisibilitySum, cap_integral, cap_integrals,
+    Cone, Lobe, PackedLobe, Receiver, Sphere, Tile, TileLight, TileLobes, VisibilitySum, cap_integral, cap_integrals,
     product_of_angle, products_of_angle, visible_fraction,
 };
 
@@ -76,10 +76,10 @@ fn caps(c: &mut Criterion) {
         }
         let (mut tile, mut light, mut lobes) = (Tile::default(), TileLight::default(), TileLobes::default());
         tile.set(&at);
-        light.ball(&tile, Sphere { center: Vec3::ZERO, radius: 6.0_f32.to_radians().sin() }, Vec3::ONE);
+        light.sphere(&tile, Sphere { center: Vec3::ZERO, radius: 6.0_f32.to_radians().sin() }, Vec3::ONE);
         lobes.reset(&tile, 1);
         for (k, lobe) in own.iter().enumerate() {
-            set_row(lobes.block_mut(0, k / WIDTH), k % WIDTH, &bytemuck::cast(*lobe));
+            set_row(lobes.block_mut(0, k / WIDTH), k % WIDTH, &bytemuck::cast(PackedLobe::from(*lobe)));
         }
         let cones: Vec<Cone> = (0..TILE).map(|k| light.cone(k)).collect();
         let mut out = Vec::new();
@@ -137,7 +137,7 @@ fn fractions(c: &mut Criterion) {
 }
 
 fn receiver(normal: Vec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, normal, normal)
 }
 
 fn print_errors(what: &str, mut errors: Vec<f64>) {

@@ -1,6 +1,6 @@
 //! Visibility strategies behind `dyn`: the same trait with the type of the scratch erased.
 
-use crate::{Coverage, Lobe, Shaft, Visibility, VisibilityQuery};
+use crate::{Coverage, Lobe, Microfacets, Shaft, Visibility, VisibilityQuery};
 use core::any::Any;
 use glam::Vec3;
 
@@ -18,6 +18,14 @@ pub trait DynVisibility: Sync {
     /// See [`Visibility::fraction`].
     fn dyn_fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut DynScratch)
     -> Vec3;
+    /// See [`Visibility::microfacets_fraction`].
+    fn dyn_microfacets_fraction(
+        &self,
+        query: &VisibilityQuery<'_>,
+        facets: &Microfacets,
+        unshadowed: f32,
+        scratch: &mut DynScratch,
+    ) -> Vec3;
 }
 
 fn downcast<S: 'static>(scratch: &mut DynScratch) -> &mut S {
@@ -47,6 +55,15 @@ where
     ) -> Vec3 {
         self.fraction(query, brdf, unshadowed, downcast(scratch))
     }
+    fn dyn_microfacets_fraction(
+        &self,
+        query: &VisibilityQuery<'_>,
+        facets: &Microfacets,
+        unshadowed: f32,
+        scratch: &mut DynScratch,
+    ) -> Vec3 {
+        self.microfacets_fraction(query, facets, unshadowed, downcast(scratch))
+    }
 }
 
 impl<'v> Visibility for Box<dyn DynVisibility + 'v> {
@@ -63,6 +80,15 @@ impl<'v> Visibility for Box<dyn DynVisibility + 'v> {
     }
     fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut DynScratch) -> Vec3 {
         (**self).dyn_fraction(query, brdf, unshadowed, scratch)
+    }
+    fn microfacets_fraction(
+        &self,
+        query: &VisibilityQuery<'_>,
+        facets: &Microfacets,
+        unshadowed: f32,
+        scratch: &mut DynScratch,
+    ) -> Vec3 {
+        (**self).dyn_microfacets_fraction(query, facets, unshadowed, scratch)
     }
 }
 

@@ -1,7 +1,7 @@
 use glam::{Mat3, Vec3};
 
 /// The object number of a receiver that belongs to no object with blockers of its own.
-pub const OWN_NONE: u32 = u32::MAX;
+pub const NO_OBJECT: u32 = u32::MAX;
 
 /// The shaded point: where it is, how it faces, from where it is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,16 +15,23 @@ pub struct Receiver {
     pub face: Vec3,
     /// Unit direction toward the eye (ω_o of the paper).
     pub view: Vec3,
-    /// Number of the object that the point lies on, or [`OWN_NONE`]: a visibility strategy must not let an object's
-    /// own proxy blacken its skin.
+    /// Number of the object that the point lies on, or [`NO_OBJECT`]: a visibility strategy must not let an object's
+    /// own proxy blacken its surface.
     pub object: u32,
 }
 
 impl Receiver {
     /// A point of a surface whose shading normal is that of its face, on no object with blockers of its own.
     #[must_use]
+    #[inline]
     pub const fn on_surface(position: Vec3, normal: Vec3, view: Vec3) -> Self {
-        Self { position, normal, face: normal, view, object: OWN_NONE }
+        Self { position, normal, face: normal, view, object: NO_OBJECT }
+    }
+
+    /// The same point on an object.
+    #[must_use]
+    pub const fn on_object(self, object: u32) -> Self {
+        Self { object, ..self }
     }
 }
 
@@ -58,19 +65,19 @@ impl Sphere {
 }
 
 /// How a blocker sphere is seen by receivers of its own object that are near it, in units of its radius R, so that it follows
-/// a sphere that moves and grows: as a smaller ball inside it, which blocks a direction only if the ray leaves it farther than
+/// a sphere that moves and grows: as a smaller sphere inside it, which blocks a direction only if the ray leaves it farther than
 /// `distance` from the receiver.
 ///
 /// A set of spheres bulges out of the mesh that it stands for; what bulges must not blacken the skin around it. From afar
 /// it is the silhouette that counts, which the whole sphere has: [`seen`](Self::seen).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelfShadow {
-    /// From the sphere's centre to that of the near ball, no longer than `1 − radius`: the ball is inside the sphere. It
+    /// From the sphere's centre to that of the near sphere, no longer than `1 − radius`: the sphere is inside the sphere. It
     /// turns with the object.
     pub offset: Vec3,
-    /// Radius of the near ball, in `[0, 1]`.
+    /// Radius of the near sphere, in `[0, 1]`.
     pub radius: f32,
-    /// τ: how far from the receiver a ray must leave the ball to be blocked, ≥ 0.
+    /// τ: how far from the receiver a ray must leave the sphere to be blocked, ≥ 0.
     pub distance: f32,
 }
 
@@ -96,14 +103,14 @@ impl SelfShadow {
         Self { offset, ..self }
     }
 
-    /// The near ball of a sphere of a radius, its centre as seen from the sphere's.
+    /// The near sphere of a sphere of a radius, its centre as seen from the sphere's.
     #[inline(always)]
     #[must_use]
     pub fn near(&self, radius: f32) -> Sphere {
         Sphere { center: self.offset * radius, radius: self.radius * radius }
     }
 
-    /// How much a receiver of the own object at a distance d from the centre sees of the near ball instead of the whole
+    /// How much a receiver of the own object at a distance d from the centre sees of the near sphere instead of the whole
     /// sphere: `w(d) = R / max(d, R)`.
     ///
     /// Lengths ≥ 0. In `[0, 1]`, continuous in d, and never NaN.
@@ -113,10 +120,10 @@ impl SelfShadow {
         radius / distance.max(radius).max(f32::MIN_POSITIVE)
     }
 
-    /// The ball that a receiver of the own object sees of a sphere and its [near](Self::near) ball: centre and radius go from
-    /// the near ball's, seen from inside the sphere, to the sphere's, seen from afar, by [`nearness`](Self::nearness).
+    /// The sphere that a receiver of the own object sees of a sphere and its [near](Self::near) sphere: centre and radius go from
+    /// the near sphere's, seen from inside the sphere, to the sphere's, seen from afar, by [`nearness`](Self::nearness).
     ///
-    /// Contains the near ball, and is inside the whole one as long as the near ball is. Continuous in `x`.
+    /// Contains the near sphere, and is inside the whole one as long as the near sphere is. Continuous in `x`.
     #[must_use]
     pub fn seen(whole: Sphere, near: Sphere, x: Vec3) -> Sphere {
         let w = Self::nearness(whole.radius, whole.center.distance(x));
@@ -139,18 +146,18 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// Receivers are inside a ball up to this part of its radius. Above, as the points of its own surface are but for rounding, they see
+    /// Receivers are inside a sphere up to this part of its radius. Above, as the points of its own surface are but for rounding, they see
     /// a hemisphere of it.
     pub const INSIDE: f32 = 0.999;
 
-    /// The cone in which a ball is seen from `x`: `sin θ = r/d`, `1 − cos θ = sin²θ/(1 + cos θ)`.
+    /// The cone in which a sphere is seen from `x`: `sin θ = r/d`, `1 − cos θ = sin²θ/(1 + cos θ)`.
     ///
-    /// The whole sphere of directions when `x` is [inside](Self::INSIDE) the ball. Any finite ball and point whose difference is finite.
+    /// The whole sphere of directions when `x` is [inside](Self::INSIDE) the sphere. Any finite sphere and point whose difference is finite.
     #[inline(always)]
     #[must_use]
-    pub fn of_sphere(x: Vec3, ball: Sphere) -> Self {
+    pub fn of_sphere(x: Vec3, sphere: Sphere) -> Self {
         // Choices and no branches: it is taken of many receivers at once.
-        let to = ball.center - x;
+        let to = sphere.center - x;
         // Scaled by a power of two, so that the square of no length overflows or vanishes.
         let larger = |a: f32, b: f32| if a > b { a } else { b };
         let size = larger(larger(to.x.abs(), to.y.abs()), to.z.abs()).to_bits() & 0x7f80_0000;
@@ -158,9 +165,9 @@ impl Cone {
         let unit = to * f32::from_bits((254 << 23) - size);
         let length = unit.length();
         let distance = length * f32::from_bits(size);
-        let inside = distance <= Self::INSIDE * ball.radius || distance <= 0.0;
+        let inside = distance <= Self::INSIDE * sphere.radius || distance <= 0.0;
         let axis = if length > 0.0 { unit / length } else { Vec3::Z };
-        let sin = ball.radius / distance;
+        let sin = sphere.radius / distance;
         let sin = if inside {
             0.0
         } else if sin < 1.0 {
@@ -170,7 +177,7 @@ impl Cone {
         };
         let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
         // A point at the receiver is still a point.
-        let all = if ball.radius > 0.0 { 2.0 } else { 0.0 };
+        let all = if sphere.radius > 0.0 { 2.0 } else { 0.0 };
         Self { axis, one_minus_cos: if inside { all } else { sin * sin / (1.0 + cos) }, distance }
     }
 
@@ -203,15 +210,15 @@ impl Cone {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightId(pub u32);
 
-/// All the segments from some receivers to a ball of light: what a tile of receivers asks its blockers for.
+/// All the segments from some receivers to a sphere of light: what a tile of receivers asks its blockers for.
 ///
-/// The receivers are in a ball and in a box with the same middle: those of a tile on a floor that is seen at a low angle are in a
+/// The receivers are in a sphere and in a box with the same middle: those of a tile on a floor that is seen at a low angle are in a
 /// flat and narrow one.
 #[derive(Clone, Copy, Debug)]
 pub struct Shaft {
     /// Bounds the receivers.
     pub receivers: Sphere,
-    /// How far they are from the middle of the ball along each axis, at most.
+    /// How far they are from the middle of the sphere along each axis, at most.
     pub half_extent: Vec3,
     /// Bounds the light; an infinite light has a far away centre.
     pub light: Sphere,
@@ -220,7 +227,7 @@ pub struct Shaft {
 }
 
 impl Shaft {
-    /// From receivers in a ball.
+    /// From receivers in a sphere.
     #[must_use]
     pub fn new(receivers: Sphere, light: Sphere, id: LightId) -> Self {
         Self { receivers, half_extent: Vec3::splat(receivers.radius), light, id }

@@ -1,6 +1,6 @@
 // The types of geometry.rs, and what visibility.rs calls `Coverage`.
 
-const OWN_NONE = 0xffffffffu;
+const NO_OBJECT = 0xffffffffu;
 
 const LIT = 0u;
 const PARTIAL = 1u;
@@ -27,16 +27,16 @@ struct Cone {
 // As `Cone::INSIDE`.
 const CONE_INSIDE = 0.999;
 
-// `Cone::of_sphere`; `ball` is centre and radius.
-fn cone_of_sphere(x: vec3f, ball: vec4f) -> Cone {
-    let to = ball.xyz - x;
+// `Cone::of_sphere`; `sphere` is centre and radius.
+fn cone_of_sphere(x: vec3f, sphere: vec4f) -> Cone {
+    let to = sphere.xyz - x;
     // Scaled by a power of two, so that the square of no length overflows or vanishes.
     let largest = max(max(abs(to.x), abs(to.y)), abs(to.z));
     let size = clamp(bitcast<u32>(largest) & 0x7f800000u, 1u << 23u, 253u << 23u);
     let unit = to * bitcast<f32>((254u << 23u) - size);
     let length = sqrt(dot(unit, unit));
     let distance = length * bitcast<f32>(size);
-    let radius = ball.w;
+    let radius = sphere.w;
     if distance <= CONE_INSIDE * radius || distance <= 0.0 {
         // A point at the receiver is still a point.
         let one_minus_cos = select(0.0, 2.0, radius > 0.0);

@@ -26,7 +26,7 @@ pub struct GpuMaterialSet {
     pub max_lobes: u32,
     /// Whether all lobes are Lambert's: exponent 1 about the normal. Kernels are smaller then.
     pub is_lambert: bool,
-    /// Whether there may be lobes of [microfacets](crate::Lobe::microfacets).
+    /// Whether there may be lobes of [microfacets](crate::Microfacets).
     pub has_microfacets: bool,
 }
 
@@ -35,23 +35,23 @@ pub struct GpuMaterialSet {
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
-/// use lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+/// use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
 ///
 /// /// Reflects back to where the light came from, in a colour.
 /// struct Retro(Vec3);
 ///
 /// impl BrdfLobes for Retro {
-///     fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-///         out.push(Lobe::with_flux(at.view, 40.0, self.0));
+///     fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+///         out.push(Lobe::with_flux(at.view, 40.0, self.0).into());
 ///     }
 /// }
 ///
 /// impl GpuMaterials for Retro {
-///     fn gpu_set(materials: &[Self], _: bool) -> Result<GpuMaterialSet, String> {
+///     fn gpu_set(materials: &[Self]) -> Result<GpuMaterialSet, String> {
 ///         let wgsl = "fn brdf_lobe_count(material: u32) -> u32 { return 1u; }
 ///             fn brdf_lobe(material: u32, at: Receiver, k: u32) -> Lobe {
 ///                 let color = vec3u(materials[3u * material], materials[3u * material + 1u], materials[3u * material + 2u]);
-///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), 0.0);
+///                 return Lobe(at.view, 40.0, bitcast<vec3f>(color), LOBE_PLAIN);
 ///             }";
 ///         let words = materials.iter().flat_map(|m| m.0.to_array()).map(f32::to_bits).collect();
 ///         Ok(GpuMaterialSet { name: "retro".into(), wgsl: wgsl.into(), words, max_lobes: 1, is_lambert: false, has_microfacets: false })
@@ -59,11 +59,19 @@ pub struct GpuMaterialSet {
 /// }
 /// ```
 pub trait GpuMaterials: BrdfLobes + Sized {
-    /// All of a frame's materials, numbered as in the list; lobes of microfacets among them only if `takes_microfacets`.
+    /// All of a frame's materials, numbered as in the list.
     ///
     /// # Errors
     /// Which of them a GPU cannot shade, in a sentence.
-    fn gpu_set(materials: &[Self], takes_microfacets: bool) -> Result<GpuMaterialSet, String>;
+    fn gpu_set(materials: &[Self]) -> Result<GpuMaterialSet, String>;
+
+    /// The same by [`cosine_lobes`](BrdfLobes::cosine_lobes). Provided: [`gpu_set`](Self::gpu_set), of materials without microfacets.
+    ///
+    /// # Errors
+    /// As [`gpu_set`](Self::gpu_set).
+    fn gpu_cosine_set(materials: &[Self]) -> Result<GpuMaterialSet, String> {
+        Self::gpu_set(materials)
+    }
 }
 
 /// The most rows of a light's [shape](GpuLight::gpu_shape).
@@ -99,10 +107,10 @@ pub trait GpuLight: LightLobes {
         None
     }
 
-    /// What `frame.light` holds: a ball around the light and, of one with an outline, around windows on it.
+    /// What `frame.light` holds: a sphere around the light and, of one with an outline, around windows on it.
     fn gpu_bounds(&self) -> Sphere {
         match self.gpu_roundness() {
-            Some(_) => Outline::ball_around(self.bounds()),
+            Some(_) => Outline::sphere_around(self.bounds()),
             None => self.bounds(),
         }
     }
@@ -192,7 +200,7 @@ pub enum GpuRun {
 ///   of them call it: there may be barriers and workgroup memory;
 /// - where [`has_edges`](Self::has_edges), of the same: `fn NAME_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f`, a thread's part of the
 ///   sum of edges, and of that of four times the angles of straight ones (or 0);
-/// - for use where [`asks_any_hit`](Self::asks_any_hit), of a scene's triangles and balls: `any_hit(origin: vec3f, direction: vec3f, distance: f32)
+/// - for use where [`asks_any_hit`](Self::asks_any_hit), of a scene's triangles and spheres: `any_hit(origin: vec3f, direction: vec3f, distance: f32)
 ///   -> bool`, whether one lies on a ray; `any_hit_cone(origin: vec3f, cone: Cone, face: vec3f) -> bool`, false only where no ray meets any that
 ///   leaves into the cone, on the side of `face` of the plane through the origin (or 0: all), up to the light; `any_hit_leave(at: Receiver) -> vec3f`,
 ///   where rays start that leave a receiver; `any_hit_of(object: u32)`, said before the rays of a receiver on an object where the scene knows objects

@@ -1,8 +1,9 @@
 //! The rendering equation of this project: radiance as a sum over lights and reflectance lobes.
 
 use crate::{
-    Cone, Coverage, LightCoverage, LightVisibility, Lobe, Lobes, Outline, Penumbra, Receiver, SeenLight,
-    TileContributions, TileInteraction, Visibility, VisibilityLobes, VisibilitySum, outline, visible_fraction,
+    BrdfLobe, BrdfLobes, Cone, Coverage, LightCoverage, LightVisibility, Outline, Penumbra, Receiver, SeenLight, Tile,
+    TileContributions, TileInteraction, TileLobes, Visibility, VisibilityLobes, VisibilitySum, outline,
+    visible_fraction,
 };
 use glam::Vec3;
 
@@ -54,7 +55,7 @@ pub struct Interaction<'a> {
     /// The receiver.
     pub at: &'a Receiver,
     /// Reflectance lobes at the receiver.
-    pub brdf: Lobes<'a>,
+    pub brdf: &'a [BrdfLobe],
     /// The light as the receiver sees it.
     pub light: &'a SeenLight,
     /// Products of reflectance and light whose radiance (largest channel) is at most this are dropped (t_i of §4.3); by the
@@ -71,11 +72,16 @@ pub trait Integrator<V: Visibility + ?Sized>: Sync {
     /// Working memory, one a thread.
     type Scratch: Default + Send;
 
-    /// Whether reflectance may contain [microfacets](Lobe::microfacets). If not, materials write lobes of directions only.
-    const TAKES_MICROFACETS: bool;
-
     /// Whether tiles come with the [integrals](crate::cap_integrals) of their lobes over the light.
     const TAKES_INTEGRALS: bool;
+
+    /// The reflectance of a tile's receivers as this method takes it. Provided: [`BrdfLobes::tile_lobes`].
+    ///
+    /// # Panics
+    /// As [`BrdfLobes::tile_lobes`].
+    fn reflectance<B: BrdfLobes>(materials: &[B], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes) {
+        B::tile_lobes(materials, of, at, tile, out);
+    }
 
     /// The contribution of one light to one receiver.
     fn radiance(
@@ -113,7 +119,6 @@ pub struct FractionIntegrator;
 
 impl<V: Visibility + ?Sized> Integrator<V> for FractionIntegrator {
     type Scratch = ();
-    const TAKES_MICROFACETS: bool = true;
     const TAKES_INTEGRALS: bool = true;
 
     fn radiance(
@@ -145,8 +150,11 @@ pub struct LobeIntegrator;
 
 impl<V: VisibilityLobes + ?Sized> Integrator<V> for LobeIntegrator {
     type Scratch = VisibilitySum;
-    const TAKES_MICROFACETS: bool = false;
     const TAKES_INTEGRALS: bool = true;
+
+    fn reflectance<B: BrdfLobes>(materials: &[B], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes) {
+        B::tile_cosine_lobes(materials, of, at, tile, out);
+    }
 
     fn radiance(
         &self,
@@ -177,7 +185,7 @@ pub(crate) trait FractionSource<V: Visibility + ?Sized> {
         &mut self,
         visibility: &mut LightVisibility<'_, V>,
         penumbra: &Penumbra<'_>,
-        brdf: &Lobe,
+        brdf: &BrdfLobe,
         unshadowed: f32,
         observer: &mut impl Observer,
     ) -> (Vec3, [usize; 2]);
@@ -190,11 +198,11 @@ impl<V: Visibility + ?Sized> FractionSource<V> for Fractions {
         &mut self,
         visibility: &mut LightVisibility<'_, V>,
         penumbra: &Penumbra<'_>,
-        brdf: &Lobe,
+        brdf: &BrdfLobe,
         unshadowed: f32,
         observer: &mut impl Observer,
     ) -> (Vec3, [usize; 2]) {
-        let fraction = visibility.fraction(penumbra, brdf, unshadowed);
+        let fraction = visibility.fraction(penumbra, *brdf, unshadowed);
         observer.end(Stage::VisibilityLobes);
         (fraction, [0, 0])
     }
@@ -205,13 +213,14 @@ impl<V: VisibilityLobes + ?Sized> FractionSource<V> for VisibilitySum {
         &mut self,
         visibility: &mut LightVisibility<'_, V>,
         penumbra: &Penumbra<'_>,
-        brdf: &Lobe,
+        brdf: &BrdfLobe,
         unshadowed: f32,
         observer: &mut impl Observer,
     ) -> (Vec3, [usize; 2]) {
-        visibility.lobes(penumbra, brdf, unshadowed, self);
+        let (lobe, unshadowed) = penumbra.cosine_lobe(brdf, unshadowed);
+        visibility.lobes(penumbra, &lobe, unshadowed, self);
         observer.end(Stage::VisibilityLobes);
-        let fraction = visible_fraction(penumbra.at, brdf, unshadowed, self);
+        let fraction = visible_fraction(penumbra.at, &lobe, unshadowed, self);
         let counts @ [lobes, integrals] = self.counts();
         observer.count(lobes, integrals);
         observer.end(Stage::Integration);
@@ -236,12 +245,12 @@ pub(crate) fn radiance<V: Visibility + ?Sized>(
     let mut sum = Contribution::default();
     let mut coverage = None;
     let light = point.light.above(point.at.normal);
-    for lobe in point.brdf.iter() {
+    for lobe in point.brdf {
         let integral = match visibility.image().zip(light.outline.as_ref()) {
-            None => Vec3::splat(outline::light_integral(point.at, &lobe, &light.cone, light.outline.as_ref())),
-            Some((image, outline)) => outline::of_image(point.at, &lobe, outline, image),
+            None => Vec3::splat(outline::light_integral(point.at, lobe, &light.cone, light.outline.as_ref())),
+            Some((image, outline)) => outline::of_image(point.at, lobe, outline, image),
         };
-        let unshadowed = lobe.flux * light.radiance * integral;
+        let unshadowed = lobe.flux() * light.radiance * integral;
         observer.count(0, 1);
         observer.end(Stage::Lighting);
         sum.unshadowed += unshadowed;
@@ -257,7 +266,7 @@ pub(crate) fn radiance<V: Visibility + ?Sized>(
             LightCoverage::Lit => Vec3::ONE,
             LightCoverage::Dark => Vec3::ZERO,
             LightCoverage::Partial(penumbra) => {
-                source.fraction(visibility, penumbra, &lobe, integral.max_element(), observer).0
+                source.fraction(visibility, penumbra, lobe, integral.max_element(), observer).0
             }
         };
         sum.radiance += unshadowed * fraction;

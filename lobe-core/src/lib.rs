@@ -1,6 +1,6 @@
 //! The algebra of cosine lobes `s·max(a·v, 0)^e`: what the whole workspace computes with.
 //!
-//! - [`Lobe`], and sums of lobes as structure-of-arrays views over the caller's storage ([`Lobes`], [`LobeWriter`],
+//! - [`Lobe`]; [`BrdfLobe`], which is one or a lobe of [`Microfacets`]; sums of lobes as structure-of-arrays views over the caller's storage ([`Lobes`], [`LobeWriter`],
 //!   [`LobeBuffer`]);
 //! - closed integrals: one lobe, the product of two ([`product_integral`]), a lobe over a uniform disc of light ([`cap_integral`]);
 //! - the moment lobe of a cone, which keeps its total and mean vector exactly ([`cone_lobe`]);
@@ -28,6 +28,7 @@
 //! dynamic scenes*, Computers & Graphics 34 (2010) 767–778: "the paper" in every comment here; equation numbers are its.
 
 mod accuracy;
+mod brdf_lobe;
 mod brdf_lobes;
 mod cap;
 mod compact;
@@ -49,6 +50,7 @@ mod moments;
 #[cfg(any(test, feature = "oracle"))]
 pub mod oracle;
 mod outline;
+mod packed_lobe;
 pub mod paper;
 mod product;
 mod random;
@@ -64,20 +66,22 @@ mod visibility_sum;
 pub mod wgsl;
 
 pub use crate::accuracy::Accuracy;
+pub use crate::brdf_lobe::BrdfLobe;
 pub use crate::brdf_lobes::{BrdfLobes, TileLobes};
 pub use crate::cap::{cap_integral, cap_integrals, sphere_light_irradiance};
 pub use crate::compact::compact_runs;
 pub use crate::dyn_visibility::{DynScratch, DynVisibility};
-pub use crate::geometry::{Cone, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
+pub use crate::geometry::{Cone, LightId, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, orthonormal_basis};
 pub use crate::integrator::{
     Contribution, FractionIntegrator, Integrator, Interaction, LobeIntegrator, Observer, Stage,
 };
 pub use crate::light_lobes::LightLobes;
 pub use crate::lobe::{Lobe, power};
 pub use crate::lobes::{LobeBuffer, LobeWriter, Lobes};
-pub use crate::microfacets::Microfacets;
+pub use crate::microfacets::{Microfacets, MicrofacetsAt, Schlick};
 pub use crate::moments::{cone_lobe, exponent_of_spread};
-pub use crate::outline::{LightImage, Outline, Places, hash_of, image_integral, nearest_of, outline_integral};
+pub use crate::outline::{LightImage, Outline, Places, fingerprint, image_integral, nearest_of, outline_integral};
+pub use crate::packed_lobe::PackedLobe;
 pub use crate::product::{is_lambert, product_integral, product_of_angle, products_of_angle};
 pub use crate::random::Random;
 pub use crate::seen_light::SeenLight;

@@ -6,12 +6,8 @@ use glam::Vec3;
 /// Stored by its *flux* `∫ c(v) dv = 2π s/(e+1)` (steradians times the unit of `s`) and not by its scale `s`, so that
 /// `e = ∞` with finite flux, a point light, is a value like any other.
 ///
-/// With the factor [`COSINE`](Self::COSINE) the function is `s·max(a·v, 0)^e·max(n·v, 0)` with the normal `n` of the
-/// [`Receiver`] at which the lobe is used: the form that the modified Phong and Lafortune models need. `flux` is that of the lobe
-/// without the cosine. With [`MICROFACETS`](Self::MICROFACETS) or [`EDGE`](Self::EDGE) it is a cosine lobe not of directions but of half
-/// vectors, see [`microfacets`](Self::microfacets).
-///
-/// 32 bytes, plain old data, the same struct on the GPU.
+/// With [`has_cosine`](Self::has_cosine) the function is `s·max(a·v, 0)^e·max(n·v, 0)` with the normal `n` of the [`Receiver`] at which
+/// the lobe is used: the form that the modified Phong and Lafortune models need. `flux` is that of the lobe without the cosine.
 ///
 /// [`Receiver`]: crate::Receiver
 ///
@@ -21,8 +17,7 @@ use glam::Vec3;
 /// assert!((lambert.flux.x - 0.5 * core::f32::consts::PI).abs() < 1e-6);
 /// assert!((lambert.eval(Vec3::new(0.6, 0.0, 0.8)).x - 0.4).abs() < 1e-6);
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lobe {
     /// Axis `a`, unit length.
     pub axis: Vec3,
@@ -30,18 +25,11 @@ pub struct Lobe {
     pub exponent: f32,
     /// Integral over the sphere, per colour channel: `2π s/(e+1)`.
     pub flux: Vec3,
-    /// The factor of the power: 0 for none, or [`COSINE`](Self::COSINE), [`MICROFACETS`](Self::MICROFACETS), [`EDGE`](Self::EDGE).
-    pub factor: f32,
+    /// Whether the receiver's cosine `max(n·v, 0)` multiplies the power.
+    pub has_cosine: bool,
 }
 
 impl Lobe {
-    /// The receiver's cosine `max(n·v, 0)`.
-    pub const COSINE: f32 = 1.0;
-    /// The part of microfacets' reflectance that is the same at all angles: no lobe of directions, see [`microfacets`](Self::microfacets).
-    pub const MICROFACETS: f32 = 2.0;
-    /// The part that grows toward grazing.
-    pub const EDGE: f32 = 3.0;
-
     /// The lobe `scale·max(axis·v, 0)^exponent` (Eq. 4), for a finite exponent.
     #[must_use]
     pub fn new(axis: Vec3, exponent: f32, scale: Vec3) -> Self {
@@ -51,20 +39,13 @@ impl Lobe {
     /// The lobe of the given exponent (∞ allowed) that integrates to `flux`.
     #[must_use]
     pub const fn with_flux(axis: Vec3, exponent: f32, flux: Vec3) -> Self {
-        Self { axis, exponent, flux, factor: 0.0 }
+        Self { axis, exponent, flux, has_cosine: false }
     }
 
     /// The same lobe times the receiver's cosine `max(n·v, 0)`.
     #[must_use]
     pub const fn times_cosine(self) -> Self {
-        Self { factor: Self::COSINE, ..self }
-    }
-
-    /// Whether it is one of those of [`microfacets`](Self::microfacets).
-    #[inline(always)]
-    #[must_use]
-    pub const fn is_microfacets(&self) -> bool {
-        self.factor >= Self::MICROFACETS
+        Self { has_cosine: true, ..self }
     }
 
     /// Scale `s = flux·(e+1)/2π`: the lobe's value along its axis. Infinite for an infinite exponent.
@@ -73,7 +54,7 @@ impl Lobe {
         self.flux * ((self.exponent + 1.0) * core::f32::consts::FRAC_1_PI * 0.5)
     }
 
-    /// Value `s·max(a·v, 0)^e` in the unit direction `v`, without the factor: see [`eval_at`](Self::eval_at).
+    /// Value `s·max(a·v, 0)^e` in the unit direction `v`, without the receiver's cosine: see [`eval_at`](Self::eval_at).
     ///
     /// Zero where the power underflows, also for `e = ∞`; on the axis that is infinite.
     ///
@@ -84,6 +65,12 @@ impl Lobe {
         let power = power(self.axis, v, self.exponent);
         // Beside the axis of an infinite exponent the scale is infinite and the power 0.
         if power > 0.0 { self.scale() * power } else { Vec3::ZERO }
+    }
+
+    /// Value in the unit direction `v` at a receiver of this normal, the receiver's cosine included.
+    #[must_use]
+    pub fn eval_at(&self, normal: Vec3, v: Vec3) -> Vec3 {
+        if self.has_cosine { self.eval(v) * normal.dot(v).max(0.0) } else { self.eval(v) }
     }
 }
 

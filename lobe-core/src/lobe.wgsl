@@ -1,16 +1,12 @@
-// The lobe of lobe.rs. An infinite exponent is a delta function, its flux finite.
+// The lobe of packed_lobe.rs, which declares its kinds as well. An infinite exponent is a delta function, its flux finite.
 
 // 32 bytes.
 struct Lobe {
     axis: vec3f,
     exponent: f32,
     flux: vec3f,
-    factor: f32,
+    kind: f32,
 }
-
-// Factors of lobes of microfacets.
-const LOBE_MICROFACETS = 2.0f;
-const LOBE_EDGE = 3.0f;
 
 // `max(a·v, 0)^exponent` from the chord of the two directions.
 fn power(a: vec3f, v: vec3f, exponent: f32) -> f32 {
@@ -24,5 +20,5 @@ fn power(a: vec3f, v: vec3f, exponent: f32) -> f32 {
 
 // Exponent 1 about the normal itself.
 fn is_lambert(at: Receiver, lobe: Lobe) -> bool {
-    return lobe.exponent == 1.0 && lobe.factor == 0.0 && all(lobe.axis == at.normal);
+    return lobe.exponent == 1.0 && lobe.kind == LOBE_PLAIN && all(lobe.axis == at.normal);
 }

@@ -1,7 +1,7 @@
-use crate::Lobe;
+use crate::{Lobe, PackedLobe};
 use glam::Vec3;
 
-/// Columns of a lobe sum; one entry a lobe. See [`Lobe`] for what each means.
+/// Columns of a lobe sum, one entry a lobe: those of [`PackedLobe`].
 const COLUMNS: usize = 8;
 
 /// A sum of lobes in the caller's storage, read-only: structure of arrays.
@@ -30,10 +30,11 @@ impl<'a> Lobes<'a> {
     #[must_use]
     pub fn get(&self, index: usize) -> Lobe {
         let c = |k: usize| self.columns[k][index];
-        Lobe { axis: Vec3::new(c(0), c(1), c(2)), exponent: c(3), flux: Vec3::new(c(4), c(5), c(6)), factor: c(7) }
+        let (axis, flux) = (Vec3::new(c(0), c(1), c(2)), Vec3::new(c(4), c(5), c(6)));
+        Lobe { axis, exponent: c(3), flux, has_cosine: c(7) == PackedLobe::COSINE }
     }
 
-    /// Axis x, y, z, exponent, flux of three channels, factor.
+    /// Axis x, y, z, exponent, flux of three channels, kind.
     pub(crate) const fn columns(&self) -> [&'a [f32]; COLUMNS] {
         self.columns
     }
@@ -64,7 +65,6 @@ impl<'a> Lobes<'a> {
 #[derive(Debug)]
 pub struct LobeWriter<'a> {
     columns: &'a mut [Vec<f32>; COLUMNS],
-    takes_microfacets: bool,
 }
 
 impl LobeWriter<'_> {
@@ -80,16 +80,9 @@ impl LobeWriter<'_> {
         self.len() == 0
     }
 
-    /// Whether the reader of the sum knows lobes of [microfacets](Lobe::microfacets). If not, all are to be lobes of directions: products with
-    /// lobes of visibility have closed forms for no others.
-    #[must_use]
-    pub const fn takes_microfacets(&self) -> bool {
-        self.takes_microfacets
-    }
-
     /// Appends a lobe.
     pub fn push(&mut self, lobe: Lobe) {
-        let values: [f32; COLUMNS] = bytemuck::cast(lobe);
+        let values: [f32; COLUMNS] = bytemuck::cast(PackedLobe::from(lobe));
         for (column, value) in self.columns.iter_mut().zip(values) {
             column.push(value);
         }
@@ -121,15 +114,10 @@ impl LobeBuffer {
         self.columns.iter_mut().for_each(Vec::clear);
     }
 
-    /// Empties the sum and returns the view to write it anew: lobes of directions.
+    /// Empties the sum and returns the view to write it anew.
     pub fn writer(&mut self) -> LobeWriter<'_> {
-        self.writer_of(false)
-    }
-
-    /// The same; with `takes_microfacets` there may be lobes of [microfacets](Lobe::microfacets) among them.
-    pub fn writer_of(&mut self, takes_microfacets: bool) -> LobeWriter<'_> {
         self.clear();
-        LobeWriter { columns: &mut self.columns, takes_microfacets }
+        LobeWriter { columns: &mut self.columns }
     }
 
     /// The sum.

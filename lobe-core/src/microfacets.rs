@@ -1,40 +1,83 @@
-//! Lobes of microfacets: a pair of lobes of half vectors, and their values at a receiver.
+//! Microfacets: half of their reflectance as a lobe, and its values at a receiver.
 
 use crate::{Lobe, orthonormal_basis};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
-/// A lobe of microfacets at a receiver ([`Lobe::microfacets`]), ready to be evaluated in many directions.
+/// The light that microfacets of the GGX distribution reflect: `flux·D(h)·W(v)·(1 − s)`, or `·s`, in a direction `v` with the half
+/// vector `h` between it and the view `ω_o`.
 ///
-/// `f̃(v) = flux·D(h)·W(v)·(1 − s)`, or `·s`, with `h` half-way between `v` and the eye's direction `ω_o`,
-/// `D = α²/π(1 − (n·h)²(1 − α²))²` (GGX; B. Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007,
-/// Eq. 33), `W = G₂/(4 n·ω_o)` with Smith's height-correlated `G₂`, and Schlick's `s = (1 − ω_o·h)⁵`.
+/// `D = α²/π(1 − (n·h)²(1 − α²))²` (GGX; B. Walter et al., *Microfacet Models for Refraction through Rough Surfaces*, 2007, Eq. 33),
+/// `W = G₂/(4 n·ω_o)` with Smith's height-correlated `G₂`, and Schlick's `s = (1 − ω_o·h)⁵`. Both [parts](Schlick) together are the
+/// reflectance `F·D(h)·W(v)` with `F = f0·(1 − s) + f90·s`.
 ///
-/// Frame: x away from the normal toward the eye, z the normal.
-#[derive(Clone, Copy, Debug)]
+/// `D(h)·(n·h)` is a cosine lobe of exponent 1 about the normal, its half vectors stretched by `α`: the one shape that takes a
+/// highlight's long tails and its length at grazing views.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Microfacets {
-    normal: Vec3,
-    /// The eye's direction; above the horizon.
-    view: Vec3,
-    alpha_sq: f32,
-    /// `√((n·ω_o)²(1 − α²) + α²)`.
-    shadowing: f32,
-    is_edge: bool,
+    /// The direction to the eye `ω_o`, unit length.
+    pub view: Vec3,
+    /// `2/α² − 2`, the exponent of a cosine lobe about the half vector with the same peak.
+    pub exponent: f32,
+    /// `f0` or `f90`.
+    pub flux: Vec3,
+    /// Which of them.
+    pub part: Schlick,
+}
+
+/// The two parts of Schlick's reflectance `F = f0·(1 − s) + f90·s`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Schlick {
+    /// `1 − s`: the same at all angles but grazing ones.
+    F0,
+    /// `s`: grows toward grazing angles.
+    F90,
 }
 
 impl Microfacets {
     /// Views lower than this (cosine to the normal) are taken as at it.
     pub const GRAZING: f32 = 5e-3;
 
-    /// Of a lobe for which [`Lobe::is_microfacets`] holds.
+    /// Both parts for a view, a roughness `α` and the reflectances `f0` and `f90`. In a reflectance the second follows the first.
     #[must_use]
-    pub fn new(normal: Vec3, lobe: &Lobe) -> Self {
-        let (cos, sin, forward) = seen_from(normal, lobe.axis);
-        let alpha_sq = alpha_sq(lobe.exponent);
-        let shadowing = (cos * cos * (1.0 - alpha_sq) + alpha_sq).sqrt();
-        Self { normal, view: normal * cos + forward * sin, alpha_sq, shadowing, is_edge: lobe.factor == Lobe::EDGE }
+    pub fn new(view: Vec3, alpha: f32, [f0, f90]: [Vec3; 2]) -> [Self; 2] {
+        let exponent = 2.0 / (alpha * alpha) - 2.0;
+        [(f0, Schlick::F0), (f90, Schlick::F90)].map(|(flux, part)| Self { view, exponent, flux, part })
     }
 
+    /// Ready to be evaluated at a receiver of this normal.
+    #[must_use]
+    pub fn at(&self, normal: Vec3) -> MicrofacetsAt {
+        let (cos, sin, forward) = seen_from(normal, self.view);
+        let alpha_sq = alpha_sq(self.exponent);
+        let shadowing = (cos * cos * (1.0 - alpha_sq) + alpha_sq).sqrt();
+        MicrofacetsAt { normal, view: normal * cos + forward * sin, alpha_sq, shadowing, part: self.part }
+    }
+
+    /// The cosine lobe that stands for it where only these are taken: about the mirrored view, a quarter of the exponent, as directions
+    /// turn twice as far as half vectors; and the part of the light that a mirror reflects, exact for `α → 0`.
+    #[must_use]
+    pub fn mirror_lobe(&self, normal: Vec3) -> Lobe {
+        let at = self.at(normal);
+        let fifth = schlick(normal.dot(at.view));
+        let part = if self.part == Schlick::F90 { fifth } else { 1.0 - fifth };
+        Lobe::with_flux(at.highlight().0, 0.25 * self.exponent, self.flux * part)
+    }
+}
+
+/// [`Microfacets`] at a receiver, ready to be evaluated in many directions.
+#[derive(Clone, Copy, Debug)]
+pub struct MicrofacetsAt {
+    normal: Vec3,
+    /// The eye's direction; above the horizon.
+    view: Vec3,
+    alpha_sq: f32,
+    /// `√((n·ω_o)²(1 − α²) + α²)`.
+    shadowing: f32,
+    part: Schlick,
+}
+
+impl MicrofacetsAt {
     /// Both numbers `D·W·(1 − s)` and `D·W·s` in a direction `v` of unit length; 0 below the horizon.
     #[inline(always)]
     #[must_use]
@@ -51,12 +94,11 @@ impl Microfacets {
         [value * (1.0 - fifth), value * fifth]
     }
 
-    /// The one of them that the lobe is.
+    /// The one of them that belongs to the part.
     #[inline(always)]
     #[must_use]
     pub fn value(&self, v: Vec3) -> f32 {
-        let [base, edge] = self.both(v);
-        if self.is_edge { edge } else { base }
+        self.part.of(self.both(v))
     }
 
     /// The mirrored direction of the eye, and `α`.
@@ -66,38 +108,14 @@ impl Microfacets {
     }
 }
 
-impl Lobe {
-    /// Reflection by microfacets of the GGX distribution: the reflectance `F·D(h)·W(v)` of [`Microfacets`] with Schlick's
-    /// `F = f0·(1 − s) + f90·s`, as two lobes of which the second follows the first.
-    ///
-    /// `D(h)·(n·h)` is a cosine lobe of exponent 1 about the normal, its half vectors stretched by `α`: the one shape that takes
-    /// a highlight's long tails and its length at grazing views. Fields: `axis` is `ω_o`, the direction to the eye, `exponent`
-    /// is `2/α² − 2`, that of a lobe about the half vector with the same peak, `flux` is `f0` or `f90`.
-    #[must_use]
-    pub fn microfacets(view: Vec3, alpha: f32, [f0, f90]: [Vec3; 2]) -> [Self; 2] {
-        let exponent = 2.0 / (alpha * alpha) - 2.0;
-        let lobe = |flux, factor| Self { axis: view, exponent, flux, factor };
-        [lobe(f0, Self::MICROFACETS), lobe(f90, Self::EDGE)]
-    }
-
-    /// Whether `edge` is the other of a pair of [`microfacets`](Self::microfacets) that begins with this one.
+impl Schlick {
+    /// This part's one of both.
     #[inline(always)]
     #[must_use]
-    pub fn has_edge(&self, edge: &Self) -> bool {
-        let is_pair = self.factor == Self::MICROFACETS && edge.factor == Self::EDGE;
-        let reflects = self.flux != Vec3::ZERO && edge.flux != Vec3::ZERO;
-        is_pair && reflects && self.exponent == edge.exponent && self.axis == edge.axis
-    }
-
-    /// Value in the unit direction `v` at a receiver of this normal, factor included.
-    #[must_use]
-    pub fn eval_at(&self, normal: Vec3, v: Vec3) -> Vec3 {
-        if self.is_microfacets() {
-            self.flux * Microfacets::new(normal, self).value(v)
-        } else if self.factor > 0.0 {
-            self.eval(v) * normal.dot(v).max(0.0)
-        } else {
-            self.eval(v)
+    pub const fn of(self, [f0, f90]: [f32; 2]) -> f32 {
+        match self {
+            Self::F0 => f0,
+            Self::F90 => f90,
         }
     }
 }

@@ -1,6 +1,6 @@
 // The lobes of microfacets of microfacets.rs.
 
-struct Microfacets {
+struct MicrofacetsAt {
     normal: vec3f,
     alpha_sq: f32,
     // The eye's direction; above the horizon.
@@ -31,15 +31,15 @@ fn tangent_toward(normal: vec3f, view: vec3f) -> vec3f {
 
 fn microfacets_alpha_sq(exponent: f32) -> f32 { return 2.0 / (exponent + 2.0); }
 
-fn microfacets_of(normal: vec3f, lobe: Lobe) -> Microfacets {
+fn microfacets_of(normal: vec3f, lobe: Lobe) -> MicrofacetsAt {
     let seen = seen_from(normal, lobe.axis);
     let alpha_sq = microfacets_alpha_sq(lobe.exponent);
     let shadowing = sqrt(seen.x * seen.x * (1.0 - alpha_sq) + alpha_sq);
-    return Microfacets(normal, alpha_sq, normal * seen.x + tangent_toward(normal, lobe.axis) * seen.y, shadowing);
+    return MicrofacetsAt(normal, alpha_sq, normal * seen.x + tangent_toward(normal, lobe.axis) * seen.y, shadowing);
 }
 
 // `D·W·(1 − s)` and `D·W·s`.
-fn microfacets_both(microfacets: Microfacets, v: vec3f) -> vec2f {
+fn microfacets_both(microfacets: MicrofacetsAt, v: vec3f) -> vec2f {
     let h = microfacets.view + v;
     let along = dot(microfacets.normal, h);
     let beside = cross(microfacets.normal, h);

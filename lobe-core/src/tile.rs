@@ -59,7 +59,7 @@ impl Tile {
         &self.blocks[block].0
     }
 
-    /// A ball around the receivers, and half the sides of a box around them with the same middle
+    /// A sphere around the receivers, and half the sides of a box around them with the same middle
     /// ([`Shaft::in_box`](crate::Shaft::in_box)).
     #[must_use]
     pub fn bounds(&self) -> (Sphere, Vec3) {
@@ -112,15 +112,15 @@ pub(crate) enum TileRadiance<'a> {
 }
 
 impl TileLight {
-    /// A ball of the same radiance toward all: the cones are those of [`Cone::of_sphere`], bit for bit.
-    pub fn ball(&mut self, tile: &Tile, ball: Sphere, radiance: Vec3) {
+    /// A sphere of the same radiance toward all: the cones are those of [`Cone::of_sphere`], bit for bit.
+    pub fn sphere(&mut self, tile: &Tile, sphere: Sphere, radiance: Vec3) {
         let level = Level::new();
         self.same = radiance;
         self.each.clear();
         self.outlines.clear();
         self.cones.resize(tile.blocks(), Kept::default());
         for (at, cones) in tile.blocks.iter().zip(&mut self.cones) {
-            map(level, &ToCone(ball), &at.0, &[], &mut cones.0);
+            map(level, &ToCone(sphere), &at.0, &[], &mut cones.0);
         }
         self.see(level, tile);
     }

@@ -4,8 +4,8 @@ use crate::integrator::{FractionSource, query};
 use crate::lanes::{Kept, Lane, Level, WIDTH, ones, row, rows_above, update};
 use crate::tile::TileRadiance;
 use crate::{
-    Contribution, Coverage, Interaction, LightCoverage, LightVisibility, Lobe, LobeBuffer, Observer, Receiver, Stage,
-    TileLight, TileLobes, Visibility,
+    BrdfLobe, Contribution, Coverage, Interaction, LightCoverage, LightVisibility, Observer, PackedLobe, Receiver,
+    Stage, TileLight, TileLobes, Visibility,
 };
 use glam::Vec3;
 
@@ -29,7 +29,7 @@ pub struct TileInteraction<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct TileContributions {
     blocks: Vec<Kept<SUMS>>,
-    brdf: LobeBuffer,
+    brdf: Vec<BrdfLobe>,
 }
 
 /// One receiver's sums over its reflectance lobes: a row of the columns.
@@ -174,7 +174,7 @@ impl TileInteraction<'_> {
                 let (mut radiance, mut counts) = (Vec3::ZERO, [0, 0]);
                 for (number, lobe) in self.lobes.of(i) {
                     let integral = self.integrals[number];
-                    let unshadowed = lobe.flux * light * integral;
+                    let unshadowed = lobe.flux() * light * integral;
                     if unshadowed.max_element() > self.threshold {
                         let (fraction, [lobes, integrals]) =
                             source.fraction(visibility, &penumbra, &lobe, integral, observer);
@@ -197,9 +197,10 @@ impl TileInteraction<'_> {
         out.reset(self.at.len());
         let mut brdf = core::mem::take(&mut out.brdf);
         for (i, at) in self.at.iter().enumerate() {
-            brdf.writer().extend(self.lobes.of(i).map(|(_, lobe)| lobe));
+            brdf.clear();
+            brdf.extend(self.lobes.of(i).map(|(_, lobe)| lobe));
             let light = self.light.seen_by(i);
-            let point = Interaction { at, brdf: brdf.lobes(), light: &light, threshold: self.threshold };
+            let point = Interaction { at, brdf: &brdf, light: &light, threshold: self.threshold };
             let mut counted = Counted { observer: &mut *observer, counts: [0, 0] };
             let sum = radiance(&point, &mut counted);
             let counts = counted.counts;
@@ -266,7 +267,7 @@ impl Lane<SUMS, 11, SUMS> for AddLobeOfEach {
 impl Lane<SUMS, 8, SUMS> for AddLobe {
     #[inline(always)]
     fn value(&self, sums: [f32; SUMS], lobe: [f32; 8]) -> [f32; SUMS] {
-        let (sums, lobe) = (bytemuck::cast::<_, Sums>(sums), bytemuck::cast::<_, Lobe>(lobe));
+        let (sums, lobe) = (bytemuck::cast::<_, Sums>(sums), bytemuck::cast::<_, PackedLobe>(lobe));
         let unshadowed = lobe.flux * self.light * sums.integral;
         let larger = |a: f32, b: f32| if a > b { a } else { b };
         let largest = larger(larger(unshadowed.x, unshadowed.y), unshadowed.z);

@@ -1,6 +1,9 @@
 //! Visibility: the traits of a strategy, and the query object that keeps the order of the questions.
 
-use crate::{Accuracy, Cone, LightId, LightImage, Lobe, Outline, Receiver, Shaft, VisibilitySum, visible_fraction};
+use crate::{
+    Accuracy, BrdfLobe, Cone, LightId, LightImage, Lobe, Microfacets, Outline, Receiver, Shaft, VisibilitySum, outline,
+    visible_fraction,
+};
 use glam::Vec3;
 
 /// How much of a light a receiver sees.
@@ -38,6 +41,17 @@ impl<'a> VisibilityQuery<'a> {
     pub const fn new(at: &'a Receiver, light: LightId, cone: &'a Cone, accuracy: Accuracy) -> Self {
         Self { at, light, cone, outline: None, image: None, accuracy }
     }
+
+    /// The cosine lobe that stands for a reflectance lobe, and its integral (flux 1) over the light; `unshadowed` is that of `brdf`.
+    pub(crate) fn cosine_lobe(&self, brdf: &BrdfLobe, unshadowed: f32) -> (Lobe, f32) {
+        match brdf {
+            BrdfLobe::Cosine(lobe) => (*lobe, unshadowed),
+            BrdfLobe::Microfacets(facets) => {
+                let lobe = facets.mirror_lobe(self.at.normal);
+                (lobe, outline::light_integral(self.at, &lobe.into(), self.cone, self.outline))
+            }
+        }
+    }
 }
 
 /// A visibility strategy: the fraction of a light that a receiver sees, weighted by a reflectance lobe.
@@ -73,13 +87,13 @@ impl<'a> VisibilityQuery<'a> {
 /// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// let sphere = Sphere { center: Vec3::new(0.0, 0.0, 5.0), radius: 1.0 };
 /// let light = SeenLight::of_cone(Cone::of_sphere(at.position, sphere), Vec3::splat(3.0));
-/// let brdf = LobeBuffer::from(Lobe::new(at.normal, 1.0, Vec3::ONE));
+/// let brdf = [Lobe::new(at.normal, 1.0, Vec3::ONE).into()];
 ///
 /// let boxed: Box<dyn DynVisibility> = Box::new(Veil);
 /// let mut scratch = boxed.scratch();
 /// let shaft = Shaft::new(Sphere { center: at.position, radius: 0.0 }, sphere, LightId(0));
 /// let mut visibility = LightVisibility::enter(&boxed, &shaft, Accuracy::new(0.003), &mut scratch);
-/// let point = Interaction { at: &at, brdf: brdf.lobes(), light: &light, threshold: 0.0 };
+/// let point = Interaction { at: &at, brdf: &brdf, light: &light, threshold: 0.0 };
 /// let lit = FractionIntegrator.radiance(&point, &mut visibility, &mut (), &mut ());
 /// assert_eq!(lit.radiance, 0.5 * lit.unshadowed);
 /// ```
@@ -107,6 +121,18 @@ pub trait Visibility: Sync {
     /// over the whole light. The query is the last one that [`coverage`](Self::coverage) was asked for, and its answer was
     /// [`Coverage::Partial`].
     fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3;
+
+    /// The same of a lobe of microfacets. Provided: that of the cosine lobe that stands for it.
+    fn microfacets_fraction(
+        &self,
+        query: &VisibilityQuery<'_>,
+        facets: &Microfacets,
+        unshadowed: f32,
+        scratch: &mut Self::Scratch,
+    ) -> Vec3 {
+        let (lobe, unshadowed) = query.cosine_lobe(&(*facets).into(), unshadowed);
+        self.fraction(query, &lobe, unshadowed, scratch)
+    }
 }
 
 /// A strategy that also writes visibility as a sum of cosine lobes (Eq. 8): for [`LobeIntegrator`](crate::LobeIntegrator) and for the
@@ -261,9 +287,14 @@ impl<'v, V: Visibility + ?Sized> LightVisibility<'v, V> {
     ///
     /// # Panics
     /// When another receiver has asked since.
-    pub fn fraction(&mut self, penumbra: &Penumbra<'_>, brdf: &Lobe, unshadowed: f32) -> Vec3 {
+    pub fn fraction(&mut self, penumbra: &Penumbra<'_>, brdf: impl Into<BrdfLobe>, unshadowed: f32) -> Vec3 {
         self.check(penumbra);
-        self.visibility.fraction(penumbra, brdf, unshadowed, self.scratch)
+        match brdf.into() {
+            BrdfLobe::Cosine(lobe) => self.visibility.fraction(penumbra, &lobe, unshadowed, self.scratch),
+            BrdfLobe::Microfacets(facets) => {
+                self.visibility.microfacets_fraction(penumbra, &facets, unshadowed, self.scratch)
+            }
+        }
     }
 
     /// Coverage and fraction in one call: the visible fraction of a reflectance lobe, per channel.

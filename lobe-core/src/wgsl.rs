@@ -9,8 +9,8 @@ pub const SPECIAL: &str = include_str!("special.wgsl");
 /// `Receiver`, `Cone`, coverage and bases. Needs nothing.
 pub const GEOMETRY: &str = include_str!("geometry.wgsl");
 
-/// `Lobe` and its value in a direction. Needs [`SPECIAL`] and [`GEOMETRY`].
-pub const LOBE: &str = include_str!("lobe.wgsl");
+/// `Lobe` ([`PackedLobe`](crate::PackedLobe) in Rust), its kinds and its value in a direction. Needs [`SPECIAL`] and [`GEOMETRY`].
+pub const LOBE: &str = crate::packed_lobe::WGSL;
 
 /// `cap_integral(at, lobe, cone)` where every lobe is Lambert's. Needs [`SPECIAL`], [`GEOMETRY`] and [`LOBE`].
 pub const CAP_LAMBERT: &str = concat!(include_str!("cap/lambert.wgsl"), include_str!("cap/lambert_only.wgsl"));

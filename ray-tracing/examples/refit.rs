@@ -23,7 +23,7 @@ fn main() {
         let triangles = quads.flat_map(|k| [[k, k + 1, k + n + 2], [k, k + n + 2, k + n + 1]]).collect();
         let mesh = Mesh { positions: sheet(n, 0.0), triangles, ..Mesh::default() };
         let camera = Camera { eye: Vec3::splat(20.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.5 };
-        let ball = Sphere { center: Vec3::Y * 20.0, radius: 1.0 };
+        let sphere = Sphere { center: Vec3::Y * 20.0, radius: 1.0 };
         let mut scene = Scene {
             surfaces: Vec::new(),
             camera,
@@ -33,7 +33,7 @@ fn main() {
             environment: None,
             materials: vec![brdf::Material::lambert(Vec3::ONE)],
             objects: vec![Object::mesh("sheet", mesh, 0, Proxy::Count(1))],
-            lights: vec![SphereLight { ball, radiance: Vec3::ONE }.into()],
+            lights: vec![SphereLight { sphere, radiance: Vec3::ONE }.into()],
         };
         let mut hierarchy = Hierarchy::new(&scene);
         let (mut builds, mut refits) = (Vec::new(), Vec::new());

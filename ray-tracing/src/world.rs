@@ -81,11 +81,11 @@ impl<'s> World<'s> {
         let seen = |visible: bool, t: f32| if visible { t } else { f32::INFINITY };
         let triangle = self.hierarchy.triangles.nearest(ray, |c, r| seen(c.visible, c.intersect(r)));
         let limit = Ray { tmax: triangle.map_or(f32::INFINITY, |(_, t)| t), ..ray };
-        let ball = self.hierarchy.balls.nearest(limit, |b, r| seen(b.visible, b.intersect(r)));
-        match (ball, triangle) {
-            (Some((ball, t)), _) => {
-                let (position, normal) = ball.surface(origin, direction, t);
-                Some(Hit { position, normal, face_normal: normal, object: ball.object })
+        let sphere = self.hierarchy.spheres.nearest(limit, |b, r| seen(b.visible, b.intersect(r)));
+        match (sphere, triangle) {
+            (Some((sphere, t)), _) => {
+                let (position, normal) = sphere.surface(origin, direction, t);
+                Some(Hit { position, normal, face_normal: normal, object: sphere.object })
             }
             (None, Some((corners, _))) => Some(self.triangle_hit(corners, origin, direction)),
             (None, None) => None,
@@ -107,7 +107,7 @@ impl<'s> World<'s> {
         self.hierarchy
             .triangles
             .any(ray, |c, r| if by(c.object) { c.meet(r, |_| self.distance_to_plane(c, &ray)) } else { f32::INFINITY })
-            || self.hierarchy.balls.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
+            || self.hierarchy.spheres.any(ray, |b, r| if b.blocks && by(b.object) { b.meet(r) } else { f32::INFINITY })
     }
 
     /// Start of a shadow ray: `position` moved along the geometric normal by 5e-7 of its largest coordinate (4 to 8 units
@@ -194,8 +194,8 @@ mod tests {
         for object in &mut scene.objects {
             match &mut object.shape {
                 Shape::Mesh(Mesh { positions, .. }) => positions.iter_mut().for_each(|p| *p *= s),
-                Shape::Spheres(balls) => {
-                    balls.iter_mut().for_each(|b| *b = Sphere { center: b.center * s, radius: b.radius * s });
+                Shape::Spheres(spheres) => {
+                    spheres.iter_mut().for_each(|b| *b = Sphere { center: b.center * s, radius: b.radius * s });
                 }
             }
         }
@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn a_lamp_does_not_hide_its_light() {
         let mut scene = floor_and_ball();
-        let light = scene.lights[0].sphere().expect("a sphere");
+        let light = scene.lights[0].sphere().expect("a ball");
         let from = light.center - Vec3::Y * (light.radius + 0.1);
         let hidden = |scene: &Scene| World::new(scene).occluded(from, Vec3::Y, 1.0);
         assert!(!hidden(&scene));
@@ -222,10 +222,10 @@ mod tests {
         let mut scene = floor_and_ball();
         let corners = [Vec3::new(-8.0, -8.0, -8.0), Vec3::new(8.0, 8.0, -8.0), Vec3::new(0.0, 0.0, 8.0)];
         let mesh = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
-        let ball = Sphere { center: Vec3::new(0.0, 40.0, 0.0), radius: 2.0 };
+        let sphere = Sphere { center: Vec3::new(0.0, 40.0, 0.0), radius: 2.0 };
         scene.objects = vec![
             scene::Object::mesh("slope", mesh, 0, scene::Proxy::Count(8)),
-            scene::Object::spheres("ball", vec![ball], 0),
+            scene::Object::spheres("ball", vec![sphere], 0),
         ];
         let world = World::new(&scene);
         for direction in [Vec3::Y, Vec3::NEG_Y, Vec3::X] {

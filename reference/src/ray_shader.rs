@@ -20,7 +20,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::Area;
 use lobe_core::{
-    Cone, Coverage, LightId, LightLobes, OWN_NONE, Receiver, SeenLight, Shaft, Sphere, Tile, orthonormal_basis,
+    Cone, Coverage, LightId, LightLobes, NO_OBJECT, Receiver, SeenLight, Shaft, Sphere, Tile, orthonormal_basis,
 };
 use ray_tracing::vec3x8::{LANES, Vec3x8};
 use ray_tracing::{Primitive, Region, World};
@@ -140,11 +140,11 @@ impl<'a> RayShader<'a> {
     ) {
         out.fill(Vec3::ZERO);
         scratch.tile.set(receivers);
-        let (ball, half_extent) = scratch.tile.bounds();
+        let (sphere, half_extent) = scratch.tile.bounds();
         let mut rays = 0;
         for (number, light) in frame.lights.iter().enumerate() {
             if self.culled {
-                let shaft = Shaft::new(ball, light.bounds_from(&ball), LightId(number as u32)).in_box(half_extent);
+                let shaft = Shaft::new(sphere, light.bounds_from(&sphere), LightId(number as u32)).in_box(half_extent);
                 self.enter(&shaft, scratch);
             }
             for (i, (at, material)) in receivers.iter().zip(materials).enumerate() {
@@ -168,8 +168,8 @@ impl<'a> RayShader<'a> {
                 let clear = matches!(coverage, Coverage::Lit);
                 let material = &frame.materials[*material as usize];
                 let Some(area) = light.kind().area(at.position) else { continue };
-                let ball = area.bounds;
-                let pair = Pair { at, ball, radiance, cone, number: number as u64, clear };
+                let sphere = area.bounds;
+                let pair = Pair { at, sphere, radiance, cone, number: number as u64, clear };
                 if !area.is_sphere() {
                     out[i] += self.sample_area(&pair, &area, material, &mut rays);
                     continue;
@@ -192,7 +192,7 @@ impl<'a> RayShader<'a> {
 
     fn select(&self, at: &Receiver, cone: &Cone, scratch: &mut Scratch) -> Coverage {
         let cuts = match &self.targets {
-            Targets::Surfaces(_) => at.object != OWN_NONE,
+            Targets::Surfaces(_) => at.object != NO_OBJECT,
             Targets::Spheres(spheres) => spheres.facet(at) != at.normal,
         };
         let facet = if cuts { facet_coverage(at, cone) } else { Coverage::Lit };
@@ -234,7 +234,7 @@ impl<'a> RayShader<'a> {
                     spheres.facet(at).dot(v) <= 0.0 || spheres.hide(at, v, seen.distance as f32)
                 }
                 Targets::Surfaces(world) => {
-                    let facet = if at.object == OWN_NONE { at.normal } else { at.face };
+                    let facet = if at.object == NO_OBJECT { at.normal } else { at.face };
                     facet.dot(v) <= 0.0 || hidden(world, world.leave(at.position, at.face), v, seen.distance as f32)
                 }
             };
@@ -256,19 +256,19 @@ impl<'a> RayShader<'a> {
         scratch: &Scratch,
         rays: &mut u64,
     ) -> Vec3 {
-        let Pair { at, ball, cone, number, clear, .. } = pair;
+        let Pair { at, sphere, cone, number, clear, .. } = pair;
         let [x, y, z] = at.position.to_array().map(|x| u64::from(x.to_bits()));
         let key = mix(mix(x | y << 32, z), *number);
         let (sin, cos) = ((key >> 40) as f32 * (TAU / 16_777_216.0)).sin_cos();
         let (b0, b1) = orthonormal_basis(cone.axis);
         let (b0, b1, axis) = (b0 * cos + b1 * sin, b1 * cos - b0 * sin, cone.axis);
         let omc = cone.one_minus_cos;
-        let to_center = ball.center - at.position;
-        let radius_sq = ball.radius * ball.radius;
+        let to_center = sphere.center - at.position;
+        let radius_sq = sphere.radius * sphere.radius;
         let inside = omc > 1.0;
         // Rays that leave a facet do not meet it, although they go below it.
         let (origin, facet) = match &self.targets {
-            Targets::Surfaces(world) if at.object == OWN_NONE => (world.leave(at.position, at.face), at.normal),
+            Targets::Surfaces(world) if at.object == NO_OBJECT => (world.leave(at.position, at.face), at.normal),
             Targets::Surfaces(world) => (world.leave(at.position, at.face), at.face),
             Targets::Spheres(spheres) => (at.position, spheres.facet(at)),
         };
@@ -330,7 +330,7 @@ fn hidden(world: &World<'_>, origin: Vec3, direction: Vec3, distance: f32) -> bo
 struct Pair<'a> {
     at: &'a Receiver,
     /// The light, or around it.
-    ball: Sphere,
+    sphere: Sphere,
     radiance: Vec3,
     cone: Cone,
     number: u64,

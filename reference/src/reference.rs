@@ -16,7 +16,7 @@ use core::f64::consts::TAU;
 use core::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, Vec3};
 use lighting::{Area, Light};
-use lobe_core::{BrdfLobes, LightLobes, LobeBuffer, OWN_NONE, Receiver, Sphere};
+use lobe_core::{BrdfLobe, BrdfLobes, LightLobes, NO_OBJECT, Receiver, Sphere};
 use ray_tracing::{GBuffer, World};
 use rayon::prelude::*;
 use scene::{BlockerSet, Bounds};
@@ -186,7 +186,7 @@ struct Sampler {
     candidates: Vec<u32>,
     occluders: Occluders,
     meridian: Meridian,
-    lobes: LobeBuffer,
+    lobes: Vec<BrdfLobe>,
 }
 
 /// One point and one light.
@@ -332,8 +332,9 @@ impl Sampler {
 
     /// Largest exponent among the material's lobes: only used to choose how to sample.
     fn sharpest(&mut self, material: &Material, at: &Receiver) -> f64 {
-        material.brdf_lobes(at, &mut self.lobes.writer());
-        self.lobes.lobes().iter().map(|l| f64::from(l.exponent)).fold(0.0, f64::max)
+        self.lobes.clear();
+        material.cosine_lobes(at, &mut self.lobes);
+        self.lobes.iter().map(|l| f64::from(l.cosine_lobe(at.normal).exponent)).fold(0.0, f64::max)
     }
 }
 
@@ -498,7 +499,7 @@ impl Pair<'_> {
             _ => true,
         };
         let own = self.at.object;
-        if self.at.face.as_dvec3().dot(v) <= 0.0 && own != OWN_NONE && counts(own) {
+        if self.at.face.as_dvec3().dot(v) <= 0.0 && own != NO_OBJECT && counts(own) {
             return true;
         }
         distance > 0.0 && self.world.occluded_by(self.origin, v.as_vec3(), distance as f32, counts)

@@ -7,7 +7,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{Vec2, Vec3};
 use lighting::{Light, SphereLight};
-use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere, Unshadowed};
+use lobe_core::{Accuracy, Receiver, Sphere, Unshadowed};
 use ray_tracing::World;
 use reference::RayShader;
 use render_cpu::CpuShader;
@@ -40,14 +40,14 @@ fn points(side: usize) -> ShadingPoints {
             let (x, z) = (tile % tiles * 8 + pixel % 8, tile / tiles * 8 + pixel / 8);
             let position = Vec3::new(at(x), 0.0, at(z));
             let view = (Vec3::new(0.0, 4.0, 3.0) - position).normalize();
-            points.receivers.push(Receiver { position, normal: Vec3::Y, face: Vec3::Y, view, object: OWN_NONE });
+            points.receivers.push(Receiver::on_surface(position, Vec3::Y, view));
             points.materials.push(0);
         }
     }
     points
 }
 
-/// A ball of spheres, of the same coverage for every count.
+/// A sphere of spheres, of the same coverage for every count.
 fn blob(count: usize) -> Vec<Sphere> {
     let radius = 0.7 * (count as f32).powf(-1.0 / 3.0);
     let one = |i: usize| {

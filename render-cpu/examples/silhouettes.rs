@@ -81,10 +81,10 @@ fn clock() -> f64 {
 fn measure(name: &str, mut scene: Scene, degrees: f32) {
     (scene.width, scene.height) = SIZE;
     scene.lights.truncate(1);
-    // Balls, as of a lamp, are not for this table.
+    // Spheres, as of a lamp, are not for this table.
     scene.objects.retain(|o| matches!(o.shape, Shape::Mesh(_)));
     let Some(light) = scene.lights.first_mut().and_then(Light::as_sphere_mut) else { return };
-    light.ball.radius = degrees.to_radians().sin() * light.ball.center.distance(scene.camera.target);
+    light.sphere.radius = degrees.to_radians().sin() * light.sphere.center.distance(scene.camera.target);
     let light = *light;
     let world = World::new(&scene);
     let start = Instant::now();
@@ -153,8 +153,8 @@ fn time<B: Blockers>(visibility: &MaskVisibility<B>, tiles: &[&[Receiver]], ligh
     while spent < 6e7 {
         for tile in tiles {
             bounds.set(tile);
-            let (ball, half_extent) = bounds.bounds();
-            let shaft = Shaft::new(ball, light.ball, LightId(0)).in_box(half_extent);
+            let (sphere, half_extent) = bounds.bounds();
+            let shaft = Shaft::new(sphere, light.sphere, LightId(0)).in_box(half_extent);
             let entered = visibility.enter(&shaft, &mut scratch);
             count += tile.len();
             if entered == Coverage::Lit {

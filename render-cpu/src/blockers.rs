@@ -30,11 +30,11 @@ mod tests {
     fn a_lamp_does_not_hide_its_light() {
         let mut scene = floor_and_ball();
         let blocking = make(&scene).unwrap().spheres.len();
-        scene.objects.push(scene::Object::spheres("lamp", vec![scene.lights[0].sphere().expect("a sphere")], 0));
+        scene.objects.push(scene::Object::spheres("lamp", vec![scene.lights[0].sphere().expect("a ball")], 0));
         assert_eq!(make(&scene).unwrap().spheres.len(), blocking);
         scene.objects.push(scene::Object::spheres(
             "shell",
-            vec![Sphere { radius: 2.0, ..scene.lights[0].sphere().expect("a sphere") }],
+            vec![Sphere { radius: 2.0, ..scene.lights[0].sphere().expect("a ball") }],
             0,
         ));
         let set = make(&scene).unwrap();

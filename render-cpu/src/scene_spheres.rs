@@ -2,7 +2,7 @@ use crate::Revision;
 use crate::blockers_error::{BlockersError, BlockersProgress};
 use glam::{Mat4, Vec3};
 use lobe_core::{SelfShadow, Sphere};
-use scene::{Animation, BlockerSet, Doubles, Mesh, Object, Proxy, Scene, Shape};
+use scene::{Animation, BlockerSet, Duplicates, Mesh, Object, Proxy, Scene, Shape};
 use sphere_sets::{BoundSet, BuildOptions, Carriers, SphereSet};
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,19 +15,19 @@ pub enum SphereSource {
     Nothing,
     /// Its [`Proxy`]: built, read or copied.
     Proxy,
-    /// The exact balls that it is; nothing when it is a mesh.
+    /// The exact spheres that it is; nothing when it is a mesh.
     Shape,
 }
 
 /// The blocker spheres of a scene's objects, made once and posed for every frame.
 ///
 /// A sphere set is built or read for the scene as it was loaded, and follows what carries its mesh's points
-/// ([`BoundSet`]): nothing is fitted per pose. Exact balls and explicit spheres are where the scene says they are.
+/// ([`BoundSet`]): nothing is fitted per pose. Exact spheres and explicit spheres are where the scene says they are.
 ///
 /// How an object shadows itself is fitted with its sphere set, sphere by sphere, and follows the spheres' radii; explicit
 /// spheres are measured against a visible mesh for one distance τ.
-/// Exact balls stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
-/// blackening a surface. Equal balls are one, and equal meshes ([`Doubles`]). A ball that coincides with a light blocks nothing: it is how a light is made visible.
+/// Exact spheres stand for themselves: their τ is a thousandth of their mean radius, no more than keeps rounding from
+/// blackening a surface. Equal spheres are one, and equal meshes ([`Duplicates`]). A sphere that coincides with a light blocks nothing: it is how a light is made visible.
 ///
 /// # Cost of a pose
 /// One to four matrix products a sphere that follows bones, a copy of the others.
@@ -99,7 +99,7 @@ impl ObjectSpheres {
         }
         if revision.transform != self.made_for.revision.transform {
             match (&self.spheres, &object.shape) {
-                (Spheres::Shape, Shape::Spheres(balls)) => self.self_distance = ball_self_distance(balls),
+                (Spheres::Shape, Shape::Spheres(balls)) => self.self_distance = sphere_self_distance(balls),
                 (Spheres::Listed, _) => self.self_distance = listed_distance(object),
                 _ => {}
             }
@@ -115,7 +115,7 @@ fn listed_distance(object: &Object) -> f32 {
         (Proxy::Spheres(list), Shape::Mesh(mesh)) if object.visible => {
             SphereSet::self_distance_of(&mesh.positions, &mesh.triangles, list).unwrap_or(0.0)
         }
-        (Proxy::Spheres(list), _) => ball_self_distance(list),
+        (Proxy::Spheres(list), _) => sphere_self_distance(list),
         _ => 0.0,
     }
 }
@@ -123,7 +123,7 @@ fn listed_distance(object: &Object) -> f32 {
 #[derive(Clone, Debug)]
 enum Spheres {
     Nothing,
-    /// The balls that the object is.
+    /// The spheres that the object is.
     Shape,
     /// The spheres that its proxy lists.
     Listed,
@@ -218,7 +218,8 @@ impl SceneSpheres {
         out.self_distances.clear();
         out.self_shadows.clear();
         let (mut posed, mut turned) = (Vec::new(), Vec::new());
-        let (mut balls, mut own_balls, mut meshes) = (Doubles::default(), Doubles::default(), Doubles::default());
+        let (mut balls, mut own_spheres, mut meshes) =
+            (Duplicates::default(), Duplicates::default(), Duplicates::default());
         for (number, (object, own)) in scene.objects.iter().zip(&self.objects).enumerate() {
             let mut self_shadows = &own.self_shadows;
             let is_double = !meshes.is_first_mesh(&scene.objects, number);
@@ -236,17 +237,17 @@ impl SceneSpheres {
                 _ => &Vec::new(),
             };
             // Meshes have surfaces of their own, whatever stands for them.
-            own_balls.clear();
-            for (i, ball) in spheres.iter().enumerate() {
+            own_spheres.clear();
+            for (i, sphere) in spheres.iter().enumerate() {
                 let first = match object.shape {
-                    Shape::Spheres(_) => balls.is_first(object, ball),
-                    Shape::Mesh(_) => own_balls.is_first(object, ball),
+                    Shape::Spheres(_) => balls.is_first(object, sphere),
+                    Shape::Mesh(_) => own_spheres.is_first(object, sphere),
                 };
-                if !first || scene.lights.iter().any(|l| l.is_shown_by(ball)) {
+                if !first || scene.lights.iter().any(|l| l.is_shown_by(sphere)) {
                     continue;
                 }
-                out.spheres.push(*ball);
-                let whole = || SelfShadow::whole(own.self_distance / ball.radius.max(f32::MIN_POSITIVE));
+                out.spheres.push(*sphere);
+                let whole = || SelfShadow::whole(own.self_distance / sphere.radius.max(f32::MIN_POSITIVE));
                 out.self_shadows.push(self_shadows.get(i).copied().unwrap_or_else(whole));
             }
             out.objects.resize(out.spheres.len(), number as u32);
@@ -269,7 +270,7 @@ fn make(
             Ok(ObjectSpheres::new(Spheres::Nothing, 0.0))
         }
         (SphereSource::Shape, Shape::Spheres(balls)) => {
-            Ok(ObjectSpheres::new(Spheres::Shape, ball_self_distance(balls)))
+            Ok(ObjectSpheres::new(Spheres::Shape, sphere_self_distance(balls)))
         }
         (SphereSource::Proxy, _) => from_proxy(number, object, animation, progress),
     }
@@ -286,7 +287,7 @@ fn from_proxy(
     let set = match (&object.proxy, &object.shape) {
         (Proxy::None, _) => return Ok(ObjectSpheres::new(Spheres::Nothing, 0.0)),
         (Proxy::Count(_), Shape::Spheres(balls)) => {
-            return Ok(ObjectSpheres::new(Spheres::Shape, ball_self_distance(balls)));
+            return Ok(ObjectSpheres::new(Spheres::Shape, sphere_self_distance(balls)));
         }
         (Proxy::Spheres(_), _) => return Ok(ObjectSpheres::new(Spheres::Listed, listed_distance(object))),
         (Proxy::Count(count), Shape::Mesh(Mesh { positions, triangles, .. })) => {
@@ -350,7 +351,7 @@ fn read_and_place(path: &Path, placement: &Mat4, object: &Object) -> Result<(Sph
     Ok((set, placed))
 }
 
-fn ball_self_distance(balls: &[Sphere]) -> f32 {
+fn sphere_self_distance(balls: &[Sphere]) -> f32 {
     let total: f32 = balls.iter().map(|b| b.radius).sum();
     let far = balls.iter().map(|b| b.center.abs().max_element() + b.radius).fold(0.0, f32::max);
     (1e-3 * total / balls.len().max(1) as f32).max(1e-6 * far)

@@ -115,7 +115,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             })
         };
         let pool = Mutex::new(Vec::new());
-        let groups: Vec<(Work, Option<Layers>)> = out
+        let groups: Vec<(GroupStats, Option<Layers>)> = out
             .par_chunks_mut(GROUP)
             .enumerate()
             .with_max_len(RUN)
@@ -127,9 +127,9 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
                     let receivers = &points.receivers[first..first + out.len()];
                     let materials = &points.materials[first..first + out.len()];
                     let mut layers = layers.then(Layers::default);
-                    let mut work = Work::new(is_timed(group));
-                    self.group(receivers, materials, frame, memory, &mut work, &mut layers, out);
-                    (work, layers)
+                    let mut stats = GroupStats::new(is_timed(group));
+                    self.group(receivers, materials, frame, memory, &mut stats, &mut layers, out);
+                    (stats, layers)
                 },
             )
             .collect();
@@ -137,9 +137,9 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         let mut counts = Counts::default();
         let mut stages = [Duration::ZERO; 5];
         let mut layers = Vec::with_capacity(groups.len());
-        for (work, layer) in groups {
-            work.add_to(&mut counts);
-            stages.iter_mut().zip(work.stages).for_each(|(a, b)| *a += b);
+        for (stats, layer) in groups {
+            stats.add_to(&mut counts);
+            stages.iter_mut().zip(stats.stages).for_each(|(a, b)| *a += b);
             layers.push(layer);
         }
         // Shares of the timed groups, in seconds of the whole call.
@@ -162,7 +162,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         materials: &[u32],
         frame: &Frame<'_, M, L>,
         memory: &mut Memory<V, I>,
-        work: &mut Work,
+        stats: &mut GroupStats,
         layers: &mut Option<Layers>,
         out: &mut [Vec3],
     ) {
@@ -174,24 +174,23 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             layers.lobes.resize(count, 0);
             layers.integrals.resize(count, 0);
         }
-        work.restart();
+        stats.restart();
         let Memory { tile, lobes, cones, integrals, lit, scratch, integration } = memory;
         tile.set(receivers);
-        let (ball, half_extent) = tile.bounds();
+        let (sphere, half_extent) = tile.bounds();
         // A facet under a smooth normal may hide the light that nothing else does.
         let is_bent = receivers.iter().any(|at| at.face != at.normal);
-        lobes.take_microfacets(I::TAKES_MICROFACETS);
-        M::tile_lobes(frame.materials, materials, receivers, tile, lobes);
-        work.lap(0);
+        I::reflectance(frame.materials, materials, receivers, tile, lobes);
+        stats.lap(0);
         for (l, light) in frame.lights.iter().enumerate() {
             light.tile_light(receivers, tile, cones);
             // A light that shows an image is integrated where it is seen.
             if I::TAKES_INTEGRALS && light.image().is_none() {
                 cap_integrals(cones, lobes, integrals);
             }
-            work.lap(1);
+            stats.lap(1);
             let (id, accuracy) = (LightId(l as u32), frame.accuracy);
-            let shaft = Shaft::new(ball, light.bounds_from(&ball), id).in_box(half_extent);
+            let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id).in_box(half_extent);
             // Of receivers that all face away from the light none is asked about.
             let any =
                 !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);
@@ -203,10 +202,10 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             if is_bent {
                 visibility.query_each_receiver();
             }
-            work.lap(2);
+            stats.lap(2);
             let threshold = frame.threshold;
             let tile = TileInteraction { at: receivers, lobes, light: cones, integrals, threshold };
-            self.integrator.tile(&tile, &mut visibility, integration, work, lit);
+            self.integrator.tile(&tile, &mut visibility, integration, stats, lit);
             for (i, out) in out.iter_mut().enumerate() {
                 *out += lit.radiance(i);
             }
@@ -219,7 +218,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
                     layers.integrals[i] += integrals;
                 }
             }
-            work.lap(4);
+            stats.lap(4);
         }
     }
 }
@@ -276,7 +275,7 @@ impl<M> Drop for Lent<'_, M> {
 }
 
 /// One group's counters and clocks; stages in the order of Table 1.
-struct Work {
+struct GroupStats {
     clock: Option<Instant>,
     stages: [Duration; 5],
     lobes: usize,
@@ -287,7 +286,7 @@ struct Work {
     partial: u64,
 }
 
-impl Work {
+impl GroupStats {
     fn new(timed: bool) -> Self {
         Self {
             clock: timed.then(Instant::now),
@@ -326,7 +325,7 @@ impl Work {
     }
 }
 
-impl Observer for Work {
+impl Observer for GroupStats {
     fn end(&mut self, stage: Stage) {
         self.lap(match stage {
             Stage::Lighting => 1,

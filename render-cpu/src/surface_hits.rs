@@ -57,17 +57,17 @@ impl AnyHit for SurfaceHits<'_> {
         self.world.first_met(origin, direction, distance, |o| self.has(o), &mut scratch.last)
     }
 
-    fn triangles_meeting(&self, ball: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
+    fn triangles_meeting(&self, sphere: Sphere, visit: &mut dyn FnMut([Vec3; 3])) {
         let scene = self.world.scene();
         let mut found = Vec::new();
-        let whole = Shaft::new(ball, ball, LightId(0));
+        let whole = Shaft::new(sphere, sphere, LightId(0));
         self.world.triangles_in(&whole, |o| self.has(o), usize::MAX, &mut found);
         for (object, index) in self.world.names(&found) {
             if let Shape::Mesh(mesh) = &scene.objects[object as usize].shape {
                 let corners = mesh.triangles[index as usize].map(|i| mesh.positions[i as usize]);
-                let [a, b, c] = corners.map(|p| p.as_dvec3() - ball.center.as_dvec3());
-                // Not where the ball is on one side of the plane.
-                if (b - a).cross(c - a).normalize_or_zero().dot(a).abs() <= 1.000_1 * f64::from(ball.radius) {
+                let [a, b, c] = corners.map(|p| p.as_dvec3() - sphere.center.as_dvec3());
+                // Not where the sphere is on one side of the plane.
+                if (b - a).cross(c - a).normalize_or_zero().dot(a).abs() <= 1.000_1 * f64::from(sphere.radius) {
                     visit(corners);
                 }
             }

@@ -12,7 +12,7 @@ use visibility_rays::RayBlockers;
 use visibility_silhouettes::SilhouetteBlockers;
 use visibility_spheres::SphereBlockers;
 
-fn scene(balls: &[Sphere]) -> Scene {
+fn scene(spheres: &[Sphere]) -> Scene {
     Scene {
         surfaces: Vec::new(),
         camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
@@ -21,49 +21,49 @@ fn scene(balls: &[Sphere]) -> Scene {
         background: Vec3::ZERO,
         environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
-        objects: balls.iter().map(|ball| Object::spheres("ball", vec![*ball], 0)).collect(),
+        objects: spheres.iter().map(|sphere| Object::spheres("ball", vec![*sphere], 0)).collect(),
         lights: Vec::new(),
     }
 }
 
-/// Rays that meet the balls themselves.
+/// Rays that meet the spheres themselves.
 struct Rays;
 
 impl Subject for Rays {
     fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {
-        let scene = scene(setting.balls);
+        let scene = scene(setting.spheres);
         let world = World::new(&scene);
         visitor.visit(&MaskVisibility::new(RayBlockers::new(&world)))
     }
 }
 
-/// The first ball by rays, the others as spheres; the world has them all.
+/// The first sphere by rays, the others as spheres; the world has them all.
 struct Mixed;
 
 impl Subject for Mixed {
     fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {
-        let others = setting.balls.get(1..).unwrap_or_default();
-        let scene = scene(setting.balls);
+        let others = setting.spheres.get(1..).unwrap_or_default();
+        let scene = scene(setting.spheres);
         let world = World::new(&scene);
         let spheres = SphereBlockers::new(others, &vec![0; others.len()], &[]);
         visitor.visit(&MaskVisibility::new(Mixture::new(RayBlockers::new(&world).only(|object| object == 0), spheres)))
     }
 }
 
-/// A ball of triangles whose outline has the ball's area.
-fn ball(of: &Sphere, rings: u32) -> Mesh {
+/// A sphere of triangles whose outline has the sphere's area.
+fn sphere(of: &Sphere, rings: u32) -> Mesh {
     globe(rings, of.center, of.radius * (1.0 + (core::f32::consts::PI / rings as f32).powi(2) / 12.0), false)
 }
 
-/// Balls of triangles by their silhouettes.
+/// Spheres of triangles by their silhouettes.
 struct Silhouettes;
 
 impl Subject for Silhouettes {
     fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer {
-        let mut scene = scene(setting.balls);
-        let rings = if setting.balls.len() > 8 { 16 } else { 40 };
-        for (object, of) in scene.objects.iter_mut().zip(setting.balls) {
-            object.shape = Shape::Mesh(ball(of, rings));
+        let mut scene = scene(setting.spheres);
+        let rings = if setting.spheres.len() > 8 { 16 } else { 40 };
+        for (object, of) in scene.objects.iter_mut().zip(setting.spheres) {
+            object.shape = Shape::Mesh(sphere(of, rings));
         }
         let world = World::new(&scene);
         let kept = SceneSilhouettes::new(&scene, |_| true);
@@ -74,7 +74,7 @@ impl Subject for Silhouettes {
 
 #[test]
 fn silhouettes() {
-    // Lights are smaller than the triangles of a ball, so it is none to them; each case builds its meshes.
+    // Lights are smaller than the triangles of a sphere, so it is none to them; each case builds its meshes.
     let limits = Limits {
         overlap_mean: 0.1,
         overlap: 1.0,

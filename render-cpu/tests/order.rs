@@ -4,31 +4,31 @@ use brdf::Material;
 use glam::Vec3;
 use lighting::SphereLight;
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
+use lobe_core::{Accuracy, Receiver, Sphere};
 use render_cpu::CpuShader;
 use scene::{Frame, Shade, ShadingPoints};
 use visibility_mask::MaskVisibility;
 use visibility_spheres::SphereBlockers;
 
-/// Points of a floor, here and there, under some balls.
+/// Points of a floor, here and there, under some spheres.
 fn floor(random: &mut Random, count: usize) -> ShadingPoints {
     let at = |random: &mut Random| {
         let position = Vec3::new(random.between(-2.0, 2.0) as f32, 0.0, random.between(-2.0, 2.0) as f32);
         let view = (Vec3::new(0.0, 3.0, 4.0) - position).normalize();
-        Receiver { position, normal: Vec3::Y, face: Vec3::Y, view, object: OWN_NONE }
+        Receiver::on_surface(position, Vec3::Y, view)
     };
     let materials = (0..count as u32).map(|k| k % 3).collect();
     ShadingPoints { receivers: (0..count).map(|_| at(random)).collect(), materials }
 }
 
-fn shade(points: &ShadingPoints, balls: &[Sphere]) -> Vec<[u32; 3]> {
+fn shade(points: &ShadingPoints, spheres: &[Sphere]) -> Vec<[u32; 3]> {
     let materials = [
         Material::lambert(Vec3::splat(0.7)),
         Material::lambert(Vec3::X),
         brdf::Phong { kd: Vec3::splat(0.2), ks: Vec3::splat(0.3), exponent: 40.0 }.into(),
     ];
     let lights = [SphereLight::new(Sphere { center: Vec3::new(1.0, 4.0, 0.5), radius: 0.6 }, Vec3::splat(3.0))];
-    let blockers = SphereBlockers::new(balls, &vec![0; balls.len()], &[]);
+    let blockers = SphereBlockers::new(spheres, &vec![0; spheres.len()], &[]);
     let frame = Frame { materials: &materials, lights: &lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     CpuShader::new(MaskVisibility::new(blockers)).shade(points, &frame, &mut out).expect("shaded");
@@ -38,7 +38,7 @@ fn shade(points: &ShadingPoints, balls: &[Sphere]) -> Vec<[u32; 3]> {
 #[test]
 fn coherent_points_shade_the_same_bit_for_bit() {
     let mut random = Random::new(4);
-    let balls: Vec<Sphere> = (0..40)
+    let spheres: Vec<Sphere> = (0..40)
         .map(|_| {
             let center = Vec3::from_array([0, 1, 2].map(|_| random.between(-0.6, 0.6) as f32)) + Vec3::Y;
             Sphere { center, radius: random.between(0.05, 0.3) as f32 }
@@ -46,14 +46,14 @@ fn coherent_points_shade_the_same_bit_for_bit() {
         .collect();
     for count in [0, 1, 64, 65, 1000, 3333] {
         let points = floor(&mut random, count);
-        let want = shade(&points, &balls);
+        let want = shade(&points, &spheres);
         assert!(count < 1000 || want.iter().any(|radiance| *radiance != want[0]), "no shadow");
         let mut coherent = points.clone();
         let order = coherent.make_coherent();
         let mut again = points.clone();
         again.reorder(&order);
         assert_eq!(again.receivers, coherent.receivers, "{count}");
-        let got = shade(&coherent, &balls);
+        let got = shade(&coherent, &spheres);
         let mut seen = vec![false; count];
         for (new, old) in order.iter().map(|old| *old as usize).enumerate() {
             assert!(!core::mem::replace(&mut seen[old], true), "{count}: {old} twice");

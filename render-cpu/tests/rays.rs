@@ -82,7 +82,7 @@ fn contact_is_dark() {
     let rays = RayBlockers::new(&world);
     for distance in [1e-5, 1e-4, 1e-3, 1e-2] {
         let position = Vec3::new(-0.5 - distance, 0.0, 0.1);
-        let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
+        let at = Receiver::on_surface(position, Vec3::Y, Vec3::Y).on_object(0);
         assert_eq!(coverage(&rays, &at, light, false), Coverage::Dark, "{distance} from the box");
     }
 }
@@ -95,14 +95,13 @@ fn lit_points_cost_nothing() {
     let world = World::new(&scene);
     let visibility = MaskVisibility::new(RayBlockers::new(&world));
     let mut scratch = visibility.scratch();
-    let mut ask = |x: f32, ball: Sphere, entered: bool| {
-        let at =
-            Receiver { position: Vec3::new(x, 0.0, 0.3), normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
+    let mut ask = |x: f32, sphere: Sphere, entered: bool| {
+        let at = Receiver::on_surface(Vec3::new(x, 0.0, 0.3), Vec3::Y, Vec3::Y).on_object(0);
         if entered {
             let receivers = Sphere { center: at.position, radius: 0.05 };
-            visibility.enter(&Shaft::new(receivers, ball, LightId(0)), &mut scratch);
+            visibility.enter(&Shaft::new(receivers, sphere, LightId(0)), &mut scratch);
         }
-        let cone = Cone::of_sphere(at.position, ball);
+        let cone = Cone::of_sphere(at.position, sphere);
         let before = visibility.blockers().rays();
         let coverage =
             visibility.coverage(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);
@@ -134,7 +133,7 @@ fn a_large_floor_is_lit() {
     for k in 0..400_u16 {
         let p = turn.transform_point3(Vec3::new(f32::from(k % 20) - 9.5, 0.0, f32::from(k / 20) - 9.5)).as_dvec3();
         let (position, face) = ((p - normal * normal.dot(p - a)).as_vec3(), normal.as_vec3());
-        let at = Receiver { position, normal: face, face, view: face, object: 0 };
+        let at = Receiver::on_surface(position, face, face).on_object(0);
         let cone = Cone::of_sphere(position, light);
         let mut scratch = rays.scratch();
         let receivers = Sphere { center: position, radius: 0.05 };

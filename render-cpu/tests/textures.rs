@@ -33,7 +33,7 @@ fn floor(material: Material, surface: Surface) -> Scene {
     }
 }
 
-fn ball(center: Vec3, radius: f32) -> Object {
+fn sphere(center: Vec3, radius: f32) -> Object {
     Object::spheres("ball", vec![Sphere { center, radius }], 0)
 }
 
@@ -86,7 +86,7 @@ fn a_texture_of_one_texel_is_the_plain_material() {
     ];
     for (textured, plain) in cases {
         let mut scene = floor(textured, surface.clone());
-        scene.objects.push(ball(Vec3::new(0.3, 0.6, 0.4), 0.6));
+        scene.objects.push(sphere(Vec3::new(0.3, 0.6, 0.4), 0.6));
         let got = picture(&scene);
         scene.materials = vec![plain];
         scene.surfaces.clear();
@@ -131,7 +131,7 @@ fn windows_and_bands_have_the_same_points() {
     let surface = Surface { color: Some(TextureMap::new(checker(16))), ..Surface::default() };
     let mut scene = floor(Material::lambert(Vec3::ONE), surface);
     scene.materials.push(Material::lambert(Vec3::splat(0.3)));
-    scene.objects.push(Object { material: 1, ..ball(Vec3::new(0.3, 0.6, 0.4), 0.6) });
+    scene.objects.push(Object { material: 1, ..sphere(Vec3::new(0.3, 0.6, 0.4), 0.6) });
     let world = World::new(&scene);
     let whole = GBuffer::new(&world, 96, 64, 2);
     let all = shade(&scene, &whole);
@@ -194,7 +194,7 @@ fn normal_maps_turn_normals_in_the_frame_of_their_coordinates() {
     }
 }
 
-/// On a ball of coarse triangles a constant lean along u turns as smoothly as the normals do.
+/// On a sphere of coarse triangles a constant lean along u turns as smoothly as the normals do.
 #[test]
 fn tangents_are_smooth_where_normals_are() {
     let (rings, sides) = (8u32, 12u32);
@@ -231,7 +231,7 @@ fn tangents_are_smooth_where_normals_are() {
         let [p, q] = [&plain.points.receivers[i - 1], &plain.points.receivers[i]];
         // Where nothing is bent back toward the eye.
         let seen = [a, b].iter().all(|at| at.normal.dot(at.view) > 0.1);
-        // Not from one side of the ball to the other, and not at the seam.
+        // Not from one side of the sphere to the other, and not at the seam.
         if near && seen && p.normal.distance(q.normal) < 0.2 && a.position.z > 0.0 {
             let step = a.normal.distance(b.normal) - p.normal.distance(q.normal);
             worst = worst.max(step);
@@ -319,7 +319,7 @@ fn textured_surfaces_are_as_accurate_as_plain_ones() {
         ..Surface::default()
     };
     let mut scene = floor(MetallicRoughness::new(Vec3::ONE, 1.0, 1.0).expect("in range").into(), surface);
-    scene.objects.push(ball(Vec3::new(0.3, 0.9, 0.4), 0.5));
+    scene.objects.push(sphere(Vec3::new(0.3, 0.9, 0.4), 0.5));
     let world = World::new(&scene);
     let g = GBuffer::new(&world, 96, 64, 1);
     let got = shade(&scene, &g);

@@ -4,8 +4,7 @@
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;
 use lobe_core::{
-    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, LobeBuffer,
-    Visibility,
+    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Visibility,
 };
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use scene::{Frame, Scene, Shade};
@@ -50,15 +49,16 @@ fn check<M: BrdfLobes + Sync>(materials: &[M], scene: &Scene, points: &GBuffer) 
     let mut tiled = vec![Vec3::ZERO; points.len()];
     CpuShader::new(visibility.clone()).shade(&points.points, &frame, &mut tiled).expect("shaded");
     let mut scratch = visibility.scratch();
-    let mut lobes = LobeBuffer::default();
+    let mut lobes = Vec::new();
     let mut partial = 0;
     for (i, at) in points.points.receivers.iter().enumerate() {
-        materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer_of(true));
+        lobes.clear();
+        materials[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes);
         let mut all = Vec3::ZERO;
         for (number, light) in scene.lights.iter().enumerate() {
             let term = light.seen_from(at);
             let mut visit = LightVisibility::alone(&visibility, LightId(number as u32), frame.accuracy, &mut scratch);
-            let call = Interaction { at, brdf: lobes.lobes(), light: &term, threshold: 0.0 };
+            let call = Interaction { at, brdf: &lobes, light: &term, threshold: 0.0 };
             let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
             partial += u32::from(lit.radiance != lit.unshadowed && lit.radiance != Vec3::ZERO);
             all += lit.radiance;

@@ -8,7 +8,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
 use glam::Vec3;
 use lighting::{Light, SphereLight};
-use lobe_core::{Accuracy, OWN_NONE, Receiver, Sphere};
+use lobe_core::{Accuracy, Receiver, Sphere};
 use render_gpu::{Gpu, GpuOptions, GpuShader, GpuWorld, Occlusion};
 use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade, ShadeStats, ShadingPoints, Shape};
 use visibility_rays::GpuRays;
@@ -26,14 +26,14 @@ fn points(side: usize) -> ShadingPoints {
             let (x, z) = (tile % tiles * 8 + pixel % 8, tile / tiles * 8 + pixel / 8);
             let position = Vec3::new(at(x), 0.0, at(z));
             let view = (Vec3::new(0.0, 4.0, 3.0) - position).normalize();
-            points.receivers.push(Receiver { position, normal: Vec3::Y, face: Vec3::Y, view, object: OWN_NONE });
+            points.receivers.push(Receiver::on_surface(position, Vec3::Y, view));
             points.materials.push(0);
         }
     }
     points
 }
 
-/// A ball of spheres, of the same coverage for every count.
+/// A sphere of spheres, of the same coverage for every count.
 fn blob(count: usize) -> Vec<Sphere> {
     let radius = 0.7 * (count as f32).powf(-1.0 / 3.0);
     let one = |i: usize| {
@@ -107,7 +107,7 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let lights = lights(1);
     let cube = Mesh::cuboid(Vec3::Y * 0.8, Vec3::splat(0.9));
     let options = MapOptions { resolution: 1024, ..MapOptions::default() };
-    let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].sphere().expect("a sphere"), &options)
+    let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].sphere().expect("a ball"), &options)
         .expect("a map");
     let maps = ShadowMapBlockers::new(vec![map]).pack();
     let scene = Scene {

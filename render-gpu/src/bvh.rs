@@ -4,9 +4,9 @@ mod gather;
 mod primitive;
 mod tree;
 
-pub use self::primitive::Stops;
+pub use self::primitive::ShadowCasting;
 #[cfg(test)]
-pub(crate) use self::primitive::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, VISIBLE};
+pub(crate) use self::primitive::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, SPHERE, VISIBLE};
 #[cfg(test)]
 pub(crate) use self::tree::GpuNode;
 
@@ -20,7 +20,7 @@ use wgpu::BufferUsages;
 /// Stacks of kernels are multiples of this.
 const STACK_STEP: u32 = 32;
 
-/// The geometry of a scene on a GPU, ready for rays: triangles and exact balls in one hierarchy of two children a node.
+/// The geometry of a scene on a GPU, ready for rays: triangles and exact spheres in one hierarchy of two children a node.
 ///
 /// Holds what `render_cpu::World` holds, by the same rules: the objects that the camera sees and those that block light;
 /// no triangles without area. The kernels know them in units that bring the scene's size to about 2²⁰.
@@ -36,8 +36,8 @@ pub struct GpuWorld {
     normals: Memory,
     scale: f32,
     uploaded: usize,
-    /// For each object which rays it stops; empty when all stop all.
-    stops: Vec<Stops>,
+    /// For each object on what it casts shadows; empty when all do on all.
+    casting: Vec<ShadowCasting>,
 }
 
 impl GpuWorld {
@@ -55,18 +55,18 @@ impl GpuWorld {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn only(gpu: &Gpu, scene: &Scene, blocks: impl Fn(u32) -> bool) -> Result<Self, GpuError> {
-        Self::stopping(gpu, scene, |o| if blocks(o) { Stops::All } else { Stops::None })
+        Self::with_casting(gpu, scene, |o| if blocks(o) { ShadowCasting::All } else { ShadowCasting::None })
     }
 
-    /// The same where each object, by its number, stops the rays of some receivers.
+    /// The same where each object, by its number, casts shadows on some receivers.
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn stopping(gpu: &Gpu, scene: &Scene, stops: impl Fn(u32) -> Stops) -> Result<Self, GpuError> {
-        Self::make(gpu, scene, (0..scene.objects.len() as u32).map(stops).collect())
+    pub fn with_casting(gpu: &Gpu, scene: &Scene, casting: impl Fn(u32) -> ShadowCasting) -> Result<Self, GpuError> {
+        Self::make(gpu, scene, (0..scene.objects.len() as u32).map(casting).collect())
     }
 
-    fn make(gpu: &Gpu, scene: &Scene, stops: Vec<Stops>) -> Result<Self, GpuError> {
+    fn make(gpu: &Gpu, scene: &Scene, casting: Vec<ShadowCasting>) -> Result<Self, GpuError> {
         let memory = |label| Memory::new(label, BufferUsages::STORAGE | BufferUsages::COPY_DST);
         let mut world = Self {
             gpu: gpu.clone(),
@@ -76,7 +76,7 @@ impl GpuWorld {
             normals: memory("the triangles' normals"),
             scale: 1.0,
             uploaded: 0,
-            stops,
+            casting,
         };
         world.update(scene)?;
         Ok(world)
@@ -88,14 +88,14 @@ impl GpuWorld {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn update(&mut self, scene: &Scene) -> Result<(), GpuError> {
-        let Gathered { mut primitives, names, normals, scale } = gather(scene, &self.stops)?;
+        let Gathered { mut primitives, names, normals, scale } = gather(scene, &self.casting)?;
         let old = self.tree.take().filter(|_| self.scale == scale);
         let tree = old
             .and_then(|tree| tree.refitted(&primitives, &names))
             .map_or_else(|| Tree::new(&primitives, names), Ok)?;
         tree.arrange(&mut primitives);
         self.scale = scale;
-        self.uploaded = self.nodes.hold(&self.gpu, bytemuck::cast_slice(&tree.packed(scale, &self.stops)))?;
+        self.uploaded = self.nodes.hold(&self.gpu, bytemuck::cast_slice(&tree.packed(scale, &self.casting)))?;
         self.uploaded += self.primitives.hold(&self.gpu, bytemuck::cast_slice(&primitives))?;
         self.uploaded += self.normals.hold(&self.gpu, bytemuck::cast_slice(&normals))?;
         self.tree = Some(tree);
@@ -108,7 +108,7 @@ impl GpuWorld {
         self.uploaded
     }
 
-    /// Number of triangles and balls.
+    /// Number of triangles and spheres.
     #[must_use]
     pub fn primitive_count(&self) -> usize {
         self.tree.as_ref().map_or(0, Tree::primitive_count)

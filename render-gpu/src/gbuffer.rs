@@ -28,7 +28,7 @@ use wgpu::BufferUsages;
 ///
 /// # Accuracy
 /// Positions are off the surface by rounding in f32 of the largest coordinate of the triangle; normals agree with
-/// `GBuffer`'s to about 1e-6 (balls: 1e-7 of the distance over the radius). At edges a pixel in some 10⁵ may see the other
+/// `GBuffer`'s to about 1e-6 (spheres: 1e-7 of the distance over the radius). At edges a pixel in some 10⁵ may see the other
 /// side.
 #[derive(Debug)]
 pub struct GpuGBuffer {

@@ -49,7 +49,7 @@ impl GpuReceiver {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct GpuFrame {
-    /// The ball around the light: centre and radius.
+    /// The sphere around the light: centre and radius.
     pub(crate) light: [f32; 4],
     pub(crate) radiance: [f32; 3],
     pub(crate) tolerance: f32,

@@ -41,7 +41,7 @@ mod texture_writer;
 mod validated;
 pub mod wgsl;
 
-pub use self::bvh::{GpuWorld, Stops};
+pub use self::bvh::{GpuWorld, ShadowCasting};
 pub use self::error::GpuError;
 pub use self::gbuffer::{GpuGBuffer, GpuPoints, TILE};
 pub use self::gpu::{Gpu, GpuOptions};

@@ -57,15 +57,11 @@ fn set(models: &[ModelWgsl]) -> MaterialText {
     MaterialText { is_lambert: name == "lambert", has_microfacets, name, wgsl: brdf::wgsl::compose(models) }
 }
 
-/// The built-in models, with lobes of microfacets or without.
-fn models(takes_microfacets: bool) -> Vec<ModelWgsl> {
-    Material::built_in().iter().filter_map(|material| material.model().wgsl(takes_microfacets)).collect()
-}
-
 /// Each model alone, the first two, and all.
 fn choices() -> Vec<Vec<ModelWgsl>> {
-    let (mut all, facets) = (models(false), models(true));
-    all.extend(facets.into_iter().filter(|model| model.has_microfacets));
+    let mut all: Vec<ModelWgsl> = Material::built_in().iter().filter_map(|m| m.model().cosine_wgsl()).collect();
+    let facets = Material::built_in().iter().filter_map(|m| m.model().wgsl()).filter(|model| model.has_microfacets);
+    all.extend(facets.collect::<Vec<_>>());
     let alone = all.iter().map(|model| vec![model.clone()]);
     alone.chain([all[..2].to_vec(), all.clone()]).collect()
 }
@@ -186,7 +182,7 @@ fn a_kernel_has_only_what_its_scene_uses() {
     let lambert = Variant {
         depth: 5,
         fineness: [Fineness::FINE; 2],
-        materials: set(&models(false)[..1]),
+        materials: set(&choices()[0]),
         light: LIGHT,
         shown: Shown::Cone,
         own: vec![own(&spheres(), 0, GpuPages::ONE)],

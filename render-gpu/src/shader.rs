@@ -180,7 +180,7 @@ impl GpuShader {
         light: [&'static str; 2],
         (shown, roundness): (Shown, Option<f32>),
     ) -> Result<usize, GpuError> {
-        let tolerance = accuracy.tolerance * roundness.map_or(1.0, visibility_mask::filled);
+        let tolerance = accuracy.tolerance * roundness.map_or(1.0, visibility_mask::fill_factor);
         let variant = Variant {
             depth: accuracy.depth.clamp(1, MAX_DEPTH),
             fineness: match self.paper {
@@ -221,7 +221,9 @@ impl GpuShader {
             paper.hold(&self.gpu, frame.accuracy.depth.clamp(1, MAX_DEPTH))?;
         }
         // The paper's products are of lobes of directions.
-        let set = M::gpu_set(frame.materials, self.paper.is_none()).map_err(GpuError::Unsupported)?;
+        // The paper's products are of cosine lobes.
+        let set = if self.paper.is_some() { M::gpu_cosine_set(frame.materials) } else { M::gpu_set(frame.materials) };
+        let set = set.map_err(GpuError::Unsupported)?;
         let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert, has_microfacets } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;
@@ -349,13 +351,13 @@ struct Recorder<'a> {
 
 /// What a pass does.
 #[derive(Clone, Copy)]
-enum Work<'a> {
+enum Dispatch<'a> {
     Groups(u64),
     Indirect(&'a wgpu::Buffer),
 }
 
 /// A kernel, its buffers, and what it does.
-type Step<'a> = (&'a Kernel, wgpu::BindGroup, Stage, Work<'a>);
+type Step<'a> = (&'a Kernel, wgpu::BindGroup, Stage, Dispatch<'a>);
 
 impl Recorder<'_> {
     /// The kernels of each light are given by their number.
@@ -364,11 +366,12 @@ impl Recorder<'_> {
         let bind = |kernel: &Kernel| kernel.bind(gpu, |slot| shader.resource(slot, self.part));
         let steps_of = |number: usize| -> Vec<Step<'_>> {
             let kernels = &shader.kernels[number].1;
-            let before = shader.blockers.of_tiles().map(|kernel| (Some(kernel), Stage::Cull, Work::Groups(self.tiles)));
+            let before =
+                shader.blockers.of_tiles().map(|kernel| (Some(kernel), Stage::Cull, Dispatch::Groups(self.tiles)));
             let own = [
-                (Some(&kernels.classify), Stage::Classify, Work::Groups(self.tiles)),
-                (kernels.args.as_ref(), Stage::Classify, Work::Groups(1)),
-                (kernels.penumbra.as_ref(), Stage::Penumbra, Work::Indirect(self.indirect)),
+                (Some(&kernels.classify), Stage::Classify, Dispatch::Groups(self.tiles)),
+                (kernels.args.as_ref(), Stage::Classify, Dispatch::Groups(1)),
+                (kernels.penumbra.as_ref(), Stage::Penumbra, Dispatch::Indirect(self.indirect)),
             ];
             before
                 .chain(own)
@@ -383,7 +386,7 @@ impl Recorder<'_> {
         }
         let followers = shader.blockers.followers(changes);
         let followers: Vec<Step<'_>> =
-            followers.map(|(kernel, groups)| (kernel, bind(kernel), Stage::Cull, Work::Groups(groups))).collect();
+            followers.map(|(kernel, groups)| (kernel, bind(kernel), Stage::Cull, Dispatch::Groups(groups))).collect();
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(self.part.radiance, 16 * self.part.first, Some(16 * self.part.count));
         encoder.clear_buffer(self.queue, 0, Some(HEADER));
@@ -412,8 +415,8 @@ impl Recorder<'_> {
         let offset = [(light * FRAME_STRIDE) as u32];
         pass.set_bind_group(0, group, if kernel.has_frame() { &offset } else { &[] });
         match work {
-            Work::Groups(count) => pass.dispatch_workgroups(*count as u32, 1, 1),
-            Work::Indirect(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
+            Dispatch::Groups(count) => pass.dispatch_workgroups(*count as u32, 1, 1),
+            Dispatch::Indirect(buffer) => pass.dispatch_workgroups_indirect(buffer, 0),
         }
     }
 }

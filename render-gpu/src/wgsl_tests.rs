@@ -23,8 +23,6 @@ use Rust::{Inverse, Is, Number, Own};
 
 const PAIRS: &[Pair] = &[
     ("lobe-core/src/geometry.wgsl", "CONE_INSIDE", Is("lobe-core/src/geometry.rs", "INSIDE")),
-    ("lobe-core/src/lobe.wgsl", "LOBE_MICROFACETS", Is("lobe-core/src/lobe.rs", "MICROFACETS")),
-    ("lobe-core/src/lobe.wgsl", "LOBE_EDGE", Is("lobe-core/src/lobe.rs", "EDGE")),
     ("lobe-core/src/microfacets.wgsl", "MICROFACETS_GRAZING", Is("lobe-core/src/microfacets.rs", "GRAZING")),
     ("lobe-core/src/special.wgsl", "PI", Number(consts::PI)),
     ("lobe-core/src/special.wgsl", "TAU", Number(consts::TAU)),
@@ -161,7 +159,7 @@ const PAIRS: &[Pair] = &[
     ("render-gpu/src/kernels/bvh.wgsl", "BVH_EDGE", Is("ray-tracing/src/world/primitive.rs", "EDGE")),
     ("render-gpu/src/kernels/bvh.wgsl", "WIDEST", Is("ray-tracing/src/world/packet.rs", "WIDEST")),
     ("render-gpu/src/kernels/bvh.wgsl", "CLOSE", Is("ray-tracing/src/world/primitive.rs", "CLOSE")),
-    ("render-gpu/src/kernels/bvh.wgsl", "CLOSE_TO_BALL", Is("ray-tracing/src/world/primitive.rs", "CLOSE_TO_BALL")),
+    ("render-gpu/src/kernels/bvh.wgsl", "CLOSE_TO_SPHERE", Is("ray-tracing/src/world/primitive.rs", "CLOSE_TO_SPHERE")),
     ("render-gpu/src/kernels/any_hit.wgsl", "BLUR", Is("ray-tracing/src/world/query.rs", "BLUR")),
     ("visibility-rays/src/rays_splat.wgsl", "GRAZING", Is("visibility-rays/src/rays.rs", "GRAZING")),
 ];

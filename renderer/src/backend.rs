@@ -12,7 +12,7 @@ use {
     crate::error::LAYERS,
     lobe_core::gpu::GpuBlockers,
     lobe_core::paper::Tables,
-    render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, Stops},
+    render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, ShadowCasting},
     scene::Scene,
     visibility_rays::GpuRays,
     visibility_shadowmap::{PackedMaps, ShadowMapBlockers},
@@ -98,8 +98,8 @@ impl Backend {
 #[derive(Debug)]
 pub struct GpuBackend {
     shader: GpuShader,
-    /// With what stops its rays.
-    world: Option<(GpuWorld, Vec<Stops>)>,
+    /// With what casts its shadows.
+    world: Option<(GpuWorld, Vec<ShadowCasting>)>,
     /// What the GPU has of the shadow maps.
     maps: Option<PackedMaps>,
 }
@@ -120,7 +120,7 @@ impl GpuBackend {
         &mut self,
         tables: Option<&Tables>,
         parts: &GpuParts<'_>,
-        traced: Option<(&Scene, Vec<Stops>)>,
+        traced: Option<(&Scene, Vec<ShadowCasting>)>,
         custom: &[&dyn GpuBlockers],
     ) -> Result<&mut GpuShader, GpuError> {
         let GpuParts { spheres, maps, silhouettes } = *parts;
@@ -129,7 +129,7 @@ impl GpuBackend {
                 // What maps show changes as lights move.
                 Some((world, kept)) if *kept == objects => world.update(scene)?,
                 world => {
-                    let traced = GpuWorld::stopping(self.shader.gpu(), scene, |o| objects[o as usize])?;
+                    let traced = GpuWorld::with_casting(self.shader.gpu(), scene, |o| objects[o as usize])?;
                     *world = Some((traced, objects));
                 }
             }

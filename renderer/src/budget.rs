@@ -1,6 +1,6 @@
 use crate::bands::{Bands, seconds};
 use crate::event::tell;
-use crate::{Backend, CustomStrategy, Event, FrameBlockers, Listener, Method, Plan, RenderError, Shader, Work};
+use crate::{Backend, CustomStrategy, Event, FrameBlockers, Listener, Method, Plan, RenderError, Shader, ShaderTask};
 use glam::Vec3;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
@@ -76,7 +76,7 @@ struct Twice<'a> {
     frame: &'a Frame<'a>,
 }
 
-impl Work for Twice<'_> {
+impl ShaderTask for Twice<'_> {
     type Output = f64;
 
     fn with<S: Shader>(self, shader: &mut S) -> Result<f64, RenderError> {

@@ -1,4 +1,4 @@
-use crate::{Coarser, RenderError};
+use crate::{MapReduction, RenderError};
 use core::ops::ControlFlow;
 use lobe_core::Accuracy;
 use std::path::Path;
@@ -44,7 +44,7 @@ pub enum Event<'a> {
         done: f32,
     },
     /// The device has no room for maps as fine as the lights want.
-    CoarserMaps(Coarser),
+    MapsReduced(MapReduction),
     /// How the map of a light suits the receivers.
     Map {
         /// Number of the light.

@@ -15,7 +15,7 @@ use {
     lighting::Light,
     lobe_core::Sphere,
     lobe_core::gpu::GpuLight as _,
-    render_gpu::Stops,
+    render_gpu::ShadowCasting,
     visibility_silhouettes::{AnyHit, GpuSilhouettes},
 };
 
@@ -138,7 +138,7 @@ impl<'a> FrameBlockers<'a> {
     ///
     /// # Errors
     /// Those of the work; [`RenderError::NotOnGpu`] for a method that a GPU does not have, `RenderError::Gpu` of the device.
-    pub fn shade<W: Work>(
+    pub fn shade<W: ShaderTask>(
         self,
         backend: &mut Backend,
         method: Method,
@@ -149,13 +149,14 @@ impl<'a> FrameBlockers<'a> {
         #[cfg(feature = "gpu")]
         if let Backend::Gpu(gpu) = backend {
             let silhouettes = self.gpu_silhouettes();
-            let stops = self.hides.iter().map(|hides| match hides {
-                HidesFrom::Nobody => Stops::None,
-                HidesFrom::Everybody => Stops::All,
-                HidesFrom::Drawn => Stops::Alike,
+            let casting = self.hides.iter().map(|hides| match hides {
+                HidesFrom::Nobody => ShadowCasting::None,
+                HidesFrom::Everybody => ShadowCasting::All,
+                HidesFrom::Drawn => ShadowCasting::Alike,
             });
-            let stops: Vec<Stops> = stops.collect();
-            let traced = stops.iter().any(|stops| *stops != Stops::None).then(|| (self.world.scene(), stops));
+            let casting: Vec<ShadowCasting> = casting.collect();
+            let traced = casting.iter().any(|casting| *casting != ShadowCasting::None);
+            let traced = traced.then(|| (self.world.scene(), casting));
             if method == Method::Lobes {
                 return Err(RenderError::NotOnGpu(crate::error::LOBES));
             }
@@ -191,9 +192,9 @@ impl<'a> FrameBlockers<'a> {
     }
 }
 
-/// Something to be done with a shader of whatever device and visibility.
-pub trait Work {
-    /// What comes of it.
+/// A task for a shader of any device and visibility.
+pub trait ShaderTask {
+    /// Its result.
     type Output;
 
     /// Does it.
@@ -203,7 +204,7 @@ pub trait Work {
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
 }
 
-fn masked<B: Blockers, W: Work>(
+fn masked<B: Blockers, W: ShaderTask>(
     blockers: B,
     method: Method,
     tables: Option<&Tables>,

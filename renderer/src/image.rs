@@ -1,6 +1,6 @@
 use crate::bands::{Bands, seconds};
 use crate::event::tell;
-use crate::{Event, FrameClocks, Listener, RenderError, Shader, Work};
+use crate::{Event, FrameClocks, Listener, RenderError, Shader, ShaderTask};
 use core::ops::ControlFlow;
 use glam::Vec3;
 use lobe_core::Accuracy;
@@ -96,7 +96,7 @@ pub(crate) struct Shading<'a, 'w, 'l, 's> {
     pub(crate) sink: &'a mut Sink<'s>,
 }
 
-impl Work for Shading<'_, '_, '_, '_> {
+impl ShaderTask for Shading<'_, '_, '_, '_> {
     type Output = ImageStats;
 
     fn with<S: Shader>(self, shader: &mut S) -> Result<ImageStats, RenderError> {

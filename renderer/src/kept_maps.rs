@@ -1,5 +1,5 @@
 use crate::plan::map_sphere;
-use crate::{Coarser, Plan, RenderError};
+use crate::{MapReduction, Plan, RenderError};
 use lobe_core::Sphere;
 use scene::Scene;
 use visibility_shadowmap::{ReceiverBounds, ShadowMap};
@@ -9,7 +9,7 @@ use visibility_shadowmap::{ReceiverBounds, ShadowMap};
 pub(crate) struct KeptMaps {
     of: Option<MadeFor>,
     maps: Vec<ShadowMap>,
-    coarser: Option<Coarser>,
+    coarser: Option<MapReduction>,
     /// Maps that were drawn so far.
     pub(crate) drawn: u64,
 }
@@ -39,7 +39,7 @@ impl KeptMaps {
         receivers: ReceiverBounds,
         resolution: Option<u32>,
         room: u64,
-    ) -> Result<(Vec<ShadowMap>, Option<Coarser>), RenderError> {
+    ) -> Result<(Vec<ShadowMap>, Option<MapReduction>), RenderError> {
         let lights: Vec<Sphere> = scene.lights.iter().map(map_sphere).collect();
         let casters = match &self.of {
             Some(of) if of.lights == lights => of.casters.clone(),

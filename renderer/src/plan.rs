@@ -135,7 +135,7 @@ impl Plan {
         receivers: ReceiverBounds,
         resolution: Option<u32>,
         room: u64,
-    ) -> Result<(Vec<ShadowMap>, Option<Coarser>), RenderError> {
+    ) -> Result<(Vec<ShadowMap>, Option<MapReduction>), RenderError> {
         self.maps_beside(scene, receivers, resolution, room, &|_| None)
     }
 
@@ -147,7 +147,7 @@ impl Plan {
         resolution: Option<u32>,
         room: u64,
         known: &(dyn Fn(&Sphere) -> Option<ShadowMap> + Sync),
-    ) -> Result<(Vec<ShadowMap>, Option<Coarser>), RenderError> {
+    ) -> Result<(Vec<ShadowMap>, Option<MapReduction>), RenderError> {
         let (mut positions, mut triangles) = (Vec::<Vec3>::new(), Vec::<[u32; 3]>::new());
         for (object, is_caster) in scene.objects.iter().zip(self.casters(scene)) {
             if let (Shape::Mesh(mesh), true) = (&object.shape, is_caster) {
@@ -186,7 +186,7 @@ impl Plan {
             most = ((f64::from(most) * share) as u32).max(MapOptions::MIN_RESOLUTION);
             maps = draw(most)?;
         }
-        let coarser = (most < wanted).then(|| Coarser { wanted, needed, room, drawn: finest(&maps) });
+        let coarser = (most < wanted).then(|| MapReduction { wanted, needed, room, drawn: finest(&maps) });
         Ok((maps, coarser))
     }
 }
@@ -196,9 +196,9 @@ pub(crate) fn map_sphere(light: &Light) -> Sphere {
     light.sphere().unwrap_or_else(|| light.bounds())
 }
 
-/// Maps that are coarser than their lights want, since the device has no room for finer ones.
+/// Shadow maps whose resolution was reduced, since the device has no room for what the lights want.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Coarser {
+pub struct MapReduction {
     /// Texels a side that were wanted, of the finest map.
     pub wanted: u32,
     /// Bytes that those take.

@@ -411,7 +411,7 @@ impl Job<'_> {
             (maps, coarser) = seconds(&mut clocks.maps, || kept_maps.update(plan, scene, receivers, resolution, room))?;
             if !core::mem::replace(is_advised, true) {
                 if let Some(coarser) = coarser {
-                    tell(listener, Event::CoarserMaps(coarser))?;
+                    tell(listener, Event::MapsReduced(coarser))?;
                 }
                 for (light, map) in maps.iter().enumerate() {
                     tell(listener, Event::Map { light, advice: map.advice(&receivers) })?;

@@ -10,7 +10,7 @@ use crate::track::{Interpolation, Meaning, Track};
 use crate::{Animation, Object, Proxy, Scene, SceneError, Shape};
 use glam::{Mat4, Quat, Vec3};
 use lighting::Light;
-use lobe_core::{OWN_NONE, Sphere};
+use lobe_core::{NO_OBJECT, Sphere};
 
 /// Where an object is at one time: scaled first, then turned, then moved from where it stands in its scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -211,10 +211,10 @@ impl Scene {
 
 /// Keeps a light inside its object when another one is taken out.
 fn forget_object(light: &mut Light, object: usize) {
-    let Light::Inside(inside) = light else { return };
+    let Light::Enclosed(inside) = light else { return };
     inside.object = match inside.object as usize {
-        own if own == object => OWN_NONE,
-        own if own > object && inside.object != OWN_NONE => inside.object - 1,
+        own if own == object => NO_OBJECT,
+        own if own > object && inside.object != NO_OBJECT => inside.object - 1,
         _ => inside.object,
     };
 }

@@ -21,11 +21,11 @@ impl ShadingPoints {
     ///
     /// ```
     /// use glam::Vec3;
-    /// use lobe_core::{OWN_NONE, Receiver};
+    /// use lobe_core::{Receiver};
     /// use scene::ShadingPoints;
     /// let at = |k: u32| {
     ///     let position = Vec3::X * (k * 37 % 100) as f32; // here and there
-    ///     Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+    ///     Receiver::on_surface(position, Vec3::Y, Vec3::Y)
     /// };
     /// let mut points = ShadingPoints { receivers: (0..100).map(at).collect(), materials: vec![0; 100] };
     /// let order = points.make_coherent();

@@ -35,11 +35,11 @@ impl CutOut {
         loop {
             let own = Mesh { triangles: Vec::new(), ..mesh.clone() };
             let (made, out) = (HashMap::new(), Vec::new());
-            let mut work = Work { mesh: own, map, bounds: &bounds, limit, cell, most, steps: 0, made, out };
-            mesh.triangles.iter().for_each(|triangle| work.triangle(*triangle, 0));
-            let fits = work.steps <= most;
+            let mut cutter = Cutter { mesh: own, map, bounds: &bounds, limit, cell, most, steps: 0, made, out };
+            mesh.triangles.iter().for_each(|triangle| cutter.triangle(*triangle, 0));
+            let fits = cutter.steps <= most;
             if fits {
-                *mesh = Mesh { triangles: work.out, ..work.mesh };
+                *mesh = Mesh { triangles: cutter.out, ..cutter.mesh };
                 return true;
             }
             cell *= 2.0;
@@ -54,7 +54,7 @@ impl CutOut {
 /// The most halvings of one triangle. They shorten its sides by 2⁴⁰, which is more than single precision resolves.
 const DEEPEST: u32 = 80;
 
-struct Work<'a> {
+struct Cutter<'a> {
     mesh: Mesh,
     map: &'a TextureMap,
     bounds: &'a AlphaBounds,
@@ -69,7 +69,7 @@ struct Work<'a> {
     out: Vec<[u32; 3]>,
 }
 
-impl Work<'_> {
+impl Cutter<'_> {
     fn triangle(&mut self, [a, b, c]: [u32; 3], depth: u32) {
         let uv = [a, b, c].map(|i| self.uv(i));
         self.steps += 1;

@@ -208,13 +208,7 @@ fn textures_of_the_coat_are_its_factors() {
     let (f90, half) = (0.5 * 51.0 / 255.0, 0.215_861);
     let f0 = Vec3::new(1.0, half, 0.0) * f90 / 9.0;
     let want = MetallicRoughness::new(Vec3::new(0.8, 0.4, 0.2), 0.0, 1.0).and_then(|m| m.with_coat(f0, f90)).unwrap();
-    let at = lobe_core::Receiver {
-        position: Vec3::ZERO,
-        normal: Vec3::Z,
-        face: Vec3::Z,
-        view: Vec3::new(0.6, 0.0, 0.8),
-        object: lobe_core::OWN_NONE,
-    };
+    let at = lobe_core::Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::new(0.6, 0.0, 0.8));
     for v in [Vec3::Z, Vec3::new(-0.6, 0.0, 0.8), Vec3::new(0.0, 0.96, 0.28)] {
         let (got, want) = (got.eval(&at, v), want.eval(&at, v));
         assert!((got - want).abs().max_element() < 1e-4 * want.max_element(), "{got} {want}");
@@ -250,8 +244,8 @@ fn punctual_lights_are_read() {
         {"type": "spot", "intensity": 3, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.5}}"#)
     .unwrap();
     let [lighting::Light::Sphere(point), lighting::Light::Spot(spot)] = lights[..] else { panic!("{lights:?}") };
-    let intensity = point.radiance * std::f32::consts::PI * point.ball.radius.powi(2);
-    assert!((intensity - Vec3::new(5.0, 2.5, 0.0)).length() < 1e-4 && point.ball.center == Vec3::Y * 2.0);
+    let intensity = point.radiance * std::f32::consts::PI * point.sphere.radius.powi(2);
+    assert!((intensity - Vec3::new(5.0, 2.5, 0.0)).length() < 1e-4 && point.sphere.center == Vec3::Y * 2.0);
     assert!((spot.axis - Vec3::NEG_Y).length() < 1e-6, "−z turned by −90° about x: {}", spot.axis);
     assert!((spot.cos[0] - 0.2_f32.cos()).abs() < 1e-6 && (spot.cos[1] - 0.5_f32.cos()).abs() < 1e-6);
     let lights = lit(r#"{"type": "point"}, {"type": "directional", "intensity": 2}"#).unwrap();

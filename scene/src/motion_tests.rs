@@ -114,9 +114,9 @@ fn lights_and_the_camera_move() {
     animation.seek(1.0, &mut scene);
     assert!(close(scene.camera.eye, Vec3::new(1.0, 0.0, 5.0)));
     assert!((scene.camera.vertical_fov - 45_f32.to_radians()).abs() < 1e-6);
-    let centers: Vec<Vec3> = scene.lights.iter().map(|l| l.sphere().expect("a sphere").center).collect();
+    let centers: Vec<Vec3> = scene.lights.iter().map(|l| l.sphere().expect("a ball").center).collect();
     assert!(close(centers[0], Vec3::new(0.0, 3.0, 3.0)) && close(centers[1], Vec3::new(0.0, 3.0, 2.0)), "{centers:?}");
-    assert_eq!(scene.lights[1].sphere().expect("a sphere").radius, 0.2);
+    assert_eq!(scene.lights[1].sphere().expect("a ball").radius, 0.2);
     assert!(animation.rig(0).is_none() && animation.rig(7).is_none());
     assert_eq!(animation.pose(0, 1.0).joints, [glam::Mat4::IDENTITY]);
 }

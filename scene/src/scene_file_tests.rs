@@ -40,7 +40,7 @@ fn the_example_is_a_valid_scene_with_every_key() {
     assert_eq!(scene.objects.len(), 6);
     assert_eq!(scene.lights.len(), 37);
     // Φ = 4π²·L·Σr² of the three spheres.
-    let flux = |l: &Light| l.full_radiance().x * l.sphere().expect("a sphere").radius.powi(2);
+    let flux = |l: &Light| l.full_radiance().x * l.sphere().expect("a ball").radius.powi(2);
     let flux: f32 = scene.lights[2..5].iter().map(flux).sum::<f32>();
     assert!((flux * 4.0 * std::f32::consts::PI.powi(2) - 30.0).abs() < 1e-3);
     let crate_box = &scene.objects[4];
@@ -311,7 +311,7 @@ fn lights_of_all_kinds_are_read() {
     };
     assert!((tube.radiance.x * std::f32::consts::PI * tube.area() - 1.0).abs() < 1e-5);
     let Light::Sphere(point) = read("kind = \"point\"\ncenter = [0, 3, 0]\nintensity = 2") else { panic!() };
-    assert!((point.radiance.x * std::f32::consts::PI * point.ball.radius.powi(2) - 2.0).abs() < 1e-5);
+    assert!((point.radiance.x * std::f32::consts::PI * point.sphere.radius.powi(2) - 2.0).abs() < 1e-5);
     let spot = "kind = \"spot\"\ncenter = [0, 3, 0]\ndirection = [0, -3, 0]\nangle = 60\ninner = 0\nintensity = 2";
     let Light::Spot(spot) = read(spot) else { panic!() };
     assert!((spot.cos[1] - 0.5).abs() < 1e-6 && spot.axis == Vec3::NEG_Y);
@@ -472,7 +472,7 @@ fn curved_meshes_light_as_balls_and_tubes() {
         Ok::<_, SceneError>((scene, animation, context.warnings))
     };
     let (scene, _, warnings) = read(&text("column", "")).expect("a scene");
-    let [Light::Inside(light)] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    let [Light::Enclosed(light)] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
     let Light::Tube(tube) = *light.light else { panic!("{light:?}") };
     assert_eq!(light.object, 0);
     assert!((tube.radius - 0.1).abs() < 0.005 && (tube.radiance / Vec3::new(2.0, 1.0, 1.0)).x > 0.97, "{tube:?}");

@@ -10,7 +10,7 @@ use crate::toml_reader::{Table, Value};
 use crate::{Bounds, Object, SceneError, Shape, Strategy, Surface};
 use glam::{DVec3, Mat4, Vec3};
 use lighting::{
-    AmbientLight, Environment, FlatLight, InsideLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
+    AmbientLight, EnclosedLight, Environment, FlatLight, Light, SphereLight, SpotLight, SunLight, TubeLight,
     emissive_mesh,
 };
 use lobe_core::{LightImage, LightLobes, Sphere};
@@ -106,7 +106,7 @@ impl SceneLights {
         }
         let first = self.lights.len();
         let mut inside = None;
-        let own = |light| Light::from(InsideLight { light: Box::new(light), object: number as u32 });
+        let own = |light| Light::from(EnclosedLight { light: Box::new(light), object: number as u32 });
         match &object.shape {
             Shape::Spheres(balls) => {
                 // Rounding decides whether a point of a sphere's surface is inside it.

@@ -112,7 +112,7 @@ fn ply(s: DVec3) -> String {
 /// All positions of a scene, relative to `s` in the world of the file.
 fn positions(scene: &Scene, animation: &Animation, s: DVec3) -> Vec<DVec3> {
     let mut all: Vec<Vec3> = vec![scene.camera.eye, scene.camera.target];
-    all.extend(scene.lights.iter().filter_map(Light::ball).map(|ball| ball.center));
+    all.extend(scene.lights.iter().filter_map(Light::sphere).map(|ball| ball.center));
     for object in &scene.objects {
         match &object.shape {
             Shape::Mesh(mesh) => all.extend(&mesh.positions),

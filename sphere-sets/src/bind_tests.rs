@@ -1,7 +1,7 @@
 use glam::{Mat4, Quat, Vec3};
 use lobe_core::{SelfShadow, Sphere};
 
-use crate::shapes::{ball, cube};
+use crate::shapes::{cube, sphere};
 use crate::{BindError, BoundSet, BuildOptions, Carriers, SphereSet};
 
 /// A tube along x from −2 to 2, radius 0.3, closed: 24 × 33 quads and two caps.
@@ -98,7 +98,7 @@ fn rigid_motion_and_uniform_scale_are_exact() {
 /// In the rest pose an offset has its given value. Elsewhere it turns with the limb, and keeps its length where bones
 /// shear it.
 #[test]
-fn near_balls_turn_with_their_bones() {
+fn near_spheres_turn_with_their_bones() {
     let mut rig = Rig::new(tube());
     let rest = Mat4::from_scale_rotation_translation(Vec3::splat(0.5), Quat::from_rotation_y(1.0), Vec3::Y);
     rig.positions = rig.deform(&[rest; 2], &[]);
@@ -169,7 +169,7 @@ fn a_limb_on_a_trunk_does_not_cling_to_it() {
 
 #[test]
 fn morph_targets_move_and_grow() {
-    let mut rig = Rig::new(ball(12));
+    let mut rig = Rig::new(sphere(12));
     rig.joints = vec![[0; 4]; rig.positions.len()];
     rig.weights = vec![[1.0, 0.0, 0.0, 0.0]; rig.positions.len()];
     let lift = Vec3::new(0.0, 0.0, 0.7);

@@ -111,7 +111,7 @@ mod tests {
     use glam::Vec3;
 
     fn view() -> View {
-        let (positions, triangles) = shapes::ball(16);
+        let (positions, triangles) = shapes::sphere(16);
         let mesh: Vec<[Vec3; 3]> = triangles.iter().map(|t| t.map(|i| positions[i as usize] * 0.3)).collect();
         View::new(Vec3::Z, &mesh, 0.04, 192)
     }

@@ -23,33 +23,34 @@ pub(crate) fn greedy_cover(solid: &Solid, count: usize) -> Vec<Vec4> {
     }
     // A vertex is less than √3/2 cells from the centre of its voxel.
     let tiny = solid.isolated().iter().map(|p| p.extend(0.9 * solid.cell()));
-    let balls: Vec<Vec4> = solid
+    let spheres: Vec<Vec4> = solid
         .voxels()
         .filter(|voxel| !solid.in_deeper_neighbour(*voxel))
         .map(|voxel| {
-            let ball = solid.ball(voxel);
-            ball.truncate().extend((ball.w + PROTRUSION).max(0.5 * solid.cell()))
+            let sphere = solid.sphere(voxel);
+            sphere.truncate().extend((sphere.w + PROTRUSION).max(0.5 * solid.cell()))
         })
         .chain(tiny)
         .collect();
-    let gain = |open: &Grid, ball: Vec4| open.sum(solid.locate(ball.truncate()).extend(ball.w / solid.cell()));
+    let gain = |open: &Grid, sphere: Vec4| open.sum(solid.locate(sphere.truncate()).extend(sphere.w / solid.cell()));
     // To begin with, a bound: no more voxels than fit the sphere grown by half a voxel's diagonal.
-    let bound = |ball: &Vec4| (core::f32::consts::PI * 4.0 / 3.0 * (ball.w / solid.cell() + 0.867).powi(3)) as u32 + 1;
+    let bound =
+        |sphere: &Vec4| (core::f32::consts::PI * 4.0 / 3.0 * (sphere.w / solid.cell() + 0.867).powi(3)) as u32 + 1;
     // Equal gains: the earlier voxel first.
     let mut heap: BinaryHeap<(u32, core::cmp::Reverse<usize>)> =
-        balls.iter().enumerate().map(|(i, ball)| (bound(ball), core::cmp::Reverse(i))).collect();
-    let mut chosen = Vec::with_capacity(count.min(balls.len()));
+        spheres.iter().enumerate().map(|(i, sphere)| (bound(sphere), core::cmp::Reverse(i))).collect();
+    let mut chosen = Vec::with_capacity(count.min(spheres.len()));
     while let Some((old, core::cmp::Reverse(i))) = heap.pop() {
         if chosen.len() == count || old == 0 {
             break;
         }
-        let now = gain(&open, balls[i]);
+        let now = gain(&open, spheres[i]);
         if heap.peek().is_none_or(|(next, _)| now >= *next) {
             if now == 0 {
                 break;
             }
-            open.take(solid.locate(balls[i].truncate()).extend(balls[i].w / solid.cell()));
-            chosen.push(balls[i]);
+            open.take(solid.locate(spheres[i].truncate()).extend(spheres[i].w / solid.cell()));
+            chosen.push(spheres[i]);
         } else {
             heap.push((now, core::cmp::Reverse(i)));
         }
@@ -76,34 +77,34 @@ impl Grid {
     }
 
     /// Bits set in a sphere, in voxel coordinates.
-    fn sum(&self, ball: Vec4) -> u32 {
+    fn sum(&self, sphere: Vec4) -> u32 {
         let mut sum = 0;
-        rows(self.dims, ball, |row, start, end| {
+        rows(self.dims, sphere, |row, start, end| {
             words(start, end, |word, mask| sum += (self.data[row * self.words + word] & mask).count_ones());
         });
         sum
     }
 
     /// Clears the bits in a sphere.
-    fn take(&mut self, ball: Vec4) {
-        rows(self.dims, ball, |row, start, end| {
+    fn take(&mut self, sphere: Vec4) {
+        rows(self.dims, sphere, |row, start, end| {
             words(start, end, |word, mask| self.data[row * self.words + word] &= !mask);
         });
     }
 }
 
 /// Calls `span(row, start, end)` for each row of the voxels whose centres a sphere holds.
-fn rows(dims: UVec3, ball: Vec4, mut span: impl FnMut(usize, usize, usize)) {
+fn rows(dims: UVec3, sphere: Vec4, mut span: impl FnMut(usize, usize, usize)) {
     let range = |center: f32, half: f32, size: u32| {
         (round_up(center - half - 0.5) as u32).min(size)..(round_up(center + half - 0.5) as u32).min(size)
     };
-    for z in range(ball.z, ball.w, dims.z) {
-        let dz = z as f32 + 0.5 - ball.z;
-        let half = (ball.w * ball.w - dz * dz).max(0.0).sqrt();
-        for y in range(ball.y, half, dims.y) {
-            let dy = y as f32 + 0.5 - ball.y;
-            let half = (ball.w * ball.w - dz * dz - dy * dy).max(0.0).sqrt();
-            let x = range(ball.x, half, dims.x);
+    for z in range(sphere.z, sphere.w, dims.z) {
+        let dz = z as f32 + 0.5 - sphere.z;
+        let half = (sphere.w * sphere.w - dz * dz).max(0.0).sqrt();
+        for y in range(sphere.y, half, dims.y) {
+            let dy = y as f32 + 0.5 - sphere.y;
+            let half = (sphere.w * sphere.w - dz * dz - dy * dy).max(0.0).sqrt();
+            let x = range(sphere.x, half, dims.x);
             if x.start < x.end {
                 span((z * dims.y + y) as usize, x.start as usize, x.end as usize);
             }

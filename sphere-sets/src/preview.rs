@@ -26,7 +26,7 @@ const SET_ONLY: Vec3 = Vec3::new(0.16, 0.44, 0.88);
 /// or too many pixels.
 pub fn preview(set: &SphereSet, positions: &[Vec3], triangles: &[[u32; 3]], size: u32) -> Result<Pixmap, BuildError> {
     let surface = Surface::new(positions, triangles)?;
-    let spheres: Vec<Vec4> = set.spheres.iter().map(|ball| surface.to_unit(*ball)).collect();
+    let spheres: Vec<Vec4> = set.spheres.iter().map(|sphere| surface.to_unit(*sphere)).collect();
     let side = size.clamp(16, 4096) as usize;
     let (width, height) = (3 * side + 4 * GAP, side + 2 * GAP);
     let Some(mut picture) = Pixmap::new(width as u32, height as u32) else {
@@ -35,7 +35,7 @@ pub fn preview(set: &SphereSet, positions: &[Vec3], triangles: &[[u32; 3]], size
     picture.fill(Color::WHITE);
     // (right, up) on the screen.
     let panels = [(Vec3::X, Vec3::Y), (Vec3::NEG_Z, Vec3::Y), (Vec3::X, Vec3::NEG_Z)];
-    let balls = || spheres.iter().map(|ball| (ball.truncate(), ball.w));
+    let balls = || spheres.iter().map(|sphere| (sphere.truncate(), sphere.w));
     for (panel, (right, up)) in panels.into_iter().enumerate() {
         let corners = surface.triangles.iter().flatten().map(|p| (*p, 0.0));
         let frame = Frame::with_axes(right, -up, corners.chain(balls()), 0.01, side);

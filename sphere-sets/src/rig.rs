@@ -61,7 +61,7 @@ impl SphereRig {
                 rig.words.extend([slot, float as u32, morph as u32, targets as u32, morphs.len() as u32]);
                 let pairs = sphere.joints.chunks(2).map(|pair| u32::from(pair[0]) | u32::from(pair[1]) << 16);
                 rig.words.extend(pairs);
-                let (own, fixed) = blockers.own_law(first + i);
+                let (own, fixed) = blockers.self_shadow(first + i);
                 let points = sphere.points.iter().flat_map(|point| point.to_array());
                 let floats = sphere.weights.into_iter().chain(points);
                 let floats = floats.chain([sphere.radius, own.radius, own.distance, fixed]);

@@ -19,10 +19,10 @@ const LOWEST: f32 = 0.1;
 /// 64 spheres: of all points 0.40 % are dark by mistake with 2, 0.20 % with 3, where dark points get 3.0 and 3.8 % light.
 const DARK_SPOT: f32 = 2.5;
 /// `UNLIKE`: cost of a distance that is e times the set's own, as a fraction of the rays, so that the set's distance stays where
-/// no ray decides. With twenty times this value 484 spheres err twice as much, because each has few rays. `UNLIKE_BALL`: cost of a
+/// no ray decides. With twenty times this value 484 spheres err twice as much, because each has few rays. `UNLIKE_SPHERE`: cost of a
 /// near sphere that is moved or shrunk by a whole radius. With 484 spheres it saves a twentieth of the error.
 const UNLIKE: f32 = 1e-6;
-const UNLIKE_BALL: f32 = 6e-6;
+const UNLIKE_SPHERE: f32 = 6e-6;
 /// Radii that are tried, near spheres tried for each, and sweeps in which each sphere is fitted to the rays that the others leave.
 const RADII: [f32; 7] = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4];
 const TRIES: usize = 24;
@@ -96,10 +96,10 @@ pub(crate) fn self_shadows(surface: &Surface, tree: &TriangleTree, spheres: &[Ve
     for (sphere, passes) in spheres.iter().zip(&passes) {
         passes.iter().filter(|p| p.blocks(sphere.w, &whole)).for_each(|p| covers[p.ray as usize] += 1);
     }
-    let [unlike, unlike_ball] = [UNLIKE, UNLIKE_BALL].map(|share| share * rays.len() as f32);
+    let [unlike, unlike_sphere] = [UNLIKE, UNLIKE_SPHERE].map(|share| share * rays.len() as f32);
     let price = |own: &SelfShadow| {
         let distance = if start > 0.0 { unlike * (own.distance / start).ln().abs() } else { 0.0 };
-        distance + unlike_ball * (own.offset.length() + 1.0 - own.radius)
+        distance + unlike_sphere * (own.offset.length() + 1.0 - own.radius)
     };
     let mut random = Random::new(2);
     for sweep in 0..SWEEPS {
@@ -236,8 +236,8 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_that_bulges_out_does_not_blacken_its_mesh() {
-        let surface = surface(&shapes::bumpy_ball(16));
+    fn a_sphere_that_bulges_out_does_not_blacken_its_mesh() {
+        let surface = surface(&shapes::bumpy_sphere(16));
         let tree = TriangleTree::new(&surface.triangles);
         let rays = rays(&surface, &tree, POINTS);
         assert!(rays.len() > POINTS * DIRECTIONS / 3);
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn what_stands_apart_still_shadows() {
         // Two spheres side by side, exact: each must still shadow the other.
-        let (positions, triangles) = shapes::ball(12);
+        let (positions, triangles) = shapes::sphere(12);
         let part: Vec<[Vec3; 3]> = triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
         let both: Vec<[Vec3; 3]> =
             part.iter().copied().chain(part.iter().map(|t| t.map(|p| p + Vec3::X * 2.6))).collect();
@@ -272,8 +272,8 @@ mod tests {
     }
 
     /// A sphere with a dent as deep as the cap that it replaces.
-    fn dented_ball() -> Vec<[Vec3; 3]> {
-        let (positions, triangles) = shapes::ball(16);
+    fn dented_sphere() -> Vec<[Vec3; 3]> {
+        let (positions, triangles) = shapes::sphere(16);
         let dent = |p: Vec3| if p.z > 0.6 { p.with_z(1.2 - p.z) } else { p };
         triangles.iter().map(|t| t.map(|i| dent(positions[i as usize]))).collect()
     }
@@ -281,7 +281,7 @@ mod tests {
     /// The whole sphere bridges the dent: no dark spot may be seen in it.
     #[test]
     fn a_bridged_hollow_stays_lit() {
-        let surface = surface(&dented_ball());
+        let surface = surface(&dented_sphere());
         let tree = TriangleTree::new(&surface.triangles);
         let scale = (1.0 / surface.diagonal) as f32;
         let unit = |p: Vec3| (p - surface.center.as_vec3()) * scale;
@@ -301,8 +301,8 @@ mod tests {
 
     /// The surface inside the sphere needs a smaller one, the plate beside it sees the whole silhouette: one radius cannot be both.
     #[test]
-    fn the_whole_ball_is_seen_from_afar() {
-        let mut triangles = dented_ball();
+    fn the_whole_sphere_is_seen_from_afar() {
+        let mut triangles = dented_sphere();
         let corner = |y: f32, z: f32| Vec3::new(2.5, y, z);
         let [a, b, c, d] = [corner(-1.5, -1.5), corner(1.5, -1.5), corner(-1.5, 1.5), corner(1.5, 1.5)];
         triangles.extend([[a, b, c], [b, d, c]]);

@@ -10,7 +10,7 @@ pub(crate) fn scattered(i: usize) -> Vec3 {
 }
 
 /// Positions and triangles of a sphere of radius 1: the octahedron, each face split into `n²`, outward.
-pub(crate) fn ball(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub(crate) fn sphere(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for octant in 0..8 {
         let sign = |bit: u32| if octant >> bit & 1 == 1 { -1.0 } else { 1.0 };
@@ -38,8 +38,8 @@ pub(crate) fn ball(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 /// A closed, non-convex star shape of size about 1, as triangles.
-pub(crate) fn bumpy_ball(n: u32) -> Vec<[Vec3; 3]> {
-    let (positions, triangles) = ball(n);
+pub(crate) fn bumpy_sphere(n: u32) -> Vec<[Vec3; 3]> {
+    let (positions, triangles) = sphere(n);
     let bump = |p: Vec3| p * (0.35 + 0.12 * (5.0 * p.x).sin() * (4.0 * p.y + p.z).cos());
     triangles.iter().map(|t| t.map(|i| bump(positions[i as usize]))).collect()
 }

@@ -169,7 +169,7 @@ impl Solid {
     }
 
     /// Centre and signed depth of a voxel, as a sphere.
-    pub(crate) fn ball(&self, (at, depth): (UVec3, f32)) -> Vec4 {
+    pub(crate) fn sphere(&self, (at, depth): (UVec3, f32)) -> Vec4 {
         (self.low + (at.as_vec3() + 0.5) * self.cell).extend(depth)
     }
 

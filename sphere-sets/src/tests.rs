@@ -1,7 +1,7 @@
 use glam::Vec3;
 use lobe_core::{SelfShadow, Sphere};
 
-use crate::shapes::{ball, cube, scattered};
+use crate::shapes::{cube, scattered, sphere};
 use crate::{BuildError, BuildOptions, SetQuality, SphereSet, Verdict, preview};
 
 /// Options that are quick enough for many small builds.
@@ -28,12 +28,12 @@ fn joined(parts: &[(Vec<Vec3>, Vec<[u32; 3]>)]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 fn holds(set: &SphereSet, p: Vec3) -> bool {
-    set.spheres.iter().any(|ball| ball.center.distance(p) <= ball.radius)
+    set.spheres.iter().any(|sphere| sphere.center.distance(p) <= sphere.radius)
 }
 
 #[test]
-fn one_sphere_for_a_ball_is_the_ball() {
-    let set = build(&ball(16), &few(1));
+fn one_sphere_for_a_sphere_is_the_sphere() {
+    let set = build(&sphere(16), &few(1));
     let [Sphere { center, radius }] = set.spheres[..] else { panic!("{} spheres", set.spheres.len()) };
     // The polyhedron lies between radii 1 and cos(edge/2) ≈ 0.996; a view's subpixel is 0.01 of the radius.
     assert!(center.length() < 0.004, "{center}");
@@ -46,7 +46,7 @@ fn one_sphere_for_a_ball_is_the_ball() {
 fn quality_of_a_known_set_is_known() {
     // A sphere of radius 0.8 in one of radius 1: everything about it has a closed form. D = 2√3.
     let diagonal = 2.0 * 3.0_f32.sqrt();
-    let (positions, triangles) = ball(24);
+    let (positions, triangles) = sphere(24);
     let measure = |center, radius| {
         SphereSet::measure(&positions, &triangles, &[Sphere { center, radius }]).expect("a mesh with area")
     };
@@ -91,7 +91,7 @@ fn a_bounding_set_holds_every_point() {
     let two = joined(&[cube(), mapped(&cube(), |p| p * 0.3 + Vec3::new(2.0, 1.0, 0.0))]);
     let far = mapped(&cube(), |p| p * Vec3::new(3.0, 1.0, 0.2) + 1e4);
     let plate = mapped(&cube(), |p| p * Vec3::new(1.0, 1.0, 1e-3));
-    let ellipsoid = mapped(&ball(8), |p| p * Vec3::new(1.0, 0.5, 0.3));
+    let ellipsoid = mapped(&sphere(8), |p| p * Vec3::new(1.0, 0.5, 0.3));
     for (k, (mesh, count)) in [(ellipsoid, 24), (two, 16), (far, 12), (plate, 9)].into_iter().enumerate() {
         let set = build(&mesh, &options(count));
         assert!(set.spheres.len() <= count);
@@ -99,8 +99,11 @@ fn a_bounding_set_holds_every_point() {
         assert!(k != 0 || set.quality.protrusion_volume < 0.4, "{}", set.quality.protrusion_volume);
         for p in surface_points(&mesh, 40) {
             // The sample's own rounding.
-            let gap =
-                set.spheres.iter().map(|ball| ball.center.distance(p) - ball.radius).fold(f32::INFINITY, f32::min);
+            let gap = set
+                .spheres
+                .iter()
+                .map(|sphere| sphere.center.distance(p) - sphere.radius)
+                .fold(f32::INFINITY, f32::min);
             assert!(gap <= 2e-7 * p.abs().max_element(), "{p} is {gap} outside");
         }
     }
@@ -180,14 +183,14 @@ fn parts_smaller_than_a_voxel_are_found() {
     let corners = [Vec3::ZERO, Vec3::ONE, Vec3::X];
     let set = build(&joined(&corners.map(speck)), &few(6));
     for corner in corners {
-        let nearest = set.spheres.iter().map(|ball| ball.center.distance(corner)).fold(f32::INFINITY, f32::min);
+        let nearest = set.spheres.iter().map(|sphere| sphere.center.distance(corner)).fold(f32::INFINITY, f32::min);
         assert!(nearest < 0.01, "{corner}: {nearest}");
     }
 }
 
 #[test]
 fn winding_does_not_matter() {
-    let mesh = ball(8);
+    let mesh = sphere(8);
     let mesh = mapped(&mesh, |p| p * Vec3::new(1.0, 0.6, 0.4));
     let forward = build(&mesh, &few(6));
     let swap = |every: usize| {
@@ -201,7 +204,7 @@ fn winding_does_not_matter() {
 
 #[test]
 fn an_open_bowl_is_followed() {
-    let (positions, triangles) = ball(10);
+    let (positions, triangles) = sphere(10);
     let lower = |t: &[u32; 3]| t.iter().all(|i| positions[*i as usize].y <= 1e-6);
     let bowl = (positions.clone(), triangles.iter().copied().filter(lower).collect::<Vec<_>>());
     assert_eq!(bowl.1.len() * 2, triangles.len());
@@ -216,7 +219,7 @@ fn a_sheet_without_volume_is_followed() {
     for mesh in [sheet.clone(), (sheet.0.clone(), vec![[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]])] {
         let set = build(&mesh, &BuildOptions { rounds: 8, ..few(40) });
         assert!(set.quality.coverage > 0.7, "{:?}", set.quality);
-        assert!(set.spheres.iter().all(|ball| ball.radius < 0.3));
+        assert!(set.spheres.iter().all(|sphere| sphere.radius < 0.3));
     }
 }
 
@@ -227,7 +230,7 @@ fn any_soup_gives_a_set() {
         let positions: Vec<Vec3> = (0..90).map(corner).collect();
         let triangles: Vec<[u32; 3]> = (0..60).map(|i| [i, (i * 7 + 3) % 90, (i * 13 + 11) % 90]).collect();
         let set = build(&(positions, triangles), &few(20));
-        let finite = |ball: &Sphere| ball.center.is_finite() && ball.radius.is_finite() && ball.radius > 0.0;
+        let finite = |sphere: &Sphere| sphere.center.is_finite() && sphere.radius.is_finite() && sphere.radius > 0.0;
         assert!(!set.spheres.is_empty() && set.spheres.iter().all(finite));
         assert!(set.quality.silhouette_error.is_finite() && set.quality.silhouette_error < 0.8, "{:?}", set.quality);
     }
@@ -235,7 +238,7 @@ fn any_soup_gives_a_set() {
 
 #[test]
 fn place_and_size_do_not_matter() {
-    let shape = mapped(&ball(8), |p| p * Vec3::new(1.0, 0.75, 0.5));
+    let shape = mapped(&sphere(8), |p| p * Vec3::new(1.0, 0.75, 0.5));
     let base = build(&shape, &few(6));
     for (scale, offset) in [(1e-4, Vec3::ZERO), (1e6, Vec3::ZERO), (1024.0, Vec3::new(1e5, -1e5, 1e5))] {
         let moved = build(&mapped(&shape, |p| p * scale + offset), &few(6));
@@ -342,7 +345,7 @@ fn a_set_for_another_mesh_is_told() {
     let set = build(&mesh, &BuildOptions::draft(2));
     assert_eq!(set.check_fits(&mesh.0, &mesh.1), Ok(()));
     let told = |mesh: &(Vec<Vec3>, Vec<[u32; 3]>)| set.check_fits(&mesh.0, &mesh.1).expect_err("a misfit").to_string();
-    assert_eq!(told(&ball(2)), "sphere set made for another mesh: it had 12 triangles, this one has 32");
+    assert_eq!(told(&sphere(2)), "sphere set made for another mesh: it had 12 triangles, this one has 32");
     assert!(told(&mapped(&mesh, |p| p * 1.01)).contains("bounding box was (-0.5000, -0.5000, -0.5000)"));
     assert!(told(&mapped(&mesh, |p| p + Vec3::X)).contains("(1.5000, 0.5000, 0.5000)"));
     assert!(told(&mapped(&mesh, |p| p * f32::NAN)).contains("bounding box"));

@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn rays_agree_with_brute_force() {
-        let mesh = shapes::bumpy_ball(12);
+        let mesh = shapes::bumpy_sphere(12);
         let tree = TriangleTree::new(&mesh);
         let mut blocked = 0;
         for i in 0..2000 {
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn distance_agrees_with_brute_force() {
-        let mesh = shapes::bumpy_ball(12);
+        let mesh = shapes::bumpy_sphere(12);
         let tree = TriangleTree::new(&mesh);
         for i in 0..200 {
             let p = shapes::scattered(i) * 1.5;
@@ -260,7 +260,7 @@ mod tests {
 
     #[test]
     fn winding_is_one_inside_and_zero_outside() {
-        let mesh = shapes::bumpy_ball(12);
+        let mesh = shapes::bumpy_sphere(12);
         let tree = TriangleTree::new(&mesh);
         for i in 0..500 {
             let p = shapes::scattered(i) * 1.6;
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn point_on_the_surface_is_finite() {
-        let mesh = shapes::bumpy_ball(6);
+        let mesh = shapes::bumpy_sphere(6);
         let tree = TriangleTree::new(&mesh);
         for triangle in &mesh {
             for p in [triangle[0], (triangle[0] + triangle[1]) * 0.5, (triangle[0] + triangle[1] + triangle[2]) / 3.0] {

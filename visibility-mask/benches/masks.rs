@@ -4,7 +4,7 @@ use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 use lobe_core::{
-    Accuracy, Cone, Coverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility, VisibilityQuery,
+    Accuracy, Cone, Coverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, VisibilityQuery,
     cap_integral,
 };
 use std::hint::black_box;
@@ -30,7 +30,7 @@ impl Blockers for Curtain {
 }
 
 fn penumbra_point(c: &mut Criterion) {
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
     let cone = Cone::of_sphere(at.position, Sphere { center: Vec3::new(0.0, 10.0, 0.0), radius: 1.4 });
     let mut group = c.benchmark_group("penumbra_point");
     for depth in [3, 4, 5, 6] {

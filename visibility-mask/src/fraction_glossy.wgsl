@@ -25,7 +25,7 @@ fn glossy_of(mask: Mask, square: UnitSquare, at: Receiver, lobe: Lobe) -> Glossy
     var weights: GlossyWeights;
     weights.axis = square_local(square, lobe.axis);
     weights.normal = square_local(square, at.normal);
-    weights.cosine = lobe.factor > 0.0;
+    weights.cosine = lobe.kind == LOBE_COSINE;
     let cell = mask_cell(mask);
     let widest = max(cell.x, cell.y);
     let half = max(square.half.x, square.half.y);

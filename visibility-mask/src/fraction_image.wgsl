@@ -3,7 +3,7 @@
 
 // The fraction of the light that a lobe sees. Requires uniform control flow.
 fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> vec3f {
-    let is_facets = HAS_MICROFACETS && lobe.factor >= LOBE_MICROFACETS;
+    let is_facets = HAS_MICROFACETS && lobe.kind >= LOBE_MICROFACETS_F0;
     var square = whole;
     var is_finer = false;
     if (is_facets) {
@@ -86,7 +86,7 @@ fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, 
                 } else if (!is_diffuse) {
                     let along = dot(axis, p);
                     let power = exp_f32(half_exponent * ln_1p(along * along * inverse - 1.0));
-                    value = select(0.0, power * select(1.0, value, lobe.factor > 0.0), along > 0.0);
+                    value = select(0.0, power * select(1.0, value, lobe.kind == LOBE_COSINE), along > 0.0);
                 }
                 let weight = value * inverse * root;
                 let is_left_out = all(p.xy > low) && all(p.xy < high);

@@ -1,7 +1,7 @@
 // Lobes of microfacets in the light of an image. Needs fraction_image.wgsl and fraction_microfacets.wgsl.
 
 // Those of the lobe, in the frame of a mask's square.
-var<private> image_surface: Microfacets;
+var<private> image_surface: MicrofacetsAt;
 var<private> image_is_edge: bool;
 
 fn image_alpha(lobe: Lobe) -> f32 { return sqrt(microfacets_alpha_sq(lobe.exponent)); }
@@ -12,7 +12,7 @@ fn image_highlight(whole: UnitSquare, at: Receiver, tolerance: f32, lobe: Lobe) 
 
 fn image_facets_in(square: UnitSquare, at: Receiver, lobe: Lobe) {
     image_surface = microfacets_in(square, microfacets_of(at.normal, lobe));
-    image_is_edge = lobe.factor == LOBE_EDGE;
+    image_is_edge = lobe.kind == LOBE_MICROFACETS_F90;
 }
 
 fn image_facets(v: vec3f) -> f32 {

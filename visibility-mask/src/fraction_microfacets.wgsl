@@ -8,7 +8,7 @@ var<private> known_edge: vec2f = vec2f(-1.0, 0.0);
 
 // Requires uniform control flow.
 fn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
-    let is_edge = lobe.factor == LOBE_EDGE;
+    let is_edge = lobe.kind == LOBE_MICROFACETS_F90;
     if (decide(lane, is_edge && known_edge.x == lobe.exponent)) {
         known_edge.x = -1.0;
         return known_edge.y;
@@ -56,10 +56,10 @@ fn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, toleranc
 }
 
 // The part of the window that shows the highlight, along its cells; all of it where that is most.
-fn microfacets_highlight(whole: UnitSquare, microfacets: Microfacets, normal: vec3f, tolerance: f32) -> UnitSquare {
+fn microfacets_highlight(whole: UnitSquare, microfacets: MicrofacetsAt, normal: vec3f, tolerance: f32) -> UnitSquare {
     let widths = clamp(HIGHLIGHT / sqrt(max(tolerance, 1e-6)), 1.5, 20.0);
     let mirror = 2.0 * dot(microfacets.normal, microfacets.view) * microfacets.normal - microfacets.view;
-    let peak = square_peak(whole, Lobe(mirror, 1.0, vec3f(1.0), 0.0), normal).point;
+    let peak = square_peak(whole, Lobe(mirror, 1.0, vec3f(1.0), LOBE_PLAIN), normal).point;
     let along = dot(whole.axis, mirror);
     let aside = vec2f(dot(whole.right, mirror), dot(whole.up, mirror));
     var beside = 1e30;
@@ -82,13 +82,13 @@ fn microfacets_highlight(whole: UnitSquare, microfacets: Microfacets, normal: ve
 }
 
 // In the frame of a mask's square.
-fn microfacets_in(square: UnitSquare, world: Microfacets) -> Microfacets {
-    return Microfacets(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
+fn microfacets_in(square: UnitSquare, world: MicrofacetsAt) -> MicrofacetsAt {
+    return MicrofacetsAt(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
 }
 
 // Of all rows, in steradians of samples: both lobes over the lit samples, and over those that emit. Samples between `low` and
 // `high` do not count. Requires uniform control flow.
-fn microfacet_sums(lane: u32, mask: Mask, world: Microfacets, low: vec2f, high: vec2f) -> vec4f {
+fn microfacet_sums(lane: u32, mask: Mask, world: MicrofacetsAt, low: vec2f, high: vec2f) -> vec4f {
     let square = mask.square;
     let microfacets = microfacets_in(square, world);
     var sum = vec4f(0.0);

@@ -29,7 +29,7 @@
 //!     }
 //! }
 //!
-//! let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+//! let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 //! let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.01, distance: 5.0 };
 //! let lambert = Lobe::new(at.normal, 1.0, Vec3::ONE);
 //! let strategy = MaskVisibility::new(Curtain);
@@ -83,5 +83,5 @@ pub use crate::raster::{LitBounds, Raster};
 pub use crate::row::{EightRows, MAX_DEPTH};
 pub use crate::shadow_tree::ShadowNode;
 pub use crate::square::UnitSquare;
-pub use crate::visibility::{Blockers, MaskLobes, MaskLobesScratch, MaskScratch, MaskVisibility, filled};
+pub use crate::visibility::{Blockers, MaskLobes, MaskLobesScratch, MaskScratch, MaskVisibility, fill_factor};
 pub use glam;

@@ -164,7 +164,7 @@ fn paper_shadow(lane: u32, square: UnitSquare, product: Lobe, threshold: f32) ->
             let level = firstLeadingBit(row);
             let lobe = paper_node_lobe(square, level, vec2u(nth_bit(bits, k), row - (1u << level)));
             let weighted = lobe.flux * -paper_weight(level, dist);
-            let taken = paper_product(product, Lobe(lobe.axis, lobe.exponent, weighted, 0.0)).flux;
+            let taken = paper_product(product, Lobe(lobe.axis, lobe.exponent, weighted, LOBE_PLAIN)).flux;
             if max(max(abs(taken.x), abs(taken.y)), abs(taken.z)) < threshold {
                 pruned += 1.0;
             } else {

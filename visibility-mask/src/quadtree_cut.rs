@@ -128,7 +128,7 @@ impl<'a> QuadtreeCut<'a> {
         let share = lit / all.omega;
         let partly = (PARTLY * share.min(1.0 - share)).clamp(0.0, 1.0);
         let relative = 0.1 * r * r + partly * (0.4 * r + 0.2 * r * r);
-        let cosine = if self.brdf.factor > 0.0 {
+        let cosine = if self.brdf.has_cosine {
             (self.normal.dot(node.axis) + (2.0 * node.spread).sqrt()).clamp(0.0, 1.0)
         } else {
             1.0

@@ -1,5 +1,5 @@
 use glam::{UVec2, Vec2, Vec3};
-use lobe_core::{Cone, Lobe, Microfacets, Outline, nearest_of, orthonormal_basis};
+use lobe_core::{Cone, Lobe, MicrofacetsAt, Outline, nearest_of, orthonormal_basis};
 
 /// Half-angles above this (85°) are treated as if the light were seen up to it: the square faces one hemisphere.
 pub(crate) const WIDEST_TAN: f32 = 11.43;
@@ -172,7 +172,7 @@ impl UnitSquare {
     /// requires. None where that is most of the window.
     pub(crate) fn highlight(
         &self,
-        microfacets: &Microfacets,
+        microfacets: &MicrofacetsAt,
         normal: Vec3,
         cells: UVec2,
         tolerance: f32,

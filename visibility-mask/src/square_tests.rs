@@ -22,7 +22,7 @@ fn outside(window: &UnitSquare, lobe: &Lobe, normal: Vec3) -> Option<(f64, f64)>
             continue;
         }
         let length = p.length();
-        let cosine = if lobe.factor > 0.0 { above / length } else { 1.0 };
+        let cosine = if lobe.has_cosine { above / length } else { 1.0 };
         let w = (axis.dot(p) / length).max(0.0).powf(f64::from(lobe.exponent)) * cosine / length.powi(3);
         all += w;
         if (Vec2::new(x as f32, y as f32) - window.center).abs().cmpgt(window.half).any() {

@@ -5,8 +5,8 @@ use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
 use lobe_core::{
-    Accuracy, Cone, Coverage, LightImage, Lobe, Microfacets, Outline, Shaft, Visibility, VisibilityLobes,
-    VisibilityQuery, VisibilitySum, is_lambert,
+    Accuracy, BrdfLobe, Cone, Coverage, LightImage, Lobe, Microfacets, Outline, Schlick, Shaft, Visibility,
+    VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert,
 };
 
 /// A lobe whose logarithm falls by more than this over a radius of the light is seen as finely as a narrow one: else some
@@ -176,14 +176,19 @@ impl<B: Blockers> MaskVisibility<B> {
 
     /// What is seen of microfacets' light: their highlight through a mask of its own where it is narrow beside the light, all around it
     /// through that of the whole light. Both lobes at once.
-    fn microfacets(&self, query: &VisibilityQuery<'_>, lobe: &Lobe, scratch: &mut MaskScratch<B::Scratch>) -> Vec3 {
-        if let (Lobe::EDGE, Some((exponent, fraction))) = (lobe.factor, scratch.edge.take())
-            && exponent == lobe.exponent
+    fn microfacets(
+        &self,
+        query: &VisibilityQuery<'_>,
+        facets: &Microfacets,
+        scratch: &mut MaskScratch<B::Scratch>,
+    ) -> Vec3 {
+        if let (Schlick::F90, Some((exponent, fraction))) = (facets.part, scratch.edge.take())
+            && exponent == facets.exponent
         {
             return unit(fraction);
         }
         let [broad, narrow] = [self.broad(query), self.narrow(query)];
-        let microfacets = Microfacets::new(query.at.normal, lobe);
+        let microfacets = facets.at(query.at.normal);
         let whole = *scratch.full.window();
         let cells = UVec2::from(broad.grid) * UVec2::new(broad.columns(), 1 << self.depth(query));
         let near = whole.highlight(&microfacets, query.at.normal, cells, query.accuracy.tolerance, query.outline);
@@ -199,11 +204,11 @@ impl<B: Blockers> MaskVisibility<B> {
         let near = near.map(|_| &scratch.own);
         let [counts, own_counts] = &mut scratch.counts;
         if let Some(shown) = shown(query) {
-            return image_fractions(whole, near, query.at, lobe, shown, counts);
+            return image_fractions(whole, near, query.at, &BrdfLobe::Microfacets(*facets), shown, counts);
         }
-        let [base, edge] = microfacet_fractions(whole, near, query.at, lobe, [counts, own_counts]);
-        scratch.edge = (lobe.factor == Lobe::MICROFACETS).then_some((lobe.exponent, edge));
-        unit(if lobe.factor == Lobe::EDGE { edge } else { base })
+        let both @ [_, edge] = microfacet_fractions(whole, near, query.at, facets, [counts, own_counts]);
+        scratch.edge = (facets.part == Schlick::F0).then_some((facets.exponent, edge));
+        unit(facets.part.of(both))
     }
 
     /// Whether the lobe is seen through masks of its own, `scratch.own`, which are drawn then, or else through those of the
@@ -312,16 +317,23 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
     }
 
     fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, _: f32, scratch: &mut Self::Scratch) -> Vec3 {
-        if brdf.is_microfacets() {
-            return self.microfacets(query, brdf, scratch);
-        }
         let own = usize::from(self.draw_own(query, brdf, scratch));
         let masks = [&scratch.full, &scratch.own][own];
         let counts = &mut scratch.counts[own];
         match shown(query) {
             None => unit(masks.fraction(query.at, brdf, counts)),
-            Some(shown) => image_fractions(masks, None, query.at, brdf, shown, counts),
+            Some(shown) => image_fractions(masks, None, query.at, &BrdfLobe::Cosine(*brdf), shown, counts),
         }
+    }
+
+    fn microfacets_fraction(
+        &self,
+        query: &VisibilityQuery<'_>,
+        facets: &Microfacets,
+        _: f32,
+        scratch: &mut Self::Scratch,
+    ) -> Vec3 {
+        self.microfacets(query, facets, scratch)
     }
 }
 
@@ -402,13 +414,13 @@ fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
 /// The tolerance for a light that fills its window, with samples that stand for the same: a long one has few of the window's samples, a
 /// wide one few that count.
 fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
-    let fill = query.outline.map_or(1.0, |outline| filled(outline.roundness()));
+    let fill = query.outline.map_or(1.0, |outline| fill_factor(outline.roundness()));
     query.accuracy.tolerance * fill * (2.0 * CROWDED / crowding(query)).min(1.0)
 }
 
-/// The part of a tolerance that masks of a flat light of some [roundness](Outline::roundness) are made for.
+/// The fill factor of a mask: the part of a tolerance that masks of a flat light of some [roundness](Outline::roundness) are made for.
 #[must_use]
-pub fn filled(roundness: f32) -> f32 {
+pub fn fill_factor(roundness: f32) -> f32 {
     (FILLED * roundness).min(1.0)
 }
 

@@ -16,7 +16,7 @@ fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Recei
 
 // The fraction of the light that a lobe sees. Requires uniform control flow.
 fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
-    if (HAS_MICROFACETS && decide(lane, lobe.factor >= LOBE_MICROFACETS)) {
+    if (HAS_MICROFACETS && decide(lane, lobe.kind >= LOBE_MICROFACETS_F0)) {
         return microfacet_fraction(lane, tile, at, light, tolerance, whole, lobe);
     }
     let counts = workgroupUniformLoad(&grid_counts);

@@ -8,7 +8,7 @@ use core::ops::{Add, Mul};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec2, Vec3};
 use lobe_core::special::{exp, ln_1p};
-use lobe_core::{LightImage, Lobe, Microfacets, Places, Receiver, is_lambert};
+use lobe_core::{BrdfLobe, LightImage, Lobe, Microfacets, Places, Receiver, is_lambert};
 
 /// The third and fourth order of a weight's logarithm that are left out, at most.
 pub(crate) const LEFT_OUT: f32 = 0.004;
@@ -56,18 +56,17 @@ fn of_counts<S: Simd, const B: usize>(
     }
 }
 
-/// The sums of [`sums`] for both lobes of microfacets ([`Lobe::microfacets`]), in steradians of samples. Samples in `skip`, a part of the
+/// The sums of [`sums`] for both parts of [`Microfacets`], in steradians of samples. Samples in `skip`, a part of the
 /// mask along its cells, do not count.
 pub(crate) fn microfacet_sums(
     mask: &Mask,
     at: &Receiver,
-    lobe: &Lobe,
+    facets: &Microfacets,
     skip: Option<&UnitSquare>,
     counts: &mut Counts,
 ) -> [Sums; 2] {
     let square = mask.square();
-    let local = Lobe { axis: square.local(lobe.axis), ..*lobe };
-    let microfacets = Microfacets::new(square.local(at.normal), &local);
+    let microfacets = Microfacets { view: square.local(facets.view), ..*facets }.at(square.local(at.normal));
     let outside = outside(skip);
     let weight = |x: f32, y: f32| {
         let inverse = 1.0 / (x * x + y * y + 1.0);
@@ -94,27 +93,32 @@ pub(crate) fn microfacet_sums(
 pub(crate) fn image_sums(
     mask: &Mask,
     at: &Receiver,
-    lobe: &Lobe,
+    lobe: &BrdfLobe,
     shown: &Shown<'_>,
     skip: Option<&UnitSquare>,
     counts: &mut Counts,
 ) -> [Sums; 3] {
     let square = mask.square();
-    let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
-    let sums = if is_lambert(at, lobe) {
-        shown_sums(mask, shown, skip, counts, |p, inverse| normal.dot(p) * inverse.sqrt())
-    } else if lobe.is_microfacets() {
-        let microfacets = Microfacets::new(normal, &Lobe { axis, ..*lobe });
-        shown_sums(mask, shown, skip, counts, |p, inverse| microfacets.value(p * inverse.sqrt()))
-    } else {
-        let half = 0.5 * lobe.exponent.min(narrowest(mask));
-        let cosine = lobe.factor > 0.0;
-        shown_sums(mask, shown, skip, counts, |p, inverse| {
-            let along = axis.dot(p);
-            let value = exp(half * ln_1p(along * along * inverse - 1.0));
-            let value = if along > 0.0 { value } else { 0.0 };
-            if cosine { value * normal.dot(p) * inverse.sqrt() } else { value }
-        })
+    let normal = square.local(at.normal);
+    let sums = match lobe {
+        BrdfLobe::Cosine(lobe) if is_lambert(at, lobe) => {
+            shown_sums(mask, shown, skip, counts, |p, inverse| normal.dot(p) * inverse.sqrt())
+        }
+        BrdfLobe::Cosine(lobe) => {
+            let axis = square.local(lobe.axis);
+            let half = 0.5 * lobe.exponent.min(narrowest(mask));
+            let cosine = lobe.has_cosine;
+            shown_sums(mask, shown, skip, counts, |p, inverse| {
+                let along = axis.dot(p);
+                let value = exp(half * ln_1p(along * along * inverse - 1.0));
+                let value = if along > 0.0 { value } else { 0.0 };
+                if cosine { value * normal.dot(p) * inverse.sqrt() } else { value }
+            })
+        }
+        BrdfLobe::Microfacets(facets) => {
+            let microfacets = Microfacets { view: square.local(facets.view), ..*facets }.at(normal);
+            shown_sums(mask, shown, skip, counts, |p, inverse| microfacets.value(p * inverse.sqrt()))
+        }
     };
     sums.map(|sums| sums * (mask.cell().element_product() * mask.side() as f32 / mask.width() as f32))
 }
@@ -289,7 +293,7 @@ fn glossy<S: Simd, const B: usize>(
     lobe: &Lobe,
 ) -> Sums {
     let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
-    let cosine = lobe.factor > 0.0;
+    let cosine = lobe.has_cosine;
     let e = lobe.exponent.min(narrowest(mask));
     let m = e + 3.0;
     // The peak: the point of the light next to the lobe's axis.

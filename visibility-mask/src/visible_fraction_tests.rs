@@ -1,8 +1,8 @@
 use super::*;
 use core::slice;
 use glam::DVec3;
+use lobe_core::Cone;
 use lobe_core::oracle::Random;
-use lobe_core::{Cone, OWN_NONE};
 
 fn share_at(level: Level, mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
     sums_at(level, mask, mask.square(), at, lobe, &mut Counts::default()).ratio(slice::from_ref(mask))
@@ -22,7 +22,7 @@ fn exact(mask: &Mask, at: &Receiver, lobe: &Lobe) -> Option<(f64, f64)> {
             let p: DVec3 = right * x + up * y + toward;
             let v = p.normalize();
             let along = lobe.axis.as_dvec3().dot(v).max(0.0);
-            let cosine = if lobe.factor > 0.0 { at.normal.as_dvec3().dot(v) } else { 1.0 };
+            let cosine = if lobe.has_cosine { at.normal.as_dvec3().dot(v) } else { 1.0 };
             let w = along.powf(f64::from(lobe.exponent)) * cosine.max(0.0) / p.length().powi(3);
             all += w;
             let k = k as usize;
@@ -47,7 +47,7 @@ fn shares_do_not_depend_on_the_registers() {
         let axis = random.axis();
         let (tilt, aside) = (random.between(0.0, 1.6), theta * random.uniform());
         let normal = random.axis_at(axis, tilt).as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
         let off = random.axis_at(axis, aside).as_vec3().normalize();
         let lobe = match case % 3 {
             0 => Lobe::new(normal, 1.0, Vec3::ONE),
@@ -86,7 +86,7 @@ fn shares_are_the_sums_over_samples() {
                 let quarter = core::f64::consts::FRAC_PI_2;
                 let tilt = random.between(0.0, if case % 3 == 0 { quarter } else { (quarter - theta).max(0.0) });
                 let normal = random.axis_at(axis, tilt).as_vec3().normalize();
-                let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+                let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
                 let off = random.between(0.0, (theta + 2.0 / f64::sqrt(exponent)).min(1.5));
                 let lobe = Lobe::new(random.axis_at(axis, off).as_vec3().normalize(), exponent as f32, Vec3::ONE);
                 let lobe = match case % 2 {

@@ -2,7 +2,7 @@ use crate::counts::Counts;
 use crate::visible_fraction::{Shown, Sums, image_sums, microfacet_sums, sums};
 use crate::{Fineness, Mask, UnitSquare};
 use glam::{UVec2, Vec3};
-use lobe_core::{Coverage, LightImage, Lobe, Outline, Receiver};
+use lobe_core::{BrdfLobe, Coverage, LightImage, Lobe, Microfacets, Outline, Receiver};
 
 /// The masks of a window: one, or several side by side where the tolerance wants more samples than one has.
 #[derive(Clone, Debug, Default)]
@@ -75,17 +75,17 @@ pub(crate) fn microfacet_fractions(
     whole: &WindowMasks,
     near: Option<&WindowMasks>,
     at: &Receiver,
-    lobe: &Lobe,
+    facets: &Microfacets,
     counts: [&mut Counts; 2],
 ) -> [f32; 2] {
     let [whole_counts, near_counts] = counts;
     let mut total = [Sums::default(); 2];
     let mut add = |sums: [Sums; 2]| total = [total[0] + sums[0], total[1] + sums[1]];
     for mask in whole.masks() {
-        add(microfacet_sums(mask, at, lobe, near.map(WindowMasks::window), whole_counts));
+        add(microfacet_sums(mask, at, facets, near.map(WindowMasks::window), whole_counts));
     }
     for mask in near.map(WindowMasks::masks).unwrap_or_default() {
-        add(microfacet_sums(mask, at, lobe, None, near_counts));
+        add(microfacet_sums(mask, at, facets, None, near_counts));
     }
     total.map(|sums| sums.ratio(whole.masks()))
 }
@@ -95,7 +95,7 @@ pub(crate) fn image_fractions(
     whole: &WindowMasks,
     near: Option<&WindowMasks>,
     at: &Receiver,
-    lobe: &Lobe,
+    lobe: &BrdfLobe,
     (image, outline): (&LightImage, &Outline),
     counts: &mut Counts,
 ) -> Vec3 {
@@ -115,8 +115,8 @@ pub(crate) fn image_fractions(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lobe_core::Cone;
     use lobe_core::oracle::Random;
-    use lobe_core::{Cone, OWN_NONE};
 
     /// A straight edge across a light that lobes of all widths see: the fraction through many masks is that through one mask, but for
     /// the samples of each.
@@ -129,7 +129,7 @@ mod tests {
             let axis = random.axis();
             let tilt = random.between(0.0, 1.5);
             let normal = random.axis_at(axis, tilt).as_vec3().normalize();
-            let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+            let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
             let aside = theta * random.between(0.0, 1.2);
             let exponent = random.log_uniform(1.0, 1e5) as f32;
             let lobe = match case % 3 {

@@ -153,7 +153,7 @@ impl Blockers for Balls {
 
 #[test]
 fn a_strategy_of_questions_conforms() {
-    let subject = |s: &Setting<'_>| MaskVisibility::new(Balls(s.balls.to_vec()));
+    let subject = |s: &Setting<'_>| MaskVisibility::new(Balls(s.spheres.to_vec()));
     let limits = Limits { several_mean: 0.001, several: 0.01, turn: 0.005, jump: 0.0035, ..Limits::default() };
     let measured = check(&subject, &limits).unwrap_or_else(|e| panic!("{e}"));
     println!("{measured:?}");

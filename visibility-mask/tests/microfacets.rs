@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::{CapMicrofacets, Random};
 use lobe_core::{
-    Accuracy, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility, Lobe, LobeBuffer,
-    OWN_NONE, Receiver, SeenLight, Visibility, VisibilityQuery, orthonormal_basis,
+    Accuracy, BrdfLobe, Cone, Coverage, FractionIntegrator, Integrator, Interaction, LightId, LightVisibility,
+    Microfacets, Receiver, SeenLight, Visibility, VisibilityQuery, orthonormal_basis,
 };
 use visibility_mask::{Blockers, Edges, Mask, MaskVisibility};
 
@@ -69,17 +69,14 @@ impl Case {
     /// The visible fraction of both lobes, by masks.
     fn seen(&self, tolerance: f32) -> f64 {
         let view = self.view.as_vec3();
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
         let one_minus_cos = (2.0 * (0.5 * self.half_angle).sin().powi(2)) as f32;
         let cone = Cone { axis: self.axis.as_vec3().normalize(), one_minus_cos, distance: f32::INFINITY };
         let strategy = MaskVisibility::new(Edge { hidden: self.hidden.as_vec3() });
         let (accuracy, mut scratch) = (Accuracy::new(tolerance), strategy.scratch());
-        let mut lobes = LobeBuffer::default();
-        let mut writer = lobes.writer_of(true);
-        let both = Lobe::microfacets(view, self.alpha as f32, [Vec3::splat(0.8), Vec3::ONE]);
-        writer.extend(both);
+        let both = Microfacets::new(view, self.alpha as f32, [Vec3::splat(0.8), Vec3::ONE]).map(BrdfLobe::Microfacets);
         let light = SeenLight::of_cone(cone, Vec3::ONE);
-        let call = Interaction { at: &at, brdf: lobes.lobes(), light: &light, threshold: 0.0 };
+        let call = Interaction { at: &at, brdf: &both, light: &light, threshold: 0.0 };
         let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
         let lit = FractionIntegrator.radiance(&call, &mut visit, &mut (), &mut ());
         f64::from(lit.radiance.x / lit.unshadowed.x)

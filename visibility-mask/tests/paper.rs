@@ -5,8 +5,7 @@ use lobe_core::oracle::Random;
 use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{
     Accuracy, Cone, Contribution, Coverage, FractionIntegrator, Integrator, Interaction, LightCoverage, LightId,
-    LightVisibility, Lobe, LobeBuffer, OWN_NONE, Observer, Receiver, SeenLight, Visibility, VisibilityQuery,
-    VisibilitySum,
+    LightVisibility, Lobe, Observer, Receiver, SeenLight, Visibility, VisibilityQuery, VisibilitySum,
 };
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -89,7 +88,7 @@ impl Blockers for &Shapes {
 }
 
 fn receiver(normal: Vec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, normal, normal)
 }
 
 fn cone(axis: Vec3, theta: f64) -> Cone {
@@ -109,13 +108,12 @@ fn shade<V: Visibility, I: Integrator<V>>(
     f: Lobe,
     cone: &Cone,
 ) -> Contribution {
-    let mut brdf = LobeBuffer::default();
-    brdf.writer().push(f);
+    let brdf = [f.into()];
     let light = SeenLight::of_cone(*cone, Vec3::ONE);
     let accuracy = Accuracy { tolerance: 0.003, depth };
     let mut scratch = visibility.scratch();
     let mut visit = LightVisibility::alone(visibility, LightId(0), accuracy, &mut scratch);
-    let call = Interaction { at, brdf: brdf.lobes(), light: &light, threshold: 0.0 };
+    let call = Interaction { at, brdf: &brdf, light: &light, threshold: 0.0 };
     integrator.radiance(&call, &mut visit, &mut I::Scratch::default(), &mut ())
 }
 
@@ -445,15 +443,14 @@ fn threshold_drops_visibility_products() {
     shapes.discs.push((DVec2::new(0.03, 0.02), 0.04));
     let strategy = PaperVisibility::new(&shapes, tables());
     let accuracy = Accuracy { tolerance: 0.003, depth: 5 };
-    let mut brdf = LobeBuffer::default();
-    brdf.writer().push(Lobe::new(Vec3::Z, 1.0, Vec3::ONE));
+    let brdf = [Lobe::new(Vec3::Z, 1.0, Vec3::ONE).into()];
     let light = SeenLight::of_cone(cone, Vec3::ONE);
     let (mut scratch, mut sum) = (strategy.scratch(), VisibilitySum::default());
     let mut before = (0, 0.0);
     for threshold in [0.0, 1e-5, 3e-5, 1e-4, 1e-3] {
         let mut observer = Pruned::default();
         let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
-        let call = Interaction { at: &at, brdf: brdf.lobes(), light: &light, threshold };
+        let call = Interaction { at: &at, brdf: &brdf, light: &light, threshold };
         let lit = PaperIntegrator { tables: tables() }.radiance(&call, &mut visit, &mut sum, &mut observer);
         println!("{threshold} {} of {} {}", observer.0, sum.lobes.lobes().len(), lit.radiance.x);
         // Each lost lobe is less shadow, by less than the threshold.

@@ -1,6 +1,6 @@
 use core::sync::atomic::{AtomicU64, Ordering};
 use glam::Vec3;
-use lobe_core::{Cone, Coverage, OWN_NONE, Shaft, VisibilityQuery};
+use lobe_core::{Cone, Coverage, NO_OBJECT, Shaft, VisibilityQuery};
 use ray_tracing::{Primitive, Region, World};
 use visibility_mask::{Blockers, Contour, Edges, Mask, facet_coverage};
 
@@ -114,7 +114,7 @@ impl Blockers for RayBlockers<'_> {
             return Coverage::Lit;
         }
         let (at, cone) = (query.at, query.cone);
-        let has_own = at.object != OWN_NONE && self.has(at.object);
+        let has_own = at.object != NO_OBJECT && self.has(at.object);
         let facet = if has_own { facet_coverage(at, cone) } else { Coverage::Lit };
         if facet == Coverage::Dark {
             return Coverage::Dark;

@@ -3,15 +3,15 @@
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::Vec3;
-use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, LightId, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
 use std::hint::black_box;
 use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 4.6, 0.5), radius: 0.5 };
 
-/// A ball of triangles over the floor.
-fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+/// A sphere of triangles over the floor.
+fn sphere() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     const N: u32 = 32;
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for j in 0..=N {
@@ -31,10 +31,10 @@ fn ball() -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 fn maps(c: &mut Criterion) {
-    let (positions, triangles) = ball();
+    let (positions, triangles) = sphere();
     let receivers = ReceiverBounds { min: Vec3::new(-2.0, -0.01, -2.0), max: Vec3::new(2.0, 0.01, 2.0) };
     let position = Vec3::new(-0.55, 0.0, -0.1);
-    let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+    let at = Receiver::on_surface(position, Vec3::Y, Vec3::Y);
     let cone = Cone::of_sphere(position, LIGHT);
     let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.005));
     let mut group = c.benchmark_group("shadow_map");

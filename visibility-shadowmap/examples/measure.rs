@@ -185,7 +185,7 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
         .map(|k| {
             let at = |k: usize| (k as f32 + 0.5) / side as f32 * 2.0 - 1.0;
             let position = Vec3::new(shadow.x + at(k % side) * diagonal, floor, shadow.z + at(k / side) * diagonal);
-            Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 }
+            Receiver::on_surface(position, Vec3::Y, Vec3::Y).on_object(0)
         })
         .collect();
     let area = |t: &[u32; 3]| {
@@ -207,7 +207,7 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                 (u, v) = (1.0 - u, 1.0 - v);
             }
             let normal = area(&t).normalize();
-            Receiver { position: a + (b - a) * u + (c - a) * v, normal, face: normal, view: normal, object: 0 }
+            Receiver::on_surface(a + (b - a) * u + (c - a) * v, normal, normal).on_object(0)
         })
         .collect();
 
@@ -257,8 +257,8 @@ fn measure(mesh: &Mesh, resolutions: &[u32]) {
                     let (mut lit, mut pen, mut quads, mut time) = ((0, 0), (0, 0), 0, 0.0);
                     for (at, truth, contact) in &chosen {
                         let cone = Cone::of_sphere(at.position, light);
-                        let ball = Sphere { center: at.position, radius: 0.0 };
-                        blockers.enter(&Shaft::new(ball, light, LightId(0)), &mut scratch);
+                        let sphere = Sphere { center: at.position, radius: 0.0 };
+                        blockers.enter(&Shaft::new(sphere, light, LightId(0)), &mut scratch);
                         let query = VisibilityQuery::new(at, LightId(0), &cone, Accuracy::new(0.003));
                         let before = scratch.counts();
                         let mut run = |scratch: &mut ShadowMapScratch| {

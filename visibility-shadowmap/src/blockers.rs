@@ -26,11 +26,11 @@ const FRONTIER: usize = 48;
 /// the depths of one differ by what would move it by more than a quarter of a cell is it looked into, as next to the light.
 ///
 /// An outline is where the light's centre sees it. Next to a light that touches an object, or overlaps it, other parts of
-/// the light see round it, between the layers: there a ball's penumbra errs by 0.6 %, up to 4 % where a sixth of it is
+/// the light see round it, between the layers: there a sphere's penumbra errs by 0.6 %, up to 4 % where a sixth of it is
 /// such an outline.
 ///
 /// # Several lights
-/// One map for each, which must have been built for its ball. A light without a map is not shadowed.
+/// One map for each, which must have been built for its sphere. A light without a map is not shadowed.
 ///
 /// # Cost
 /// It follows the mask once the light is some 150 texels wide, five a cell; before that the texels, of which there are more

@@ -10,7 +10,7 @@ pub(crate) const EMPTY: f32 = f32::NEG_INFINITY;
 /// optimum.
 const KAPPA: f32 = 4.0;
 
-/// Two steps in a line are of one steep surface when they differ by less than this factor: the last two before a ball's
+/// Two steps in a line are of one steep surface when they differ by less than this factor: the last two before a sphere's
 /// outline do by 2.41 at most.
 const LIKE: f32 = 2.5;
 

@@ -17,7 +17,7 @@
 //! let visibility = MaskVisibility::new(ShadowMapBlockers::new(vec![map]));
 //! let mut scratch = visibility.scratch();
 //! let mut coverage = |position: Vec3| {
-//!     let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 0 };
+//!     let at = Receiver::on_surface(position, Vec3::Y, Vec3::Y).on_object(0);
 //!     let cone = Cone::of_sphere(position, light);
 //!     visibility.coverage(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch)
 //! };

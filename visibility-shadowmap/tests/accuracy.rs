@@ -110,13 +110,13 @@ fn fence_on_itself() {
 }
 
 #[test]
-fn ball_with_smooth_normals() {
-    let ball = Mesh::default().sphere(Vec3::new(0.0, 0.7, 0.0), 0.5, 24);
+fn sphere_with_smooth_normals() {
+    let sphere = Mesh::default().sphere(Vec3::new(0.0, 0.7, 0.0), 0.5, 24);
     let receivers = floor(Vec3::new(-0.3, 0.0, -0.2), 1.0, 20);
-    Errors::of(&ball, &receivers, LIGHT, &options(512)).below("ball, floor", 0.5, 0.1, 0.02);
+    Errors::of(&sphere, &receivers, LIGHT, &options(512)).below("ball, floor", 0.5, 0.1, 0.02);
     // Lit skin stays lit, by the facets' normals and by the sphere's own.
     for smooth in [false, true] {
-        let mut receivers = on(&ball, LIGHT, 600);
+        let mut receivers = on(&sphere, LIGHT, 600);
         if smooth {
             for at in &mut receivers {
                 at.normal = (at.position - Vec3::new(0.0, 0.7, 0.0)).normalize();
@@ -124,7 +124,7 @@ fn ball_with_smooth_normals() {
             receivers.retain(|at| at.normal.dot((LIGHT.center - at.position).normalize()) > 0.3);
         }
         for resolution in [64, 256, 1024] {
-            let [_, _, lit] = Errors::of(&ball, &receivers, LIGHT, &options(resolution)).means();
+            let [_, _, lit] = Errors::of(&sphere, &receivers, LIGHT, &options(resolution)).means();
             println!("ball, self, smooth {smooth}, {resolution}: lit darkened by {lit:.3} %");
             assert!(lit <= 0.1, "{lit}");
         }
@@ -133,10 +133,10 @@ fn ball_with_smooth_normals() {
 
 #[test]
 fn error_falls_with_resolution() {
-    let ball = Mesh::default().sphere(Vec3::new(0.0, 0.7, 0.0), 0.5, 24);
+    let sphere = Mesh::default().sphere(Vec3::new(0.0, 0.7, 0.0), 0.5, 24);
     let receivers = floor(Vec3::new(-0.3, 0.0, -0.2), 1.0, 18);
     let errors: Vec<f64> =
-        [32, 64, 128, 512].map(|r| Errors::of(&ball, &receivers, LIGHT, &options(r)).means()[0]).to_vec();
+        [32, 64, 128, 512].map(|r| Errors::of(&sphere, &receivers, LIGHT, &options(r)).means()[0]).to_vec();
     println!("{errors:?}");
     assert!(errors.windows(2).all(|e| e[1] < e[0]), "{errors:?}");
 }
@@ -160,7 +160,7 @@ fn glossy_lobes_see_what_they_look_at() {
             let cone = Cone::of_sphere(at.position, LIGHT);
             let off = random.between(0.0, 0.8) * f64::from(cone.tan());
             let axis = random.axis_at(cone.axis.as_dvec3(), off).as_vec3().normalize();
-            let lobe = Lobe { exponent, flux: Vec3::ONE, axis, factor: 0.0 };
+            let lobe = Lobe { exponent, flux: Vec3::ONE, axis, has_cosine: false };
             let truth = mesh.seen_by(&at, LIGHT, 64, |v| {
                 // The square's area as solid angle.
                 axis.as_dvec3().dot(v).powf(f64::from(exponent)) * cone.axis.as_dvec3().dot(v).powi(3)
@@ -249,8 +249,8 @@ fn light_between_two_objects() {
 }
 
 #[test]
-fn light_that_touches_a_ball() {
-    // Next to the light a texel's width of the ball has very different depths.
+fn light_that_touches_a_sphere() {
+    // Next to the light a texel's width of the sphere has very different depths.
     let light = Sphere { center: Vec3::new(0.45, 1.25, 0.0), radius: 0.45 };
     let mesh = Mesh::default().sphere(Vec3::Y * 0.6, 0.4, 24);
     let errors = Errors::of(&mesh, &floor(Vec3::new(-0.8, 0.0, 0.0), 1.6, 16), light, &options(256));

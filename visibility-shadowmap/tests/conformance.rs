@@ -6,14 +6,14 @@ use lobe_core::{DynVisibility, Sphere};
 use visibility_mask::MaskVisibility;
 use visibility_shadowmap::{MapOptions, ReceiverBounds, ShadowMap, ShadowMapBlockers};
 
-/// Corners around a rim: the chord of the largest ball (1.5 rad) is off its rim by 0.1 % of the smallest light (0.005).
+/// Corners around a rim: the chord of the largest sphere (1.5 rad) is off its rim by 0.1 % of the smallest light (0.005).
 const CORNERS: u32 = 1024;
 
-/// A closed double cone that hides from `eye` just what the ball does: its rim is the circle in which tangents from there
-/// touch the ball, its tips are the ball's nearest and farthest points. The rim's polygon has the circle's area.
-fn add(ball: &Sphere, eye: Vec3, positions: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
-    let to = (ball.center - eye).as_dvec3();
-    let (distance, radius) = (to.length(), f64::from(ball.radius));
+/// A closed double cone that hides from `eye` just what the sphere does: its rim is the circle in which tangents from there
+/// touch the sphere, its tips are the sphere's nearest and farthest points. The rim's polygon has the circle's area.
+fn add(sphere: &Sphere, eye: Vec3, positions: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
+    let to = (sphere.center - eye).as_dvec3();
+    let (distance, radius) = (to.length(), f64::from(sphere.radius));
     if radius <= 0.0 || distance <= radius {
         return;
     }
@@ -37,10 +37,10 @@ fn add(ball: &Sphere, eye: Vec3, positions: &mut Vec<Vec3>, triangles: &mut Vec<
     }
 }
 
-/// A map of the balls, fitted to what may shadow the receiver.
+/// A map of the spheres, fitted to what may shadow the receiver.
 fn blockers(setting: &Setting<'_>, resolution: u32) -> ShadowMapBlockers {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    setting.balls.iter().for_each(|ball| add(ball, setting.receiver, &mut positions, &mut triangles));
+    setting.spheres.iter().for_each(|sphere| add(sphere, setting.receiver, &mut positions, &mut triangles));
     let receivers = Some(ReceiverBounds { min: setting.receiver - 1e-3, max: setting.receiver + 1e-3 });
     let options = MapOptions { resolution, receivers, ..MapOptions::default() };
     let map = ShadowMap::build(&positions, &triangles, setting.light, &options).expect("finite balls");
@@ -53,7 +53,7 @@ fn limits() -> Limits {
         // Along the horizon the texel's own rounding does not block: next to nothing of the radiance comes from there.
         cover: 1e-3,
         overlap_mean: 0.001,
-        // A lobe of exponent 500 sees a tenth of the widest light, that is 15 texels; the smallest balls are five texels wide.
+        // A lobe of exponent 500 sees a tenth of the widest light, that is 15 texels; the smallest spheres are five texels wide.
         several_mean: 0.013,
         several: 0.06,
         // Its texels lie elsewhere where everything is turned, but not after a small move.

@@ -29,7 +29,7 @@ fn work(mesh: &Mesh, resolution: u32) -> [f64; 2] {
 
 #[test]
 fn a_finer_map_is_no_more_work() {
-    // Balls, outlines and depth steps: in front of each other and of a block, as the light sees them.
+    // Spheres, outlines and depth steps: in front of each other and of a block, as the light sees them.
     let mut mesh = Mesh::default().cuboid(Vec3::new(-0.5, 0.4, -0.5), Vec3::new(0.5, 0.6, 0.5));
     for (x, y, z) in [(-0.3, 1.0, 0.1), (0.2, 1.2, 0.3), (0.1, 1.1, -0.3), (-0.2, 1.3, -0.1)] {
         mesh = mesh.sphere(Vec3::new(x, y, z), 0.25, 24);

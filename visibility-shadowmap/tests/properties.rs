@@ -123,9 +123,9 @@ fn full_cover_is_exactly_dark() {
         }
     }
     // Tilted, curved, and tessellated: no cracks.
-    let ball = Mesh::default().sphere(Vec3::new(0.0, 2.0, 0.0), 1.5, 40);
+    let sphere = Mesh::default().sphere(Vec3::new(0.0, 2.0, 0.0), 1.5, 40);
     for resolution in [32, 128, 512, 2048] {
-        let blockers = blockers(&ball, LIGHT, resolution);
+        let blockers = blockers(&sphere, LIGHT, resolution);
         let mut scratch = blockers.scratch();
         for at in floor_points(100, 0.8, 5) {
             assert_eq!(share(&blockers, &mut scratch, &at, LIGHT), 0.0, "{at:?} {resolution}");
@@ -338,10 +338,10 @@ fn groups_scratch_and_dispatch_change_no_bit() {
     for (k, at) in floor_points(150, 1.2, 14).iter().enumerate() {
         let (light, id) = (lights[k % 2], LightId(k as u32 % 2));
         let lobe = if k % 3 == 0 {
-            Lobe { exponent: 1.0, flux: Vec3::ONE, axis: Vec3::Y, factor: 0.0 }
+            Lobe { exponent: 1.0, flux: Vec3::ONE, axis: Vec3::Y, has_cosine: false }
         } else {
             let axis = (light.center - at.position).normalize();
-            Lobe { exponent: [20.0, 2000.0][k % 2], flux: Vec3::ONE, axis, factor: 0.0 }
+            Lobe { exponent: [20.0, 2000.0][k % 2], flux: Vec3::ONE, axis, has_cosine: false }
         };
         let radius = [0.0, 0.2, 2.0][k % 3];
         let shaft = Shaft::new(Sphere { center: at.position + Vec3::X * radius * 0.9, radius }, light, id);
@@ -358,7 +358,7 @@ fn groups_scratch_and_dispatch_change_no_bit() {
     let other = Sphere { center: Vec3::new(0.0, 3.0, 9.0), radius: 0.5 };
     let at = receiver(Vec3::new(0.0, 0.0, -0.5), Vec3::Y);
     let shaft = Shaft::new(Sphere { center: at.position, radius: 0.1 }, other, LightId(2));
-    let lobe = Lobe { exponent: 1.0, flux: Vec3::ONE, axis: Vec3::Y, factor: 0.0 };
+    let lobe = Lobe { exponent: 1.0, flux: Vec3::ONE, axis: Vec3::Y, has_cosine: false };
     let visit = LightVisibility::enter(&strategy, &shaft, ACCURACY, &mut old);
     assert_eq!(fraction(visit, &at, other, &lobe), 1.0);
 }

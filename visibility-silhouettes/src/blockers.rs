@@ -283,7 +283,7 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             // Nobody said where receivers are.
             let seen = query.outline.map_or_else(
                 || Sphere { center: cone.axis * cone.distance, radius: cone.distance * cone.sin_sq().sqrt() },
-                Outline::ball,
+                Outline::sphere,
             );
             let light = Sphere { center: at.position + seen.center, ..seen };
             self.list(&Shaft::new(Sphere { center: at.position, radius: 0.0 }, light, query.light), scratch);

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Rays, Soup, ball};
 use glam::Vec3;
-use lobe_core::{Accuracy, Cone, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Shaft, Sphere, Visibility};
+use lobe_core::{Accuracy, Cone, LightId, LightVisibility, Lobe, Receiver, Shaft, Sphere, Visibility};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
@@ -24,13 +24,7 @@ fn body() -> Soup {
 
 /// Receivers on the ground, in groups of neighbours.
 fn ground() -> Vec<Vec<Receiver>> {
-    let at = |x: f32, z: f32| Receiver {
-        position: Vec3::new(x, -0.1, z),
-        normal: Vec3::Y,
-        face: Vec3::Y,
-        view: Vec3::Y,
-        object: OWN_NONE,
-    };
+    let at = |x: f32, z: f32| Receiver::on_surface(Vec3::new(x, -0.1, z), Vec3::Y, Vec3::Y);
     let group = |i: i32| {
         let (x, z) = ((i % 14) as f32 * 0.35 - 3.4, (i / 14) as f32 * 0.35 - 2.6);
         (0..4).map(|k| at(x + 0.04 * (k % 2) as f32, z + 0.04 * (k / 2) as f32)).collect()

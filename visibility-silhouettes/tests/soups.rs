@@ -5,7 +5,7 @@ mod common;
 use common::{Rays, Soup, ball, cuboid, turn};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Cone, Coverage, LightId, OWN_NONE, Receiver, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, VisibilityQuery};
 use visibility_mask::{Blockers, Raster, UnitSquare, hooks};
 use visibility_silhouettes::{AnyHit, SilhouetteBlockers, SilhouetteMesh};
 
@@ -121,7 +121,7 @@ fn compare(case: usize, random: &mut Random) -> Option<([u32; 3], bool)> {
         }
         _ => vec(random, 1.0) - Vec3::Y * random.between(0.0, 3.0) as f32,
     };
-    let at = Receiver { position, normal, face: normal, view: normal, object: OWN_NONE };
+    let at = Receiver::on_surface(position, normal, normal);
     let cone = Cone::of_sphere(position, light);
     if cone.one_minus_cos > 0.9 {
         return None;
@@ -231,7 +231,7 @@ fn masks_do_not_depend_on_the_hierarchy() {
         assert!(kept[0].refit(&new.positions));
         let light = Sphere { center: Vec3::new(0.0, 3.0, 0.0), radius: random.log_uniform(0.05, 1.5) as f32 };
         let position = vec(&mut random, 0.6) - Vec3::Y * 1.5;
-        let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+        let at = Receiver::on_surface(position, Vec3::Y, Vec3::Y);
         let cone = Cone::of_sphere(position, light);
         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         let [a, b] = [&fresh, &kept].map(|meshes| {
@@ -266,7 +266,7 @@ fn what_was_flat_may_grow() {
     let light = Sphere { center: Vec3::new(0.0, 3.0, 0.0), radius: 0.8 };
     let at = |x: f32| {
         let position = Vec3::new(x, -1.0, 0.1);
-        Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+        Receiver::on_surface(position, Vec3::Y, Vec3::Y)
     };
     let look = |meshes: &[SilhouetteMesh; 1], soup: &Soup| -> Vec<_> {
         let blockers = SilhouetteBlockers::new(meshes, Rays(soup));
@@ -314,7 +314,7 @@ fn masks_do_not_depend_on_the_group() {
             let (x, z) = (k % 8, k / 8 % 8);
             let step = if x > 4 { 2.0 } else { 0.0 };
             let offset = Vec3::new(x as f32 / 8.0, step, z as f32 / 8.0) * spread as f32;
-            Receiver { position: middle + offset, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE }
+            Receiver::on_surface(middle + offset, Vec3::Y, Vec3::Y)
         };
         let receivers: Vec<_> = (0..64).map(at).collect();
         let reach = receivers.iter().map(|r| r.position.distance(middle)).fold(0.0, f32::max);

@@ -3,14 +3,14 @@
 use core::time::Duration;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use lobe_core::{Accuracy, Cone, LightId, OWN_NONE, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, LightId, Receiver, Shaft, Sphere, Visibility, VisibilityQuery};
 use std::hint::black_box;
 use visibility_mask::{Blockers, MaskVisibility};
 use visibility_spheres::SphereBlockers;
 
 const LIGHT: Sphere = Sphere { center: Vec3::new(1.0, 4.6, 0.5), radius: 0.5 };
 
-/// A ball of spheres over the floor, of the same coverage for every count.
+/// A sphere of spheres over the floor, of the same coverage for every count.
 fn blob(count: usize) -> Vec<Sphere> {
     let radius = 0.7 * (count as f32).powf(-1.0 / 3.0);
     let one = |i: usize| {
@@ -41,7 +41,7 @@ fn hierarchy(c: &mut Criterion) {
 /// A group of points in the shadow, and one of them: its mask at depth 5.
 fn point(c: &mut Criterion) {
     let (mut culling, position) = (c.benchmark_group("sphere_stages"), Vec3::new(-0.55, 0.0, -0.1));
-    let at = Receiver { position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+    let at = Receiver::on_surface(position, Vec3::Y, Vec3::Y);
     let cone = Cone::of_sphere(position, LIGHT);
     let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.005));
     let shaft = Shaft::new(Sphere { center: position, radius: 0.06 }, LIGHT, LightId(0));

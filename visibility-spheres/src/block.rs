@@ -23,7 +23,7 @@ impl Block {
         Sphere { center: Vec3::new(self.x[lane], self.y[lane], self.z[lane]), radius: self.radius[lane] }
     }
 
-    /// A ball around the first `count` spheres: about the middle of their box.
+    /// A sphere around the first `count` spheres: about the middle of their box.
     pub(crate) fn bounds(&self, count: usize) -> Sphere {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for lane in 0..count {
@@ -93,7 +93,7 @@ pub(crate) fn bits(flags: [bool; LANES]) -> u32 {
 pub(crate) struct Candidates {
     pub(crate) spheres: Block,
     pub(crate) object: [u32; LANES],
-    /// From the sphere's centre to that of its near ball, and that ball's radius.
+    /// From the sphere's centre to that of its near sphere, and that sphere's radius.
     pub(crate) offset: [[f32; LANES]; 3],
     pub(crate) own_radius: [f32; LANES],
     pub(crate) tau: [f32; LANES],

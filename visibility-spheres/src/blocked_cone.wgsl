@@ -3,11 +3,11 @@ struct BlockedCone {
     // From the receiver to the sphere's centre.
     to: vec3f,
     radius: f32,
-    // Radius of the ball about the same centre whose tangent cone it is: d sin β.
+    // Radius of the sphere about the same centre whose tangent cone it is: d sin β.
     tangent_radius: f32,
     // cos β of the half-angle.
     cos: f32,
-    // Ball and light intersect.
+    // Sphere and light intersect.
     meets_light: bool,
     // Nothing is blocked.
     empty: bool,

@@ -8,8 +8,8 @@ use lobe_core::VisibilityQuery;
 /// Relative to distances; f32 rounds the terms of the cheap question by some 1e-7.
 const SLACK: f32 = 4e-6;
 
-/// The light of a query as a ball.
-pub(crate) struct LightBall {
+/// The light of a query as a sphere.
+pub(crate) struct LightSphere {
     at: Vec3,
     axis: Vec3,
     sin: f32,
@@ -87,7 +87,7 @@ fn beside<S: Simd>(to: [f32x8<S>; 3], u: Vec3) -> (f32x8<S>, f32x8<S>) {
     (along, x * x + y * y + z * z)
 }
 
-impl LightBall {
+impl LightSphere {
     pub(crate) fn new(query: &VisibilityQuery<'_>, culls: bool) -> Self {
         let cone = query.cone;
         let (sin, cos) = (cone.sin_sq().sqrt(), cone.cos());

@@ -1,5 +1,5 @@
 use crate::block::{Candidates, LANES};
-use crate::blocked_cones::LightBall;
+use crate::blocked_cones::LightSphere;
 use crate::cone_list::ConeList;
 use crate::ellipse::LANE;
 use crate::shaft::ShaftTest;
@@ -7,7 +7,7 @@ use crate::sphere_tree::SphereTree;
 use crate::splat::Front;
 use fearless_simd::{Level, Simd, dispatch, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
-use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Cone, Coverage, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 
 /// Spheres that block light, as the `spheres` strategy sees them: wrap it in
@@ -19,8 +19,8 @@ use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
 /// it farther than τ from the receiver*. The blocked directions are again a cone about the sphere's centre, with `d` the
 /// distance of the centre and `k = d² − r²`: the tangent cone if `k > 0` and `τ² ≤ k`, else `cos β = (τ² + k)/(2τd)`, and
 /// it is continuous as the receiver moves through the sphere's surface. τ is one length for an object or, better, one for
-/// each sphere, together with a smaller ball inside it for the object's own receivers
-/// ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. That ball becomes the
+/// each sphere, together with a smaller sphere inside it for the object's own receivers
+/// ([`with_self_shadows`](Self::with_self_shadows)): both are fitted to the mesh when a set is built. That sphere becomes the
 /// whole one as the receiver goes away ([`SelfShadow::seen`]), since what is far away sees a silhouette, which the spheres
 /// were placed for. Spheres of other objects are whole and have τ = 0: what contains the receiver hides everything from it.
 ///
@@ -68,7 +68,7 @@ impl SphereBlockers {
 
     fn find_casters(&mut self) {
         self.casters.clear();
-        self.casters.extend(self.tree.order().iter().map(|i| self.objects[*i as usize]).filter(|o| *o != OWN_NONE));
+        self.casters.extend(self.tree.order().iter().map(|i| self.objects[*i as usize]).filter(|o| *o != NO_OBJECT));
         self.casters.sort_unstable();
         self.casters.dedup();
     }
@@ -80,7 +80,7 @@ impl SphereBlockers {
     #[must_use]
     pub fn with_self_shadows(mut self, self_shadows: &[SelfShadow]) -> Self {
         assert!(self_shadows.is_empty() || self_shadows.len() == self.spheres.len(), "one for each sphere");
-        // A ball that reached out of its sphere would reach out of what the hierarchy bounds.
+        // A sphere that reached out of its sphere would reach out of what the hierarchy bounds.
         self.self_shadows = self_shadows.iter().map(|own| own.sound()).collect();
         self
     }
@@ -160,7 +160,7 @@ impl SphereBlockers {
     /// # Panics
     /// When there is no such sphere.
     #[must_use]
-    pub fn own_law(&self, index: usize) -> (SelfShadow, f32) {
+    pub fn self_shadow(&self, index: usize) -> (SelfShadow, f32) {
         match self.self_shadows.get(index) {
             Some(own) => (*own, 0.0),
             None => (SelfShadow::whole(0.0), self.own(index).1),
@@ -290,7 +290,7 @@ impl Blockers for SphereBlockers {
 /// Asks all candidates, and keeps those that hide something.
 #[inline(always)]
 fn select_all<S: Simd>(simd: S, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, culls: bool) -> Coverage {
-    let (light, object) = (LightBall::new(query, culls), query.at.object);
+    let (light, object) = (LightSphere::new(query, culls), query.at.object);
     scratch.cones.clear(scratch.candidates.len());
     // What hides all of a receiver's light mostly does so to its neighbour too.
     if let Some(number) = scratch.darkener.take()

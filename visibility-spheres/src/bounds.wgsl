@@ -1,4 +1,4 @@
-// A ball around each block of spheres, one block a thread, as `Block::bounds`. Needs packed.wgsl and the buffers of gpu.rs.
+// A sphere around each block of spheres, one block a thread, as `Block::bounds`. Needs packed.wgsl and the buffers of gpu.rs.
 
 // What is larger is a float no more.
 const BOUNDS_EVERYTHING = 3e38;

@@ -32,8 +32,8 @@ fn place(lane: u32, here: bool) -> vec2u {
     return vec2u(before, countOneBits(low) + countOneBits(high));
 }
 
-// `bounding_ball` of the points that are shaded; of radius −1 where there are none.
-fn tile_ball(lane: u32, position: vec3f, here: bool) -> vec4f {
+// `bounding_sphere` of the points that are shaded; of radius −1 where there are none.
+fn tile_sphere(lane: u32, position: vec3f, here: bool) -> vec4f {
     lows[lane] = select(vec3f(3e38), position, here);
     highs[lane] = select(vec3f(-3e38), position, here);
     for (var step = TILE / 2u; step > 0u; step /= 2u) {
@@ -71,7 +71,7 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
         // What is not finite gets no light, but must not take it from its neighbours.
         here = points[point].material != NO_MATERIAL && all(abs(position) < vec3f(1e18));
     }
-    let ball = tile_ball(lane, position, here);
+    let ball = tile_sphere(lane, position, here);
     let test = shaft_test(ball, frame.light);
     var count = 0u;
     // Where no point is there is nothing to look at.

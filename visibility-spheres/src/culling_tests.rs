@@ -25,7 +25,7 @@ fn cloud(random: &mut Random, count: usize, scale: f64) -> Vec<Sphere> {
 }
 
 fn shaft(random: &mut Random, case: usize, scale: f64) -> Shaft {
-    let mut ball = Sphere {
+    let mut sphere = Sphere {
         center: (random.axis() * random.between(0.0, 5.0) * scale).as_vec3(),
         radius: (scale * random.log_uniform(1e-3, 1.0)) as f32,
     };
@@ -35,17 +35,17 @@ fn shaft(random: &mut Random, case: usize, scale: f64) -> Shaft {
     };
     match case % 9 {
         0 => light.radius = 0.0,
-        1 => ball.radius = 0.0,
+        1 => sphere.radius = 0.0,
         2 => light.radius = (20.0 * scale) as f32,
-        3 => light.center = ball.center + (light.center - ball.center) * 1e5,
-        4 => ball.radius = (light.center - ball.center).length() - light.radius.min(1e-3 * scale as f32),
+        3 => light.center = sphere.center + (light.center - sphere.center) * 1e5,
+        4 => sphere.radius = (light.center - sphere.center).length() - light.radius.min(1e-3 * scale as f32),
         _ => {}
     }
-    Shaft::new(Sphere { radius: ball.radius.max(0.0), ..ball }, light, LightId(0))
+    Shaft::new(Sphere { radius: sphere.radius.max(0.0), ..sphere }, light, LightId(0))
 }
 
-/// Distance from a point to the convex hull of two balls: the nearest ball of all between them, by golden section (the
-/// distance to a ball that moves and grows along a line is convex).
+/// Distance from a point to the convex hull of two spheres: the nearest sphere of all between them, by golden section (the
+/// distance to a sphere that moves and grows along a line is convex).
 fn hull_distance(shaft: &Shaft, p: DVec3) -> f64 {
     let (a, b) = (shaft.receivers, shaft.light);
     let (from, to) = (a.center.as_dvec3(), b.center.as_dvec3());
@@ -100,8 +100,8 @@ fn a_narrow_box_keeps_what_may_block() {
         let radius = f64::from(shaft.receivers.radius);
         let mut half_extent = DVec3::new(random.uniform(), random.uniform(), random.uniform()) * radius;
         half_extent[case % 3] *= [0.0, 0.1, 0.5][case / 3 % 3];
-        let [mut in_ball, mut in_box] = [blockers.scratch(), blockers.scratch()];
-        blockers.enter(&shaft, &mut in_ball);
+        let [mut in_sphere, mut in_box] = [blockers.scratch(), blockers.scratch()];
+        blockers.enter(&shaft, &mut in_sphere);
         blockers.enter(&shaft.in_box(half_extent.as_vec3()), &mut in_box);
         let middle = shaft.receivers.center.as_dvec3();
         let segments: Vec<[DVec3; 2]> = (0..200)
@@ -112,7 +112,7 @@ fn a_narrow_box_keeps_what_may_block() {
                 [from, shaft.light.center.as_dvec3() + random.axis() * f64::from(shaft.light.radius)]
             })
             .collect();
-        for i in in_ball.candidates() {
+        for i in in_sphere.candidates() {
             let sphere = spheres[*i as usize];
             if in_box.candidates().contains(i) {
                 kept += 1;
@@ -151,7 +151,7 @@ fn selection_is_that_of_the_flat_loop() {
             blockers.update(&spheres);
         }
         if case % 5 < 2 {
-            // Each sphere with a smaller ball in it for its own object; what is out of range is put right.
+            // Each sphere with a smaller sphere in it for its own object; what is out of range is put right.
             let own: Vec<SelfShadow> = spheres
                 .iter()
                 .map(|_| SelfShadow {
@@ -172,10 +172,10 @@ fn selection_is_that_of_the_flat_loop() {
         blockers.enter(&shaft, &mut culled);
         dark += usize::from(culled.is_dark());
         for _ in 0..8 {
-            let ball = shaft.receivers;
-            let offset = random.axis() * f64::from(ball.radius) * random.uniform().cbrt() * 0.9999;
+            let sphere = shaft.receivers;
+            let offset = random.axis() * f64::from(sphere.radius) * random.uniform().cbrt() * 0.9999;
             let at = Receiver {
-                position: ball.center + offset.as_vec3(),
+                position: sphere.center + offset.as_vec3(),
                 normal: random.axis().as_vec3().normalize(),
                 face: Vec3::Z,
                 view: Vec3::Z,
@@ -198,20 +198,20 @@ fn selection_is_that_of_the_flat_loop() {
     assert!(counts.iter().all(|n| *n > 200) && dark > 20);
 }
 
-/// A receiver of the sphere's own object sees the smaller ball and its distance, others the whole one.
+/// A receiver of the sphere's own object sees the smaller sphere and its distance, others the whole one.
 #[test]
-fn own_receivers_see_the_smaller_ball() {
-    let ball = Sphere { center: Vec3::Z * 3.0, radius: 1.0 };
+fn own_receivers_see_the_smaller_sphere() {
+    let sphere = Sphere { center: Vec3::Z * 3.0, radius: 1.0 };
     let light = Sphere { center: Vec3::Z * 20.0, radius: 5.0 };
     let cone = Cone::of_sphere(Vec3::ZERO, light);
     let seen = |blockers: &SphereBlockers, object| {
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(object);
         let mut scratch = blockers.scratch();
         let coverage =
             blockers.select(&VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003)), &mut scratch);
         (coverage, scratch.cones().to_vec())
     };
-    let plain = |radius| SphereBlockers::new(&[Sphere { radius, ..ball }], &[7], &[]);
+    let plain = |radius| SphereBlockers::new(&[Sphere { radius, ..sphere }], &[7], &[]);
     let own = |radius, distance| plain(1.0).with_self_shadows(&[SelfShadow { radius, ..SelfShadow::whole(distance) }]);
     assert_eq!(seen(&plain(1.0), 8).0, Coverage::Dark);
     assert_eq!(seen(&own(0.5, 1.0), 8).0, Coverage::Dark, "another object's receiver");
@@ -225,11 +225,11 @@ fn own_receivers_see_the_smaller_ball() {
     // Half the sphere: radius and distance shrink with it.
     let mut grown = own(0.1, 3.65);
     assert_eq!(seen(&grown, 7).0, Coverage::Partial);
-    grown.update(&[Sphere { radius: 0.5, ..ball }]);
+    grown.update(&[Sphere { radius: 0.5, ..sphere }]);
     assert_eq!(seen(&grown, 7), seen(&plain(0.5 - 0.45 * SelfShadow::nearness(0.5, 3.0)), 8));
     // Off the sphere's centre, a third of the way from here.
     let aside = SelfShadow { offset: Vec3::X * 0.9, radius: 0.1, distance: 1.0 };
-    let moved = Sphere { center: ball.center + Vec3::X * 0.9 * SelfShadow::nearness(1.0, 3.0), radius: third };
+    let moved = Sphere { center: sphere.center + Vec3::X * 0.9 * SelfShadow::nearness(1.0, 3.0), radius: third };
     let moved = SphereBlockers::new(&[moved], &[7], &[]);
     assert_eq!(seen(&plain(1.0).with_self_shadows(&[aside]), 7), seen(&moved, 8));
     assert_eq!(seen(&plain(1.0).with_self_shadows(&[aside]), 8), seen(&plain(1.0), 8));
@@ -237,7 +237,7 @@ fn own_receivers_see_the_smaller_ball() {
 
 /// A receiver that goes through its own object's spheres sees what it sees change little by little.
 #[test]
-fn own_balls_move_without_pops() {
+fn own_spheres_move_without_pops() {
     let mut random = Random::new(5);
     let step = 1e-4;
     for _ in 0..40 {
@@ -248,22 +248,22 @@ fn own_balls_move_without_pops() {
         let way = random.axis().as_vec3();
         let mut last: Option<Sphere> = None;
         for k in -30_000..30_000 {
-            let ball = SelfShadow::seen(whole, near, way * (step * k as f32));
+            let sphere = SelfShadow::seen(whole, near, way * (step * k as f32));
             if let Some(last) = last {
-                let change = ball.center.distance(last.center) + (ball.radius - last.radius).abs();
-                // w falls by at most 1/R a length, from balls that differ by at most 2R.
+                let change = sphere.center.distance(last.center) + (sphere.radius - last.radius).abs();
+                // w falls by at most 1/R a length, from spheres that differ by at most 2R.
                 assert!(change < 2.0 * step + 1e-6, "{change}");
             }
-            last = Some(ball);
+            last = Some(sphere);
         }
     }
 }
 
 #[test]
 fn light_of_more_than_a_hemisphere_keeps_everything() {
-    let ball = Sphere { center: Vec3::new(0.0, 0.0, -1.0), radius: 0.5 };
-    let blockers = SphereBlockers::new(&[ball], &[0], &[]);
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
+    let sphere = Sphere { center: Vec3::new(0.0, 0.0, -1.0), radius: 0.5 };
+    let blockers = SphereBlockers::new(&[sphere], &[0], &[]);
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(1);
     for one_minus_cos in [1.0, 1.5, 2.0] {
         let cone = Cone { axis: Vec3::Z, one_minus_cos, distance: f32::INFINITY };
         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
@@ -313,7 +313,7 @@ fn what_is_not_a_sphere_blocks_nothing() {
         Sphere { center: Vec3::new(f32::NAN, 0.0, 5.0), ..good },
         Sphere { center: Vec3::new(0.0, f32::NEG_INFINITY, 5.0), ..good },
     ];
-    let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 1 };
+    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(1);
     let light = Sphere { center: Vec3::Z * 10.0, radius: 1.0 };
     let cone = Cone::of_sphere(at.position, light);
     let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
@@ -434,8 +434,7 @@ fn timings() {
                     blockers.enter(shaft, &mut scratch);
                     candidates += scratch.candidates().len();
                     for position in points.iter().filter(|_| stage > 0) {
-                        let at =
-                            Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
+                        let at = Receiver::on_surface(*position, Vec3::Y, Vec3::Y).on_object(1);
                         let cone = Cone::of_sphere(at.position, light);
                         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
                         if blockers.select(&query, &mut scratch) == Coverage::Partial {
@@ -456,8 +455,7 @@ fn timings() {
             let flat_select = nanoseconds(256 * 64 / few, || {
                 for (_, points) in &shafts {
                     for position in points.iter().step_by(few) {
-                        let at =
-                            Receiver { position: *position, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: 1 };
+                        let at = Receiver::on_surface(*position, Vec3::Y, Vec3::Y).on_object(1);
                         let cone = Cone::of_sphere(at.position, light);
                         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
                         std::hint::black_box(blockers.select(&query, &mut whole));

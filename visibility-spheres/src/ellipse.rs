@@ -1,4 +1,4 @@
-//! Balls wholly in front of the receiver, on the mask.
+//! Spheres wholly in front of the receiver, on the mask.
 
 use crate::block::LANES;
 use crate::splat::IN_FRONT;
@@ -12,9 +12,9 @@ const HEIGHTS: [f32; LANES] = Raster::HEIGHTS;
 /// An edge that runs along more than so many cells within one row is taken by area.
 pub(crate) const FLAT: f32 = 4.0;
 
-/// Eight balls wholly in front of the plane through the receiver: ellipses, in their centre form.
+/// Eight spheres wholly in front of the plane through the receiver: ellipses, in their centre form.
 ///
-/// With (X, Y, H) the ball's centre in the frame of the square, `g = H² − r²`, `u = Y² + g`, `w = X² + u`: centre
+/// With (X, Y, H) the sphere's centre in the frame of the square, `g = H² − r²`, `u = Y² + g`, `w = X² + u`: centre
 /// `(XH, YH)/g`, shear `XY/u`, half-height `r√u/g`, half-width `r√(X² + g)/g`, and at height `t` above the centre half the
 /// span is `√(K₀ − K₂t²)`, `K₀ = r²w/(gu)`, `K₂ = wg/u²`. Only `g` is a difference. Lengths are in rows and samples of the
 /// mask.
@@ -69,7 +69,7 @@ impl Ellipses {
         }
     }
 
-    /// Lanes whose balls are wholly in front, as bits: the others are no ellipses.
+    /// Lanes whose spheres are wholly in front, as bits: the others are no ellipses.
     pub(crate) fn are_in_front(&self) -> u32 {
         self.in_front
     }

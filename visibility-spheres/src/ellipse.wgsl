@@ -1,4 +1,4 @@
-// A ball wholly in front of the plane through the receiver, on the mask: an ellipse, in its centre form, in rows and samples
+// A sphere wholly in front of the plane through the receiver, on the mask: an ellipse, in its centre form, in rows and samples
 // of the mask. Needs visibility-mask's mask.wgsl.
 struct Ellipse {
     x: f32,

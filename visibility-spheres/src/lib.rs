@@ -1,15 +1,15 @@
 //! Visibility from spheres: culling, and splatting on the mask.
 //!
 //! [`SphereBlockers`] holds the spheres of a frame under a hierarchy and is one [`Blockers`](visibility_mask::Blockers): exact for
-//! balls, and for the sets that `sphere-sets` fits to meshes.
+//! spheres, and for the sets that `sphere-sets` fits to meshes.
 //!
 //! ```
 //! use glam::Vec3;
 //! use lobe_core::Sphere;
 //! use visibility_mask::MaskVisibility;
 //! use visibility_spheres::SphereBlockers;
-//! let ball = Sphere { center: Vec3::Y, radius: 0.5 };
-//! let strategy = MaskVisibility::new(SphereBlockers::new(&[ball], &[0], &[])); // a lobe_core::Visibility
+//! let sphere = Sphere { center: Vec3::Y, radius: 0.5 };
+//! let strategy = MaskVisibility::new(SphereBlockers::new(&[sphere], &[0], &[])); // a lobe_core::Visibility
 //! # let _ = strategy;
 //! ```
 

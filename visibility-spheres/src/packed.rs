@@ -1,6 +1,6 @@
 use crate::SphereBlockers;
 use bytemuck::{Pod, Zeroable};
-use lobe_core::OWN_NONE;
+use lobe_core::NO_OBJECT;
 
 /// How many neighbours of [`SphereBlockers::pack`] share a bound on the GPU: `SPHERE_BLOCK` of `packed.wgsl`.
 pub const SPHERE_BLOCK: usize = 32;
@@ -16,16 +16,16 @@ pub struct BlockerSphere {
     pub center: [f32; 3],
     /// Radius.
     pub radius: f32,
-    /// The ball that receivers of its own object see from inside it ([`SelfShadow`](lobe_core::SelfShadow)): from the centre
-    /// to that ball's.
+    /// The sphere that receivers of its own object see from inside it ([`SelfShadow`](lobe_core::SelfShadow)): from the centre
+    /// to that sphere's.
     pub own_offset: [f32; 3],
-    /// Radius of that ball.
+    /// Radius of that sphere.
     pub own_radius: f32,
     /// Number of the object that it stands for.
     pub object: u32,
     /// For receivers of that object: how far away a ray must leave it to be blocked (τ).
     pub own_distance: f32,
-    /// Of the objects that have a sphere, the one at this sphere's place in ascending order; [`OWN_NONE`] behind the last.
+    /// Of the objects that have a sphere, the one at this sphere's place in ascending order; [`NO_OBJECT`] behind the last.
     pub caster: u32,
     /// Nothing.
     pub pad: u32,
@@ -39,7 +39,7 @@ impl SphereBlockers {
     /// new one. Spheres that block nothing (radius zero or less, anything infinite or NaN) are left out. O(n).
     pub fn pack(&self, out: &mut Vec<BlockerSphere>) {
         out.clear();
-        let casters = self.casters().iter().copied().chain(core::iter::repeat(OWN_NONE));
+        let casters = self.casters().iter().copied().chain(core::iter::repeat(NO_OBJECT));
         out.extend(self.order().iter().zip(casters).map(|(index, caster)| {
             let index = *index as usize;
             let (own, own_distance) = self.own(index);

@@ -2,13 +2,13 @@
 struct BlockerSphere {
     center: vec3f,
     radius: f32,
-    // The ball that receivers of its own object see from inside it: from the centre to that ball's, radius, and how far away a
+    // The sphere that receivers of its own object see from inside it: from the centre to that sphere's, radius, and how far away a
     // ray must leave it to be blocked.
     own_offset: vec3f,
     own_radius: f32,
     object: u32,
     own_distance: f32,
-    // Of the objects that have a sphere, the one at this sphere's place in ascending order; OWN_NONE behind the last.
+    // Of the objects that have a sphere, the one at this sphere's place in ascending order; NO_OBJECT behind the last.
     caster: u32,
     pad: u32,
 }

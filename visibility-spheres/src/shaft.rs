@@ -2,9 +2,9 @@ use crate::block::{Block, LANES, bits};
 use glam::Vec3;
 use lobe_core::{Shaft, Sphere};
 
-/// Which spheres meet a shaft, the convex hull of its two balls.
+/// Which spheres meet a shaft, the convex hull of its two spheres.
 ///
-/// Exact up to a slack for rounding, on the side of keeping: a sphere is compared with the ball of the shaft that is
+/// Exact up to a slack for rounding, on the side of keeping: a sphere is compared with the sphere of the shaft that is
 /// nearest to it, which is one of the two ends or, beside the cone between them, one in between. Only products and
 /// comparisons, for eight spheres at once.
 pub(crate) struct ShaftTest {
@@ -16,14 +16,14 @@ pub(crate) struct ShaftTest {
     sin: f32,
     tan: f32,
     secant: f32,
-    /// One of the balls holds the other.
+    /// One of the spheres holds the other.
     nested: Option<Sphere>,
 }
 
 /// Relative to distances; f32 rounds the terms of a test by some 1e-7.
 const SLACK: f32 = 4e-6;
 
-/// A box is narrow that is thinner than this part of the ball.
+/// A box is narrow that is thinner than this part of the sphere.
 const NARROW: f32 = 0.6;
 
 impl ShaftTest {
@@ -32,7 +32,7 @@ impl ShaftTest {
         let axis = to.center.as_dvec3() - from.center.as_dvec3();
         let length = axis.length();
         let grow = f64::from(to.radius) - f64::from(from.radius);
-        // NaN counts as nested, in a ball that keeps everything.
+        // NaN counts as nested, in a sphere that keeps everything.
         let beside = grow.abs() < length * (1.0 - 1e-6);
         let nested = (!beside).then_some(if to.radius > from.radius { to } else { from });
         let sin = if beside { grow / length } else { 0.0 };
@@ -44,16 +44,18 @@ impl ShaftTest {
             sin: sin as f32,
             tan: (sin * secant) as f32,
             secant: secant as f32,
-            nested: nested.map(|ball| Sphere { radius: ball.radius * (1.0 + 1e-5) + (2e-6 * length) as f32, ..ball }),
+            nested: nested
+                .map(|sphere| Sphere { radius: sphere.radius * (1.0 + 1e-5) + (2e-6 * length) as f32, ..sphere }),
         }
     }
 
     /// The spheres of a block that meet the shaft, as bits; lanes without a sphere are anything.
     pub(crate) fn meets(&self, block: &Block) -> u32 {
-        if let Some(ball) = self.nested {
+        if let Some(sphere) = self.nested {
             return !bits(core::array::from_fn(|i| {
-                let (dx, dy, dz) = (block.x[i] - ball.center.x, block.y[i] - ball.center.y, block.z[i] - ball.center.z);
-                let reach = (ball.radius + block.radius[i]) * (1.0 + SLACK);
+                let (dx, dy, dz) =
+                    (block.x[i] - sphere.center.x, block.y[i] - sphere.center.y, block.z[i] - sphere.center.z);
+                let reach = (sphere.radius + block.radius[i]) * (1.0 + SLACK);
                 dx * dx + dy * dy + dz * dz > reach * reach
             }));
         }
@@ -66,7 +68,7 @@ impl ShaftTest {
             let (x, y, z) = (x - u.x * along, y - u.y * along, z - u.z * along);
             let aside_sq = x * x + y * y + z * z;
             let past = along - self.length;
-            // Where along + aside·tan lies, the foot on the axis of the nearest ball: by squares with sign.
+            // Where along + aside·tan lies, the foot on the axis of the nearest sphere: by squares with sign.
             let shift = aside_sq * self.tan * self.tan.abs();
             let before = along * along.abs() + shift < 0.0;
             let after = past * past.abs() + shift > 0.0;
@@ -113,7 +115,7 @@ impl ShaftTest {
         }
         let w = sphere.center - from.center;
         let along = w.dot(self.axis);
-        // The shaft's cut through the sphere's middle is inside the sphere, between the two balls.
+        // The shaft's cut through the sphere's middle is inside the sphere, between the two spheres.
         let cut = (from.radius + self.sin * along) * self.secant;
         let aside = (w - self.axis * along).length();
         let near = w.length() - from.radius;

@@ -1,4 +1,4 @@
-// Which spheres meet a shaft, the convex hull of a ball of receivers and a ball of light. Balls are (centre, radius).
+// Which spheres meet a shaft, the convex hull of a sphere of receivers and a sphere of light. Spheres are (centre, radius).
 //
 // As in Rust, but in single precision: its rounding is in the slack, and shafts that open by nearly 90° count as nested.
 struct ShaftTest {
@@ -11,7 +11,7 @@ struct ShaftTest {
     sin: f32,
     tan: f32,
     secant: f32,
-    // One of the balls holds the other, or nearly: `hull` is around both.
+    // One of the spheres holds the other, or nearly: `hull` is around both.
     nested: bool,
     hull: vec4f,
 }
@@ -27,7 +27,7 @@ fn shaft_test(receivers: vec4f, light: vec4f) -> ShaftTest {
     let to = light.xyz - receivers.xyz;
     let length = sqrt(dot(to, to));
     let grow = light.w - receivers.w;
-    // NaN counts as nested, in a ball that keeps everything.
+    // NaN counts as nested, in a sphere that keeps everything.
     let beside = abs(grow) < length * (1.0 - SHAFT_NEARLY);
     test.nested = !beside;
     test.length = length;
@@ -61,7 +61,7 @@ fn shaft_meets(test: ShaftTest, center: vec3f, radius: f32) -> bool {
     let beside = w - test.axis * along;
     let aside_sq = dot(beside, beside);
     let past = along - test.length;
-    // Where along + aside·tan lies, the foot on the axis of the nearest ball: by squares with sign.
+    // Where along + aside·tan lies, the foot on the axis of the nearest sphere: by squares with sign.
     let shift = aside_sq * test.tan * abs(test.tan);
     var offset = 0.0;
     var reach = (test.receivers.w + test.sin * along + radius) * test.secant;
@@ -86,7 +86,7 @@ fn shaft_darkens(test: ShaftTest, center: vec3f, radius: f32, clear: f32) -> boo
     }
     let w = center - test.receivers.xyz;
     let along = dot(w, test.axis);
-    // The shaft's cut through the sphere's middle is inside the sphere, between the two balls.
+    // The shaft's cut through the sphere's middle is inside the sphere, between the two spheres.
     let cut = (test.receivers.w + test.sin * along) * test.secant;
     let beside = w - test.axis * along;
     let aside = sqrt(dot(beside, beside));

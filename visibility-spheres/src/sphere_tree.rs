@@ -3,8 +3,8 @@ use crate::shaft::ShaftTest;
 use glam::Vec3;
 use lobe_core::{Sphere, compact_runs};
 
-/// A hierarchy of balls over spheres, eight to a node, without pointers: level 0 holds the spheres in an order in which
-/// neighbours are near each other (medians along the longest side), each further level a ball around each eight of the
+/// A hierarchy of spheres over spheres, eight to a node, without pointers: level 0 holds the spheres in an order in which
+/// neighbours are near each other (medians along the longest side), each further level a sphere around each eight of the
 /// level below. One test of a node looks at one block.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SphereTree {
@@ -49,9 +49,9 @@ impl SphereTree {
             let (below, above) = self.levels.split_at_mut(level);
             let (below, above) = (&below[level - 1], &mut above[0]);
             for (slot, block) in below.blocks().iter().enumerate() {
-                let ball = block.bounds(below.lanes(slot));
-                self.area += ball.radius * ball.radius;
-                above.set(slot, &ball);
+                let sphere = block.bounds(below.lanes(slot));
+                self.area += sphere.radius * sphere.radius;
+                above.set(slot, &sphere);
             }
         }
     }

@@ -1,21 +1,21 @@
 // What spheres hide of one light: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
 // blocked_cone, the buffers of gpu.rs, lobe-core's geometry and outline, and visibility-mask's facet.
 
-// The light as a ball, and the power of the receiver with respect to it.
-struct LightBall {
+// The light as a sphere, and the power of the receiver with respect to it.
+struct LightSphere {
     sin: f32,
     cos: f32,
     radius: f32,
     power: f32,
 }
 
-fn light_ball(cone: Cone) -> LightBall {
+fn light_sphere(cone: Cone) -> LightSphere {
     let sin = sqrt(cone_sin_sq(cone));
     let cos = cone_cos(cone);
-    return LightBall(sin, cos, cone.distance * sin, cone.distance * cone.distance * (cos * cos));
+    return LightSphere(sin, cos, cone.distance * sin, cone.distance * cone.distance * (cos * cos));
 }
 
-// How much a receiver of the own object at the distance d sees of the near ball instead of the whole one.
+// How much a receiver of the own object at the distance d sees of the near sphere instead of the whole one.
 fn nearness(whole: f32, d: f32) -> f32 {
     return whole / max(max(d, whole), 1.1754944e-38);
 }
@@ -26,7 +26,7 @@ struct Look {
     coverage: u32,
 }
 
-// How a ball seen at `to` lies to a plane (normal and distance): LIT behind it, DARK where all of it that hides something is before it.
+// How a sphere seen at `to` lies to a plane (normal and distance): LIT behind it, DARK where all of it that hides something is before it.
 fn sphere_before_plane(to: vec3f, radius: f32, plane: vec4f) -> u32 {
     let along = dot(to, plane.xyz);
     if (along - plane.w >= radius) {
@@ -43,7 +43,7 @@ fn sphere_before_plane(to: vec3f, radius: f32, plane: vec4f) -> u32 {
 }
 
 // What one sphere hides of a light.
-fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightBall) -> Look {
+fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightSphere) -> Look {
     let sphere = spheres[index];
     let own = sphere.object == at.object;
     var to = sphere.center - at.position;
@@ -89,7 +89,7 @@ fn spheres_cast(object: u32) -> bool {
             end = middle;
         }
     }
-    return object != OWN_NONE && first < arrayLength(&spheres) && spheres[min(first, arrayLength(&spheres) - 1u)].caster == object;
+    return object != NO_OBJECT && first < arrayLength(&spheres) && spheres[min(first, arrayLength(&spheres) - 1u)].caster == object;
 }
 
 // How much of the light the receiver's own facet hides, and its horizon does not.
@@ -112,7 +112,7 @@ fn spheres_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
         return DARK;
     }
     let test = cone_test(at.position, cone);
-    let light = light_ball(cone);
+    let light = light_sphere(cone);
     var coverage = spheres_facet(at, cone);
     if (coverage == DARK) {
         return DARK;
@@ -145,7 +145,7 @@ fn spheres_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
 }
 
 // The coverage by what is before and one sphere more.
-fn spheres_cover(index: u32, before: u32, test: ConeTest, at: Receiver, cone: Cone, light: LightBall) -> u32 {
+fn spheres_cover(index: u32, before: u32, test: ConeTest, at: Receiver, cone: Cone, light: LightSphere) -> u32 {
     let sphere = spheres[index];
     if (!cone_meets(test, sphere.center, sphere.radius)) {
         return before;

@@ -48,7 +48,7 @@ fn spheres_near(tile: u32, first: u32, test: ConeTest) -> bool {
 // This thread's part of the sum of edges: the rims of those spheres that meet `light`, as they cross `window`, and of the
 // first thread the facet's edge.
 fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
-    let ball = light_ball(light);
+    let sphere = light_sphere(light);
     let test = cone_test(at.position, light);
     let across = edges_frame(window.axis);
     let tan = cone_tan(window);
@@ -61,7 +61,7 @@ fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) 
         if (first + lane >= count || !spheres_near(tile, first, test)) {
             continue;
         }
-        let seen = spheres_look(spheres_index(tile, first + lane), at, light, ball);
+        let seen = spheres_look(spheres_index(tile, first + lane), at, light, sphere);
         if (seen.coverage != LIT) {
             sum += blocked_add_edge(seen.blocked, across, window.axis, tan);
         }
@@ -71,7 +71,7 @@ fn spheres_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) 
 
 // Blocks what the spheres hide of the mask: each thread makes one ready, then takes all of these to its own row.
 fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
-    let ball = light_ball(light);
+    let sphere = light_sphere(light);
     let test = cone_test(at.position, light);
     let count = spheres_count(tile);
     if (lane < SIDE && spheres_facet(at, light) == PARTIAL) {
@@ -88,7 +88,7 @@ fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         }
         workgroupBarrier();
         if (first + lane < count) {
-            let seen = spheres_look(spheres_index(tile, first + lane), at, light, ball);
+            let seen = spheres_look(spheres_index(tile, first + lane), at, light, sphere);
             if (seen.coverage != LIT) {
                 let splat = splat_of(seen.blocked, mask);
                 splats[lane] = splat;
@@ -103,13 +103,13 @@ fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
         }
         workgroupBarrier();
         for (var half = 0u; half < LANES / 32u; half++) {
-            splat_row(used + half, 32u * half, light, ball, mask, lane);
+            splat_row(used + half, 32u * half, light, sphere, mask, lane);
         }
     }
 }
 
 // Blocks what 32 of the spheres made ready hide of the own row `j`. A loop for each kind: software devices run all branches.
-fn splat_row(used: u32, first: u32, light: Cone, ball: LightBall, mask: Mask, j: u32) {
+fn splat_row(used: u32, first: u32, light: Cone, sphere: LightSphere, mask: Mask, j: u32) {
     let mine = select(0u, 0xffffffffu, j < SIDE);
     var bits = atomicLoad(&splats_used[used + 2u * ELLIPSE]) & mine;
     while (bits != 0u && !mask_is_row_dark()) {
@@ -125,7 +125,7 @@ fn splat_row(used: u32, first: u32, light: Cone, ball: LightBall, mask: Mask, j:
     bits = atomicLoad(&splats_used[used + 2u * IN_FRONT]) & mine;
     while (bits != 0u && !mask_is_row_dark()) {
         let slot = first + firstTrailingBit(bits);
-        splat_in_front(splats[slot].blocked, light.axis * light.distance, ball.radius, mask, j);
+        splat_in_front(splats[slot].blocked, light.axis * light.distance, sphere.radius, mask, j);
         bits &= bits - 1u;
     }
 }

@@ -6,7 +6,7 @@ use visibility_mask::Mask;
 
 /// The squared sine between a plane and a mask that is along it.
 const ALONG: f32 = 1e-10;
-/// Balls whose centre is at least so many radii in front of the plane through the receiver are ellipses on a mask.
+/// Spheres whose centre is at least so many radii in front of the plane through the receiver are ellipses on a mask.
 pub(crate) const IN_FRONT: f32 = 1.001;
 
 /// The directions that a sphere blocks, seen from a receiver: a cone about its centre.
@@ -16,7 +16,7 @@ pub(crate) struct BlockedCone {
     pub(crate) to: Vec3,
     /// Its radius, if it meets the light.
     pub(crate) radius: f32,
-    /// Radius of the ball about the same centre whose tangent cone it is: `d sin β`.
+    /// Radius of the sphere about the same centre whose tangent cone it is: `d sin β`.
     pub(crate) tangent_radius: f32,
     /// `cos β` of the half-angle.
     pub(crate) cos: f32,
@@ -52,7 +52,7 @@ impl BlockedCone {
         }
     }
 
-    /// Blocks where the ball is in front of the light that it meets: before a plane along the mask in closed form, else runs of cell
+    /// Blocks where the sphere is in front of the light that it meets: before a plane along the mask in closed form, else runs of cell
     /// centres, their ends found between two centres by bisection.
     pub(crate) fn splat_in_front(&self, light: &Front, mask: &mut Mask) {
         let square = *mask.square();
@@ -107,12 +107,12 @@ impl BlockedCone {
     }
 }
 
-/// What of a ball is before a plane, seen from in front of both: on the plane the disc that it cuts out of the ball, and the ellipse
-/// that the whole ball hides, where rays pass their point nearest to the centre before they come to the plane.
+/// What of a sphere is before a plane, seen from in front of both: on the plane the disc that it cuts out of the sphere, and the ellipse
+/// that the whole sphere hides, where rays pass their point nearest to the centre before they come to the plane.
 ///
-/// Along a ray to a point q that is outside of the ball, both hits are before q or both behind it: before it where `|q|² > c·q`, outside of
+/// Along a ray to a point q that is outside of the sphere, both hits are before q or both behind it: before it where `|q|² > c·q`, outside of
 /// Thales' sphere over the centre c. On this sphere q is itself the point nearest to the centre, so that inside of the ellipse it is in the
-/// ball, too: where an end of the ellipse's row is inside of the sphere, the disc's end takes its place.
+/// sphere, too: where an end of the ellipse's row is inside of the sphere, the disc's end takes its place.
 pub(crate) struct PartBefore {
     /// Centre and radius, in distances of the plane.
     center: Vec3,
@@ -124,9 +124,9 @@ pub(crate) struct PartBefore {
 }
 
 impl PartBefore {
-    /// None where the ball is not wholly in front of the receiver, or blocks what it does not hold.
+    /// None where the sphere is not wholly in front of the receiver, or blocks what it does not hold.
     pub(crate) fn new(to: Vec3, cone: &BlockedCone, height: f32) -> Option<Self> {
-        let is_ball = cone.cos > 0.0 && cone.tangent_radius == cone.radius && to.z > IN_FRONT * cone.radius;
+        let is_sphere = cone.cos > 0.0 && cone.tangent_radius == cone.radius && to.z > IN_FRONT * cone.radius;
         let (center, radius) = (to / height, cone.radius / height);
         // As `Ellipses`.
         let Vec3 { x, y, z } = center;
@@ -135,7 +135,7 @@ impl PartBefore {
         let w = x * x + u;
         let k = [radius * radius * w / (g * u), w * g / (u * u)];
         let part = Self { center, radius, middle: [x * z / g, y * z / g], shear: x * y / u, k };
-        (is_ball && k[0].is_finite() && k[1].is_finite()).then_some(part)
+        (is_sphere && k[0].is_finite() && k[1].is_finite()).then_some(part)
     }
 
     /// Its span at a height of the plane at distance 1.
@@ -162,8 +162,8 @@ impl PartBefore {
 /// Where a light begins, seen from the receiver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Front {
-    /// A ball's centre and radius.
-    Ball(Vec3, f32),
+    /// A sphere's centre and radius.
+    Sphere(Vec3, f32),
     /// The normal of a plane, and how far that is.
     Plane(Vec3, f32),
 }
@@ -177,19 +177,19 @@ impl Front {
     }
 
     pub(crate) fn of_cone(cone: &Cone) -> Self {
-        Self::Ball(cone.axis * cone.distance, cone.distance * cone.sin_sq().sqrt())
+        Self::Sphere(cone.axis * cone.distance, cone.distance * cone.sin_sq().sqrt())
     }
 
-    /// Whether, along the unit direction `v`, a ball is entered before it.
-    fn is_behind(&self, v: Vec3, ball: &BlockedCone) -> bool {
+    /// Whether, along the unit direction `v`, a sphere is entered before it.
+    fn is_behind(&self, v: Vec3, sphere: &BlockedCone) -> bool {
         match self {
-            Self::Ball(center, radius) => order_by_ray(v, ball, *center, *radius),
-            Self::Plane(normal, height) => entry(v, ball.to, ball.radius) * normal.dot(v) < *height,
+            Self::Sphere(center, radius) => order_by_ray(v, sphere, *center, *radius),
+            Self::Plane(normal, height) => entry(v, sphere.to, sphere.radius) * normal.dot(v) < *height,
         }
     }
 }
 
-/// Where a ray enters a ball.
+/// Where a ray enters a sphere.
 fn entry(v: Vec3, center: Vec3, radius: f32) -> f32 {
     let along = center.dot(v);
     // The distance of ray and centre directly: as a difference of squares it drowns a few hundred radii away.
@@ -197,8 +197,8 @@ fn entry(v: Vec3, center: Vec3, radius: f32) -> f32 {
     (along - half_sq.max(0.0).sqrt()).max(0.0)
 }
 
-/// Whether, along the unit direction `v`, the ball is entered before the light (both seen from the origin). Inside the
-/// ball counts as entered at 0.
-pub(crate) fn order_by_ray(v: Vec3, ball: &BlockedCone, light: Vec3, light_radius: f32) -> bool {
-    entry(v, ball.to, ball.radius) < entry(v, light, light_radius)
+/// Whether, along the unit direction `v`, the sphere is entered before the light (both seen from the origin). Inside the
+/// sphere counts as entered at 0.
+pub(crate) fn order_by_ray(v: Vec3, sphere: &BlockedCone, light: Vec3, light_radius: f32) -> bool {
+    entry(v, sphere.to, sphere.radius) < entry(v, light, light_radius)
 }

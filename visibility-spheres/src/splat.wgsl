@@ -18,7 +18,7 @@ fn blocked_contains(blocked: BlockedCone, v: vec3f) -> bool {
     return blocked.cos <= -1.0 || along >= blocked.cos * sqrt(dot(blocked.to, blocked.to));
 }
 
-// Whether, along the unit direction `v`, the ball is entered before the light (both seen from the origin). Inside the ball
+// Whether, along the unit direction `v`, the sphere is entered before the light (both seen from the origin). Inside the sphere
 // counts as entered at 0.
 fn order_by_ray(v: vec3f, blocked: BlockedCone, light: vec3f, light_radius: f32) -> bool {
     let entry = ray_entry(v, blocked.to, blocked.radius);
@@ -37,14 +37,14 @@ fn ray_entry(v: vec3f, center: vec3f, radius: f32) -> f32 {
     return max(along - sqrt(max(half_sq, 0.0)), 0.0);
 }
 
-// Whether the ball hides the light that it meets in the plane's point `x` of row `j`.
+// Whether the sphere hides the light that it meets in the plane's point `x` of row `j`.
 fn hides_in_front(blocked: BlockedCone, light: vec3f, light_radius: f32, mask: Mask, x: f32, y: f32) -> bool {
     let v = square_world(mask.square, vec3f(x, y, 1.0));
     let direction = v * (1.0 / sqrt(dot(v, v)));
     return blocked_contains(blocked, direction) && order_by_ray(direction, blocked, light, light_radius);
 }
 
-// Blocks of the own row `j` where the ball is in front of the light that it meets (centre and radius): at most two runs of
+// Blocks of the own row `j` where the sphere is in front of the light that it meets (centre and radius): at most two runs of
 // cell centres and one to the end, their ends found between two centres by bisection. Rounds of loops are few: Mesa's software
 // driver has 65 535 of them for a thread.
 fn splat_in_front(blocked: BlockedCone, light: vec3f, light_radius: f32, mask: Mask, j: u32) {

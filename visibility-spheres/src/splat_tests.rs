@@ -29,14 +29,14 @@ fn splat(cones: &[BlockedCone], level: Level, mask: &mut Mask) {
     dispatch!(level, simd => list.splat(simd, &Front::of_cone(&cone), mask));
 }
 
-/// Entry and exit of a ray from the origin into a ball, both possibly negative.
+/// Entry and exit of a ray from the origin into a sphere, both possibly negative.
 pub(crate) fn chord(v: DVec3, center: DVec3, radius: f64) -> Option<(f64, f64)> {
     let along = center.dot(v);
     let half_sq = radius * radius - (center - v * along).length_squared();
     (half_sq > 0.0).then(|| (along - half_sq.sqrt(), along + half_sq.sqrt()))
 }
 
-/// How far outside of a ball's silhouette, seen from the origin, a direction passes, in radians; negative inside.
+/// How far outside of a sphere's silhouette, seen from the origin, a direction passes, in radians; negative inside.
 fn silhouette_distance(v: DVec3, center: DVec3, cos: f64) -> f64 {
     let d = center.normalize();
     v.cross(d).length().atan2(v.dot(d)) - cos.clamp(-1.0, 1.0).acos()
@@ -271,21 +271,21 @@ fn order_is_the_rays() {
     let mut random = Random::new(4);
     let mut counts = [0; 2];
     for case in 0..20_000 {
-        // Light and ball that meet, at all ratios of distance to radius.
+        // Light and sphere that meet, at all ratios of distance to radius.
         let light_radius = random.log_uniform(0.05, 1.0);
         let distance = light_radius * random.log_uniform(1.5, 3000.0);
         let axis = random.axis();
         let light = axis * distance;
-        let ball_radius = light_radius * random.log_uniform(0.1, 5.0);
+        let sphere_radius = light_radius * random.log_uniform(0.1, 5.0);
         let apart = match case % 3 {
-            0 => light_radius + ball_radius * random.between(-1.0, 1.0),
-            1 => (light_radius - ball_radius).abs() * random.uniform(),
-            _ => random.between(0.0, light_radius + ball_radius),
+            0 => light_radius + sphere_radius * random.between(-1.0, 1.0),
+            1 => (light_radius - sphere_radius).abs() * random.uniform(),
+            _ => random.between(0.0, light_radius + sphere_radius),
         };
         let to = (light + random.axis() * apart).as_vec3();
-        let r = ball_radius as f32;
-        let Some(ball) = blocked_cone(to, r, 0.0) else { continue };
-        let ball = BlockedCone { radius: r, meets_light: true, ..ball };
+        let r = sphere_radius as f32;
+        let Some(sphere) = blocked_cone(to, r, 0.0) else { continue };
+        let sphere = BlockedCone { radius: r, meets_light: true, ..sphere };
         for _ in 0..8 {
             let spread = (light_radius / distance).asin() * random.uniform().sqrt();
             let v = random.axis_at(axis, spread);
@@ -295,27 +295,27 @@ fn order_is_the_rays() {
                 continue;
             }
             let (entry, bright) = (hit.0.max(0.0), shine.0.max(0.0));
-            if (entry - bright).abs() < 1e-2 * light_radius.min(ball_radius) {
+            if (entry - bright).abs() < 1e-2 * light_radius.min(sphere_radius) {
                 continue;
             }
             // Grazing rays: the ends of a chord of zero length are ill-conditioned.
-            if hit.1 - hit.0 < 0.1 * ball_radius || shine.1 - shine.0 < 0.1 * light_radius {
+            if hit.1 - hit.0 < 0.1 * sphere_radius || shine.1 - shine.0 < 0.1 * light_radius {
                 continue;
             }
-            let got =
-                ball.contains(v.as_vec3()) && order_by_ray(v.as_vec3(), &ball, light.as_vec3(), light_radius as f32);
+            let got = sphere.contains(v.as_vec3())
+                && order_by_ray(v.as_vec3(), &sphere, light.as_vec3(), light_radius as f32);
             counts[usize::from(entry < bright)] += 1;
             assert_eq!(
                 got,
                 entry < bright,
-                "distance {distance} light {light_radius} ball {ball_radius} at {apart}: {entry} {bright}"
+                "distance {distance} light {light_radius} ball {sphere_radius} at {apart}: {entry} {bright}"
             );
         }
     }
     println!("{counts:?} behind, in front");
 }
 
-/// The closed form of a ball that a flat light's plane cuts, against rays in f64: cell centres, but for those within rounding of the
+/// The closed form of a sphere that a flat light's plane cuts, against rays in f64: cell centres, but for those within rounding of the
 /// outline.
 #[test]
 fn part_before_a_plane_is_the_rays() {

@@ -9,7 +9,7 @@ use lobe_core::{Accuracy, Cone, Coverage, LightId, Receiver, Shaft, Sphere, Visi
 use visibility_mask::{Blockers, Mask, UnitSquare};
 
 fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
-    Receiver { position, normal, face: normal, view: normal, object }
+    Receiver::on_surface(position, normal, normal).on_object(object)
 }
 
 /// Share of the light's disc that rays from the receiver see, by the definition; sampled.
@@ -79,9 +79,9 @@ fn shares_follow_the_order_of_blocker_and_light() {
         let aside = if kind == 3 || kind == 5 { 0.0 } else { r * random.uniform() };
         let sideways = random.axis_at(axis, 0.5 * PI);
         let along = if kind == 6 { 0.3 * along } else { along };
-        let ball = Sphere { center: position + (axis * along + sideways * aside).as_vec3(), radius: r as f32 };
+        let sphere = Sphere { center: position + (axis * along + sideways * aside).as_vec3(), radius: r as f32 };
         let tau = if kind == 6 { 0.25 } else { 0.0 };
-        let blockers = SphereBlockers::new(&[ball], &[7], &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, tau as f32]);
+        let blockers = SphereBlockers::new(&[sphere], &[7], &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, tau as f32]);
         let cone = Cone::of_sphere(at.position, light);
         let query = VisibilityQuery::new(&at, LightId(0), &cone, Accuracy::new(0.003));
         let mut scratch = blockers.scratch();
@@ -96,7 +96,7 @@ fn shares_follow_the_order_of_blocker_and_light() {
                 f64::from(lit / all)
             }
         };
-        let (lit, all) = brute_share(&at, light, &[(ball, tau)], 200);
+        let (lit, all) = brute_share(&at, light, &[(sphere, tau)], 200);
         let error = (share - lit as f64 / all as f64).abs();
         worst[kind] = worst[kind].max(error);
     }
@@ -163,24 +163,24 @@ fn culling_never_changes_a_result() {
     for case in 0..2000 {
         let scale = [1.0, 1e-4, 1e6][case % 3];
         let (mut light, spheres) = random_scene(&mut random, scale);
-        let ball = Sphere {
+        let sphere = Sphere {
             center: (random.axis() * random.between(0.0, 4.0) * scale).as_vec3(),
             radius: (scale * random.log_uniform(1e-3, 2.0)) as f32,
         };
         match case % 5 {
             0 => light.radius = (20.0 * scale) as f32,
-            // Receivers' ball and light touch.
-            1 => light.radius = (light.center - ball.center).length() - ball.radius,
-            2 => light.center = ball.center + (light.center - ball.center) * 1e4,
+            // Receivers' sphere and light touch.
+            1 => light.radius = (light.center - sphere.center).length() - sphere.radius,
+            2 => light.center = sphere.center + (light.center - sphere.center) * 1e4,
             _ => {}
         }
         let objects = vec![0; spheres.len()];
         let blockers = SphereBlockers::new(&spheres, &objects, &[(0.3 * scale) as f32]);
         let (mut all, mut some) = (blockers.scratch(), blockers.scratch());
-        blockers.enter(&Shaft::new(ball, light, LightId(0)), &mut some);
+        blockers.enter(&Shaft::new(sphere, light, LightId(0)), &mut some);
         for _ in 0..10 {
             let position =
-                ball.center + (random.axis() * f64::from(ball.radius) * random.uniform().cbrt() * 0.9999).as_vec3();
+                sphere.center + (random.axis() * f64::from(sphere.radius) * random.uniform().cbrt() * 0.9999).as_vec3();
             let at = receiver(position, random.axis().as_vec3().normalize(), (case % 2) as u32);
             let cone = Cone::of_sphere(position, light);
             if cone.one_minus_cos > 1.0 {

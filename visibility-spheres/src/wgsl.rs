@@ -17,7 +17,7 @@ pub const CONE_TEST: &str = include_str!("cone_test.wgsl");
 pub const BLOCKED_CONE: &str = include_str!("blocked_cone.wgsl");
 /// `spheres_coverage`: with [`CONE_TEST`], [`BLOCKED_CONE`] and visibility-mask's facet.
 pub const SPHERES: &str = include_str!("spheres.wgsl");
-/// A ball on a mask: with visibility-mask's mask.
+/// A sphere on a mask: with visibility-mask's mask.
 pub const ELLIPSE: &str = include_str!("ellipse.wgsl");
 /// Other cones on a mask: with [`BLOCKED_CONE`], [`ELLIPSE`] and visibility-mask's mask and edges.
 pub const SPLAT: &str = concat!(include_str!("splat.wgsl"), "\n", include_str!("wide_cone.wgsl"));

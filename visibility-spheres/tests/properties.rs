@@ -68,13 +68,13 @@ impl Scene {
 
     fn at(&self) -> Receiver {
         let normal = self.normal.as_vec3().normalize();
-        Receiver { position: self.position.as_vec3(), normal, face: normal, view: normal, object: 0 }
+        Receiver::on_surface(self.position.as_vec3(), normal, normal).on_object(0)
     }
 
     fn brdf(&self) -> Lobe {
         let (axis, exponent, cosine) = self.lobe;
         let axis = if exponent == 1.0 { self.at().normal } else { axis.as_vec3().normalize() };
-        let lobe = Lobe { exponent: exponent as f32, flux: Vec3::ONE, axis, factor: 0.0 };
+        let lobe = Lobe { exponent: exponent as f32, flux: Vec3::ONE, axis, has_cosine: false };
         if cosine { lobe.times_cosine() } else { lobe }
     }
 

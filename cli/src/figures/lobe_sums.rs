@@ -11,8 +11,8 @@ use core::f32::consts::TAU;
 use cosine_lobes::lighting::Light;
 use cosine_lobes::lobe_core::paper::{PaperIntegrator, Tables};
 use cosine_lobes::lobe_core::{
-    BrdfLobes, Integrator, Interaction, LightCoverage, LightId, LightLobes, LightVisibility, Lobe, LobeBuffer,
-    Observer, Receiver, Visibility, VisibilitySum, orthonormal_basis,
+    BrdfLobe, BrdfLobes, Integrator, Interaction, LightCoverage, LightId, LightLobes, LightVisibility, Lobe, Observer,
+    Receiver, Visibility, VisibilitySum, orthonormal_basis,
 };
 use cosine_lobes::scene::{BlockerSet, Scene, ShadingPoints};
 use cosine_lobes::visibility_mask::PaperVisibility;
@@ -27,13 +27,13 @@ fn each_point<T: Send>(
     blockers: &BlockerSet,
     points: &ShadingPoints,
     tables: &Tables,
-    work: impl Fn(usize, &Receiver, &LobeBuffer, &Light, &mut PaperVisit<'_, '_>, &mut VisibilitySum) -> T + Sync,
+    work: impl Fn(usize, &Receiver, &[BrdfLobe], &Light, &mut PaperVisit<'_, '_>, &mut VisibilitySum) -> T + Sync,
 ) -> Result<Vec<T>, Failure> {
     let strategy = PaperVisibility::new(spheres(blockers), tables);
     let light = scene.lights.first().ok_or_else(|| Failure::new("the scene has no light"))?;
     let memory = || {
         let sum = VisibilitySum::default();
-        (strategy.scratch(), sum, LobeBuffer::default())
+        (strategy.scratch(), sum, Vec::new())
     };
     let found = points
         .receivers
@@ -41,7 +41,8 @@ fn each_point<T: Send>(
         .zip(&points.materials)
         .enumerate()
         .map_init(memory, |(scratch, sum, brdf), (i, (at, material))| {
-            scene.materials[*material as usize].brdf_lobes(at, &mut brdf.writer());
+            brdf.clear();
+            scene.materials[*material as usize].cosine_lobes(at, brdf);
             work(i, at, brdf, light, &mut LightVisibility::alone(&strategy, LightId(0), accuracy(), scratch), sum)
         })
         .collect();
@@ -73,10 +74,9 @@ fn by_samples(
         let term = light.seen_from(at);
         let lobe = tables.light_lobe(&term.cone, term.radiance);
         let basis = orthonormal_basis(lobe.axis);
-        let brdf = brdf.lobes();
         let seen = visit.coverage(at, &term.cone, None);
-        if let (LightCoverage::Partial(seen), Some(first)) = (&seen, brdf.iter().next()) {
-            visit.lobes(seen, &first, 1.0, sum);
+        if let (LightCoverage::Partial(seen), Some(first)) = (&seen, brdf.first()) {
+            visit.lobes(seen, &first.cosine_lobe(at.normal), 1.0, sum);
         }
         let mut all = vec![Vec3::ZERO; brdf.len()];
         let shift = [0.754_877_7, 0.569_840_3].map(|step: f64| step * (i as f64 * 97.0 + 0.5));
@@ -173,7 +173,7 @@ fn kept(
     each_point(scene, blockers, points, tables, |_, at, brdf, light, visit, sum| {
         let mut products = Products::default();
         let light = light.seen_from(at);
-        let point = Interaction { at, brdf: brdf.lobes(), light: &light, threshold };
+        let point = Interaction { at, brdf, light: &light, threshold };
         integrator.radiance(&point, visit, sum, &mut products);
         (products.computed - products.dropped) as f32
     })

@@ -11,7 +11,7 @@ use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::RayShader;
 use cosine_lobes::render_cpu::SceneSilhouettes;
 use cosine_lobes::renderer::{
-    Backend, Event, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, Work, exposure, seconds,
+    Backend, Event, FrameBlockers, KeptSpheres, Plan, RenderError, Shader, ShaderTask, exposure, seconds,
 };
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::{ReceiverBounds, ShadowMap};
@@ -186,7 +186,7 @@ impl<'a> Stage<'a> {
                 None => (Vec::new(), None),
             };
             if let Some(coarser) = coarser {
-                let _ = Teller::new(self.args.view.quiet).hear(Event::CoarserMaps(coarser));
+                let _ = Teller::new(self.args.view.quiet).hear(Event::MapsReduced(coarser));
             }
             self.maps = Some((visibility, maps, time));
         }
@@ -215,7 +215,7 @@ impl Timed<'_> {
     }
 }
 
-impl Work for Timed<'_> {
+impl ShaderTask for Timed<'_> {
     type Output = Shot;
 
     fn with<S: Shader>(self, shader: &mut S) -> Result<Shot, RenderError> {

@@ -4,7 +4,7 @@ use core::f32::consts::{PI, TAU};
 use cosine_lobes::brdf::wgsl::ModelWgsl;
 use cosine_lobes::brdf::{Brdf, BrdfSample, Factors, Material, Model, Packer};
 use cosine_lobes::glam::Vec3;
-use cosine_lobes::lobe_core::{BrdfLobes, Lobe, LobeWriter, Receiver};
+use cosine_lobes::lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
 use std::sync::Arc;
 
 /// `f_r = kd/π + ks·(n + 2)/2π·max(v·ω_o, 0)ⁿ`.
@@ -23,9 +23,9 @@ impl Velvet {
 }
 
 impl BrdfLobes for Velvet {
-    fn brdf_lobes(&self, at: &Receiver, out: &mut LobeWriter<'_>) {
-        out.push(Lobe::new(at.normal, 1.0, self.kd / PI));
-        out.push(Lobe::new(at.view, self.exponent, self.scale()).times_cosine());
+    fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        out.push(Lobe::new(at.normal, 1.0, self.kd / PI).into());
+        out.push(Lobe::new(at.view, self.exponent, self.scale()).times_cosine().into());
     }
 }
 
@@ -58,7 +58,7 @@ impl Model for Velvet {
         "velvet"
     }
 
-    fn lobe_count(&self, _: bool) -> usize {
+    fn lobe_count(&self) -> usize {
         2
     }
 
@@ -66,11 +66,11 @@ impl Model for Velvet {
         Some(Material::Custom(Arc::new(Self { kd: self.kd * by.color, ks: self.ks * by.specular, ..*self })))
     }
 
-    fn wgsl(&self, _: bool) -> Option<ModelWgsl> {
+    fn wgsl(&self) -> Option<ModelWgsl> {
         Some(ModelWgsl::new("velvet", [include_str!("velvet.wgsl")]))
     }
 
-    fn pack(&self, _: bool, out: &mut Packer) -> u32 {
+    fn pack(&self, out: &mut Packer) -> u32 {
         let flux = self.scale() * (TAU / (self.exponent + 1.0));
         out.push(self.kd.to_array().into_iter().chain(flux.to_array()).chain([self.exponent]));
         2

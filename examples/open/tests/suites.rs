@@ -8,8 +8,7 @@ use cosine_lobes::glam::{Mat4, Quat, Vec3};
 use cosine_lobes::lighting::{Light, LightKind as _};
 use cosine_lobes::lobe_core::conformance::{LightLimits, Limits, Setting, check, check_light};
 use cosine_lobes::lobe_core::{
-    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, LobeBuffer,
-    Visibility,
+    Accuracy, BrdfLobes, FractionIntegrator, Integrator, Interaction, LightId, LightLobes, LightVisibility, Visibility,
 };
 use cosine_lobes::pictures::Window;
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
@@ -39,7 +38,7 @@ fn spots_are_lights() {
 fn capsules_are_blockers() {
     let capsules = |s: &Setting<'_>| {
         let capsule = |ball: &cosine_lobes::lobe_core::Sphere| Capsule { ends: [ball.center; 2], radius: ball.radius };
-        MaskVisibility::new(Capsules(s.balls.iter().map(capsule).collect()))
+        MaskVisibility::new(Capsules(s.spheres.iter().map(capsule).collect()))
     };
     let limits = Limits { overlap: 0.005, jump: 0.008, jump_several: 0.008, ..Limits::default() };
     println!("{:?}", check(&capsules, &limits).unwrap());
@@ -51,14 +50,15 @@ fn pictures_are_single_points() {
     let points = GBuffer::new(&World::new(&scene), 96, 60, 1);
     let (visibility, accuracy) = (MaskVisibility::new(open::scene::rods()), Accuracy::new(0.003));
     let mut scratch = visibility.scratch();
-    let mut lobes = LobeBuffer::default();
+    let mut lobes = Vec::new();
     let mut single = vec![Vec3::ZERO; points.len()];
     for (i, at) in points.points.receivers.iter().enumerate() {
-        MATERIALS[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes.writer());
+        lobes.clear();
+        MATERIALS[points.points.materials[i] as usize].brdf_lobes(at, &mut lobes);
         for (number, light) in open::scene::lights().iter().enumerate() {
             let seen = light.seen_from(at);
             let mut visible = LightVisibility::alone(&visibility, LightId(number as u32), accuracy, &mut scratch);
-            let interaction = Interaction { at, brdf: lobes.lobes(), light: &seen, threshold: 0.0 };
+            let interaction = Interaction { at, brdf: &lobes, light: &seen, threshold: 0.0 };
             single[i] += FractionIntegrator.radiance(&interaction, &mut visible, &mut (), &mut ()).radiance;
         }
     }

@@ -1,10 +1,10 @@
-//! A lamp: a ball or a tube that stands for triangles.
+//! A lamp: a sphere or a tube that stands for triangles.
 
 use crate::{Light, SphereLight, TubeLight};
 use glam::{DVec3, Vec3};
 use lobe_core::Sphere;
 
-/// A ball, or a tube where its ends are not the same.
+/// A sphere, or a tube where its ends are not the same.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lamp {
     pub(super) ends: [DVec3; 2],
@@ -31,7 +31,7 @@ impl Lamp {
         }
     }
 
-    /// A tube between two places, or a ball where they are next to each other.
+    /// A tube between two places, or a sphere where they are next to each other.
     pub(super) fn tube(middle: DVec3, axis: DVec3, length: f64, radius: f64) -> Self {
         Self { ends: [middle - axis * (0.5 * length), middle + axis * (0.5 * length)], radius }
     }

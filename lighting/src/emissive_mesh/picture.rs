@@ -10,7 +10,7 @@ const SIDE: usize = 192;
 const STRIDE: usize = 2;
 const HALF: f64 = 0.5 * SIDE as f64;
 
-/// Shows a ball around triangles from some distance of its middle: each direction counts once, however many triangles it meets.
+/// Shows a sphere around triangles from some distance of its middle: each direction counts once, however many triangles it meets.
 pub(super) struct Picture {
     eye: DVec3,
     /// Right, up, and away from the middle.
@@ -84,7 +84,7 @@ impl Picture {
     }
 }
 
-/// The area that triangles in a ball show along a direction.
+/// The area that triangles in a sphere show along a direction.
 pub(super) fn shown(triangles: &[&Triangle], center: DVec3, radius: f64, direction: DVec3) -> f64 {
     let distance = 1e3 * radius;
     let picture = Picture::new(triangles.iter().copied(), center, radius, direction, distance);

@@ -1,4 +1,4 @@
-//! Triangles of a mesh: their area, their middle, how they are spread, and the ball around them.
+//! Triangles of a mesh: their area, their middle, how they are spread, and the sphere around them.
 
 use glam::{DMat3, DVec3};
 
@@ -45,7 +45,7 @@ pub(super) fn longest(spread: DMat3) -> DVec3 {
         .map_or(DVec3::Z, |a| a.normalize_or(DVec3::Z))
 }
 
-/// Radius of a ball around triangles.
+/// Radius of a sphere around triangles.
 pub(super) fn bounds<'a>(triangles: impl Iterator<Item = &'a Triangle>, middle: DVec3) -> f64 {
     triangles.flatten().map(|p| p.distance_squared(middle)).fold(0.0, f64::max).sqrt()
 }

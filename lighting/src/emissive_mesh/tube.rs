@@ -5,7 +5,7 @@ use super::picture::{shown, shown_across};
 use super::triangle::{Triangle, bounds, longest, moments};
 use core::f64::consts::PI;
 
-/// A tube with a shorter middle, in its radii, is a ball.
+/// A tube with a shorter middle, in its radii, is a sphere.
 const SHORT: f64 = 0.05;
 
 /// The tube that shows what triangles show along the axis in which they are longest, `πr²`, and across it, `2rh + πr²`.

@@ -146,6 +146,6 @@ impl EnvironmentMap {
 impl core::fmt::Debug for EnvironmentMap {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let (size, turn) = (self.size, self.turn);
-        write!(f, "EnvironmentMap {{ {size}, {turn}, {:016x} }}", lobe_core::hash_of(self.texels.iter().copied()))
+        write!(f, "EnvironmentMap {{ {size}, {turn}, {:016x} }}", lobe_core::fingerprint(self.texels.iter().copied()))
     }
 }

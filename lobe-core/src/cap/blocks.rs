@@ -4,7 +4,7 @@ use super::pair::Pair;
 use super::{form, lambert, slab};
 use crate::lanes::{Block, Columns, Lane, Level, WIDTH, map, ones, row, rows_with};
 use crate::seen::Seen;
-use crate::{Lobe, TileLobes};
+use crate::{PackedLobe, TileLobes};
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::dispatch;
 use glam::Vec3;
@@ -58,7 +58,7 @@ impl Blocks {
             waiting ^= whole;
         }
         for j in ones(waiting) {
-            let (light, lobe): (Seen, Lobe) = (bytemuck::cast(row(seen, j)), bytemuck::cast(row(block, j)));
+            let (light, lobe): (Seen, PackedLobe) = (bytemuck::cast(row(seen, j)), bytemuck::cast(row(block, j)));
             if !lobe.is_microfacets() {
                 self.push(level, forms[j], &light, &lobe, first + j, out);
             } else if let Some(of) = facets(lobes, number, j, &lobe) {
@@ -75,7 +75,7 @@ impl Blocks {
         }
     }
 
-    fn push(&mut self, level: Level, form: f32, light: &Seen, lobe: &Lobe, k: usize, out: &mut [f32]) {
+    fn push(&mut self, level: Level, form: f32, light: &Seen, lobe: &PackedLobe, k: usize, out: &mut [f32]) {
         if form == form::WHOLE {
             if self.whole.push(&bytemuck::cast(light.pair(lobe)), k) {
                 self.whole(level, out);
@@ -184,7 +184,7 @@ struct Sort;
 impl Lane<10, 8, 2> for Sort {
     #[inline(always)]
     fn value(&self, seen: [f32; 10], lobe: [f32; 8]) -> [f32; 2] {
-        let lobe: Lobe = bytemuck::cast(lobe);
+        let lobe: PackedLobe = bytemuck::cast(lobe);
         let [form, value] = form::of(&bytemuck::cast(seen), &lobe);
         let empty = lobe.flux == Vec3::ZERO;
         [if empty { form::DONE } else { form }, if empty { 0.0 } else { value }]
@@ -257,15 +257,15 @@ fn flush<const N: usize, const CUT: bool>(level: Level, block: &mut Block<15>, o
 
 /// Where the integrals of a lobe of microfacets go and of the edge that follows it, [`NOWHERE`] for one that is not there; none of a
 /// lobe that waits for its edge.
-fn facets(tile: &TileLobes, number: usize, j: usize, lobe: &Lobe) -> Option<[u32; 2]> {
+fn facets(tile: &TileLobes, number: usize, j: usize, lobe: &PackedLobe) -> Option<[u32; 2]> {
     let stride = tile.blocks_of_place();
-    let other = |number: usize| bytemuck::cast::<_, Lobe>(row(tile.block(number), j));
+    let other = |number: usize| bytemuck::cast::<_, PackedLobe>(row(tile.block(number), j));
     let k = (number * WIDTH + j) as u32;
-    if lobe.factor == Lobe::EDGE {
-        let is_paired = number >= stride && other(number - stride).has_edge(lobe);
+    if lobe.kind == PackedLobe::MICROFACETS_F90 {
+        let is_paired = number >= stride && other(number - stride).is_followed_by(lobe);
         return Some([if is_paired { k - (stride * WIDTH) as u32 } else { NOWHERE }, k]);
     }
-    let is_paired = number + stride < tile.blocks() && lobe.has_edge(&other(number + stride));
+    let is_paired = number + stride < tile.blocks() && lobe.is_followed_by(&other(number + stride));
     (!is_paired).then_some([k, NOWHERE])
 }
 

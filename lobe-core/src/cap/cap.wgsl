@@ -10,11 +10,11 @@ fn cap_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 {
     if is_lambert(at, lobe) {
         return lambert_integral(light);
     }
-    if lobe.factor >= LOBE_MICROFACETS {
+    if lobe.kind >= LOBE_MICROFACETS_F0 {
         return microfacets_integral(at, lobe, light);
     }
     let e = lobe.exponent;
-    let cosine = select(0.0, 1.0, lobe.factor > 0.0);
+    let cosine = select(0.0, 1.0, lobe.kind > LOBE_PLAIN);
     let pair = Pair(lobe.axis, e, at.normal, cosine, light.axis, light.one_minus_cos);
     if e >= MIRROR {
         let along = dot(at.normal, lobe.axis);

@@ -1,7 +1,7 @@
 //! How an integral is taken: a number for each form, and which of them a lobe and a light need.
 
 use super::{chord, slab};
-use crate::Lobe;
+use crate::PackedLobe;
 use crate::seen::Seen;
 
 /// Lobes from this exponent on, infinity included, see the one direction of their axis.
@@ -25,12 +25,12 @@ pub(super) const MICROFACETS_CUT: f32 = 7.0;
 
 /// The form, and the value where that is done.
 #[inline(always)]
-pub(super) fn of(light: &Seen, lobe: &Lobe) -> [f32; 2] {
+pub(super) fn of(light: &Seen, lobe: &PackedLobe) -> [f32; 2] {
     let e = lobe.exponent;
     // Whether the horizon leaves all of it; whether none.
     let above = light.cos_beta >= light.sin;
     let below = light.one_minus_cos <= 0.0 || light.cos_beta <= -light.sin;
-    let lambert = e == 1.0 && lobe.factor == 0.0 && lobe.axis == light.normal;
+    let lambert = e == 1.0 && lobe.kind == PackedLobe::PLAIN && lobe.axis == light.normal;
     let wide = e >= slab::EXPONENT && 0.5 * (e + 1.0) * light.one_minus_cos >= slab::WIDTH;
     let chords = if above { WHOLE } else { PIECES };
     let glossy = if wide && above { SLAB } else { chords };
@@ -43,7 +43,7 @@ pub(super) fn of(light: &Seen, lobe: &Lobe) -> [f32; 2] {
 
     let cos = light.normal.dot(lobe.axis);
     let inside = 0.5 * (lobe.axis - light.axis).length_squared() <= light.one_minus_cos;
-    let mirrored = if lobe.factor > 0.0 { cos } else { 1.0 };
+    let mirrored = if lobe.kind > PackedLobe::PLAIN { cos } else { 1.0 };
     let mirrored = if inside && cos > 0.0 { mirrored } else { 0.0 };
     let value = if lambert { light.sin_sq * light.cos_beta } else { mirrored };
     let done = form == DONE && !below;

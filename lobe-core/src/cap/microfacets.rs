@@ -273,7 +273,7 @@ impl Ellipse {
 #[cfg(test)]
 mod tests {
     use crate::oracle::{CapMicrofacets, Random};
-    use crate::{Cone, Lobe, OWN_NONE, Receiver, cap_integral};
+    use crate::{Cone, Microfacets, Receiver, cap_integral};
     use core::f64::consts::{FRAC_PI_2, PI, TAU};
     use glam::{DVec3, Vec3};
 
@@ -282,10 +282,10 @@ mod tests {
     /// Both lobes' integrals over a light.
     fn integrals(of: &CapMicrofacets, axis: DVec3, half_angle: f64) -> [f64; 2] {
         let view = of.view.as_vec3();
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
         let cone = Cone { axis: axis.as_vec3(), one_minus_cos: (1.0 - half_angle.cos()) as f32, distance: 1.0 };
-        let lobes = Lobe::microfacets(view, of.alpha as f32, [Vec3::ONE; 2]);
-        lobes.map(|lobe| f64::from(cap_integral(&at, &lobe, &cone)))
+        let both = Microfacets::new(view, of.alpha as f32, [Vec3::ONE; 2]);
+        both.map(|facets| f64::from(cap_integral(&at, facets, &cone)))
     }
 
     /// Mean and largest error over lights of a half-angle, above the horizon or across it, relative to the light in the mirror or, where
@@ -378,12 +378,12 @@ mod tests {
             let light = if random.uniform() < 0.05 { -view } else { light };
             let alpha = random.log_uniform(1e-4, 1.0) as f32;
             let one_minus_cos = random.log_uniform(1e-12, 1.0) as f32;
-            let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
-            for lobe in Lobe::microfacets(view, alpha, [Vec3::ONE; 2]) {
-                let value = cap_integral(&at, &lobe, &Cone { axis: light, one_minus_cos, distance: 1.0 });
+            let at = Receiver::on_surface(Vec3::ZERO, normal, view);
+            for facets in Microfacets::new(view, alpha, [Vec3::ONE; 2]) {
+                let value = cap_integral(&at, facets, &Cone { axis: light, one_minus_cos, distance: 1.0 });
                 assert!(
                     value.is_finite() && (0.0..1.2).contains(&value),
-                    "{value}: {at:?} {lobe:?} {light} {one_minus_cos}"
+                    "{value}: {at:?} {facets:?} {light} {one_minus_cos}"
                 );
             }
         }

@@ -53,7 +53,7 @@ var<private> known_edge_integral: KnownEdge;
 
 fn microfacets_integral(at: Receiver, lobe: Lobe, light: Seen) -> f32 {
     let known = known_edge_integral;
-    let is_edge = lobe.factor == LOBE_EDGE;
+    let is_edge = lobe.kind == LOBE_MICROFACETS_F90;
     if (is_edge && known.exponent == lobe.exponent && all(known.axis == lobe.axis) && all(known.light == light.axis)) {
         // Of this receiver, and no other.
         known_edge_integral.axis = vec3f(0.0);

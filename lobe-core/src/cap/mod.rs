@@ -16,14 +16,14 @@ use self::microfacets::Ellipse;
 use self::pair::Pair;
 use crate::lanes::{WIDTH, row};
 use crate::seen::Seen;
-use crate::{Cone, Lobe, OWN_NONE, Receiver, TileLight, TileLobes, outline};
+use crate::{BrdfLobe, Cone, PackedLobe, Receiver, TileLight, TileLobes, outline};
 use core::cell::RefCell;
 use core::f32::consts::FRAC_1_PI;
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 
 /// `∫ f(v) dv` over the directions of a light's cone that are above the receiver's horizon, for a reflectance lobe of
-/// flux 1; times the receiver's cosine where the lobe says so. Multiply by the lobe's flux and the light's radiance for
+/// flux 1, the receiver's cosine included. Multiply by the lobe's flux and the light's radiance for
 /// the unshadowed radiance.
 ///
 /// - Lambert: closed, exact at every horizon crossing ([`sphere_light_irradiance`]).
@@ -50,11 +50,11 @@ use glam::Vec3;
 /// # Cost
 /// Many at once are several times cheaper: [`cap_integrals`].
 #[must_use]
-pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
+pub fn cap_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, cone: &Cone) -> f32 {
     let level = Level::new();
-    let light = Seen::new(at.normal, cone);
-    let [form, value] = form::of(&light, lobe);
-    let pair = light.pair(lobe);
+    let (light, lobe) = (Seen::new(at.normal, cone), PackedLobe::from(lobe.into()));
+    let [form, value] = form::of(&light, &lobe);
+    let pair = light.pair(&lobe);
     if form == form::CROSSED {
         lambert::through_horizon(light.cos_beta, light.sin_sq) * FRAC_1_PI
     } else if form == form::SLAB {
@@ -69,9 +69,9 @@ pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
     } else if form == form::PIECES {
         Chord::pieces(&pair).fold(0.0, |sum, chord| sum + over_nodes::<{ chord::PIECE }, true>(level, &chord))
     } else if form == form::MICROFACETS {
-        of_microfacets::<false>(level, &pair)[usize::from(lobe.factor == Lobe::EDGE)]
+        of_microfacets::<false>(level, &pair)[usize::from(lobe.kind == PackedLobe::MICROFACETS_F90)]
     } else if form == form::MICROFACETS_CUT {
-        of_microfacets::<true>(level, &pair)[usize::from(lobe.factor == Lobe::EDGE)]
+        of_microfacets::<true>(level, &pair)[usize::from(lobe.kind == PackedLobe::MICROFACETS_F90)]
     } else if form == form::EDGE {
         Chord::pieces(&pair).fold(0.0, |sum, chord| sum + over_nodes::<{ chord::EDGE }, true>(level, &chord))
     } else {
@@ -87,16 +87,16 @@ pub fn cap_integral(at: &Receiver, lobe: &Lobe, cone: &Cone) -> f32 {
 /// ```
 /// use glam::Vec3;
 /// use lobe_core::lanes::set_row;
-/// use lobe_core::{Lobe, OWN_NONE, Receiver, Sphere, Tile, TileLight, TileLobes, cap_integral, cap_integrals};
-/// let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+/// use lobe_core::{Lobe, PackedLobe, Receiver, Sphere, Tile, TileLight, TileLobes, cap_integral, cap_integrals};
+/// let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
 /// let gloss = Lobe::new(Vec3::new(0.0, 0.5, 0.86).normalize(), 40.0, Vec3::ONE);
 /// let (mut tile, mut light, mut lobes, mut out) = Default::default();
 /// Tile::set(&mut tile, &[at]);
-/// TileLight::ball(&mut light, &tile, Sphere { center: Vec3::new(0.0, 1.2, 1.6), radius: 0.3 }, Vec3::ONE);
+/// TileLight::sphere(&mut light, &tile, Sphere { center: Vec3::new(0.0, 1.2, 1.6), radius: 0.3 }, Vec3::ONE);
 /// TileLobes::reset(&mut lobes, &tile, 1);
-/// set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(gloss));
+/// set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(PackedLobe::from(gloss)));
 /// cap_integrals(&light, &lobes, &mut out);
-/// assert_eq!(out[0], cap_integral(&at, &gloss, &light.cone(0)));
+/// assert_eq!(out[0], cap_integral(&at, gloss, &light.cone(0)));
 /// ```
 pub fn cap_integrals(light: &TileLight, lobes: &TileLobes, out: &mut Vec<f32>) {
     integrals_at(Level::new(), light, lobes, out);
@@ -125,8 +125,7 @@ fn of_outlines(light: &TileLight, lobes: &TileLobes, out: &mut [f32]) {
     out.fill(0.0);
     for (i, outline) in light.outlines().iter().enumerate() {
         let seen: Seen = bytemuck::cast(row(&light.seen[i / WIDTH].0, i % WIDTH));
-        let (position, normal, object) = (Vec3::ZERO, seen.normal, OWN_NONE);
-        let at = Receiver { position, normal, face: normal, view: normal, object };
+        let at = Receiver::on_surface(Vec3::ZERO, seen.normal, seen.normal);
         for (number, lobe) in lobes.of(i) {
             out[number] = outline::light_integral(&at, &lobe, &light.cone(i), outline.as_ref());
         }

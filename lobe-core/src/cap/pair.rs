@@ -1,4 +1,4 @@
-use crate::Lobe;
+use crate::PackedLobe;
 use crate::seen::Seen;
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use glam::Vec3;
 pub(super) struct Pair {
     pub(super) axis: Vec3,
     pub(super) exponent: f32,
-    /// The lobe's factor: 1 where the receiver's cosine multiplies it, else 0; 2 and 3 for microfacets.
+    /// The lobe's kind: 1 where the receiver's cosine multiplies it, else 0. Microfacets do not read it.
     pub(super) cosine: f32,
     pub(super) normal: Vec3,
     /// Axis of the cone.
@@ -39,11 +39,11 @@ impl Pair {
 
 impl Seen {
     #[inline(always)]
-    pub(super) fn pair(&self, lobe: &Lobe) -> Pair {
+    pub(super) fn pair(&self, lobe: &PackedLobe) -> Pair {
         Pair {
             axis: lobe.axis,
             exponent: lobe.exponent,
-            cosine: lobe.factor,
+            cosine: lobe.kind,
             normal: self.normal,
             light: self.axis,
             one_minus_cos: self.one_minus_cos,

@@ -1,4 +1,4 @@
-//! One receiver, one light, some balls.
+//! One receiver, one light, some spheres.
 
 use super::{Setting, Subject, Visitor};
 use crate::oracle::Random;
@@ -21,7 +21,7 @@ const LIGHT: LightId = LightId(0);
 /// Half-angles of lights in random cases, radians.
 const HALF_ANGLES: [f64; 3] = [0.02, 0.14, 0.44];
 
-/// Balls of [`Case::crowd`].
+/// Spheres of [`Case::crowd`].
 const CROWD: usize = 60;
 
 /// Groups of receivers in [`Use::Entered`]: their radii, and whether they are in a narrow box.
@@ -30,14 +30,14 @@ const GROUPS: [(f32, bool); 4] = [(0.05, false), (0.05, true), (0.8, false), (0.
 /// Half-angle of a light that fills nearly half of the sky.
 pub(super) const WIDE: f64 = 1.0;
 
-/// A ball in f64.
+/// A sphere in f64.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ball {
+pub(super) struct Sphere64 {
     pub(super) center: DVec3,
     pub(super) radius: f64,
 }
 
-impl Ball {
+impl Sphere64 {
     fn rounded(self) -> Sphere {
         Sphere { center: self.center.as_vec3(), radius: self.radius as f32 }
     }
@@ -48,8 +48,8 @@ impl Ball {
 pub(super) struct Case {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    pub(super) light: Ball,
-    pub(super) balls: Vec<Ball>,
+    pub(super) light: Sphere64,
+    pub(super) spheres: Vec<Sphere64>,
     /// Axis and exponent of the reflectance lobe; exponent 1 is Lambert.
     pub(super) lobe: (DVec3, f64),
 }
@@ -73,7 +73,7 @@ pub(super) enum Use {
 const THREADS: usize = 3;
 
 impl Case {
-    /// No balls yet; the light is above the horizon or, one time in four, crosses it.
+    /// No spheres yet; the light is above the horizon or, one time in four, crosses it.
     pub(super) fn random(random: &mut Random) -> Self {
         let theta = HALF_ANGLES[(random.bits() % 3) as usize];
         Self::lit_by(random, theta)
@@ -89,11 +89,11 @@ impl Case {
         };
         let normal = random.axis_at(axis, beta);
         let position = random.axis();
-        let light = Ball { center: position + axis * FAR, radius: FAR * theta.sin() };
+        let light = Sphere64 { center: position + axis * FAR, radius: FAR * theta.sin() };
         let exponent = [1.0, 1.0, 20.0, 500.0][(random.bits() % 4) as usize];
         let off = random.between(0.0, theta);
         let lobe = if exponent == 1.0 { normal } else { random.axis_at(axis, off) };
-        Self { position, normal, light, balls: Vec::new(), lobe: (lobe, exponent) }
+        Self { position, normal, light, spheres: Vec::new(), lobe: (lobe, exponent) }
     }
 
     /// Direction of the light's centre, half-angle.
@@ -102,58 +102,58 @@ impl Case {
         (to.normalize(), (self.light.radius / to.length()).asin())
     }
 
-    /// A ball of angular radius `size` at the angle `off` from the light's centre.
-    pub(super) fn ball(&self, random: &mut Random, size: f64, off: f64, distance: f64) -> Ball {
+    /// A sphere of angular radius `size` at the angle `off` from the light's centre.
+    pub(super) fn sphere(&self, random: &mut Random, size: f64, off: f64, distance: f64) -> Sphere64 {
         let center = self.position + random.axis_at(self.cone().0, off) * distance;
-        Ball { center, radius: distance * size.sin() }
+        Sphere64 { center, radius: distance * size.sin() }
     }
 
-    /// A ball that hides some of the light.
-    pub(super) fn blocker(&self, random: &mut Random) -> Ball {
+    /// A sphere that hides some of the light.
+    pub(super) fn blocker(&self, random: &mut Random) -> Sphere64 {
         let theta = self.cone().1;
         let size = (theta * random.log_uniform(0.2, 4.0)).min(1.1);
         let off = random.between((size - theta).abs(), size + theta).min(1.4);
         let distance = random.between(1.0, 0.45 * FAR);
-        self.ball(random, size, off, distance)
+        self.sphere(random, size, off, distance)
     }
 
     /// The same, of any size and anywhere before the light, from next to the receiver to next to the light.
-    pub(super) fn blocker_anywhere(&self, random: &mut Random) -> Ball {
+    pub(super) fn blocker_anywhere(&self, random: &mut Random) -> Sphere64 {
         let theta = self.cone().1;
         let size = (theta * random.log_uniform(0.05, 4.0)).min(1.1);
         let off = random.between((size - theta).abs(), size + theta).min(1.4);
         let distance = random.between(0.3, 0.98 * (FAR - self.light.radius) / (1.0 + size.sin()));
-        self.ball(random, size, off, distance)
+        self.sphere(random, size, off, distance)
     }
 
-    /// Many small balls before the light, more than a strategy may look at one by one; about half of it is seen.
-    pub(super) fn crowd(&self, random: &mut Random) -> Vec<Ball> {
+    /// Many small spheres before the light, more than a strategy may look at one by one; about half of it is seen.
+    pub(super) fn crowd(&self, random: &mut Random) -> Vec<Sphere64> {
         let theta = self.cone().1;
         let one = |_| {
             let (size, off) = (theta * random.log_uniform(0.03, 0.3), theta * random.between(0.0, 1.2).sqrt());
             let distance = random.between(0.3, 0.9 * (FAR - self.light.radius));
-            self.ball(random, size, off, distance)
+            self.sphere(random, size, off, distance)
         };
         (0..CROWD).map(one).collect()
     }
 
     pub(super) fn turned(&self, turn: DQuat) -> Self {
-        let ball = |b: &Ball| Ball { center: turn * b.center, ..*b };
+        let sphere = |b: &Sphere64| Sphere64 { center: turn * b.center, ..*b };
         Self {
             position: turn * self.position,
             normal: turn * self.normal,
-            light: ball(&self.light),
-            balls: self.balls.iter().map(ball).collect(),
+            light: sphere(&self.light),
+            spheres: self.spheres.iter().map(sphere).collect(),
             lobe: (turn * self.lobe.0, self.lobe.1),
         }
     }
 
-    /// Visible fraction of the light's solid angle when the first ball is the only one: two caps overlap (closed; E. Todhunter,
+    /// Visible fraction of the light's solid angle when the first sphere is the only one: two caps overlap (closed; E. Todhunter,
     /// *Spherical Trigonometry*, 1886, gives the sides' formulas that the segments follow from).
     pub(super) fn closed(&self) -> f64 {
         let (axis, theta) = self.cone();
-        let to = self.balls[0].center - self.position;
-        let size = (self.balls[0].radius / to.length()).asin();
+        let to = self.spheres[0].center - self.position;
+        let size = (self.spheres[0].radius / to.length()).asin();
         let off = axis.cross(to / to.length()).length().atan2(axis.dot(to) / to.length());
         let whole = TAU * 2.0 * (0.5 * theta).sin().powi(2);
         let hidden = if off >= theta + size {
@@ -208,9 +208,9 @@ impl Case {
     }
 
     fn with<Q: Visitor>(&self, subject: &impl Subject, visitor: Q) -> Q::Answer {
-        let balls: Vec<Sphere> = self.balls.iter().map(|b| b.rounded()).collect();
+        let spheres: Vec<Sphere> = self.spheres.iter().map(|b| b.rounded()).collect();
         let (light, receiver) = (self.light.rounded(), self.position.as_vec3());
-        subject.visit(&Setting { balls: &balls, light, receiver }, visitor)
+        subject.visit(&Setting { spheres: &spheres, light, receiver }, visitor)
     }
 
     /// Coverage and visible fraction.

@@ -1,6 +1,6 @@
-//! The visible fraction of any number of balls, by quadrature in f64: what strategies are measured against.
+//! The visible fraction of any number of spheres, by quadrature in f64: what strategies are measured against.
 
-use super::case::{Ball, Case};
+use super::case::{Case, Sphere64};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
@@ -12,7 +12,7 @@ const NODES: [(f64, f64); 3] =
 /// A row is cut into so many parts, and at every rim that crosses it.
 const PARTS: usize = 8;
 
-/// The cone of directions in which a ball is seen, in the light's frame.
+/// The cone of directions in which a sphere is seen, in the light's frame.
 struct Cap {
     axis: DVec3,
     cos: f64,
@@ -40,12 +40,12 @@ impl Case {
         let (axis, theta) = self.cone();
         let (right, up) = axis.any_orthonormal_pair();
         let local = |v: DVec3| DVec3::new(right.dot(v), up.dot(v), axis.dot(v));
-        let cap = |ball: &Ball| {
-            let to = ball.center - self.position;
-            let sin = ball.radius / to.length();
+        let cap = |sphere: &Sphere64| {
+            let to = sphere.center - self.position;
+            let sin = sphere.radius / to.length();
             Cap { axis: local(to.normalize()), cos: ((1.0 - sin) * (1.0 + sin)).sqrt() }
         };
-        let caps: Vec<Cap> = self.balls.iter().map(cap).collect();
+        let caps: Vec<Cap> = self.spheres.iter().map(cap).collect();
         let (normal, lobe) = (local(self.normal), local(self.lobe.0));
         let weight = |p: DVec3| {
             let length = p.length();

@@ -2,7 +2,7 @@
 
 use super::{Report, Run};
 use crate::oracle::Random;
-use crate::{Cone, LightLobes, LobeBuffer, OWN_NONE, Receiver, SeenLight, Tile, TileLight};
+use crate::{Cone, LightLobes, LobeBuffer, Receiver, SeenLight, Tile, TileLight};
 use core::f64::consts::TAU;
 use glam::{DVec3, Vec3};
 
@@ -34,14 +34,14 @@ impl Default for LightLimits {
 /// use glam::Vec3;
 /// use lobe_core::conformance::{LightLimits, check_light};
 /// # use lobe_core::*;
-/// # struct Ball(Sphere);
-/// # impl LightLobes for Ball {
+/// # struct Sphere64(Sphere);
+/// # impl LightLobes for Sphere64 {
 /// #     fn bounds(&self) -> Sphere { self.0 }
 /// #     fn seen_from(&self, at: &Receiver) -> SeenLight {
 /// #         SeenLight::of_cone(Cone::of_sphere(at.position, self.0), Vec3::ONE)
 /// #     }
 /// # }
-/// let lamp = Ball(Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 });
+/// let lamp = Sphere64(Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 });
 /// check_light(&lamp, &LightLimits::default()).unwrap();
 /// ```
 pub fn check_light(light: &impl LightLobes, limits: &LightLimits) -> Result<(), Report> {
@@ -49,7 +49,7 @@ pub fn check_light(light: &impl LightLobes, limits: &LightLimits) -> Result<(), 
     let bounds = light.bounds();
     run.ensure(
         bounds.radius >= 0.0 && bounds.center.is_finite() && bounds.radius.is_finite(),
-        "bounds are a ball",
+        "bounds are a sphere",
         || format!("{bounds:?}"),
     );
     let mut receivers = Vec::new();
@@ -58,7 +58,7 @@ pub fn check_light(light: &impl LightLobes, limits: &LightLimits) -> Result<(), 
         let distance = size * random.log_uniform(1.05, 1e4);
         let position = (bounds.center.as_dvec3() + random.axis() * distance).as_vec3();
         let normal = random.axis().as_vec3().normalize();
-        receivers.push(Receiver { position, normal, face: normal, view: normal, object: OWN_NONE });
+        receivers.push(Receiver::on_surface(position, normal, normal));
     }
     for at in &receivers {
         one(light, at, limits, &mut run);
@@ -127,7 +127,7 @@ fn tiles(light: &impl LightLobes, receivers: &[Receiver], run: &mut Run) {
         }
     }
     let far = Vec3::splat(f32::MAX.sqrt());
-    let at = Receiver { position: far, normal: Vec3::Y, face: Vec3::Y, view: Vec3::Y, object: OWN_NONE };
+    let at = Receiver::on_surface(far, Vec3::Y, Vec3::Y);
     let cone = light.cone(&at);
     run.ensure(cone.axis.is_finite() && cone.one_minus_cos < 1e-3, "from far away it is small", || format!("{cone:?}"));
 }

@@ -1,17 +1,17 @@
 //! What every visibility strategy has to keep, as a suite that anyone can run on their own (feature `oracle`).
 //!
-//! [`check`] asks a [`Subject`] for strategies whose blockers are given balls and tries them:
+//! [`check`] asks a [`Subject`] for strategies whose blockers are given spheres and tries them:
 //! - no blocker: [`Coverage::Lit`](crate::Coverage), without a lobe; blockers behind the receiver or the light: V = 1
 //!   exactly; beside the light: V = 1; a blocker that hides the light: V = 0; V in [0, 1] always;
-//! - one ball before the light, from a dot to a half-plane, against the closed overlap of two caps; several balls anywhere
+//! - one sphere before the light, from a dot to a half-plane, against the closed overlap of two caps; several spheres anywhere
 //!   between receiver and light, crowds of them, lights that fill nearly half of the sky or cross the horizon, and glossy lobes
 //!   against quadrature;
 //! - a further blocker never brightens; the order of blockers does not matter; nor does turning everything;
-//! - nothing pops while blocker, light or receiver moves by small steps, with one ball and with several;
+//! - nothing pops while blocker, light or receiver moves by small steps, with one sphere and with several;
 //! - used scratch, `enter`, `dyn` and threads change no bit.
 //!
-//! Blockers are balls, since a ball's shadow is known. A strategy of other shapes is asked with what comes next to them: boxes or
-//! meshes around the balls, with limits as wide as what that differs by.
+//! Blockers are spheres, since a sphere's shadow is known. A strategy of other shapes is asked with what comes next to them: boxes or
+//! meshes around the spheres, with limits as wide as what that differs by.
 //!
 //! A strategy without shadows breaks it:
 //!
@@ -36,10 +36,10 @@
 //!
 //! impl Rays {
 //!     fn hides(&self, x: Vec3, v: Vec3, far: f32) -> bool {
-//!         self.0.iter().any(|ball| {
-//!             let to = ball.center - x;
+//!         self.0.iter().any(|sphere| {
+//!             let to = sphere.center - x;
 //!             let along = to.dot(v);
-//!             along > 0.0 && along < far && (to - v * along).length() < ball.radius
+//!             along > 0.0 && along < far && (to - v * along).length() < sphere.radius
 //!         })
 //!     }
 //! }
@@ -85,7 +85,7 @@
 //!     cases: 6,
 //!     ..Limits::default()
 //! };
-//! let measured = check(&|s: &Setting<'_>| Rays(s.balls.to_vec()), &limits)?;
+//! let measured = check(&|s: &Setting<'_>| Rays(s.spheres.to_vec()), &limits)?;
 //! assert_eq!((measured.cover, measured.order), (0.0, 0.0));
 //! # Ok::<(), lobe_core::conformance::Report>(())
 //! ```
@@ -107,7 +107,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<'a> {
     /// What blocks.
-    pub balls: &'a [Sphere],
+    pub spheres: &'a [Sphere],
     /// The only light.
     pub light: Sphere,
     /// The only receiver.
@@ -144,7 +144,7 @@ where
     }
 }
 
-/// How far a strategy may be off; all in units of V. The defaults suit exact balls in masks of depth 5.
+/// How far a strategy may be off; all in units of V. The defaults suit exact spheres in masks of depth 5.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// How much a blocker beside the cone of light may darken: 0 for exact shapes.
@@ -155,7 +155,7 @@ pub struct Limits {
     pub overlap_mean: f64,
     /// Largest error against closed overlaps.
     pub overlap: f64,
-    /// Mean error with several balls, any light and lobe, against quadrature.
+    /// Mean error with several spheres, any light and lobe, against quadrature.
     pub several_mean: f64,
     /// Largest error of those.
     pub several: f64,
@@ -168,7 +168,7 @@ pub struct Limits {
     /// Largest change in a small step, a hundredth of the light's half-angle or so, that the exact fraction does not make. The
     /// suite asks with a tolerance of 0.003.
     pub jump: f64,
-    /// The same with several balls, any light and lobe.
+    /// The same with several spheres, any light and lobe.
     pub jump_several: f64,
     /// Tries of each random kind; a third as many sweeps.
     pub cases: usize,
@@ -269,7 +269,7 @@ impl core::fmt::Display for Broken {
             let place = if field.is_empty() { "the limit".to_owned() } else { format!("Limits::{field}") };
             write!(f, "{value:.3e} is above {place}, {limit:.3e}: ")?;
         }
-        // A crowd has 64 balls.
+        // A crowd has 64 spheres.
         match self.case.char_indices().nth(800) {
             Some((end, _)) => write!(f, "{} …", &self.case[..end]),
             None => f.write_str(&self.case),

@@ -1,13 +1,13 @@
 //! The properties, one function each.
 
-use super::case::{Ball, Case, FAR, Use, WIDE};
+use super::case::{Case, FAR, Sphere64, Use, WIDE};
 use super::{Limits, Measured, Report, Run, Subject};
 use crate::Coverage;
 use crate::oracle::Random;
 use core::f64::consts::PI;
 use glam::{DQuat, DVec3};
 
-/// One case in so many has a crowd of balls.
+/// One case in so many has a crowd of spheres.
 const CROWDED: usize = 6;
 
 /// Runs the whole suite; deterministic.
@@ -22,13 +22,13 @@ pub fn check(subject: &impl Subject, limits: &Limits) -> Result<Measured, Report
     overlaps(subject, limits, &mut random, &mut run);
     several(subject, limits, &mut random, &mut run);
     slivers(subject, limits, &mut random, &mut run);
-    many_balls(subject, limits, &mut random, &mut run);
+    many_spheres(subject, limits, &mut random, &mut run);
     motion(subject, limits, &mut random, &mut run);
     motion_of_several(subject, limits, &mut random, &mut run);
     run.end()
 }
 
-/// No balls, and balls that no ray to the light meets.
+/// No spheres, and spheres that no ray to the light meets.
 fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for _ in 0..limits.cases {
         let mut case = Case::random(random);
@@ -43,25 +43,25 @@ fn nothing_blocks(subject: &impl Subject, limits: &Limits, random: &mut Random, 
             let size = random.log_uniform(0.01, 1.2);
             let distance = random.log_uniform(0.3, 3.0 * FAR);
             let beside = (1.1 * size + theta + 0.02).min(PI);
-            let ball = if i < 2 {
+            let sphere = if i < 2 {
                 // Anywhere beside, then straight behind the receiver.
                 let from = if i == 0 { beside } else { beside.max(0.5 * PI + size) };
                 let off = random.between(from, PI);
-                case.ball(random, size, off, distance)
+                case.sphere(random, size, off, distance)
             } else {
                 let radius = random.log_uniform(0.1, 0.5 * FAR);
                 let off = random.between(0.0, theta);
-                let beyond = case.ball(random, 0.0, off, FAR + case.light.radius + 1.05 * radius);
-                Ball { radius, ..beyond }
+                let beyond = case.sphere(random, 0.0, off, FAR + case.light.radius + 1.05 * radius);
+                Sphere64 { radius, ..beyond }
             };
-            case.balls.push(ball);
+            case.spheres.push(sphere);
         }
-        let beside = case.balls.remove(0);
+        let beside = case.spheres.remove(0);
         let (_, fraction) = case.fraction(subject, Use::Fresh);
         out.ensure(fraction == 1.0, "what is behind receiver or light blocks nothing", || {
             format!("V = {fraction} in {case:?}")
         });
-        case.balls = vec![beside];
+        case.spheres = vec![beside];
         let dark = 1.0 - f64::from(case.fraction(subject, Use::Fresh).1);
         out.within(dark, ("beside", limits.beside), "what is beside blocks nothing", || {
             format!("1 - V = {dark} in {case:?}")
@@ -77,7 +77,7 @@ fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
         let off = random.between(0.0, 0.5 * theta);
         let size = (theta + off) * random.between(1.1, 1.5) + 0.01;
         let distance = random.between(1.0, 0.3 * FAR);
-        case.balls.push(case.ball(random, size, off, distance));
+        case.spheres.push(case.sphere(random, size, off, distance));
         for how in [Use::Fresh, Use::Entered, Use::Boxed] {
             let fraction = f64::from(case.fraction(subject, how).1);
             out.within(fraction, ("cover", limits.cover), "full cover is dark", || {
@@ -99,7 +99,7 @@ fn straight_above(random: &mut Random, theta: f64) -> Case {
     case
 }
 
-/// Angular radii of the ball in closed cases, from a dot to a half-plane, by the light's half-angle. The last one's edge
+/// Angular radii of the sphere in closed cases, from a dot to a half-plane, by the light's half-angle. The last one's edge
 /// is off a straight line by 0.1 % of the light's radius.
 fn closed_sizes(theta: f64) -> [f64; 6] {
     [0.3 * theta, theta, 3.0 * theta, 0.5, 1.2, 1.5]
@@ -113,7 +113,7 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
                 let mut case = straight_above(random, theta);
                 let off = random.between((size - theta).max(0.0), size + theta);
                 let distance = random.between(0.5, 0.4 * FAR);
-                case.balls.push(case.ball(random, size, off, distance));
+                case.spheres.push(case.sphere(random, size, off, distance));
                 let (_, fraction) = case.fraction(subject, Use::Fresh);
                 let error = (f64::from(fraction) - case.closed()).abs();
                 out.within(error, ("overlap", limits.overlap), "overlap of two discs", || {
@@ -129,20 +129,20 @@ fn overlaps(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &
     out.within(mean, ("overlap_mean", limits.overlap_mean), "mean overlap of two discs", || format!("{mean}"));
 }
 
-/// Two to five balls, any light, any lobe, also through the horizon; every [`CROWDED`]th time a crowd of small ones as well.
+/// Two to five spheres, any light, any lobe, also through the horizon; every [`CROWDED`]th time a crowd of small ones as well.
 fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     let mut sum = 0.0;
     for k in 0..limits.cases {
         let mut case = if k % CROWDED == 1 { Case::lit_by(random, WIDE) } else { Case::random(random) };
         if k % CROWDED == 0 {
-            case.balls = case.crowd(random);
+            case.spheres = case.crowd(random);
         }
         for _ in 0..2 + random.bits() % 4 {
-            case.balls.push(case.blocker_anywhere(random));
+            case.spheres.push(case.blocker_anywhere(random));
         }
         let (fraction, exact) = (f64::from(case.fraction(subject, Use::Fresh).1), case.exact());
         let error = (fraction - exact).abs();
-        out.within(error, ("several", limits.several), "several balls against quadrature", || {
+        out.within(error, ("several", limits.several), "several spheres against quadrature", || {
             format!("V = {fraction}, exactly {exact} in {case:?}")
         });
         out.measured.several = out.measured.several.max(error);
@@ -150,10 +150,10 @@ fn several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
     }
     out.measured.several_mean = sum / limits.cases.max(1) as f64;
     let mean = out.measured.several_mean;
-    out.within(mean, ("several_mean", limits.several_mean), "mean of several balls", || format!("{mean}"));
+    out.within(mean, ("several_mean", limits.several_mean), "mean of several spheres", || format!("{mean}"));
 }
 
-/// A ball that hides next to nothing of the light, or next to all of it.
+/// A sphere that hides next to nothing of the light, or next to all of it.
 fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for k in 0..4 * limits.cases {
         let mut case = Case::random(random);
@@ -167,7 +167,7 @@ fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
             (size, size - theta + sliver)
         };
         let distance = random.between(0.5, 0.4 * FAR);
-        case.balls.push(case.ball(random, size, off, distance));
+        case.spheres.push(case.sphere(random, size, off, distance));
         let (_, fraction) = case.fraction(subject, Use::Fresh);
         out.ensure((0.0..=1.0).contains(&fraction), "V is in [0, 1] at slivers", || {
             format!("V = {fraction} in {case:?}")
@@ -175,17 +175,17 @@ fn slivers(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &m
     }
 }
 
-/// Range, scratch, dispatch, overflow, monotony, order, rotation: one to five balls at random, now and then before a crowd.
-fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
+/// Range, scratch, dispatch, overflow, monotony, order, rotation: one to five spheres at random, now and then before a crowd.
+fn many_spheres(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for k in 0..limits.cases {
         let mut case = Case::random(random);
         let mut last = 1.0;
         if k % CROWDED == 0 {
-            case.balls = case.crowd(random);
+            case.spheres = case.crowd(random);
             last = f64::from(case.fraction(subject, Use::Fresh).1);
         }
         for _ in 0..1 + random.bits() % 5 {
-            case.balls.push(case.blocker(random));
+            case.spheres.push(case.blocker(random));
             let (_, fraction) = case.fraction(subject, Use::Fresh);
             out.ensure((0.0..=1.0).contains(&fraction), "V is in [0, 1]", || format!("V = {fraction} in {case:?}"));
             for (how, property) in [
@@ -205,7 +205,7 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
             last = f64::from(fraction);
         }
         let mut reversed = case.clone();
-        reversed.balls.reverse();
+        reversed.spheres.reverse();
         let (_, fraction) = reversed.fraction(subject, Use::Fresh);
         let change = (f64::from(fraction) - last).abs();
         out.within(change, ("order", limits.order), "order does not matter", || {
@@ -225,12 +225,12 @@ fn many_balls(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
 /// What moves in a sweep.
 #[derive(Clone, Copy, Debug)]
 enum Moves {
-    Ball,
+    Blocker,
     Light,
     Receiver,
 }
 
-/// One ball passes the light in small steps, or the light or the receiver moves instead.
+/// One sphere passes the light in small steps, or the light or the receiver moves instead.
 fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     let theta = 0.035;
     for k in 0..limits.cases / 3 {
@@ -242,22 +242,22 @@ fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mu
         let along = [u, v, random.axis_at(axis, 0.5 * PI), random.axis_at(axis, 0.5 * PI)][k % 4];
         let distance = 0.4 * FAR;
         let center = start.position + (axis * size.cos() + along * size.sin()) * distance;
-        start.balls.push(Ball { center, radius: distance * size.sin() });
-        let moves = [Moves::Ball, Moves::Light, Moves::Receiver][(k / 4 + k) % 3];
+        start.spheres.push(Sphere64 { center, radius: distance * size.sin() });
+        let moves = [Moves::Blocker, Moves::Light, Moves::Receiver][(k / 4 + k) % 3];
         let jump = sweep(subject, &start, moves, along, 1.2, ("jump", limits.jump), Case::closed, out);
         out.measured.jump = out.measured.jump.max(jump);
     }
 }
 
-/// The same with two or three balls, any light and lobe: they take turns at being the largest.
+/// The same with two or three spheres, any light and lobe: they take turns at being the largest.
 fn motion_of_several(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mut Run<Measured>) {
     for k in 0..limits.cases / 3 {
         let mut start = Case::random(random);
         for _ in 0..2 + k % 2 {
-            start.balls.push(start.blocker(random));
+            start.spheres.push(start.blocker(random));
         }
         let along = random.axis_at(start.cone().0, 0.5 * PI);
-        let moves = [Moves::Ball, Moves::Light, Moves::Receiver][k % 3];
+        let moves = [Moves::Blocker, Moves::Light, Moves::Receiver][k % 3];
         let jump = sweep(subject, &start, moves, along, 0.4, ("jump_several", limits.jump_several), Case::exact, out);
         out.measured.jump_several = out.measured.jump_several.max(jump);
     }
@@ -277,7 +277,7 @@ fn sweep(
     out: &mut Run<Measured>,
 ) -> f64 {
     let theta = start.cone().1;
-    let distance = start.balls[0].center.distance(start.position);
+    let distance = start.spheres[0].center.distance(start.position);
     let steps = (200.0 * reach * 2.0 / 3.0) as u32;
     let (mut last, mut largest) = (None::<(f64, f64)>, 0.0_f64);
     for step in 0..=steps {
@@ -285,12 +285,12 @@ fn sweep(
         let mut case = start.clone();
         let aside = along * way;
         match moves {
-            Moves::Ball => case.balls[0].center += aside * distance,
+            Moves::Blocker => case.spheres[0].center += aside * distance,
             Moves::Light => case.light.center -= aside * FAR,
             Moves::Receiver => case.position += aside * (distance / (1.0 - distance / FAR)),
         }
-        // In a ball it is dark: entering one is no small move.
-        if case.balls.iter().any(|ball| ball.center.distance(case.position) <= ball.radius) {
+        // In a sphere it is dark: entering one is no small move.
+        if case.spheres.iter().any(|sphere| sphere.center.distance(case.position) <= sphere.radius) {
             last = None;
             continue;
         }

@@ -1,5 +1,6 @@
 use crate::special::ln_of;
 use glam::{UVec2, Vec2, Vec3, Vec3A};
+use xxhash_rust::xxh3::Xxh3;
 
 /// Where a flat light is how bright: factors of its radiance, of mean one in each channel, and coarser and coarser copies of them.
 ///
@@ -137,16 +138,17 @@ impl core::fmt::Debug for LightImage {
             f,
             "LightImage {{ {}, {:016x} }}",
             self.size(),
-            hash_of(self.levels[0].texels.iter().map(|t| (*t).into()))
+            fingerprint(self.levels[0].texels.iter().map(|t| (*t).into()))
         )
     }
 }
 
-/// A hash of radiances (FNV-1a): the same for the same bits.
+/// A hash of radiances (XXH3): the same for the same bits.
 #[must_use]
-pub fn hash_of(texels: impl Iterator<Item = Vec3>) -> u64 {
-    let bits = texels.flat_map(|t| t.to_array()).map(f32::to_bits);
-    bits.fold(0xcbf2_9ce4_8422_2325, |hash, bits| (hash ^ u64::from(bits)).wrapping_mul(0x0100_0000_01b3))
+pub fn fingerprint(texels: impl Iterator<Item = Vec3>) -> u64 {
+    let mut hash = Xxh3::new();
+    texels.for_each(|texel| hash.update(bytemuck::bytes_of(&texel)));
+    hash.digest()
 }
 
 /// Places this part of a texel before the next one are in that: middles of a mask's cells lie on borders, and rounding shall not choose.

@@ -2,7 +2,7 @@ use super::cubature::{Peak, Value, cubature};
 use super::{LightImage, Outline, nearest_of};
 use crate::microfacets::seen_from;
 use crate::special::{atan2, exp, ln_of};
-use crate::{Cone, Lobe, Microfacets, Receiver, cap_integral, is_lambert};
+use crate::{BrdfLobe, Cone, Lobe, Microfacets, MicrofacetsAt, Receiver, cap_integral, is_lambert};
 use core::f32::consts::{FRAC_1_PI, TAU};
 use glam::{Vec2, Vec3};
 
@@ -34,13 +34,13 @@ const NOTHING: f32 = 1e-9;
 /// # Cost
 /// 4 to 300 evaluations of the lobe, sixteen at a time: few where light and lobe vary little over each other.
 #[must_use]
-pub fn outline_integral(at: &Receiver, lobe: &Lobe, light: &Outline) -> f32 {
-    light.above(at.normal).map_or(0.0, |above| integral(at, lobe, &above))
+pub fn outline_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, light: &Outline) -> f32 {
+    light.above(at.normal).map_or(0.0, |above| integral(at, &lobe.into(), &above))
 }
 
 /// The same over a light of any form, of which an outline is above the horizon.
-pub(crate) fn light_integral(at: &Receiver, lobe: &Lobe, cone: &Cone, outline: Option<&Outline>) -> f32 {
-    outline.map_or_else(|| cap_integral(at, lobe, cone), |outline| integral(at, lobe, outline))
+pub(crate) fn light_integral(at: &Receiver, lobe: &BrdfLobe, cone: &Cone, outline: Option<&Outline>) -> f32 {
+    outline.map_or_else(|| cap_integral(at, *lobe, cone), |outline| integral(at, lobe, outline))
 }
 
 /// [`outline_integral`] of a light that shows an image, by channel: the image's place in the integrand has a mean of one, so that light
@@ -50,19 +50,20 @@ pub(crate) fn light_integral(at: &Receiver, lobe: &Lobe, cone: &Cone, outline: O
 /// Against quadrature in f64, over squares from a receiver's hemisphere to a tenth of their distance, of waves and
 /// grain that are half as bright again: ≤ 0.5 % in the mean, 2 % at worst, of what the whole light gives.
 #[must_use]
-pub fn image_integral(at: &Receiver, lobe: &Lobe, light: &Outline, image: &LightImage) -> Vec3 {
-    light.above(at.normal).map_or(Vec3::ZERO, |above| of_image(at, lobe, &above, image))
+pub fn image_integral(at: &Receiver, lobe: impl Into<BrdfLobe>, light: &Outline, image: &LightImage) -> Vec3 {
+    light.above(at.normal).map_or(Vec3::ZERO, |above| of_image(at, &lobe.into(), &above, image))
 }
 
 /// Over what is above the horizon.
-fn integral(at: &Receiver, lobe: &Lobe, light: &Outline) -> f32 {
+fn integral(at: &Receiver, lobe: &BrdfLobe, light: &Outline) -> f32 {
     let [.., value] = over(at, lobe, light, None);
     if value > 0.0 && value.is_finite() { value } else { 0.0 }
 }
 
 /// The same of an image.
-pub(crate) fn of_image(at: &Receiver, lobe: &Lobe, light: &Outline, image: &LightImage) -> Vec3 {
-    if is_lambert(at, lobe)
+pub(crate) fn of_image(at: &Receiver, lobe: &BrdfLobe, light: &Outline, image: &LightImage) -> Vec3 {
+    let is_lambert = matches!(lobe, BrdfLobe::Cosine(lobe) if is_lambert(at, lobe));
+    if is_lambert
         && !light.is_clipped
         && let Some(irradiance) = image.irradiance(at.normal)
     {
@@ -70,19 +71,17 @@ pub(crate) fn of_image(at: &Receiver, lobe: &Lobe, light: &Outline, image: &Ligh
     }
     let [r, g, b, alone] = over(at, lobe, light, Some(image));
     // A closed form is nearer to the truth than its rows.
-    let part = if is_lambert(at, lobe) { lambert(at.normal, light, None)[3] / alone } else { 1.0 };
+    let part = if is_lambert { lambert(at.normal, light, None)[3] / alone } else { 1.0 };
     let value = Vec3::new(r, g, b) * part;
     if value.is_finite() { value.max(Vec3::ZERO) } else { Vec3::ZERO }
 }
 
 /// The integral with an image, by channel, and without.
-fn over(at: &Receiver, lobe: &Lobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
-    if is_lambert(at, lobe) {
-        lambert(at.normal, light, image)
-    } else if lobe.is_microfacets() {
-        microfacets(at.normal, lobe, light, image)
-    } else {
-        power(at.normal, lobe, light, image)
+fn over(at: &Receiver, lobe: &BrdfLobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
+    match lobe {
+        BrdfLobe::Cosine(lobe) if is_lambert(at, lobe) => lambert(at.normal, light, image),
+        BrdfLobe::Cosine(lobe) => power(at.normal, lobe, light, image),
+        BrdfLobe::Microfacets(facets) => microfacets(at.normal, facets, light, image),
     }
 }
 
@@ -142,7 +141,7 @@ fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>)
     let width = Vec2::new(narrow(stretch * sigma, slope.x), narrow(stretch.sqrt() * sigma, slope.y));
     let is_beside = point.distance(place) > 2.0 * sigma * stretch;
     let peak = Peak { point, width, is_beside };
-    let f = Power { axis, half_exponent: 0.5 * e, normal: local(normal), has_cosine: lobe.factor > 0.0 };
+    let f = Power { axis, half_exponent: 0.5 * e, normal: local(normal), has_cosine: lobe.has_cosine };
     let norm = (e + 1.0) / TAU;
     cubature(normal, light, frame, peak, f, image).map(|value| norm * value)
 }
@@ -156,11 +155,10 @@ fn largest_at(axis: Vec3, e: f32) -> f32 {
     if c > 0.0 { 2.0 * e * s / (b + root) } else { (root - b) / (6.0 * s).max(1e-6) }
 }
 
-fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
-    let shape = Microfacets::new(normal, lobe);
-    let (mirror, alpha) = shape.highlight();
+fn microfacets(normal: Vec3, facets: &Microfacets, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
+    let (mirror, alpha) = facets.at(normal).highlight();
     // Rows across the plane of incidence: highlights are longer along it.
-    let (cos, sin, forward) = seen_from(normal, lobe.axis);
+    let (cos, sin, forward) = seen_from(normal, facets.view);
     let turn = normal * sin + forward * cos;
     let toward = light.axis().dot(mirror);
     let across = if toward > 1e-3 { turn - mirror * (light.axis().dot(turn) / toward) } else { mirror };
@@ -174,7 +172,7 @@ fn microfacets(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightI
     let beside = 0.5 * place.distance(point);
     let width =
         Vec2::new((2.0 * alpha * stretch).max(beside), (2.0 * alpha * cos.max(alpha) * stretch.sqrt()).max(beside));
-    let facets = Facets(Microfacets::new(local(normal), &Lobe { axis: local(lobe.axis), ..*lobe }));
+    let facets = Facets(Microfacets { view: local(facets.view), ..*facets }.at(local(normal)));
     // Next to the receiver the light's own `1/r³` may matter more.
     let foot = nearest_of(light.on_plane(frame), Vec2::ZERO);
     let point = if width.min_element() > (1.0 + foot.length_squared()).sqrt() { foot } else { point };
@@ -217,7 +215,7 @@ impl Value for Power {
 }
 
 #[derive(Clone, Copy)]
-struct Facets(Microfacets);
+struct Facets(MicrofacetsAt);
 
 impl Value for Facets {
     #[inline(always)]

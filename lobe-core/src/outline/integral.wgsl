@@ -65,7 +65,7 @@ fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
     if (is_lambert(at, lobe)) {
         return outline_lambert(at.normal);
     }
-    if (lobe.factor >= LOBE_MICROFACETS) {
+    if (lobe.kind >= LOBE_MICROFACETS_F0) {
         return outline_microfacets(at.normal, lobe);
     }
     return outline_power(at.normal, lobe);
@@ -136,7 +136,7 @@ fn outline_power(normal: vec3f, lobe: Lobe) -> OutlineSum {
     let sigma = 1.0 / sqrt(e + 3.0);
     let sigmas = vec2f(stretch, sqrt(stretch)) * sigma;
     let width = 1.5 * sigmas / max(0.5 * abs(slope) * sigmas, vec2f(1.0));
-    let value = OutlineValue(OUTLINE_POWER, lobe.factor > 0.0, 0.5 * e, outline_local(right, normal), axis);
+    let value = OutlineValue(OUTLINE_POWER, lobe.kind == LOBE_COSINE, 0.5 * e, outline_local(right, normal), axis);
     let apart = point - place;
     let is_beside = sqrt(dot(apart, apart)) > 2.0 * sigma * stretch;
     return (e + 1.0) / TAU * outline_cubature(right, OutlinePeak(point, width, is_beside), value);

@@ -1,7 +1,7 @@
 // Lobes of microfacets over an outline. Needs integral.wgsl beside it, and microfacets.wgsl.
 
 // Those of the lobe, in the frame of the light's plane.
-var<private> outline_surface: Microfacets;
+var<private> outline_surface: MicrofacetsAt;
 var<private> outline_is_edge: bool;
 
 fn outline_facets(v: vec3f) -> f32 {
@@ -35,8 +35,8 @@ fn outline_microfacets(normal: vec3f, lobe: Lobe) -> OutlineSum {
         point = foot;
     }
     width = min(width, vec2f(sqrt(1.0 + dot(point, point))));
-    outline_surface = Microfacets(outline_local(right, normal), surface.alpha_sq, outline_local(right, surface.view), surface.shadowing);
-    outline_is_edge = lobe.factor == LOBE_EDGE;
+    outline_surface = MicrofacetsAt(outline_local(right, normal), surface.alpha_sq, outline_local(right, surface.view), surface.shadowing);
+    outline_is_edge = lobe.kind == LOBE_MICROFACETS_F90;
     let value = OutlineValue(OUTLINE_FACETS, false, 0.0, outline_surface.normal, axis);
     return outline_cubature(right, OutlinePeak(point, width, beside > 2.0 * alpha * stretch), value);
 }

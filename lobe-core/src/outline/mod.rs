@@ -6,7 +6,7 @@ mod integral;
 #[cfg(test)]
 mod tests;
 
-pub use self::image::{LightImage, hash_of};
+pub use self::image::{LightImage, fingerprint};
 pub use self::integral::{image_integral, outline_integral};
 pub(crate) use self::integral::{light_integral, of_image};
 
@@ -88,7 +88,7 @@ const TURNS: [[f32; 2]; Outline::MOST] = [
 impl Outline {
     /// The most corners of a light.
     pub const MOST: usize = 24;
-    /// Windows on a light reach so far beyond it, in radii of a ball around it: √2 for a rectangle about a circle, and an octagon about
+    /// Windows on a light reach so far beyond it, in radii of a sphere around it: √2 for a rectangle about a circle, and an octagon about
     /// that.
     pub const BEYOND: f32 = 1.531;
     /// Each of two horizons adds one, the receiver's and a lobe's.
@@ -283,12 +283,12 @@ impl Outline {
         self.corners().iter().map(move |p| Vec2::new(right.dot(*p), up.dot(*p)) * scale)
     }
 
-    /// A ball around all of it and around every rectangle in its plane around any part of it, relative to the receiver.
+    /// A sphere around all of it and around every rectangle in its plane around any part of it, relative to the receiver.
     #[must_use]
-    pub fn ball(&self) -> Sphere {
+    pub fn sphere(&self) -> Sphere {
         let radius = self.corners().iter().map(|p| p.distance_squared(self.center)).fold(0.0, f32::max).sqrt();
-        let ball = Sphere { center: self.center, radius };
-        if self.has_sides() { Sphere { radius: radius * OCTAGON, ..ball } } else { Self::ball_around(ball) }
+        let sphere = Sphere { center: self.center, radius };
+        if self.has_sides() { Sphere { radius: radius * OCTAGON, ..sphere } } else { Self::sphere_around(sphere) }
     }
 
     /// Whether windows on it are turned as its [sides](Self::with_sides) are, and so never reach beyond it.
@@ -297,9 +297,9 @@ impl Outline {
         self.sides[0] != Vec3::ZERO
     }
 
-    /// The same from a ball around the light.
+    /// The same from a sphere around the light.
     #[must_use]
-    pub fn ball_around(bounds: Sphere) -> Sphere {
+    pub fn sphere_around(bounds: Sphere) -> Sphere {
         Sphere { radius: bounds.radius * Self::BEYOND, ..bounds }
     }
 
@@ -308,7 +308,7 @@ impl Outline {
     /// such end.
     #[must_use]
     pub fn cone(&self) -> Cone {
-        let Sphere { radius: reach, .. } = self.ball();
+        let Sphere { radius: reach, .. } = self.sphere();
         let toward = self.center.normalize();
         let (u, v) = orthonormal_basis(self.axis);
         let (mut fall, mut depth) = (0.0_f32, 0.0_f32);

@@ -1,6 +1,6 @@
 use super::{LightImage, Outline, image_integral, outline_integral};
 use crate::oracle::{CapMicrofacets, Random};
-use crate::{Lobe, OWN_NONE, Receiver};
+use crate::{Lobe, Microfacets, Receiver};
 use core::f64::consts::{PI, TAU};
 use glam::{DVec3, UVec2, Vec2, Vec3};
 
@@ -67,7 +67,7 @@ impl Case {
 }
 
 fn receiver(view: DVec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: view.as_vec3(), object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, Vec3::Z, view.as_vec3())
 }
 
 #[test]
@@ -153,10 +153,10 @@ fn microfacets_are_those_of_quadrature() {
                     let shape = Turned::new(view, alpha);
                     let mirror = shape.value(axis)[0];
                     let solid = case.integral(&|_| 1.0, 1e-6 * size * size);
-                    let lobes = Lobe::microfacets(view.as_vec3(), alpha as f32, [Vec3::ONE; 2]);
+                    let lobes = Microfacets::new(view.as_vec3(), alpha as f32, [Vec3::ONE; 2]);
                     let scale = (mirror * solid).min(1.0);
                     let mut error = 0.0;
-                    for (k, lobe) in lobes.iter().enumerate() {
+                    for (k, lobe) in lobes.into_iter().enumerate() {
                         let want = case.integral(&|v| shape.value(v)[k], 1e-6 * scale);
                         let got = outline_integral(&receiver(view), lobe, &case.outline());
                         error += (f64::from(got) - want).abs() / scale;
@@ -258,13 +258,13 @@ fn a_horizon_through_a_corner_takes_nothing_else() {
     let corners = [[-34.0, 34.0, 34.0], [34.0, 34.0, 34.0], [34.0, 34.0, -34.0], [-34.0, 34.0, -34.0]];
     let light = Outline::new(&corners.map(Vec3::from_array), Vec3::Y).expect("before its plane");
     let view = Vec3::new(0.258_452_4, 0.072_847_46, 0.963_273_4);
-    let [lobe, _] = Lobe::microfacets(view, 0.01, [Vec3::ONE; 2]);
+    let [lobe, _] = Microfacets::new(view, 0.01, [Vec3::ONE; 2]);
     let mut random = Random::new(17);
     for k in 0..2000 {
         let normal = (DVec3::new(0.15, 0.62, 0.77) + random.axis() * 0.1).as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE };
-        let once = outline_integral(&at, &lobe, &light);
-        let twice = light.above(normal).map_or(0.0, |light| outline_integral(&at, &lobe, &light));
+        let at = Receiver::on_surface(Vec3::ZERO, normal, view);
+        let once = outline_integral(&at, lobe, &light);
+        let twice = light.above(normal).map_or(0.0, |light| outline_integral(&at, lobe, &light));
         assert!((once - twice).abs() < 1e-3, "{k}: {once} {twice}, {normal}");
     }
 }

@@ -1,8 +1,8 @@
 use super::Tables;
 use crate::integrator::query;
 use crate::{
-    Contribution, Integrator, Interaction, LightCoverage, LightVisibility, Lobe, Observer, Stage, TileContributions,
-    TileInteraction, VisibilityLobes, VisibilitySum,
+    BrdfLobe, BrdfLobes, Contribution, Integrator, Interaction, LightCoverage, LightVisibility, Lobe, Observer,
+    Receiver, Stage, Tile, TileContributions, TileInteraction, TileLobes, VisibilityLobes, VisibilitySum,
 };
 use glam::Vec3;
 
@@ -17,8 +17,11 @@ pub struct PaperIntegrator<'t> {
 
 impl<V: VisibilityLobes + ?Sized> Integrator<V> for PaperIntegrator<'_> {
     type Scratch = VisibilitySum;
-    const TAKES_MICROFACETS: bool = false;
     const TAKES_INTEGRALS: bool = false;
+
+    fn reflectance<B: BrdfLobes>(materials: &[B], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes) {
+        B::tile_cosine_lobes(materials, of, at, tile, out);
+    }
 
     fn radiance(
         &self,
@@ -31,8 +34,8 @@ impl<V: VisibilityLobes + ?Sized> Integrator<V> for PaperIntegrator<'_> {
         let mut total = Contribution::default();
         let mut coverage = None;
         // A lobe without flux is not there.
-        for lobe in point.brdf.iter().filter(|lobe| lobe.flux != Vec3::ZERO) {
-            let lobe = self.times_cosine(&lobe, point.at.normal);
+        for lobe in point.brdf.iter().filter(|lobe| lobe.flux() != Vec3::ZERO) {
+            let lobe = self.times_cosine(lobe, point.at.normal);
             let product = self.tables.product(&lobe, &light_lobe);
             let unshadowed = product.flux;
             observer.count(0, 1);
@@ -70,12 +73,13 @@ impl<V: VisibilityLobes + ?Sized> Integrator<V> for PaperIntegrator<'_> {
 
 impl PaperIntegrator<'_> {
     /// c_a of Eq. 12: a receiver's cosine is one more lobe.
-    fn times_cosine(&self, lobe: &Lobe, normal: Vec3) -> Lobe {
-        if lobe.factor > 0.0 {
+    fn times_cosine(&self, lobe: &BrdfLobe, normal: Vec3) -> Lobe {
+        let lobe = lobe.cosine_lobe(normal);
+        if lobe.has_cosine {
             let cosine = Lobe::new(normal, 1.0, Vec3::ONE);
-            self.tables.product(&Lobe { factor: 0.0, ..*lobe }, &cosine)
+            self.tables.product(&Lobe { has_cosine: false, ..lobe }, &cosine)
         } else {
-            *lobe
+            lobe
         }
     }
 

@@ -96,7 +96,7 @@ fn paper_product(c1: Lobe, c2: Lobe) -> Lobe {
     let found = paper_lookup(e1, e2, alpha);
     let scale = (c1.flux * ((e1 + 1.0) * FRAC_1_PI * 0.5)) * (c2.flux * ((e2 + 1.0) * FRAC_1_PI * 0.5)) * found.x;
     let axis = paper_product_direction(c1.axis, e1, c2.axis, e2);
-    return Lobe(axis, found.y, scale * (TAU / (found.y + 1.0)), max(c1.factor, c2.factor));
+    return Lobe(axis, found.y, scale * (TAU / (found.y + 1.0)), max(c1.kind, c2.kind));
 }
 
 // The axis of Eq. 19.
@@ -151,22 +151,22 @@ fn paper_exponent(spread: f32, one_minus_cos: f32) -> f32 {
 fn paper_light_lobe(cone: Cone, radiance: vec3f) -> Lobe {
     let cap = paper_cap(cone.one_minus_cos);
     let q = clamp(cone.one_minus_cos, 0.0, 1.0);
-    return Lobe(cone.axis, paper_exponent(cap.y, q), radiance * (TAU * cap.x * q / cap.y), 0.0);
+    return Lobe(cone.axis, paper_exponent(cap.y, q), radiance * (TAU * cap.x * q / cap.y), LOBE_PLAIN);
 }
 
 // `CapTable::occluder` (Eq. 34).
 fn paper_occluder(cone: Cone) -> Lobe {
     let cap = paper_cap(cone.one_minus_cos);
     let q = clamp(cone.one_minus_cos, 0.0, 1.0);
-    return Lobe(cone.axis, paper_exponent(cap.z, q), vec3f(TAU * q / cap.z), 0.0);
+    return Lobe(cone.axis, paper_exponent(cap.z, q), vec3f(TAU * q / cap.z), LOBE_PLAIN);
 }
 
 // The product f̃·L of `Integrator::by_paper`: its flux is the unshadowed radiance.
 fn paper_reflected(at: Receiver, lobe: Lobe, light: Lobe) -> Lobe {
     var f = lobe;
-    if lobe.factor > 0.0 {
+    if lobe.kind == LOBE_COSINE {
         // A receiver's cosine is one more lobe (Eq. 12).
-        f = paper_product(Lobe(lobe.axis, lobe.exponent, lobe.flux, 0.0), Lobe(at.normal, 1.0, vec3f(PI), 0.0));
+        f = paper_product(Lobe(lobe.axis, lobe.exponent, lobe.flux, LOBE_PLAIN), Lobe(at.normal, 1.0, vec3f(PI), LOBE_PLAIN));
     }
     return paper_product(f, light);
 }

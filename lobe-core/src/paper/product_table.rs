@@ -128,7 +128,7 @@ impl ProductTable {
         let (across, along) = ((c1.axis - c2.axis).length(), (c1.axis + c2.axis).length());
         let (p, e) = self.lookup(e1, e2, 2.0 * across.atan2(along));
         let result = Lobe::new(product_direction(c1.axis, e1, c2.axis, e2), e, scale(c1, e1) * scale(c2, e2) * p);
-        Lobe { factor: c1.factor.max(c2.factor), ..result }
+        Lobe { has_cosine: c1.has_cosine || c2.has_cosine, ..result }
     }
 }
 
@@ -225,7 +225,7 @@ pub(super) mod tests {
         let delta = Lobe::with_flux(Vec3::Z, f32::INFINITY, Vec3::ONE);
         let picked = table.product(&red, &delta);
         assert!((picked.flux - Vec3::new(2.0, 0.5, 0.0)).length() < 0.02, "{picked:?}");
-        assert_eq!(table.product(&red.times_cosine(), &delta).factor, 1.0);
+        assert!(table.product(&red.times_cosine(), &delta).has_cosine);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{Peak, high, low_block, product_of_angle};
 use crate::lanes::{Columns, WIDTH};
-use crate::{Lobe, Lobes, Microfacets, Receiver};
+use crate::{Lobe, Lobes, Receiver};
 use core::f32::consts::TAU;
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
@@ -12,20 +12,17 @@ pub(crate) const DELTA: f32 = 1e12;
 
 /// `∫ f·c dv` for two lobes of flux 1; `f`'s receiver cosine is taken at the product's mean direction.
 ///
-/// Microfacets are evaluated at the axis of `c`. An infinite exponent is a delta function. A Lambert lobe (exponent 1 about the
+/// An infinite exponent is a delta function. A Lambert lobe (exponent 1 about the
 /// normal) with a lobe that stands for directions above the horizon is exact: `n·∫v c(v) dv`.
 #[must_use]
 pub(crate) fn normalized_product(at: &Receiver, f: &Lobe, c: &Lobe) -> f32 {
     if is_lambert(at, f) {
         return of_lambert(at.normal, c.axis, c.exponent);
     }
-    if f.is_microfacets() {
-        return Microfacets::new(at.normal, f).value(c.axis);
-    }
     let delta = |finite: &Lobe, direction: Vec3| {
         let exponent = finite.exponent.min(DELTA);
         let value = (exponent + 1.0) / TAU * crate::power(finite.axis, direction, exponent);
-        if f.factor > 0.0 { value * at.normal.dot(direction).max(0.0) } else { value }
+        if f.has_cosine { value * at.normal.dot(direction).max(0.0) } else { value }
     };
     if c.exponent >= DELTA {
         delta(f, c.axis)
@@ -33,7 +30,7 @@ pub(crate) fn normalized_product(at: &Receiver, f: &Lobe, c: &Lobe) -> f32 {
         delta(c, f.axis)
     } else {
         let y = 0.5 * (f.axis - c.axis).length_squared();
-        let factor = if f.factor > 0.0 { factor::<true> } else { factor::<false> };
+        let factor = if f.has_cosine { factor::<true> } else { factor::<false> };
         product_of_angle(f.exponent, c.exponent, y) * factor(at.normal, f, c.axis, c.exponent, y)
     }
 }
@@ -48,7 +45,7 @@ fn total_at(level: Level, at: &Receiver, f: &Lobe, lobes: Lobes<'_>) -> f32 {
     let one_by_one =
         |sum: f32, lobes: Lobes<'_>| lobes.iter().fold(sum, |sum, c| sum + c.flux.x * normalized_product(at, f, &c));
     // Of one or two lobes a block would be mostly empty.
-    if f.exponent >= DELTA || f.is_microfacets() || lobes.len() < 3 {
+    if f.exponent >= DELTA || lobes.len() < 3 {
         return one_by_one(0.0, lobes);
     }
     let lambert = is_lambert(at, f);
@@ -67,7 +64,7 @@ fn total_at(level: Level, at: &Receiver, f: &Lobe, lobes: Lobes<'_>) -> f32 {
         }
         let values = if lambert {
             lambert_block(level, at.normal, &columns)
-        } else if f.factor > 0.0 {
+        } else if f.has_cosine {
             block::<true>(level, at.normal, f, &columns, count)
         } else {
             block::<false>(level, at.normal, f, &columns, count)
@@ -147,7 +144,7 @@ fn factor<const COSINE: bool>(normal: Vec3, f: &Lobe, axis: Vec3, exponent: f32,
 /// Whether `f` is the Lambert lobe at this receiver: exponent 1, axis the normal itself.
 #[must_use]
 pub fn is_lambert(at: &Receiver, f: &Lobe) -> bool {
-    f.exponent == 1.0 && f.factor == 0.0 && f.axis == at.normal
+    f.exponent == 1.0 && !f.has_cosine && f.axis == at.normal
 }
 
 #[cfg(test)]
@@ -164,10 +161,9 @@ mod tests {
         let mut buffer = LobeBuffer::default();
         for case in 0..400 {
             let at = receiver(random.axis());
-            let cosine = (case % 2) as f32;
             let axis = if case % 7 == 0 { at.normal } else { random.axis().as_vec3() };
             let e = if case % 7 == 0 { 1.0 } else { random.exponent(1e5) as f32 };
-            let f = Lobe { factor: cosine, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+            let f = Lobe { has_cosine: case % 2 == 1, ..Lobe::with_flux(axis, e, Vec3::ONE) };
             let mut out = buffer.writer();
             for k in 0..case % 50 {
                 let near = random.axis_near(f.axis.as_dvec3()).as_vec3();

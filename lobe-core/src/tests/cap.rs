@@ -23,7 +23,7 @@ fn cap_case(random: &mut Random, exponents: (f64, f64), cosine: bool, through: b
     let theta = 2.0 * (0.5 * f64::from(one_minus_cos)).sqrt().asin();
     let at = receiver(normal);
     let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
-    let lobe = Lobe { factor: if cosine { 1.0 } else { 0.0 }, ..Lobe::new(axis, e as f32, Vec3::ONE) };
+    let lobe = Lobe { has_cosine: cosine, ..Lobe::new(axis, e as f32, Vec3::ONE) };
     let got = f64::from(cap_integral(&at, &lobe, &cone)) * TAU / (e + 1.0);
     let truth =
         CapLobe { axis: axis.as_dvec3().normalize(), exponent: e, cosine, normal: at.normal.as_dvec3().normalize() };
@@ -102,7 +102,7 @@ fn survey(exponents: (f64, f64), lights: (f64, f64), cosine: bool, through: bool
             let axis = random.axis_at(light.as_dvec3(), delta).as_vec3().normalize();
             let at = receiver(normal.as_dvec3());
             let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
-            let lobe = Lobe { factor: if cosine { 1.0 } else { 0.0 }, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+            let lobe = Lobe { has_cosine: cosine, ..Lobe::with_flux(axis, e, Vec3::ONE) };
             let truth = CapLobe {
                 axis: axis.as_dvec3().normalize(),
                 exponent: f64::from(e),
@@ -271,14 +271,15 @@ fn touching_the_horizon_is_seamless() {
             one_minus_cos: (2.0 * (0.5 * theta).sin().powi(2)) as f32,
             distance: 1.0,
         };
-        let lobe = Lobe { factor: (random.bits() % 2) as f32, ..Lobe::new(axis, e, Vec3::ONE) };
+        let lobe = Lobe { has_cosine: random.bits() % 2 == 1, ..Lobe::new(axis, e, Vec3::ONE) };
         let lobe = Lobe { flux: Vec3::ONE, ..lobe };
         let value = |step: f64| f64::from(cap_integral(&receiver(normal(step).as_dvec3()), &lobe, &cone));
-        let on_axis = f64::from(cap_integral(&receiver(light), &Lobe { axis: cone.axis, factor: 0.0, ..lobe }, &cone));
+        let on_axis =
+            f64::from(cap_integral(&receiver(light), &Lobe { axis: cone.axis, has_cosine: false, ..lobe }, &cone));
         let jump = (value(2e-5) - value(-2e-5)).abs() / on_axis;
         if jump > worst {
             (worst, at_worst) =
-                (jump, format!("e {e} θ {}° off {}° cosine {}", theta.to_degrees(), off.to_degrees(), lobe.factor));
+                (jump, format!("e {e} θ {}° off {}° cosine {}", theta.to_degrees(), off.to_degrees(), lobe.has_cosine));
         }
     }
     println!("at the horizon: {worst:.2e} of the on-axis value, {at_worst}");
@@ -331,12 +332,12 @@ fn the_tail_of_a_lobe_is_right_too() {
         let light = random.axis_at(DVec3::Z, 0.5).as_vec3().normalize();
         let delta = random.between(0.0, theta + 5.0 / f64::from(e).sqrt());
         let axis = random.axis_at(light.as_dvec3(), delta).as_vec3().normalize();
-        let lobe = Lobe { factor: (random.bits() % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+        let lobe = Lobe { has_cosine: random.bits() % 2 == 1, ..Lobe::with_flux(axis, e, Vec3::ONE) };
         let n = f64::from(e) + 1.0;
         let truth = CapLobe {
             axis: axis.as_dvec3().normalize(),
             exponent: f64::from(e),
-            cosine: lobe.factor > 0.0,
+            cosine: lobe.has_cosine,
             normal: DVec3::Z,
         };
         let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta) * n / TAU;
@@ -357,16 +358,16 @@ fn the_tail_of_a_lobe_is_right_too() {
 fn surfaces_of_lights_see_nothing_of_them() {
     let mut random = oracle::Random::new(5);
     for _ in 0..10_000 {
-        let ball = Sphere { center: random.axis().as_vec3() * 30.0, radius: random.log_uniform(1e-2, 1e2) as f32 };
+        let sphere = Sphere { center: random.axis().as_vec3() * 30.0, radius: random.log_uniform(1e-2, 1e2) as f32 };
         let normal = random.axis().as_vec3().normalize();
-        let position = ball.center + normal * ball.radius;
-        let at = Receiver { position, normal, face: normal, view: normal, object: OWN_NONE };
-        let cone = Cone::of_sphere(position, ball);
-        assert!((cone.one_minus_cos - 1.0).abs() < 0.05, "{ball:?} {cone:?}");
+        let position = sphere.center + normal * sphere.radius;
+        let at = Receiver::on_surface(position, normal, normal);
+        let cone = Cone::of_sphere(position, sphere);
+        assert!((cone.one_minus_cos - 1.0).abs() < 0.05, "{sphere:?} {cone:?}");
         let seen = cap_integral(&at, &Lobe::new(normal, 1.0, Vec3::ONE), &cone);
-        assert!(seen < 2e-3, "{ball:?}: {seen}");
+        assert!(seen < 2e-3, "{sphere:?}: {seen}");
     }
-    let ball = Sphere { center: Vec3::ZERO, radius: 2.0 };
-    let of = |x: f32| Cone::of_sphere(Vec3::X * x, ball).one_minus_cos;
+    let sphere = Sphere { center: Vec3::ZERO, radius: 2.0 };
+    let of = |x: f32| Cone::of_sphere(Vec3::X * x, sphere).one_minus_cos;
     assert_eq!((of(0.0), of(1.99), of(1.9981), of(2.0)), (2.0, 2.0, 1.0, 1.0));
 }

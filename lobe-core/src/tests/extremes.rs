@@ -26,12 +26,12 @@ fn integrals_are_finite_for_everything() {
     let mut random = Random::new(21);
     for case in 0..60_000 {
         let normal = random.axis().as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
         let mut pick = || EXTREME[(random.bits() % 12) as usize];
         let (e1, e2) = (pick(), pick());
         let (a, b) = (awkward(&mut random, normal), awkward(&mut random, normal));
         let b = if case % 3 == 0 { awkward(&mut random, a) } else { b };
-        let f = Lobe { factor: (random.bits() % 2) as f32, ..Lobe::with_flux(a, e1, Vec3::ONE) };
+        let f = Lobe { has_cosine: random.bits() % 2 == 1, ..Lobe::with_flux(a, e1, Vec3::ONE) };
         let c = Lobe::with_flux(b, e2, Vec3::ONE);
         let one_minus_cos = [0.0, f32::MIN_POSITIVE, 1e-14, 1e-7, 1e-3, 0.5, 1.0 - 6e-8, 1.0, 2.0][case % 9];
         let cone = Cone { axis: b, one_minus_cos, distance: [0.0, 1.0, f32::INFINITY][case % 3] };
@@ -51,11 +51,11 @@ fn fractions_stay_between_zero_and_one() {
     let mut sum = VisibilitySum::default();
     for case in 0..30_000 {
         let normal = random.axis().as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
         let pick = |random: &mut Random| EXTREME[(random.bits() % 12) as usize];
         let e = pick(&mut random);
         let axis = awkward(&mut random, normal);
-        let f = Lobe { factor: (case % 2) as f32, ..Lobe::with_flux(axis, e, Vec3::ONE) };
+        let f = Lobe { has_cosine: case % 2 == 1, ..Lobe::with_flux(axis, e, Vec3::ONE) };
         let mut lit = sum.lobes.writer();
         let mut whole = sum.whole.writer();
         for k in 0..case % 4 {

@@ -1,11 +1,11 @@
-//! The cones of balls, and the balls in which objects look for shadows of their own.
+//! The cones of spheres, and the spheres in which objects look for shadows of their own.
 
 use crate::oracle::Random;
 use crate::*;
 use glam::{DVec3, Vec3};
 
 #[test]
-fn cones_of_all_balls() {
+fn cones_of_all_spheres() {
     let x = Vec3::new(1.0, -2.0, 0.5);
     for d in [0.0_f32, 1e-38, 1e-30, 1e-12, 1e-3, 1.0, 1e6, 1e15, 1e19, 3e25, 2e38] {
         for ratio in [0.0_f32, 1e-30, 1e-6, 0.5, 1.0 - 6e-8, 1.0, 1.0 + 1e-6, 2.0, 1e6] {
@@ -32,9 +32,9 @@ fn cones_of_all_balls() {
     assert!((f64::from(cone.one_minus_cos) / 5e-13 - 1.0).abs() < 1e-6);
 }
 
-/// From the near ball to the whole one, continuous, always inside the whole one and around the near one.
+/// From the near sphere to the whole one, continuous, always inside the whole one and around the near one.
 #[test]
-fn the_own_ball_grows_with_the_distance() {
+fn the_own_sphere_grows_with_the_distance() {
     use crate::{SelfShadow, Sphere};
     let whole = Sphere { center: Vec3::X, radius: 2.0 };
     let own = SelfShadow { offset: Vec3::new(0.0, 0.5, 0.25), radius: 0.25, distance: 0.1 };
@@ -45,20 +45,23 @@ fn the_own_ball_grows_with_the_distance() {
     assert_eq!(at(4.0), Sphere { center: Vec3::new(1.0, 0.5, 0.25), radius: 1.25 });
     assert_eq!(at(f32::INFINITY), whole);
     let inside = |a: Sphere, b: Sphere| a.center.distance(b.center) + a.radius <= b.radius * 1.000_001;
-    let balls: Vec<Sphere> = (0..1000).map(|k| at(0.01 * k as f32)).collect();
-    assert!(balls.iter().all(|ball| inside(at(0.0), *ball) && inside(*ball, whole)));
-    assert!(balls.windows(2).all(|b| (0.0..0.01).contains(&(b[1].radius - b[0].radius)) && inside(b[0], b[1])));
+    let spheres: Vec<Sphere> = (0..1000).map(|k| at(0.01 * k as f32)).collect();
+    assert!(spheres.iter().all(|sphere| inside(at(0.0), *sphere) && inside(*sphere, whole)));
+    assert!(spheres.windows(2).all(|b| (0.0..0.01).contains(&(b[1].radius - b[0].radius)) && inside(b[0], b[1])));
     for (radius, share, d) in [(0.0, 0.0, 0.0), (f32::MAX, 0.0, 0.0), (1e-45, 0.0, 1e-45), (f32::MAX, 1.0, f32::MAX)] {
         let whole = Sphere { center: Vec3::ZERO, radius };
         let near = SelfShadow { radius: share, ..SelfShadow::whole(0.0) }.near(radius);
-        let ball = SelfShadow::seen(whole, near, Vec3::X * d);
-        assert!((0.0..=radius).contains(&ball.radius) && ball.center.is_finite(), "{radius} {share} {d}: {ball:?}");
+        let sphere = SelfShadow::seen(whole, near, Vec3::X * d);
+        assert!(
+            (0.0..=radius).contains(&sphere.radius) && sphere.center.is_finite(),
+            "{radius} {share} {d}: {sphere:?}"
+        );
     }
 }
 
 /// What is out of range is put right, and turns keep it so.
 #[test]
-fn own_balls_stay_inside() {
+fn own_spheres_stay_inside() {
     use crate::SelfShadow;
     let given = |x: f32, radius, distance| SelfShadow { offset: Vec3::X * x, radius, distance }.sound();
     assert_eq!(given(0.3, 0.5, 1.0), SelfShadow { offset: Vec3::X * 0.3, radius: 0.5, distance: 1.0 });
@@ -74,27 +77,27 @@ fn own_balls_stay_inside() {
     }
 }
 
-/// All segments from receivers in a ball and a box to a ball of light stay within the planes, and each plane touches some end.
+/// All segments from receivers in a sphere and a box to a sphere of light stay within the planes, and each plane touches some end.
 #[test]
 fn a_shaft_is_within_its_planes() {
     let mut random = Random::new(31);
     for case in 0..400 {
         let radius = random.log_uniform(1e-3, 3.0);
-        let ball = Sphere { center: (random.axis() * random.between(0.0, 5.0)).as_vec3(), radius: radius as f32 };
+        let sphere = Sphere { center: (random.axis() * random.between(0.0, 5.0)).as_vec3(), radius: radius as f32 };
         let light = Sphere {
             center: (random.axis() * random.between(0.0, 9.0)).as_vec3(),
             radius: random.log_uniform(1e-3, 4.0) as f32,
         };
         let thin = if case % 3 == 0 { 0.0 } else { random.log_uniform(1e-3, 1.0) };
         let half_extent = DVec3::new(random.between(0.1, 1.0), thin, random.between(0.1, 1.0)) * radius;
-        let shaft = Shaft::new(ball, light, LightId(0)).in_box(half_extent.as_vec3());
+        let shaft = Shaft::new(sphere, light, LightId(0)).in_box(half_extent.as_vec3());
         let planes = shaft.normals().map(|n| (n, shaft.reach(n)));
         let mut nearest = [f64::INFINITY; 10];
         for _ in 0..400 {
             let corner = random.axis().signum();
             let p = if random.uniform() < 0.5 { corner * half_extent } else { random.axis() * half_extent };
             let p = p.clamp_length_max(radius);
-            let on_light = (light.center - ball.center).as_dvec3() + random.axis() * f64::from(light.radius);
+            let on_light = (light.center - sphere.center).as_dvec3() + random.axis() * f64::from(light.radius);
             for ((n, reach), nearest) in planes.iter().zip(&mut nearest) {
                 for end in [p, on_light] {
                     let room = f64::from(*reach) - n.as_dvec3().dot(end);

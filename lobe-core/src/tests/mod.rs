@@ -6,17 +6,11 @@ mod geometry;
 mod product;
 mod tile;
 
-use crate::{OWN_NONE, Receiver};
+use crate::Receiver;
 use glam::{DVec3, Vec3};
 
 pub(crate) fn receiver(normal: DVec3) -> Receiver {
-    Receiver {
-        position: Vec3::ZERO,
-        normal: normal.as_vec3(),
-        face: normal.as_vec3(),
-        view: normal.as_vec3(),
-        object: OWN_NONE,
-    }
+    Receiver::on_surface(Vec3::ZERO, normal.as_vec3(), normal.as_vec3())
 }
 
 const EXTREME: [f32; 12] = [0.0, 1e-30, 1e-6, 0.5, 0.999_999, 1.0, 7.999, 400.0, 1e5, 1e7, 1e20, f32::INFINITY];

@@ -24,9 +24,9 @@ fn small_lights_at_the_horizon_of_a_tile() {
         (Tile::default(), TileLight::default(), TileLobes::default(), Vec::new());
     for (at, (radius, _)) in at.iter().zip(&centers) {
         tile.set(core::slice::from_ref(at));
-        light.ball(&tile, Sphere { center: Vec3::ZERO, radius: *radius }, Vec3::ONE);
+        light.sphere(&tile, Sphere { center: Vec3::ZERO, radius: *radius }, Vec3::ONE);
         lobes.reset(&tile, 1);
-        set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(Lobe::new(Vec3::Z, 1.0, Vec3::ONE)));
+        set_row(lobes.block_mut(0, 0), 0, &bytemuck::cast(PackedLobe::from(Lobe::new(Vec3::Z, 1.0, Vec3::ONE))));
         cap_integrals(&light, &lobes, &mut out);
         let cone = light.cone(0);
         let seen = (at.normal.dot(cone.axis), cone.sin_sq());
@@ -54,14 +54,16 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
         let off = random.uniform() * (theta + 4.0 / f64::from(e + 0.1).sqrt());
         let axis = random.axis_at(light, off.min(PI)).as_vec3().normalize();
         let flux = if k % 11 == 0 { Vec3::ZERO } else { Vec3::ONE };
-        rows[1].push(Lobe { factor: (k % 2) as f32, ..Lobe::with_flux(axis, e, flux) });
+        rows[1].push(Lobe { has_cosine: k % 2 == 1, ..Lobe::with_flux(axis, e, flux) });
     }
     let (mut tile, mut lobes, mut out) = (Tile::default(), TileLobes::default(), Vec::new());
     tile.set(&at);
     lobes.reset(&tile, 2);
     for (place, rows) in rows.iter().enumerate() {
         for (block, rows) in rows.chunks(WIDTH).enumerate() {
-            rows.iter().enumerate().for_each(|(j, l)| set_row(lobes.block_mut(place, block), j, &bytemuck::cast(*l)));
+            rows.iter()
+                .enumerate()
+                .for_each(|(j, l)| set_row(lobes.block_mut(place, block), j, &bytemuck::cast(PackedLobe::from(*l))));
         }
     }
     let mut light = TileLight::default();
@@ -70,7 +72,7 @@ fn many_at_once_are_the_single_ones_on_every_machine() {
         crate::cap::integrals_at(level, &light, &lobes, &mut out);
         for (i, (at, cone)) in at.iter().zip(&cones).enumerate() {
             for (k, lobe) in lobes.of(i) {
-                let single = cap_integral(at, &lobe, cone);
+                let single = cap_integral(at, lobe, cone);
                 assert_eq!(out[k].to_bits(), single.to_bits(), "{level:?}: {} {single} {lobe:?}", out[k]);
             }
             let empty = rows[1][i].flux == Vec3::ZERO;
@@ -94,10 +96,10 @@ fn pairs_of_microfacets_are_the_single_ones_on_every_machine() {
         let tilt = random.between(0.0, 1.5);
         let view = random.axis_at(normal, tilt).as_vec3().normalize();
         let alpha = random.log_uniform(0.01, 1.0) as f32;
-        let [base, edge] = Lobe::microfacets(view, alpha, [Vec3::ONE; 2]);
-        let [_, other] = Lobe::microfacets(view, 0.5 * alpha, [Vec3::ONE; 2]);
-        let none = Lobe::default();
-        let black = Lobe { flux: Vec3::ZERO, ..edge };
+        let [base, edge] = Microfacets::new(view, alpha, [Vec3::ONE; 2]).map(PackedLobe::from);
+        let [_, other] = Microfacets::new(view, 0.5 * alpha, [Vec3::ONE; 2]).map(PackedLobe::from);
+        let none = PackedLobe::default();
+        let black = PackedLobe { flux: Vec3::ZERO, ..edge };
         let orders =
             [[none, base, edge], [base, edge, none], [base, none, edge], [edge, base, none], [base, base, edge]];
         let rest = [[base, black, other], [base, other, edge], [none, none, base], [edge, none, none]];
@@ -118,7 +120,7 @@ fn pairs_of_microfacets_are_the_single_ones_on_every_machine() {
         crate::cap::integrals_at(level, &light, &lobes, &mut out);
         for (i, (at, cone)) in at.iter().zip(&cones).enumerate() {
             for (k, lobe) in lobes.of(i) {
-                let single = cap_integral(at, &lobe, cone);
+                let single = cap_integral(at, lobe, cone);
                 assert_eq!(out[k].to_bits(), single.to_bits(), "{level:?} {i}: {} {single} {lobe:?}", out[k]);
             }
         }
@@ -126,24 +128,24 @@ fn pairs_of_microfacets_are_the_single_ones_on_every_machine() {
 }
 
 #[test]
-fn cones_and_balls_of_tiles_are_the_single_ones() {
+fn cones_and_spheres_of_tiles_are_the_single_ones() {
     let mut random = Random::new(26);
     for count in [0, 1, 16, 63, 64, 200] {
         let mut point = || random.axis().as_vec3() * random.log_uniform(1e-3, 1e3) as f32;
         let at: Vec<Receiver> = (0..count).map(|_| Receiver { position: point(), ..receiver(DVec3::Z) }).collect();
         let mut tile = Tile::default();
         tile.set(&at);
-        let (ball, half_extent) = tile.bounds();
-        let is_in_box = |p: Vec3| (p - ball.center).abs().cmple(half_extent).all();
-        assert!(at.iter().all(|at| at.position.distance(ball.center) <= ball.radius && is_in_box(at.position)));
-        let mut balls = vec![Sphere { center: point(), radius: 0.5 }, Sphere { center: point(), radius: 0.0 }];
-        balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.3 }));
-        balls.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.0 }));
-        for ball in balls {
+        let (sphere, half_extent) = tile.bounds();
+        let is_in_box = |p: Vec3| (p - sphere.center).abs().cmple(half_extent).all();
+        assert!(at.iter().all(|at| at.position.distance(sphere.center) <= sphere.radius && is_in_box(at.position)));
+        let mut spheres = vec![Sphere { center: point(), radius: 0.5 }, Sphere { center: point(), radius: 0.0 }];
+        spheres.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.3 }));
+        spheres.extend(at.first().map(|at| Sphere { center: at.position, radius: 0.0 }));
+        for sphere in spheres {
             let mut light = TileLight::default();
-            light.ball(&tile, ball, Vec3::ONE);
+            light.sphere(&tile, sphere, Vec3::ONE);
             for (i, at) in at.iter().enumerate() {
-                assert_eq!(light.cone(i), Cone::of_sphere(at.position, ball));
+                assert_eq!(light.cone(i), Cone::of_sphere(at.position, sphere));
             }
         }
     }

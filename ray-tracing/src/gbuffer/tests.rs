@@ -36,7 +36,7 @@ fn points_lie_on_surfaces() {
     let world = World::new(&scene);
     let g = GBuffer::new(&world, 50, 30, 1);
     assert!(g.len() > 500 && g.len() < 1500, "{}", g.len());
-    let (mut floor, mut ball) = (0, 0);
+    let (mut floor, mut sphere) = (0, 0);
     for r in &g.points.receivers {
         assert!(r.view.dot(r.normal) > 0.0 && r.view.dot(r.face) > 0.0);
         if r.object == 0 {
@@ -44,13 +44,13 @@ fn points_lie_on_surfaces() {
             assert!(r.position.y.abs() < 1e-7, "{}", r.position);
             assert_eq!(r.normal, Vec3::Y);
         } else {
-            ball += 1;
+            sphere += 1;
             let d = (r.position.as_dvec3() - glam::DVec3::Y).length();
             // Rounding of three coordinates up to 2: half of 1.2e-7 each.
             assert!((d - 0.5).abs() < 1.1e-7, "{d}");
         }
     }
-    assert!(floor > 100 && ball > 20, "{floor} {ball}");
+    assert!(floor > 100 && sphere > 20, "{floor} {sphere}");
     let tile = |p: u32| (p / 50 / TILE, p % 50 / TILE);
     assert!(g.pixels.is_sorted_by_key(|p| tile(*p)));
 }

@@ -168,7 +168,7 @@ impl<'w> View<'w> {
     /// Writes the points.
     pub(super) fn describe(&self, found: &[u32], ends: &[usize], out: &mut GBuffer) {
         let count = ends.last().copied().unwrap_or(0);
-        let none = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 0 };
+        let none = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z).on_object(0);
         out.points.receivers.resize(count, none);
         out.points.materials.resize(count, 0);
         out.pixels.resize(count, 0);

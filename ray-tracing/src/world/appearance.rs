@@ -1,7 +1,7 @@
 //! Textures, vertex colours and emission at points.
 
 use super::World;
-use super::packet::BALL;
+use super::packet::SPHERE;
 use brdf::Material;
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::{DVec3, Mat2, Vec2, Vec3};
@@ -108,9 +108,9 @@ impl World<'_> {
 
     fn patch(&self, eye: Vec3, found: u32, beside: [Vec3; 2], at: &Receiver) -> Patch<'_> {
         let sides = beside.map(|direction| side(eye, at, direction));
-        if found & BALL != 0 {
-            let ball = self.hierarchy.balls.primitives[(found & !BALL) as usize].sphere;
-            let (weights, gradients) = on_ball(ball, at.position);
+        if found & SPHERE != 0 {
+            let ball = self.hierarchy.spheres.primitives[(found & !SPHERE) as usize].sphere;
+            let (weights, gradients) = on_sphere(ball, at.position);
             return Patch { mesh: None, vertices: [0; 3], weights, gradients, sides };
         }
         let corners = &self.hierarchy.triangles.primitives[found as usize];
@@ -189,7 +189,7 @@ fn side(eye: Vec3, at: &Receiver, direction: Vec3) -> Vec3 {
 }
 
 /// Longitude in turns and, from the upper pole down, latitude in half turns, with their gradients.
-fn on_ball(ball: Sphere, position: Vec3) -> ([f32; 2], [Vec3; 2]) {
+fn on_sphere(ball: Sphere, position: Vec3) -> ([f32; 2], [Vec3; 2]) {
     let d = position - ball.center;
     let across = d.x.hypot(d.z).max(1e-6 * ball.radius);
     let u = 0.5 + 0.5 * FRAC_1_PI * d.x.atan2(d.z);

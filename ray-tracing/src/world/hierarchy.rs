@@ -1,7 +1,7 @@
 //! The two hierarchies over a scene, which follow it from frame to frame.
 
 use super::appearance;
-use super::primitive::{Ball, Corners};
+use super::primitive::{Corners, SceneSphere};
 use super::tree::{Tree, hierarchy_scale};
 use core::time::Duration;
 use glam::{Vec3, Vec3A};
@@ -10,7 +10,7 @@ use obvhs::aabb::Aabb;
 use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
 use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
-use scene::{Doubles, Proxy, Scene, Shape};
+use scene::{Duplicates, Proxy, Scene, Shape};
 
 /// The triangles and the exact spheres of a scene in two hierarchies, kept from frame to frame.
 ///
@@ -26,7 +26,7 @@ use scene::{Doubles, Proxy, Scene, Shape};
 #[derive(Debug)]
 pub struct Hierarchy {
     pub(super) triangles: Tree<Corners>,
-    pub(super) balls: Tree<Ball>,
+    pub(super) spheres: Tree<SceneSphere>,
     /// Of vertices, by object, for normal maps; empty without.
     pub(super) tangents: Vec<Vec<Vec3>>,
 }
@@ -48,10 +48,10 @@ impl Hierarchy {
     /// Prepares the scene's objects. Triangles without area are left out.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
-        let (triangles, balls) = gather(scene);
-        let scale = scale_of(&triangles, &balls);
+        let (triangles, spheres) = gather(scene);
+        let scale = scale_of(&triangles, &spheres);
         let tangents = appearance::tangents(scene);
-        Self { triangles: triangle_tree(&triangles, scale), balls: ball_tree(&balls, scale), tangents }
+        Self { triangles: triangle_tree(&triangles, scale), spheres: sphere_tree(&spheres, scale), tangents }
     }
 
     /// Follows the scene: objects may have moved, come or gone. Boxes are refitted where primitives have moved, and a hierarchy is
@@ -60,27 +60,27 @@ impl Hierarchy {
     /// The same rays meet the same surfaces as in a new hierarchy. Cost: linear in the primitives, 0.02 to 0.19 ms a 1000
     /// triangles (500 to 500 000 of them), 8 to 20 times less than a new one (`examples/refit.rs`).
     pub fn update(&mut self, scene: &Scene) -> Update {
-        let (triangles, balls) = gather(scene);
-        let scale = scale_of(&triangles, &balls);
+        let (triangles, spheres) = gather(scene);
+        let scale = scale_of(&triangles, &spheres);
         let of_triangles = self.triangles.update(&triangles, scale).unwrap_or_else(|| {
             self.triangles = triangle_tree(&triangles, scale);
             Update::Built
         });
-        let of_balls = self.balls.update(&balls, scale).unwrap_or_else(|| {
-            self.balls = ball_tree(&balls, scale);
+        let of_spheres = self.spheres.update(&spheres, scale).unwrap_or_else(|| {
+            self.spheres = sphere_tree(&spheres, scale);
             Update::Built
         });
         self.update_surfaces(scene);
-        of_triangles.max(of_balls)
+        of_triangles.max(of_spheres)
     }
 
     /// Follows lights that have changed while all objects stay: a sphere that shows a light does not block. Whether any sphere blocks
     /// that did not, or the reverse. Costs one comparison for each sphere and light.
     pub fn update_lights(&mut self, scene: &Scene) -> bool {
         let mut is_changed = false;
-        for ball in &mut self.balls.primitives {
-            let blocks = blocks(scene, &ball.sphere);
-            is_changed |= core::mem::replace(&mut ball.blocks, blocks) != blocks;
+        for sphere in &mut self.spheres.primitives {
+            let blocks = blocks(scene, &sphere.sphere);
+            is_changed |= core::mem::replace(&mut sphere.blocks, blocks) != blocks;
         }
         is_changed
     }
@@ -102,40 +102,40 @@ fn triangle_tree(triangles: &[Corners], scale: f32) -> Tree<Corners> {
     })
 }
 
-fn ball_tree(balls: &[Ball], scale: f32) -> Tree<Ball> {
-    Tree::new(balls, scale, |balls| {
-        let boxes = balls.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * scale, b.max * scale));
+fn sphere_tree(spheres: &[SceneSphere], scale: f32) -> Tree<SceneSphere> {
+    Tree::new(spheres, scale, |spheres| {
+        let boxes = spheres.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * scale, b.max * scale));
         build_cwbvh(&boxes.collect::<Vec<_>>(), BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
     })
 }
 
 /// Units of the hierarchies a world unit.
-fn scale_of(triangles: &[Corners], balls: &[Ball]) -> f32 {
-    if triangles.is_empty() && balls.is_empty() {
+fn scale_of(triangles: &[Corners], spheres: &[SceneSphere]) -> f32 {
+    if triangles.is_empty() && spheres.is_empty() {
         return hierarchy_scale(0.0);
     }
     let mut bounds = Aabb::empty();
     triangles.iter().for_each(|t| bounds = bounds.union(&t.aabb()));
-    balls.iter().for_each(|b| bounds = bounds.union(&b.aabb()));
+    spheres.iter().for_each(|b| bounds = bounds.union(&b.aabb()));
     let far = bounds.min.abs().max(bounds.max.abs()).max_element();
     hierarchy_scale(bounds.diagonal().length().max(far))
 }
 
 /// Whether a sphere hides lights: a sphere that shows a light does not.
-fn blocks(scene: &Scene, ball: &Sphere) -> bool {
-    !scene.lights.iter().any(|light| light.is_shown_by(ball))
+fn blocks(scene: &Scene, sphere: &Sphere) -> bool {
+    !scene.lights.iter().any(|light| light.is_shown_by(sphere))
 }
 
 /// The triangles with an area and the spheres with a radius of all objects that are seen or block; equal meshes and spheres once.
-fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
-    let (mut triangles, mut balls, mut doubles) = (Vec::new(), Vec::new(), Doubles::default());
+fn gather(scene: &Scene) -> (Vec<Corners>, Vec<SceneSphere>) {
+    let (mut triangles, mut spheres, mut duplicates) = (Vec::new(), Vec::new(), Duplicates::default());
     for (number, object) in scene.objects.iter().enumerate() {
         let visible = object.visible;
         if !visible && object.proxy == Proxy::None {
             continue;
         }
         match &object.shape {
-            Shape::Mesh(mesh) if doubles.is_first_mesh(&scene.objects, number) => {
+            Shape::Mesh(mesh) if duplicates.is_first_mesh(&scene.objects, number) => {
                 for (index, corners) in mesh.triangles.iter().enumerate() {
                     let [a, b, c] = corners.map(|i| Vec3A::from(mesh.positions[i as usize]));
                     let (e1, e2) = (b - a, c - a);
@@ -146,9 +146,9 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
                 }
             }
             Shape::Mesh(_) => {}
-            Shape::Spheres(spheres) => {
-                let all = spheres.iter().enumerate().filter(|(_, s)| s.radius > 0.0 && doubles.is_first(object, s));
-                balls.extend(all.map(|(index, sphere)| Ball {
+            Shape::Spheres(own) => {
+                let all = own.iter().enumerate().filter(|(_, s)| s.radius > 0.0 && duplicates.is_first(object, s));
+                spheres.extend(all.map(|(index, sphere)| SceneSphere {
                     sphere: *sphere,
                     object: number as u32,
                     index: index as u32,
@@ -158,5 +158,5 @@ fn gather(scene: &Scene) -> (Vec<Corners>, Vec<Ball>) {
             }
         }
     }
-    (triangles, balls)
+    (triangles, spheres)
 }

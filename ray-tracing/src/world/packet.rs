@@ -2,7 +2,7 @@
 
 use super::World;
 use super::camera_rays::{Rays, Row, SIDE};
-use super::primitive::{Ball, Corners, EDGE};
+use super::primitive::{Corners, EDGE, SceneSphere};
 use super::tree::Tree;
 use super::triangle_packet::{TrianglePacket, inside};
 use fearless_simd::dispatch;
@@ -12,7 +12,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 /// No primitive.
 pub(crate) const NOTHING: u32 = u32::MAX;
 /// Set in the number of a sphere.
-pub(crate) const BALL: u32 = 1 << 31;
+pub(crate) const SPHERE: u32 = 1 << 31;
 
 /// The most by which rounding makes a triangle larger, in barycentric units: edge-on ones would have no end.
 const WIDEST: f32 = 0.05;
@@ -189,15 +189,15 @@ impl<'r> RayPacket<'r> {
         }
     }
 
-    /// [`Ball::intersect`] for all rays that may meet it.
-    fn meet_ball(&mut self, ball: &Ball, number: u32) {
-        dispatch!(self.rays.level, _simd => self.meet_ball_simd(ball, number));
+    /// [`SceneSphere::intersect`] for all rays that may meet it.
+    fn meet_sphere(&mut self, sphere: &SceneSphere, number: u32) {
+        dispatch!(self.rays.level, _simd => self.meet_sphere_simd(sphere, number));
     }
 
     #[inline(always)]
-    fn meet_ball_simd(&mut self, ball: &Ball, number: u32) {
-        let to = ball.sphere.center - self.rays.eye;
-        let r = ball.sphere.radius;
+    fn meet_sphere_simd(&mut self, sphere: &SceneSphere, number: u32) {
+        let to = sphere.sphere.center - self.rays.eye;
+        let r = sphere.sphere.radius;
         let slack = 1e-6 * (to.abs().element_sum() + r);
         if self.sides.iter().any(|n| n.dot(to) < -r - slack) {
             return;
@@ -303,11 +303,11 @@ impl World<'_> {
         if count > 0 {
             packet.meet_triangles(&waiting[..count], all);
         }
-        let balls = &self.hierarchy.balls.primitives[..];
-        self.hierarchy.balls.visit_packet(packet, |packet, number| {
-            let ball = &balls[number as usize];
-            if ball.visible {
-                packet.meet_ball(ball, number | BALL);
+        let spheres = &self.hierarchy.spheres.primitives[..];
+        self.hierarchy.spheres.visit_packet(packet, |packet, number| {
+            let sphere = &spheres[number as usize];
+            if sphere.visible {
+                packet.meet_sphere(sphere, number | SPHERE);
             }
         });
     }

@@ -26,7 +26,7 @@ pub(super) const EDGE: f32 = 1e-6;
 pub(super) const CLOSE: f32 = 2e-6;
 
 /// The same for spheres, as a part of the squared radius.
-const CLOSE_TO_BALL: f32 = 1e-5;
+const CLOSE_TO_SPHERE: f32 = 1e-5;
 
 impl Corners {
     /// Distance along the ray or infinity, both sides. A ray that starts on it does not meet it: obvhs enters no box that
@@ -79,7 +79,7 @@ impl Plane {
 }
 
 #[derive(Clone, Copy)]
-pub(crate) struct Ball {
+pub(crate) struct SceneSphere {
     pub(super) sphere: Sphere,
     pub(super) object: u32,
     pub(super) index: u32,
@@ -88,7 +88,7 @@ pub(crate) struct Ball {
     pub(super) blocks: bool,
 }
 
-impl Ball {
+impl SceneSphere {
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray) -> f32 {
         let to = Vec3A::from(self.sphere.center) - ray.origin;
@@ -112,7 +112,7 @@ impl Ball {
     #[inline]
     pub(super) fn meet(&self, ray: &Ray) -> f32 {
         let off = (Vec3A::from(self.sphere.center) - ray.origin).length_squared() - self.sphere.radius.powi(2);
-        if off.abs() > CLOSE_TO_BALL * self.sphere.radius.powi(2) {
+        if off.abs() > CLOSE_TO_SPHERE * self.sphere.radius.powi(2) {
             return self.intersect(ray);
         }
         let to = self.sphere.center.as_dvec3() - Vec3::from(ray.origin).as_dvec3();
@@ -148,7 +148,7 @@ impl Boundable for Corners {
     }
 }
 
-impl Boundable for Ball {
+impl Boundable for SceneSphere {
     fn aabb(&self) -> Aabb {
         let (c, r) = (Vec3A::from(self.sphere.center), Vec3A::splat(self.sphere.radius));
         Aabb::new(c - r, c + r)
@@ -184,7 +184,7 @@ impl Named for Corners {
     }
 }
 
-impl Named for Ball {
+impl Named for SceneSphere {
     fn name(&self) -> (u32, u32) {
         (self.object, self.index)
     }

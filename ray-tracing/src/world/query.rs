@@ -1,7 +1,7 @@
 //! Queries for the primitives that a whole packet of rays may meet.
 
 use super::World;
-use super::primitive::{Ball, Corners, Named};
+use super::primitive::{Corners, Named, SceneSphere};
 use super::tree::Tree;
 use glam::{Vec3, Vec3A};
 use lobe_core::{Cone, Shaft};
@@ -14,7 +14,7 @@ pub enum Primitive {
     /// By its place in the hierarchy.
     Triangle(u32),
     /// By its place in the hierarchy.
-    Ball(u32),
+    Sphere(u32),
 }
 
 /// The height above the plane of a receiver's face that rounding may give a shape, over its distance: a large triangle
@@ -80,11 +80,11 @@ impl Region {
         self.misses(center, 0.0, |n| n.dot(center) + n.abs().dot(half))
     }
 
-    fn misses_ball(&self, ball: &Ball) -> bool {
-        let center = Vec3A::from(ball.sphere.center) - self.origin;
+    fn misses_sphere(&self, sphere: &SceneSphere) -> bool {
+        let center = Vec3A::from(sphere.sphere.center) - self.origin;
         // All planes' normals have length 1.
-        let blur = BLUR * (center.abs().element_sum() + ball.sphere.radius);
-        self.misses(center, blur, |n| n.dot(center) + ball.sphere.radius)
+        let blur = BLUR * (center.abs().element_sum() + sphere.sphere.radius);
+        self.misses(center, blur, |n| n.dot(center) + sphere.sphere.radius)
     }
 
     /// Apart from rounding exact for a triangle before the light: two cones are parted by a plane that touches the one
@@ -191,9 +191,9 @@ impl World<'_> {
     /// there are more than `limit`.
     pub fn in_shaft(&self, shaft: &Shaft, of: impl Fn(u32) -> bool, limit: usize, out: &mut Vec<Primitive>) -> bool {
         self.triangles_in(shaft, &of, limit, out)
-            && !self.hierarchy.balls.in_shaft(shaft, &mut |i, b| {
+            && !self.hierarchy.spheres.in_shaft(shaft, &mut |i, b| {
                 if b.blocks && of(b.object) {
-                    out.push(Primitive::Ball(i));
+                    out.push(Primitive::Sphere(i));
                 }
                 out.len() > limit
             })
@@ -234,7 +234,7 @@ impl World<'_> {
     pub fn names(&self, primitives: &[Primitive]) -> impl Iterator<Item = (u32, u32)> {
         primitives.iter().map(|p| match p {
             Primitive::Triangle(i) => self.hierarchy.triangles.primitives[*i as usize].name(),
-            Primitive::Ball(i) => self.hierarchy.balls.primitives[*i as usize].name(),
+            Primitive::Sphere(i) => self.hierarchy.spheres.primitives[*i as usize].name(),
         })
     }
 
@@ -268,7 +268,7 @@ impl World<'_> {
     pub fn meets_any(&self, region: &Region, primitives: &[Primitive]) -> bool {
         primitives.iter().any(|p| match p {
             Primitive::Triangle(i) => !region.misses_triangle(&self.hierarchy.triangles.primitives[*i as usize]),
-            Primitive::Ball(i) => !region.misses_ball(&self.hierarchy.balls.primitives[*i as usize]),
+            Primitive::Sphere(i) => !region.misses_sphere(&self.hierarchy.spheres.primitives[*i as usize]),
         })
     }
 
@@ -277,6 +277,6 @@ impl World<'_> {
     pub fn meets(&self, region: &Region, of: impl Fn(u32) -> bool) -> bool {
         let outside = |b: &Aabb| region.misses_box(b);
         self.hierarchy.triangles.visit(&outside, &mut |_, c| of(c.object) && !region.misses_triangle(c))
-            || self.hierarchy.balls.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_ball(b))
+            || self.hierarchy.spheres.visit(&outside, &mut |_, b| b.blocks && of(b.object) && !region.misses_sphere(b))
     }
 }

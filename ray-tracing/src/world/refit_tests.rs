@@ -29,8 +29,8 @@ fn soup(rng: &mut Rng) -> Scene {
     let triangles = (0..700).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let mesh = Mesh { positions, triangles, ..Mesh::default() };
     scene.objects.push(Object::mesh("soup", mesh, 0, Proxy::Count(1)));
-    let balls = (0..60).map(|_| Sphere { center: rng.vec3() * 3.0, radius: 0.1 * rng.next() + 0.01 }).collect();
-    scene.objects.push(Object::spheres("balls", balls, 0));
+    let spheres = (0..60).map(|_| Sphere { center: rng.vec3() * 3.0, radius: 0.1 * rng.next() + 0.01 }).collect();
+    scene.objects.push(Object::spheres("balls", spheres, 0));
     scene
 }
 
@@ -39,7 +39,7 @@ fn bend(scene: &mut Scene, by: f32) {
         let bend = |p: Vec3| Quat::from_rotation_y(by * p.y) * p + Vec3::X * by;
         match &mut object.shape {
             Shape::Mesh(mesh) => mesh.positions.iter_mut().for_each(|p| *p = bend(*p)),
-            Shape::Spheres(balls) => balls.iter_mut().for_each(|b| b.center = bend(b.center)),
+            Shape::Spheres(spheres) => spheres.iter_mut().for_each(|b| b.center = bend(b.center)),
         }
     }
 }
@@ -84,7 +84,7 @@ fn an_update_does_no_more_than_it_must() {
     let mut scene = soup(&mut Rng(4));
     let mut hierarchy = Hierarchy::new(&scene);
     assert_eq!(hierarchy.update(&scene), Update::Kept);
-    let light = scene.lights[0].sphere().expect("a sphere");
+    let light = scene.lights[0].sphere().expect("a ball");
     scene.lights.clear();
     assert!(!hierarchy.update_lights(&scene));
     scene.objects[2].visible = false;

@@ -2,7 +2,7 @@
 
 use super::World;
 use super::camera_rays::{Row, SIDE};
-use super::packet::{BALL, NOTHING};
+use super::packet::{NOTHING, SPHERE};
 use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 use lobe_core::Receiver;
@@ -62,7 +62,7 @@ impl World<'_> {
         let mut smooth = [false; SIDE];
         let mut objects = [0u32; SIDE];
         for (l, number) in rays.found.iter().enumerate() {
-            if number & BALL != 0 {
+            if number & SPHERE != 0 {
                 continue;
             }
             let corners = &self.hierarchy.triangles.primitives[*number as usize];
@@ -127,11 +127,11 @@ impl World<'_> {
             let direction = at(&rays.directions, l);
             let (mut position, mut normal, mut face) = (at(&position, l), at(&normal, l), at(&face, l));
             let mut object = objects[l];
-            if number & BALL != 0 && number != NOTHING {
-                let ball = &self.hierarchy.balls.primitives[(number & !BALL) as usize];
-                let t = ball.intersect(&Ray::new_inf(eye.into(), direction.into()));
-                (position, normal) = ball.surface(eye, direction, t);
-                (face, object) = (normal, ball.object);
+            if number & SPHERE != 0 && number != NOTHING {
+                let sphere = &self.hierarchy.spheres.primitives[(number & !SPHERE) as usize];
+                let t = sphere.intersect(&Ray::new_inf(eye.into(), direction.into()));
+                (position, normal) = sphere.surface(eye, direction, t);
+                (face, object) = (normal, sphere.object);
             }
             // The view is from the rounded position, not the ray's, so that it is consistent with shading.
             let view = (eye - position).try_normalize().unwrap_or(-direction);

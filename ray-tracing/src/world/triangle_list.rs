@@ -167,8 +167,8 @@ mod tests {
         let mut list = TriangleList::default();
         let (mut hits, mut rays) = (0, 0);
         for case in 0..3000 {
-            let ball = Sphere { center: vector(2.0), radius: 0.3 + 0.001 * case as f32 };
-            let shaft = Shaft::new(ball, ball, LightId(0));
+            let sphere = Sphere { center: vector(2.0), radius: 0.3 + 0.001 * case as f32 };
+            let shaft = Shaft::new(sphere, sphere, LightId(0));
             let limit = 8 + case % 90;
             let is_whole = world.list_triangles(&shaft, |_| true, limit, &mut list);
             assert_eq!(is_whole, list.places.len() <= limit);

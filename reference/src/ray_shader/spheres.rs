@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8, u32x8};
 use glam::{Vec3, Vec3A};
-use lobe_core::{Cone, Coverage, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere};
+use lobe_core::{Cone, Coverage, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere};
 use ray_tracing::SphereHierarchy;
 use ray_tracing::vec3x8::{LANES, Vec3x8};
 use scene::BlockerSet;
@@ -37,7 +37,7 @@ impl SphereTargets {
             })
             .collect();
         let hierarchy = SphereHierarchy::new(&blockers);
-        let mut objects: Vec<_> = blockers.iter().map(|(_, b)| b.object).filter(|o| *o != OWN_NONE).collect();
+        let mut objects: Vec<_> = blockers.iter().map(|(_, b)| b.object).filter(|o| *o != NO_OBJECT).collect();
         objects.sort_unstable();
         objects.dedup();
         Self { hierarchy, objects }

@@ -16,8 +16,8 @@ fn busy() -> Scene {
     scene.materials.push(ModifiedPhong { kd, ks, exponent: 40.0 }.into());
     scene.materials.push(Phong { kd: 0.3 * kd, ks, exponent: 12.0 }.into());
     scene.objects[0].material = 1;
-    let ball = |x: f32, radius| lobe_core::Sphere { center: Vec3::new(x, 0.4, 0.5), radius };
-    scene.objects.push(Object::spheres("pair", vec![ball(1.0, 0.5), ball(1.3, 0.4)], 2));
+    let sphere = |x: f32, radius| lobe_core::Sphere { center: Vec3::new(x, 0.4, 0.5), radius };
+    scene.objects.push(Object::spheres("pair", vec![sphere(1.0, 0.5), sphere(1.3, 0.4)], 2));
     scene
         .lights
         .push(SphereLight::new(lobe_core::Sphere { center: Vec3::new(-3.0, 2.0, 1.0), radius: 0.2 }, Vec3::ONE).into());

@@ -3,7 +3,7 @@
 use super::meridian::Cap;
 use crate::cone::LightCone;
 use glam::{DVec3, Vec3};
-use lobe_core::{OWN_NONE, Receiver, Sphere};
+use lobe_core::{NO_OBJECT, Receiver, Sphere};
 use scene::BlockerSet;
 
 /// A blocker sphere as one receiver sees it.
@@ -54,7 +54,7 @@ impl Occluders {
     /// Keeps of the candidates those that block some ray of the cone.
     pub(crate) fn select(&mut self, at: &Receiver, cone: &LightCone, candidates: &[u32], blockers: &BlockerSet) {
         self.none();
-        let has_own = at.object != OWN_NONE && blockers.objects.contains(&at.object);
+        let has_own = at.object != NO_OBJECT && blockers.objects.contains(&at.object);
         self.facet = (has_own && at.face != at.normal).then(|| at.face.as_dvec3());
         let (nearest, farthest) = cone.surface_range();
         let half_angle = cone.half_angle();
@@ -160,15 +160,8 @@ mod tests {
         for case in 0..600 {
             let mut p = || Vec3::new(r(), r(), r()) * 2.0 - 1.0;
             let tile = p();
-            let receivers: Vec<Receiver> = (0..4)
-                .map(|i| Receiver {
-                    position: tile + p() * 0.05,
-                    normal: Vec3::Y,
-                    face: Vec3::Y,
-                    view: Vec3::Y,
-                    object: i % 2,
-                })
-                .collect();
+            let receivers: Vec<Receiver> =
+                (0..4).map(|i| Receiver::on_surface(tile + p() * 0.05, Vec3::Y, Vec3::Y).on_object(i % 2)).collect();
             let centers: Vec<Vec3> = (0..12).map(|_| p()).collect();
             let light_center = p() * 1.5;
             let light = Sphere { center: light_center, radius: 0.02 + 0.5 * r() };

@@ -29,7 +29,7 @@ fn run(scene: &Scene, gbuffer: &GBuffer, geometry: Geometry, samples: u32) -> Es
 }
 
 fn at(position: Vec3, normal: Vec3, view: Vec3) -> Receiver {
-    Receiver { position, normal, face: normal, view: view.normalize(), object: 0 }
+    Receiver::on_surface(position, normal, view.normalize()).on_object(0)
 }
 
 fn empty(light: SphereLight, material: Material) -> Scene {
@@ -73,7 +73,7 @@ fn setting_lights() {
         let g = points(vec![at(Vec3::ZERO, Vec3::Y, Vec3::Y)]);
         let e = run(&empty(light, material()), &g, Geometry::Spheres, 1024);
         // The depth after rounding to f32.
-        let c = -f64::from(center.y).atan2(f64::from(center.x)) / f64::from(light.ball.radius).asin();
+        let c = -f64::from(center.y).atan2(f64::from(center.x)) / f64::from(light.sphere.radius).asin();
         let n = 100_000;
         let segment: f64 = (0..n)
             .map(|i| {
@@ -117,9 +117,9 @@ fn glossy_reflections_of_any_light() {
             let one_minus_cos = (1.0 - sigma.cos()) as f32;
             for tilt in [0.3 * sigma, sigma, sigma + 1.0 / f64::from(exponent + 1.0).sqrt()] {
                 let center = Vec3::new(tilt.sin() as f32, tilt.cos() as f32, 0.0) * 3.0;
-                let ball = Sphere { center, radius: (3.0 * sigma.sin()) as f32 };
+                let sphere = Sphere { center, radius: (3.0 * sigma.sin()) as f32 };
                 let m = brdf::ModifiedPhong { kd: Vec3::ZERO, ks: Vec3::ONE, exponent };
-                let scene = empty(SphereLight::new(ball, Vec3::ONE), m.into());
+                let scene = empty(SphereLight::new(sphere, Vec3::ONE), m.into());
                 let e = run(&scene, &points(vec![at(Vec3::ZERO, Vec3::Y, Vec3::Y)]), Geometry::None, 4096);
                 let expected = phong_oracle(f64::from(exponent), tilt, sigma);
                 // Errors are fractions of the highlight at the light's middle.
@@ -149,12 +149,12 @@ fn penumbra_of_a_small_light() {
     for i in 0..steps {
         // The blocker half way: radius 0.4, so that it covers as much as a disc of 0.8 at the light.
         let shift = f64::from(i) / f64::from(steps - 1) * 2.0;
-        let ball = Sphere { center: Vec3::new(0.5 * shift as f32, 50.0, 0.0), radius: 0.4 };
+        let sphere = Sphere { center: Vec3::new(0.5 * shift as f32, 50.0, 0.0), radius: 0.4 };
         scene.objects = vec![Object {
             name: "blocker".into(),
-            shape: Shape::Spheres(vec![ball]),
+            shape: Shape::Spheres(vec![sphere]),
             material: 0,
-            proxy: Proxy::Spheres(vec![ball]),
+            proxy: Proxy::Spheres(vec![sphere]),
             visible: false,
             strategy: None,
         }];
@@ -191,7 +191,7 @@ fn penumbra_of_a_small_light() {
 #[test]
 fn limits_are_exact() {
     let mut scene = floor_and_ball();
-    scene.lights[0].as_sphere_mut().expect("a ball").ball = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.2 };
+    scene.lights[0].as_sphere_mut().expect("a ball").sphere = Sphere { center: Vec3::new(0.0, 5.0, 0.0), radius: 0.2 };
     let receivers = [0.0, 3.5].map(|x| Receiver { object: 0, ..at(Vec3::X * x, Vec3::Y, Vec3::Y) });
     let g = points(receivers.to_vec());
     for geometry in [Geometry::Spheres, Geometry::Mesh] {

@@ -1,9 +1,9 @@
 //! What of a scene rays may meet.
 
-use super::primitive::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, Stops, VISIBLE, bounds};
+use super::primitive::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuPrimitive, SPHERE, ShadowCasting, VISIBLE, bounds};
 use crate::GpuError;
 use glam::Vec3;
-use scene::{Doubles, Proxy, Scene, Shape};
+use scene::{Duplicates, Proxy, Scene, Shape};
 
 /// The primitives of a scene.
 pub(super) struct Gathered {
@@ -16,25 +16,25 @@ pub(super) struct Gathered {
     pub(super) scale: f32,
 }
 
-/// The triangles with an area and the balls with a radius of all objects that are seen or block, equal meshes and balls once.
+/// The triangles with an area and the spheres with a radius of all objects that are seen or block, equal meshes and spheres once.
 /// Something that is neither
 /// where there is none: a hierarchy has a node at least.
-pub(super) fn gather(scene: &Scene, stops: &[Stops]) -> Result<Gathered, GpuError> {
+pub(super) fn gather(scene: &Scene, casting: &[ShadowCasting]) -> Result<Gathered, GpuError> {
     let (needed, allowed) = (scene.objects.len() as u64, u64::from(BLOCKS_ALIKE));
     if needed > allowed {
         return Err(GpuError::Limits { what: "the number of objects", needed, allowed });
     }
     let mut all = Gathered { primitives: vec![], names: vec![], normals: vec![], scale: 1.0 };
-    let mut doubles = Doubles::default();
+    let mut duplicates = Duplicates::default();
     for (number, object) in scene.objects.iter().enumerate() {
         if object.visible || object.proxy != Proxy::None {
-            let blocks = match stops.get(number).copied() {
-                Some(Stops::All) => BLOCKS,
-                Some(Stops::Alike) => BLOCKS_ALIKE,
-                None if stops.is_empty() => BLOCKS,
-                Some(Stops::None) | None => 0,
+            let blocks = match casting.get(number).copied() {
+                Some(ShadowCasting::All) => BLOCKS,
+                Some(ShadowCasting::Alike) => BLOCKS_ALIKE,
+                None if casting.is_empty() => BLOCKS,
+                Some(ShadowCasting::None) | None => 0,
             };
-            add(&mut all, &mut doubles, number as u32, scene, blocks);
+            add(&mut all, &mut duplicates, number as u32, scene, blocks);
         }
     }
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -55,12 +55,12 @@ pub(super) fn gather(scene: &Scene, stops: &[Stops]) -> Result<Gathered, GpuErro
     Ok(all)
 }
 
-fn add(all: &mut Gathered, doubles: &mut Doubles, number: u32, scene: &Scene, blocks: u32) {
+fn add(all: &mut Gathered, duplicates: &mut Duplicates, number: u32, scene: &Scene, blocks: u32) {
     let object = &scene.objects[number as usize];
     let material = object.material as u32;
     let seen = if object.visible { VISIBLE } else { 0 };
     match &object.shape {
-        Shape::Mesh(mesh) if doubles.is_first_mesh(&scene.objects, number as usize) => {
+        Shape::Mesh(mesh) if duplicates.is_first_mesh(&scene.objects, number as usize) => {
             for (index, corners) in mesh.triangles.iter().enumerate() {
                 let [a, b, c] = corners.map(|i| mesh.positions[i as usize]);
                 if (b - a).cross(c - a) == Vec3::ZERO {
@@ -83,17 +83,17 @@ fn add(all: &mut Gathered, doubles: &mut Doubles, number: u32, scene: &Scene, bl
             }
         }
         Shape::Mesh(_) => {}
-        Shape::Spheres(balls) => {
-            for (index, ball) in balls.iter().enumerate().filter(|(_, ball)| ball.radius > 0.0) {
-                if !doubles.is_first(object, ball) {
+        Shape::Spheres(spheres) => {
+            for (index, sphere) in spheres.iter().enumerate().filter(|(_, sphere)| sphere.radius > 0.0) {
+                if !duplicates.is_first(object, sphere) {
                     continue;
                 }
-                let hides = if scene.lights.iter().any(|l| l.is_shown_by(ball)) { 0 } else { blocks };
+                let hides = if scene.lights.iter().any(|l| l.is_shown_by(sphere)) { 0 } else { blocks };
                 all.names.push(index as u32);
                 all.primitives.push(GpuPrimitive {
-                    a: ball.center.into(),
-                    object: number | seen | hides | BALL,
-                    b: [ball.radius, 0.0, 0.0],
+                    a: sphere.center.into(),
+                    object: number | seen | hides | SPHERE,
+                    b: [sphere.radius, 0.0, 0.0],
                     material,
                     c: [0.0; 3],
                     corners: FLAT,

@@ -1,4 +1,4 @@
-//! Triangles and balls as the kernels read them, and whose rays they stop.
+//! Triangles and spheres as the kernels read them, and whose rays they stop.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -7,11 +7,11 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct GpuPrimitive {
-    /// A triangle's corner or a ball's centre.
+    /// A triangle's corner or a sphere's centre.
     pub(crate) a: [f32; 3],
     /// Number of the object, and flags.
     pub(crate) object: u32,
-    /// The next corner, or a ball's radius.
+    /// The next corner, or a sphere's radius.
     pub(crate) b: [f32; 3],
     pub(crate) material: u32,
     pub(crate) c: [f32; 3],
@@ -19,29 +19,29 @@ pub(crate) struct GpuPrimitive {
     pub(crate) corners: u32,
 }
 
-pub(crate) const BALL: u32 = 1 << 31;
+pub(crate) const SPHERE: u32 = 1 << 31;
 pub(crate) const VISIBLE: u32 = 1 << 30;
 pub(crate) const BLOCKS: u32 = 1 << 29;
 pub(crate) const BLOCKS_ALIKE: u32 = 1 << 28;
 /// No normals of its own.
 pub(crate) const FLAT: u32 = u32::MAX;
 
-/// Which receivers' shadow rays an object stops.
+/// On which receivers an object casts shadows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stops {
-    /// Those of none.
+pub enum ShadowCasting {
+    /// On none.
     None,
-    /// Those of all.
+    /// On all.
     #[default]
     All,
-    /// Those of receivers on objects that stop alike: others have other blockers for it, such as shadow maps.
+    /// On receivers of objects that cast alike: others have other blockers for it, such as shadow maps.
     Alike,
 }
 
 /// The smallest box around a primitive.
 pub(super) fn bounds(p: &GpuPrimitive) -> [Vec3; 2] {
     let a = Vec3::from(p.a);
-    if p.object & BALL != 0 {
+    if p.object & SPHERE != 0 {
         return [a - p.b[0], a + p.b[0]];
     }
     let (b, c) = (Vec3::from(p.b), Vec3::from(p.c));

@@ -1,6 +1,6 @@
 //! A hierarchy of two children a node, in the order in which the GPU reads it.
 
-use super::primitive::{GpuPrimitive, Stops, bounds};
+use super::primitive::{GpuPrimitive, ShadowCasting, bounds};
 use crate::GpuError;
 use bytemuck::{Pod, Zeroable};
 use core::time::Duration;
@@ -95,18 +95,18 @@ impl Tree {
 
     /// All nodes as the GPU takes them. The first has the units of the hierarchy a world unit, and
     /// whether all objects stop all rays; if not, it says where there is a node for each object whose count is 1 if it does, 2 if it
-    /// stops those of its like.
-    pub(super) fn packed(&self, scale: f32, stops: &[Stops]) -> Vec<GpuNode> {
-        let mut nodes = Vec::with_capacity(self.nodes.len() + stops.len());
+    /// casts on its like.
+    pub(super) fn packed(&self, scale: f32, casting: &[ShadowCasting]) -> Vec<GpuNode> {
+        let mut nodes = Vec::with_capacity(self.nodes.len() + casting.len());
         nodes.extend_from_slice(&self.nodes);
-        let count = u32::from(stops.is_empty());
+        let count = u32::from(casting.is_empty());
         nodes[0] = GpuNode { low: [scale, 0.0, 0.0], count, first: nodes.len() as u32, ..GpuNode::default() };
-        let count = |stops: &Stops| match stops {
-            Stops::None => 0,
-            Stops::All => 1,
-            Stops::Alike => 2,
+        let count = |casting: &ShadowCasting| match casting {
+            ShadowCasting::None => 0,
+            ShadowCasting::All => 1,
+            ShadowCasting::Alike => 2,
         };
-        nodes.extend(stops.iter().map(|stops| GpuNode { count: count(stops), ..GpuNode::default() }));
+        nodes.extend(casting.iter().map(|casting| GpuNode { count: count(casting), ..GpuNode::default() }));
         nodes
     }
 

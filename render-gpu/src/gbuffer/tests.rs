@@ -1,7 +1,7 @@
 //! What Rust writes for the kernels of rays is what WGSL reads.
 
 use super::*;
-use crate::bvh::{BALL, BLOCKS, BLOCKS_ALIKE, FLAT, GpuNode, GpuPrimitive, VISIBLE};
+use crate::bvh::{BLOCKS, BLOCKS_ALIKE, FLAT, GpuNode, GpuPrimitive, SPHERE, VISIBLE};
 use crate::validated;
 use core::mem::{offset_of, size_of};
 use naga::TypeInner;
@@ -41,7 +41,7 @@ fn structs_are_laid_out_as_in_rust() {
 fn constants_are_rusts() {
     let text = trace_text(64);
     for (name, value) in [
-        ("BALL", BALL),
+        ("SPHERE", SPHERE),
         ("VISIBLE", VISIBLE),
         ("BLOCKS", BLOCKS),
         ("BLOCKS_ALIKE", BLOCKS_ALIKE),

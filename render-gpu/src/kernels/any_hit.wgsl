@@ -1,4 +1,4 @@
-// What strategies ask of the scene's triangles and balls, in units of the scene: `World` of ray-tracing. Needs bvh.wgsl, geometry.wgsl
+// What strategies ask of the scene's triangles and spheres, in units of the scene: `World` of ray-tracing. Needs bvh.wgsl, geometry.wgsl
 // and STACK, at least the depth of the hierarchy.
 
 // How far above the plane of a receiver's face a shape may seem to be by rounding, over its distance.
@@ -21,7 +21,7 @@ var<private> world_stop: u32 = BLOCKS;
 
 // From whom an object hides the light: 0 none, 1 all, 2 receivers on its like.
 fn world_stops(object: u32) -> u32 {
-    if object == OWN_NONE {
+    if object == NO_OBJECT {
         return 0u;
     }
     if nodes[0].count != 0u {
@@ -30,7 +30,7 @@ fn world_stops(object: u32) -> u32 {
     return nodes[nodes[0].first + object].count;
 }
 
-// True when a blocking triangle or ball lies on the ray nearer than `distance`.
+// True when a blocking triangle or sphere lies on the ray nearer than `distance`.
 fn world_occludes(origin: vec3f, direction: vec3f, distance: f32) -> bool {
     let ray = slabs(origin, direction);
     // One sibling waits on each level.
@@ -48,8 +48,8 @@ fn world_occludes(origin: vec3f, direction: vec3f, distance: f32) -> bool {
                     continue;
                 }
                 var t = NEVER;
-                if (p.object & BALL) != 0u {
-                    t = meet_ball(p, origin, direction);
+                if (p.object & SPHERE) != 0u {
+                    t = meet_sphere(p, origin, direction);
                 } else {
                     t = meet_triangle(p, origin, direction, 0.0);
                 }
@@ -151,7 +151,7 @@ fn region_misses_box(region: Region, low: vec3f, high: vec3f) -> bool {
 
 fn region_misses_primitive(region: Region, p: Primitive) -> bool {
     let a = p.a - region.origin;
-    if (p.object & BALL) != 0u {
+    if (p.object & SPHERE) != 0u {
         let along = dot(region.axis, a);
         let tangent = region_tangent(region, a);
         return along + p.b.x <= 0.0

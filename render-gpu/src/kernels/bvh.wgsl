@@ -10,7 +10,7 @@ struct BvhNode {
     first: u32,
 }
 
-// 48 bytes. A triangle: its corners, exact; `corners` is where its normals begin, or NO_CORNERS. A ball: centre and
+// 48 bytes. A triangle: its corners, exact; `corners` is where its normals begin, or NO_CORNERS. A sphere: centre and
 // radius (`b.x`). `object` is its number and the flags below.
 struct Primitive {
     a: vec3f,
@@ -26,7 +26,7 @@ struct Primitive {
 
 const ROOT = 1u;
 
-const BALL = 0x80000000u;
+const SPHERE = 0x80000000u;
 const VISIBLE = 0x40000000u;
 const BLOCKS = 0x20000000u;
 const BLOCKS_ALIKE = 0x10000000u;
@@ -44,7 +44,7 @@ const WIDEST = 0.05;
 // Relative error of a distance to a triangle: over the start's distance from the corner and the slant, which is |e1||e2|/det.
 // Of that to a sphere: as a part of the squared radius. `Fine` numbers decide where a start is so near.
 const CLOSE = 2e-6;
-const CLOSE_TO_BALL = 1e-5;
+const CLOSE_TO_SPHERE = 1e-5;
 
 // A ray as boxes see it.
 struct Slabs {
@@ -103,14 +103,14 @@ fn meet_triangle(t: Primitive, origin: vec3f, direction: vec3f, blur: f32) -> f3
     return select(NEVER, along, along > 0.0);
 }
 
-// Distance to a ball, from inside or its surface to the far side, or NEVER.
-fn meet_ball(ball: Primitive, origin: vec3f, direction: vec3f) -> f32 {
-    let to = ball.a - origin;
+// Distance to a sphere, from inside or its surface to the far side, or NEVER.
+fn meet_sphere(sphere: Primitive, origin: vec3f, direction: vec3f) -> f32 {
+    let to = sphere.a - origin;
     let along = dot(to, direction);
-    let radius_sq = ball.b.x * ball.b.x;
-    if abs(dot(to, to) - radius_sq) <= CLOSE_TO_BALL * radius_sq {
-        // Its sign is that of the nearer distance where the ball is ahead.
-        let off = off_ball(ball, origin);
+    let radius_sq = sphere.b.x * sphere.b.x;
+    if abs(dot(to, to) - radius_sq) <= CLOSE_TO_SPHERE * radius_sq {
+        // Its sign is that of the nearer distance where the sphere is ahead.
+        let off = off_sphere(sphere, origin);
         let half_sq = along * along - off;
         let far = along + select(sqrt(max(half_sq, 0.0)), -sqrt(max(half_sq, 0.0)), along < 0.0);
         let near = off / far;
@@ -119,7 +119,7 @@ fn meet_ball(ball: Primitive, origin: vec3f, direction: vec3f) -> f32 {
     }
     // The distance of the centre from the ray first: |to|² − along² would cancel.
     let aside = to - direction * along;
-    let half_sq = ball.b.x * ball.b.x - dot(aside, aside);
+    let half_sq = sphere.b.x * sphere.b.x - dot(aside, aside);
     let half = sqrt(max(half_sq, 0.0));
     let t = select(along + half, along - half, along > half);
     return select(NEVER, t, half_sq >= 0.0 && t > 0.0);
@@ -177,11 +177,11 @@ fn plane_of(t: Primitive, point: vec3f) -> vec4f {
     return vec4f(normal.high, fine_dot(normal, fine_sum(point, -t.a)).high.x);
 }
 
-// The squared distance of a point from a ball's centre, less that of its surface.
-fn off_ball(ball: Primitive, point: vec3f) -> f32 {
-    let to = fine_sum(ball.a, -point);
+// The squared distance of a point from a sphere's centre, less that of its surface.
+fn off_sphere(sphere: Primitive, point: vec3f) -> f32 {
+    let to = fine_sum(sphere.a, -point);
     let square = fine_dot(to, to);
-    let radius = Fine(vec3f(ball.b.x), vec3f(0.0));
+    let radius = Fine(vec3f(sphere.b.x), vec3f(0.0));
     let radius_sq = fine_product(radius, radius);
     return fine_add(square.high, -radius_sq.high, square.low - radius_sq.low).high.x;
 }

@@ -1,6 +1,6 @@
 // One light of one frame, for the points of a slice. The same struct as `layout::GpuFrame`.
 struct Frame {
-    // The ball around the light, and around windows on it: centre and radius.
+    // The sphere around the light, and around windows on it: centre and radius.
     light: vec4f,
     radiance: vec3f,
     tolerance: f32,

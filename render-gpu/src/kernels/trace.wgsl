@@ -101,8 +101,8 @@ fn meet(number: u32, origin: vec3f, direction: vec3f) -> f32 {
     if (p.object & VISIBLE) == 0u {
         return NEVER;
     }
-    if (p.object & BALL) != 0u {
-        return meet_ball(p, origin, direction);
+    if (p.object & SPHERE) != 0u {
+        return meet_sphere(p, origin, direction);
     }
     return meet_triangle(p, origin, direction, 1.5e-7);
 }
@@ -115,7 +115,7 @@ fn surface(number: u32, direction: vec3f) -> Receiver {
     out.object = p.object & OBJECT;
     out.material = p.material;
     var position: vec3f;
-    if (p.object & BALL) != 0u {
+    if (p.object & SPHERE) != 0u {
         let to = p.a - view.eye;
         let along = dot(to, direction);
         let aside = to - direction * along;
@@ -123,7 +123,7 @@ fn surface(number: u32, direction: vec3f) -> Receiver {
         let inside = along < half;
         let outward = unit_or(direction * select(-half, half, inside) - aside, -direction);
         position = p.a + outward * p.b.x;
-        position -= outward * (0.5 * off_ball(p, position) / p.b.x);
+        position -= outward * (0.5 * off_sphere(p, position) / p.b.x);
         out.normal = select(outward, -outward, dot(outward, direction) > 0.0);
         out.face = out.normal;
     } else {

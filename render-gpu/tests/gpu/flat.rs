@@ -7,10 +7,12 @@ use crate::silhouettes::SILHOUETTES;
 use core::f32::consts::TAU;
 use glam::{DVec3, UVec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{AmbientLight, Environment, EnvironmentMap, FlatLight, InsideLight, Light, SphereLight, TubeLight};
+use lighting::{AmbientLight, EnclosedLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, TubeLight};
 use lobe_core::oracle::Random;
 use lobe_core::paper::{ProductTable, Resolution, Tables};
-use lobe_core::{LightImage, Lobe, OWN_NONE, Outline, Receiver, Sphere, outline_integral, wgsl};
+use lobe_core::{
+    BrdfLobe, LightImage, Lobe, Microfacets, Outline, PackedLobe, Receiver, Sphere, outline_integral, wgsl,
+};
 use render_cpu::{GBuffer, World};
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::{Scene, Shade, builtin};
@@ -62,27 +64,27 @@ fn integrals(gpu: &Gpu) {
         let Some((light, corners, radius)) = outline(&mut random) else { continue };
         let tilt = random.between(0.0, 1.5);
         let view = random.axis_at(DVec3::Z, tilt).as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view);
         let Some(above) = light.above(at.normal) else { continue };
         let aside = random.axis().as_vec3() * random.log_uniform(0.01, 1.0) as f32;
         let toward = (above.middle().normalize() + aside).normalize();
-        let lobe = match want.len() % 4 {
-            0 => Lobe::new(Vec3::Z, 1.0, Vec3::ONE),
-            1 => Lobe::new(toward, random.log_uniform(0.3, 2e4) as f32, Vec3::ONE).times_cosine(),
-            2 => Lobe::new(toward, random.log_uniform(0.3, 2e4) as f32, Vec3::ONE),
+        let lobe: BrdfLobe = match want.len() % 4 {
+            0 => Lobe::new(Vec3::Z, 1.0, Vec3::ONE).into(),
+            1 => Lobe::new(toward, random.log_uniform(0.3, 2e4) as f32, Vec3::ONE).times_cosine().into(),
+            2 => Lobe::new(toward, random.log_uniform(0.3, 2e4) as f32, Vec3::ONE).into(),
             _ => {
                 let alpha = random.log_uniform(0.01, 1.0) as f32;
-                let pair = Lobe::microfacets(view, alpha, [Vec3::ONE; 2]);
-                pair[(random.bits() % 2) as usize]
+                Microfacets::new(view, alpha, [Vec3::ONE; 2])[(random.bits() % 2) as usize].into()
             }
         };
-        rows.extend(view.to_array().into_iter().chain(lobe.axis.to_array()).chain([lobe.exponent, lobe.factor]));
+        let PackedLobe { axis, exponent, kind, .. } = lobe.into();
+        rows.extend(view.to_array().into_iter().chain(axis.to_array()).chain([exponent, kind]));
         rows.extend(light.axis().to_array().into_iter().chain([corners.len() as f32, radius]));
         let points = corners.iter().copied().chain(core::iter::repeat(Vec3::ZERO)).take(ROOM);
         rows.extend(points.flat_map(|p| p.to_array()));
         let (solid, _) = above.moments();
-        let scale = (solid * (lobe.exponent + 1.0) / TAU).min(1.0);
-        want.push((outline_integral(&at, &lobe, &light), scale, light.cone()));
+        let scale = (solid * (exponent + 1.0) / TAU).min(1.0);
+        want.push((outline_integral(&at, lobe, &light), scale, light.cone()));
     }
     let body = "var at: Receiver;
         at.normal = vec3f(0.0, 0.0, 1.0);
@@ -158,11 +160,11 @@ fn lit(scene: Scene, light: Light) -> Scene {
     Scene { lights: vec![light], ..scene }
 }
 
-/// All shapes at once and a ball, on all kinds of surfaces.
+/// All shapes at once and a sphere, on all kinds of surfaces.
 fn beside_spheres(gpu: &Gpu) {
-    let inside = InsideLight { light: Box::new(disc()), object: 0 }.into();
-    let ball = SphereLight::new(Sphere { center: Vec3::new(2.0, 3.0, 1.0), radius: 0.3 }, Vec3::splat(20.0)).into();
-    let scene = Scene { lights: vec![panel(), disc(), ball, standing(), inside], ..builtin() };
+    let inside = EnclosedLight { light: Box::new(disc()), object: 0 }.into();
+    let sphere = SphereLight::new(Sphere { center: Vec3::new(2.0, 3.0, 1.0), radius: 0.3 }, Vec3::splat(20.0)).into();
+    let scene = Scene { lights: vec![panel(), disc(), sphere, standing(), inside], ..builtin() };
     View::new(scene, 64, 36).compare_spheres(gpu, "flat lights", 0.003, 5);
 }
 

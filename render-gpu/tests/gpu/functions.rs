@@ -3,8 +3,8 @@
 use crate::call::{call, trial};
 use libtest_mimic::Trial;
 use lobe_core::oracle::{self, Random};
-use lobe_core::{Cone, Lobe, OWN_NONE, Receiver, Sphere, cap_integral, orthonormal_basis, power, special, wgsl};
-use lobe_core::{is_lambert, sphere_light_irradiance};
+use lobe_core::{Cone, Lobe, Microfacets, PackedLobe, Receiver, Sphere, cap_integral, orthonormal_basis};
+use lobe_core::{is_lambert, power, special, sphere_light_irradiance, wgsl};
 use render_gpu::Gpu;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -86,7 +86,7 @@ fn special_functions(gpu: &Gpu) {
 }
 
 fn receiver(normal: glam::Vec3) -> Receiver {
-    Receiver { position: glam::Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE }
+    Receiver::on_surface(glam::Vec3::ZERO, normal, normal)
 }
 
 fn cones_and_bases(gpu: &Gpu) {
@@ -203,8 +203,8 @@ fn case(random: &mut Random, kind: &Kind) -> (Receiver, Lobe, Cone) {
     };
     let lambert = kind.name.starts_with("Lambert");
     let axis = if lambert { normal } else { axis }.as_vec3();
-    let cosine = if lambert || random.bits().is_multiple_of(2) { 0.0 } else { 1.0 };
-    let lobe = Lobe { factor: cosine, ..Lobe::with_flux(axis, e as f32, glam::Vec3::ONE) };
+    let has_cosine = !lambert && !random.bits().is_multiple_of(2);
+    let lobe = Lobe { has_cosine, ..Lobe::with_flux(axis, e as f32, glam::Vec3::ONE) };
     let cone = Cone { axis: light.as_vec3(), one_minus_cos: one_minus_cos as f32, distance: 1.0 };
     (receiver(normal.as_vec3()), lobe, cone)
 }
@@ -218,9 +218,9 @@ const BODY: &str = "var at: Receiver;
 fn differences(gpu: &Gpu, pieces: &[&str], cases: &[(Receiver, Lobe, Cone)]) -> Vec<f64> {
     let rows: Vec<f32> = (cases.iter())
         .flat_map(|(at, lobe, cone)| {
-            let [n, a, l] = [at.normal, lobe.axis, cone.axis];
-            let [e, cosine, y] = [lobe.exponent, lobe.factor, cone.one_minus_cos];
-            [n.x, n.y, n.z, a.x, a.y, a.z, e, cosine, l.x, l.y, l.z, y]
+            let PackedLobe { axis: a, exponent, kind, .. } = (*lobe).into();
+            let [n, l] = [at.normal, cone.axis];
+            [n.x, n.y, n.z, a.x, a.y, a.z, exponent, kind, l.x, l.y, l.z, cone.one_minus_cos]
         })
         .collect();
     let got = call(gpu, pieces, BODY, &rows, 12, 1);
@@ -269,10 +269,11 @@ fn microfacet_integrals(gpu: &Gpu) {
         let at = Receiver { view: view.as_vec3(), ..receiver(normal.as_vec3()) };
         let one_minus_cos = (2.0 * (0.5 * half_angle).sin().powi(2)) as f32;
         let cone = Cone { axis: light.as_vec3(), one_minus_cos, distance: 1.0 };
-        for lobe in Lobe::microfacets(at.view, alpha as f32, [glam::Vec3::ONE; 2]) {
-            wants.push(cap_integral(&at, &lobe, &cone));
-            let [n, a, l] = [at.normal, lobe.axis, cone.axis];
-            rows.extend([n.x, n.y, n.z, a.x, a.y, a.z, lobe.exponent, lobe.factor, l.x, l.y, l.z, one_minus_cos]);
+        for facets in Microfacets::new(at.view, alpha as f32, [glam::Vec3::ONE; 2]) {
+            wants.push(cap_integral(&at, facets, &cone));
+            let PackedLobe { axis: a, exponent, kind, .. } = facets.into();
+            let [n, l] = [at.normal, cone.axis];
+            rows.extend([n.x, n.y, n.z, a.x, a.y, a.z, exponent, kind, l.x, l.y, l.z, one_minus_cos]);
         }
     }
     let got = call(gpu, &pieces, BODY, &rows, 12, 1);

@@ -29,7 +29,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
     ]
 }
 
-/// Meshes of some 20 000 triangles, smooth and flat, one that is not seen; balls; a tilted floor.
+/// Meshes of some 20 000 triangles, smooth and flat, one that is not seen; spheres; a tilted floor.
 fn globes() -> Scene {
     let mut scene = plain();
     let tilt = Vec3::new(0.0, -0.2, -3.9);
@@ -38,13 +38,13 @@ fn globes() -> Scene {
         Object::mesh("smooth", globe(60, Vec3::new(-1.0, 0.3, 0.0), 1.0, true), 1, Proxy::None),
         Object::mesh("flat", globe(40, Vec3::new(1.2, 0.4, 0.5), 0.9, false), 2, Proxy::None),
         Object { visible: false, ..Object::mesh("veil", globe(9, Vec3::Z * 4.0, 0.5, false), 2, Proxy::Count(1)) },
-        Object::spheres("row", (0..30).map(|i| ball(0.3 * i as f32 - 4.5, 0.12)).collect(), 3),
+        Object::spheres("row", (0..30).map(|i| sphere(0.3 * i as f32 - 4.5, 0.12)).collect(), 3),
     ];
     scene.camera = Camera { eye: Vec3::new(0.4, 1.8, 6.5), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 };
     scene
 }
 
-fn ball(x: f32, radius: f32) -> Sphere {
+fn sphere(x: f32, radius: f32) -> Sphere {
     Sphere { center: Vec3::new(x, 0.9 + 0.03 * x * x, -1.0), radius }
 }
 
@@ -56,8 +56,8 @@ pub(crate) fn large_floor(half: f32) -> Scene {
     let mut scene = plain();
     scene.objects = vec![Object::mesh("floor", floor, 0, Proxy::Count(8))];
     scene.materials = vec![Material::lambert(Vec3::splat(0.5))];
-    let ball = Sphere { center: turn.transform_point3(Vec3::new(-3.0, 3.4, 1.5)), radius: 0.5 };
-    scene.lights = vec![SphereLight::new(ball, Vec3::splat(90.0)).into()];
+    let sphere = Sphere { center: turn.transform_point3(Vec3::new(-3.0, 3.4, 1.5)), radius: 0.5 };
+    scene.lights = vec![SphereLight::new(sphere, Vec3::splat(90.0)).into()];
     let [eye, target, up] = [Vec3::new(1.0, 1.4, 2.6), Vec3::Y * 0.1, Vec3::Y].map(|v| turn.transform_point3(v));
     scene.camera = Camera { eye, target, up, vertical_fov: 0.6 };
     scene
@@ -91,10 +91,10 @@ pub(crate) fn placed(mut scene: Scene, scale: f32, shift: Vec3) -> Scene {
     for object in &mut scene.objects {
         match &mut object.shape {
             Shape::Mesh(mesh) => mesh.transform(&place),
-            Shape::Spheres(balls) => balls.iter_mut().for_each(|b| *b = moved(b)),
+            Shape::Spheres(spheres) => spheres.iter_mut().for_each(|b| *b = moved(b)),
         }
     }
-    scene.lights.iter_mut().filter_map(Light::as_sphere_mut).for_each(|l| l.ball = moved(&l.ball));
+    scene.lights.iter_mut().filter_map(Light::as_sphere_mut).for_each(|l| l.sphere = moved(&l.sphere));
     scene.camera.eye = place.transform_point3(scene.camera.eye);
     scene.camera.target = place.transform_point3(scene.camera.target);
     scene
@@ -234,10 +234,10 @@ fn nothing(gpu: &Gpu) {
     assert!(ours.read(&scene.camera, 33, 17, 0..33, 0..17).expect("points").1.is_empty());
 }
 
-/// The eye in a globe and in a ball: their inner sides.
+/// The eye in a globe and in a sphere: their inner sides.
 fn from_inside(gpu: &Gpu) {
     let mut scene = globes();
-    for eye in [Vec3::new(-1.0, 0.3, 0.2), Vec3::new(1.2, 0.5, 0.4), ball(0.0, 0.12).center + 0.01] {
+    for eye in [Vec3::new(-1.0, 0.3, 0.2), Vec3::new(1.2, 0.5, 0.4), sphere(0.0, 0.12).center + 0.01] {
         scene.camera = Camera { eye, target: Vec3::new(0.3, 0.1, 3.0), up: Vec3::Y, vertical_fov: 2.2 };
         let found = check(&mut GpuGBuffer::new(gpu, &scene).expect("geometry"), &scene, 100, 60);
         assert_eq!(found.points, 6000);
@@ -260,8 +260,8 @@ fn motion(gpu: &Gpu) {
     let all = ours.world().uploaded();
     ours.update(&scene).expect("geometry");
     assert_eq!(ours.world().uploaded(), 0);
-    let Shape::Spheres(balls) = &mut scene.objects[4].shape else { unreachable!("balls") };
-    balls[0].center.y += 0.2;
+    let Shape::Spheres(spheres) = &mut scene.objects[4].shape else { unreachable!("balls") };
+    spheres[0].center.y += 0.2;
     ours.update(&scene).expect("geometry");
     let few = ours.world().uploaded();
     assert!((1..all / 20).contains(&few), "{few} of {all} bytes for one ball");

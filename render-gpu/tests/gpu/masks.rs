@@ -6,7 +6,7 @@ use libtest_mimic::Trial;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use lobe_core::{
-    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Visibility,
+    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, PackedLobe, Receiver, Visibility,
     VisibilityQuery,
 };
 use render_gpu::Gpu;
@@ -63,7 +63,7 @@ impl Case {
         let end = if number.is_multiple_of(4) { quarter + 0.7 * theta } else { (quarter - theta).max(0.0) };
         let tilt = random.between(0.0, end);
         let normal = random.axis_at(axis, tilt).as_vec3().normalize();
-        let at = Receiver { position: Vec3::ZERO, normal, face: normal, view: normal, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, normal, normal);
         let light = Cone {
             axis: axis.as_vec3().normalize(),
             one_minus_cos: (2.0 * (0.5 * theta).sin().powi(2)) as f32,
@@ -84,7 +84,8 @@ impl Case {
     fn row(&self) -> [f32; 13] {
         let (a, n, f) = (self.light.axis, self.at.normal, self.lobe);
         let [e, d] = [self.light.one_minus_cos, self.light.distance];
-        [a.x, a.y, a.z, e, d, n.x, n.y, n.z, f.axis.x, f.axis.y, f.axis.z, f.exponent, f.factor]
+        let kind = PackedLobe::from(f).kind;
+        [a.x, a.y, a.z, e, d, n.x, n.y, n.z, f.axis.x, f.axis.y, f.axis.z, f.exponent, kind]
     }
 }
 

@@ -8,7 +8,7 @@ use brdf::{
 use glam::{DMat3, Mat3, Quat, Vec3};
 use libtest_mimic::Trial;
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
-use lobe_core::{BrdfLobes, Lobe, LobeBuffer, OWN_NONE, Receiver, orthonormal_basis};
+use lobe_core::{BrdfLobe, BrdfLobes, PackedLobe, Receiver, orthonormal_basis};
 use render_gpu::Gpu;
 
 pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
@@ -125,7 +125,7 @@ fn metallic_roughness(random: &mut Random) -> Material {
 }
 
 fn receiver(normal: Vec3, view: Vec3) -> Receiver {
-    Receiver { position: Vec3::ZERO, normal, face: normal, view, object: OWN_NONE }
+    Receiver::on_surface(Vec3::ZERO, normal, view)
 }
 
 /// Views from along the normal to grazing and below the horizon; normals at the poles, where bases turn.
@@ -157,9 +157,8 @@ fn receivers() -> Vec<Receiver> {
 }
 
 /// All lobes that the GPU makes of materials, as many as each has, for each of the receivers.
-fn lobes(gpu: &Gpu, materials: &[Material], receivers: &[Receiver], microfacets: bool) -> Vec<Vec<Lobe>> {
-    let packed = PackedMaterials::new(materials, microfacets).expect("built-in models");
-    let pairs = (0..materials.len()).flat_map(|m| receivers.iter().map(move |at| (m, at)));
+fn lobes(gpu: &Gpu, packed: &PackedMaterials, materials: usize, receivers: &[Receiver]) -> Vec<Vec<PackedLobe>> {
+    let pairs = (0..materials).flat_map(|m| receivers.iter().map(move |at| (m, at)));
     let mut rows: Vec<f32> = Vec::new();
     for (material, at) in pairs {
         for k in 0..packed.max_lobes {
@@ -171,41 +170,51 @@ fn lobes(gpu: &Gpu, materials: &[Material], receivers: &[Receiver], microfacets:
     let binding = "@group(0) @binding(2) var<storage, read> materials: array<u32>;";
     let body = "
         let n = vec3f(x(0), x(1), x(2));
-        let at = Receiver(vec3f(0.0), OWN_NONE, n, u32(x(6)), n, 0u, vec3f(x(3), x(4), x(5)), 0u);
+        let at = Receiver(vec3f(0.0), NO_OBJECT, n, u32(x(6)), n, 0u, vec3f(x(3), x(4), x(5)), 0u);
         var lobe = Lobe();
         if u32(x(7)) < brdf_lobe_count(at.material) { lobe = brdf_lobe(at.material, at, u32(x(7))); }
         y(0, lobe.axis.x); y(1, lobe.axis.y); y(2, lobe.axis.z); y(3, lobe.exponent);
-        y(4, lobe.flux.x); y(5, lobe.flux.y); y(6, lobe.flux.z); y(7, lobe.factor);";
+        y(4, lobe.flux.x); y(5, lobe.flux.y); y(6, lobe.flux.z); y(7, lobe.kind);";
     let pieces = [text.as_str(), binding, SPECIAL, GEOMETRY, LOBE];
     let got = call_with(gpu, &pieces, body, &rows, [8, 8], &[(2, &packed.words)]);
     assert!(got.iter().all(|value| value.is_finite()));
-    let lobes: Vec<Lobe> = bytemuck::cast_slice(&got).to_vec();
-    lobes.chunks(packed.max_lobes as usize).map(<[Lobe]>::to_vec).collect()
+    let lobes: Vec<PackedLobe> = bytemuck::cast_slice(&got).to_vec();
+    lobes.chunks(packed.max_lobes as usize).map(<[PackedLobe]>::to_vec).collect()
 }
 
 /// What no sum sees: an exponential's last numbers end earlier on some machines.
-fn visible(lobe: &Lobe) -> bool {
+fn visible(lobe: &PackedLobe) -> bool {
     lobe.flux.max_element() > 1e-30
 }
 
-/// The GPU's lobes are those of Rust, in the same order, of directions and of microfacets.
+/// The GPU's lobes are those of Rust, in the same order; its cosine lobes as well.
 fn agree(gpu: &Gpu, materials: &[Material]) {
-    agree_with(gpu, materials, false);
+    agree_with(
+        gpu,
+        materials,
+        &PackedMaterials::of_cosine_lobes(materials).expect("built-in models"),
+        Material::cosine_lobes,
+    );
     if materials.iter().any(|m| matches!(m, Material::MetallicRoughness(_) | Material::HalfVector(_))) {
-        agree_with(gpu, materials, true);
+        agree_with(gpu, materials, &PackedMaterials::new(materials).expect("built-in models"), Material::brdf_lobes);
     }
 }
 
-fn agree_with(gpu: &Gpu, materials: &[Material], microfacets: bool) {
+fn agree_with(
+    gpu: &Gpu,
+    materials: &[Material],
+    packed: &PackedMaterials,
+    of: impl Fn(&Material, &Receiver, &mut Vec<BrdfLobe>),
+) {
     let receivers = receivers();
-    let all = lobes(gpu, materials, &receivers, microfacets);
+    let all = lobes(gpu, packed, materials.len(), &receivers);
     let mut worst = [0.0_f32; 3];
     for (i, got) in all.iter().enumerate() {
         let (material, at) = (&materials[i / receivers.len()], &receivers[i % receivers.len()]);
-        let mut buffer = LobeBuffer::default();
-        material.brdf_lobes(at, &mut buffer.writer_of(microfacets));
-        let want: Vec<Lobe> = buffer.lobes().iter().filter(visible).collect();
-        let got: Vec<&Lobe> = got.iter().filter(|lobe| visible(lobe)).collect();
+        let mut want = Vec::new();
+        of(material, at, &mut want);
+        let want: Vec<PackedLobe> = want.into_iter().map(PackedLobe::from).filter(visible).collect();
+        let got: Vec<&PackedLobe> = got.iter().filter(|lobe| visible(lobe)).collect();
         let name = material.name();
         assert_eq!(got.len(), want.len(), "{name} {i}: {got:?}\n{want:?}");
         for (got, want) in got.iter().zip(&want) {
@@ -219,7 +228,7 @@ fn agree_with(gpu: &Gpu, materials: &[Material], microfacets: bool) {
                 worst[k] = worst[k].max(errors[k] / allowed[k] * TOLERANCE);
                 assert!(errors[k] <= allowed[k], "{name} {i}: {got:?}\n{want:?}\n{errors:?} of {allowed:?}");
             }
-            assert_eq!(got.factor, want.factor);
+            assert_eq!(got.kind, want.kind);
             if want.exponent == 1.0 && want.axis == at.normal {
                 assert_eq!((got.exponent, got.axis), (want.exponent, want.axis), "a Lambert lobe is exact");
             }
@@ -232,9 +241,9 @@ fn agree_with(gpu: &Gpu, materials: &[Material], microfacets: bool) {
 const TOLERANCE: f32 = 2e-6;
 
 /// Errors of axis, exponent and flux: the tolerance, times what the lobe makes of a rounding of its arguments.
-fn allowed(material: &Material, at: &Receiver, want: &Lobe) -> [f32; 3] {
+fn allowed(material: &Material, at: &Receiver, want: &PackedLobe) -> [f32; 3] {
     match material {
-        Material::Lafortune(m) if want.factor == 1.0 => {
+        Material::Lafortune(m) if want.kind == PackedLobe::COSINE => {
             let (t, b) = orthonormal_basis(at.normal);
             let view = Vec3::new(t.dot(at.view), b.dot(at.view), at.normal.dot(at.view)).as_dvec3();
             // Which one it is, is known by its exponent; the most sensitive else.
@@ -276,7 +285,8 @@ fn no_axis(gpu: &Gpu) {
     for c in [Vec3::Z, Vec3::ZERO, Vec3::splat(1e-32)] {
         for exponent in [0.0, 1e-6, 0.5, 1.0, 200.0, 1e5, 1e7] {
             let lobe = LafortuneLobe::diagonal(c, exponent, Vec3::ONE);
-            let got = lobes(gpu, &[Lafortune { diffuse: Vec3::ZERO, lobes: vec![lobe] }.into()], &at, false);
+            let material = Lafortune { diffuse: Vec3::ZERO, lobes: vec![lobe] }.into();
+            let got = lobes(gpu, &PackedMaterials::new(&[material]).expect("a built-in model"), 1, &at);
             assert!(got.iter().flatten().all(|lobe| lobe.flux == Vec3::ZERO));
         }
     }

@@ -8,7 +8,7 @@ use libtest_mimic::Trial;
 use lighting::SphereLight;
 use lobe_core::oracle::Random;
 use lobe_core::paper::{PaperIntegrator, ProductTable, Resolution, Tables};
-use lobe_core::{Cone, Lobe, Sphere, wgsl};
+use lobe_core::{Cone, Lobe, PackedLobe, Sphere, wgsl};
 use render_cpu::CpuShader;
 use render_gpu::{Gpu, GpuShader, Occlusion};
 use scene::Shade;
@@ -35,7 +35,7 @@ fn lobe(random: &mut Random, near: Option<Vec3>) -> Lobe {
     let axis = if let Some(near) = near { random.axis_near(near.as_dvec3()) } else { random.axis() }.as_vec3();
     let exponent = if random.bits().is_multiple_of(16) { f32::INFINITY } else { random.exponent(1e6) as f32 };
     let flux = Vec3::new(random.uniform() as f32, random.log_uniform(1e-6, 1e3) as f32, -random.uniform() as f32);
-    Lobe { factor: (random.bits() % 2) as f32, ..Lobe::with_flux(axis, exponent, flux) }
+    Lobe { has_cosine: random.bits() % 2 == 1, ..Lobe::with_flux(axis, exponent, flux) }
 }
 
 /// A place in the table is a polynomial's angle: 5e-7 of a radian, 5e-6 of a step between angles, beside the rounding of
@@ -49,27 +49,29 @@ fn paper_products(gpu: &Gpu) {
         let a = lobe(&mut random, None);
         let near = if k % 16 == 0 { -a.axis } else { a.axis };
         let b = lobe(&mut random, (k % 2 == 0).then_some(near));
-        rows.extend_from_slice(bytemuck::cast_slice(&[a, b]));
+        rows.extend_from_slice(bytemuck::cast_slice(&[a, b].map(PackedLobe::from)));
         cases.push((a, b));
     }
     let body = "let c = paper_product(
             Lobe(vec3f(x(0), x(1), x(2)), x(3), vec3f(x(4), x(5), x(6)), x(7)),
             Lobe(vec3f(x(8), x(9), x(10)), x(11), vec3f(x(12), x(13), x(14)), x(15)));
         y(0, c.axis.x); y(1, c.axis.y); y(2, c.axis.z); y(3, c.exponent);
-        y(4, c.flux.x); y(5, c.flux.y); y(6, c.flux.z); y(7, c.factor);";
+        y(4, c.flux.x); y(5, c.flux.y); y(6, c.flux.z); y(7, c.kind);";
     let got = call_with(gpu, &PIECES, body, &rows, [16, 8], &[(9, &words)]);
     let (mut worst, mut sums) = ([0.0_f32; 3], [0.0_f32; 3]);
     for (got, (a, b)) in got.chunks(8).zip(&cases) {
         let want = tables.product(a, b);
-        let got = *bytemuck::from_bytes::<Lobe>(bytemuck::cast_slice(got));
+        let got = *bytemuck::from_bytes::<PackedLobe>(bytemuck::cast_slice(got));
         assert!(got.flux.is_finite() && got.axis.is_finite() && got.exponent.is_finite(), "{got:?} {a:?} {b:?}");
-        assert_eq!(got.factor, want.factor);
+        assert_eq!(got.kind, PackedLobe::from(want).kind);
         // Where the two axes are opposite the table has nothing and the direction no meaning.
         let opposite = (a.axis + b.axis).length() < 1e-3;
         let limit = |e: f32| e.min(1e5) + 1.0;
         // Of the product of the scales: the table's entry, as it is interpolated.
         let scales = (a.flux * b.flux).abs() * (limit(a.exponent) * limit(b.exponent) / core::f32::consts::TAU.powi(2));
-        let entry = (got.scale() - want.scale()).abs() / scales.max(Vec3::splat(1e-30));
+        let entry = ((got.flux * (got.exponent + 1.0) - want.flux * (want.exponent + 1.0)) / core::f32::consts::TAU)
+            .abs()
+            / scales.max(Vec3::splat(1e-30));
         let differences = [
             entry.max_element(),
             (got.exponent - want.exponent).abs() / (1.0 + want.exponent),
@@ -209,7 +211,7 @@ fn parity_of_the_paper(gpu: &Gpu) {
     compare(gpu, &view, &tables, "modified phong, four lights", 4, 0.0);
 }
 
-/// The meshes by maps, alone and with the balls by spheres.
+/// The meshes by maps, alone and with the spheres by spheres.
 fn parity_of_the_paper_with_maps(gpu: &Gpu) {
     let tables = tables();
     let view = View::new(scene::builtin(), 64, 36);

@@ -8,7 +8,7 @@ use brdf::{
 };
 use glam::{Affine2, Vec2, Vec3};
 use libtest_mimic::Trial;
-use lighting::{InsideLight, Light, SphereLight, SpotLight, SunLight};
+use lighting::{EnclosedLight, Light, SphereLight, SpotLight, SunLight};
 use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed, Visibility};
 use render_cpu::{CpuShader, GBuffer, World, blockers};
 use render_gpu::{Gpu, GpuShader, Occlusion};
@@ -81,7 +81,7 @@ impl View {
         let receivers = ReceiverBounds::of(self.points.receivers.iter().map(|r| r.position));
         let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
         let map = |l: &Light| {
-            ShadowMap::fitted(&all.positions, &all.triangles, l.sphere().expect("a sphere"), &options).expect("a map")
+            ShadowMap::fitted(&all.positions, &all.triangles, l.sphere().expect("a ball"), &options).expect("a map")
         };
         let casters = self.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
         ShadowMapBlockers::new(self.scene.lights.iter().map(map).collect()).with_casters(casters)
@@ -116,7 +116,7 @@ fn at_terminators_of_spheres(gpu: &Gpu) {
         let globe = globe(14, Vec3::new(x, 0.3, 0.0), 0.5, true);
         scene.objects.push(Object::mesh(name, globe, 0, Proxy::Count(8)));
     }
-    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
     let points = GBuffer::new(&World::new(&scene), 80, 60, 1).points;
     let ball = |x: f32| Sphere { center: Vec3::new(x, 0.3, 0.0), radius: 0.47 };
     let spheres = SphereBlockers::new(&[ball(-0.5), ball(4.0)], &[1, 3], &[0.0, 0.3]);
@@ -266,7 +266,7 @@ fn of_many_lights(gpu: &Gpu) {
     }
 }
 
-/// Spots, suns and lamps, alone and beside balls.
+/// Spots, suns and lamps, alone and beside spheres.
 fn of_spots_and_suns(gpu: &Gpu) {
     let mut view = builtin();
     let ball = |radius| Sphere { center: Vec3::new(1.5, 4.0, 2.0), radius };
@@ -279,7 +279,7 @@ fn of_spots_and_suns(gpu: &Gpu) {
     let sun = |degrees| SunLight::new(toward, degrees, Vec3::new(2.0, 1.8, 1.5), world).into();
     // Next to the floor, which it does not light where it is that object's.
     let near = SphereLight::new(Sphere { center: Vec3::new(0.5, 0.3, 1.5), radius: 0.2 }, Vec3::splat(20.0));
-    let inside = |object| InsideLight { light: Box::new(near.into()), object }.into();
+    let inside = |object| EnclosedLight { light: Box::new(near.into()), object }.into();
     for (name, lights) in [
         ("a spot", vec![spot.clone()]),
         ("a sun", vec![sun(3.0)]),
@@ -330,7 +330,7 @@ fn of_wide_lights(gpu: &Gpu) {
     }
 }
 
-/// The built-in scene's meshes by maps, alone and with the balls by spheres.
+/// The built-in scene's meshes by maps, alone and with the spheres by spheres.
 fn of_shadow_maps(gpu: &Gpu) {
     let view = builtin();
     let maps = view.maps();
@@ -355,7 +355,7 @@ fn maps_that_change(gpu: &Gpu) {
     let before = view.maps();
     let mut shader = GpuShader::new(gpu, Occlusion::of(&[&before.pack()])).expect("a shader");
     let first = view.gpu(&mut shader, &view.frame(0.003, 5));
-    view.scene.lights[1].as_sphere_mut().expect("a ball").ball.center.x += 0.4;
+    view.scene.lights[1].as_sphere_mut().expect("a ball").sphere.center.x += 0.4;
     let casters = view.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
     let maps = vec![before.maps()[0].clone(), view.maps().maps()[1].clone()];
     let after = ShadowMapBlockers::new(maps).with_casters(casters);

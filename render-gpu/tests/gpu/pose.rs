@@ -5,7 +5,7 @@ use brdf::Material;
 use glam::{Mat3, Mat4, Quat, Vec3};
 use libtest_mimic::Trial;
 use lighting::SphereLight;
-use lobe_core::{Accuracy, OWN_NONE, Receiver, SelfShadow, Sphere};
+use lobe_core::{Accuracy, Receiver, SelfShadow, Sphere};
 use render_gpu::{Gpu, GpuError, GpuPose, GpuShader, Occlusion};
 use scene::{Frame, Shade, ShadingPoints};
 use sphere_sets::{BoundSet, BuildOptions, Carriers, SphereRig, SphereRigPart, SphereSet};
@@ -67,7 +67,7 @@ fn tube() -> BoundSet {
     set.bind(&positions, &triangles, &carriers).expect("it fits")
 }
 
-/// Balls that stand still, a tube, one more ball, the tube once more; sphere i is of object i.
+/// Spheres that stand still, a tube, one more sphere, the tube once more; sphere i is of object i.
 struct Crowd {
     set: BoundSet,
     blockers: SphereBlockers,
@@ -78,9 +78,9 @@ struct Crowd {
 impl Crowd {
     fn new() -> Self {
         let set = tube();
-        let ball = |x: f32| Sphere { center: Vec3::new(x, 3.0, -x), radius: 0.25 };
+        let sphere = |x: f32| Sphere { center: Vec3::new(x, 3.0, -x), radius: 0.25 };
         let rest = &set.rest().spheres;
-        let spheres = [&[ball(0.0), ball(1.0)], rest.as_slice(), &[ball(2.0)], rest].concat();
+        let spheres = [&[sphere(0.0), sphere(1.0)], rest.as_slice(), &[sphere(2.0)], rest].concat();
         // As the sets have them, whatever radii and distances.
         let still = [SelfShadow::whole(0.0)];
         let fitted = &set.rest().self_shadows;
@@ -246,7 +246,7 @@ fn moves_shadows(gpu: &Gpu) {
     let floor = |i: usize| {
         let (x, z) = ((i % 32) as f32 * 0.2 - 3.1, (i / 32) as f32 * 0.2 - 3.1);
         let normal = Vec3::Y;
-        Receiver { position: Vec3::new(x, -1.0, z), normal, face: normal, view: normal, object: OWN_NONE }
+        Receiver::on_surface(Vec3::new(x, -1.0, z), normal, normal)
     };
     let points = ShadingPoints { receivers: (0..1024).map(floor).collect(), materials: vec![0; 1024] };
     let materials = [Material::lambert(Vec3::ONE)];

@@ -15,7 +15,7 @@ use lobe_core::{Accuracy, Coverage, LightLobes, Receiver, Sphere, Unshadowed};
 use ray_tracing::{GBuffer, World};
 use reference::{Geometry, Reference, ReferenceJob};
 use render_cpu::{CpuShader, blockers};
-use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, Stops};
+use render_gpu::{Gpu, GpuGBuffer, GpuShader, GpuWorld, Occlusion, ShadowCasting};
 use scene::{BlockerSet, Camera, Counts, Frame, Mesh, Object, Proxy, Scene, Shade, ShadingPoints, Shape};
 use test_scenes::globe;
 use visibility_mask::{MaskVisibility, Mixture, PaperVisibility, facet_coverage};
@@ -204,7 +204,7 @@ fn masks_of_all_depths(gpu: &Gpu) {
 fn tiny_lights(gpu: &Gpu) {
     let mut scene = plain();
     for light in scene.lights.iter_mut().filter_map(Light::as_sphere_mut) {
-        light.ball.radius *= 1e-4;
+        light.sphere.radius *= 1e-4;
         light.radiance *= 1e8;
     }
     let world = World::new(&scene);
@@ -225,13 +225,7 @@ fn from_an_edge(gpu: &Gpu) {
         lights: vec![SphereLight::new(light, Vec3::splat(90.0)).into()],
         ..fence()
     };
-    let at = |k: i32| Receiver {
-        position: Vec3::new(k as f32 / 16.0, 1.0, -0.5),
-        normal: Vec3::Z,
-        face: Vec3::Z,
-        view: Vec3::Z,
-        object: 0,
-    };
+    let at = |k: i32| Receiver::on_surface(Vec3::new(k as f32 / 16.0, 1.0, -0.5), Vec3::Z, Vec3::Z).on_object(0);
     let receivers: Vec<_> = (-7..8).map(at).collect();
     let points = ShadingPoints { materials: vec![0; receivers.len()], receivers };
     let world = World::new(&scene);
@@ -253,7 +247,7 @@ fn at_all_scales(gpu: &Gpu) {
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::Count(8)));
-    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 48, 1).points;
@@ -288,14 +282,15 @@ fn of_receivers_on_their_like(gpu: &Gpu) {
     let scene = fence();
     let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
     let frame = frame(&scene, 0.003, 5);
-    let shade = |fence: Stops| {
-        let world = GpuWorld::stopping(gpu, &scene, |o| if o == 1 { fence } else { Stops::None }).expect("geometry");
+    let shade = |fence: ShadowCasting| {
+        let world = GpuWorld::with_casting(gpu, &scene, |o| if o == 1 { fence } else { ShadowCasting::None })
+            .expect("geometry");
         let occlusion = Occlusion { blockers: &[&GpuRays], any_hit: Some(&world) };
         let mut out = vec![Vec3::NAN; points.receivers.len()];
         GpuShader::new(gpu, occlusion).expect("a shader").shade(&points, &frame, &mut out).expect("the GPU shades");
         out
     };
-    let [none, all, alike] = [Stops::None, Stops::All, Stops::Alike].map(shade);
+    let [none, all, alike] = [ShadowCasting::None, ShadowCasting::All, ShadowCasting::Alike].map(shade);
     let of = |object: u32| -> Vec<usize> { (0..all.len()).filter(|k| points.receivers[*k].object == object).collect() };
     let (floor, own) = (of(0), of(1));
     assert!(floor.iter().all(|k| alike[*k] == none[*k]) && own.iter().all(|k| alike[*k] == all[*k]));

@@ -91,7 +91,7 @@ fn at_all_scales(gpu: &Gpu) {
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::None));
-    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
     compare(gpu, "terminators", &scene, [64, 48]);
 }
@@ -107,7 +107,7 @@ fn more_than_are_kept(gpu: &Gpu) {
         mesh.append(&globe(6, center + Vec3::Y * 0.06, 0.03, false));
         scene.objects.push(Object::mesh(format!("crumb {k}"), mesh, 0, Proxy::None));
     }
-    scene.lights[0].as_sphere_mut().expect("a ball").ball.radius = 1.5;
+    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.5;
     compare(gpu, "crumbs", &scene, [40, 30]);
 }
 

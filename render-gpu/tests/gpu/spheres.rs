@@ -6,7 +6,7 @@ use libtest_mimic::Trial;
 use lobe_core::gpu::GPU_SHAPE;
 use lobe_core::oracle::Random;
 use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
-use lobe_core::{Accuracy, Cone, Coverage, LightId, OWN_NONE, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
+use lobe_core::{Accuracy, Cone, Coverage, LightId, NO_OBJECT, Receiver, SelfShadow, Shaft, Sphere, VisibilityQuery};
 use render_gpu::{Gpu, GpuReceiver};
 use visibility_mask::{Blockers, Edges, Fineness, UnitSquare, hooks, wgsl as masks};
 use visibility_spheres::{BlockerSphere, LIST_WORDS, SphereBlockers, wgsl};
@@ -119,8 +119,8 @@ impl Setup {
             let normal = random.axis_at(toward, tilt).as_vec3().normalize();
             for _ in 0..TILE {
                 let position = (middle + random.axis() * spread * random.uniform()).as_vec3();
-                let object = [0, 1, 2, OWN_NONE][(random.bits() % 4) as usize];
-                receivers.push(Receiver { position, normal, face: normal, view: normal, object });
+                let object = [0, 1, 2, NO_OBJECT][(random.bits() % 4) as usize];
+                receivers.push(Receiver::on_surface(position, normal, normal).on_object(object));
             }
         }
         let mut spheres = Vec::new();
@@ -169,10 +169,10 @@ impl Setup {
 
     /// The same with all radii a little different.
     fn scaled(&self, spheres: f32, light: f32) -> Self {
-        let scale = |ball: &Sphere, by: f32| Sphere { radius: ball.radius * by, ..*ball };
+        let scale = |sphere: &Sphere, by: f32| Sphere { radius: sphere.radius * by, ..*sphere };
         Self {
             light: scale(&self.light, light),
-            spheres: self.spheres.iter().map(|ball| scale(ball, spheres)).collect(),
+            spheres: self.spheres.iter().map(|sphere| scale(sphere, spheres)).collect(),
             receivers: self.receivers.clone(),
             objects: self.objects.clone(),
             self_shadows: self.self_shadows.clone(),

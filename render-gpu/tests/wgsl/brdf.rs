@@ -6,9 +6,11 @@ use brdf::wgsl::{ModelWgsl, compose};
 use lobe_core::wgsl::{GEOMETRY, LOBE, SPECIAL};
 use naga::valid::Capabilities;
 
-/// The built-in models; those with lobes of microfacets beside the same without.
+/// The built-in models by cosine lobes and, where that is another text, by microfacets.
 fn models() -> Vec<ModelWgsl> {
-    let of = |material: &Material| [false, true].map(|facets| material.model().wgsl(facets).expect("a built-in model"));
+    let of = |material: &Material| {
+        [material.model().cosine_wgsl(), material.model().wgsl()].map(|text| text.expect("a built-in model"))
+    };
     let mut all: Vec<ModelWgsl> = Material::built_in().iter().flat_map(of).collect();
     all.dedup();
     all

@@ -27,14 +27,15 @@ fn lobe_core_pieces_validate() {
 
 #[test]
 fn a_lobe_has_rusts_layout() {
+    use lobe_core::PackedLobe;
     use std::mem::{offset_of, size_of};
     let (size, members) = layout(&module(&[wgsl::LOBE, wgsl::SPECIAL, wgsl::GEOMETRY]), "Lobe");
-    assert_eq!(size as usize, size_of::<lobe_core::Lobe>());
+    assert_eq!(size as usize, size_of::<PackedLobe>());
     let want = [
-        ("axis", offset_of!(lobe_core::Lobe, axis)),
-        ("exponent", offset_of!(lobe_core::Lobe, exponent)),
-        ("flux", offset_of!(lobe_core::Lobe, flux)),
-        ("factor", offset_of!(lobe_core::Lobe, factor)),
+        ("axis", offset_of!(PackedLobe, axis)),
+        ("exponent", offset_of!(PackedLobe, exponent)),
+        ("flux", offset_of!(PackedLobe, flux)),
+        ("kind", offset_of!(PackedLobe, kind)),
     ];
     assert_eq!(members, want.map(|(name, offset)| (name.to_owned(), offset as u32)));
 }
@@ -108,6 +109,6 @@ fn a_receiver_has_rusts_layout() {
 
 #[test]
 fn constants_are_rusts() {
-    assert_eq!(lobe_core::OWN_NONE, u32::MAX);
-    assert!(wgsl::GEOMETRY.contains("const OWN_NONE = 0xffffffffu;"));
+    assert_eq!(lobe_core::NO_OBJECT, u32::MAX);
+    assert!(wgsl::GEOMETRY.contains("const NO_OBJECT = 0xffffffffu;"));
 }

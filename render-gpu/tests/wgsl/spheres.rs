@@ -46,7 +46,7 @@ fn culling_validates() {
 #[test]
 fn classification_validates() {
     let stub = "fn light_integral(at: Receiver, lobe: Lobe, cone: Cone) -> f32 { return cone.one_minus_cos; }";
-    let lambert = brdf::Material::lambert(glam::Vec3::ONE).model().wgsl(false).expect("lambert");
+    let lambert = brdf::Material::lambert(glam::Vec3::ONE).model().wgsl().expect("lambert");
     let reflectance = brdf::wgsl::compose(&[lambert]);
     let parts = [BUFFERS, wgsl::SPHERES, wgsl::PACKED, wgsl::CONE_TEST, wgsl::BLOCKED_CONE, masks::FACET];
     let mut pieces =

@@ -93,7 +93,7 @@ impl Mesh {
         let square = UnitSquare::facing(&cone, Vec3::new(0.3, 0.5, -0.8));
         let (origin, normal) = (at.position.as_dvec3(), at.normal.as_dvec3());
         let (radius, center) = (f64::from(light.radius), light.center.as_dvec3() - origin);
-        // Only triangles whose bounding ball meets the cone.
+        // Only triangles whose bounding sphere meets the cone.
         let candidates: Vec<_> = self
             .triangles
             .iter()
@@ -131,7 +131,7 @@ impl Mesh {
 
 /// A receiver that faces along `normal`.
 pub(crate) fn receiver(position: Vec3, normal: Vec3) -> Receiver {
-    Receiver { position, normal, face: normal, view: normal, object: 0 }
+    Receiver::on_surface(position, normal, normal).on_object(0)
 }
 
 /// Share of the light's disc that the strategy leaves.

@@ -3,7 +3,7 @@
 use super::{Rays, Soup, ball, cuboid};
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
-use lobe_core::{Accuracy, Cone, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility, cap_integral};
+use lobe_core::{Accuracy, Cone, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility, cap_integral};
 use visibility_mask::MaskVisibility;
 use visibility_silhouettes::{SilhouetteBlockers, SilhouetteMesh};
 
@@ -71,10 +71,10 @@ impl Moment {
     /// radiance on.
     pub(crate) fn fraction(&self) -> (f64, f64) {
         let normal = self.normal.as_vec3().normalize();
-        let at = Receiver { position: self.position.as_vec3(), normal, face: normal, view: normal, object: OWN_NONE };
+        let at = Receiver::on_surface(self.position.as_vec3(), normal, normal);
         let cone = Cone::of_sphere(at.position, Sphere { center: self.light.as_vec3(), radius: self.radius as f32 });
         let axis = if self.lobe.1 == 1.0 { normal } else { self.lobe.0.as_vec3().normalize() };
-        let lobe = Lobe { exponent: self.lobe.1 as f32, flux: Vec3::ONE, axis, factor: 0.0 };
+        let lobe = Lobe { exponent: self.lobe.1 as f32, flux: Vec3::ONE, axis, has_cosine: false };
         let mut soup = self.soup.clone();
         soup.positions.iter_mut().for_each(|p| *p = (p.as_dvec3() + self.moved).as_vec3());
         let meshes = [SilhouetteMesh::new(0, &soup.positions, &soup.triangles)];

@@ -4,7 +4,7 @@ use super::super::canvas::failed;
 use crate::failure::Failure;
 use cosine_lobes::lobe_core::paper::Tables;
 use cosine_lobes::lobe_core::{
-    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, OWN_NONE, Receiver, Sphere, Visibility,
+    Accuracy, Cone, Coverage, LightCoverage, LightId, LightVisibility, Lobe, Receiver, Sphere, Visibility,
     VisibilityQuery, VisibilitySum,
 };
 use cosine_lobes::visibility_mask::{PaperVisibility, ShadowNode};
@@ -34,7 +34,7 @@ pub(super) fn ball(u: f32, v: f32, radius: f32, height: f32) -> Sphere {
 
 impl Setting {
     pub(super) fn new(dist: f32, balls: Vec<Sphere>) -> Self {
-        let at = Receiver { position: Vec3::ZERO, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: OWN_NONE };
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, Vec3::Z);
         let tan = 0.5 / dist;
         let light = Sphere { center: Vec3::Z * LIGHT, radius: LIGHT * tan / (1.0 + tan * tan).sqrt() };
         Self { cone: Cone::of_sphere(at.position, light), at, light, balls }

@@ -14,7 +14,7 @@ pub(super) struct Mesh {
     objects: Vec<u32>,
 }
 
-/// A ball with bumps and a fence are objects 0, floors are 1.
+/// A sphere with bumps and a fence are objects 0, floors are 1.
 pub(super) const SOLID: u32 = 0;
 pub(super) const FLOOR: u32 = 1;
 
@@ -50,7 +50,7 @@ impl Mesh {
         })
     }
 
-    /// A ball with bumps, smooth normals.
+    /// A sphere with bumps, smooth normals.
     pub(super) fn bumpy(center: Vec3, radius: f32) -> Self {
         let n = 24;
         let mut mesh = Self::default();
@@ -83,7 +83,7 @@ impl Mesh {
         mesh
     }
 
-    /// A ball, walls and a floor all around the origin.
+    /// A sphere, walls and a floor all around the origin.
     pub(super) fn room() -> Self {
         let mut mesh = Self::bumpy(Vec3::new(1.2, -0.4, 0.5), 0.4).floor(-2.0, 3.0);
         for (low, high) in [([-1.5, -0.6, -0.3], [-1.2, 0.5, 0.4]), ([-0.2, 0.9, -0.5], [0.5, 1.1, 0.4])] {

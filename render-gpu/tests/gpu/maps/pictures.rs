@@ -38,7 +38,7 @@ pub(super) fn agree(gpu: &Gpu) {
             }
         }
         let points = ShadingPoints { receivers, materials: (0..POINTS as u32).map(|k| k % 2).collect() };
-        let lights = [light, second, third].map(|ball| SphereLight::new(ball, Vec3::new(3.0, 2.0, 1.0)).into());
+        let lights = [light, second, third].map(|sphere| SphereLight::new(sphere, Vec3::new(3.0, 2.0, 1.0)).into());
         let frame = Frame {
             materials: &materials,
             lights: &lights,

@@ -6,27 +6,27 @@ use lobe_core::{LightImage, LightLobes, Receiver, SeenLight, Sphere};
 
 /// A light inside an object whose surface it stands for: it does not light that object.
 ///
-/// A ball in place of a faceted mesh is above its surface here and below it there; what that surface got of it would be noise.
+/// A sphere in place of a faceted mesh is above its surface here and below it there; what that surface got of it would be noise.
 ///
 /// ```
 /// use glam::Vec3;
-/// use lighting::{InsideLight, SphereLight};
+/// use lighting::{EnclosedLight, SphereLight};
 /// use lobe_core::{LightLobes, Receiver, Sphere};
-/// let ball = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::ONE);
-/// let light = InsideLight { light: Box::new(ball.into()), object: 3 };
-/// let at = Receiver { position: Vec3::Z * 0.99, normal: Vec3::Z, face: Vec3::Z, view: Vec3::Z, object: 3 };
+/// let sphere = SphereLight::new(Sphere { center: Vec3::ZERO, radius: 1.0 }, Vec3::ONE);
+/// let light = EnclosedLight { light: Box::new(sphere.into()), object: 3 };
+/// let at = Receiver::on_surface(Vec3::Z * 0.99, Vec3::Z, Vec3::Z).on_object(3);
 /// assert_eq!(light.radiance(&at), Vec3::ZERO);
 /// assert_eq!(light.radiance(&Receiver { object: 2, ..at }), Vec3::ONE);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct InsideLight {
+pub struct EnclosedLight {
     /// The light.
     pub light: Box<Light>,
     /// The number of the object, as receivers have it.
     pub object: u32,
 }
 
-impl LightLobes for InsideLight {
+impl LightLobes for EnclosedLight {
     fn bounds(&self) -> Sphere {
         self.light.bounds()
     }
@@ -45,7 +45,7 @@ impl LightLobes for InsideLight {
     }
 }
 
-impl LightKind for InsideLight {
+impl LightKind for EnclosedLight {
     fn name(&self) -> &'static str {
         self.light.kind().name()
     }

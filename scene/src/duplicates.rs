@@ -9,25 +9,25 @@ use std::collections::{HashMap, HashSet};
 ///
 /// ```
 /// use lobe_core::Sphere;
-/// use scene::{Doubles, Object};
+/// use scene::{Duplicates, Object};
 /// let ball = Sphere { radius: 1.0, ..Sphere::default() };
 /// let object = Object::spheres("ball", vec![ball; 2], 0);
-/// let mut doubles = Doubles::default();
-/// assert!(doubles.is_first(&object, &ball));
-/// assert!(!doubles.is_first(&object, &ball));
+/// let mut duplicates = Duplicates::default();
+/// assert!(duplicates.is_first(&object, &ball));
+/// assert!(!duplicates.is_first(&object, &ball));
 /// let quad = scene::Mesh::quad(glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y);
 /// let objects = [1, 2].map(|_| Object::mesh("quad", quad.clone(), 0, scene::Proxy::None));
-/// assert!(doubles.is_first_mesh(&objects, 0));
-/// assert!(!doubles.is_first_mesh(&objects, 1));
+/// assert!(duplicates.is_first_mesh(&objects, 0));
+/// assert!(!duplicates.is_first_mesh(&objects, 1));
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct Doubles {
+pub struct Duplicates {
     known: HashSet<([u32; 4], bool, bool, Option<crate::Strategy>)>,
     /// Objects by their first vertex and the numbers of vertices and triangles.
     meshes: HashMap<([u32; 3], usize, usize), Vec<usize>>,
 }
 
-impl Doubles {
+impl Duplicates {
     /// Forgets all spheres and meshes.
     pub fn clear(&mut self) {
         self.known.clear();
@@ -42,17 +42,17 @@ impl Doubles {
         let Some(first) = mesh.positions.first() else { return true };
         let key = ((*first + 0.0).to_array().map(f32::to_bits), mesh.positions.len(), mesh.triangles.len());
         let alike = self.meshes.entry(key).or_default();
-        let is_double = alike.iter().any(|other| {
+        let is_duplicate = alike.iter().any(|other| {
             let other = &objects[*other];
             let same = |o: &Mesh| (&o.positions, &o.triangles) == (&mesh.positions, &mesh.triangles);
             let blocks =
                 (other.visible, other.strategy, &other.proxy) == (object.visible, object.strategy, &object.proxy);
             blocks && matches!(&other.shape, Shape::Mesh(o) if same(o))
         });
-        if !is_double {
+        if !is_duplicate {
             alike.push(number);
         }
-        !is_double
+        !is_duplicate
     }
 
     /// Remembers a sphere of an object; true when no equal one of an object that is seen and blocks like this one came before.
