@@ -59,9 +59,10 @@ fn set(models: &[ModelWgsl]) -> MaterialText {
 
 /// Each model alone, the first two, and all.
 fn choices() -> Vec<Vec<ModelWgsl>> {
-    let mut all: Vec<ModelWgsl> = Material::built_in().iter().filter_map(|m| m.model().cosine_wgsl()).collect();
-    let facets = Material::built_in().iter().filter_map(|m| m.model().wgsl()).filter(|model| model.has_microfacets);
-    all.extend(facets.collect::<Vec<_>>());
+    let built_in = Material::built_in();
+    let mut all: Vec<ModelWgsl> = built_in.iter().filter_map(|material| material.model().cosine_wgsl()).collect();
+    let facets = built_in.iter().filter_map(|material| material.model().wgsl());
+    all.extend(facets.filter(|model| model.has_microfacets));
     let alone = all.iter().map(|model| vec![model.clone()]);
     alone.chain([all[..2].to_vec(), all.clone()]).collect()
 }
