@@ -88,7 +88,7 @@ fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
     }
 }
 
-/// A light of half-angle `theta` straight above a diffuse receiver. What a Lambert lobe weighs differently within it is
+/// A light of half-angle `theta` straight above a diffuse receiver. A Lambert lobe varies within it by
 /// less than θ²/4 of V: 3e-4 at the 2° used here.
 fn straight_above(random: &mut Random, theta: f64) -> Case {
     let mut case = Case::random(random);
@@ -222,7 +222,7 @@ fn many_spheres(subject: &impl Subject, limits: &Limits, random: &mut Random, ou
     }
 }
 
-/// What moves in a sweep.
+/// The thing that moves in a sweep.
 #[derive(Clone, Copy, Debug)]
 enum Moves {
     Blocker,
