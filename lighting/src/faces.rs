@@ -146,7 +146,7 @@ fn convex_parts(mut loops: Vec<Vec<u32>>, corners: &[Vec3], normal: Vec3) -> Res
     {
         return Ok(vec![place(&outline)]);
     }
-    // What is left would be refused, and takes long.
+    // The rest would be refused, and takes long.
     if loops.len() > 64 * MOST {
         return Err(FacesError::Faces);
     }
