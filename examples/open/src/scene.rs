@@ -49,15 +49,13 @@ impl Own {
         };
         Self {
             scene: Scene {
-                surfaces: Vec::new(),
                 camera: Camera { eye: Vec3::new(1.6, 1.8, 3.4), target: Vec3::Y * 0.6, up: Vec3::Y, vertical_fov: 0.7 },
                 width,
                 height,
-                background: Vec3::ZERO,
-                environment: None,
                 materials: vec![Material::lambert(Vec3::ONE); 2],
                 objects: vec![Object::mesh("floor", floor, 0, Proxy::None), chair],
                 lights: Vec::new(),
+                ..Scene::default()
             },
             materials: vec![
                 Velvet { kd: Vec3::new(0.35, 0.08, 0.12), ks: Vec3::new(0.3, 0.12, 0.15), exponent: 6.0 },
@@ -72,7 +70,7 @@ impl Own {
     }
 
     pub fn frame(&self) -> Frame<'_, Velvet, Spot> {
-        Frame { materials: &self.materials, lights: &self.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 }
+        Frame::new(&self.materials, &self.lights, Accuracy::new(0.003))
     }
 
     pub fn points(&self) -> GBuffer {
