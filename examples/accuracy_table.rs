@@ -49,15 +49,13 @@ fn scene(exponent: f32, half_angle: f32) -> Scene {
     let mut casters = Object::spheres("balls", balls, 0);
     casters.visible = false;
     Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 2.0 * (0.5 * view / 12.0).atan() },
         width: WIDTH,
         height: HEIGHT,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![floor],
         objects: vec![Object::mesh("floor", floor_mesh, 0, Proxy::None), casters],
         lights: vec![SphereLight::new(Sphere { center: up * distance, radius: distance * sin }, Vec3::ONE).into()],
+        ..Scene::default()
     }
 }
 
@@ -81,12 +79,7 @@ fn measure(scene: &Scene, samples: u32, tolerance: f32) -> Cell {
 
     let spheres = SphereBlockers::new(&blockers.spheres, &blockers.objects, &blockers.self_distances);
     let mut shader = CpuShader::new(MaskVisibility::new(spheres));
-    let frame = Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy::new(tolerance),
-        threshold: 0.0,
-    };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(tolerance));
     let mut radiance = vec![Vec3::ZERO; gbuffer.len()];
     shader.shade(&gbuffer.points, &frame, &mut radiance).expect("room for all lobes");
 

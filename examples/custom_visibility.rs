@@ -58,21 +58,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     boxes.iter().for_each(|(center, size)| table.append(&Mesh::cuboid(*center, *size)));
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 8.0, Vec3::NEG_Z * 8.0);
     let scene = Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(1.0, 1.9, 3.6), target: Vec3::Y * 0.3, up: Vec3::Y, vertical_fov: 0.6 },
         width: 640,
         height: 400,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![Material::lambert(Vec3::new(0.7, 0.68, 0.64)), Material::lambert(Vec3::new(0.5, 0.27, 0.13))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("table", table, 1, Proxy::None)],
         lights: vec![
             SphereLight::new(Sphere { center: Vec3::new(-2.0, 4.0, 1.5), radius: 0.5 }, Vec3::splat(120.0)).into(),
         ],
+        ..Scene::default()
     };
     let points = GBuffer::new(&World::new(&scene), 640, 400, 4);
-    let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(0.003));
     let visibility = MaskVisibility::new(Boxes(boxes.clone()));
     let (mut radiance, mut again) = (vec![Vec3::ZERO; points.len()], vec![Vec3::ZERO; points.len()]);
     CpuShader::new(visibility).shade(&points.points, &frame, &mut radiance)?;

@@ -20,12 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(()))?;
     let spheres =
         SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances).with_self_shadows(&set.self_shadows);
-    let frame = Frame {
-        materials: &g.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy { tolerance: 0.005, depth },
-        threshold: 0.0,
-    };
+    let frame = Frame::new(&g.materials, &scene.lights, Accuracy { tolerance: 0.005, depth });
 
     let gpu = Gpu::blocking(&GpuOptions::default())?;
     let mut on_gpu = GpuShader::new(&gpu, Occlusion::of(&[&spheres]))?;

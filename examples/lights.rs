@@ -166,7 +166,6 @@ fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
     }
     objects.push(Object::spheres("balls", balls, 0));
     Scene {
-        surfaces: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.4, 1.6, 3.2),
             target: Vec3::new(0.0, 0.4, 0.0),
@@ -175,11 +174,11 @@ fn scene(material: &Material, kind: &Kind, blocks: Blocks) -> Scene {
         },
         width: WIDTH,
         height: HEIGHT,
-        background: Vec3::ZERO,
         environment: kind.environment.clone(),
         materials: vec![material.clone()],
         objects,
         lights: kind.lights.clone(),
+        ..Scene::default()
     }
 }
 
@@ -228,12 +227,7 @@ impl Case {
             receivers: chosen.iter().map(|k| all.receivers[*k]).collect(),
             materials: chosen.iter().map(|k| all.materials[*k]).collect(),
         };
-        let frame = Frame {
-            materials: &scene.materials,
-            lights: &scene.lights,
-            accuracy: Accuracy::new(tolerance),
-            threshold: 0.0,
-        };
+        let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(tolerance));
         let balls: Vec<Sphere> = scene.objects.iter().filter_map(|o| as_spheres(&o.proxy)).flatten().copied().collect();
         let of = vec![scene.objects.len() as u32 - 1; balls.len()];
         let spheres = SphereBlockers::new(&balls, &of, &vec![1e-4; scene.objects.len()]);

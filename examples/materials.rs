@@ -200,12 +200,8 @@ fn cost(material: &Material) -> [f64; 2] {
     let count = SIDE * SIDE;
     let points = ShadingPoints { receivers: (0..count).map(at).collect(), materials: vec![0; count as usize] };
     let light = SphereLight::new(Sphere { center: Vec3::new(0.5, 3.0, -3.0), radius: 0.4 }, Vec3::ONE).into();
-    let frame = Frame {
-        materials: std::slice::from_ref(material),
-        lights: &[light],
-        accuracy: Accuracy::new(0.003),
-        threshold: 0.0,
-    };
+    let lights = [light];
+    let frame = Frame::new(std::slice::from_ref(material), &lights, Accuracy::new(0.003));
     let mut out = vec![Vec3::ZERO; count as usize];
     let mut time = |shader: &mut dyn Shade<Error = Infallible>| {
         let mut once = || {

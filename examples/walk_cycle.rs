@@ -170,8 +170,7 @@ fn visible<V: Visibility>(scene: &Scene, points: &ShadingPoints, visibility: V) 
 
 /// The red radiance of each point, and that without blockers.
 fn shade<V: Visibility>(scene: &Scene, points: &ShadingPoints, visibility: V) -> Fallible<(Vec<f32>, Vec<f32>)> {
-    let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(0.003));
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out);
     Ok((out.iter().map(|l| l.x).collect(), layers.unshadowed.iter().map(|l| l.x).collect()))

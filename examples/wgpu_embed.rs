@@ -66,12 +66,7 @@ async fn run() -> Result<(), Box<dyn Error>> {
     println!("{}: {WIDTH}×{HEIGHT}, {} spheres", gpu.name(), spheres.spheres().len());
     for picture in 0..2 {
         let start = Instant::now();
-        let frame = Frame {
-            materials: &scene.materials,
-            lights: &scene.lights,
-            accuracy: Accuracy::new(0.003),
-            threshold: 0.0,
-        };
+        let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(0.003));
         shader.submit(&frame, points.buffer, points.count, &radiance)?;
         writer.submit(&gpu, points.buffer, &radiance, &texture)?;
         let texels = read(&device, &queue, &texture)?;

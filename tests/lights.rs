@@ -27,7 +27,6 @@ fn scene(lights: Vec<Light>, material: Material) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 5.0, Vec3::NEG_Z * 5.0);
     let ball = Sphere { center: Vec3::new(0.75, 0.3, 0.4), radius: 0.3 };
     Scene {
-        surfaces: Vec::new(),
         camera: Camera {
             eye: Vec3::new(0.3, 2.2, 3.0),
             target: Vec3::new(0.0, 0.2, 0.0),
@@ -36,8 +35,6 @@ fn scene(lights: Vec<Light>, material: Material) -> Scene {
         },
         width: SIZE[0],
         height: SIZE[1],
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![material],
         objects: vec![
             Object::mesh("floor", floor, 0, Proxy::None),
@@ -46,11 +43,12 @@ fn scene(lights: Vec<Light>, material: Material) -> Scene {
             Object::spheres("ball", vec![ball], 0),
         ],
         lights,
+        ..Scene::default()
     }
 }
 
 fn frame(scene: &Scene, tolerance: f32) -> Frame<'_> {
-    Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(tolerance), threshold: 0.0 }
+    Frame::new(&scene.materials, &scene.lights, Accuracy::new(tolerance))
 }
 
 /// Shades a scene's points: boxes by silhouettes and the sphere as a sphere, or all by rays.

@@ -1,4 +1,4 @@
-//! The share of light that a rough dielectric coat leaves to the base below it: a table over roughness and the view's angle.
+//! The part of the light that a rough dielectric coat leaves to the base below it: a table over roughness and the view's angle.
 
 use crate::Packer;
 use crate::ggx::reflected;
@@ -62,7 +62,7 @@ fn mean_schlick([sin, cos]: [f64; 2]) -> f64 {
 }
 
 impl Coat {
-    /// The share of light that reaches the base and comes back, for a white one, seen at an angle of this cosine and sine.
+    /// The part of the light that reaches the base and comes back, for a white one, seen at an angle of this cosine and sine.
     ///
     /// Fresnel's reflection lets it through, averaged over the light's directions. It is less where that and the coat's own reflection
     /// would give back more than there is, at grazing views.

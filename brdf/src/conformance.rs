@@ -14,7 +14,7 @@ pub struct BrdfLimits {
     pub energy: f64,
     /// Relative difference of `f_r` when light and eye change places; infinite for a model that is not reciprocal.
     pub reciprocity: f64,
-    /// Difference of the sum of lobes from [`eval`](Brdf::eval), as a share of the largest value.
+    /// Difference of the sum of lobes from [`eval`](Brdf::eval), relative to the largest value.
     pub lobes: f64,
     /// Relative difference of the energy that drawn directions carry from that of `eval`.
     pub sampling: f64,
@@ -30,7 +30,7 @@ impl Default for BrdfLimits {
 /// The measurements of [`check`]; the fields are those of [`BrdfLimits`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeasuredBrdf {
-    /// The largest reflected share of what comes from one direction.
+    /// The largest fraction of the light from one direction that is reflected.
     pub energy: f64,
     /// See [`BrdfLimits::reciprocity`].
     pub reciprocity: f64,

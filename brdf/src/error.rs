@@ -34,7 +34,7 @@ pub enum MaterialError {
     Asymmetric,
     /// A table of measurements is not what its format says.
     Table {
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// A Lafortune lobe's peak `k·‖M‖^e` is above 1e12.

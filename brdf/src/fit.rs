@@ -36,7 +36,7 @@ const LEAST_ALPHA: f32 = 3e-3;
 /// [`MaterialError::Coefficient`] where the reflectance is negative, above 1e12 or NaN.
 ///
 /// # Panics
-/// When more than [`MAX_FITTED`] lobes are asked for.
+/// When more than [`MAX_FITTED`] lobes are requested.
 ///
 /// ```
 /// use brdf::{Brdf, Material, MetallicRoughness, fit};
@@ -77,7 +77,7 @@ pub fn fit(reflectance: impl Fn(Vec3, Vec3) -> Vec3, lobes: usize) -> Result<Fit
 /// [`MaterialError::Coefficient`] where the reflectance is negative, above 1e12 or NaN.
 ///
 /// # Panics
-/// When more than [`MAX_FITTED`] lobes are asked for.
+/// When more than [`MAX_FITTED`] lobes are requested.
 ///
 /// ```
 /// use brdf::fit_lafortune;
@@ -110,7 +110,7 @@ pub fn fit_lafortune(
 /// [`MaterialError::Coefficient`] where the reflectance is negative, above 1e12 or NaN.
 ///
 /// # Panics
-/// When more than [`MAX_FITTED`] lobes are asked for.
+/// When more than [`MAX_FITTED`] lobes are requested.
 pub fn fit_half_vector(
     reflectance: impl Fn(Vec3, Vec3) -> Vec3,
     lobes: usize,

@@ -16,7 +16,7 @@ const NO_HAZE: f64 = 0.3;
 /// Number of families.
 pub(crate) const FAMILY_COUNT: usize = FAMILIES.len();
 
-/// Shares of a family that is spread over three lobes, and the moment `Σ w k²` of their places −1, 0, 1.
+/// Parts of a family that is spread over three lobes, and the moment `Σ w k²` of their places −1, 0, 1.
 pub(crate) const SPREAD: [f32; 3] = [0.25, 0.5, 0.25];
 const SPREAD_MOMENT: f64 = 0.5;
 
@@ -46,7 +46,7 @@ pub(crate) struct Family {
     pub(crate) exponent: f32,
 }
 
-/// What is reflected under one angle of the view.
+/// The reflection at one angle of the view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Row {
     pub(crate) families: [Family; FAMILY_COUNT],
@@ -144,7 +144,7 @@ fn half_vectors<T>(
     }
 }
 
-/// The share of light that a view reflects, with `F = 1 − s` and with `F = s`, `s = (1 − v·h)⁵`.
+/// The fraction of light that a view reflects, with `F = 1 − s` and with `F = s`, `s = (1 − v·h)⁵`.
 pub(crate) fn reflected(alpha: f64, view: [f64; 2]) -> [f64; 2] {
     let mut sums = [0.0; 2];
     half_vectors(
@@ -214,7 +214,7 @@ impl Sums {
     }
 }
 
-/// Share of a lobe's flux above the horizon, its axis at an angle to the normal: `∫ cos^e` up to `π/2 − |tilt|` over
+/// Part of a lobe's flux above the horizon, its axis at an angle to the normal: `∫ cos^e` up to `π/2 − |tilt|` over
 /// all of it, since a lobe is the same in every plane through the line in which both are cut.
 fn above_horizon(tilt: f64, exponent: f64) -> f64 {
     let reach = (10.0 / (exponent + 1.0).sqrt()).min(FRAC_PI_2);

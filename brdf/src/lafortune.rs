@@ -12,7 +12,7 @@ use lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver, power};
 /// The Lafortune model: `f̃(v) = (ρ/π + Σ_i k_i·max(v·M_iω_o, 0)^e_i)·max(n·v, 0)` (Eqs. 27–29; E. Lafortune, S. Foo,
 /// K. Torrance, D. Greenberg, *Non-Linear Approximation of Reflectance Functions*, SIGGRAPH 1997).
 ///
-/// Reciprocal, since every `M` is symmetric. Not normalised: energy is the business of whoever chooses `k`.
+/// Reciprocal, since every `M` is symmetric. Not normalised: `k` decides how much energy is reflected.
 ///
 /// # Frame
 /// `M` acts in the frame `(t, b, n)` in which `n` is the receiver's normal and `t`, `b` come from

@@ -89,7 +89,7 @@ impl Which for ByCosines {
 
 pub(crate) fn lobes_at<W: Which>(level: Level, materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
     assert_eq!(of.len(), tile.len(), "one material a receiver");
-    // A thread's own, so that nobody has to carry it about, or clear it.
+    // One a thread: no caller needs to keep or clear it.
     thread_local! {
         static SHAPES: RefCell<Shapes> = const { RefCell::new(Shapes::new()) };
     }

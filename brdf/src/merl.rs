@@ -22,7 +22,7 @@ pub struct Merl {
 /// Of θ_h, θ_d and φ_d.
 const SIZE: [usize; 3] = [90, 90, 180];
 const COUNT: usize = SIZE[0] * SIZE[1] * SIZE[2];
-/// What the numbers of each channel are multiplied by.
+/// Scales of the three channels.
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
 impl Merl {
@@ -99,7 +99,7 @@ mod tests {
                     let local = Vec3::new(ds * pc, ds * ps, dc);
                     let i = Vec3::new(local.x * hc + local.z * hs, local.y, local.z * hc - local.x * hs);
                     let o = 2.0 * dc * Vec3::new(hs, 0.0, hc) - i;
-                    // What was not measured.
+                    // Not measured.
                     let value = if i.z < 0.0 || o.z < 0.0 { Vec3::NEG_ONE } else { measured(i, o) };
                     channels.iter_mut().zip(value.to_array()).for_each(|(c, v)| c.push(v));
                 }

@@ -107,7 +107,7 @@ impl MetallicRoughness {
         [self.coat[0].lerp(self.base, self.metallic), self.coat[1].lerp(Vec3::ONE, self.metallic)]
     }
 
-    /// What the coat is to the base.
+    /// The coat as the base sees it.
     pub(crate) fn coat(&self) -> Coat {
         Coat { f0: self.coat[0].max_element(), f90: self.coat[1].x, base: self.base.max_element() }
     }

@@ -118,7 +118,7 @@ impl Neumann {
         [diffuse, pair[0], pair[1], plain].into_iter().filter(|lobe| lobe.flux != Vec3::ZERO)
     }
 
-    /// What directions are drawn from: the diffuse part, and the lobe that is divided.
+    /// Directions are drawn from these: the diffuse part, and the lobe that is divided.
     fn drawn_from(&self, at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
         let highlight = Lobe::with_flux(mirrored_view(at.normal, at.view), self.exponent, self.ks);
         [Lobe::with_flux(at.normal, 1.0, self.kd), highlight].into_iter()

@@ -9,7 +9,7 @@ use lobe_core::gpu::{GpuMaterialSet, GpuMaterials};
 /// [packs](crate::Model::pack), and tables that materials share. Lobes that reflect nothing from anywhere are not among them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedMaterials {
-    /// What the shader reads. Not empty.
+    /// The words that the shader reads. Not empty.
     pub words: Vec<u32>,
     /// Whose code the shader needs, by name.
     pub models: Vec<ModelWgsl>,

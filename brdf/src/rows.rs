@@ -1,4 +1,4 @@
-//! Tables of GGX's lobes of directions, and the lobes that they give.
+//! Tables of GGX's cosine lobes, and the lobes that they give.
 
 use crate::Packer;
 use crate::coat::MIN_ALPHA;
@@ -12,7 +12,7 @@ pub(crate) const ROWS: usize = 48;
 
 pub(crate) type Rows = [Row; ROWS];
 
-/// The rows of a metallic–roughness material's lobes of directions, made when they are first asked for (some milliseconds).
+/// The rows of a metallic–roughness material's cosine lobes, made when they are first needed (some milliseconds).
 #[derive(Clone, Debug)]
 pub(crate) enum RowTable {
     /// Its own.
@@ -55,10 +55,10 @@ fn make(roughness: f32, f0: f32) -> Box<Rows> {
     }))
 }
 
-/// The most lobes of directions for a roughness.
+/// The most cosine lobes for a roughness.
 pub(crate) const LOBES: usize = 8;
 
-/// Lobes of directions for reflectances at normal and grazing incidence.
+/// Cosine lobes for reflectances at normal and grazing incidence.
 pub(crate) fn lobes(rows: &Rows, [f0, f90]: [Vec3; 2], at: &Receiver) -> impl Iterator<Item = Lobe> + Clone + use<> {
     let n = at.normal;
     let cos = n.dot(at.view).clamp(0.0, 1.0);

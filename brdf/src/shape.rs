@@ -3,7 +3,7 @@
 use glam::Vec3;
 use lobe_core::Lobe;
 
-/// A lobe as `P` constants. What reflects nothing has a flux of zero.
+/// A lobe as `P` constants. A lobe that reflects nothing has a flux of zero.
 pub(crate) trait Shape<const P: usize>: bytemuck::Pod {
     /// To be inlined, and without branches: sixteen at a time are taken of it.
     fn lobe(&self, normal: Vec3, view: Vec3) -> Lobe;

@@ -1,4 +1,4 @@
-//! What every model must pass, against f64 formulas and quadratures that share no code with it.
+//! Tests that every model must pass, against f64 formulas and quadratures that share no code with it.
 
 use crate::{
     Brdf, HalfVector, HalfVectorLobe, Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, Model,

@@ -135,8 +135,7 @@ fn run(
         Some(receivers) => seconds(&mut update, || plan.maps(scene, receivers, None, u64::MAX))?.0,
         None => Vec::new(),
     };
-    let frame =
-        Frame { materials: &materials, lights: &scene.lights, accuracy: Accuracy::new(tolerance), threshold: 0.0 };
+    let frame = Frame::new(&materials, &scene.lights, Accuracy::new(tolerance));
     let blockers = FrameBlockers::new(&plan, &world, kept.get(), maps, &silhouettes, frame.accuracy);
     let (shade, radiance) =
         blockers.shade(&mut Backend::Cpu, Method::Moments, None, Shot { points: &points, frame: &frame })?;

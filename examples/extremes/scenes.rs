@@ -39,7 +39,7 @@ fn render(folder: &Path, size: f64, to: f64) -> Result<Vec<Vec3>, Box<dyn Error>
     let silhouettes = SceneSilhouettes::new(&scene, |object| object == 1);
     let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |object| object == 1));
     let (materials, lights) = (&scene.materials, &scene.lights);
-    let frame = Frame { materials, lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(materials, lights, Accuracy::new(0.003));
     let mut radiance = vec![Vec3::ZERO; points.len()];
     CpuShader::new(MaskVisibility::new(blockers)).shade(&points.points, &frame, &mut radiance)?;
     Ok(points.resolve(&radiance, Vec3::ZERO))

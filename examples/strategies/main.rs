@@ -137,12 +137,7 @@ fn measure(name: &str, mut scene: Scene, samples: u32, sheet: &mut Sheet) -> Res
             _ => (Box::new(Unshadowed), "0".into()),
         };
         let building = start.elapsed().as_secs_f64();
-        let frame = Frame {
-            materials: &scene.materials,
-            lights: &scene.lights,
-            accuracy: Accuracy::new(TOLERANCE),
-            threshold: 0.0,
-        };
+        let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(TOLERANCE));
         let mut shader = CpuShader::new(visibility);
         let mut radiance = vec![Vec3::ZERO; points.len()];
         let mut seconds: Vec<f64> = Vec::new();
@@ -352,15 +347,13 @@ fn built() -> Vec<(&'static str, Scene)> {
     let floor = |object: Object, light: Sphere| {
         let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 20.0, Vec3::NEG_Z * 20.0);
         Scene {
-            surfaces: Vec::new(),
             camera: Camera { eye: Vec3::new(0.8, 2.4, 3.6), target: Vec3::Y * 0.2, up: Vec3::Y, vertical_fov: 0.6 },
             width: SIZE.0,
             height: SIZE.1,
-            background: Vec3::ZERO,
-            environment: None,
             materials: vec![Material::lambert(Vec3::splat(0.6)), Material::lambert(Vec3::new(0.7, 0.5, 0.3))],
             objects: vec![Object::mesh("floor", floor, 0, Proxy::None), object],
             lights: vec![SphereLight::new(light, Vec3::ONE).into()],
+            ..Scene::default()
         }
     };
     vec![

@@ -67,15 +67,13 @@ pub(crate) fn visibility(data: &[u8]) {
         .collect();
     let object = Object::mesh("soup", mesh.clone(), 0, Proxy::Count(4));
     let scene = Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
         width: 1,
         height: 1,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![object],
         lights: Vec::new(),
+        ..Scene::default()
     };
     let world = World::new(&scene);
     let outlines = SceneSilhouettes::new(&scene, |_| true);

@@ -5,7 +5,7 @@ use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
 
 /// The same radiance from everywhere, which nothing hides: what a scene without walls reflects, as a guess.
 ///
-/// A receiver is inside of a sphere of light, as large as you like; for whoever wants one sphere for all receivers it is `world`.
+/// A receiver is inside of a sphere of light, as large as you like; one sphere for all receivers is `world`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmbientLight {
     /// Radiance, W·m⁻²·sr⁻¹ per channel.
@@ -24,7 +24,7 @@ impl LightLobes for AmbientLight {
         *receivers
     }
 
-    /// All directions: no strategy is asked what a receiver sees from inside a light.
+    /// All directions: strategies are not queried from inside a light.
     fn seen_from(&self, at: &Receiver) -> SeenLight {
         let cone = Cone { axis: at.normal, one_minus_cos: 2.0, distance: f32::MIN_POSITIVE };
         SeenLight::of_cone(cone, self.radiance)

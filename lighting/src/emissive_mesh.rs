@@ -68,10 +68,10 @@ impl core::error::Error for EmissiveMeshError {}
 /// Up to 24 flat faces are what they are ([`faces`]). Of other meshes each separate part becomes a sphere or a tube, or several where
 /// that is nearer to it: the fewest of 1, 2, 4, 8 and 16 that receivers see where they see the part, but for a twentieth, else the best. A sphere has
 /// the area that the part shows to receivers around it; a tube has the areas that it shows along its axis and across; of several each has the area
-/// that its share of the surface shows. The radiance is that of equal irradiance four radii away.
+/// that its part of the surface shows. The radiance is that of equal irradiance four radii away.
 ///
 /// Each receiver's view of the mesh is drawn as 192² cells, so that a side hidden by another is not counted twice. Receivers
-/// inside the mesh's bounds, as under a lamp shade, were not asked.
+/// inside the mesh's bounds, as under a lamp shade, are left out.
 ///
 /// # Cost
 /// Every triangle is drawn for 48 receivers, and a few times more for each lamp.

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A picture of all directions as lights: suns, which are small and bright, and the rest as patches of a cube's sides that show it.
 ///
-/// What a receiver sees of each of them is a mask of its own, as of any light. The map itself stays for those who sample it.
+/// Each of them has a mask of its own, as any light has. The map itself stays, for sampling.
 ///
 /// ```
 /// use glam::{DVec3, UVec2, Vec3};

@@ -66,7 +66,6 @@ pub fn faces(positions: &[Vec3], triangles: &[[u32; 3]], radiance: Vec3) -> Resu
     if pieces.is_empty() {
         return Err(FacesError::Degenerate);
     }
-    let edges = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
     let mut by_edge: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
     for (k, piece) in pieces.iter().enumerate() {
         edges(piece).into_iter().for_each(|edge| by_edge.entry(edge).or_default().push(k));
@@ -85,24 +84,7 @@ pub fn faces(positions: &[Vec3], triangles: &[[u32; 3]], radiance: Vec3) -> Resu
         if is_taken[first] {
             continue;
         }
-        is_taken[first] = true;
-        // All that is joined to it in its plane.
-        let mut face = vec![first];
-        let mut next = 0;
-        while next < face.len() {
-            for edge in edges(&pieces[face[next]]) {
-                let same = |k: &usize| {
-                    normals[*k].dot(normals[first]) > 0.0 && normals[*k].cross(normals[first]).length() < FLAT
-                };
-                if let Some(k) = opposite(edge).filter(same)
-                    && !is_taken[k]
-                {
-                    is_taken[k] = true;
-                    face.push(k);
-                }
-            }
-            next += 1;
-        }
+        let face = coplanar(first, &pieces, &normals, &opposite, &mut is_taken);
         let loops = face.iter().map(|k| pieces[*k].to_vec()).collect();
         parts.extend(convex_parts(loops, &corners, normals[first])?);
         if parts.len() > MOST {
@@ -117,6 +99,37 @@ pub fn faces(positions: &[Vec3], triangles: &[[u32; 3]], radiance: Vec3) -> Resu
         Ok(if is_closed { light } else { light.on_both_sides() })
     };
     parts.into_iter().map(light).collect()
+}
+
+const fn edges([a, b, c]: &[u32; 3]) -> [[u32; 2]; 3] {
+    [[*a, *b], [*b, *c], [*c, *a]]
+}
+
+/// The pieces that are joined to the first in its plane, itself included. They are taken then.
+fn coplanar(
+    first: usize,
+    pieces: &[[u32; 3]],
+    normals: &[Vec3],
+    opposite: &impl Fn([u32; 2]) -> Option<usize>,
+    is_taken: &mut [bool],
+) -> Vec<usize> {
+    is_taken[first] = true;
+    let mut face = vec![first];
+    let mut next = 0;
+    while next < face.len() {
+        for edge in edges(&pieces[face[next]]) {
+            let same =
+                |k: &usize| normals[*k].dot(normals[first]) > 0.0 && normals[*k].cross(normals[first]).length() < FLAT;
+            if let Some(k) = opposite(edge).filter(same)
+                && !is_taken[k]
+            {
+                is_taken[k] = true;
+                face.push(k);
+            }
+        }
+        next += 1;
+    }
+    face
 }
 
 /// Corners that coincide are one: those that there are, and which one each position is.
@@ -146,7 +159,7 @@ fn convex_parts(mut loops: Vec<Vec<u32>>, corners: &[Vec3], normal: Vec3) -> Res
     {
         return Ok(vec![place(&outline)]);
     }
-    // What is left would be refused, and takes long.
+    // The rest would be refused, and takes long.
     if loops.len() > 64 * MOST {
         return Err(FacesError::Faces);
     }

@@ -172,7 +172,7 @@ impl FlatLight {
         ((a + c) - (b + d)).abs().cmple(1e-3 * (u.abs() + v.abs()) + f32::MIN_POSITIVE).all().then_some([u, v])
     }
 
-    /// What it shows.
+    /// Its image.
     #[must_use]
     pub fn image(&self) -> Option<&LightImage> {
         self.image.as_deref()

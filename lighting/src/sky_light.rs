@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub enum SkyLight {
     /// Part of a cube's side.
     Patch(SkyPatch),
-    /// What is small and bright.
+    /// A small and bright spot.
     Sun(SunLight),
 }
 

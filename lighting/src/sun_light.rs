@@ -6,7 +6,7 @@ use lobe_core::{Cone, LightLobes, Receiver, SeenLight, Sphere};
 
 /// A light so far away that all receivers see it in the same directions: the sun, a window to a plain sky.
 ///
-/// For whoever wants spheres it is one at a distance that all blockers are nearer than, another one for each receiver.
+/// As a sphere it is one at a distance that all blockers are nearer than, another one for each receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunLight {
     /// Unit direction toward the light.

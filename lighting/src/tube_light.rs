@@ -8,7 +8,7 @@ use lobe_core::{Cone, LightLobes, Outline, Receiver, SeenLight, Sphere};
 /// A tube with round ends (a capsule) that emits the same radiance in all directions from all of its surface.
 ///
 /// Seen from a receiver it is flat: its outline in the plane through its middle line that faces the receiver, two straight lines
-/// and two halves of ellipses, those of the spheres at its ends. What is behind that plane does not shade it. A receiver in line with the tube,
+/// and two halves of ellipses, those of the spheres at its ends. A blocker behind that plane does not shade it. A receiver in line with the tube,
 /// within a few of its radii of that line, sees the sphere at the nearer end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubeLight {

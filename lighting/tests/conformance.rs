@@ -65,7 +65,7 @@ fn sky(sun: f32) -> EnvironmentMap {
     EnvironmentMap::new(size, texels.collect()).expect("a picture")
 }
 
-/// What the lights of an environment give without blockers.
+/// Radiance of the lights of an environment without blockers.
 fn unshadowed(lights: &[Light], at: &Receiver, lobe: &Lobe) -> Vec3 {
     lights
         .iter()
@@ -154,7 +154,7 @@ fn pictures_of_all_directions() {
     assert!(Environment::new(EnvironmentMap::uniform(Vec3::ZERO), 2, WORLD).lights().is_empty());
 }
 
-/// What of a light's area is lost or added by its outline shows in the flux that passes a far away sphere.
+/// An outline that loses or adds area of the light shows in the flux that passes a far away sphere.
 #[test]
 fn flux_is_that_of_the_surface() {
     let flux = |light: &Light| {

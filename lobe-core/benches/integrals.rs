@@ -1,4 +1,4 @@
-//! What the integrals cost, and how far they are from the truth: `cargo bench -p cosine-lobes-lobe-core --features oracle`.
+//! Cost and error of the integrals: `cargo bench -p cosine-lobes-lobe-core --features oracle`.
 
 use core::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};

@@ -1,4 +1,4 @@
-/// What error a frame may have, and how finely masks look for that: the only place of either.
+/// The error that a frame may have, and how finely masks look for that: the only place of either.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
     /// Requested mean error of the shadowed radiance, as a fraction of the unshadowed radiance.

@@ -1,4 +1,4 @@
-//! What materials, lights and blockers bring to a GPU: WGSL text, and the words that it reads. Nothing here knows a graphics
+//! The parts that materials, lights and blockers bring to a GPU: WGSL text, and the words that it reads. Nothing here knows a graphics
 //! library; `render-gpu` puts the parts together, the built-in ones and anybody's own alike.
 //!
 //! A text may call what [`wgsl`](crate::wgsl) defines (`GEOMETRY`, `LOBE`, `SPECIAL`) and reads the light from `frame`: `frame.light`
@@ -20,7 +20,7 @@ pub struct GpuMaterialSet {
     /// [`brdf_lobes`](BrdfLobes::brdf_lobes) in the same order, with a flux of 0 where a receiver has less. Both read `materials`, an
     /// `array<u32>`, which render-gpu declares.
     pub wgsl: String,
-    /// What `materials` holds. Not empty.
+    /// The words of `materials`. Not empty.
     pub words: Vec<u32>,
     /// The largest number of lobes of a material.
     pub max_lobes: u32,
@@ -107,7 +107,7 @@ pub trait GpuLight: LightLobes {
         None
     }
 
-    /// What `frame.light` holds: a sphere around the light and, of one with an outline, around windows on it.
+    /// The value of `frame.light`: a sphere around the light and, of one with an outline, around windows on it.
     fn gpu_bounds(&self) -> Sphere {
         match self.gpu_roundness() {
             Some(_) => Outline::sphere_around(self.bounds()),
@@ -115,10 +115,10 @@ pub trait GpuLight: LightLobes {
         }
     }
 
-    /// What `frame.radiance` holds.
+    /// The value of `frame.radiance`.
     fn gpu_radiance(&self) -> [f32; 3];
 
-    /// What `frame.shape` holds, an `array<vec4f, 26>`: the first of these, and zeros. Nothing by default.
+    /// The value of `frame.shape`, an `array<vec4f, 26>`: the first of these, and zeros. Nothing by default.
     fn gpu_shape(&self) -> Vec<[f32; 4]> {
         Vec::new()
     }
@@ -147,7 +147,7 @@ impl<'a> GpuBuffer<'a> {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum GpuContents<'a> {
-    /// These words. What differs from the last time is uploaded.
+    /// These words. Only those that differ from the last time are uploaded.
     Words(Cow<'a, [u32]>),
     /// More words than a binding may have to hold. They are in [`GpuPages`] and read by `fn NAME_word(k: u32) -> u32`; elements are `u32`.
     Pages {
@@ -212,10 +212,10 @@ pub enum GpuRun {
 /// Of `lobe-core` `SPECIAL`, `GEOMETRY`, `LOBE` and what it has for outlines; of visibility-mask its `FACET` and, for masks, `SQUARE`, `MASK`, `EDGES` and
 /// `TOTAL`; what else a part needs of the crates' texts it says by [`coverage_needs`](Self::coverage_needs) and [`splat_needs`](Self::splat_needs).
 pub trait GpuBlockers: Debug + Sync {
-    /// What the names of its functions and buffers start with.
+    /// The prefix of the names of its functions and buffers.
     fn name(&self) -> &'static str;
 
-    /// What both texts share: structs, constants, functions.
+    /// Text that both share: structs, constants, functions.
     fn shared(&self) -> String {
         String::new()
     }
@@ -251,7 +251,7 @@ pub trait GpuBlockers: Debug + Sync {
         false
     }
 
-    /// What its functions read, as of now.
+    /// The buffers that its functions read, as of now.
     fn buffers(&self) -> Vec<GpuBuffer<'_>>;
 
     /// Its passes, which run in this order before its functions are called.

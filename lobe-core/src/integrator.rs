@@ -234,7 +234,7 @@ impl<V: VisibilityLobes + ?Sized> FractionSource<V> for VisibilitySum {
 /// Σ reflectance lobes  flux · light's radiance · ∫ lobe over the light · visible fraction
 /// ```
 ///
-/// The strategy is asked only if some lobe's unshadowed radiance is above the threshold, and for fractions only where the
+/// The strategy is called only if some lobe's unshadowed radiance is above the threshold, and for fractions only where the
 /// receiver sees a part of the light. [`TileInteraction`] has the twin for tiles.
 pub(crate) fn radiance<V: Visibility + ?Sized>(
     point: &Interaction<'_>,
@@ -274,7 +274,7 @@ pub(crate) fn radiance<V: Visibility + ?Sized>(
     sum
 }
 
-/// A receiver asks for its coverage, and the observer is told.
+/// The coverage of a receiver, which the observer hears of.
 pub(crate) fn query<'q, 'v: 'q, V: Visibility + ?Sized>(
     visibility: &mut LightVisibility<'v, V>,
     at: &'q Receiver,

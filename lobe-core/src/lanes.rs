@@ -24,7 +24,7 @@ impl<const C: usize> Default for Kept<C> {
 }
 
 /// A function of two rows, to be taken of all rows of two blocks. A trait and not a closure, because only a method can be
-/// told to stay inside the loop (`#[inline(always)]`). What all rows have in common is `self`.
+/// told to stay inside the loop (`#[inline(always)]`). `self` is common to all rows.
 pub trait Lane<const A: usize, const B: usize, const D: usize> {
     /// The function. To become vector instructions it must have no loops and no calls, and its branches must be choices
     /// between two numbers.
@@ -126,7 +126,7 @@ impl<const C: usize> Block<C> {
     }
 
     /// Adds a value for each row to its output, and empties the block. Rows that an earlier block has left behind the last
-    /// have been computed too; nobody looks at them.
+    /// have been computed too, and are not used.
     #[inline(always)]
     pub(crate) fn flush(&mut self, values: &[f32; WIDTH], out: &mut [f32]) {
         for (value, k) in values.iter().zip(&self.of[..self.len]) {

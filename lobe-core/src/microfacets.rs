@@ -160,3 +160,37 @@ pub(crate) fn seen_from(normal: Vec3, view: Vec3) -> (f32, f32, Vec3) {
     };
     (cos, sin, forward)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Microfacets;
+    use crate::oracle::CapMicrofacets;
+    use crate::{Cone, Receiver, cap_integral};
+    use glam::{DVec3, Vec3};
+
+    /// Lights about the mirrored view, as wide as the highlight and three times as wide: relative to both parts' light.
+    #[test]
+    fn mirror_lobes_are_near_smooth_surfaces() {
+        for (alpha, limit) in [(0.02, 0.2), (0.1, 0.2), (0.3, 0.3)] {
+            for tilt in [0.0_f64, 0.5, 1.0] {
+                for widths in [1.0, 3.0] {
+                    let view = DVec3::new(tilt.sin(), 0.0, tilt.cos());
+                    let axis = DVec3::new(-view.x, 0.0, view.z);
+                    let half_angle: f64 = 2.0 * alpha * widths / if alpha > 0.2 { 3.0 } else { 1.0 };
+                    let want = CapMicrofacets { view, alpha }.over_cap(axis, half_angle, 200);
+                    let at = Receiver::on_surface(Vec3::ZERO, Vec3::Z, view.as_vec3());
+                    let one_minus_cos = (2.0 * (0.5 * half_angle).sin().powi(2)) as f32;
+                    let cone = Cone { axis: axis.as_vec3(), one_minus_cos, distance: 1.0 };
+                    let lobes = Microfacets::new(view.as_vec3(), alpha as f32, [Vec3::ONE; 2]);
+                    let got = lobes.map(|facets| {
+                        let lobe = facets.mirror_lobe(Vec3::Z);
+                        f64::from(lobe.flux.x * cap_integral(&at, lobe, &cone))
+                    });
+                    let error = ((got[0] - want[0]).abs() + (got[1] - want[1]).abs()) / (want[0] + want[1]);
+                    println!("α {alpha}, {tilt}, {widths} widths: {got:.3?} for {want:.3?}, {error:.3}");
+                    assert!(error < limit, "α {alpha}, {tilt}, {widths}: {got:?} for {want:?}");
+                }
+            }
+        }
+    }
+}

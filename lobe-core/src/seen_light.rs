@@ -36,7 +36,7 @@ impl SeenLight {
     /// The same light as far as a flat one is above the horizon of `normal`: with an empty cone where nothing of it is.
     #[must_use]
     pub fn above(&self, normal: Vec3) -> Self {
-        // What is cut already lies on the horizon, but for rounding.
+        // A light that is cut already ends at the horizon, but for rounding.
         let Some(outline) = self.outline.as_ref().filter(|outline| !outline.is_clipped()) else { return *self };
         let outline = outline.above(normal);
         // The cone alone would be a light.

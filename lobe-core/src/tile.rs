@@ -132,7 +132,7 @@ impl TileLight {
         }
     }
 
-    /// What each receiver sees.
+    /// The light as each receiver sees it.
     ///
     /// # Panics
     /// When there are not as many as receivers of the tile.
@@ -183,12 +183,12 @@ impl TileLight {
         SeenLight { cone: self.cone(i), radiance: self.radiance(i), outline: self.outline(i).copied() }
     }
 
-    /// What of its cone receiver `i` sees bright above its horizon, where that is not all.
+    /// The bright part of its cone above the horizon of receiver `i`, where that is not all.
     pub(crate) fn outline(&self, i: usize) -> Option<&Outline> {
         self.outlines.get(i)?.as_ref()
     }
 
-    /// What of their cones receivers see bright above their horizons, of a flat light: none where it faces away. Empty of others.
+    /// The bright parts of the receivers' cones above their horizons, of a flat light: none where it faces away. Empty of others.
     pub(crate) fn outlines(&self) -> &[Option<Outline>] {
         &self.outlines
     }

@@ -24,7 +24,7 @@ pub struct VisibilityQuery<'a> {
     pub at: &'a Receiver,
     /// Which light.
     pub light: LightId,
-    /// The light as seen from there, or the part of it that is asked about.
+    /// The light as seen from there, or the part of it that is queried.
     pub cone: &'a Cone,
     /// The part of the cone that is bright and above the receiver's horizon, where the light is flat. The cone may then be all of the hemisphere
     /// before the light's plane.
@@ -118,7 +118,7 @@ pub trait Visibility: Sync {
     fn coverage(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch) -> Coverage;
 
     /// The visible fraction of one reflectance lobe, per channel, in `[0, 1]`. `unshadowed` is the integral of that lobe (flux 1)
-    /// over the whole light. The query is the last one that [`coverage`](Self::coverage) was asked for, and its answer was
+    /// over the whole light. The query is the last one of [`coverage`](Self::coverage), and its answer was
     /// [`Coverage::Partial`].
     fn fraction(&self, query: &VisibilityQuery<'_>, brdf: &Lobe, unshadowed: f32, scratch: &mut Self::Scratch) -> Vec3;
 
@@ -187,7 +187,7 @@ pub struct LightVisibility<'v, V: Visibility + ?Sized> {
     image: Option<&'v LightImage>,
     accuracy: Accuracy,
     group: Coverage,
-    /// How many receivers have asked.
+    /// Number of queries so far.
     queries: u32,
 }
 
@@ -237,8 +237,7 @@ impl<'v, V: Visibility + ?Sized> LightVisibility<'v, V> {
         Self { group, ..Self::alone(visibility, shaft.id, accuracy, scratch) }
     }
 
-    /// One receiver that asks alone: the strategy is told of no group, and must not have been told of another one with this
-    /// scratch.
+    /// A single receiver: the strategy has entered no group with this scratch.
     pub fn alone(visibility: &'v V, light: LightId, accuracy: Accuracy, scratch: &'v mut V::Scratch) -> Self {
         Self { visibility, scratch, light, image: None, accuracy, group: Coverage::Partial, queries: 0 }
     }
@@ -283,10 +282,10 @@ impl<'v, V: Visibility + ?Sized> LightVisibility<'v, V> {
         }
     }
 
-    /// The visible fraction of a reflectance lobe for the receiver that asked last, see [`Visibility::fraction`].
+    /// The visible fraction of a reflectance lobe for the receiver of the last query, see [`Visibility::fraction`].
     ///
     /// # Panics
-    /// When another receiver has asked since.
+    /// When there was another query since.
     pub fn fraction(&mut self, penumbra: &Penumbra<'_>, brdf: impl Into<BrdfLobe>, unshadowed: f32) -> Vec3 {
         self.check(penumbra);
         match brdf.into() {
@@ -312,10 +311,10 @@ impl<'v, V: Visibility + ?Sized> LightVisibility<'v, V> {
 }
 
 impl<V: VisibilityLobes + ?Sized> LightVisibility<'_, V> {
-    /// The lobes of the visible part for the receiver that asked last, see [`VisibilityLobes::lobes`].
+    /// The lobes of the visible part for the receiver of the last query, see [`VisibilityLobes::lobes`].
     ///
     /// # Panics
-    /// When another receiver has asked since.
+    /// When there was another query since.
     pub fn lobes(&mut self, penumbra: &Penumbra<'_>, brdf: &Lobe, unshadowed: f32, out: &mut VisibilitySum) {
         self.check(penumbra);
         self.visibility.lobes(penumbra, brdf, unshadowed, self.scratch, out);

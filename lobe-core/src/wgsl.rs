@@ -48,7 +48,7 @@ pub const OUTLINE_INTEGRAL: &str = include_str!("outline/integral.wgsl");
 /// [`CAP_LAMBERT`].
 pub const OUTLINE_PLAIN: &str = include_str!("outline/plain.wgsl");
 
-/// What a light shows: `image_at`, from `frame.image` on in `light_images`. Needs [`OUTLINE`] and [`SPECIAL`].
+/// The image of a light: `image_at`, from `frame.image` on in `light_images`. Needs [`OUTLINE`] and [`SPECIAL`].
 pub const IMAGE: &str = include_str!("outline/image.wgsl");
 
 /// `light_integral` by channel for lights that show an image, in place of [`OUTLINE_PLAIN`]. Needs [`OUTLINE_INTEGRAL`] and [`IMAGE`].

@@ -25,15 +25,13 @@ fn main() {
         let camera = Camera { eye: Vec3::splat(20.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.5 };
         let sphere = Sphere { center: Vec3::Y * 20.0, radius: 1.0 };
         let mut scene = Scene {
-            surfaces: Vec::new(),
             camera,
             width: 64,
             height: 64,
-            background: Vec3::ZERO,
-            environment: None,
             materials: vec![brdf::Material::lambert(Vec3::ONE)],
             objects: vec![Object::mesh("sheet", mesh, 0, Proxy::Count(1))],
             lights: vec![SphereLight { sphere, radiance: Vec3::ONE }.into()],
+            ..Scene::default()
         };
         let mut hierarchy = Hierarchy::new(&scene);
         let (mut builds, mut refits) = (Vec::new(), Vec::new());

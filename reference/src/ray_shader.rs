@@ -63,7 +63,7 @@ const LISTED: usize = 48;
 /// use reference::RayShader;
 /// use scene::{BlockerSet, Frame, Shade, ShadingPoints};
 /// let mut shader = RayShader::spheres(&BlockerSet::default(), 64).culled(true);
-/// let frame = Frame { materials: &[], lights: &[], accuracy: Accuracy { tolerance: 0.0, depth: 1 }, threshold: 0.0 };
+/// let frame = Frame::new(&[], &[], Accuracy { tolerance: 0.0, depth: 1 });
 /// shader.shade(&ShadingPoints::default(), &frame, &mut []).unwrap();
 /// ```
 #[derive(Debug)]

@@ -81,12 +81,7 @@ impl Case {
         let (points, lights, materials) = (points(self.side), self.lights(), [self.material()]);
         let blockers = SphereBlockers::new(&blob(self.spheres), &vec![0; self.spheres], &[]);
         let mut shader = CpuShader::new(MaskVisibility::new(blockers));
-        let frame = Frame {
-            materials: &materials,
-            lights: &lights,
-            accuracy: Accuracy { tolerance: 0.005, depth: self.depth },
-            threshold: 0.0,
-        };
+        let frame = Frame::new(&materials, &lights, Accuracy { tolerance: 0.005, depth: self.depth });
         let mut out = vec![Vec3::ZERO; points.receivers.len()];
         group.throughput(Throughput::Elements(out.len() as u64));
         group.bench_function(BenchmarkId::from_parameter(value), |b| {
@@ -122,15 +117,13 @@ fn strategies(c: &mut Criterion) {
     let camera = Camera { eye: Vec3::new(0.0, 4.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 };
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 9.0, Vec3::NEG_Z * 9.0);
     let scene = Scene {
-        surfaces: Vec::new(),
         camera,
         width: 64,
         height: 64,
-        background: Vec3::ZERO,
-        environment: None,
         materials: materials.to_vec(),
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::spheres("balls", balls.clone(), 0)],
         lights: lights.clone(),
+        ..Scene::default()
     };
     let world = World::new(&scene);
     let set = BlockerSet {
@@ -139,7 +132,7 @@ fn strategies(c: &mut Criterion) {
         self_shadows: Vec::new(),
         spheres: balls.clone(),
     };
-    let frame = Frame { materials: &materials, lights: &lights, accuracy: Accuracy::new(0.005), threshold: 0.0 };
+    let frame = Frame::new(&materials, &lights, Accuracy::new(0.005));
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let mut group = c.benchmark_group("frame by strategy");
     group.throughput(Throughput::Elements(out.len() as u64));

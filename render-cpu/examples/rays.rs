@@ -47,7 +47,6 @@ fn fence() -> Scene {
     let toward = Vec3::new(-0.5, 0.9, 0.55).normalize();
     let radius = 4.0 * 6.0_f32.to_radians().sin();
     Scene {
-        surfaces: Vec::new(),
         camera: Camera {
             eye: Vec3::new(1.0, 1.4, 2.6),
             target: Vec3::new(0.1, 0.2, -0.2),
@@ -56,11 +55,10 @@ fn fence() -> Scene {
         },
         width: 320,
         height: 240,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("fence", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(Sphere { center: 4.0 * toward, radius }, Vec3::splat(90.0)).into()],
+        ..Scene::default()
     }
 }
 
@@ -80,12 +78,7 @@ fn run(name: &str, scene: &Scene) {
     let world = World::new(scene);
     let all = GBuffer::new(&world, 320, 240, 1);
     println!("{name}: {} triangles, {} points", world.triangle_count(), all.len());
-    let frame = |depth| Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy { tolerance: 0.003, depth },
-        threshold: 0.0,
-    };
+    let frame = |depth| Frame::new(&scene.materials, &scene.lights, Accuracy { tolerance: 0.003, depth });
     let shade = |g: &GBuffer, depth: u32, start: usize, bisections: u32| {
         let shader = CpuShader::new(MaskVisibility::new(RayBlockers::with_detail(&world, start, bisections)));
         let (shares, stats) = shares(&shader, g, &frame(depth));

@@ -243,14 +243,12 @@ fn over_floor(mesh: Mesh, light: Vec3) -> Scene {
     let mut floor = Mesh::quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::NEG_Z * 4.0);
     floor.remove_degenerate();
     Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(0.5, 1.8, 4.0), target: Vec3::Y * 0.4, up: Vec3::Y, vertical_fov: 0.7 },
         width: SIZE.0,
         height: SIZE.1,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("mesh", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(Sphere { center: light, radius: 0.3 }, Vec3::ONE).into()],
+        ..Scene::default()
     }
 }

@@ -12,7 +12,7 @@
 //! let scene = scene::builtin();
 //! let points = GBuffer::new(&World::new(&scene), 32, 18, 1);
 //! let frame =
-//!     Frame { materials: &points.materials, lights: &scene.lights, accuracy: Accuracy::default(), threshold: 0.0 };
+//!     Frame::new(&points.materials, &scene.lights, Accuracy::default());
 //! let mut radiance = vec![Vec3::ZERO; points.len()];
 //! CpuShader::new(Unshadowed).shade(&points.points, &frame, &mut radiance).unwrap();
 //! let pixels = points.resolve(&radiance, scene.background);

@@ -30,7 +30,7 @@ const fn is_timed(group: usize) -> bool {
 /// use render_cpu::CpuShader;
 /// use scene::{Frame, Shade, ShadingPoints};
 /// let mut shader = CpuShader::new(Unshadowed);
-/// let frame: Frame<'_> = Frame { materials: &[], lights: &[], accuracy: Accuracy::new(0.003), threshold: 0.0 };
+/// let frame: Frame<'_> = Frame::new(&[], &[], Accuracy::new(0.003));
 /// shader.shade(&ShadingPoints::default(), &frame, &mut []).unwrap();
 /// ```
 #[derive(Clone, Copy, Debug)]

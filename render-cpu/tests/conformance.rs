@@ -14,15 +14,13 @@ use visibility_spheres::SphereBlockers;
 
 fn scene(spheres: &[Sphere]) -> Scene {
     Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
         width: 1,
         height: 1,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: spheres.iter().map(|sphere| Object::spheres("ball", vec![*sphere], 0)).collect(),
         lights: Vec::new(),
+        ..Scene::default()
     }
 }
 

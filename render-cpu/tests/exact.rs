@@ -55,7 +55,6 @@ fn scene(mut mesh: Mesh, half: f32, turn: Quat) -> Scene {
     }
     let light = Sphere { center: turn * Vec3::new(-3.2, 4.4, 2.2), radius: 0.6 };
     Scene {
-        surfaces: Vec::new(),
         camera: Camera {
             eye: turn * Vec3::new(1.4, 1.5, 3.2),
             target: turn * Vec3::new(0.1, 0.45, 0.0),
@@ -64,18 +63,16 @@ fn scene(mut mesh: Mesh, half: f32, turn: Quat) -> Scene {
         },
         width: 200,
         height: 150,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None), Object::mesh("mesh", mesh, 0, Proxy::Count(64))],
         lights: vec![SphereLight::new(light, Vec3::ONE).into()],
+        ..Scene::default()
     }
 }
 
 /// The visible fraction of the light that each point sees.
 fn fractions<V: Visibility>(visibility: V, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
-    let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(0.003));
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out);
     let fraction = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
@@ -223,8 +220,7 @@ fn sampled_light_stops_at_the_facet() {
     let estimate = reference.estimate();
     let fraction = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);
     let sampled: Vec<_> = estimate.radiance.iter().zip(&estimate.unshadowed).map(fraction).collect();
-    let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(0.003));
     for (name, culled) in [("reference", None), ("rays", Some(false)), ("culled rays", Some(true))] {
         let fractions = culled.map_or_else(
             || sampled.clone(),
@@ -260,8 +256,7 @@ fn spheres_stop_at_the_facet() {
     let want: Vec<_> = estimate.radiance.iter().zip(&estimate.unshadowed).map(fraction).collect();
     let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
     let lobes = fractions(MaskVisibility::new(spheres), &scene, &gbuffer.points);
-    let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(0.003));
     let rays = [false, true].map(|culled| {
         let mut out = vec![Vec3::ZERO; gbuffer.len()];
         let Ok(_) = RayShader::spheres(&set, 4096).culled(culled).shade(&gbuffer.points, &frame, &mut out);

@@ -29,7 +29,7 @@ fn shade(points: &ShadingPoints, spheres: &[Sphere]) -> Vec<[u32; 3]> {
     ];
     let lights = [SphereLight::new(Sphere { center: Vec3::new(1.0, 4.0, 0.5), radius: 0.6 }, Vec3::splat(3.0))];
     let blockers = SphereBlockers::new(spheres, &vec![0; spheres.len()], &[]);
-    let frame = Frame { materials: &materials, lights: &lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&materials, &lights, Accuracy::new(0.003));
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     CpuShader::new(MaskVisibility::new(blockers)).shade(points, &frame, &mut out).expect("shaded");
     out.iter().map(|radiance| radiance.to_array().map(f32::to_bits)).collect()

@@ -16,15 +16,13 @@ use visibility_rays::RayBlockers;
 fn scene(meshes: Vec<Mesh>, light: Sphere) -> Scene {
     let object = |(i, mesh)| Object::mesh(format!("mesh {i}"), mesh, 0, Proxy::None);
     Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(1.0, 2.0, 4.0), target: Vec3::Y * 0.5, up: Vec3::Y, vertical_fov: 0.6 },
         width: 64,
         height: 48,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![Material::lambert(Vec3::splat(0.5))],
         objects: meshes.into_iter().enumerate().map(object).collect(),
         lights: vec![SphereLight::new(light, Vec3::ONE).into()],
+        ..Scene::default()
     }
 }
 
@@ -154,8 +152,7 @@ fn near_monte_carlo() {
     let mut reference = Reference::new(job);
     reference.advance(1024, &AtomicBool::new(false), &|_| {});
     let truth = reference.estimate();
-    let frame =
-        Frame { materials: &g.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&g.materials, &scene.lights, Accuracy::new(0.003));
     let shader = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world)));
     let mut out = vec![Vec3::ZERO; g.len()];
     let (_, layers) = shader.shade_layers(&g.points, &frame, &mut out);
@@ -227,12 +224,7 @@ fn near_the_full_mask() {
 
 /// The share of the light that each point sees.
 fn shares<V: Visibility>(visibility: V, depth: u32, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
-    let frame = Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy { tolerance: 0.003, depth },
-        threshold: 0.0,
-    };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy { tolerance: 0.003, depth });
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     let (_, layers) = CpuShader::new(visibility).shade_layers(points, &frame, &mut out);
     let share = |(v, whole): (&Vec3, &Vec3)| f64::from(v.x) / f64::from(whole.x).max(1e-12);

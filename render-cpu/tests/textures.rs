@@ -22,14 +22,13 @@ fn floor(material: Material, surface: Surface) -> Scene {
         camera: Camera { eye: Vec3::new(0.5, 2.0, 6.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.7 },
         width: 96,
         height: 64,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![material],
         surfaces: vec![surface],
         objects: vec![Object::mesh("floor", mesh, 0, Proxy::None)],
         lights: vec![
             SphereLight::new(Sphere { center: Vec3::new(1.0, 4.0, -1.0), radius: 0.5 }, Vec3::splat(20.0)).into(),
         ],
+        ..Scene::default()
     }
 }
 
@@ -50,8 +49,7 @@ fn checker(squares: u32) -> Texture {
 
 fn shade(scene: &Scene, g: &GBuffer) -> Vec<Vec3> {
     let world = World::new(scene);
-    let frame =
-        Frame { materials: &g.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&g.materials, &scene.lights, Accuracy::new(0.003));
     let mut out = vec![Vec3::ZERO; g.len()];
     let mut shader = CpuShader::new(MaskVisibility::new(RayBlockers::new(&world)));
     shader.shade(&g.points, &frame, &mut out).expect("lobes have room");

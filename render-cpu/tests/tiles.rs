@@ -45,7 +45,7 @@ fn check<M: BrdfLobes + Sync>(materials: &[M], scene: &Scene, points: &GBuffer) 
     let set = blockers(scene, &mut |_, _| ControlFlow::Continue(())).expect("blockers");
     let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
     let visibility = MaskVisibility::new(spheres.with_self_shadows(&set.self_shadows));
-    let frame = Frame { materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(materials, &scene.lights, Accuracy::new(0.003));
     let mut tiled = vec![Vec3::ZERO; points.len()];
     CpuShader::new(visibility.clone()).shade(&points.points, &frame, &mut tiled).expect("shaded");
     let mut scratch = visibility.scratch();

@@ -17,8 +17,7 @@ fn windows_make_up_the_picture() {
     let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("blockers");
     let blockers = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
     let mut shader = CpuShader::new(MaskVisibility::new(blockers.with_self_shadows(&set.self_shadows)));
-    let frame =
-        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(0.003));
     let mut shade = |g: &GBuffer| {
         let mut out = vec![Vec3::ZERO; g.len()];
         shader.shade(&g.points, &frame, &mut out).expect("room");

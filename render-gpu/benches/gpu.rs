@@ -68,7 +68,7 @@ fn run(
     lights: &[Light],
 ) {
     let materials = [Material::lambert(Vec3::splat(0.7))];
-    let frame = Frame { materials: &materials, lights, accuracy: Accuracy::new(0.005), threshold: 0.0 };
+    let frame = Frame::new(&materials, lights, Accuracy::new(0.005));
     let mut out = vec![Vec3::ZERO; points.receivers.len()];
     group.throughput(Throughput::Elements(out.len() as u64));
     group.bench_function(name, |b| {
@@ -111,15 +111,13 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
         .expect("a map");
     let maps = ShadowMapBlockers::new(vec![map]).pack();
     let scene = Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(0.0, 4.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.6 },
         width: 64,
         height: 64,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![Material::lambert(Vec3::ONE)],
         objects: vec![Object::mesh("cube", cube, 0, Proxy::None)],
         lights: lights.clone(),
+        ..Scene::default()
     };
     let world = GpuWorld::only(gpu, &scene, |_| true).expect("a hierarchy");
     let Shape::Mesh(cube) = &scene.objects[0].shape else { unreachable!("a mesh") };

@@ -12,7 +12,7 @@
 //! use render_gpu::{Gpu, GpuOptions, GpuShader, Occlusion};
 //! use scene::{Frame, Shade, ShadingPoints};
 //! let gpu = Gpu::blocking(&GpuOptions::default())?;
-//! let frame: Frame<'_> = Frame { materials: &[], lights: &[], accuracy: Accuracy::default(), threshold: 0.0 };
+//! let frame: Frame<'_> = Frame::new(&[], &[], Accuracy::default());
 //! GpuShader::new(&gpu, Occlusion::default())?.shade(&ShadingPoints::default(), &frame, &mut [])?;
 //! # Ok::<(), render_gpu::GpuError>(())
 //! ```

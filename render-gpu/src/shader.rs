@@ -53,7 +53,7 @@ const FLAT_BY_PAPER: &str = "the paper's method knows lights that are balls alon
 /// use scene::{Frame, Shade, ShadingPoints};
 /// let gpu = Gpu::blocking(&GpuOptions::default())?;
 /// let mut shader = GpuShader::new(&gpu, Occlusion::default())?;
-/// let frame: Frame<'_> = Frame { materials: &[], lights: &[], accuracy: Accuracy::new(0.003), threshold: 0.0 };
+/// let frame: Frame<'_> = Frame::new(&[], &[], Accuracy::new(0.003));
 /// shader.shade(&ShadingPoints::default(), &frame, &mut [])?;
 /// # Ok::<(), render_gpu::GpuError>(())
 /// ```

@@ -6,7 +6,3 @@ pub const BVH: &str = include_str!("kernels/bvh.wgsl");
 pub const TRACE: &str = include_str!("kernels/trace.wgsl");
 /// Answers strategies' questions about rays. Needs [`BVH`], `lobe_core::wgsl::GEOMETRY` and a constant `STACK`.
 pub const ANY_HIT: &str = include_str!("kernels/any_hit.wgsl");
-
-#[cfg(test)]
-#[path = "wgsl_tests.rs"]
-mod tests;

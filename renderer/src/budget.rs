@@ -87,13 +87,3 @@ impl ShaderTask for Twice<'_> {
         Ok(first?.min(once()?))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::LADDER;
-
-    #[test]
-    fn the_ladder_rises() {
-        assert!(LADDER.windows(2).all(|w| w[1].tolerance < w[0].tolerance && w[1].depth >= w[0].depth));
-    }
-}

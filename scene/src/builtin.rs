@@ -54,14 +54,13 @@ pub fn builtin() -> Scene {
         },
         width: 960,
         height: 540,
-        background: Vec3::ZERO,
-        environment: None,
         materials,
         objects,
         lights: vec![
             light(Vec3::new(-4.4, 6.4, 3.4), 1.0, Vec3::new(1.0, 0.80, 0.58) * 52.0),
             light(Vec3::new(1.75, 2.8, -4.2), 0.2, Vec3::new(0.42, 0.66, 1.0) * 310.0),
         ],
+        ..Scene::default()
     }
 }
 

@@ -15,6 +15,13 @@ pub struct Camera {
     pub vertical_fov: f32,
 }
 
+impl Default for Camera {
+    /// Five units before the origin, and up by one.
+    fn default() -> Self {
+        Self { eye: Vec3::new(0.0, 1.0, 5.0), target: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.7 }
+    }
+}
+
 impl Camera {
     /// Looks at everything in `bounds` from the direction `from` (from the middle of the box toward the eye), y up: the
     /// nearest distance at which all corners of the box are seen, and an eighth more.

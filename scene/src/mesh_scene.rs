@@ -101,17 +101,7 @@ pub(crate) fn bare(path: &Path, clip: Option<&str>, context: &mut Context) -> Re
     }
     let camera = camera.unwrap_or_else(|| default_camera(bounds, width, height));
     let (materials, surfaces) = Look::parted(looks);
-    let scene = Scene {
-        camera,
-        width,
-        height,
-        background: Vec3::ZERO,
-        environment: None,
-        materials,
-        surfaces,
-        objects,
-        lights,
-    };
+    let scene = Scene { camera, width, height, materials, surfaces, objects, lights, ..Scene::default() };
     scene.validate().map_err(|e| SceneError::file(path, e.to_string()))?;
     Ok((scene, animation))
 }

@@ -74,6 +74,23 @@ pub struct Scene {
     pub environment: Option<Arc<Environment>>,
 }
 
+impl Default for Scene {
+    /// Nothing, in 640 × 360 pixels before black.
+    fn default() -> Self {
+        Self {
+            camera: Camera::default(),
+            width: 640,
+            height: 360,
+            background: Vec3::ZERO,
+            materials: Vec::new(),
+            surfaces: Vec::new(),
+            objects: Vec::new(),
+            lights: Vec::new(),
+            environment: None,
+        }
+    }
+}
+
 impl Shape {
     /// The smallest box that holds the shape.
     #[must_use]

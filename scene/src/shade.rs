@@ -67,6 +67,14 @@ pub struct Frame<'a, M = Material, L = Light> {
     pub threshold: f32,
 }
 
+impl<'a, M, L> Frame<'a, M, L> {
+    /// A frame that drops no contribution.
+    #[must_use]
+    pub const fn new(materials: &'a [M], lights: &'a [L], accuracy: Accuracy) -> Self {
+        Self { materials, lights, accuracy, threshold: 0.0 }
+    }
+}
+
 impl<M, L> Clone for Frame<'_, M, L> {
     fn clone(&self) -> Self {
         *self

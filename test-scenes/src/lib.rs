@@ -33,12 +33,9 @@ pub fn floor_and_ball() -> Scene {
         strategy: None,
     };
     Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(0.0, 3.0, 8.0), target: Vec3::Y, up: Vec3::Y, vertical_fov: 0.6 },
         width: 50,
         height: 30,
-        background: Vec3::ZERO,
-        environment: None,
         materials: vec![material()],
         objects: vec![
             object("floor", Shape::Mesh(mesh), Proxy::None),
@@ -47,6 +44,7 @@ pub fn floor_and_ball() -> Scene {
         lights: vec![
             SphereLight::new(Sphere { center: Vec3::new(1.0, 5.0, 0.5), radius: 0.7 }, Vec3::splat(3.0)).into(),
         ],
+        ..Scene::default()
     }
 }
 

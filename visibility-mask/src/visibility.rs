@@ -94,7 +94,8 @@ pub trait Blockers: Sync {
 /// The blockers fill a mask of the whole light; a lobe narrower than the light has a mask of its own over the part of the
 /// light that it sees, since there the cells would limit the accuracy. As things move, samples come and go: below a
 /// tolerance of 0.5 % what a narrow lobe sees is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the
-/// whole light into 2 × 2 ([`Fineness`]), so that no pop is larger than the tolerance. What a reflectance lobe sees of the
+/// whole light into 2 × 2 ([`Fineness`]), so that of
+/// gentle motion 95 % of the pops are smaller than the tolerance. What a reflectance lobe sees of the
 /// light is then
 /// - a *visible fraction* (the default), summed over the mask's samples: the sum of one lobe times every sample in closed form, at
 ///   the price of a few visibility lobes; no lobe is written. Or

@@ -123,15 +123,13 @@ fn key_light() -> Light {
 pub(crate) fn floor_scene(eye: Vec3, target: Vec3, fov: f32, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 400.0, Vec3::NEG_Z * 400.0);
     Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye, target, up: Vec3::Y, vertical_fov: fov.to_radians() },
         width: 256,
         height: 256,
-        background: Vec3::ZERO,
-        environment: None,
         materials,
         objects: vec![Object::mesh("floor", floor, 0, Proxy::None)],
         lights,
+        ..Scene::default()
     }
 }
 

@@ -137,7 +137,7 @@ impl<'a> Stage<'a> {
         let scene = self.world.scene();
         let any = Accuracy::new(setting.tolerance.unwrap_or(ANY_TOLERANCE));
         let accuracy = setting.depth.map_or(any, |depth| any.with_depth(depth));
-        let frame = Frame { materials: &self.gbuffer.materials, lights: &scene.lights, accuracy, threshold: 0.0 };
+        let frame = Frame::new(&self.gbuffer.materials, &scene.lights, accuracy);
         let timed = Timed { points: &self.gbuffer.points, frame: &frame, repeats: self.args.repeat as usize };
         match setting.technique {
             Technique::Samples { culled } => {

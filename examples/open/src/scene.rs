@@ -55,18 +55,16 @@ pub fn scene(width: u32, height: u32) -> Scene {
     let chair = Object::spheres("chair", rods().0.iter().flat_map(shown).collect(), 1);
     let floor = Mesh::quad(Vec3::ZERO, Vec3::X * 8.0, Vec3::NEG_Z * 8.0);
     Scene {
-        surfaces: Vec::new(),
         camera: Camera { eye: Vec3::new(1.6, 1.8, 3.4), target: Vec3::Y * 0.6, up: Vec3::Y, vertical_fov: 0.7 },
         width,
         height,
-        background: Vec3::ZERO,
-        environment: None,
         materials: MATERIALS.map(|material| Material::Custom(Arc::new(material))).into(),
         objects: vec![
             Object::mesh("floor", floor, 0, Proxy::None),
             Object { strategy: Some(Strategy::Custom("capsules")), ..chair },
         ],
         lights: lights().map(|light| Light::Custom(Arc::new(light))).into(),
+        ..Scene::default()
     }
 }
 

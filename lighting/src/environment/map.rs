@@ -40,7 +40,7 @@ impl core::fmt::Display for EnvironmentError {
 impl core::error::Error for EnvironmentError {}
 
 impl EnvironmentMap {
-    /// What is brighter, infinities included, has this radiance: the largest that half floats hold.
+    /// Brighter texels, infinite ones included, have this radiance: the largest that half floats hold.
     pub const BRIGHTEST: f32 = 65504.0;
 
     /// Radiance (W·m⁻²·sr⁻¹ per channel) of so many texels across and down, the top row first. Negative values are read as 0, those above

@@ -1,4 +1,4 @@
-//! What is small and bright in a picture of all directions.
+//! Small and bright spots in a picture of all directions.
 
 use super::EnvironmentMap;
 use crate::SunLight;

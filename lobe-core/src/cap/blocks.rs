@@ -179,7 +179,7 @@ fn sum_or_wait<const N: usize>(
     }
 }
 
-/// What a lobe of a tile needs, and its value where that is all.
+/// The form that a lobe of a tile needs, and its value where no form is needed.
 struct Sort;
 impl Lane<10, 8, 2> for Sort {
     #[inline(always)]

@@ -25,7 +25,7 @@ pub(super) const ENDS: f32 = 0.6;
 #[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub(super) struct Chord {
-    /// What multiplies the sum over the nodes; 0 where lobe and light do not meet.
+    /// Factor of the sum over the nodes; 0 where lobe and light do not meet.
     pub(super) weight: f32,
     half_exponent: f32,
     /// `m/2`, `m = n + ½`, of the power `n` of `cos λ` along a chord; and `1/m²`.

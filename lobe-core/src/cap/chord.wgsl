@@ -44,7 +44,7 @@ const NODES = array<vec2f, 31>(
 );
 
 struct Chord {
-    // What multiplies the sum over the nodes; 0 where lobe and light do not meet.
+    // Factor of the sum over the nodes; 0 where lobe and light do not meet.
     weight: f32,
     half_exponent: f32,
     half_m: f32,

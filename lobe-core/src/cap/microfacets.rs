@@ -61,6 +61,95 @@ pub(super) struct Ellipse {
     shadowing: f32,
 }
 
+/// The square root, of negative numbers 0.
+#[inline(always)]
+fn root_of(x: f32) -> f32 {
+    if x > 0.0 { x.sqrt() } else { 0.0 }
+}
+
+/// Cosine and sine of the turn of the chords: they run along the principal axis of the ellipse's second moment about the origin.
+#[inline(always)]
+fn principal_axis([sin, vz]: [f32; 2], [cx, cy, cz]: [f32; 3], omc: f32) -> (f32, f32) {
+    let near = above_zero(vz + cz);
+    let (sx, sy) = ((sin + cx) / near, cy / near);
+    let (qx, qy) = (cx - sx * cz, cy - sy * cz);
+    let size = 0.25 * (omc * (2.0 - omc)) / (near * near);
+    let xx = sx * sx + size * (1.0 + sx * sx - qx * qx);
+    let yy = sy * sy + size * (1.0 + sy * sy - qy * qy);
+    let xy = sx * sy + size * (sx * sy - qx * qy);
+    let (difference, twice) = (xx - yy, 2.0 * xy);
+    let root = (difference * difference + twice * twice).sqrt();
+    let double = if root > 1e-30 { difference / root } else { 1.0 };
+    let (ex, ey) = (root_of(0.5 * (1.0 + double)), root_of(0.5 * (1.0 - double)));
+    (ex, if twice < 0.0 { -ey } else { ey })
+}
+
+/// The height of the half vector of view and light, kept from 0.
+#[inline(always)]
+fn above_zero(height: f32) -> f32 {
+    if height > 1e-3 { height } else { 1e-3 }
+}
+
+/// The slopes between which chords meet the light: `a·z² − 2b·z − d ≤ 0` about the half vector of the light's middle.
+#[inline(always)]
+fn ends(view: Vec3, light: Vec3, omc: f32) -> (f32, f32) {
+    let ([_, v2, vz], [_, c2, cz]) = (view.to_array(), light.to_array());
+    let (height, sin_sq) = (vz + cz, omc * (2.0 - omc));
+    let y0 = (v2 + c2) / above_zero(height);
+    let tilt = v2 - y0 * vz;
+    let a = height * height - 2.0 * omc * vz * cz - sin_sq;
+    let b = omc * tilt * (vz - cz) + sin_sq * y0;
+    let d = omc * ((2.0 - omc) * (1.0 + y0 * y0) - 2.0 * tilt * tilt);
+    let root = root_of(b * b + a * d);
+    (y0 + (b - root) / a, y0 + (b + root) / a)
+}
+
+/// The same of the part of the light above the horizon. `flat` is the squared length of the light's direction along the surface.
+#[inline(always)]
+fn ends_above(view: Vec3, light: Vec3, omc: f32, flat: f32, ends: (f32, f32)) -> (f32, f32) {
+    let ([_, v2, vz], [c1, c2, cz]) = (view.to_array(), light.to_array());
+    let (height, sin_sq) = (vz + cz, omc * (2.0 - omc));
+    let (low, high) = if height > 0.05 {
+        ends
+    } else {
+        // About the normal: near the horizon the half vector of the middle may be below it.
+        let across = v2 + c2;
+        let a = height * height - 2.0 * omc * vz * cz - sin_sq;
+        let b = omc * (v2 * cz + c2 * vz) - across * height;
+        let d = across * across - 2.0 * omc * v2 * c2 - sin_sq;
+        let root = root_of(b * b - a * d);
+        let q = -b - if b < 0.0 { -root } else { root };
+        (q / a, d / if q.abs() > 1e-30 { q } else { 1e-30 })
+    };
+    // Where a line of half vectors touches the light: is that one direction above the horizon?
+    let touches = |y: f32| {
+        let over = 1.0 / (1.0 + y * y);
+        let (mu, nu) = (v2 - y * vz, c2 - y * cz);
+        let of_view = root_of(1.0 - mu * mu * over);
+        let of_light = root_of(1.0 - nu * nu * over);
+        let scale = of_view / if of_light > 1e-6 { of_light } else { 1e-6 };
+        // l = −(ω_o·m) m + the rest of the light's direction; its height, and whether it is on the rim.
+        let up = y * over * (mu + nu * scale) + cz * scale;
+        let inside = of_view * of_light - mu * nu * over;
+        up > 0.0 && (inside - (1.0 - omc)).abs() < 1e-3 && y.abs() < FAR
+    };
+    // Where the rim meets the horizon, and the horizon's own ends where the light has them.
+    let cos = 1.0 - omc;
+    let along = cos / if flat > 1e-12 { flat } else { 1e-12 };
+    let beside = root_of(1.0 - cos * along) / root_of(if flat > 1e-12 { flat } else { 1e-12 });
+    let (one, other) = ((v2 + c2 * along + c1 * beside) / vz, (v2 + c2 * along - c1 * beside) / vz);
+    let (least, most) = if one < other { (one, other) } else { (other, one) };
+    let least = if c2 < -cos { (v2 - 1.0) / vz } else { least };
+    let most = if c2 > cos { (v2 + 1.0) / vz } else { most };
+    let lower = |a: f32, b: f32| if a < b { a } else { b };
+    let upper = |a: f32, b: f32| if a > b { a } else { b };
+    let (low_counts, high_counts) = (touches(low), touches(high));
+    let least = lower(least, if low_counts { low } else { least });
+    let least = lower(least, if high_counts { high } else { least });
+    let most = upper(most, if low_counts { low } else { most });
+    (least, upper(most, if high_counts { high } else { most }))
+}
+
 impl Ellipse {
     #[inline(always)]
     pub(super) fn new<const IS_CUT: bool>(pair: &Pair) -> Self {
@@ -70,83 +159,17 @@ impl Ellipse {
         let (cx, cy, cz) = (forward.dot(pair.light), aside.dot(pair.light), n.dot(pair.light));
         let alpha_sq = alpha_sq(pair.exponent);
         let omc = pair.one_minus_cos;
-        let sin_sq = omc * (2.0 - omc);
-
-        // Chords run along the principal axis of the ellipse's second moment about the origin.
-        let height = vz + cz;
-        let near = if height > 1e-3 { height } else { 1e-3 };
-        let (sx, sy) = ((sin + cx) / near, cy / near);
-        let (qx, qy) = (cx - sx * cz, cy - sy * cz);
-        let size = 0.25 * sin_sq / (near * near);
-        let xx = sx * sx + size * (1.0 + sx * sx - qx * qx);
-        let yy = sy * sy + size * (1.0 + sy * sy - qy * qy);
-        let xy = sx * sy + size * (sx * sy - qx * qy);
-        let (difference, twice) = (xx - yy, 2.0 * xy);
-        let root = (difference * difference + twice * twice).sqrt();
-        let double = if root > 1e-30 { difference / root } else { 1.0 };
-        let root_of = |x: f32| if x > 0.0 { x.sqrt() } else { 0.0 };
-        let (ex, ey) = (root_of(0.5 * (1.0 + double)), root_of(0.5 * (1.0 - double)));
-        let ey = if twice < 0.0 { -ey } else { ey };
-        let (v1, v2) = (sin * ex, -sin * ey);
-        let (c1, c2) = (cx * ex + cy * ey, cy * ex - cx * ey);
-
-        // From where to where: a·z² − 2b·z − d ≤ 0 about the half vector of the light's middle.
-        let across = v2 + c2;
-        let y0 = across / near;
-        let tilt = v2 - y0 * vz;
-        let a = height * height - 2.0 * omc * vz * cz - sin_sq;
-        let b = omc * tilt * (vz - cz) + sin_sq * y0;
-        let d = omc * ((2.0 - omc) * (1.0 + y0 * y0) - 2.0 * tilt * tilt);
-        let root = root_of(b * b + a * d);
-        let (low, high) = (y0 + (b - root) / a, y0 + (b + root) / a);
-        let (low, high) = if IS_CUT {
-            let (low, high) = if height > 0.05 {
-                (low, high)
-            } else {
-                // About the normal: near the horizon the half vector of the middle may be below it.
-                let b = omc * (v2 * cz + c2 * vz) - across * height;
-                let d = across * across - 2.0 * omc * v2 * c2 - sin_sq;
-                let root = root_of(b * b - a * d);
-                let q = -b - if b < 0.0 { -root } else { root };
-                (q / a, d / if q.abs() > 1e-30 { q } else { 1e-30 })
-            };
-            // Of what is above the horizon. Where a line of half vectors touches the light: is that one direction above?
-            let touches = |y: f32| {
-                let over = 1.0 / (1.0 + y * y);
-                let (mu, nu) = (v2 - y * vz, c2 - y * cz);
-                let of_view = root_of(1.0 - mu * mu * over);
-                let of_light = root_of(1.0 - nu * nu * over);
-                let scale = of_view / if of_light > 1e-6 { of_light } else { 1e-6 };
-                // l = −(ω_o·m) m + the rest of the light's direction; its height, and whether it is on the rim.
-                let up = y * over * (mu + nu * scale) + cz * scale;
-                let inside = of_view * of_light - mu * nu * over;
-                up > 0.0 && (inside - (1.0 - omc)).abs() < 1e-3 && y.abs() < FAR
-            };
-            // Where the rim meets the horizon, and the horizon's own ends where the light has them.
-            let cos = 1.0 - omc;
-            let flat = cx * cx + cy * cy;
-            let along = cos / if flat > 1e-12 { flat } else { 1e-12 };
-            let beside = root_of(1.0 - cos * along) / root_of(if flat > 1e-12 { flat } else { 1e-12 });
-            let (one, other) = ((v2 + c2 * along + c1 * beside) / vz, (v2 + c2 * along - c1 * beside) / vz);
-            let (least, most) = if one < other { (one, other) } else { (other, one) };
-            let least = if c2 < -cos { (v2 - 1.0) / vz } else { least };
-            let most = if c2 > cos { (v2 + 1.0) / vz } else { most };
-            let lower = |a: f32, b: f32| if a < b { a } else { b };
-            let upper = |a: f32, b: f32| if a > b { a } else { b };
-            let (low_counts, high_counts) = (touches(low), touches(high));
-            let least = lower(least, if low_counts { low } else { least });
-            let least = lower(least, if high_counts { high } else { least });
-            let most = upper(most, if low_counts { low } else { most });
-            (least, upper(most, if high_counts { high } else { most }))
-        } else {
-            (low, high)
-        };
+        let (ex, ey) = principal_axis([sin, vz], [cx, cy, cz], omc);
+        let view = Vec3::new(sin * ex, -sin * ey, vz);
+        let light = Vec3::new(cx * ex + cy * ey, cy * ex - cx * ey, cz);
+        let ends = ends(view, light, omc);
+        let (low, high) = if IS_CUT { ends_above(view, light, omc, cx * cx + cy * cy, ends) } else { ends };
         let place = |y: f32| y / (alpha_sq + y * y).sqrt();
         let (low, high) = (place(low), place(high));
         let half = 0.5 * (high - low);
         Self {
-            view: Vec3::new(v1, v2, vz),
-            light: Vec3::new(c1, c2, cz),
+            view,
+            light,
             one_minus_cos: omc,
             alpha_sq,
             middle: 0.5 * (low + high),
@@ -213,11 +236,7 @@ impl Ellipse {
         if !IS_CUT {
             return part(p, q, if is_one { length } else { 0.0 }).map(|part| weight * part);
         }
-        let (center, aside) = (v1 / vz, slope - v2 / vz);
-        let rest = 1.0 / (vz * vz) - aside * aside;
-        let reach = if rest > 0.0 { rest.sqrt() } else { 0.0 };
-        let unit = 1.0 / (alpha * b);
-        let (least, most) = ((center - reach) * unit, (center + reach) * unit);
+        let (least, most) = self.above(slope, 1.0 / (alpha * b));
         // One range from p to q, or all but what is between q and p.
         let cut = least > p || most < q || !is_one;
         let high = if is_one && q < most { q } else { most };
@@ -226,6 +245,16 @@ impl Ellipse {
         let high = if q < most { q } else { most };
         let second = part(least, high, if is_one { 0.0 } else { high - least });
         [weight * (first[0] + second[0]), weight * (first[1] + second[1])]
+    }
+
+    /// The part of a chord whose directions are above the horizon, in steps of `unit`.
+    #[inline(always)]
+    fn above(&self, slope: f32, unit: f32) -> (f32, f32) {
+        let [v1, v2, vz] = self.view.to_array();
+        let (center, aside) = (v1 / vz, slope - v2 / vz);
+        let rest = 1.0 / (vz * vz) - aside * aside;
+        let reach = root_of(rest);
+        ((center - reach) * unit, (center + reach) * unit)
     }
 
     /// A range of a chord: closed for the cosine lobe, and the rest of the reflectance at two points with the range's mean and variance.

@@ -103,7 +103,7 @@ pub fn cap_integrals(light: &TileLight, lobes: &TileLobes, out: &mut Vec<f32>) {
 }
 
 pub(crate) fn integrals_at(level: Level, light: &TileLight, lobes: &TileLobes, out: &mut Vec<f32>) {
-    // A thread's own, so that nobody has to carry them about, or clear them.
+    // One a thread: no caller needs to keep or clear them.
     thread_local! {
         static BLOCKS: RefCell<Blocks> = const { RefCell::new(Blocks::new()) };
     }

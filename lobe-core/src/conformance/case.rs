@@ -12,7 +12,7 @@ use glam::{DQuat, DVec3, Vec3};
 /// The light's distance in random cases.
 pub(super) const FAR: f64 = 10.0;
 
-/// What is asked for in all cases.
+/// The accuracy of all cases.
 const ACCURACY: Accuracy = Accuracy { tolerance: 0.003, depth: 5 };
 
 /// The only light.

@@ -1,4 +1,4 @@
-//! What every kind of light has to keep.
+//! Properties that every kind of light has to keep.
 
 use super::{Report, Run};
 use crate::oracle::Random;

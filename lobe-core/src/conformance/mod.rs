@@ -1,4 +1,4 @@
-//! What every visibility strategy has to keep, as a suite that anyone can run on their own (feature `oracle`).
+//! Properties that every visibility strategy has to keep, as a suite that anyone can run on their own (feature `oracle`).
 //!
 //! [`check`] asks a [`Subject`] for strategies whose blockers are given spheres and tries them:
 //! - no blocker: [`Coverage::Lit`](crate::Coverage), without a lobe; blockers behind the receiver or the light: V = 1
@@ -10,8 +10,8 @@
 //! - nothing pops while blocker, light or receiver moves by small steps, with one sphere and with several;
 //! - used scratch, `enter`, `dyn` and threads change no bit.
 //!
-//! Blockers are spheres, since a sphere's shadow is known. A strategy of other shapes is asked with what comes next to them: boxes or
-//! meshes around the spheres, with limits as wide as what that differs by.
+//! Blockers are spheres, since a sphere's shadow is known. A strategy of other shapes is tested with the nearest that it has: boxes or
+//! meshes around the spheres, with limits as wide as these differ.
 //!
 //! A strategy without shadows breaks it:
 //!
@@ -103,10 +103,10 @@ pub use self::run::Run;
 use crate::{Sphere, Visibility};
 use glam::Vec3;
 
-/// What a strategy is to be built for.
+/// The setting that a strategy is built for.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting<'a> {
-    /// What blocks.
+    /// The blockers.
     pub spheres: &'a [Sphere],
     /// The only light.
     pub light: Sphere,
@@ -121,9 +121,9 @@ pub trait Subject {
     fn visit<Q: Visitor>(&self, setting: &Setting<'_>, visitor: Q) -> Q::Answer;
 }
 
-/// What is done with a strategy under test.
+/// A task for a strategy under test.
 pub trait Visitor {
-    /// What comes of it.
+    /// Its result.
     type Answer;
 
     /// Uses the strategy.

@@ -88,7 +88,7 @@ fn full_cover(subject: &impl Subject, limits: &Limits, random: &mut Random, out:
     }
 }
 
-/// A light of half-angle `theta` straight above a diffuse receiver. What a Lambert lobe weighs differently within it is
+/// A light of half-angle `theta` straight above a diffuse receiver. A Lambert lobe varies within it by
 /// less than θ²/4 of V: 3e-4 at the 2° used here.
 fn straight_above(random: &mut Random, theta: f64) -> Case {
     let mut case = Case::random(random);
@@ -222,12 +222,20 @@ fn many_spheres(subject: &impl Subject, limits: &Limits, random: &mut Random, ou
     }
 }
 
-/// What moves in a sweep.
+/// The thing that moves in a sweep.
 #[derive(Clone, Copy, Debug)]
 enum Moves {
     Blocker,
     Light,
     Receiver,
+}
+
+/// A sweep: by `± reach` half-angles of the light, along a direction.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    moves: Moves,
+    along: DVec3,
+    reach: f64,
 }
 
 /// One sphere passes the light in small steps, or the light or the receiver moves instead.
@@ -244,7 +252,8 @@ fn motion(subject: &impl Subject, limits: &Limits, random: &mut Random, out: &mu
         let center = start.position + (axis * size.cos() + along * size.sin()) * distance;
         start.spheres.push(Sphere64 { center, radius: distance * size.sin() });
         let moves = [Moves::Blocker, Moves::Light, Moves::Receiver][(k / 4 + k) % 3];
-        let jump = sweep(subject, &start, moves, along, 1.2, ("jump", limits.jump), Case::closed, out);
+        let motion = Motion { moves, along, reach: 1.2 };
+        let jump = sweep(subject, &start, motion, ("jump", limits.jump), Case::closed, out);
         out.measured.jump = out.measured.jump.max(jump);
     }
 }
@@ -258,20 +267,18 @@ fn motion_of_several(subject: &impl Subject, limits: &Limits, random: &mut Rando
         }
         let along = random.axis_at(start.cone().0, 0.5 * PI);
         let moves = [Moves::Blocker, Moves::Light, Moves::Receiver][k % 3];
-        let jump = sweep(subject, &start, moves, along, 0.4, ("jump_several", limits.jump_several), Case::exact, out);
+        let motion = Motion { moves, along, reach: 0.4 };
+        let jump = sweep(subject, &start, motion, ("jump_several", limits.jump_several), Case::exact, out);
         out.measured.jump_several = out.measured.jump_several.max(jump);
     }
 }
 
-/// Largest change of V in a step that the exact one does not make, while something moves by `± reach` half-angles of the
-/// light in steps of a hundredth of one.
-#[expect(clippy::too_many_arguments, reason = "a case and how it moves")]
+/// Largest change of V in a step that the exact one does not make, while something moves in steps of a hundredth of
+/// the light's half-angle.
 fn sweep(
     subject: &impl Subject,
     start: &Case,
-    moves: Moves,
-    along: DVec3,
-    reach: f64,
+    Motion { moves, along, reach }: Motion,
     limit: (&'static str, f64),
     exact: impl Fn(&Case) -> f64,
     out: &mut Run<Measured>,

@@ -22,7 +22,7 @@ pub struct CapLobe {
 /// light of radiance 1).
 ///
 /// In polar coordinates about the lobe's axis the integral over the azimuth is closed: each circle meets the disc and
-/// the half-space in arcs. What remains is one integral over the polar angle, piecewise smooth between the angles at
+/// the half-space in arcs. One integral remains over the polar angle, piecewise smooth between the angles at
 /// which a circle touches the disc or the horizon or passes through a point where those two meet.
 ///
 /// Half-angle θ in (0, π/2], exponents in [0, 1e6] (more works), axes anywhere. Relative error about 1e-11, relative to

@@ -235,7 +235,7 @@ pub(super) fn cubature(
     }
     let [r, g, b, alone, x, y, z, plane] =
         dispatch!(Level::new(), simd => of_rows::<_, 8>(simd, normal, light, frame, &integrand));
-    // What the nodes miss of the image, whose mean over the whole light is one, they miss of the product.
+    // The mean of the image is one: the part of it that the nodes miss, they miss of the product.
     let off = |sum: f32| alone * (1.0 - sum / plane);
     [r + off(x), g + off(y), b + off(z), alone]
 }

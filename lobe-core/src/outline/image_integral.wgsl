@@ -38,7 +38,7 @@ fn outline_end(peak: OutlinePeak) -> vec4f {
         let away = (outline_points[i] - peak.point) / peak.width;
         is_small = is_small && dot(away, away) < OUTLINE_SMALL_LIGHT;
     }
-    // What the nodes miss of the image, whose mean over the whole light is one, they miss of the product.
+    // The mean of the image is one: the part of it that the nodes miss, they miss of the product.
     let off = outline_shown.w * (1.0 - outline_plane.xyz / outline_plane.w);
     return outline_shown + select(vec4f(0.0), vec4f(off, 0.0), is_small);
 }

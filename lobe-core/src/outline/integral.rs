@@ -114,7 +114,7 @@ fn lambert(normal: Vec3, light: &Outline, image: Option<&LightImage>) -> [f32; 4
 }
 
 fn power(normal: Vec3, lobe: &Lobe, light: &Outline, image: Option<&LightImage>) -> [f32; 4] {
-    // What is behind a lobe's own horizon makes a kink where it begins.
+    // A lobe has a kink at its own horizon.
     let cut = (lobe.exponent < STEEP).then(|| light.above(lobe.axis));
     let light = match &cut {
         None => light,

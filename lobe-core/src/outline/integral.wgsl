@@ -60,7 +60,7 @@ fn outline_local(right: vec3f, v: vec3f) -> vec3f {
     return vec3f(dot(right, v), dot(cross(outline.axis, right), v), dot(outline.axis, v));
 }
 
-// What a lobe of flux 1 gives over the outline.
+// The integral of a lobe of flux 1 over the outline.
 fn outline_integral(at: Receiver, lobe: Lobe) -> OutlineSum {
     if (is_lambert(at, lobe)) {
         return outline_lambert(at.normal);
@@ -110,7 +110,7 @@ fn outline_power(normal: vec3f, lobe: Lobe) -> OutlineSum {
     let right = outline_frame(lobe.axis);
     outline_project(right);
     let axis = outline_local(right, lobe.axis);
-    // What is behind a lobe's own horizon makes a kink where it begins.
+    // A lobe has a kink at its own horizon.
     if (lobe.exponent < OUTLINE_STEEP) {
         outline_cut(axis);
         if (outline_point_count == 0u) {
@@ -291,7 +291,7 @@ fn outline_cubature(right: vec3f, peak: OutlinePeak, value: OutlineValue) -> Out
     return outline_end(peak);
 }
 
-// What of a row is where `side·(x, y, 1)` is above 0.
+// The part of a row where `side·(x, y, 1)` is above 0.
 fn outline_within(ends: vec2f, side: vec3f, y: f32) -> vec2f {
     let cut = -(side.y * y + side.z) / side.x;
     return vec2f(select(ends.x, max(ends.x, cut), side.x > 0.0), select(ends.y, min(ends.y, cut), side.x < 0.0));

@@ -37,7 +37,7 @@ pub struct Outline {
     height: f32,
     /// Radius about the middle, where it is a disc; the corners are then those of a polygon around it.
     radius: Option<f32>,
-    /// What places on the light are measured with: a step along a half side times its own is one, times the other's zero.
+    /// The two vectors that measure places on the light: a step along a half side times its own is one, times the other's zero.
     sides: [Vec3; 2],
     /// Whether a horizon has cut something off it.
     is_clipped: bool,
@@ -200,7 +200,7 @@ impl Outline {
         self.height
     }
 
-    /// What of it is above the plane through the receiver with this normal; none where nothing is. Of a disc only the corners are cut.
+    /// The part of it above the plane through the receiver with this normal; none where there is none. Of a disc only the corners are cut.
     #[must_use]
     pub fn above(&self, normal: Vec3) -> Option<Self> {
         let corners = self.corners();

@@ -15,7 +15,7 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// What the paper uses: 128 angles, 16 exponents an interval.
+    /// The paper's: 128 angles, 16 exponents an interval.
     pub const PAPER: Self = Self { angles: 128, per_interval: 16 };
 
     /// Number of distinct exponents: 91 for the paper's table.

@@ -5,7 +5,7 @@ const MAGIC: [u8; 8] = *b"lobes-pt";
 const VERSION: u32 = 1;
 /// Magic, version, angles, exponents an interval.
 const HEADER: usize = 20;
-/// Nobody needs finer tables; a header that says more is damaged.
+/// No finer table is needed; a header that says more is damaged.
 const MOST: u32 = 1024;
 
 /// Why bytes are not a [`ProductTable`].

@@ -15,7 +15,7 @@ pub enum Population {
     Samples,
 }
 
-/// What [`table_error`] found: `|∫ c_r − ∫ c1·c2|` for lobes of scale 1, in steradians.
+/// The result of [`table_error`]: `|∫ c_r − ∫ c1·c2|` for lobes of scale 1, in steradians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TableError {
     /// Mean.

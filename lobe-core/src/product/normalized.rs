@@ -121,7 +121,7 @@ fn of_lambert(normal: Vec3, axis: Vec3, exponent: f32) -> f32 {
     2.0 / TAU * mean * if cosine > 0.0 { cosine } else { 0.0 }
 }
 
-/// What a product of lobes of scale 1 is multiplied by: the scales of flux 1, and the receiver's cosine in the product's
+/// The factor of a product of lobes of scale 1: the scales of flux 1, and the receiver's cosine in the product's
 /// mean direction.
 #[inline(always)]
 fn factor<const COSINE: bool>(normal: Vec3, f: &Lobe, axis: Vec3, exponent: f32, one_minus_cos: f32) -> f32 {

@@ -33,7 +33,7 @@ impl Peak {
         let cos = 1.0 - y;
         let sin_sq = y * (2.0 - y);
         let sin = sin_sq.sqrt();
-        // By the exponents' shares of their sum: nothing overflows. A share of nothing would leave 0/0 beyond 90°.
+        // By the exponents over their sum: nothing overflows. A sum of zero would leave 0/0 beyond 90°.
         let inverse = 1.0 / larger(e1 + e2, f32::MIN_POSITIVE);
         let (k1, k2) = (larger(e1 * inverse, 1e-15), larger(e2 * inverse, 1e-15));
         let root = (cos * cos + 4.0 * k1 * k2 * sin_sq).sqrt();

@@ -59,7 +59,7 @@ fn the_own_sphere_grows_with_the_distance() {
     }
 }
 
-/// What is out of range is put right, and turns keep it so.
+/// Numbers out of range are clamped, and turns keep them in range.
 #[test]
 fn own_spheres_stay_inside() {
     use crate::SelfShadow;

@@ -31,12 +31,7 @@ fn rays_converge_to_the_reference() {
     let world = World::new(&scene);
     let set = blockers(&scene, 5e-4);
     let g = GBuffer::new(&world, 48, 30, 1);
-    let frame = Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy { tolerance: 0.0, depth: 1 },
-        threshold: 0.0,
-    };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy { tolerance: 0.0, depth: 1 });
     for (geometry, on_spheres) in [(Geometry::Spheres, true), (Geometry::Mesh, false)] {
         let job = ReferenceJob { world: &world, gbuffer: &g, blockers: &set, geometry, seed: 1 };
         let mut reference = Reference::new(job);
@@ -67,12 +62,7 @@ fn culling_changes_no_sample() {
     let world = World::new(&scene);
     let set = blockers(&scene, 5e-4);
     let g = GBuffer::new(&world, 96, 60, 1);
-    let frame = Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy { tolerance: 0.0, depth: 1 },
-        threshold: 0.0,
-    };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy { tolerance: 0.0, depth: 1 });
     let shade = |mut shader: RayShader<'_>| {
         let mut out = vec![Vec3::ZERO; g.len()];
         shader.shade(&g.points, &frame, &mut out).unwrap();
@@ -93,12 +83,7 @@ fn instructions_do_not_matter() {
     let scene = busy();
     let set = blockers(&scene, 5e-4);
     let g = GBuffer::new(&World::new(&scene), 90, 70, 1);
-    let frame = Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy { tolerance: 0.0, depth: 1 },
-        threshold: 0.0,
-    };
+    let frame = Frame::new(&scene.materials, &scene.lights, Accuracy { tolerance: 0.0, depth: 1 });
     let shade = |level: Level| {
         let mut out = vec![Vec3::ZERO; g.len()];
         RayShader::spheres(&set, 20).at_level(level).culled(true).shade(&g.points, &frame, &mut out).unwrap();

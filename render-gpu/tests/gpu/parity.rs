@@ -62,12 +62,7 @@ impl View {
     }
 
     pub(crate) fn frame(&self, tolerance: f32, depth: u32) -> Frame<'_> {
-        Frame {
-            materials: &self.scene.materials,
-            lights: &self.scene.lights,
-            accuracy: Accuracy { tolerance, depth },
-            threshold: 0.0,
-        }
+        Frame::new(&self.scene.materials, &self.scene.lights, Accuracy { tolerance, depth })
     }
 
     /// Shadow maps of the meshes.

@@ -251,7 +251,7 @@ fn moves_shadows(gpu: &Gpu) {
     let points = ShadingPoints { receivers: (0..1024).map(floor).collect(), materials: vec![0; 1024] };
     let materials = [Material::lambert(Vec3::ONE)];
     let lights = [SphereLight::new(Sphere { center: Vec3::new(1.0, 6.0, 0.5), radius: 0.5 }, Vec3::ONE)];
-    let frame = Frame { materials: &materials, lights: &lights, accuracy: Accuracy::new(0.003), threshold: 0.0 };
+    let frame = Frame::new(&materials, &lights, Accuracy::new(0.003));
     let shade = |shader: &mut GpuShader| {
         let mut out = vec![Vec3::ZERO; 1024];
         shader.shade(&points, &frame, &mut out).expect("it fits");

@@ -66,12 +66,7 @@ pub(crate) fn fence() -> Scene {
 }
 
 pub(crate) fn frame(scene: &Scene, tolerance: f32, depth: u32) -> Frame<'_> {
-    Frame {
-        materials: &scene.materials,
-        lights: &scene.lights,
-        accuracy: Accuracy { tolerance, depth },
-        threshold: 0.0,
-    }
+    Frame::new(&scene.materials, &scene.lights, Accuracy { tolerance, depth })
 }
 
 /// The radiance from the GPU, and the counts.

@@ -164,11 +164,8 @@ const PAIRS: &[Pair] = &[
     ("visibility-rays/src/rays_splat.wgsl", "GRAZING", Is("visibility-rays/src/rays.rs", "GRAZING")),
 ];
 
-/// The folder of all crates; none where this one was unpacked alone.
-fn workspace() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
-    folder.join("visibility-mask").is_dir().then(|| folder.to_owned())
-}
+/// The folder of all crates.
+const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 /// A number as WGSL and Rust write it; quotients too.
 fn number(text: &str) -> Option<f64> {
@@ -205,17 +202,17 @@ fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
 /// Every number of every text is in the table, and is Rust's to the last digit of f32.
 #[test]
 fn numbers_are_rusts() {
-    let Some(workspace) = workspace() else { return };
+    let workspace = Path::new(WORKSPACE);
     let read = |path: &str| fs::read_to_string(workspace.join(path)).expect(path);
     let mut files = Vec::new();
-    for entry in fs::read_dir(&workspace).expect("a folder").map(|entry| entry.expect("an entry").path().join("src")) {
+    for entry in fs::read_dir(workspace).expect("a folder").map(|entry| entry.expect("an entry").path().join("src")) {
         if entry.is_dir() {
             texts(&entry, &mut files);
         }
     }
     let mut left: BTreeSet<(&str, &str)> = PAIRS.iter().map(|(path, name, _)| (*path, *name)).collect();
     for file in &files {
-        let path = file.strip_prefix(&workspace).expect("inside").to_string_lossy().replace('\\', "/");
+        let path = file.strip_prefix(workspace).expect("inside").to_string_lossy().replace('\\', "/");
         for (name, value) in of_wgsl(&fs::read_to_string(file).expect("a text")) {
             let (known, id, rust) = PAIRS
                 .iter()
