@@ -1,5 +1,5 @@
 use crate::args::{RenderArgs, name};
-use crate::console::say;
+use crate::console::{self, STOP, say};
 use crate::device;
 use crate::failure::Failure;
 use crate::files::{self, Files};
@@ -15,6 +15,10 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    console::cancellable(|| pictures(args))
+}
+
+fn pictures(args: &RenderArgs) -> Result<(), Failure> {
     files::distinct(args.output.iter().chain(&args.stats), &args.view.file)?;
     if args.layers && !args.output.iter().any(|path| files::holds_layers(path)) {
         return Err(Failure::new("--layers: no .exr file is written, and no other holds layers (-o picture.exr)"));
@@ -27,6 +31,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         None => vec![moment::single(&args.view, &animation)?],
     };
     let mut renderer = device::renderer(args, scene, animation, args.settings())?;
+    renderer.set_cancel(STOP.clone());
     if args.map_resolution.is_some() && !renderer.plan().wants_maps(renderer.scene()) {
         let word = name(&args.visibility);
         return Err(Failure::new(format_args!("--map-resolution: no shadow map is made with --visibility {word}")));

@@ -15,7 +15,7 @@ use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
 use lobe_core::paper::Tables;
 use lobe_core::{Accuracy, LightLobes};
-use scene::{Frame, Shade, ShadeStats, ShadingPoints};
+use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints};
 use std::time::Instant;
 use visibility_mask::{Fineness, MAX_DEPTH};
 use wgpu::BufferUsages;
@@ -436,17 +436,21 @@ struct Part<'a> {
     radiance: &'a wgpu::Buffer,
 }
 
-impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
-    type Error = GpuError;
-
+impl GpuShader {
+    /// Shades as [`Shade::shade`] until the request to stop is made, which is looked at before each slice of points: none then.
+    ///
+    /// # Errors
+    /// [`GpuError`].
+    ///
     /// # Panics
     /// When `out` is not as long as the points.
-    fn shade(
+    pub fn shade_until<M: GpuMaterials, L: GpuLight>(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
-    ) -> Result<ShadeStats, GpuError> {
+        cancel: Option<&Cancel>,
+    ) -> Result<Option<ShadeStats>, GpuError> {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
         let start = Instant::now();
         let mut stats = ShadeStats::default();
@@ -456,6 +460,9 @@ impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
         let mut packed = Vec::with_capacity(slice.min(out.len()));
         let slices = points.receivers.chunks(slice).zip(points.materials.chunks(slice)).zip(out.chunks_mut(slice));
         for ((receivers, materials), out) in slices {
+            if cancel.is_some_and(Cancel::is_cancelled) {
+                return Ok(None);
+            }
             packed.clear();
             packed.extend(receivers.iter().zip(materials).map(|(at, material)| GpuReceiver::new(at, *material)));
             self.points.hold(&gpu, bytemuck::cast_slice(&packed))?;
@@ -493,6 +500,21 @@ impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
             }
         }
         stats.seconds = start.elapsed().as_secs_f64();
-        Ok(stats)
+        Ok(Some(stats))
+    }
+}
+
+impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
+    type Error = GpuError;
+
+    /// # Panics
+    /// When `out` is not as long as the points.
+    fn shade(
+        &mut self,
+        points: &ShadingPoints,
+        frame: &Frame<'_, M, L>,
+        out: &mut [Vec3],
+    ) -> Result<ShadeStats, GpuError> {
+        Ok(self.shade_until(points, frame, out, None)?.unwrap_or_default())
     }
 }

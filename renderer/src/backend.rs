@@ -1,10 +1,11 @@
 //! What shades: the cores of the CPU, or a GPU.
 
+use crate::event::check;
 use crate::{Device, RenderError};
 use core::error::Error;
 use glam::Vec3;
 use lobe_core::{Integrator, Visibility};
-use render_cpu::{CpuShader, Layers as PointLayers};
+use render_cpu::{CpuShader, Layers as PointLayers, ShadeRequest};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 
 #[cfg(feature = "gpu")]
@@ -148,37 +149,46 @@ impl GpuBackend {
 
 /// What shades, whatever it computes on.
 pub trait Shader: Shade<Error: Error + Into<RenderError>> {
-    /// Shades, and tells what the picture is made of.
+    /// Shades with the requested layers until the request to stop is made.
     ///
     /// # Errors
-    /// As [`Shade::shade`]; [`RenderError::NotOnGpu`] on a GPU.
-    fn shade_layers(
+    /// As [`Shade::shade`]; [`RenderError::NotOnGpu`] for layers on a GPU; [`RenderError::Cancelled`].
+    fn shade_with(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_>,
         out: &mut [Vec3],
+        request: &ShadeRequest<'_>,
     ) -> Result<(ShadeStats, PointLayers), RenderError>;
 }
 
 impl<V: Visibility, I: Integrator<V>> Shader for CpuShader<V, I> {
-    fn shade_layers(
+    fn shade_with(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_>,
         out: &mut [Vec3],
+        request: &ShadeRequest<'_>,
     ) -> Result<(ShadeStats, PointLayers), RenderError> {
-        Ok(CpuShader::shade_layers(self, points, frame, out))
+        let shaded = CpuShader::shade_with(self, points, frame, out, request);
+        request.cancel.map_or(Ok(()), check)?;
+        Ok(shaded)
     }
 }
 
 #[cfg(feature = "gpu")]
 impl Shader for GpuShader {
-    fn shade_layers(
+    fn shade_with(
         &mut self,
-        _: &ShadingPoints,
-        _: &Frame<'_>,
-        _: &mut [Vec3],
+        points: &ShadingPoints,
+        frame: &Frame<'_>,
+        out: &mut [Vec3],
+        request: &ShadeRequest<'_>,
     ) -> Result<(ShadeStats, PointLayers), RenderError> {
-        Err(RenderError::NotOnGpu(LAYERS))
+        if request.unshadowed || request.lights || request.counts {
+            return Err(RenderError::NotOnGpu(LAYERS));
+        }
+        let stats = self.shade_until(points, frame, out, request.cancel)?.ok_or(RenderError::Cancelled)?;
+        Ok((stats, PointLayers::default()))
     }
 }

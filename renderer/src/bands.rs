@@ -1,9 +1,10 @@
+use crate::RenderError;
 use crate::kept_points::KeptPoints;
 use brdf::Material;
 use core::ops::Range;
 use pictures::Window;
 use render_cpu::{GBuffer, TILE, World};
-use scene::ShadingPoints;
+use scene::{Cancel, ShadingPoints};
 use std::time::Instant;
 use visibility_shadowmap::ReceiverBounds;
 
@@ -30,15 +31,22 @@ pub(crate) struct Bands<'w> {
     rows: u32,
     /// Points of the picture before, or found before they are shaded.
     kept: &'w mut KeptPoints,
+    pub(crate) cancel: &'w Cancel,
     /// Seconds of finding visible points.
     pub(crate) seconds: f64,
 }
 
 impl<'w> Bands<'w> {
-    pub(crate) fn new(world: &'w World<'w>, samples: u32, window: Window, kept: &'w mut KeptPoints) -> Self {
+    pub(crate) fn new(
+        world: &'w World<'w>,
+        samples: u32,
+        window: Window,
+        kept: &'w mut KeptPoints,
+        cancel: &'w Cancel,
+    ) -> Self {
         let rows = BAND_RAYS / (window.size()[0] as u64 * u64::from(samples)).max(1);
         let rows = (rows as u32 / TILE * TILE).max(TILE);
-        Self { world, samples, window, rows, kept, seconds: 0.0 }
+        Self { world, samples, window, rows, kept, cancel, seconds: 0.0 }
     }
 
     /// Bands of these rows, whose borders are those of tiles.
@@ -48,15 +56,18 @@ impl<'w> Bands<'w> {
         (rows.start / step..rows.end.div_ceil(step)).map(cut)
     }
 
-    pub(crate) fn points(&mut self, window: &Window, rows: Range<u32>) -> GBuffer {
+    pub(crate) fn points(&mut self, window: &Window, rows: Range<u32>) -> Result<GBuffer, RenderError> {
         let (world, samples) = (self.world, self.samples);
         let scene = world.scene();
         let columns = window.columns.start as u32..window.columns.end as u32;
         if let Some(kept) = self.kept.take(window, samples, &rows) {
-            return kept;
+            return Ok(kept);
         }
+        let (image, cancel) = ([scene.width, scene.height], self.cancel);
+        let find = || GBuffer::window_until(world, image, samples, columns, rows, cancel);
+        let found = seconds(&mut self.seconds, find).ok_or(RenderError::Cancelled)?;
         self.kept.found += 1;
-        seconds(&mut self.seconds, || GBuffer::window(world, scene.width, scene.height, samples, columns, rows))
+        Ok(found)
     }
 
     /// Keeps the points of a band for the next time that they are needed.
@@ -67,14 +78,14 @@ impl<'w> Bands<'w> {
     /// The box of all visible points of the picture, those outside the window too: its parts are to be as the whole.
     /// `None` when the camera sees nothing. Costs nothing where the points of the whole picture are few enough to be kept; else all
     /// points are found twice.
-    pub(crate) fn bounds(&mut self) -> Option<ReceiverBounds> {
+    pub(crate) fn bounds(&mut self) -> Result<Option<ReceiverBounds>, RenderError> {
         let mut all: Option<ReceiverBounds> = None;
         let [width, height] = self.window.image;
         let picture = Window::whole(width, height);
         let ranges: Vec<_> = self.ranges(0..height as u32).collect();
         let keep = self.window.is_whole();
         for rows in ranges {
-            let g = self.points(&picture, rows.clone());
+            let g = self.points(&picture, rows.clone())?;
             if let Some(b) = ReceiverBounds::of(g.points.receivers.iter().map(|r| r.position)) {
                 all = Some(all.map_or(b, |a| ReceiverBounds { min: a.min.min(b.min), max: a.max.max(b.max) }));
             }
@@ -82,7 +93,7 @@ impl<'w> Bands<'w> {
                 self.keep(&picture, rows, g);
             }
         }
-        all
+        Ok(all)
     }
 
     /// The points of strips spread over the picture, their materials, and how many times their rows the picture has.

@@ -1,6 +1,7 @@
 use crate::{Coarser, RenderError};
 use core::ops::ControlFlow;
 use lobe_core::Accuracy;
+use scene::Cancel;
 use std::path::Path;
 use visibility_shadowmap::MapAdvice;
 
@@ -72,6 +73,11 @@ pub enum Event<'a> {
 
 /// Hears what goes on, and may stop it.
 pub type Listener<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
+
+/// Ends the work where it is to stop.
+pub(crate) fn check(cancel: &Cancel) -> Result<(), RenderError> {
+    if cancel.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(()) }
+}
 
 /// Tells a listener, and ends where that says so.
 pub(crate) fn tell(listener: &mut Listener<'_>, event: Event<'_>) -> Result<(), RenderError> {

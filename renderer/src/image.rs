@@ -4,6 +4,7 @@ use crate::{Event, FrameClocks, Listener, RenderError, Shader, Work};
 use core::ops::ControlFlow;
 use glam::Vec3;
 use lobe_core::Accuracy;
+use render_cpu::ShadeRequest;
 use scene::{Frame, ShadeStats, ShadingPoints};
 
 /// A picture, or a window of one, row by row from the top, and how it was made.
@@ -110,31 +111,34 @@ impl Work for Shading<'_, '_, '_, '_> {
         let of = window.rows.len() as u32;
         for rows in bands.ranges(window.rows.start as u32..window.rows.end as u32) {
             tell(listener, Event::Rows { done: rows.start - window.rows.start as u32, of })?;
-            let g = bands.points(&window, rows.clone());
+            let g = bands.points(&window, rows.clone())?;
             let frame = &Frame { materials: &g.materials, ..*frame };
             let mut radiance = vec![Vec3::ZERO; g.len()];
             let mut all = layers.then(Layers::default);
+            let request =
+                ShadeRequest { unshadowed: layers, lights: layers, counts: layers, cancel: Some(bands.cancel) };
             for (repetition, total) in done.shading.iter_mut().enumerate() {
-                *total += match &mut all {
-                    None => shader.shade(&g.points, frame, &mut radiance).map_err(fail)?,
-                    Some(all) => {
-                        let (stats, mut points) = shader.shade_layers(&g.points, frame, &mut radiance)?;
-                        g.add_emission(&mut points.unshadowed);
-                        if repetition == 0 {
-                            let count = frame.lights.len();
-                            all.unshadowed = g.picture(&points.unshadowed, background);
-                            let light = |l: usize| {
-                                let part: Vec<Vec3> = points.lights.iter().skip(l).step_by(count).copied().collect();
-                                g.resolve(&part, Vec3::ZERO)
-                            };
-                            all.lights = (0..count).map(light).collect();
-                            let numbers = |n: &[u32]| n.iter().map(|n| *n as f32).collect::<Vec<f32>>();
-                            all.lobes = g.resolve(&numbers(&points.lobes), 0.0);
-                            all.products = g.resolve(&numbers(&points.integrals), 0.0);
-                        }
-                        stats
-                    }
-                };
+                let shaded = shader.shade_with(&g.points, frame, &mut radiance, &request);
+                if let Err(RenderError::Cancelled) = shaded {
+                    // What was found is right, and is likely to be needed again.
+                    bands.keep(&window, rows, g);
+                    return Err(RenderError::Cancelled);
+                }
+                let (stats, mut points) = shaded?;
+                *total += stats;
+                if let (Some(all), 0) = (&mut all, repetition) {
+                    g.add_emission(&mut points.unshadowed);
+                    let count = frame.lights.len();
+                    all.unshadowed = g.picture(&points.unshadowed, background);
+                    let light = |l: usize| {
+                        let part: Vec<Vec3> = points.lights.iter().skip(l).step_by(count).copied().collect();
+                        g.resolve(&part, Vec3::ZERO)
+                    };
+                    all.lights = (0..count).map(light).collect();
+                    let numbers = |n: &[u32]| n.iter().map(|n| *n as f32).collect::<Vec<f32>>();
+                    all.lobes = g.resolve(&numbers(&points.lobes), 0.0);
+                    all.products = g.resolve(&numbers(&points.integrals), 0.0);
+                }
             }
             g.add_emission(&mut radiance);
             if let Some(all) = &mut all {

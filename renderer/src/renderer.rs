@@ -1,9 +1,9 @@
 use crate::bands::{Bands, seconds};
 use crate::budget::Budget;
-use crate::event::tell;
+use crate::event::{check, tell};
 use crate::handles::Handles;
 use crate::image::Shading;
-use crate::kept_maps::KeptMaps;
+use crate::kept_maps::{KeptMaps, MapRequest};
 use crate::kept_points::KeptPoints;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
@@ -17,7 +17,7 @@ use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
 use pictures::Window;
 use render_cpu::{Hierarchy, SceneSilhouettes, SceneSpheres, Update, World};
-use scene::{Animation, BlockerSet, Frame, Scene};
+use scene::{Animation, BlockerSet, Cancel, Frame, Scene};
 use std::sync::Arc;
 use visibility_shadowmap::ShadowMap;
 
@@ -60,6 +60,7 @@ pub struct Renderer {
     pub(crate) stale: Stale,
     upkeep: Upkeep,
     is_advised: bool,
+    cancel: Cancel,
 }
 
 impl Renderer {
@@ -115,6 +116,7 @@ impl Renderer {
             stale: Stale::ALL,
             upkeep: Upkeep::default(),
             is_advised: false,
+            cancel: Cancel::new(),
         })
     }
 
@@ -166,6 +168,33 @@ impl Renderer {
         Upkeep { point_bands: self.points.found, maps: self.maps.drawn, ..self.upkeep }
     }
 
+    /// From now on this request, made on any thread, stops pictures and their preparation with [`RenderError::Cancelled`].
+    ///
+    /// The renderer stays as it is, with all that was done so far: once it has another request the next picture has the same bits as
+    /// if nothing had been stopped.
+    ///
+    /// # Cost
+    /// The request is looked at for each tile of pixels and each light: a picture ends within 5 ms on the CPU (`tests/cancel.rs`
+    /// measures it). Not cut short are one hierarchy over the triangles (0.6 µs a triangle to build, 0.1 to refit), the silhouettes of
+    /// one mesh, one shadow map, a step of fitting spheres, and on a GPU one slice of 2²⁰ points and one kernel's compilation.
+    ///
+    /// ```
+    /// # use renderer::{RenderError, Renderer, Settings};
+    /// # let mut scene = scene::builtin();
+    /// # (scene.width, scene.height) = (32, 18);
+    /// let mut renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
+    /// let cancel = scene::Cancel::new();
+    /// renderer.set_cancel(cancel.clone());
+    /// cancel.cancel();
+    /// assert!(matches!(renderer.render(), Err(RenderError::Cancelled)));
+    /// renderer.set_cancel(scene::Cancel::new());
+    /// assert!(renderer.render().is_ok());
+    /// # Ok::<(), RenderError>(())
+    /// ```
+    pub fn set_cancel(&mut self, cancel: Cancel) {
+        self.cancel = cancel;
+    }
+
     pub(crate) fn mark(&mut self, stale: Stale) -> Stale {
         self.stale |= stale;
         stale
@@ -176,6 +205,12 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn prepare(&mut self, listener: &mut Listener<'_>) -> Result<(), RenderError> {
+        let cancel = self.cancel.clone();
+        check(&cancel)?;
+        let listener: &mut Listener<'_> = &mut |event| match cancel.is_cancelled() {
+            true => ControlFlow::Break(()),
+            false => listener(event),
+        };
         if self.stale.has(Stale::PLAN) {
             self.plan = Plan::new(self.settings.strategy, &self.scene);
             self.stale = self.stale.without(Stale::PLAN);
@@ -278,6 +313,7 @@ impl Renderer {
             settings: &self.settings,
             window,
             plan: &self.plan,
+            cancel: &self.cancel,
             spheres: &self.spheres,
             silhouettes: &self.silhouettes,
             tables: self.tables.as_ref(),
@@ -329,6 +365,7 @@ impl Renderer {
     /// Spheres, silhouettes and hierarchy of the present moment.
     fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
         let hierarchy = seconds(&mut clocks.hierarchy, || self.follow_hierarchy());
+        check(&self.cancel)?;
         let (scene, plan, revisions) = (&self.scene, &self.plan, self.rows.revisions());
         if self.stale.has(Stale::SPHERES | Stale::LIGHTS) {
             seconds(&mut clocks.spheres, || {
@@ -338,12 +375,15 @@ impl Renderer {
                 Ok::<(), RenderError>(())
             })?;
         }
+        check(&self.cancel)?;
         if self.stale.has(Stale::SILHOUETTES) {
+            let (kept, cancel) = (&mut self.silhouettes, &self.cancel);
             let [made, refitted] =
-                seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, revisions, &mut self.silhouettes));
+                seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, revisions, kept, cancel));
             self.upkeep.silhouette_builds += made as u64;
             self.upkeep.silhouette_refits += refitted as u64;
         }
+        check(&self.cancel)?;
         self.stale = Stale::NOTHING;
         Ok(hierarchy)
     }
@@ -379,6 +419,7 @@ struct Job<'a> {
     settings: &'a Settings,
     window: &'a Window,
     plan: &'a Plan,
+    cancel: &'a Cancel,
     spheres: &'a KeptSpheres,
     silhouettes: &'a SceneSilhouettes,
     tables: Option<&'a Tables>,
@@ -394,15 +435,17 @@ impl Job<'_> {
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
-        let Self { settings, window, plan, silhouettes, tables, .. } = *self;
+        let Self { settings, window, plan, cancel, silhouettes, tables, .. } = *self;
         let State { backend, chosen, is_advised, points, maps: kept_maps } = state;
         let (scene, spheres) = (world.scene(), self.spheres.get());
-        let mut bands = Bands::new(world, settings.samples, window.clone(), points);
+        let mut bands = Bands::new(world, settings.samples, window.clone(), points, cancel);
         let mut maps = Vec::new();
-        if let Some(receivers) = plan.wants_maps(scene).then(|| bands.bounds()).flatten() {
-            let (resolution, room) = (settings.map_resolution, backend.room_for_maps());
+        let receivers = if plan.wants_maps(scene) { bands.bounds()? } else { None };
+        if let Some(receivers) = receivers {
+            let request =
+                MapRequest { receivers, resolution: settings.map_resolution, room: backend.room_for_maps() };
             let coarser;
-            (maps, coarser) = seconds(&mut clocks.maps, || kept_maps.update(plan, scene, receivers, resolution, room))?;
+            (maps, coarser) = seconds(&mut clocks.maps, || kept_maps.update(plan, scene, request, cancel))?;
             if !core::mem::replace(is_advised, true) {
                 if let Some(coarser) = coarser {
                     tell(listener, Event::CoarserMaps(coarser))?;
@@ -425,6 +468,7 @@ impl Job<'_> {
                     silhouettes,
                     method: settings.method,
                     tables,
+                    cancel,
                     fixed: clocks.maps,
                 };
                 frame.accuracy = choice.choose(backend, budget, &bands, &frame, listener)?;
