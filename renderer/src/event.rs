@@ -62,12 +62,12 @@ pub enum Event<'a> {
         /// Whether that is within the budget; nothing is faster if not.
         is_within: bool,
     },
-    /// Rows of the picture that are shaded.
-    Rows {
+    /// Pixels of the picture, or of its requested parts, that are shaded.
+    Pixels {
         /// So many.
-        done: u32,
+        done: u64,
         /// Of so many.
-        of: u32,
+        of: u64,
     },
 }
 

@@ -2,16 +2,17 @@ use crate::bands::{Bands, seconds};
 use crate::budget::Budget;
 use crate::event::{check, tell};
 use crate::handles::Handles;
-use crate::image::Shading;
+use crate::image::{Canvas, Shading};
 use crate::kept_maps::{KeptMaps, MapRequest};
 use crate::kept_points::KeptPoints;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::{
-    Backend, Clocks, Event, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Layers, Listener, Method, Plan,
+    Backend, Clocks, Event, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Listener, Method, Plan,
     RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
+use glam::Vec3;
 use lighting::Light;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
@@ -53,6 +54,7 @@ pub struct Renderer {
     built: f64,
     silhouettes: SceneSilhouettes,
     pub(crate) points: KeptPoints,
+    canvas: Canvas,
     maps: KeptMaps,
     pub(crate) rows: Rows,
     pub(crate) light_handles: Handles,
@@ -112,6 +114,7 @@ impl Renderer {
             built: 0.0,
             silhouettes: SceneSilhouettes::default(),
             points: KeptPoints::default(),
+            canvas: Canvas::default(),
             maps: KeptMaps::default(),
             stale: Stale::ALL,
             upkeep: Upkeep::default(),
@@ -281,19 +284,37 @@ impl Renderer {
     pub fn render_window(&mut self, window: &Window, listener: &mut Listener<'_>) -> Result<Image, RenderError> {
         let mut image = Image { size: window.size(), ..Image::default() };
         // At once: a picture that finds no room is refused here, and growing would take twice the memory.
-        image.radiance.try_reserve_exact(window.columns.len() * window.rows.len())?;
-        image.layers = self.settings.layers.then(Layers::default);
+        image.radiance.try_reserve_exact(window.pixels())?;
         image.stats = self.render_bands(window, listener, &mut |band| {
-            image.radiance.extend(band.radiance);
-            if let (Some(all), Some(next)) = (&mut image.layers, band.layers) {
-                all.append(next);
-            }
+            image.radiance.extend_from_slice(&band.radiance);
+            image.layers.append(&band.layers);
             ControlFlow::Continue(())
         })?;
         Ok(image)
     }
 
-    /// The same in bands of rows, which go to `sink` as they are done: pictures of any size in bounded memory. Ends early where the
+    /// The radiance of a window into memory of the caller's, one value a pixel, row by row. No picture is allocated, and from the second
+    /// call on no memory of its size.
+    ///
+    /// # Errors
+    /// [`RenderError`]; [`RenderError::Setting`] where there is not one value a pixel.
+    pub fn render_into(
+        &mut self,
+        window: &Window,
+        listener: &mut Listener<'_>,
+        pixels: &mut [Vec3],
+    ) -> Result<ImageStats, RenderError> {
+        if pixels.len() != window.pixels() {
+            let (value, expected) = (format!("of {} pixels", pixels.len()), "one value for each pixel of the window");
+            return Err(RenderError::Setting { name: "memory", value, expected });
+        }
+        self.render_bands(window, listener, &mut |band| {
+            band.copy_to(window, pixels);
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// A window in bands of rows, which go to `sink` as they are done: pictures of any size in bounded memory. Ends early where the
     /// sink has had enough.
     ///
     /// # Errors
@@ -304,6 +325,42 @@ impl Renderer {
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
+        self.render_parts(core::slice::from_ref(window), listener, sink)
+    }
+
+    /// Parts of the picture, of any size and in any order: their pixels are those of the whole one, bit for bit. A part of more
+    /// than [`BAND_RAYS`](crate::BAND_RAYS) camera rays comes in several bands of rows.
+    ///
+    /// Sides that are multiples of 8 cost least: pixels are found and shaded in tiles of 8 × 8. [`Window::parts`] cuts a window.
+    ///
+    /// ```
+    /// use core::ops::ControlFlow;
+    /// use renderer::{Renderer, Settings, Window, glam::Vec3};
+    /// let mut scene = scene::builtin();
+    /// (scene.width, scene.height) = (64, 36);
+    /// let mut renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
+    /// let whole = Window::whole(64, 36);
+    /// let mut parts: Vec<Window> = whole.parts([16, 16]).collect();
+    /// // From the middle outward.
+    /// parts.sort_by_key(|part| part.columns.start.abs_diff(24) + part.rows.start.abs_diff(16));
+    /// let mut picture = vec![Vec3::ZERO; 64 * 36];
+    /// renderer.render_parts(&parts, &mut |_| ControlFlow::Continue(()), &mut |band| {
+    ///     band.copy_to(&whole, &mut picture);
+    ///     ControlFlow::Continue(())
+    /// })?;
+    /// assert_eq!(picture, renderer.render()?.radiance);
+    /// # Ok::<(), renderer::RenderError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RenderError`]; [`RenderError::Setting`] for a window that is no part of this picture.
+    pub fn render_parts(
+        &mut self,
+        parts: &[Window],
+        listener: &mut Listener<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Result<ImageStats, RenderError> {
+        parts.iter().try_for_each(|part| check_window(part, &self.scene))?;
         self.prepare(listener)?;
         let (pose, hierarchy) = (core::mem::take(&mut self.pose), core::mem::take(&mut self.built));
         let mut clocks = FrameClocks { pose, hierarchy, ..FrameClocks::default() };
@@ -311,7 +368,7 @@ impl Renderer {
         let world = World::with_hierarchy(&self.scene, hierarchy);
         let job = Job {
             settings: &self.settings,
-            window,
+            parts,
             plan: &self.plan,
             cancel: &self.cancel,
             spheres: &self.spheres,
@@ -323,9 +380,14 @@ impl Renderer {
             chosen: &mut self.chosen,
             is_advised: &mut self.is_advised,
             points: &mut self.points,
+            canvas: &mut self.canvas,
             maps: &mut self.maps,
         };
-        job.picture(&world, state, clocks, listener, sink)
+        let done = job.picture(&world, state, clocks, listener, sink);
+        if !self.settings.keep_points {
+            self.points.clear_parts();
+        }
+        done
     }
 
     /// The hierarchy of the present moment.
@@ -389,6 +451,17 @@ impl Renderer {
     }
 }
 
+/// Whether a window is a part of a scene's picture.
+fn check_window(window: &Window, scene: &Scene) -> Result<(), RenderError> {
+    let image = [scene.width as usize, scene.height as usize];
+    if window.image == image && window.is_inside() {
+        return Ok(());
+    }
+    let Window { image: [width, height], columns, rows } = window;
+    let value = format!("columns {columns:?} and rows {rows:?} of {width} x {height}");
+    Err(RenderError::Setting { name: "window", value, expected: "a part of the picture" })
+}
+
 /// Whether the lights are those that a method is for.
 pub(crate) fn check_method(method: Method, lights: &[Light]) -> Result<(), RenderError> {
     let other = lights.iter().enumerate().find(|(_, light)| light.ball().is_none());
@@ -411,13 +484,14 @@ struct State<'a> {
     chosen: &'a mut Option<Accuracy>,
     is_advised: &'a mut bool,
     points: &'a mut KeptPoints,
+    canvas: &'a mut Canvas,
     maps: &'a mut KeptMaps,
 }
 
 /// The parts of a picture, made and kept.
 struct Job<'a> {
     settings: &'a Settings,
-    window: &'a Window,
+    parts: &'a [Window],
     plan: &'a Plan,
     cancel: &'a Cancel,
     spheres: &'a KeptSpheres,
@@ -435,10 +509,10 @@ impl Job<'_> {
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
-        let Self { settings, window, plan, cancel, silhouettes, tables, .. } = *self;
-        let State { backend, chosen, is_advised, points, maps: kept_maps } = state;
+        let Self { settings, parts, plan, cancel, silhouettes, tables, .. } = *self;
+        let State { backend, chosen, is_advised, points, canvas, maps: kept_maps } = state;
         let (scene, spheres) = (world.scene(), self.spheres.get());
-        let mut bands = Bands::new(world, settings.samples, window.clone(), points, cancel);
+        let mut bands = Bands::new(world, settings, parts, points, cancel);
         let mut maps = Vec::new();
         let receivers = if plan.wants_maps(scene) { bands.bounds()? } else { None };
         if let Some(receivers) = receivers {
@@ -480,7 +554,7 @@ impl Job<'_> {
         let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
         let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
         let (repeat, layers) = (settings.repeat, settings.layers);
-        let shading = Shading { frame: &frame, bands: &mut bands, repeat, layers, listener, sink };
+        let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, listener, sink };
         let mut stats = blockers.shade(backend, settings.method, tables, shading)?;
         clocks.gbuffer = bands.seconds;
         stats.clocks = clocks;
