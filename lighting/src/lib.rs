@@ -26,6 +26,7 @@ mod sky_light;
 mod sphere_light;
 mod spot_light;
 mod sun_light;
+mod surface;
 mod tube_light;
 
 pub use crate::ambient_light::AmbientLight;

@@ -35,7 +35,7 @@ pub struct Renderer {
     pub(crate) scene: Scene,
     pub(crate) animation: Animation,
     pub(crate) settings: Settings,
-    plan: Plan,
+    pub(crate) plan: Plan,
     pub(crate) backend: Backend,
     /// Seconds of the animation.
     pub(crate) time: f32,
@@ -48,21 +48,21 @@ pub struct Renderer {
     /// What a time budget has chosen.
     pub(crate) chosen: Option<Accuracy>,
     set: BlockerSet,
-    spheres: KeptSpheres,
+    pub(crate) spheres: KeptSpheres,
     hierarchy: Option<Arc<Hierarchy>>,
     /// Seconds of following it before the next picture.
     built: f64,
-    silhouettes: SceneSilhouettes,
+    pub(crate) silhouettes: SceneSilhouettes,
     pub(crate) points: KeptPoints,
     canvas: Canvas,
-    maps: KeptMaps,
+    pub(crate) maps: KeptMaps,
     pub(crate) rows: Rows,
     pub(crate) light_handles: Handles,
     pub(crate) material_handles: Handles,
     pub(crate) stale: Stale,
     upkeep: Upkeep,
     is_advised: bool,
-    cancel: Cancel,
+    pub(crate) cancel: Cancel,
 }
 
 impl Renderer {
@@ -391,7 +391,7 @@ impl Renderer {
     }
 
     /// The hierarchy of the present moment.
-    fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
+    pub(crate) fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
         let scene = &self.scene;
         let mut done = Update::Kept;
         match self.hierarchy.as_mut().and_then(Arc::get_mut) {
@@ -425,7 +425,7 @@ impl Renderer {
     }
 
     /// Spheres, silhouettes and hierarchy of the present moment.
-    fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
+    pub(crate) fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
         let hierarchy = seconds(&mut clocks.hierarchy, || self.follow_hierarchy());
         check(&self.cancel)?;
         let (scene, plan, revisions) = (&self.scene, &self.plan, self.rows.revisions());
