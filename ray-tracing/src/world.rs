@@ -1,4 +1,5 @@
 mod appearance;
+mod build;
 mod camera_rays;
 mod hierarchy;
 mod packet;
@@ -12,6 +13,7 @@ mod triangle_list;
 mod triangle_packet;
 
 pub(crate) use self::appearance::varied;
+pub(crate) use self::build::build;
 pub(crate) use self::camera_rays::{Rays, SIDE};
 pub use self::hierarchy::{Hierarchy, Update};
 pub(crate) use self::packet::{NOTHING, RayPacket};

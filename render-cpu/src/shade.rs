@@ -1,14 +1,12 @@
 use core::convert::Infallible;
-use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
     BrdfLobes, Coverage, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Observer, Receiver,
     Shaft, Stage, Tile, TileContributions, TileInteraction, TileLight, TileLobes, Visibility, cap_integrals,
 };
 use rayon::prelude::*;
-use scene::{Cancel, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds};
+use scene::{Cancel, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 /// Groups that a thread takes at once, at most: what is dear is often side by side.
 const RUN: usize = 16;
@@ -135,7 +133,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         request: &ShadeRequest<'_>,
     ) -> (ShadeStats, Vec<Layers>) {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         // In a box: it is large, and changes hands often.
         let memory = || {
             Box::new(Memory {
@@ -166,9 +164,9 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
                 },
             )
             .collect();
-        let seconds = start.elapsed().as_secs_f64();
+        let seconds = watch.seconds();
         let mut counts = Counts::default();
-        let mut stages = [Duration::ZERO; 5];
+        let mut stages = [0.0_f64; 5];
         let mut layers = Vec::with_capacity(groups.len());
         for (work, layer) in groups {
             work.add_to(&mut counts);
@@ -176,8 +174,8 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             layers.push(layer);
         }
         // Shares of the timed groups, in seconds of the whole call.
-        let timed: f64 = stages.iter().map(Duration::as_secs_f64).sum();
-        let share = |k: usize| if timed > 0.0 { stages[k].as_secs_f64() / timed * seconds } else { 0.0 };
+        let timed: f64 = stages.iter().sum();
+        let share = |k: usize| if timed > 0.0 { stages[k] / timed * seconds } else { 0.0 };
         let stages = StageSeconds {
             reflectance: share(0),
             lighting: share(1),
@@ -334,8 +332,8 @@ impl<M> Drop for Lent<'_, M> {
 
 /// One group's counters and clocks; stages in the order of Table 1.
 struct Work {
-    clock: Option<Instant>,
-    stages: [Duration; 5],
+    clock: Option<Stopwatch>,
+    stages: [f64; 5],
     lobes: usize,
     integrals: usize,
     pruned: u64,
@@ -347,8 +345,8 @@ struct Work {
 impl Work {
     fn new(timed: bool) -> Self {
         Self {
-            clock: timed.then(Instant::now),
-            stages: [Duration::ZERO; 5],
+            clock: timed.then(Stopwatch::start),
+            stages: [0.0; 5],
             lobes: 0,
             integrals: 0,
             pruned: 0,
@@ -360,16 +358,14 @@ impl Work {
 
     fn restart(&mut self) {
         if let Some(clock) = self.clock.as_mut() {
-            *clock = Instant::now();
+            clock.lap();
         }
     }
 
     /// The time since the last lap belongs to `stage`.
     fn lap(&mut self, stage: usize) {
         if let Some(clock) = self.clock.as_mut() {
-            let now = Instant::now();
-            self.stages[stage] += now - *clock;
-            *clock = now;
+            self.stages[stage] += clock.lap();
         }
     }
 

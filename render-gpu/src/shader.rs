@@ -15,8 +15,7 @@ use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
 use lobe_core::paper::Tables;
 use lobe_core::{Accuracy, LightLobes};
-use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints};
-use std::time::Instant;
+use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use visibility_mask::{Fineness, MAX_DEPTH};
 use wgpu::BufferUsages;
 
@@ -452,7 +451,7 @@ impl GpuShader {
         cancel: Option<&Cancel>,
     ) -> Result<Option<ShadeStats>, GpuError> {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let mut stats = ShadeStats::default();
         let (kernels, stride) = self.prepare(frame)?;
         let slice = self.slice(stride) as usize;
@@ -499,7 +498,7 @@ impl GpuShader {
                 clock.read(&gpu, &mut stats.stages)?;
             }
         }
-        stats.seconds = start.elapsed().as_secs_f64();
+        stats.seconds = watch.seconds();
         Ok(Some(stats))
     }
 }

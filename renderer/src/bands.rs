@@ -4,8 +4,7 @@ use brdf::Material;
 use core::ops::Range;
 use pictures::Window;
 use render_cpu::{GBuffer, TILE, World};
-use scene::{Cancel, ShadingPoints};
-use std::time::Instant;
+use scene::{Cancel, ShadingPoints, Stopwatch};
 use visibility_shadowmap::ReceiverBounds;
 
 /// Camera rays in flight: bounds the memory of large pictures.
@@ -13,9 +12,9 @@ pub const BAND_RAYS: u64 = 1 << 19;
 
 /// Runs `work` and adds what it takes to a clock in seconds.
 pub fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
+    let watch = Stopwatch::start();
     let result = work();
-    *clock += start.elapsed().as_secs_f64();
+    *clock += watch.seconds();
     result
 }
 

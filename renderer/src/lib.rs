@@ -70,4 +70,4 @@ pub use crate::stale::{Stale, Upkeep};
 pub use crate::tables::paper_tables;
 pub use glam;
 pub use pictures::Window;
-pub use scene::Cancel;
+pub use scene::{Cancel, set_clock};

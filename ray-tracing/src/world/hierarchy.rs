@@ -1,15 +1,14 @@
 //! The two hierarchies over a scene, which follow it from frame to frame.
 
 use super::appearance;
+use super::build::build;
 use super::primitive::{Ball, Corners};
 use super::tree::{Tree, hierarchy_scale};
-use core::time::Duration;
 use glam::{Vec3, Vec3A};
 use lobe_core::Sphere;
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
 use obvhs::triangle::Triangle;
-use obvhs::{Boundable, BvhBuildParams};
 use scene::{Doubles, Proxy, Scene, Shape};
 
 /// The triangles and the exact spheres of a scene in two hierarchies, kept from frame to frame.
@@ -98,14 +97,14 @@ fn triangle_tree(triangles: &[Corners], scale: f32) -> Tree<Corners> {
             Triangle { v0, v1, v2 }
         };
         let triangles: Vec<_> = triangles.iter().map(corners).collect();
-        build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
+        build(&triangles)
     })
 }
 
 fn ball_tree(balls: &[Ball], scale: f32) -> Tree<Ball> {
     Tree::new(balls, scale, |balls| {
         let boxes = balls.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * scale, b.max * scale));
-        build_cwbvh(&boxes.collect::<Vec<_>>(), BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
+        build(&boxes.collect::<Vec<_>>())
     })
 }
 
