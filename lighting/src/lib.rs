@@ -28,6 +28,7 @@ mod spot_light;
 mod sun_light;
 mod surface;
 mod tube_light;
+mod world;
 
 pub use crate::ambient_light::AmbientLight;
 pub use crate::emissive_mesh::{EmissiveMesh, EmissiveMeshError, emissive_mesh};

@@ -70,6 +70,13 @@ impl<'s> World<'s> {
         self.scene
     }
 
+    /// Another number whenever anything that rays meet has moved, come, gone, or begun or ceased to block: no two hierarchies of a
+    /// program have the same one otherwise.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.hierarchy.revision()
+    }
+
     /// Number of triangles, those without area not counted.
     #[must_use]
     pub fn triangle_count(&self) -> usize {

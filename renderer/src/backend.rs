@@ -14,7 +14,7 @@ use {
     lobe_core::gpu::GpuBlockers,
     lobe_core::paper::Tables,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, Stops},
-    scene::Scene,
+    ray_tracing::World,
     visibility_rays::GpuRays,
     visibility_shadowmap::{PackedMaps, ShadowMapBlockers},
     visibility_silhouettes::GpuSilhouettes,
@@ -46,7 +46,7 @@ impl Backend {
             Device::Gpu => {
                 let gpu = Gpu::blocking(&GpuOptions::default())?;
                 let shader = GpuShader::new(&gpu, Occlusion::default())?;
-                Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None, maps: None })))
+                Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None, maps: None, followed: 0 })))
             }
             #[cfg(not(feature = "gpu"))]
             Device::Gpu => Err(RenderError::NotOnGpu(NOT_BUILT)),
@@ -83,6 +83,16 @@ impl Backend {
         }
     }
 
+    /// Times that the hierarchy of its rays was made, or followed what moved.
+    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "the CPU's is the renderer's"))]
+    pub(crate) const fn worlds_followed(&self) -> u64 {
+        match self {
+            Self::Cpu => 0,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.followed,
+        }
+    }
+
     /// `cpu`, or what the GPU calls itself.
     #[must_use]
     pub fn name(&self) -> String {
@@ -99,38 +109,42 @@ impl Backend {
 #[derive(Debug)]
 pub struct GpuBackend {
     shader: GpuShader,
-    /// With what stops its rays.
-    world: Option<(GpuWorld, Vec<Stops>)>,
+    world: Option<RayWorld>,
     /// What the GPU has of the shadow maps.
     maps: Option<PackedMaps>,
+    /// Times that the world was made, or followed what moved.
+    followed: u64,
+}
+
+/// The scene as the GPU's rays meet it.
+#[cfg(feature = "gpu")]
+#[derive(Debug)]
+struct RayWorld {
+    world: GpuWorld,
+    /// Which rays each object stops.
+    stops: Vec<Stops>,
+    /// That of the hierarchy that it follows.
+    revision: u64,
 }
 
 #[cfg(feature = "gpu")]
 impl GpuBackend {
-    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each which they are: the
-    /// same scene with each call. Those objects are by `silhouettes`, or by rays where there are none.
+    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each which they are.
+    /// Those objects are by `silhouettes`, or by rays where there are none.
     pub(crate) fn occluded(
         &mut self,
         tables: Option<&Tables>,
         spheres: Option<&SphereBlockers>,
         maps: Option<&ShadowMapBlockers>,
-        traced: Option<(&Scene, Vec<Stops>)>,
+        traced: Option<(&World<'_>, Vec<Stops>)>,
         silhouettes: Option<&GpuSilhouettes>,
     ) -> Result<&mut GpuShader, GpuError> {
-        if let Some((scene, objects)) = traced {
-            match &mut self.world {
-                // What maps show changes as lights move.
-                Some((world, kept)) if *kept == objects => world.update(scene)?,
-                world => {
-                    let traced = GpuWorld::stopping(self.shader.gpu(), scene, |o| objects[o as usize])?;
-                    *world = Some((traced, objects));
-                }
-            }
-        } else {
-            self.world = None;
+        match traced {
+            Some((world, stops)) => self.follow(world, stops)?,
+            None => self.world = None,
         }
         self.shader.set_paper(tables);
-        let any_hit = self.world.as_ref().map(|(world, _)| world);
+        let any_hit = self.world.as_ref().map(|of| &of.world);
         let silhouettes = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
         let traced = silhouettes.or_else(|| any_hit.map(|_| &GpuRays as &dyn GpuBlockers));
         if let Some(maps) = maps {
@@ -144,6 +158,27 @@ impl GpuBackend {
         let blockers: Vec<&dyn GpuBlockers> = [spheres, maps, traced].into_iter().flatten().collect();
         self.shader.occlude(Occlusion { blockers: &blockers, any_hit })?;
         Ok(&mut self.shader)
+    }
+
+    /// Lets what rays meet follow the scene, where anything has moved.
+    fn follow(&mut self, world: &World<'_>, stops: Vec<Stops>) -> Result<(), GpuError> {
+        let revision = world.revision();
+        match &mut self.world {
+            // What maps show changes as lights move.
+            Some(kept) if kept.stops == stops => {
+                if kept.revision == revision {
+                    return Ok(());
+                }
+                kept.world.update(world.scene())?;
+                kept.revision = revision;
+            }
+            kept => {
+                let made = GpuWorld::stopping(self.shader.gpu(), world.scene(), |o| stops[o as usize])?;
+                *kept = Some(RayWorld { world: made, stops, revision });
+            }
+        }
+        self.followed += 1;
+        Ok(())
     }
 }
 

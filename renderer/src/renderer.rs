@@ -60,7 +60,7 @@ pub struct Renderer {
     pub(crate) light_handles: Handles,
     pub(crate) material_handles: Handles,
     pub(crate) stale: Stale,
-    upkeep: Upkeep,
+    pub(crate) upkeep: Upkeep,
     is_advised: bool,
     pub(crate) cancel: Cancel,
 }
@@ -168,7 +168,8 @@ impl Renderer {
     /// How often what is kept between pictures was made or followed so far.
     #[must_use]
     pub const fn upkeep(&self) -> Upkeep {
-        Upkeep { point_bands: self.points.found, maps: self.maps.drawn, ..self.upkeep }
+        let ray_worlds = self.upkeep.ray_worlds + self.backend.worlds_followed();
+        Upkeep { point_bands: self.points.found, maps: self.maps.drawn, ray_worlds, ..self.upkeep }
     }
 
     /// From now on this request, made on any thread, stops pictures and their preparation with [`RenderError::Cancelled`].
@@ -275,6 +276,24 @@ impl Renderer {
     pub fn render(&mut self) -> Result<Image, RenderError> {
         let window = Window::whole(self.scene.width as usize, self.scene.height as usize);
         self.render_window(&window, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Makes all that the next picture needs but its points: sphere sets, tables, hierarchies, silhouettes, maps, the accuracy of a time
+    /// budget, and on a GPU the compiled kernels. A window calls it before its first picture, and after edits of settings.
+    ///
+    /// ```
+    /// # let mut scene = scene::builtin();
+    /// # (scene.width, scene.height) = (32, 18);
+    /// # let mut renderer = renderer::Renderer::new(scene, scene::Animation::default(), renderer::Settings::default())?;
+    /// let clocks = renderer.warm_up(&mut |_| core::ops::ControlFlow::Continue(()))?.clocks;
+    /// assert!(clocks.hierarchy >= 0.0 && renderer.upkeep().hierarchy_builds == 1);
+    /// # Ok::<(), renderer::RenderError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn warm_up(&mut self, listener: &mut Listener<'_>) -> Result<ImageStats, RenderError> {
+        self.render_parts(&[], listener, &mut |_| ControlFlow::Continue(()))
     }
 
     /// A window of the picture: its pixels are those of the whole one, bit for bit.
@@ -392,6 +411,9 @@ impl Renderer {
 
     /// The hierarchy of the present moment.
     pub(crate) fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
+        if self.stale.has(Stale::HIERARCHY | Stale::LIGHTS) && self.scene.fit_lights() {
+            self.mark(Stale::LIGHTS | Stale::MAPS);
+        }
         let scene = &self.scene;
         let mut done = Update::Kept;
         match self.hierarchy.as_mut().and_then(Arc::get_mut) {

@@ -20,10 +20,10 @@ fn is_color(color: Vec3) -> bool {
 }
 
 impl Scene {
-    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, spheres, proxies, lights, and
-    /// that there is an object. [`load`](crate::load) has done so.
+    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, spheres, proxies, lights.
+    /// [`load`](crate::load) has done so.
     ///
-    /// A scene without lights is allowed: its picture is black.
+    /// A scene without lights is allowed: its picture is black. So is one without objects: its picture is the background.
     ///
     /// # Errors
     /// [`SceneError::Invalid`] that names the first fault.
@@ -36,9 +36,6 @@ impl Scene {
         }
         for (i, surface) in self.surfaces.iter().enumerate() {
             check_emission(i, surface)?;
-        }
-        if self.objects.is_empty() {
-            return Err(SceneError::invalid("scene has no objects"));
         }
         self.objects.iter().try_for_each(|object| self.check_object(object))?;
         self.lights.iter().enumerate().try_for_each(|(i, light)| Self::check_light(i, light))

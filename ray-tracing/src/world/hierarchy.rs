@@ -4,6 +4,7 @@ use super::appearance;
 use super::build::build;
 use super::primitive::{Ball, Corners};
 use super::tree::{Tree, hierarchy_scale};
+use core::sync::atomic::{AtomicU64, Ordering};
 use glam::{Vec3, Vec3A};
 use lobe_core::Sphere;
 use obvhs::Boundable;
@@ -28,6 +29,13 @@ pub struct Hierarchy {
     pub(super) balls: Tree<Ball>,
     /// Of vertices, by object, for normal maps; empty without.
     pub(super) tangents: Vec<Vec<Vec3>>,
+    revision: u64,
+}
+
+/// A number that no hierarchy has had.
+fn new_revision() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// How much an update had to do.
@@ -50,7 +58,8 @@ impl Hierarchy {
         let (triangles, balls) = gather(scene);
         let scale = scale_of(&triangles, &balls);
         let tangents = appearance::tangents(scene);
-        Self { triangles: triangle_tree(&triangles, scale), balls: ball_tree(&balls, scale), tangents }
+        let (triangles, balls) = (triangle_tree(&triangles, scale), ball_tree(&balls, scale));
+        Self { triangles, balls, tangents, revision: new_revision() }
     }
 
     /// Follows the scene: objects may have moved, come or gone. Boxes are refitted where primitives have moved, and a hierarchy is
@@ -70,7 +79,16 @@ impl Hierarchy {
             Update::Built
         });
         self.update_surfaces(scene);
-        of_triangles.max(of_balls)
+        let done = of_triangles.max(of_balls);
+        if done != Update::Kept {
+            self.revision = new_revision();
+        }
+        done
+    }
+
+    /// See [`World::revision`](crate::World::revision).
+    pub(super) const fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// Follows lights that have changed while all objects stay: a sphere that shows a light does not block. Whether any sphere blocks
@@ -80,6 +98,9 @@ impl Hierarchy {
         for ball in &mut self.balls.primitives {
             let blocks = blocks(scene, &ball.sphere);
             is_changed |= core::mem::replace(&mut ball.blocks, blocks) != blocks;
+        }
+        if is_changed {
+            self.revision = new_revision();
         }
         is_changed
     }
