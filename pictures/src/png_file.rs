@@ -108,8 +108,7 @@ mod tests {
         let pixel = |i: usize| Vec3::new(i as f32 / 5e3 - 0.1, (i % 257) as f32 / 256.0, 1.0 / (i + 1) as f32);
         let pixels: Vec<Vec3> = (0..2 * TASK + 77).map(pixel).collect();
         let exposure = 0.7_f32;
-        let want: Vec<u8> =
-            pixels.iter().flat_map(|p| p.to_array().map(|x| srgb_byte(x, exposure.exp2()))).collect();
+        let want: Vec<u8> = pixels.iter().flat_map(|p| p.to_array().map(|x| srgb_byte(x, exposure.exp2()))).collect();
         let mut bytes = vec![9; want.len()];
         srgb_bytes_into(&pixels, exposure, &mut bytes);
         assert_eq!(bytes, want);

@@ -46,9 +46,8 @@ impl Window {
             (start / step..end.div_ceil(step)).map(move |k| (k * step).max(start)..((k + 1) * step).min(end))
         };
         let (image, columns) = (self.image, cut(&self.columns, across));
-        cut(&self.rows, down).flat_map(move |rows| {
-            columns.clone().map(move |columns| Self { image, columns, rows: rows.clone() })
-        })
+        cut(&self.rows, down)
+            .flat_map(move |rows| columns.clone().map(move |columns| Self { image, columns, rows: rows.clone() }))
     }
 
     /// The number of its pixels.

@@ -31,7 +31,8 @@ impl KernelLog {
     /// The kernels that are being compiled, and since when.
     #[must_use]
     pub fn compiling(&self) -> Vec<CompiledKernel> {
-        let running = |(_, name, since): &(u64, String, Stopwatch)| CompiledKernel { name: name.clone(), time: time(since) };
+        let running =
+            |(_, name, since): &(u64, String, Stopwatch)| CompiledKernel { name: name.clone(), time: time(since) };
         self.entries().running.iter().map(running).collect()
     }
 

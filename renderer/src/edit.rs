@@ -209,7 +209,9 @@ impl Renderer {
         let is_sky = |light: &Light| matches!(light, Light::Sky(_));
         let first = self.scene.lights.iter().filter(|light| !is_sky(light)).count();
         new.iter().zip(first..).try_for_each(|(light, number)| self.check_light(number, light))?;
-        for place in (0..self.scene.lights.len()).rev().filter(|place| is_sky(&self.scene.lights[*place])).collect::<Vec<_>>() {
+        for place in
+            (0..self.scene.lights.len()).rev().filter(|place| is_sky(&self.scene.lights[*place])).collect::<Vec<_>>()
+        {
             self.light_handles.remove(place);
             self.animation.remove_light(place);
             self.scene.lights.remove(place);

@@ -56,9 +56,8 @@ impl KeptMaps {
         if self.of.as_ref() == Some(&now) {
             return Ok((self.maps.clone(), self.coarser));
         }
-        let old = self.of.take().filter(|of| {
-            (of.request, &of.casters) == (request, &now.casters) && self.coarser.is_none()
-        });
+        let old =
+            self.of.take().filter(|of| (of.request, &of.casters) == (request, &now.casters) && self.coarser.is_none());
         let known = |light: &Sphere| {
             let place = old.as_ref()?.lights.iter().position(|other| other == light)?;
             self.maps.get(place).cloned()

@@ -34,6 +34,7 @@ mod exposure;
 mod frame_blockers;
 mod handles;
 mod image;
+mod job;
 mod kept_maps;
 mod kept_points;
 mod kept_spheres;

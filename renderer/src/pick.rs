@@ -1,10 +1,10 @@
-//! Questions about single points: what a pixel shows, and how much of a light a point sees.
+//! Questions about single points: the surface that a pixel shows, and the part of a light that a point sees.
 
 use crate::bands::Bands;
 use crate::kept_maps::MapRequest;
 use crate::{
-    Backend, EditError, FrameBlockers, LightHandle, MaterialHandle, Method, ObjectHandle, RenderError, Renderer, Shader,
-    Work,
+    Backend, EditError, FrameBlockers, LightHandle, MaterialHandle, Method, ObjectHandle, RenderError, Renderer,
+    Shader, Work,
 };
 use brdf::Material;
 use core::ops::ControlFlow;

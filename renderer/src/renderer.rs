@@ -1,15 +1,15 @@
-use crate::bands::{Bands, seconds};
-use crate::budget::Budget;
-use crate::event::{check, tell};
+use crate::bands::seconds;
+use crate::event::check;
 use crate::handles::Handles;
-use crate::image::{Canvas, Shading};
-use crate::kept_maps::{KeptMaps, MapRequest};
+use crate::image::Canvas;
+use crate::job::{Job, State};
+use crate::kept_maps::KeptMaps;
 use crate::kept_points::KeptPoints;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::{
-    Backend, Clocks, Event, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Listener, Method, Plan,
-    RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
+    Backend, Clocks, FrameClocks, Image, ImageStats, KeptSpheres, Listener, Method, Plan, RenderError, Settings, Sink,
+    Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -18,9 +18,8 @@ use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
 use pictures::Window;
 use render_cpu::{Hierarchy, SceneSilhouettes, SceneSpheres, Update, World};
-use scene::{Animation, BlockerSet, Cancel, Frame, Scene};
+use scene::{Animation, BlockerSet, Cancel, Scene};
 use std::sync::Arc;
-use visibility_shadowmap::ShadowMap;
 
 /// A scene, and all that turns it into pictures: which strategy each object's shadow takes, spheres, hierarchies and maps kept
 /// from frame to frame, the device and the method.
@@ -498,92 +497,4 @@ pub(crate) fn check_method(method: Method, lights: &[Light]) -> Result<(), Rende
         kind => kind,
     };
     Err(RenderError::PaperLight(i, kind))
-}
-
-/// The state that a picture uses and leaves for the next one.
-struct State<'a> {
-    backend: &'a mut Backend,
-    chosen: &'a mut Option<Accuracy>,
-    is_advised: &'a mut bool,
-    points: &'a mut KeptPoints,
-    canvas: &'a mut Canvas,
-    maps: &'a mut KeptMaps,
-}
-
-/// The parts of a picture, made and kept.
-struct Job<'a> {
-    settings: &'a Settings,
-    parts: &'a [Window],
-    plan: &'a Plan,
-    cancel: &'a Cancel,
-    spheres: &'a KeptSpheres,
-    silhouettes: &'a SceneSilhouettes,
-    tables: Option<&'a Tables>,
-}
-
-impl Job<'_> {
-    /// One picture of a world, as far as the sink takes it.
-    fn picture(
-        &self,
-        world: &World<'_>,
-        state: State<'_>,
-        mut clocks: FrameClocks,
-        listener: &mut Listener<'_>,
-        sink: &mut Sink<'_>,
-    ) -> Result<ImageStats, RenderError> {
-        let Self { settings, parts, plan, cancel, silhouettes, tables, .. } = *self;
-        let State { backend, chosen, is_advised, points, canvas, maps: kept_maps } = state;
-        let (scene, spheres) = (world.scene(), self.spheres.get());
-        let mut bands = Bands::new(world, settings, parts, points, cancel);
-        let mut maps = Vec::new();
-        let receivers = if plan.wants_maps(scene) { bands.bounds()? } else { None };
-        if let Some(receivers) = receivers {
-            let request =
-                MapRequest { receivers, resolution: settings.map_resolution, room: backend.room_for_maps() };
-            let coarser;
-            (maps, coarser) = seconds(&mut clocks.maps, || kept_maps.update(plan, scene, request, cancel))?;
-            if !core::mem::replace(is_advised, true) {
-                if let Some(coarser) = coarser {
-                    tell(listener, Event::CoarserMaps(coarser))?;
-                }
-                for (light, map) in maps.iter().enumerate() {
-                    tell(listener, Event::Map { light, advice: map.advice(&receivers) })?;
-                }
-            }
-        }
-        let (materials, lights) = (&scene.materials, &scene.lights);
-        let mut frame = Frame { materials, lights, accuracy: settings.accuracy, threshold: settings.threshold };
-        match (*chosen, settings.time_budget) {
-            (Some(accuracy), _) => frame.accuracy = accuracy,
-            (None, Some(budget)) => {
-                let choice = Budget {
-                    world,
-                    plan,
-                    spheres,
-                    maps: &maps,
-                    silhouettes,
-                    method: settings.method,
-                    tables,
-                    cancel,
-                    fixed: clocks.maps,
-                };
-                frame.accuracy = choice.choose(backend, budget, &bands, &frame, listener)?;
-                *chosen = Some(frame.accuracy);
-            }
-            (None, None) => {}
-        }
-        let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
-        let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy);
-        let (repeat, layers) = (settings.repeat, settings.layers);
-        let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, listener, sink };
-        let mut stats = blockers.shade(backend, settings.method, tables, shading)?;
-        clocks.gbuffer = bands.seconds;
-        stats.clocks = clocks;
-        stats.accuracy = frame.accuracy;
-        stats.spheres = spheres.map_or(0, |s| s.spheres().len());
-        stats.triangles = world.triangle_count();
-        (stats.map_resolutions, stats.map_bytes) = (map_resolutions, map_bytes);
-        Ok(stats)
-    }
 }

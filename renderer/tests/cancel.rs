@@ -1,7 +1,10 @@
 //! Requests to stop: pictures end soon, and the renderer is as good as before.
 
+use glam::{Mat4, Vec3};
+use lighting::SphereLight;
+use lobe_core::Sphere;
 use renderer::{RenderError, Renderer, Settings};
-use scene::{Animation, Cancel, Proxy, Scene, Strategy};
+use scene::{Animation, Cancel, Object, Proxy, Scene, Strategy};
 use std::thread;
 use std::time::{Duration, Instant};
 use test_scenes::{floor_and_ball, globe};
@@ -10,16 +13,20 @@ use test_scenes::{floor_and_ball, globe};
 fn slow(width: u32, height: u32) -> Scene {
     let mut scene = floor_and_ball();
     (scene.width, scene.height) = (width, height);
-    let mesh = globe(60, glam::Vec3::new(-0.8, 0.8, 0.4), 0.5, true);
-    scene.objects.push(scene::Object::mesh("globe", mesh, 0, Proxy::Count(8)));
+    let mesh = globe(60, Vec3::new(-0.8, 0.8, 0.4), 0.5, true);
+    let inner = Sphere { center: Vec3::new(-0.8, 0.8, 0.4), radius: 0.48 };
+    scene.objects.push(Object::mesh("globe", mesh, 0, Proxy::Spheres(vec![inner])));
     for k in 0..6 {
         let mut light = scene.lights[0].ball().expect("a sphere");
         light.center.x += 0.3 * (k as f32 - 2.5);
         light.radius *= 2.0;
-        scene.lights.push(lighting::SphereLight::new(light, glam::Vec3::ONE).into());
+        scene.lights.push(SphereLight::new(light, Vec3::ONE).into());
     }
     scene
 }
+
+const STRATEGIES: [Option<Strategy>; 4] =
+    [Some(Strategy::Silhouettes), Some(Strategy::Spheres), Some(Strategy::Rays), Some(Strategy::ShadowMap)];
 
 fn renderer(scene: Scene, strategy: Option<Strategy>) -> Renderer {
     Renderer::new(scene, Animation::default(), Settings { strategy, ..Settings::default() }).expect("a scene")
@@ -46,7 +53,7 @@ fn stop_after(renderer: &mut Renderer, wait: Duration) -> Option<Duration> {
 
 #[test]
 fn pictures_end_soon_and_the_next_one_is_right() {
-    for strategy in [None, Some(Strategy::Spheres), Some(Strategy::Rays), Some(Strategy::ShadowMap)] {
+    for strategy in STRATEGIES {
         let scene = slow(320, 180);
         let fresh = renderer(scene.clone(), strategy).render().expect("a picture");
         let mut edited = renderer(scene, strategy);
@@ -82,7 +89,7 @@ fn edits_survive_a_request() {
     edited.render().expect("a picture");
     let object = edited.objects().nth(2).expect("the globe").0;
     for (k, wait) in [0, 1, 2, 5].into_iter().enumerate() {
-        let shift = glam::Mat4::from_translation(glam::Vec3::X * 0.05 * (k + 1) as f32);
+        let shift = Mat4::from_translation(Vec3::X * 0.05 * (k + 1) as f32);
         edited.set_transform(object, shift).expect("a shift");
         stop_after(&mut edited, Duration::from_millis(wait));
     }
@@ -96,7 +103,7 @@ fn edits_survive_a_request() {
 #[test]
 #[ignore = "a measurement, for an idle machine"]
 fn report() {
-    for strategy in [None, Some(Strategy::Spheres), Some(Strategy::Rays), Some(Strategy::ShadowMap)] {
+    for strategy in STRATEGIES {
         let mut edited = renderer(slow(1280, 720), strategy);
         edited.render().expect("a picture");
         let light = edited.lights().next().map(|(handle, light)| (handle, light.clone())).expect("a light");
@@ -107,6 +114,12 @@ fn report() {
         }
         delays.sort_unstable();
         let at = |share: f64| delays[((delays.len() - 1) as f64 * share) as usize].as_secs_f64() * 1e3;
-        println!("{strategy:?}: {} stopped; median {:.2} ms, 99 % {:.2} ms, most {:.2} ms", delays.len(), at(0.5), at(0.99), at(1.0));
+        println!(
+            "{strategy:?}: {} stopped; median {:.2} ms, 99 % {:.2} ms, most {:.2} ms",
+            delays.len(),
+            at(0.5),
+            at(0.99),
+            at(1.0)
+        );
     }
 }

@@ -136,14 +136,8 @@ fn layers_come_one_by_one() {
     assert_eq!((empty(&none.layers), none.radiance == want.radiance), ([true; 6], true));
     for k in 0..6 {
         let on = |i: usize| i == k;
-        let layers = LayerSet {
-            unshadowed: on(0),
-            lights: on(1),
-            normals: on(2),
-            depths: on(3),
-            objects: on(4),
-            counts: on(5),
-        };
+        let layers =
+            LayerSet { unshadowed: on(0), lights: on(1), normals: on(2), depths: on(3), objects: on(4), counts: on(5) };
         let image = renderer(settings(layers)).render().expect("a picture");
         let (one, all) = (&image.layers, &want.layers);
         assert_eq!(empty(one), core::array::from_fn(|i| i != k));

@@ -1,4 +1,4 @@
-//! What a pixel shows, and how much of a light a point sees.
+//! The surface that a pixel shows, and the part of a light that a point sees.
 
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -20,7 +20,9 @@ fn stage() -> Scene {
     scene.objects.push(Object::spheres("lamp", vec![lamp], 0));
     scene.lights.push(SphereLight::new(lamp, Vec3::ONE).into());
     let (middle, u, v) = (Vec3::new(-2.0, 1.0, -1.0), Vec3::X * 0.5, Vec3::Y * 0.4);
-    scene.objects.push(Object { proxy: Proxy::None, ..Object::mesh("panel", Mesh::quad(middle, u, v), 0, Proxy::None) });
+    scene
+        .objects
+        .push(Object { proxy: Proxy::None, ..Object::mesh("panel", Mesh::quad(middle, u, v), 0, Proxy::None) });
     scene.lights.push(FlatLight::rectangle(middle, u, v, Vec3::ONE).expect("a rectangle").into());
     scene
 }

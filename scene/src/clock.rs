@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 static CLOCK: OnceLock<fn() -> f64> = OnceLock::new();
 
-/// Lets all times be read from a clock of the caller's, which gives seconds since any moment and may be asked on any thread: for
+/// Lets all times be read from a clock of the caller's, which gives seconds since any moment and may be read on any thread: for
 /// targets without a clock of their own, and for tests. Whether it was taken: the first one is, and stays.
 ///
 /// Without it times are the system's; on `wasm32-unknown-unknown`, which has no clock, all are 0.
