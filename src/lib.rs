@@ -159,5 +159,5 @@ pub use visibility_spheres;
 pub use pictures::{
     Comparison, ExrLayer, ExrPart, FlipMap, ImageFileError, MergeError, Output, Picture, PictureStream, RegionError,
     ShadowErrors, SizesDiffer, Window, checksum, luminance, merge_exr, read_exr, read_exr_layer, read_stamp,
-    remove_unfinished, signed_difference, srgb_bytes, write_exr, write_png,
+    remove_unfinished, signed_difference, srgb_bytes, srgb_bytes_into, write_exr, write_png,
 };

@@ -67,7 +67,7 @@ impl MeshFacts {
     }
 }
 
-/// Whether all triangles are in one plane, to a ten-thousandth of their diagonal. Stops at the first triangle outside it.
+/// Whether all triangles are in one plane, to a ten-thousandth of their diagonal. ShadowCasting at the first triangle outside it.
 fn is_flat(mesh: &Mesh) -> bool {
     let bounds = mesh.bounds();
     let slack = 1e-4 * f64::from((bounds.max - bounds.min).length());

@@ -49,15 +49,15 @@ pub(crate) fn advance(
 ) -> Result<(), Failure> {
     let bar = console::progress(what, reference.work(samples), quiet);
     let mut every = EVERY;
-    while reference.samples() < samples && !STOP.load(Ordering::SeqCst) {
+    while reference.samples() < samples && !STOP.is_cancelled() {
         let (start, pause) = (Instant::now(), AtomicBool::new(false));
         reference.advance(samples, &pause, &|done| {
             bar.inc(done);
-            if start.elapsed() > every || STOP.load(Ordering::SeqCst) {
+            if start.elapsed() > every || STOP.is_cancelled() {
                 pause.store(true, Ordering::Relaxed);
             }
         });
-        if reference.samples() < samples && !STOP.load(Ordering::SeqCst) {
+        if reference.samples() < samples && !STOP.is_cancelled() {
             let start = Instant::now();
             save(reference, path)?;
             every = EVERY.max(SHARE * start.elapsed());

@@ -2,18 +2,25 @@
 
 use crate::failure::Failure;
 use cosine_lobes::remove_unfinished;
+use cosine_lobes::scene::Cancel;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Set by Ctrl-C while something is under way that can be put away in order.
-pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
+/// Made by Ctrl-C while something is under way that can be put away in order.
+pub(crate) static STOP: LazyLock<Cancel> = LazyLock::new(Cancel::new);
 
-/// While true, Ctrl-C only sets [`STOP`]; the second one ends the program at once.
+/// While true, Ctrl-C only makes [`STOP`]; the second one ends the program at once.
 static GRACEFUL: AtomicBool = AtomicBool::new(false);
+
+/// While true, Ctrl-C ends the program also when work has not stopped after [`PATIENCE`].
+static HASTY: AtomicBool = AtomicBool::new(false);
+
+/// Longer than pictures take to stop, but for steps that nothing cuts short.
+const PATIENCE: Duration = Duration::from_millis(200);
 
 /// True once Ctrl-C ends the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
@@ -29,8 +36,15 @@ pub(crate) fn give_way() {
 /// From now on Ctrl-C and SIGTERM remove unfinished files and end the program with code 130.
 pub(crate) fn catch_interrupts() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
-        if GRACEFUL.load(Ordering::SeqCst) && !STOP.swap(true, Ordering::SeqCst) {
-            return;
+        if GRACEFUL.load(Ordering::SeqCst) && !STOP.is_cancelled() {
+            STOP.cancel();
+            if !HASTY.load(Ordering::SeqCst) {
+                return;
+            }
+            std::thread::sleep(PATIENCE);
+            if !GRACEFUL.load(Ordering::SeqCst) {
+                return;
+            }
         }
         ENDING.store(true, Ordering::SeqCst);
         remove_unfinished();
@@ -46,6 +60,15 @@ pub(crate) fn stoppable<T>(work: impl FnOnce() -> T) -> T {
     let result = work();
     GRACEFUL.store(false, Ordering::SeqCst);
     result
+}
+
+/// The same for work that writes nothing worth waiting for: it may be ended on its way.
+pub(crate) fn cancellable<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    HASTY.store(true, Ordering::SeqCst);
+    stoppable(work).map_err(|failure| match STOP.is_cancelled() {
+        true => Failure::interrupted("nothing half-written"),
+        false => failure,
+    })
 }
 
 /// The first error on standard output.

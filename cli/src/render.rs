@@ -1,5 +1,5 @@
 use crate::args::{RenderArgs, name};
-use crate::console::say;
+use crate::console::{self, STOP, say};
 use crate::device;
 use crate::failure::Failure;
 use crate::files::{self, Files};
@@ -8,13 +8,17 @@ use crate::moment::{self, Moment};
 use crate::stamp::Stamp;
 use crate::stats::{self, Figures};
 use crate::teller::Teller;
-use cosine_lobes::renderer::{Band, Layers, seconds};
+use cosine_lobes::renderer::{Band, Layers, Settings, seconds};
 use cosine_lobes::{ExrLayer, ExrPart, ImageFileError, Output, Window};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    console::cancellable(|| pictures(args))
+}
+
+fn pictures(args: &RenderArgs) -> Result<(), Failure> {
     files::distinct(args.output.iter().chain(&args.stats), &args.view.file)?;
     if args.layers && !args.output.iter().any(|path| files::holds_layers(path)) {
         return Err(Failure::new("--layers: no .exr file is written, and no other holds layers (-o picture.exr)"));
@@ -26,7 +30,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         Some(ends) => moment::sequence(&args.view, ends, &animation)?,
         None => vec![moment::single(&args.view, &animation)?],
     };
-    let mut renderer = device::renderer(args, scene, animation, args.settings())?;
+    // Another picture sees the same points only where lights alone move.
+    let is_still = (0..scene.objects.len()).all(|o| !animation.moves_object(o)) && !animation.moves_camera();
+    let settings = Settings { keep_points: moments.len() > 1 && is_still, ..args.settings() };
+    let mut renderer = device::renderer(args, scene, animation, settings)?;
+    renderer.set_cancel(STOP.clone());
     if args.map_resolution.is_some() && !renderer.plan().wants_maps(renderer.scene()) {
         let word = name(&args.visibility);
         return Err(Failure::new(format_args!("--map-resolution: no shadow map is made with --visibility {word}")));
@@ -67,9 +75,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let names = channels(args.layers.then_some(renderer.scene().lights.len()));
         let mut stream = files.stream(window.clone(), exposure, &names)?;
         let stats = renderer.render_bands(&window, &mut |event| teller.hear(event), &mut |band| {
-            let rows = Window { rows: band.rows.clone(), ..window.clone() };
             // The stream reports the reason when it is finished.
-            match stream.send(part(rows, &band)) {
+            match stream.send(part(band)) {
                 true => ControlFlow::Continue(()),
                 false => ControlFlow::Break(()),
             }
@@ -100,21 +107,30 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 
 /// The names of a picture's channels, with the channels of `--layers` for a number of lights.
 fn channels(lights: Option<usize>) -> Vec<String> {
-    let layers = lights.map(|count| Layers { lights: vec![Vec::new(); count], ..Layers::default() });
-    let nowhere = Window { image: [0, 0], columns: 0..0, rows: 0..0 };
-    part(nowhere, &Band { layers, ..Band::default() }).channels.into_iter().map(|(name, _)| name).collect()
+    let mut all = vec![ExrLayer::color("beauty", &[])];
+    if let Some(count) = lights {
+        let layers = Layers { lights: vec![Vec::new(); count], ..Layers::default() };
+        all.extend(exr_layers(&layers));
+    }
+    ExrPart::of_layers(Window::default(), &all).channels.into_iter().map(|(name, _)| name).collect()
 }
 
-/// Rows as files take them.
-fn part(window: Window, band: &Band) -> ExrPart {
+/// A band as files take it.
+fn part(band: &Band) -> ExrPart {
     let mut all = vec![ExrLayer::color("beauty", &band.radiance)];
-    if let Some(layers) = &band.layers {
-        all.push(ExrLayer::color("unshadowed", &layers.unshadowed));
-        all.extend(layers.lights.iter().enumerate().map(|(i, l)| ExrLayer::color(&format!("light{i}"), l)));
-        all.push(ExrLayer::vector("normal", &layers.normals));
-        all.push(ExrLayer::scalar("depth", 'Z', layers.depths.clone()));
-        all.push(ExrLayer::scalar("lobes", 'N', layers.lobes.clone()));
-        all.push(ExrLayer::scalar("products", 'N', layers.products.clone()));
+    if !band.layers.depths.is_empty() {
+        all.extend(exr_layers(&band.layers));
     }
-    ExrPart::of_layers(window, &all)
+    ExrPart::of_layers(band.window.clone(), &all)
+}
+
+/// The layers of `--layers`.
+fn exr_layers(layers: &Layers) -> Vec<ExrLayer> {
+    let mut all = vec![ExrLayer::color("unshadowed", &layers.unshadowed)];
+    all.extend(layers.lights.iter().enumerate().map(|(i, l)| ExrLayer::color(&format!("light{i}"), l)));
+    all.push(ExrLayer::vector("normal", &layers.normals));
+    all.push(ExrLayer::scalar("depth", 'Z', layers.depths.clone()));
+    all.push(ExrLayer::scalar("lobes", 'N', layers.lobes.clone()));
+    all.push(ExrLayer::scalar("products", 'N', layers.products.clone()));
+    all
 }

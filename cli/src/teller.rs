@@ -60,11 +60,11 @@ impl Teller {
                 let bar = self.tables.get_or_insert_with(|| progress("product table", 1000, self.quiet));
                 bar.set_position((1000.0 * done) as u64);
             }
-            Event::Rows { done, of } => {
+            Event::Pixels { done, of } => {
                 self.tables.take().iter().for_each(ProgressBar::finish_and_clear);
-                let length = self.pictures * u64::from(of);
+                let length = self.pictures * of;
                 let bar = self.shading.get_or_insert_with(|| progress("shading", length, self.quiet));
-                bar.set_position(self.done * u64::from(of) + u64::from(done));
+                bar.set_position(self.done * of + done);
             }
             _ if self.quiet => {}
             Event::Damaged { path } => {

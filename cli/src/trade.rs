@@ -24,7 +24,6 @@ use crate::teller::Teller;
 use cosine_lobes::render_cpu::{GBuffer, World};
 use cosine_lobes::renderer::{Backend, Plan, paper_tables, seconds};
 use cosine_lobes::scene::{Animation, BlockerSet, Proxy, Scene, Shape};
-use std::sync::atomic::Ordering;
 
 /// More points than this are refused: a reference needs 192 bytes each, and a sweep is done in small.
 const MAX_POINTS: u64 = 1 << 22;
@@ -83,7 +82,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
             }
             let shot = stage.shoot(setting)?;
             // A measurement that was cut short is no row.
-            if STOP.load(Ordering::SeqCst) {
+            if STOP.is_cancelled() {
                 break;
             }
             record.add(Row::new(&title, setting, &shot, &stage, &truth, &stamp)?)?;

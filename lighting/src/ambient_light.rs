@@ -57,6 +57,14 @@ impl LightKind for AmbientLight {
         false
     }
 
+    fn world(&self) -> Option<Sphere> {
+        Some(self.world)
+    }
+
+    fn in_world(&self, world: Sphere) -> Option<Light> {
+        Some(Self { world, ..*self }.into())
+    }
+
     fn wgsl(&self) -> Option<[&'static str; 2]> {
         Some(CONES)
     }

@@ -70,6 +70,19 @@ impl LightKind for EnclosedLight {
         self.light.kind().area(from)
     }
 
+    fn world(&self) -> Option<Sphere> {
+        self.light.world()
+    }
+
+    fn in_world(&self, world: Sphere) -> Option<Light> {
+        let light = Box::new(self.light.kind().in_world(world)?);
+        Some(Self { light, ..*self }.into())
+    }
+
+    fn distance_to(&self, point: Vec3) -> Option<f32> {
+        self.light.distance_to(point)
+    }
+
     fn has_shadows(&self) -> bool {
         self.light.kind().has_shadows()
     }

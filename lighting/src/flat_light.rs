@@ -1,4 +1,5 @@
 use crate::gpu::{NO_OBJECT, PLANE_DISC, PLANE_POLYGON, PLANES, shape_of};
+use crate::tube_light::to_segment;
 use crate::{Area, AreaShape, Light, LightKind, ShownImage};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::{Mat4, Vec3};
@@ -278,6 +279,21 @@ impl LightKind for FlatLight {
             ShownImage { image, middle: 0.25 * (a + b + c + d), sides: [0.5 * (b - a), 0.5 * (d - a)] }
         });
         Some(Area { bounds: self.bounds, shape, shown })
+    }
+
+    fn distance_to(&self, point: Vec3) -> Option<f32> {
+        let (corners, normal) = (self.corners(), self.normal);
+        if let (center, Some(radius)) = self.as_disc() {
+            let height = (point - center).dot(normal);
+            let beside = ((point - center - normal * height).length() - radius).max(0.0);
+            return Some(height.hypot(beside));
+        }
+        let edges = || corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| [*a, *b]);
+        let is_above = edges().all(|[a, b]| normal.dot((b - a).cross(point - a)) >= 0.0);
+        if is_above {
+            return Some((point - corners[0]).dot(normal).abs());
+        }
+        Some(edges().map(|edge| to_segment(edge, point)).fold(f32::INFINITY, f32::min))
     }
 
     fn roundness(&self) -> Option<f32> {

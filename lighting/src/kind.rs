@@ -73,6 +73,24 @@ pub trait LightKind: LightLobes + Debug + Send + Sync {
     /// The surface that a receiver at a point sees, for the reference; `None` where the light faces away.
     fn area(&self, from: Vec3) -> Option<Area<'_>>;
 
+    /// The sphere around all that blocks and is lit, of a light that is farther away than all of it or everywhere. Provided: `None`, a light
+    /// that has a place.
+    fn world(&self) -> Option<Sphere> {
+        None
+    }
+
+    /// Such a light for another [`world`](Self::world). Provided: `None`.
+    fn in_world(&self, world: Sphere) -> Option<Light> {
+        let _ = world;
+        None
+    }
+
+    /// Distance of a point from the surface that emits; `None` for lights at infinity and those without a surface. Provided: that of the
+    /// [sphere](Self::sphere).
+    fn distance_to(&self, point: Vec3) -> Option<f32> {
+        self.sphere().map(|sphere| (point.distance(sphere.center) - sphere.radius).abs())
+    }
+
     /// Whether objects hide it. Provided: they do.
     fn has_shadows(&self) -> bool {
         true

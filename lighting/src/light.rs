@@ -92,6 +92,33 @@ impl Light {
         self.kind().full_radiance()
     }
 
+    /// The [sphere around a scene](LightKind::world) that it is made for; none of lights that have a place.
+    #[must_use]
+    pub fn world(&self) -> Option<Sphere> {
+        self.kind().world()
+    }
+
+    /// Makes such a light one for another sphere; others stay.
+    pub fn set_world(&mut self, world: Sphere) {
+        if let Some(light) = self.kind().in_world(world) {
+            *self = light;
+        }
+    }
+
+    /// [Distance](LightKind::distance_to) of a point from the surface that emits; none for lights at infinity and those without a surface.
+    ///
+    /// ```
+    /// use glam::Vec3;
+    /// use lighting::{Light, SphereLight};
+    /// use lobe_core::Sphere;
+    /// let light: Light = SphereLight::new(Sphere { center: Vec3::Y, radius: 0.5 }, Vec3::ONE).into();
+    /// assert_eq!(light.distance_to(Vec3::ZERO), Some(0.5));
+    /// ```
+    #[must_use]
+    pub fn distance_to(&self, point: Vec3) -> Option<f32> {
+        self.kind().distance_to(point)
+    }
+
     /// The same light [somewhere else](LightKind::moved).
     #[must_use]
     pub fn moved(&self, placement: Mat4) -> Self {

@@ -142,6 +142,20 @@ impl LightKind for SkyLight {
         Some(Area { bounds, shape, shown })
     }
 
+    fn world(&self) -> Option<Sphere> {
+        match self {
+            Self::Sun(sun) => sun.world(),
+            Self::Patch(patch) => Some(patch.world),
+        }
+    }
+
+    fn in_world(&self, world: Sphere) -> Option<Light> {
+        Some(match self {
+            Self::Sun(sun) => Self::Sun(SunLight { world, ..*sun }).into(),
+            Self::Patch(patch) => Self::Patch(SkyPatch { world, ..patch.clone() }).into(),
+        })
+    }
+
     fn roundness(&self) -> Option<f32> {
         match self {
             Self::Sun(_) => None,

@@ -92,6 +92,14 @@ impl LightKind for SunLight {
         Some(Area::sphere(self.sphere_from(from)))
     }
 
+    fn world(&self) -> Option<Sphere> {
+        Some(self.world)
+    }
+
+    fn in_world(&self, world: Sphere) -> Option<Light> {
+        Some(Self { world, ..*self }.into())
+    }
+
     fn wgsl(&self) -> Option<[&'static str; 2]> {
         Some(CONES)
     }

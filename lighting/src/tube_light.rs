@@ -107,6 +107,12 @@ impl LightLobes for TubeLight {
     }
 }
 
+pub(crate) fn to_segment([a, b]: [Vec3; 2], point: Vec3) -> f32 {
+    let along = b - a;
+    let t = (point - a).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
+    point.distance(a + along * t.clamp(0.0, 1.0))
+}
+
 impl LightKind for TubeLight {
     fn name(&self) -> &'static str {
         "tube"
@@ -135,6 +141,10 @@ impl LightKind for TubeLight {
         let [a, b] = self.ends.map(|p| p.as_dvec3() - from.as_dvec3());
         let shape = AreaShape::Capsule { end: a, along: b - a, radius: f64::from(self.radius) };
         Some(Area { bounds: self.bounds(), shape, shown: None })
+    }
+
+    fn distance_to(&self, point: Vec3) -> Option<f32> {
+        Some((to_segment(self.ends, point) - self.radius).abs())
     }
 
     fn roundness(&self) -> Option<f32> {

@@ -7,7 +7,9 @@ use lighting::{
     SphereLight, SpotLight, SunLight, TubeLight,
 };
 use lobe_core::conformance::{LightLimits, check_light};
-use lobe_core::{LightImage, LightLobes, Lobe, Receiver, Sphere, cap_integral, image_integral, outline_integral};
+use lobe_core::{
+    LightImage, LightLobes, Lobe, Random, Receiver, Sphere, cap_integral, image_integral, outline_integral,
+};
 use std::sync::Arc;
 
 const COLOR: Vec3 = Vec3::new(3.0, 2.0, 1.0);
@@ -257,4 +259,36 @@ fn shapes_that_are_none_are_refused() {
     let oblique = FlatLight::rectangle(Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, COLOR).expect("a parallelogram");
     let disc = FlatLight::disc(Vec3::ZERO, Vec3::Y, 1.0, COLOR).expect("a disc");
     assert!(oblique.showing(image.clone()).is_none() && disc.showing(image).is_none());
+}
+
+/// Against the nearest of many points of the surface.
+#[test]
+fn distances_are_those_of_the_nearest_points() {
+    let mut random = Random::new(3);
+    let (center, u, v) = (Vec3::new(0.3, 1.0, -0.2), Vec3::new(0.8, 0.1, 0.0), Vec3::new(0.0, 0.2, 0.5));
+    let quad: Light = FlatLight::rectangle(center, u, v, Vec3::ONE).expect("a rectangle").into();
+    let normal = Vec3::new(0.2, 0.9, 0.1).normalize();
+    let disc: Light = FlatLight::disc(center, normal, 0.7, Vec3::ONE).expect("a disc").into();
+    let (x, y) = normal.any_orthonormal_pair();
+    let ends = [center, center + u];
+    let tube: Light = TubeLight { ends, radius: 0.25, radiance: Vec3::ONE }.into();
+    let sphere: Light = SphereLight::new(Sphere { center, radius: 0.6 }, Vec3::ONE).into();
+    let steps = || (0..=400).flat_map(|i| (0..=400).map(move |k| (i as f32 / 200.0 - 1.0, k as f32 / 200.0 - 1.0)));
+    let quads: Vec<Vec3> = steps().map(|(s, t)| center + u * s + v * t).collect();
+    let inside = |(s, t): &(f32, f32)| s * s + t * t <= 1.0;
+    let discs: Vec<Vec3> = steps().filter(inside).map(|(s, t)| center + (x * s + y * t) * 0.7).collect();
+    let axis = || (0..=20_000).map(|k| ends[0].lerp(ends[1], k as f32 / 20_000.0));
+    let nearest = |points: &[Vec3], p: Vec3| points.iter().map(|q| q.distance(p)).fold(f32::INFINITY, f32::min);
+    for _ in 0..60 {
+        let p = center + Vec3::from_array(core::array::from_fn(|_| (random.uniform() * 4.0 - 2.0) as f32));
+        let near = |light: &Light, want: f32| {
+            let got = light.distance_to(p).expect("a surface");
+            // Half a step of the samples.
+            assert!((got - want).abs() <= 4e-3, "{}: {got} {want}", light.name());
+        };
+        near(&quad, nearest(&quads, p));
+        near(&disc, nearest(&discs, p));
+        near(&tube, (axis().map(|q| q.distance(p)).fold(f32::INFINITY, f32::min) - 0.25).abs());
+        near(&sphere, (p.distance(center) - 0.6).abs());
+    }
 }

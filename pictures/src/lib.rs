@@ -32,7 +32,7 @@ pub use crate::exr_layer::ExrLayer;
 pub use crate::exr_part::{ExrPart, MergeError, merge_exr};
 pub use crate::output::{ImageFileError, Output, remove_unfinished};
 pub use crate::picture::{Picture, luminance};
-pub use crate::png_file::{srgb_bytes, write_png};
+pub use crate::png_file::{srgb_bytes, srgb_bytes_into, write_png};
 pub use crate::stamp::read_stamp;
 pub use crate::stream::PictureStream;
 pub use crate::window::Window;

@@ -16,7 +16,7 @@ pub const TILE: u32 = SIDE as u32;
 /// The visible points of every pixel.
 ///
 /// Points come tile by tile ([`TILE`]² pixels, left to right, top to bottom), so that neighbours in the list are
-/// neighbours in space. A camera ray that meets nothing leaves no point.
+/// neighbours in space, and the points of a pixel side by side. A camera ray that meets nothing leaves no point.
 #[derive(Clone, Debug, Default)]
 pub struct GBuffer {
     /// Image width in pixels.
@@ -70,12 +70,21 @@ impl GBuffer {
     /// When there is not one value a point.
     #[must_use]
     pub fn picture(&self, radiance: &[Vec3], background: Vec3) -> Vec<Vec3> {
-        if self.sky.is_empty() {
-            return self.resolve(radiance, background);
-        }
-        let mut picture = self.resolve(radiance, Vec3::ZERO);
-        picture.iter_mut().zip(&self.sky).for_each(|(pixel, sky)| *pixel += *sky);
+        let mut picture = vec![Vec3::ZERO; self.width as usize * self.height as usize];
+        self.picture_into(radiance, background, &mut picture);
         picture
+    }
+
+    /// The same in memory of the caller's.
+    ///
+    /// # Panics
+    /// When there is not one value a point, or one pixel of the picture.
+    pub fn picture_into(&self, radiance: &[Vec3], background: Vec3, picture: &mut [Vec3]) {
+        if self.sky.is_empty() {
+            return self.resolve_into(radiance, background, picture);
+        }
+        self.resolve_into(radiance, Vec3::ZERO, picture);
+        picture.iter_mut().zip(&self.sky).for_each(|(pixel, sky)| *pixel += *sky);
     }
 
     /// The picture of one value a point: the mean over each pixel's rays (a box filter), `background` where a ray met
@@ -88,17 +97,32 @@ impl GBuffer {
     where
         T: Copy + Default + Add<Output = T> + Mul<f32, Output = T>,
     {
+        let mut picture = vec![T::default(); self.width as usize * self.height as usize];
+        self.resolve_into(values, background, &mut picture);
+        picture
+    }
+
+    /// The same in memory of the caller's.
+    ///
+    /// # Panics
+    /// When there is not one value a point, or one pixel of the picture.
+    pub fn resolve_into<T>(&self, values: &[T], background: T, picture: &mut [T])
+    where
+        T: Copy + Default + Add<Output = T> + Mul<f32, Output = T>,
+    {
         assert_eq!(values.len(), self.len(), "one value a point");
-        let count = self.width as usize * self.height as usize;
-        let (mut sums, mut hits) = (vec![T::default(); count], vec![0u32; count]);
-        for (pixel, value) in self.pixels.iter().zip(values) {
-            sums[*pixel as usize] = sums[*pixel as usize] + *value;
-            hits[*pixel as usize] += 1;
-        }
+        assert_eq!(picture.len(), self.width as usize * self.height as usize, "one value a pixel");
         let share = 1.0 / self.samples.max(1) as f32;
-        let mean = |(sum, hits): (T, u32)| {
-            if hits == self.samples { sum * share } else { (sum + background * ((self.samples - hits) as f32)) * share }
+        let mean = |sum: T, missed: u32| {
+            if missed == 0 { sum * share } else { (sum + background * (missed as f32)) * share }
         };
-        sums.into_iter().zip(hits).map(mean).collect()
+        picture.fill(mean(T::default(), self.samples));
+        let mut first = 0;
+        for pixels in self.pixels.chunk_by(|a, b| a == b) {
+            let values = &values[first..first + pixels.len()];
+            let sum = values.iter().fold(T::default(), |sum, value| sum + *value);
+            picture[pixels[0] as usize] = mean(sum, self.samples - pixels.len() as u32);
+            first += pixels.len();
+        }
     }
 }

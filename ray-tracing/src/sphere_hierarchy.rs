@@ -1,11 +1,9 @@
-use crate::world::{Tree, hierarchy_scale};
-use core::time::Duration;
+use crate::world::{Tree, build, hierarchy_scale};
 use glam::{Vec3, Vec3A};
 use lobe_core::{Shaft, Sphere};
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::Ray;
-use obvhs::{Boundable, BvhBuildParams};
 
 /// A sphere with its data.
 #[derive(Clone, Copy)]
@@ -49,7 +47,7 @@ impl<T: Copy> SphereHierarchy<T> {
         let scale = if items.is_empty() { 1.0 } else { hierarchy_scale(size) };
         Self(Tree::new(&items, scale, |items| {
             let boxes = items.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * scale, b.max * scale));
-            build_cwbvh(&boxes.collect::<Vec<_>>(), BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
+            build(&boxes.collect::<Vec<_>>())
         }))
     }
 

@@ -1,4 +1,5 @@
 mod appearance;
+mod build;
 mod camera_rays;
 mod hierarchy;
 mod packet;
@@ -12,6 +13,7 @@ mod triangle_list;
 mod triangle_packet;
 
 pub(crate) use self::appearance::varied;
+pub(crate) use self::build::build;
 pub(crate) use self::camera_rays::{Rays, SIDE};
 pub use self::hierarchy::{Hierarchy, Update};
 pub(crate) use self::packet::{NOTHING, RayPacket};
@@ -66,6 +68,13 @@ impl<'s> World<'s> {
     #[must_use]
     pub const fn scene(&self) -> &'s Scene {
         self.scene
+    }
+
+    /// Another number whenever anything that rays meet has moved, come, gone, or begun or ceased to block: no two hierarchies of a
+    /// program have the same one otherwise.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.hierarchy.revision()
     }
 
     /// Number of triangles, those without area not counted.

@@ -25,8 +25,7 @@ use lobe_core::{
 use ray_tracing::vec3x8::{LANES, Vec3x8};
 use ray_tracing::{Primitive, Region, World};
 use rayon::prelude::*;
-use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints};
-use std::time::Instant;
+use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use visibility_mask::facet_coverage;
 
 /// Samples at most where culling says that nothing blocks.
@@ -358,7 +357,7 @@ impl Shade for RayShader<'_> {
     /// When `out` is not as long as the points, or a material number is out of range.
     fn shade(&mut self, points: &ShadingPoints, frame: &Frame<'_>, out: &mut [Vec3]) -> Result<ShadeStats, Infallible> {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let counts = out
             .par_chunks_mut(GROUP)
             .enumerate()
@@ -373,6 +372,6 @@ impl Shade for RayShader<'_> {
                 a += b;
                 a
             });
-        Ok(ShadeStats { seconds: start.elapsed().as_secs_f64(), counts, ..ShadeStats::default() })
+        Ok(ShadeStats { seconds: watch.seconds(), counts, ..ShadeStats::default() })
     }
 }

@@ -32,7 +32,7 @@ pub use crate::blockers_error::{BlockersError, BlockersProgress};
 pub use crate::revision::Revision;
 pub use crate::scene_silhouettes::SceneSilhouettes;
 pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
-pub use crate::shade::{CpuShader, Layers};
+pub use crate::shade::{CpuShader, Layers, ShadeRequest};
 pub use crate::surface_hits::{HitScratch, SurfaceHits};
 pub use glam;
 pub use ray_tracing::{GBuffer, Hierarchy, TILE, Update, World};

@@ -1,7 +1,7 @@
 use crate::Revision;
 use ray_tracing::Update;
 use rayon::prelude::*;
-use scene::{Mesh, Scene, Shape};
+use scene::{Cancel, Mesh, Scene, Shape};
 use std::collections::HashMap;
 use visibility_silhouettes::SilhouetteMesh;
 
@@ -33,11 +33,26 @@ impl SceneSilhouettes {
     /// Follows the scene, of whose objects there is a revision each: meshes that have moved are refitted, others that are new are
     /// prepared, the rest stays. How many were prepared, and how many refitted.
     pub fn update(&mut self, scene: &Scene, blocks: impl Fn(u32) -> bool, revisions: &[Revision]) -> [usize; 2] {
+        self.update_until(scene, blocks, revisions, &Cancel::new())
+    }
+
+    /// The same until the request to stop is made, which is looked at for each mesh. Meshes that were not reached then are as
+    /// before: they are not to block anything until the next update.
+    pub fn update_until(
+        &mut self,
+        scene: &Scene,
+        blocks: impl Fn(u32) -> bool,
+        revisions: &[Revision],
+        cancel: &Cancel,
+    ) -> [usize; 2] {
         let old = core::mem::take(&mut self.revisions).into_iter().zip(core::mem::take(&mut self.meshes));
         let mut old: HashMap<u64, (Revision, SilhouetteMesh)> = old.map(|(r, mesh)| (r.object, (r, mesh))).collect();
         let chosen = (0..scene.objects.len() as u32).zip(revisions).filter(|(object, _)| blocks(*object));
         let work: Vec<_> = chosen.map(|(object, revision)| (object, *revision, old.remove(&revision.object))).collect();
         let follow = |(object, revision, old): (u32, Revision, Option<(Revision, SilhouetteMesh)>)| {
+            if cancel.is_cancelled() {
+                return old.map(|(before, kept)| (kept, (before, Update::Kept)));
+            }
             let Shape::Mesh(mesh) = &scene.objects[object as usize].shape else { return None };
             let (made, done) = follow(object, mesh, &revision, old);
             Some((made, (revision, done)))

@@ -1,14 +1,12 @@
 use core::convert::Infallible;
-use core::time::Duration;
 use glam::Vec3;
 use lobe_core::{
     BrdfLobes, Coverage, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Observer, Receiver,
     Shaft, Stage, Tile, TileContributions, TileInteraction, TileLight, TileLobes, Visibility, cap_integrals,
 };
 use rayon::prelude::*;
-use scene::{Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds};
+use scene::{Cancel, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 /// Groups that a thread takes at once, at most: what is dear is often side by side.
 const RUN: usize = 16;
@@ -39,7 +37,20 @@ pub struct CpuShader<V, I = FractionIntegrator> {
     integrator: I,
 }
 
-/// What [`CpuShader::shade_layers`] writes beside the radiance: one entry a point, lights point by point.
+/// The layers that [`CpuShader::shade_with`] is asked for, and the request that stops it. Nothing by default.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ShadeRequest<'a> {
+    /// [`Layers::unshadowed`].
+    pub unshadowed: bool,
+    /// [`Layers::lights`].
+    pub lights: bool,
+    /// [`Layers::lobes`] and [`Layers::integrals`].
+    pub counts: bool,
+    /// Looked at for each group of 64 points and each light.
+    pub cancel: Option<&'a Cancel>,
+}
+
+/// What [`CpuShader::shade_with`] writes beside the radiance: one entry a point, lights point by point; empty where it was not asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
     /// Radiance without blockers.
@@ -72,7 +83,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         &self.visibility
     }
 
-    /// Shades, and keeps what the picture is made of.
+    /// Shades, and keeps all that the picture is made of.
     ///
     /// # Panics
     /// When `out` is not as long as the points, or a material number is out of range.
@@ -82,9 +93,30 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
     ) -> (ShadeStats, Layers) {
-        let (stats, layers) = self.run(points, frame, out, true);
+        let all = ShadeRequest { unshadowed: true, lights: true, counts: true, cancel: None };
+        self.shade_with(points, frame, out, &all)
+    }
+
+    /// Shades, and keeps the requested layers. Once the request to stop is made a thread does no more than 64 points under one
+    /// light; `out` and the layers are unfinished then.
+    ///
+    /// # Panics
+    /// When `out` is not as long as the points, or a material number is out of range.
+    pub fn shade_with<M: BrdfLobes + Sync, L: LightLobes + Sync>(
+        &self,
+        points: &ShadingPoints,
+        frame: &Frame<'_, M, L>,
+        out: &mut [Vec3],
+        request: &ShadeRequest<'_>,
+    ) -> (ShadeStats, Layers) {
+        let (stats, layers) = self.run(points, frame, out, request);
         let mut all = Layers::default();
-        for layer in layers.into_iter().flatten() {
+        let count = |wanted: bool, each: usize| if wanted { points.receivers.len() * each } else { 0 };
+        all.unshadowed.reserve_exact(count(request.unshadowed, 1));
+        all.lights.reserve_exact(count(request.lights, frame.lights.len()));
+        all.lobes.reserve_exact(count(request.counts, 1));
+        all.integrals.reserve_exact(count(request.counts, 1));
+        for layer in layers {
             all.unshadowed.extend(layer.unshadowed);
             all.lights.extend(layer.lights);
             all.lobes.extend(layer.lobes);
@@ -98,10 +130,10 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         points: &ShadingPoints,
         frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
-        layers: bool,
-    ) -> (ShadeStats, Vec<Option<Layers>>) {
+        request: &ShadeRequest<'_>,
+    ) -> (ShadeStats, Vec<Layers>) {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         // In a box: it is large, and changes hands often.
         let memory = || {
             Box::new(Memory {
@@ -115,7 +147,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             })
         };
         let pool = Mutex::new(Vec::new());
-        let groups: Vec<(GroupStats, Option<Layers>)> = out
+        let groups: Vec<(GroupStats, Layers)> = out
             .par_chunks_mut(GROUP)
             .enumerate()
             .with_max_len(RUN)
@@ -126,16 +158,16 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
                     let first = group * GROUP;
                     let receivers = &points.receivers[first..first + out.len()];
                     let materials = &points.materials[first..first + out.len()];
-                    let mut layers = layers.then(Layers::default);
-                    let mut stats = GroupStats::new(is_timed(group));
-                    self.group(receivers, materials, frame, memory, &mut stats, &mut layers, out);
-                    (stats, layers)
+                    let mut group =
+                        Group { request, layers: Layers::default(), stats: GroupStats::new(is_timed(group)) };
+                    self.group((receivers, materials), frame, memory, &mut group, out);
+                    (group.stats, group.layers)
                 },
             )
             .collect();
-        let seconds = start.elapsed().as_secs_f64();
+        let seconds = watch.seconds();
         let mut counts = Counts::default();
-        let mut stages = [Duration::ZERO; 5];
+        let mut stages = [0.0_f64; 5];
         let mut layers = Vec::with_capacity(groups.len());
         for (stats, layer) in groups {
             stats.add_to(&mut counts);
@@ -143,8 +175,8 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             layers.push(layer);
         }
         // Shares of the timed groups, in seconds of the whole call.
-        let timed: f64 = stages.iter().map(Duration::as_secs_f64).sum();
-        let share = |k: usize| if timed > 0.0 { stages[k].as_secs_f64() / timed * seconds } else { 0.0 };
+        let timed: f64 = stages.iter().sum();
+        let share = |k: usize| if timed > 0.0 { stages[k] / timed * seconds } else { 0.0 };
         let stages = StageSeconds {
             reflectance: share(0),
             lighting: share(1),
@@ -155,24 +187,19 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         (ShadeStats { seconds, stages, counts }, layers)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "the group's slices and its memory")]
     fn group<M: BrdfLobes, L: LightLobes>(
         &self,
-        receivers: &[Receiver],
-        materials: &[u32],
+        (receivers, materials): (&[Receiver], &[u32]),
         frame: &Frame<'_, M, L>,
         memory: &mut Memory<V, I>,
-        stats: &mut GroupStats,
-        layers: &mut Option<Layers>,
+        group: &mut Group<'_>,
         out: &mut [Vec3],
     ) {
         out.fill(Vec3::ZERO);
-        let count = receivers.len();
-        if let Some(layers) = layers.as_mut() {
-            layers.unshadowed.resize(count, Vec3::ZERO);
-            layers.lights.resize(count * frame.lights.len(), Vec3::ZERO);
-            layers.lobes.resize(count, 0);
-            layers.integrals.resize(count, 0);
+        group.make_room(receivers.len(), frame.lights.len());
+        let Group { request, layers, stats } = group;
+        if request.cancel.is_some_and(Cancel::is_cancelled) {
+            return;
         }
         stats.restart();
         let Memory { tile, lobes, cones, integrals, lit, scratch, integration } = memory;
@@ -183,6 +210,9 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
         I::reflectance(frame.materials, materials, receivers, tile, lobes);
         stats.lap(0);
         for (l, light) in frame.lights.iter().enumerate() {
+            if request.cancel.is_some_and(Cancel::is_cancelled) {
+                return;
+            }
             light.tile_light(receivers, tile, cones);
             // A light that shows an image is integrated where it is seen.
             if I::TAKES_INTEGRALS && light.image().is_none() {
@@ -209,15 +239,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             for (i, out) in out.iter_mut().enumerate() {
                 *out += lit.radiance(i);
             }
-            if let Some(layers) = layers.as_mut() {
-                for i in 0..count {
-                    let (lit, [lobes, integrals]) = lit.get(i);
-                    layers.unshadowed[i] += lit.unshadowed;
-                    layers.lights[i * frame.lights.len() + l] = lit.radiance;
-                    layers.lobes[i] += lobes;
-                    layers.integrals[i] += integrals;
-                }
-            }
+            layers.add(lit, l, frame.lights.len());
             stats.lap(4);
         }
     }
@@ -238,7 +260,41 @@ where
         frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
     ) -> Result<ShadeStats, Infallible> {
-        Ok(self.run(points, frame, out, false).0)
+        Ok(self.run(points, frame, out, &ShadeRequest::default()).0)
+    }
+}
+
+/// The results of a group of points, but for their radiance.
+struct Group<'a> {
+    request: &'a ShadeRequest<'a>,
+    layers: Layers,
+    stats: GroupStats,
+}
+
+impl Group<'_> {
+    fn make_room(&mut self, points: usize, lights: usize) {
+        let ShadeRequest { unshadowed, lights: by_light, counts, .. } = *self.request;
+        let layers = &mut self.layers;
+        layers.unshadowed.resize(if unshadowed { points } else { 0 }, Vec3::ZERO);
+        layers.lights.resize(if by_light { points * lights } else { 0 }, Vec3::ZERO);
+        layers.lobes.resize(if counts { points } else { 0 }, 0);
+        layers.integrals.resize(if counts { points } else { 0 }, 0);
+    }
+}
+
+impl Layers {
+    /// Adds the contributions of a light, to those layers that there are.
+    fn add(&mut self, lit: &TileContributions, light: usize, lights: usize) {
+        for (i, sum) in self.unshadowed.iter_mut().enumerate() {
+            *sum += lit.get(i).0.unshadowed;
+        }
+        for (i, of_lights) in self.lights.chunks_exact_mut(lights).enumerate() {
+            of_lights[light] = lit.radiance(i);
+        }
+        for (i, (lobes, integrals)) in self.lobes.iter_mut().zip(&mut self.integrals).enumerate() {
+            let counts = lit.get(i).1;
+            (*lobes, *integrals) = (*lobes + counts[0], *integrals + counts[1]);
+        }
     }
 }
 
@@ -276,8 +332,8 @@ impl<M> Drop for Lent<'_, M> {
 
 /// One group's counters and clocks; stages in the order of Table 1.
 struct GroupStats {
-    clock: Option<Instant>,
-    stages: [Duration; 5],
+    clock: Option<Stopwatch>,
+    stages: [f64; 5],
     lobes: usize,
     integrals: usize,
     pruned: u64,
@@ -289,8 +345,8 @@ struct GroupStats {
 impl GroupStats {
     fn new(timed: bool) -> Self {
         Self {
-            clock: timed.then(Instant::now),
-            stages: [Duration::ZERO; 5],
+            clock: timed.then(Stopwatch::start),
+            stages: [0.0; 5],
             lobes: 0,
             integrals: 0,
             pruned: 0,
@@ -302,16 +358,14 @@ impl GroupStats {
 
     fn restart(&mut self) {
         if let Some(clock) = self.clock.as_mut() {
-            *clock = Instant::now();
+            clock.lap();
         }
     }
 
     /// The time since the last lap belongs to `stage`.
     fn lap(&mut self, stage: usize) {
         if let Some(clock) = self.clock.as_mut() {
-            let now = Instant::now();
-            self.stages[stage] += now - *clock;
-            *clock = now;
+            self.stages[stage] += clock.lap();
         }
     }
 

@@ -119,6 +119,31 @@ impl GpuGBuffer {
         columns: Range<u32>,
         rows: Range<u32>,
     ) -> Result<GpuPoints<'_>, GpuError> {
+        let gpu = self.world.gpu().clone();
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let points = self.record(camera, [width, height], columns, rows, &mut encoder)?;
+        gpu.scoped("the search for visible points", || {
+            gpu.queue().submit([encoder.finish()]);
+        })?;
+        Ok(points)
+    }
+
+    /// The same commands written into an encoder of the caller's, who submits them before the next call. The points are there when the
+    /// queue has come so far.
+    ///
+    /// # Errors
+    /// As [`trace`](Self::trace).
+    ///
+    /// # Panics
+    /// As [`trace`](Self::trace).
+    pub fn record(
+        &mut self,
+        camera: &Camera,
+        [width, height]: [u32; 2],
+        columns: Range<u32>,
+        rows: Range<u32>,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<GpuPoints<'_>, GpuError> {
         let inside = |r: &Range<u32>, size: u32| r.start <= r.end && r.end <= size;
         assert!(inside(&columns, width) && inside(&rows, height), "window outside the image");
         let view = GpuView::new(camera, [width, height], &columns, &rows, self.world.scale());
@@ -127,13 +152,13 @@ impl GpuGBuffer {
         self.points.sized(self.world.gpu(), count * size_of::<GpuReceiver>() as u64)?;
         self.view.hold(self.world.gpu(), bytemuck::bytes_of(&view))?;
         if count > 0 {
-            self.dispatch(tiles)?;
+            self.dispatch(tiles, encoder)?;
         }
         let buffer = self.points.get().ok_or(GpuError::OutOfMemory)?;
         Ok(GpuPoints { buffer, count: count as u32, view })
     }
 
-    fn dispatch(&mut self, tiles: [u32; 2]) -> Result<(), GpuError> {
+    fn dispatch(&mut self, tiles: [u32; 2], encoder: &mut wgpu::CommandEncoder) -> Result<(), GpuError> {
         let (gpu, stack) = (self.world.gpu(), self.world.stack());
         let most = gpu.device().limits().max_compute_workgroups_per_dimension;
         if tiles[0].max(tiles[1]) > most {
@@ -157,7 +182,7 @@ impl GpuGBuffer {
                 Slot::Normals => world.normals(),
                 _ => None,
             });
-            kernel.1.submit(gpu, &group, tiles);
+            kernel.1.record(encoder, &group, tiles);
         })
     }
 

@@ -1,5 +1,6 @@
+use core::time::Duration;
+use scene::Stopwatch;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
 
 /// A kernel that the driver has compiled.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub struct KernelLog {
 #[derive(Debug, Default)]
 struct Entries {
     next: u64,
-    running: Vec<(u64, String, Instant)>,
+    running: Vec<(u64, String, Stopwatch)>,
     done: Vec<CompiledKernel>,
 }
 
@@ -31,7 +32,7 @@ impl KernelLog {
     #[must_use]
     pub fn compiling(&self) -> Vec<CompiledKernel> {
         let running =
-            |(_, name, since): &(u64, String, Instant)| CompiledKernel { name: name.clone(), time: since.elapsed() };
+            |(_, name, since): &(u64, String, Stopwatch)| CompiledKernel { name: name.clone(), time: time(since) };
         self.entries().running.iter().map(running).collect()
     }
 
@@ -45,7 +46,7 @@ impl KernelLog {
 
     /// Does the work of compiling a kernel, and notes how long it took if that went well.
     pub(crate) fn compile<T, E>(&self, name: &str, work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
-        let since = Instant::now();
+        let since = Stopwatch::start();
         let key = {
             let mut entries = self.entries();
             entries.next += 1;
@@ -57,7 +58,7 @@ impl KernelLog {
         let mut entries = self.entries();
         entries.running.retain(|(running, ..)| *running != key);
         if result.is_ok() {
-            let time = since.elapsed();
+            let time = time(&since);
             match entries.done.iter_mut().find(|done| done.name == name) {
                 Some(done) => done.time = done.time.max(time),
                 None => entries.done.push(CompiledKernel { name: name.to_owned(), time }),
@@ -70,6 +71,11 @@ impl KernelLog {
     fn entries(&self) -> MutexGuard<'_, Entries> {
         self.entries.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// The time since, also by a clock of the caller's that goes backward.
+fn time(since: &Stopwatch) -> Duration {
+    Duration::try_from_secs_f64(since.seconds()).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -15,8 +15,7 @@ use glam::{Mat4, Vec3};
 use lobe_core::gpu::{GPU_SHAPE, GpuLight, GpuMaterialSet, GpuMaterials};
 use lobe_core::paper::Tables;
 use lobe_core::{Accuracy, LightLobes};
-use scene::{Frame, Shade, ShadeStats, ShadingPoints};
-use std::time::Instant;
+use scene::{Cancel, Frame, Shade, ShadeStats, ShadingPoints, Stopwatch};
 use visibility_mask::{Fineness, MAX_DEPTH};
 use wgpu::BufferUsages;
 
@@ -256,19 +255,63 @@ impl GpuShader {
         radiance: &wgpu::Buffer,
     ) -> Result<(), GpuError> {
         let (kernels, stride) = self.prepare(frame)?;
-        let slice = self.slice(stride);
-        let mut first = 0;
-        while first < u64::from(count) {
-            let part = Part { first, count: slice.min(u64::from(count) - first), stride, points, radiance };
-            let encoder = self.record(&kernels, frame, &part)?;
+        let mut part = Part { first: 0, count: self.slice(stride), stride, uniforms: 0, points, radiance };
+        while part.first < u64::from(count) {
+            part.count = part.count.min(u64::from(count) - part.first);
+            self.hold_uniforms(frame, &[part.count])?;
+            let mut encoder = self.encoder();
+            self.write(&kernels, &part, &mut encoder, true)?;
             self.gpu.scoped("the commands of a slice", || self.gpu.queue().submit([encoder.finish()]))?;
-            first += part.count;
+            part.first += part.count;
         }
         Ok(())
     }
 
+    /// The same commands written into an encoder of the caller's, who submits them, once and before anything else is asked of this
+    /// shader: lights, materials and blockers are uploaded now, in the buffers of the last call. Kernels that are new are compiled
+    /// here; an empty [`shade`](Shade::shade) with such a frame does so before.
+    ///
+    /// # Errors
+    /// As [`submit`](Self::submit). What is in the encoder by then does no harm.
+    pub fn record<M: GpuMaterials, L: GpuLight>(
+        &mut self,
+        frame: &Frame<'_, M, L>,
+        points: &wgpu::Buffer,
+        count: u32,
+        radiance: &wgpu::Buffer,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), GpuError> {
+        let (kernels, stride) = self.prepare(frame)?;
+        let count = u64::from(count);
+        let slice = self.slice(stride).min(count);
+        // All slices but the last one are alike.
+        let last = if slice > 0 { (count - 1) % slice + 1 } else { 0 };
+        self.hold_uniforms(frame, &[slice, last])?;
+        let mut part = Part { first: 0, count: slice, stride, uniforms: 0, points, radiance };
+        while part.first < count {
+            if part.first + slice >= count {
+                (part.count, part.uniforms) = (last, frame.lights.len() as u64);
+            }
+            self.write(&kernels, &part, encoder, false)?;
+            part.first += part.count;
+        }
+        Ok(())
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// Uploads the uniforms of slices of so many points each.
+    fn hold_uniforms<M, L: GpuLight>(&mut self, frame: &Frame<'_, M, L>, counts: &[u64]) -> Result<(), GpuError> {
+        let bytes: Vec<u8> = counts.iter().flat_map(|count| self.uniforms(frame, *count)).collect();
+        self.frames.sized(&self.gpu, FRAME_STRIDE)?;
+        self.frames.hold(&self.gpu, &bytes)?;
+        Ok(())
+    }
+
     /// One uniform a light.
-    fn uniforms<M, L: GpuLight>(&self, frame: &Frame<'_, M, L>, part: &Part<'_>) -> Vec<u8> {
+    fn uniforms<M, L: GpuLight>(&self, frame: &Frame<'_, M, L>, points: u64) -> Vec<u8> {
         let mut bytes = vec![0; frame.lights.len() * FRAME_STRIDE as usize];
         for ((number, light), bytes) in (0..).zip(frame.lights).zip(bytes.chunks_exact_mut(FRAME_STRIDE as usize)) {
             let bounds = light.gpu_bounds();
@@ -280,7 +323,7 @@ impl GpuShader {
                 shape,
                 tolerance: frame.accuracy.tolerance,
                 threshold: frame.threshold,
-                point_count: part.count as u32,
+                point_count: points as u32,
                 queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
                 image: self.images.start(number),
                 number,
@@ -292,27 +335,25 @@ impl GpuShader {
         bytes
     }
 
-    /// The commands for one slice.
-    fn record<M, L: GpuLight>(
+    /// Writes the commands for one slice, whose uniforms are there, and their times where these are wanted.
+    fn write(
         &mut self,
         kernels: &[usize],
-        frame: &Frame<'_, M, L>,
         part: &Part<'_>,
-    ) -> Result<wgpu::CommandEncoder, GpuError> {
+        encoder: &mut wgpu::CommandEncoder,
+        is_timed: bool,
+    ) -> Result<(), GpuError> {
         let gpu = self.gpu.clone();
         let tiles = part.count.div_ceil(TILE);
-        let uniforms = self.uniforms(frame, part);
-        self.frames.sized(&gpu, FRAME_STRIDE)?;
-        self.frames.hold(&gpu, &uniforms)?;
         let queue = self.queue.sized(&gpu, HEADER + 4 * part.stride * part.count)?.clone();
         let indirect = self.indirect.sized(&gpu, 12)?.clone();
         self.blockers.prepare(&gpu, tiles)?;
-        let (clock, changes) = (self.clock.take(), self.blockers.take_changes());
-        let recorder = Recorder { shader: self, part, tiles, queue: &queue, indirect: &indirect, clock };
-        let recorded = gpu.scoped("the commands of a slice", || recorder.record(kernels, &changes));
-        let (encoder, clock) = recorded?;
+        let (mut clock, changes) = (self.clock.take(), self.blockers.take_changes());
+        let timed = clock.as_mut().filter(|_| is_timed);
+        let recorder = Recorder { shader: self, part, tiles, queue: &queue, indirect: &indirect, clock: timed };
+        let recorded = gpu.scoped("the commands of a slice", || recorder.record(kernels, &changes, encoder));
         self.clock = clock;
-        Ok(encoder)
+        recorded
     }
 
     fn resource<'b>(&'b self, slot: Slot, part: &Part<'b>) -> Option<wgpu::BufferBinding<'b>> {
@@ -346,7 +387,7 @@ struct Recorder<'a> {
     tiles: u64,
     queue: &'a wgpu::Buffer,
     indirect: &'a wgpu::Buffer,
-    clock: Option<Clock>,
+    clock: Option<&'a mut Clock>,
 }
 
 /// What a pass does.
@@ -361,7 +402,7 @@ type Step<'a> = (&'a Kernel, wgpu::BindGroup, Stage, Dispatch<'a>);
 
 impl Recorder<'_> {
     /// The kernels of each light are given by their number.
-    fn record(mut self, kernels: &[usize], changes: &[bool]) -> (wgpu::CommandEncoder, Option<Clock>) {
+    fn record(mut self, kernels: &[usize], changes: &[bool], encoder: &mut wgpu::CommandEncoder) {
         let (shader, gpu) = (self.shader, &self.shader.gpu);
         let bind = |kernel: &Kernel| kernel.bind(gpu, |slot| shader.resource(slot, self.part));
         let steps_of = |number: usize| -> Vec<Step<'_>> {
@@ -387,24 +428,22 @@ impl Recorder<'_> {
         let followers = shader.blockers.followers(changes);
         let followers: Vec<Step<'_>> =
             followers.map(|(kernel, groups)| (kernel, bind(kernel), Stage::Cull, Dispatch::Groups(groups))).collect();
-        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(self.part.radiance, 16 * self.part.first, Some(16 * self.part.count));
         encoder.clear_buffer(self.queue, 0, Some(HEADER));
         if let Some(clock) = &mut self.clock {
             clock.restart();
         }
         for step in &followers {
-            self.pass(&mut encoder, 0, step);
+            self.pass(encoder, 0, step);
         }
         for (light, number) in (0..).zip(kernels) {
             if light > 0 {
                 encoder.clear_buffer(self.queue, 0, Some(4));
             }
             for step in steps.iter().filter(|(known, _)| known == number).flat_map(|(_, steps)| steps) {
-                self.pass(&mut encoder, light, step);
+                self.pass(encoder, light, step);
             }
         }
-        (encoder, self.clock)
     }
 
     fn pass(&mut self, encoder: &mut wgpu::CommandEncoder, light: u64, (kernel, group, stage, work): &Step<'_>) {
@@ -412,7 +451,7 @@ impl Recorder<'_> {
         let label = Some(kernel.label());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
         pass.set_pipeline(kernel.pipeline());
-        let offset = [(light * FRAME_STRIDE) as u32];
+        let offset = [((self.part.uniforms + light) * FRAME_STRIDE) as u32];
         pass.set_bind_group(0, group, if kernel.has_frame() { &offset } else { &[] });
         match work {
             Dispatch::Groups(count) => pass.dispatch_workgroups(*count as u32, 1, 1),
@@ -427,23 +466,29 @@ struct Part<'a> {
     count: u64,
     /// Words of a queue item.
     stride: u64,
+    /// The number of its first uniform.
+    uniforms: u64,
     points: &'a wgpu::Buffer,
     radiance: &'a wgpu::Buffer,
 }
 
-impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
-    type Error = GpuError;
-
+impl GpuShader {
+    /// Shades as [`Shade::shade`] until the request to stop is made, which is looked at before each slice of points: none then.
+    ///
+    /// # Errors
+    /// [`GpuError`].
+    ///
     /// # Panics
     /// When `out` is not as long as the points.
-    fn shade(
+    pub fn shade_until<M: GpuMaterials, L: GpuLight>(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_, M, L>,
         out: &mut [Vec3],
-    ) -> Result<ShadeStats, GpuError> {
+        cancel: Option<&Cancel>,
+    ) -> Result<Option<ShadeStats>, GpuError> {
         assert_eq!(points.receivers.len(), out.len(), "one output a point");
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let mut stats = ShadeStats::default();
         let (kernels, stride) = self.prepare(frame)?;
         let slice = self.slice(stride) as usize;
@@ -451,14 +496,19 @@ impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
         let mut packed = Vec::with_capacity(slice.min(out.len()));
         let slices = points.receivers.chunks(slice).zip(points.materials.chunks(slice)).zip(out.chunks_mut(slice));
         for ((receivers, materials), out) in slices {
+            if cancel.is_some_and(Cancel::is_cancelled) {
+                return Ok(None);
+            }
             packed.clear();
             packed.extend(receivers.iter().zip(materials).map(|(at, material)| GpuReceiver::new(at, *material)));
             self.points.hold(&gpu, bytemuck::cast_slice(&packed))?;
             let count = packed.len() as u64;
             let buffer = self.points.sized(&gpu, 0)?.clone();
             let radiance = self.radiance.sized(&gpu, 16 * count)?.clone();
-            let part = Part { first: 0, count, stride, points: &buffer, radiance: &radiance };
-            let mut encoder = self.record(&kernels, frame, &part)?;
+            let part = Part { first: 0, count, stride, uniforms: 0, points: &buffer, radiance: &radiance };
+            self.hold_uniforms(frame, &[count])?;
+            let mut encoder = self.encoder();
+            self.write(&kernels, &part, &mut encoder, true)?;
             let staging = self.staging.sized(&gpu, 16 * count + HEADER)?.clone();
             let queue = self.queue.sized(&gpu, 0)?.clone();
             gpu.scoped("the commands of a slice", || {
@@ -487,7 +537,22 @@ impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
                 clock.read(&gpu, &mut stats.stages)?;
             }
         }
-        stats.seconds = start.elapsed().as_secs_f64();
-        Ok(stats)
+        stats.seconds = watch.seconds();
+        Ok(Some(stats))
+    }
+}
+
+impl<M: GpuMaterials, L: GpuLight> Shade<M, L> for GpuShader {
+    type Error = GpuError;
+
+    /// # Panics
+    /// When `out` is not as long as the points.
+    fn shade(
+        &mut self,
+        points: &ShadingPoints,
+        frame: &Frame<'_, M, L>,
+        out: &mut [Vec3],
+    ) -> Result<ShadeStats, GpuError> {
+        Ok(self.shade_until(points, frame, out, None)?.unwrap_or_default())
     }
 }

@@ -116,6 +116,25 @@ impl GpuTextureWriter {
         radiance: &wgpu::Buffer,
         texture: &wgpu::Texture,
     ) -> Result<(), GpuError> {
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.record(gpu, points, radiance, texture, &mut encoder)?;
+        gpu.scoped("the commands of a texture writer", || {
+            gpu.queue().submit([encoder.finish()]);
+        })
+    }
+
+    /// The same commands written into an encoder of the caller's, who submits them.
+    ///
+    /// # Errors
+    /// As [`submit`](Self::submit).
+    pub fn record(
+        &self,
+        gpu: &Gpu,
+        points: &wgpu::Buffer,
+        radiance: &wgpu::Buffer,
+        texture: &wgpu::Texture,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), GpuError> {
         const POINT: u64 = size_of::<GpuReceiver>() as u64;
         if texture.format() != self.format {
             let (reason, what) = (format!("it is made for {:?}", self.format), "a texture");
@@ -129,7 +148,6 @@ impl GpuTextureWriter {
         gpu.scoped("the commands of a texture writer", || {
             let device = gpu.device();
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut first = 0;
             while first < rows {
                 let count = band.min(rows - first);
@@ -163,7 +181,6 @@ impl GpuTextureWriter {
                 drop(pass);
                 first += count;
             }
-            gpu.queue().submit([encoder.finish()]);
         })
     }
 }

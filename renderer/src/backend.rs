@@ -1,10 +1,11 @@
 //! What shades: the cores of the CPU, or a GPU.
 
+use crate::event::check;
 use crate::{Device, RenderError};
 use core::error::Error;
 use glam::Vec3;
 use lobe_core::{Integrator, Visibility};
-use render_cpu::{CpuShader, Layers as PointLayers};
+use render_cpu::{CpuShader, Layers as PointLayers, ShadeRequest};
 use scene::{Frame, Shade, ShadeStats, ShadingPoints};
 
 #[cfg(feature = "gpu")]
@@ -12,8 +13,8 @@ use {
     crate::error::LAYERS,
     lobe_core::gpu::GpuBlockers,
     lobe_core::paper::Tables,
+    ray_tracing::World,
     render_gpu::{Gpu, GpuError, GpuOptions, GpuShader, GpuWorld, Occlusion, ShadowCasting},
-    scene::Scene,
     visibility_rays::GpuRays,
     visibility_shadowmap::{PackedMaps, ShadowMapBlockers},
     visibility_silhouettes::GpuSilhouettes,
@@ -45,7 +46,7 @@ impl Backend {
             Device::Gpu => {
                 let gpu = Gpu::blocking(&GpuOptions::default())?;
                 let shader = GpuShader::new(&gpu, Occlusion::default())?;
-                Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None, maps: None })))
+                Ok(Self::Gpu(Box::new(GpuBackend { shader, world: None, maps: None, followed: 0 })))
             }
             #[cfg(not(feature = "gpu"))]
             Device::Gpu => Err(RenderError::NotOnGpu(NOT_BUILT)),
@@ -82,6 +83,16 @@ impl Backend {
         }
     }
 
+    /// Times that the hierarchy of its rays was made, or followed what moved.
+    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "the CPU's is the renderer's"))]
+    pub(crate) const fn worlds_followed(&self) -> u64 {
+        match self {
+            Self::Cpu => 0,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.followed,
+        }
+    }
+
     /// `cpu`, or what the GPU calls itself.
     #[must_use]
     pub fn name(&self) -> String {
@@ -98,10 +109,22 @@ impl Backend {
 #[derive(Debug)]
 pub struct GpuBackend {
     shader: GpuShader,
-    /// With what casts its shadows.
-    world: Option<(GpuWorld, Vec<ShadowCasting>)>,
+    world: Option<RayWorld>,
     /// What the GPU has of the shadow maps.
     maps: Option<PackedMaps>,
+    /// Times that the world was made, or followed what moved.
+    followed: u64,
+}
+
+/// The scene as the GPU's rays meet it.
+#[cfg(feature = "gpu")]
+#[derive(Debug)]
+struct RayWorld {
+    world: GpuWorld,
+    /// From which rays each object casts shadows.
+    casting: Vec<ShadowCasting>,
+    /// That of the hierarchy that it follows.
+    revision: u64,
 }
 
 /// The built-in strategies that block, but for rays.
@@ -114,30 +137,22 @@ pub(crate) struct GpuParts<'a> {
 
 #[cfg(feature = "gpu")]
 impl GpuBackend {
-    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each which they are: the
-    /// same scene with each call. Those objects are by silhouettes, or by rays where there are none.
+    /// The shader with these blockers; `traced` is the scene, where rays meet some of its objects, and for each which they are.
+    /// Those objects are by silhouettes, or by rays where there are none.
     pub(crate) fn occluded(
         &mut self,
         tables: Option<&Tables>,
         parts: &GpuParts<'_>,
-        traced: Option<(&Scene, Vec<ShadowCasting>)>,
+        traced: Option<(&World<'_>, Vec<ShadowCasting>)>,
         custom: &[&dyn GpuBlockers],
     ) -> Result<&mut GpuShader, GpuError> {
         let GpuParts { spheres, maps, silhouettes } = *parts;
-        if let Some((scene, objects)) = traced {
-            match &mut self.world {
-                // What maps show changes as lights move.
-                Some((world, kept)) if *kept == objects => world.update(scene)?,
-                world => {
-                    let traced = GpuWorld::with_casting(self.shader.gpu(), scene, |o| objects[o as usize])?;
-                    *world = Some((traced, objects));
-                }
-            }
-        } else {
-            self.world = None;
+        match traced {
+            Some((world, casting)) => self.follow(world, casting)?,
+            None => self.world = None,
         }
         self.shader.set_paper(tables);
-        let any_hit = self.world.as_ref().map(|(world, _)| world);
+        let any_hit = self.world.as_ref().map(|of| &of.world);
         let silhouettes = silhouettes.map(|silhouettes| silhouettes as &dyn GpuBlockers);
         let traced = silhouettes.or_else(|| any_hit.map(|_| &GpuRays as &dyn GpuBlockers));
         if let Some(maps) = maps {
@@ -153,41 +168,71 @@ impl GpuBackend {
         self.shader.occlude(Occlusion { blockers: &blockers, any_hit })?;
         Ok(&mut self.shader)
     }
+
+    /// Lets what rays meet follow the scene, where anything has moved.
+    fn follow(&mut self, world: &World<'_>, casting: Vec<ShadowCasting>) -> Result<(), GpuError> {
+        let revision = world.revision();
+        match &mut self.world {
+            // What maps show changes as lights move.
+            Some(kept) if kept.casting == casting => {
+                if kept.revision == revision {
+                    return Ok(());
+                }
+                kept.world.update(world.scene())?;
+                kept.revision = revision;
+            }
+            kept => {
+                let made = GpuWorld::with_casting(self.shader.gpu(), world.scene(), |o| casting[o as usize])?;
+                *kept = Some(RayWorld { world: made, casting, revision });
+            }
+        }
+        self.followed += 1;
+        Ok(())
+    }
 }
 
 /// What shades, whatever it computes on.
 pub trait Shader: Shade<Error: Error + Into<RenderError>> {
-    /// Shades, and tells what the picture is made of.
+    /// Shades with the requested layers until the request to stop is made.
     ///
     /// # Errors
-    /// As [`Shade::shade`]; [`RenderError::NotOnGpu`] on a GPU.
-    fn shade_layers(
+    /// As [`Shade::shade`]; [`RenderError::NotOnGpu`] for layers on a GPU; [`RenderError::Cancelled`].
+    fn shade_with(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_>,
         out: &mut [Vec3],
+        request: &ShadeRequest<'_>,
     ) -> Result<(ShadeStats, PointLayers), RenderError>;
 }
 
 impl<V: Visibility, I: Integrator<V>> Shader for CpuShader<V, I> {
-    fn shade_layers(
+    fn shade_with(
         &mut self,
         points: &ShadingPoints,
         frame: &Frame<'_>,
         out: &mut [Vec3],
+        request: &ShadeRequest<'_>,
     ) -> Result<(ShadeStats, PointLayers), RenderError> {
-        Ok(CpuShader::shade_layers(self, points, frame, out))
+        let shaded = CpuShader::shade_with(self, points, frame, out, request);
+        request.cancel.map_or(Ok(()), check)?;
+        Ok(shaded)
     }
 }
 
 #[cfg(feature = "gpu")]
 impl Shader for GpuShader {
-    fn shade_layers(
+    fn shade_with(
         &mut self,
-        _: &ShadingPoints,
-        _: &Frame<'_>,
-        _: &mut [Vec3],
+        points: &ShadingPoints,
+        frame: &Frame<'_>,
+        out: &mut [Vec3],
+        request: &ShadeRequest<'_>,
     ) -> Result<(ShadeStats, PointLayers), RenderError> {
-        Err(RenderError::NotOnGpu(LAYERS))
+        if request.unshadowed || request.lights || request.counts {
+            return Err(RenderError::NotOnGpu(LAYERS));
+        }
+        let stats = self.shade_until(points, frame, out, request.cancel)?.ok_or(RenderError::Cancelled)?;
+        Ok((stats, PointLayers::default()))
     }
 }

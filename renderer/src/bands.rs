@@ -1,10 +1,10 @@
 use crate::kept_points::KeptPoints;
+use crate::{RenderError, Settings};
 use brdf::Material;
 use core::ops::Range;
 use pictures::Window;
 use render_cpu::{GBuffer, TILE, World};
-use scene::ShadingPoints;
-use std::time::Instant;
+use scene::{Cancel, ShadingPoints, Stopwatch};
 use visibility_shadowmap::ReceiverBounds;
 
 /// Camera rays in flight: bounds the memory of large pictures.
@@ -12,77 +12,99 @@ pub const BAND_RAYS: u64 = 1 << 19;
 
 /// Runs `work` and adds what it takes to a clock in seconds.
 pub fn seconds<T>(clock: &mut f64, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
+    let watch = Stopwatch::start();
     let result = work();
-    *clock += start.elapsed().as_secs_f64();
+    *clock += watch.seconds();
     result
 }
 
 /// Camera rays that a time budget is measured with.
 const TRIAL_RAYS: u64 = 1 << 15;
 
-/// The visible points of a window of the picture, band by band of rows.
+/// The visible points of parts of the picture.
 #[derive(Debug)]
 pub(crate) struct Bands<'w> {
     pub(crate) world: &'w World<'w>,
     samples: u32,
-    pub(crate) window: Window,
-    rows: u32,
+    /// The parts, in their order.
+    pub(crate) parts: &'w [Window],
     /// Points of the picture before, or found before they are shaded.
     kept: &'w mut KeptPoints,
+    /// Whether points are kept for the next picture.
+    keeps: bool,
+    pub(crate) cancel: &'w Cancel,
     /// Seconds of finding visible points.
     pub(crate) seconds: f64,
 }
 
 impl<'w> Bands<'w> {
-    pub(crate) fn new(world: &'w World<'w>, samples: u32, window: Window, kept: &'w mut KeptPoints) -> Self {
-        let rows = BAND_RAYS / (window.size()[0] as u64 * u64::from(samples)).max(1);
+    pub(crate) fn new(
+        world: &'w World<'w>,
+        settings: &Settings,
+        parts: &'w [Window],
+        kept: &'w mut KeptPoints,
+        cancel: &'w Cancel,
+    ) -> Self {
+        let (samples, keeps) = (settings.samples, settings.keep_points);
+        Self { world, samples, parts, kept, keeps, cancel, seconds: 0.0 }
+    }
+
+    /// A window cut into bands of rows, of few enough rays to be in flight; their borders are those of tiles.
+    fn cut(&self, window: &Window) -> impl Iterator<Item = Window> + use<> {
+        let width = window.columns.len();
+        let rows = BAND_RAYS / (width as u64 * u64::from(self.samples)).max(1);
         let rows = (rows as u32 / TILE * TILE).max(TILE);
-        Self { world, samples, window, rows, kept, seconds: 0.0 }
+        window.parts([window.image[0].max(1), rows as usize])
     }
 
-    /// Bands of these rows, whose borders are those of tiles.
-    pub(crate) fn ranges(&self, rows: Range<u32>) -> impl Iterator<Item = Range<u32>> + use<> {
-        let step = self.rows;
-        let cut = move |k: u32| (k * step).max(rows.start)..((k + 1) * step).min(rows.end);
-        (rows.start / step..rows.end.div_ceil(step)).map(cut)
+    /// The bands of all parts.
+    pub(crate) fn windows(&self) -> Vec<Window> {
+        self.parts.iter().flat_map(|part| self.cut(part)).collect()
     }
 
-    pub(crate) fn points(&mut self, window: &Window, rows: Range<u32>) -> GBuffer {
+    pub(crate) fn points(&mut self, window: &Window) -> Result<GBuffer, RenderError> {
         let (world, samples) = (self.world, self.samples);
-        let scene = world.scene();
-        let columns = window.columns.start as u32..window.columns.end as u32;
-        if let Some(kept) = self.kept.take(window, samples, &rows) {
-            return kept;
+        if let Some(kept) = self.kept.take(window, samples) {
+            return Ok(kept);
         }
+        let range = |side: &Range<usize>| side.start as u32..side.end as u32;
+        let (columns, rows) = (range(&window.columns), range(&window.rows));
+        let (image, cancel) = (window.image.map(|side| side as u32), self.cancel);
+        let find = || GBuffer::window_until(world, image, samples, columns, rows, cancel);
+        let found = seconds(&mut self.seconds, find).ok_or(RenderError::Cancelled)?;
         self.kept.found += 1;
-        seconds(&mut self.seconds, || GBuffer::window(world, scene.width, scene.height, samples, columns, rows))
+        Ok(found)
     }
 
-    /// Keeps the points of a band for the next time that they are needed.
-    pub(crate) fn keep(&mut self, window: &Window, rows: Range<u32>, points: GBuffer) {
-        self.kept.put(window, self.samples, rows, points);
+    /// Keeps the points of a band for the next picture that needs them.
+    pub(crate) fn keep(&mut self, window: &Window, points: GBuffer) {
+        if self.keeps {
+            self.kept.put(window, self.samples, points);
+        }
     }
 
-    /// The box of all visible points of the picture, those outside the window too: its parts are to be as the whole.
-    /// `None` when the camera sees nothing. Costs nothing where the points of the whole picture are few enough to be kept; else all
-    /// points are found twice.
-    pub(crate) fn bounds(&mut self) -> Option<ReceiverBounds> {
+    /// The box of all visible points of the picture, those outside the parts too: the parts are to be as the whole.
+    /// `None` when the camera sees nothing. Known until something moves. Costs nothing where the whole picture is made and its points
+    /// are few enough to be kept; else all points are found twice.
+    pub(crate) fn bounds(&mut self) -> Result<Option<ReceiverBounds>, RenderError> {
+        if let Some(known) = self.kept.bounds {
+            return Ok(known);
+        }
         let mut all: Option<ReceiverBounds> = None;
-        let [width, height] = self.window.image;
-        let picture = Window::whole(width, height);
-        let ranges: Vec<_> = self.ranges(0..height as u32).collect();
-        let keep = self.window.is_whole();
-        for rows in ranges {
-            let g = self.points(&picture, rows.clone());
+        let scene = self.world.scene();
+        let picture = Window::whole(scene.width as usize, scene.height as usize);
+        let keep = self.parts.len() == 1 && self.parts[0] == picture;
+        for window in self.cut(&picture) {
+            let g = self.points(&window)?;
             if let Some(b) = ReceiverBounds::of(g.points.receivers.iter().map(|r| r.position)) {
                 all = Some(all.map_or(b, |a| ReceiverBounds { min: a.min.min(b.min), max: a.max.max(b.max) }));
             }
             if keep {
-                self.keep(&picture, rows, g);
+                self.kept.put(&window, self.samples, g);
             }
         }
-        all
+        self.kept.bounds = Some(all);
+        Ok(all)
     }
 
     /// The points of strips spread over the picture, their materials, and how many times their rows the picture has.

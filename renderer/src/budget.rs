@@ -4,8 +4,8 @@ use crate::{Backend, CustomStrategy, Event, FrameBlockers, Listener, Method, Pla
 use glam::Vec3;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
-use render_cpu::{SceneSilhouettes, World};
-use scene::{Frame, ShadingPoints};
+use render_cpu::{SceneSilhouettes, ShadeRequest, World};
+use scene::{Cancel, Frame, ShadingPoints};
 use visibility_shadowmap::ShadowMap;
 use visibility_spheres::SphereBlockers;
 
@@ -27,6 +27,7 @@ pub(crate) struct Budget<'a> {
     pub(crate) custom: &'a [Box<dyn CustomStrategy>],
     pub(crate) method: Method,
     pub(crate) tables: Option<&'a Tables>,
+    pub(crate) cancel: &'a Cancel,
     /// Seconds of a frame that no setting changes, but for finding the visible points.
     pub(crate) fixed: f64,
 }
@@ -52,8 +53,8 @@ impl Budget<'_> {
             let blockers =
                 FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy)
                     .with_custom(self.custom);
-            let shading =
-                blockers.shade(backend, self.method, self.tables, Twice { points: &points, frame: &frame })?;
+            let twice = Twice { points: &points, frame: &frame, cancel: self.cancel };
+            let shading = blockers.shade(backend, self.method, self.tables, twice)?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {
                 break;
@@ -74,6 +75,7 @@ impl Budget<'_> {
 struct Twice<'a> {
     points: &'a ShadingPoints,
     frame: &'a Frame<'a>,
+    cancel: &'a Cancel,
 }
 
 impl ShaderTask for Twice<'_> {
@@ -81,9 +83,11 @@ impl ShaderTask for Twice<'_> {
 
     fn with<S: Shader>(self, shader: &mut S) -> Result<f64, RenderError> {
         let mut out = vec![Vec3::ZERO; self.points.receivers.len()];
-        let mut once =
-            || shader.shade(self.points, self.frame, &mut out).map(|stats| stats.seconds).map_err(Into::into);
-        let first: Result<f64, RenderError> = once();
-        Ok(first?.min(once()?))
+        let request = ShadeRequest { cancel: Some(self.cancel), ..ShadeRequest::default() };
+        let mut once = || {
+            let (stats, _) = shader.shade_with(self.points, self.frame, &mut out, &request)?;
+            Ok::<f64, RenderError>(stats.seconds)
+        };
+        Ok(once()?.min(once()?))
     }
 }

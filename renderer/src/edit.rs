@@ -7,9 +7,10 @@ use crate::{
 };
 use brdf::Material;
 use glam::{Mat4, Vec3};
-use lighting::Light;
+use lighting::{Environment, Light};
 use lobe_core::Accuracy;
 use scene::{Camera, KeyFrames, Object, Proxy, Scene, Shape, Strategy, Surface};
+use std::sync::Arc;
 
 impl Renderer {
     /// The objects and their handles.
@@ -62,12 +63,9 @@ impl Renderer {
     /// Takes an object out. Lights that it shines with stay.
     ///
     /// # Errors
-    /// [`RenderError::Edit`] where it is not there, or the last one.
+    /// [`RenderError::Edit`] where it is not there.
     pub fn remove_object(&mut self, object: ObjectHandle) -> Result<Object, RenderError> {
         let place = self.object_place(object)?;
-        if self.scene.objects.len() == 1 {
-            return Err(EditError::LastObject(self.scene.objects[place].name.clone()).into());
-        }
         self.rows.remove(place);
         self.animation.remove_object(place);
         self.mark(Stale::STRATEGY | Stale::LIGHTS);
@@ -210,6 +208,31 @@ impl Renderer {
         Ok(self.mark(LIT))
     }
 
+    /// Puts another environment in the place of the present one, or none. Its lights come behind all others, with handles of their
+    /// own; those of the present one go.
+    ///
+    /// # Errors
+    /// [`RenderError::PaperLight`] where the method is not for it.
+    pub fn set_environment(&mut self, environment: Option<Arc<Environment>>) -> Result<Stale, RenderError> {
+        let new = environment.as_ref().map_or(&[][..], |environment| environment.lights());
+        let is_sky = |light: &Light| matches!(light, Light::Sky(_));
+        let first = self.scene.lights.iter().filter(|light| !is_sky(light)).count();
+        new.iter().zip(first..).try_for_each(|(light, number)| self.check_light(number, light))?;
+        for place in
+            (0..self.scene.lights.len()).rev().filter(|place| is_sky(&self.scene.lights[*place])).collect::<Vec<_>>()
+        {
+            self.light_handles.remove(place);
+            self.animation.remove_light(place);
+            self.scene.lights.remove(place);
+        }
+        for light in new {
+            self.scene.lights.push(light.clone());
+            self.light_handles.push();
+        }
+        self.scene.environment = environment;
+        Ok(self.mark(LIT | Stale::POINTS))
+    }
+
     fn check_light(&self, number: usize, light: &Light) -> Result<(), RenderError> {
         Scene::check_light(number, light)?;
         check_method(self.settings.method, core::slice::from_ref(light)).map_err(|error| match error {
@@ -333,7 +356,9 @@ impl Renderer {
         check_method(settings.method, &self.scene.lights)?;
         let mut stale = Stale::SHADING | Stale::BUDGET;
         if settings.device != self.backend.device() {
-            self.backend = Backend::open(settings.device)?;
+            let backend = Backend::open(settings.device)?;
+            self.upkeep.ray_worlds += self.backend.worlds_followed();
+            self.backend = backend;
             stale |= Stale::BACKEND;
         }
         if settings.strategy != self.settings.strategy {

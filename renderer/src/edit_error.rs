@@ -19,9 +19,6 @@ pub enum EditError {
     /// An object has the material that is to be removed.
     #[error("object \"{0}\" has this material")]
     MaterialInUse(String),
-    /// A scene keeps one object at least.
-    #[error("object \"{0}\" is the only one: a scene has at least one object")]
-    LastObject(String),
     /// A matrix that the object cannot follow.
     #[error("object \"{object}\": transform {fault}")]
     Transform {

@@ -64,7 +64,7 @@ pub enum RenderError {
         /// Its range.
         expected: &'static str,
     },
-    /// The listener has stopped the work.
+    /// The listener or the request that [`set_cancel`](crate::Renderer::set_cancel) takes has stopped the work.
     #[error("cancelled")]
     Cancelled,
 }

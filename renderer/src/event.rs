@@ -1,6 +1,7 @@
 use crate::{MapReduction, RenderError};
 use core::ops::ControlFlow;
 use lobe_core::Accuracy;
+use scene::Cancel;
 use std::path::Path;
 use visibility_shadowmap::MapAdvice;
 
@@ -61,17 +62,22 @@ pub enum Event<'a> {
         /// Whether that is within the budget; nothing is faster if not.
         is_within: bool,
     },
-    /// Rows of the picture that are shaded.
-    Rows {
+    /// Pixels of the picture, or of its requested parts, that are shaded.
+    Pixels {
         /// So many.
-        done: u32,
+        done: u64,
         /// Of so many.
-        of: u32,
+        of: u64,
     },
 }
 
 /// Hears what goes on, and may stop it.
 pub type Listener<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
+
+/// Ends the work where it is to stop.
+pub(crate) fn check(cancel: &Cancel) -> Result<(), RenderError> {
+    if cancel.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(()) }
+}
 
 /// Tells a listener, and ends where that says so.
 pub(crate) fn tell(listener: &mut Listener<'_>, event: Event<'_>) -> Result<(), RenderError> {

@@ -156,7 +156,7 @@ impl<'a> FrameBlockers<'a> {
             });
             let casting: Vec<ShadowCasting> = casting.collect();
             let traced = casting.iter().any(|casting| *casting != ShadowCasting::None);
-            let traced = traced.then(|| (self.world.scene(), casting));
+            let traced = traced.then_some((self.world, casting));
             if method == Method::Lobes {
                 return Err(RenderError::NotOnGpu(crate::error::LOBES));
             }

@@ -27,6 +27,11 @@ impl Handles {
         self.list.iter().copied()
     }
 
+    /// The handle at a place.
+    pub(crate) fn at(&self, place: usize) -> u64 {
+        self.list[place]
+    }
+
     /// The place of a handle in the list; none where it was taken out.
     pub(crate) fn place(&self, handle: u64) -> Option<usize> {
         self.list.binary_search(&handle).ok()

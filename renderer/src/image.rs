@@ -1,9 +1,11 @@
 use crate::bands::{Bands, seconds};
 use crate::event::tell;
-use crate::{Event, FrameClocks, Listener, RenderError, Shader, ShaderTask};
+use crate::{Event, FrameClocks, LayerSet, Layers, Listener, RenderError, Shader, ShaderTask};
 use core::ops::ControlFlow;
 use glam::Vec3;
 use lobe_core::Accuracy;
+use pictures::Window;
+use render_cpu::GBuffer;
 use scene::{Frame, ShadeStats, ShadingPoints};
 
 /// A picture, or a window of one, row by row from the top, and how it was made.
@@ -13,27 +15,10 @@ pub struct Image {
     pub size: [usize; 2],
     /// Linear radiance toward the eye, W·m⁻²·sr⁻¹ per channel.
     pub radiance: Vec<Vec3>,
-    /// What it is made of, where the settings ask for it.
-    pub layers: Option<Layers>,
+    /// What it is made of, as far as the settings ask for it.
+    pub layers: Layers,
     /// How it was made.
     pub stats: ImageStats,
-}
-
-/// The parts of a picture, pixel by pixel.
-#[derive(Clone, Debug, Default)]
-pub struct Layers {
-    /// Radiance without blockers.
-    pub unshadowed: Vec<Vec3>,
-    /// The part of each light.
-    pub lights: Vec<Vec<Vec3>>,
-    /// Unit shading normals, the mean of a pixel's rays.
-    pub normals: Vec<Vec3>,
-    /// Distance from the plane of the eye, infinite where nothing is seen.
-    pub depths: Vec<f32>,
-    /// Visibility lobes made.
-    pub lobes: Vec<f32>,
-    /// Lobe integrals evaluated.
-    pub products: Vec<f32>,
 }
 
 /// How a picture was made.
@@ -59,39 +44,51 @@ pub struct ImageStats {
     pub map_bytes: usize,
 }
 
-/// Rows of a picture that are done.
+/// A part of a picture that is done.
 #[derive(Clone, Debug, Default)]
 pub struct Band {
-    /// Which rows of the picture.
-    pub rows: core::ops::Range<usize>,
+    /// Which part.
+    pub window: Window,
     /// As [`Image::radiance`].
     pub radiance: Vec<Vec3>,
     /// As [`Image::layers`].
-    pub layers: Option<Layers>,
+    pub layers: Layers,
 }
 
-/// Takes bands as they are done, from the top, and may have had enough.
-pub type Sink<'a> = dyn FnMut(Band) -> ControlFlow<()> + 'a;
+/// Takes parts of a picture as they are done, and may have had enough. Their memory is used again for the next part.
+pub type Sink<'a> = dyn FnMut(&Band) -> ControlFlow<()> + 'a;
 
-impl Layers {
-    /// Appends the rows that follow.
-    pub(crate) fn append(&mut self, next: Self) {
-        self.unshadowed.extend(next.unshadowed);
-        self.lights.resize(next.lights.len(), Vec::new());
-        self.lights.iter_mut().zip(next.lights).for_each(|(all, next)| all.extend(next));
-        self.normals.extend(next.normals);
-        self.depths.extend(next.depths);
-        self.lobes.extend(next.lobes);
-        self.products.extend(next.products);
+impl Band {
+    /// Puts the radiance at its place in the pixels of a larger window.
+    ///
+    /// # Panics
+    /// When that window does not hold this part, or has not one value a pixel.
+    pub fn copy_to(&self, window: &Window, pixels: &mut [Vec3]) {
+        assert_eq!(pixels.len(), window.pixels(), "one value a pixel");
+        let width = self.window.columns.len();
+        let left = self.window.columns.start - window.columns.start;
+        for (row, line) in self.window.rows.clone().zip(self.radiance.chunks_exact(width.max(1))) {
+            let first = (row - window.rows.start) * window.columns.len() + left;
+            pixels[first..first + width].copy_from_slice(line);
+        }
     }
+}
+
+/// Memory of a part of a picture, for the next one.
+#[derive(Debug, Default)]
+pub(crate) struct Canvas {
+    band: Band,
+    /// Radiance of its points.
+    radiance: Vec<Vec3>,
 }
 
 /// Shades a picture band by band; the work that a strategy is chosen for.
 pub(crate) struct Shading<'a, 'w, 'l, 's> {
     pub(crate) frame: &'a Frame<'a>,
     pub(crate) bands: &'a mut Bands<'w>,
+    pub(crate) canvas: &'a mut Canvas,
     pub(crate) repeat: u32,
-    pub(crate) layers: bool,
+    pub(crate) layers: LayerSet,
     pub(crate) listener: &'a mut Listener<'l>,
     pub(crate) sink: &'a mut Sink<'s>,
 }
@@ -99,57 +96,52 @@ pub(crate) struct Shading<'a, 'w, 'l, 's> {
 impl ShaderTask for Shading<'_, '_, '_, '_> {
     type Output = ImageStats;
 
-    fn with<S: Shader>(self, shader: &mut S) -> Result<ImageStats, RenderError> {
-        let Self { frame, bands, repeat, layers, listener, sink } = self;
-        let background = bands.world.scene().background;
-        let window = bands.window.clone();
-        let mut done = ImageStats { shading: vec![ShadeStats::default(); repeat as usize], ..ImageStats::default() };
-        let fail = |error: S::Error| -> RenderError { error.into() };
+    fn with<S: Shader>(mut self, shader: &mut S) -> Result<ImageStats, RenderError> {
+        let shading = vec![ShadeStats::default(); self.repeat as usize];
+        let mut stats = ImageStats { shading, ..ImageStats::default() };
         // Compiles what there is to compile.
-        seconds(&mut done.kernels, || shader.shade(&ShadingPoints::default(), frame, &mut [])).map_err(fail)?;
-        let of = window.rows.len() as u32;
-        for rows in bands.ranges(window.rows.start as u32..window.rows.end as u32) {
-            tell(listener, Event::Rows { done: rows.start - window.rows.start as u32, of })?;
-            let g = bands.points(&window, rows.clone());
-            let frame = &Frame { materials: &g.materials, ..*frame };
-            let mut radiance = vec![Vec3::ZERO; g.len()];
-            let mut all = layers.then(Layers::default);
-            for (repetition, total) in done.shading.iter_mut().enumerate() {
-                *total += match &mut all {
-                    None => shader.shade(&g.points, frame, &mut radiance).map_err(fail)?,
-                    Some(all) => {
-                        let (stats, mut points) = shader.shade_layers(&g.points, frame, &mut radiance)?;
-                        g.add_emission(&mut points.unshadowed);
-                        if repetition == 0 {
-                            let count = frame.lights.len();
-                            all.unshadowed = g.picture(&points.unshadowed, background);
-                            let light = |l: usize| {
-                                let part: Vec<Vec3> = points.lights.iter().skip(l).step_by(count).copied().collect();
-                                g.resolve(&part, Vec3::ZERO)
-                            };
-                            all.lights = (0..count).map(light).collect();
-                            let numbers = |n: &[u32]| n.iter().map(|n| *n as f32).collect::<Vec<f32>>();
-                            all.lobes = g.resolve(&numbers(&points.lobes), 0.0);
-                            all.products = g.resolve(&numbers(&points.integrals), 0.0);
-                        }
-                        stats
-                    }
-                };
-            }
-            g.add_emission(&mut radiance);
-            if let Some(all) = &mut all {
-                let normals: Vec<Vec3> = g.points.receivers.iter().map(|r| r.normal).collect();
-                all.normals = g.resolve(&normals, Vec3::ZERO);
-                all.depths = g.resolve(&g.depths, f32::INFINITY);
-            }
-            done.points += g.len();
-            let radiance = g.picture(&radiance, background);
-            bands.keep(&window, rows.clone(), g);
-            let rows = rows.start as usize..rows.end as usize;
-            if sink(Band { rows, radiance, layers: all }).is_break() {
+        seconds(&mut stats.kernels, || shader.shade(&ShadingPoints::default(), self.frame, &mut []))
+            .map_err(|error: S::Error| -> RenderError { error.into() })?;
+        let windows = self.bands.windows();
+        let of = windows.iter().map(|window| window.pixels() as u64).sum();
+        let mut done = 0;
+        for window in windows {
+            tell(self.listener, Event::Pixels { done, of })?;
+            let g = self.bands.points(&window)?;
+            let shaded = self.shade(shader, &g, &mut stats);
+            stats.points += g.len();
+            // Also where it was cancelled: the points are right, and likely to be needed again.
+            self.bands.keep(&window, g);
+            shaded?;
+            done += window.pixels() as u64;
+            self.canvas.band.window = window;
+            if (self.sink)(&self.canvas.band).is_break() {
                 break;
             }
         }
-        Ok(done)
+        Ok(stats)
+    }
+}
+
+impl Shading<'_, '_, '_, '_> {
+    /// Shades the points of a band into its memory.
+    fn shade<S: Shader>(&mut self, shader: &mut S, g: &GBuffer, stats: &mut ImageStats) -> Result<(), RenderError> {
+        let background = self.bands.world.scene().background;
+        let frame = &Frame { materials: &g.materials, ..*self.frame };
+        let Canvas { band, radiance } = &mut *self.canvas;
+        radiance.clear();
+        radiance.resize(g.len(), Vec3::ZERO);
+        let request = self.layers.request(self.bands.cancel);
+        for (repetition, total) in stats.shading.iter_mut().enumerate() {
+            let (once, points) = shader.shade_with(&g.points, frame, radiance, &request)?;
+            *total += once;
+            if repetition == 0 {
+                band.layers = Layers::new(g, points, &self.layers, frame.lights.len(), background);
+            }
+        }
+        g.add_emission(radiance);
+        band.radiance.resize(g.width as usize * g.height as usize, Vec3::ZERO);
+        g.picture_into(radiance, background, &mut band.radiance);
+        Ok(())
     }
 }

@@ -1,7 +1,7 @@
 use crate::plan::map_sphere;
 use crate::{MapReduction, Plan, RenderError};
 use lobe_core::Sphere;
-use scene::Scene;
+use scene::{Cancel, Scene};
 use visibility_shadowmap::{ReceiverBounds, ShadowMap};
 
 /// The shadow maps of the last picture, for the next one with the same objects.
@@ -14,12 +14,20 @@ pub(crate) struct KeptMaps {
     pub(crate) drawn: u64,
 }
 
+/// The inputs of maps beside the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MapRequest {
+    pub(crate) receivers: ReceiverBounds,
+    /// Texels a side, where the settings say.
+    pub(crate) resolution: Option<u32>,
+    /// Bytes that the device has for them.
+    pub(crate) room: u64,
+}
+
 /// All inputs of the maps but the objects.
 #[derive(Debug, PartialEq)]
 struct MadeFor {
-    receivers: ReceiverBounds,
-    resolution: Option<u32>,
-    room: u64,
+    request: MapRequest,
     casters: Vec<bool>,
     lights: Vec<Sphere>,
 }
@@ -36,28 +44,27 @@ impl KeptMaps {
         &mut self,
         plan: &Plan,
         scene: &Scene,
-        receivers: ReceiverBounds,
-        resolution: Option<u32>,
-        room: u64,
+        request: MapRequest,
+        cancel: &Cancel,
     ) -> Result<(Vec<ShadowMap>, Option<MapReduction>), RenderError> {
         let lights: Vec<Sphere> = scene.lights.iter().map(map_sphere).collect();
         let casters = match &self.of {
             Some(of) if of.lights == lights => of.casters.clone(),
             _ => plan.casters(scene),
         };
-        let now = MadeFor { receivers, resolution, room, casters, lights };
+        let now = MadeFor { request, casters, lights };
         if self.of.as_ref() == Some(&now) {
             return Ok((self.maps.clone(), self.coarser));
         }
-        let old = self.of.take().filter(|of| {
-            let same = (of.receivers, of.resolution, of.room, &of.casters);
-            same == (receivers, resolution, room, &now.casters) && self.coarser.is_none()
-        });
+        let old =
+            self.of.take().filter(|of| (of.request, &of.casters) == (request, &now.casters) && self.coarser.is_none());
         let known = |light: &Sphere| {
             let place = old.as_ref()?.lights.iter().position(|other| other == light)?;
             self.maps.get(place).cloned()
         };
         let kept = now.lights.iter().filter(|light| known(light).is_some()).count();
+        let known = |light: &Sphere| if cancel.is_cancelled() { Err(RenderError::Cancelled) } else { Ok(known(light)) };
+        let MapRequest { receivers, resolution, room } = request;
         let (maps, coarser) = plan.maps_beside(scene, receivers, resolution, room, &known)?;
         self.drawn += (maps.len() - kept) as u64;
         (self.maps, self.coarser, self.of) = (maps.clone(), coarser, Some(now));

@@ -1,57 +1,100 @@
 use brdf::Material;
-use core::ops::Range;
 use pictures::Window;
 use render_cpu::GBuffer;
+use visibility_shadowmap::ReceiverBounds;
 
 /// Camera rays whose points are kept from picture to picture: about 130 MB.
 const KEPT_RAYS: u64 = 1 << 21;
 
-/// The visible points of the last picture, band by band, for the next one that sees the same.
+/// Visible points of the last pictures, part by part, for the next one that sees the same, and the box around those of the whole
+/// picture.
 #[derive(Debug, Default)]
 pub(crate) struct KeptPoints {
-    of: Option<(Window, u32)>,
-    bands: Vec<(Range<u32>, GBuffer)>,
-    /// Bands that were found so far.
+    samples: u32,
+    parts: Vec<(Window, GBuffer)>,
+    rays: u64,
+    /// Of the whole picture, once it was needed; it may be that nothing is seen.
+    pub(crate) bounds: Option<Option<ReceiverBounds>>,
+    /// Parts that were found so far.
     pub(crate) found: u64,
+}
+
+fn rays(window: &Window, samples: u32) -> u64 {
+    window.pixels() as u64 * u64::from(samples)
 }
 
 impl KeptPoints {
     pub(crate) fn clear(&mut self) {
-        self.of = None;
-        self.bands.clear();
+        self.clear_parts();
+        self.bounds = None;
     }
 
-    pub(crate) fn take(&mut self, window: &Window, samples: u32, rows: &Range<u32>) -> Option<GBuffer> {
-        self.of.as_ref().filter(|(w, s)| (w, *s) == (window, samples))?;
-        let place = self.bands.iter().position(|(kept, _)| kept == rows)?;
-        Some(self.bands.swap_remove(place).1)
+    /// Leaves the box.
+    pub(crate) fn clear_parts(&mut self) {
+        self.parts.clear();
+        self.rays = 0;
     }
 
-    pub(crate) fn put(&mut self, window: &Window, samples: u32, rows: Range<u32>, points: GBuffer) {
-        let [width, height] = window.size().map(|side| side as u64);
-        if width * height * u64::from(samples) > KEPT_RAYS {
-            return;
+    pub(crate) fn take(&mut self, window: &Window, samples: u32) -> Option<GBuffer> {
+        let place = self.parts.iter().position(|(kept, _)| kept == window).filter(|_| self.samples == samples)?;
+        self.rays -= rays(window, samples);
+        Some(self.parts.swap_remove(place).1)
+    }
+
+    /// Keeps points, unless there are too many, in the place of those of the same pixels.
+    pub(crate) fn put(&mut self, window: &Window, samples: u32, points: GBuffer) {
+        if self.samples != samples {
+            self.clear_parts();
+            self.samples = samples;
         }
-        if self.of.as_ref().is_none_or(|(w, s)| (w, *s) != (window, samples)) {
-            self.bands.clear();
-            self.of = Some((window.clone(), samples));
+        self.parts.retain(|(kept, _)| !kept.overlaps(window));
+        self.rays = self.parts.iter().map(|(kept, _)| rays(kept, samples)).sum();
+        let more = rays(window, samples);
+        if self.rays + more <= KEPT_RAYS {
+            self.rays += more;
+            self.parts.push((window.clone(), points));
         }
-        self.bands.push((rows, points));
     }
 
     /// Follows materials that have changed, of which there were `before`: no point is found anew, but where points with materials of
     /// their own would get other numbers.
     pub(crate) fn set_materials(&mut self, materials: &[Material], before: usize) {
-        let has_own = self.bands.iter().any(|(_, points)| points.materials.len() > before);
+        let has_own = self.parts.iter().any(|(_, points)| points.materials.len() > before);
         if has_own && materials.len() != before {
-            return self.clear();
+            return self.clear_parts();
         }
-        for (_, points) in &mut self.bands {
+        for (_, points) in &mut self.parts {
             if has_own {
                 points.materials[..before].clone_from_slice(materials);
             } else {
                 points.materials = materials.to_vec();
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(left: usize, right: usize) -> Window {
+        Window { image: [64, 8], columns: left..right, rows: 0..8 }
+    }
+
+    #[test]
+    fn no_pixel_is_kept_twice() {
+        let mut kept = KeptPoints::default();
+        for k in 0..4 {
+            kept.put(&part(16 * k, 16 * k + 16), 1, GBuffer::default());
+        }
+        kept.put(&part(8, 24), 1, GBuffer::default());
+        assert_eq!(kept.rays, 8 * (16 + 32));
+        assert!(kept.take(&part(0, 16), 1).is_none() && kept.take(&part(8, 24), 2).is_none());
+        assert!(kept.take(&part(8, 24), 1).is_some() && kept.take(&part(8, 24), 1).is_none());
+        kept.put(&part(0, 64), 3, GBuffer::default());
+        assert_eq!(kept.rays, 8 * 64 * 3);
+        let large = Window::whole(2000, 2000);
+        kept.put(&large, 3, GBuffer::default());
+        assert!(kept.take(&large, 3).is_none() && kept.rays == 8 * 64 * 3);
     }
 }

@@ -4,7 +4,7 @@ use lighting::Light;
 use lobe_core::{LightLobes, Sphere};
 use rayon::prelude::*;
 use render_cpu::{Revision, SceneSilhouettes, SphereSource};
-use scene::{Object, Proxy, Scene, Shape, Strategy};
+use scene::{Cancel, Object, Proxy, Scene, Shape, Strategy};
 use visibility_shadowmap::{MapOptions, PackedMaps, ReceiverBounds, ShadowMap};
 
 /// The finest map that is taken unless asked for.
@@ -95,8 +95,10 @@ impl Plan {
         scene: &Scene,
         revisions: &[Revision],
         kept: &mut SceneSilhouettes,
+        cancel: &Cancel,
     ) -> [usize; 2] {
-        kept.update(scene, |o| self.by_silhouettes(scene, o) || self.is_mapped(scene, o as usize), revisions)
+        let blocks = |o| self.by_silhouettes(scene, o) || self.is_mapped(scene, o as usize);
+        kept.update_until(scene, blocks, revisions, cancel)
     }
 
     /// Whether an object's triangles block by their silhouettes.
@@ -136,17 +138,17 @@ impl Plan {
         resolution: Option<u32>,
         room: u64,
     ) -> Result<(Vec<ShadowMap>, Option<MapReduction>), RenderError> {
-        self.maps_beside(scene, receivers, resolution, room, &|_| None)
+        self.maps_beside(scene, receivers, resolution, room, &|_| Ok(None))
     }
 
-    /// The same, with the maps that are `known` of lights.
+    /// The same, with the maps that are `known` of lights; its error ends the work.
     pub(crate) fn maps_beside(
         &self,
         scene: &Scene,
         receivers: ReceiverBounds,
         resolution: Option<u32>,
         room: u64,
-        known: &(dyn Fn(&Sphere) -> Option<ShadowMap> + Sync),
+        known: &(dyn Fn(&Sphere) -> Result<Option<ShadowMap>, RenderError> + Sync),
     ) -> Result<(Vec<ShadowMap>, Option<MapReduction>), RenderError> {
         let (mut positions, mut triangles) = (Vec::<Vec3>::new(), Vec::<[u32; 3]>::new());
         for (object, is_caster) in scene.objects.iter().zip(self.casters(scene)) {
@@ -158,18 +160,15 @@ impl Plan {
         }
         let options = MapOptions { receivers: Some(receivers), ..MapOptions::default() };
         let draw = |finest: u32| -> Result<Vec<ShadowMap>, RenderError> {
-            let map = |light| match resolution {
-                _ if finest == FITTED
-                    && let Some(map) = known(&light) =>
-                {
-                    Ok(map)
+            let map = |light| -> Result<ShadowMap, RenderError> {
+                let options = MapOptions { resolution: resolution.unwrap_or(finest), ..options };
+                let draw = if resolution.is_some() { ShadowMap::build } else { ShadowMap::fitted };
+                match known(&light)?.filter(|_| finest == FITTED) {
+                    Some(map) => Ok(map),
+                    None => Ok(draw(&positions, &triangles, light, &options)?),
                 }
-                Some(resolution) => {
-                    ShadowMap::build(&positions, &triangles, light, &MapOptions { resolution, ..options })
-                }
-                None => ShadowMap::fitted(&positions, &triangles, light, &MapOptions { resolution: finest, ..options }),
             };
-            Ok(scene.lights.par_iter().map(|light| map(map_sphere(light))).collect::<Result<_, _>>()?)
+            scene.lights.par_iter().map(|light| map(map_sphere(light))).collect()
         };
         let mut maps = draw(FITTED)?;
         // Which objects cast and which lights have maps comes before them.

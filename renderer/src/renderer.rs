@@ -1,26 +1,26 @@
-use crate::bands::{Bands, seconds};
-use crate::budget::Budget;
+use crate::bands::seconds;
 use crate::custom_strategy::CustomStrategies;
-use crate::event::tell;
+use crate::event::check;
 use crate::handles::Handles;
-use crate::image::Shading;
+use crate::image::Canvas;
+use crate::job::{Job, State};
 use crate::kept_maps::KeptMaps;
 use crate::kept_points::KeptPoints;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::{
-    Backend, Clocks, CustomStrategy, Event, FrameBlockers, FrameClocks, Image, ImageStats, KeptSpheres, Layers,
-    Listener, Method, Plan, RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
+    Backend, Clocks, FrameClocks, Image, ImageStats, KeptSpheres, Listener, Method, Plan, RenderError, Settings, Sink,
+    Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
+use glam::Vec3;
 use lighting::Light;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
 use pictures::Window;
 use render_cpu::{Hierarchy, SceneSilhouettes, SceneSpheres, Update, World};
-use scene::{Animation, BlockerSet, Frame, Scene};
+use scene::{Animation, BlockerSet, Cancel, Scene};
 use std::sync::Arc;
-use visibility_shadowmap::ShadowMap;
 
 /// A scene, and all that turns it into pictures: which strategy each object's shadow takes, spheres, hierarchies and maps kept
 /// from frame to frame, the device and the method.
@@ -35,7 +35,7 @@ pub struct Renderer {
     pub(crate) scene: Scene,
     pub(crate) animation: Animation,
     pub(crate) settings: Settings,
-    plan: Plan,
+    pub(crate) plan: Plan,
     pub(crate) backend: Backend,
     /// Seconds of the animation.
     pub(crate) time: f32,
@@ -48,20 +48,22 @@ pub struct Renderer {
     /// What a time budget has chosen.
     pub(crate) chosen: Option<Accuracy>,
     set: BlockerSet,
-    spheres: KeptSpheres,
+    pub(crate) spheres: KeptSpheres,
     hierarchy: Option<Arc<Hierarchy>>,
     /// Seconds of following it before the next picture.
     built: f64,
-    silhouettes: SceneSilhouettes,
+    pub(crate) silhouettes: SceneSilhouettes,
     pub(crate) custom: CustomStrategies,
     pub(crate) points: KeptPoints,
-    maps: KeptMaps,
+    canvas: Canvas,
+    pub(crate) maps: KeptMaps,
     pub(crate) rows: Rows,
     pub(crate) light_handles: Handles,
     pub(crate) material_handles: Handles,
     pub(crate) stale: Stale,
-    upkeep: Upkeep,
+    pub(crate) upkeep: Upkeep,
     is_advised: bool,
+    pub(crate) cancel: Cancel,
 }
 
 impl Renderer {
@@ -114,10 +116,12 @@ impl Renderer {
             silhouettes: SceneSilhouettes::default(),
             custom: CustomStrategies::default(),
             points: KeptPoints::default(),
+            canvas: Canvas::default(),
             maps: KeptMaps::default(),
             stale: Stale::ALL,
             upkeep: Upkeep::default(),
             is_advised: false,
+            cancel: Cancel::new(),
         })
     }
 
@@ -166,7 +170,35 @@ impl Renderer {
     /// How often what is kept between pictures was made or followed so far.
     #[must_use]
     pub const fn upkeep(&self) -> Upkeep {
-        Upkeep { point_bands: self.points.found, maps: self.maps.drawn, ..self.upkeep }
+        let ray_worlds = self.upkeep.ray_worlds + self.backend.worlds_followed();
+        Upkeep { point_bands: self.points.found, maps: self.maps.drawn, ray_worlds, ..self.upkeep }
+    }
+
+    /// From now on this request, made on any thread, stops pictures and their preparation with [`RenderError::Cancelled`].
+    ///
+    /// The renderer stays as it is, with all that was done so far: once it has another request the next picture has the same bits as
+    /// if nothing had been stopped.
+    ///
+    /// # Cost
+    /// The request is looked at for each tile of pixels and each light: a picture ends within 5 ms on the CPU (`tests/cancel.rs`
+    /// measures it). Not cut short are one hierarchy over the triangles (0.6 µs a triangle to build, 0.1 to refit), the silhouettes of
+    /// one mesh, one shadow map, a step of fitting spheres, and on a GPU one slice of 2²⁰ points and one kernel's compilation.
+    ///
+    /// ```
+    /// # use renderer::{RenderError, Renderer, Settings};
+    /// # let mut scene = scene::builtin();
+    /// # (scene.width, scene.height) = (32, 18);
+    /// let mut renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
+    /// let cancel = scene::Cancel::new();
+    /// renderer.set_cancel(cancel.clone());
+    /// cancel.cancel();
+    /// assert!(matches!(renderer.render(), Err(RenderError::Cancelled)));
+    /// renderer.set_cancel(scene::Cancel::new());
+    /// assert!(renderer.render().is_ok());
+    /// # Ok::<(), RenderError>(())
+    /// ```
+    pub fn set_cancel(&mut self, cancel: Cancel) {
+        self.cancel = cancel;
     }
 
     pub(crate) fn mark(&mut self, stale: Stale) -> Stale {
@@ -179,6 +211,12 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`].
     pub fn prepare(&mut self, listener: &mut Listener<'_>) -> Result<(), RenderError> {
+        let cancel = self.cancel.clone();
+        check(&cancel)?;
+        let listener: &mut Listener<'_> = &mut |event| match cancel.is_cancelled() {
+            true => ControlFlow::Break(()),
+            false => listener(event),
+        };
         if self.stale.has(Stale::PLAN) {
             self.plan = Plan::new(self.settings.strategy, &self.scene);
             self.stale = self.stale.without(Stale::PLAN);
@@ -242,6 +280,24 @@ impl Renderer {
         self.render_window(&window, &mut |_| ControlFlow::Continue(()))
     }
 
+    /// Makes all that the next picture needs but its points: sphere sets, tables, hierarchies, silhouettes, maps, the accuracy of a time
+    /// budget, and on a GPU the compiled kernels. A window calls it before its first picture, and after edits of settings.
+    ///
+    /// ```
+    /// # let mut scene = scene::builtin();
+    /// # (scene.width, scene.height) = (32, 18);
+    /// # let mut renderer = renderer::Renderer::new(scene, scene::Animation::default(), renderer::Settings::default())?;
+    /// let clocks = renderer.warm_up(&mut |_| core::ops::ControlFlow::Continue(()))?.clocks;
+    /// assert!(clocks.hierarchy >= 0.0 && renderer.upkeep().hierarchy_builds == 1);
+    /// # Ok::<(), renderer::RenderError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn warm_up(&mut self, listener: &mut Listener<'_>) -> Result<ImageStats, RenderError> {
+        self.render_parts(&[], listener, &mut |_| ControlFlow::Continue(()))
+    }
+
     /// A window of the picture: its pixels are those of the whole one, bit for bit.
     ///
     /// # Errors
@@ -249,19 +305,37 @@ impl Renderer {
     pub fn render_window(&mut self, window: &Window, listener: &mut Listener<'_>) -> Result<Image, RenderError> {
         let mut image = Image { size: window.size(), ..Image::default() };
         // At once: a picture that finds no room is refused here, and growing would take twice the memory.
-        image.radiance.try_reserve_exact(window.columns.len() * window.rows.len())?;
-        image.layers = self.settings.layers.then(Layers::default);
+        image.radiance.try_reserve_exact(window.pixels())?;
         image.stats = self.render_bands(window, listener, &mut |band| {
-            image.radiance.extend(band.radiance);
-            if let (Some(all), Some(next)) = (&mut image.layers, band.layers) {
-                all.append(next);
-            }
+            image.radiance.extend_from_slice(&band.radiance);
+            image.layers.append(&band.layers);
             ControlFlow::Continue(())
         })?;
         Ok(image)
     }
 
-    /// The same in bands of rows, which go to `sink` as they are done: pictures of any size in bounded memory. Ends early where the
+    /// The radiance of a window into memory of the caller's, one value a pixel, row by row. No picture is allocated, and from the second
+    /// call on no memory of its size.
+    ///
+    /// # Errors
+    /// [`RenderError`]; [`RenderError::Setting`] where there is not one value a pixel.
+    pub fn render_into(
+        &mut self,
+        window: &Window,
+        listener: &mut Listener<'_>,
+        pixels: &mut [Vec3],
+    ) -> Result<ImageStats, RenderError> {
+        if pixels.len() != window.pixels() {
+            let (value, expected) = (format!("of {} pixels", pixels.len()), "one value for each pixel of the window");
+            return Err(RenderError::Setting { name: "memory", value, expected });
+        }
+        self.render_bands(window, listener, &mut |band| {
+            band.copy_to(window, pixels);
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// A window in bands of rows, which go to `sink` as they are done: pictures of any size in bounded memory. Ends early where the
     /// sink has had enough.
     ///
     /// # Errors
@@ -272,6 +346,42 @@ impl Renderer {
         listener: &mut Listener<'_>,
         sink: &mut Sink<'_>,
     ) -> Result<ImageStats, RenderError> {
+        self.render_parts(core::slice::from_ref(window), listener, sink)
+    }
+
+    /// Parts of the picture, of any size and in any order: their pixels are those of the whole one, bit for bit. A part of more
+    /// than [`BAND_RAYS`](crate::BAND_RAYS) camera rays comes in several bands of rows.
+    ///
+    /// Sides that are multiples of 8 cost least: pixels are found and shaded in tiles of 8 × 8. [`Window::parts`] cuts a window.
+    ///
+    /// ```
+    /// use core::ops::ControlFlow;
+    /// use renderer::{Renderer, Settings, Window, glam::Vec3};
+    /// let mut scene = scene::builtin();
+    /// (scene.width, scene.height) = (64, 36);
+    /// let mut renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
+    /// let whole = Window::whole(64, 36);
+    /// let mut parts: Vec<Window> = whole.parts([16, 16]).collect();
+    /// // From the middle outward.
+    /// parts.sort_by_key(|part| part.columns.start.abs_diff(24) + part.rows.start.abs_diff(16));
+    /// let mut picture = vec![Vec3::ZERO; 64 * 36];
+    /// renderer.render_parts(&parts, &mut |_| ControlFlow::Continue(()), &mut |band| {
+    ///     band.copy_to(&whole, &mut picture);
+    ///     ControlFlow::Continue(())
+    /// })?;
+    /// assert_eq!(picture, renderer.render()?.radiance);
+    /// # Ok::<(), renderer::RenderError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RenderError`]; [`RenderError::Setting`] for a window that is no part of this picture.
+    pub fn render_parts(
+        &mut self,
+        parts: &[Window],
+        listener: &mut Listener<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Result<ImageStats, RenderError> {
+        parts.iter().try_for_each(|part| check_window(part, &self.scene))?;
         self.prepare(listener)?;
         let (pose, hierarchy) = (core::mem::take(&mut self.pose), core::mem::take(&mut self.built));
         let mut clocks = FrameClocks { pose, hierarchy, ..FrameClocks::default() };
@@ -279,8 +389,9 @@ impl Renderer {
         let world = World::with_hierarchy(&self.scene, hierarchy);
         let job = Job {
             settings: &self.settings,
-            window,
+            parts,
             plan: &self.plan,
+            cancel: &self.cancel,
             spheres: &self.spheres,
             silhouettes: &self.silhouettes,
             custom: &self.custom.0,
@@ -291,13 +402,21 @@ impl Renderer {
             chosen: &mut self.chosen,
             is_advised: &mut self.is_advised,
             points: &mut self.points,
+            canvas: &mut self.canvas,
             maps: &mut self.maps,
         };
-        job.picture(&world, state, clocks, listener, sink)
+        let done = job.picture(&world, state, clocks, listener, sink);
+        if !self.settings.keep_points {
+            self.points.clear_parts();
+        }
+        done
     }
 
     /// The hierarchy of the present moment.
-    fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
+    pub(crate) fn follow_hierarchy(&mut self) -> Arc<Hierarchy> {
+        if self.stale.has(Stale::HIERARCHY | Stale::LIGHTS) && self.scene.fit_lights() {
+            self.mark(Stale::LIGHTS | Stale::MAPS);
+        }
         let scene = &self.scene;
         let mut done = Update::Kept;
         match self.hierarchy.as_mut().and_then(Arc::get_mut) {
@@ -331,8 +450,9 @@ impl Renderer {
     }
 
     /// Spheres, silhouettes and hierarchy of the present moment.
-    fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
+    pub(crate) fn follow(&mut self, clocks: &mut FrameClocks) -> Result<Arc<Hierarchy>, RenderError> {
         let hierarchy = seconds(&mut clocks.hierarchy, || self.follow_hierarchy());
+        check(&self.cancel)?;
         let (scene, plan, revisions) = (&self.scene, &self.plan, self.rows.revisions());
         if self.stale.has(Stale::SPHERES | Stale::LIGHTS) {
             seconds(&mut clocks.spheres, || {
@@ -342,16 +462,30 @@ impl Renderer {
                 Ok::<(), RenderError>(())
             })?;
         }
+        check(&self.cancel)?;
         if self.stale.has(Stale::SILHOUETTES) {
             self.custom.update(scene, plan)?;
+            let (kept, cancel) = (&mut self.silhouettes, &self.cancel);
             let [made, refitted] =
-                seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, revisions, &mut self.silhouettes));
+                seconds(&mut clocks.silhouettes, || plan.follow_silhouettes(scene, revisions, kept, cancel));
             self.upkeep.silhouette_builds += made as u64;
             self.upkeep.silhouette_refits += refitted as u64;
         }
+        check(&self.cancel)?;
         self.stale = Stale::NOTHING;
         Ok(hierarchy)
     }
+}
+
+/// Whether a window is a part of a scene's picture.
+fn check_window(window: &Window, scene: &Scene) -> Result<(), RenderError> {
+    let image = [scene.width as usize, scene.height as usize];
+    if window.image == image && window.is_inside() {
+        return Ok(());
+    }
+    let Window { image: [width, height], columns, rows } = window;
+    let value = format!("columns {columns:?} and rows {rows:?} of {width} x {height}");
+    Err(RenderError::Setting { name: "window", value, expected: "a part of the picture" })
 }
 
 /// Whether the lights are those that a method is for.
@@ -368,89 +502,4 @@ pub(crate) fn check_method(method: Method, lights: &[Light]) -> Result<(), Rende
         kind => kind,
     };
     Err(RenderError::PaperLight(i, kind))
-}
-
-/// The state that a picture uses and leaves for the next one.
-struct State<'a> {
-    backend: &'a mut Backend,
-    chosen: &'a mut Option<Accuracy>,
-    is_advised: &'a mut bool,
-    points: &'a mut KeptPoints,
-    maps: &'a mut KeptMaps,
-}
-
-/// The parts of a picture, made and kept.
-struct Job<'a> {
-    settings: &'a Settings,
-    window: &'a Window,
-    plan: &'a Plan,
-    spheres: &'a KeptSpheres,
-    silhouettes: &'a SceneSilhouettes,
-    custom: &'a [Box<dyn CustomStrategy>],
-    tables: Option<&'a Tables>,
-}
-
-impl Job<'_> {
-    /// One picture of a world, as far as the sink takes it.
-    fn picture(
-        &self,
-        world: &World<'_>,
-        state: State<'_>,
-        mut clocks: FrameClocks,
-        listener: &mut Listener<'_>,
-        sink: &mut Sink<'_>,
-    ) -> Result<ImageStats, RenderError> {
-        let Self { settings, window, plan, silhouettes, custom, tables, .. } = *self;
-        let State { backend, chosen, is_advised, points, maps: kept_maps } = state;
-        let (scene, spheres) = (world.scene(), self.spheres.get());
-        let mut bands = Bands::new(world, settings.samples, window.clone(), points);
-        let mut maps = Vec::new();
-        if let Some(receivers) = plan.wants_maps(scene).then(|| bands.bounds()).flatten() {
-            let (resolution, room) = (settings.map_resolution, backend.room_for_maps());
-            let coarser;
-            (maps, coarser) = seconds(&mut clocks.maps, || kept_maps.update(plan, scene, receivers, resolution, room))?;
-            if !core::mem::replace(is_advised, true) {
-                if let Some(coarser) = coarser {
-                    tell(listener, Event::MapsReduced(coarser))?;
-                }
-                for (light, map) in maps.iter().enumerate() {
-                    tell(listener, Event::Map { light, advice: map.advice(&receivers) })?;
-                }
-            }
-        }
-        let (materials, lights) = (&scene.materials, &scene.lights);
-        let mut frame = Frame { materials, lights, accuracy: settings.accuracy, threshold: settings.threshold };
-        match (*chosen, settings.time_budget) {
-            (Some(accuracy), _) => frame.accuracy = accuracy,
-            (None, Some(budget)) => {
-                let choice = Budget {
-                    world,
-                    plan,
-                    spheres,
-                    maps: &maps,
-                    silhouettes,
-                    custom,
-                    method: settings.method,
-                    tables,
-                    fixed: clocks.maps,
-                };
-                frame.accuracy = choice.choose(backend, budget, &bands, &frame, listener)?;
-                *chosen = Some(frame.accuracy);
-            }
-            (None, None) => {}
-        }
-        let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
-        let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy).with_custom(custom);
-        let (repeat, layers) = (settings.repeat, settings.layers);
-        let shading = Shading { frame: &frame, bands: &mut bands, repeat, layers, listener, sink };
-        let mut stats = blockers.shade(backend, settings.method, tables, shading)?;
-        clocks.gbuffer = bands.seconds;
-        stats.clocks = clocks;
-        stats.accuracy = frame.accuracy;
-        stats.spheres = spheres.map_or(0, |s| s.spheres().len());
-        stats.triangles = world.triangle_count();
-        (stats.map_resolutions, stats.map_bytes) = (map_resolutions, map_bytes);
-        Ok(stats)
-    }
 }

@@ -1,5 +1,5 @@
-use crate::RenderError;
 use crate::error::{LAYERS, LOBES};
+use crate::{LayerSet, RenderError};
 use lobe_core::Accuracy;
 use scene::Strategy;
 use std::path::PathBuf;
@@ -53,8 +53,11 @@ pub struct Settings {
     pub samples: u32,
     /// Texels a side of each light's shadow map; `None`: what the light's width takes.
     pub map_resolution: Option<u32>,
-    /// Whether pictures come with their layers ([`Layers`](crate::Layers)); on the CPU.
-    pub layers: bool,
+    /// The layers that pictures come with.
+    pub layers: LayerSet,
+    /// Whether visible points are kept for a next picture that sees the same: about 60 bytes a camera ray, of up to two million rays.
+    /// Of no use where only one picture is made, or the camera moves.
+    pub keep_points: bool,
     /// How many times each picture is shaded, to be timed.
     pub repeat: u32,
     /// Folder of what earlier runs have made, sphere sets and the paper's table; `None`: nothing is read or kept.
@@ -99,10 +102,10 @@ impl Settings {
     /// Whether a device has all that is asked for.
     ///
     /// # Errors
-    /// [`RenderError::NotOnGpu`]: layers and [`Method::Lobes`] are the CPU's.
+    /// [`RenderError::NotOnGpu`]: [`Method::Lobes`] and some [layers](LayerSet::is_of_cpu) are the CPU's.
     pub fn check_device(&self, device: Device) -> Result<(), RenderError> {
         match device {
-            Device::Gpu if self.layers => Err(RenderError::NotOnGpu(LAYERS)),
+            Device::Gpu if self.layers.is_of_cpu() => Err(RenderError::NotOnGpu(LAYERS)),
             Device::Gpu if self.method == Method::Lobes => Err(RenderError::NotOnGpu(LOBES)),
             _ => Ok(()),
         }
@@ -121,7 +124,8 @@ impl Default for Settings {
             threshold: 0.0,
             samples: 1,
             map_resolution: None,
-            layers: false,
+            layers: LayerSet::NONE,
+            keep_points: true,
             repeat: 1,
             cache: None,
         }

@@ -3,10 +3,9 @@ use crate::{Event, Listener, Plan, RenderError, cache};
 use core::ops::ControlFlow;
 use glam::Mat4;
 use render_cpu::{BlockersError, Revision, SceneSpheres, SphereSource};
-use scene::{Animation, Mesh, Object, Proxy, Scene, Shape};
+use scene::{Animation, Mesh, Object, Proxy, Scene, Shape, Stopwatch};
 use sphere_sets::{BuildOptions, SetQuality, SphereSet};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 use xxhash_rust::xxh3::Xxh3;
 
 /// How the names of sets end.
@@ -118,12 +117,12 @@ fn key(mesh: &Mesh, count: usize) -> String {
 }
 
 fn build(object: &str, mesh: &Mesh, spheres: usize, listener: &mut Listener<'_>) -> Result<SphereSet, RenderError> {
-    let start = Instant::now();
+    let watch = Stopwatch::start();
     let options = BuildOptions::new(spheres);
     let set = SphereSet::build_with_progress(&mesh.positions, &mesh.triangles, &options, &mut |done| {
         listener(Event::Fitting { object, spheres, done })
     });
     let set = set.map_err(|source| BlockersError::Build { object: object.to_owned(), source })?;
-    tell(listener, Event::Fitted { object, spheres, seconds: start.elapsed().as_secs_f64() })?;
+    tell(listener, Event::Fitted { object, spheres, seconds: watch.seconds() })?;
     Ok(set)
 }

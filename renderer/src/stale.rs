@@ -122,4 +122,6 @@ pub struct Upkeep {
     pub point_bands: u64,
     /// Shadow maps that were drawn.
     pub maps: u64,
+    /// Times that the hierarchy of a GPU's rays was made, or followed what moved.
+    pub ray_worlds: u64,
 }

@@ -1,12 +1,12 @@
 //! Edits: the picture after them is that of a new renderer, and no more is made anew than must be.
 
 use brdf::Material;
-use glam::{Mat4, Vec3};
-use lighting::{FlatLight, Light, SphereLight};
-use lobe_core::Random;
-use lobe_core::{Accuracy, Sphere};
+use glam::{Mat4, UVec2, Vec3};
+use lighting::{AmbientLight, Environment, EnvironmentMap, FlatLight, Light, SphereLight, SunLight};
+use lobe_core::{Accuracy, Random, Sphere};
 use renderer::{EditError, Method, RenderError, Renderer, Settings, Upkeep};
 use scene::{Animation, Camera, KeyFrame, KeyFrames, Mesh, Object, Proxy, Scene, Strategy, Surface};
+use std::sync::Arc;
 use test_scenes::{floor_and_ball, globe};
 
 fn lamp(x: f32) -> Light {
@@ -91,6 +91,7 @@ fn work(edited: &mut Renderer, before: Upkeep) -> Upkeep {
         sphere_updates: now.sphere_updates - before.sphere_updates,
         point_bands: now.point_bands - before.point_bands,
         maps: now.maps - before.maps,
+        ray_worlds: now.ray_worlds - before.ray_worlds,
     }
 }
 
@@ -154,6 +155,9 @@ fn change(edited: &mut Renderer, random: &mut Random) -> Result<(), RenderError>
     let at = |random: &mut Random, n: usize| ((random.uniform() * n as f64) as usize).min(n - 1);
     let shift = |random: &mut Random| (random.uniform() * 2.0 - 1.0) as f32;
     let objects: Vec<_> = edited.objects().map(|(handle, _)| handle).collect();
+    if objects.is_empty() {
+        return edited.add_object(mesh_object(shift(random))).map(drop);
+    }
     let object = objects[at(random, objects.len())];
     let lights: Vec<_> = edited.lights().map(|(handle, _)| handle).collect();
     match at(random, 13) {
@@ -195,5 +199,127 @@ fn any_edits_give_the_picture_of_a_new_renderer() {
             let _ = change(&mut edited, &mut random);
             check_same(&mut edited, &format!("{strategy:?}, step {step}"));
         }
+    }
+}
+
+fn world(scene: &Scene) -> Sphere {
+    Sphere { center: scene.bounds().center(), radius: scene.bounds().radius() }
+}
+
+fn environment(world: Sphere, blue: f32) -> Arc<Environment> {
+    let texels = (0..32).map(|k| Vec3::new(0.3, 0.01 * k as f32, blue)).collect();
+    let map = EnvironmentMap::new(UVec2::new(8, 4), texels).expect("a map");
+    Arc::new(Environment::new(map, 1, world))
+}
+
+/// A stage under a sun, ambient light and an environment, made for where its objects are.
+fn outdoors() -> Scene {
+    let mut scene = stage();
+    let (world, toward) = (world(&scene), Vec3::new(0.4, 0.9, 0.1).normalize());
+    scene.lights = vec![SunLight::new(toward, 2.0, Vec3::ONE, world).into()];
+    scene.lights.push(AmbientLight { radiance: Vec3::splat(0.1), world }.into());
+    let environment = environment(world, 0.5);
+    scene.lights.extend_from_slice(environment.lights());
+    scene.environment = Some(environment);
+    scene
+}
+
+/// Lights around the scene hold objects that leave it: the picture is that of lights made for where these are now.
+#[test]
+fn lights_around_the_scene_grow_with_it() {
+    for strategy in all_strategies() {
+        let settings = Settings { strategy, ..Settings::default() };
+        let mut edited = Renderer::new(outdoors(), Animation::default(), settings.clone()).expect("a scene");
+        edited.render().expect("a picture");
+        assert_eq!(edited.scene(), &outdoors(), "nothing has left");
+        let go = |renderer: &mut Renderer| {
+            let object = renderer.objects().nth(2).expect("a globe").0;
+            // Toward the sun, from where it shades the floor.
+            renderer.set_transform(object, Mat4::from_translation(Vec3::new(9.0, 18.0, 2.0))).expect("a shift");
+        };
+        go(&mut edited);
+        let around = world(edited.scene());
+        let mut scene = outdoors();
+        scene.lights.iter_mut().for_each(|light| light.set_world(around));
+        let mut other = Renderer::new(scene.clone(), Animation::default(), settings).expect("a scene");
+        other.render().expect("a picture");
+        go(&mut other);
+        let want = other.render().expect("a picture");
+        let image = edited.render().expect("a picture");
+        assert_eq!(edited.scene().lights, scene.lights);
+        assert!(image.radiance == want.radiance, "{strategy:?}");
+    }
+}
+
+/// The shadow of an object that has gone far toward the sun: where a ray says that it is.
+#[test]
+fn what_has_left_the_scene_still_shades_it() {
+    let mut scene = outdoors();
+    scene.lights.truncate(1);
+    scene.environment = None;
+    let settings = Settings { strategy: Some(Strategy::Silhouettes), ..Settings::default() };
+    let mut edited = Renderer::new(scene, Animation::default(), settings).expect("a scene");
+    let toward = Vec3::new(0.4, 0.9, 0.1).normalize();
+    let object = edited.objects().nth(2).expect("a globe").0;
+    let sun = edited.lights().next().expect("a sun").0;
+    // Its middle was at (-1, 0.8, 0.5): now it hides the sun from (1, 0, 2).
+    let at = lobe_core::Receiver {
+        object: 0,
+        ..lobe_core::Receiver::on_surface(Vec3::new(1.0, 0.0, 2.0), Vec3::Y, Vec3::Y)
+    };
+    assert_eq!(edited.visible_fraction(&at, sun).expect("a sun"), Vec3::ONE);
+    let to = at.position + toward * 30.0;
+    edited.set_transform(object, Mat4::from_translation(to - Vec3::new(-1.0, 0.8, 0.5))).expect("a shift");
+    // A globe of radius 0.5 in 30 units is as wide as 0.95 degrees of the sun's 2: a fifth of it.
+    let fraction = edited.visible_fraction(&at, sun).expect("a sun").x;
+    let hidden = (0.5_f32 / 30.0).powi(2) / 2.0_f32.to_radians().sin().powi(2);
+    assert!((1.0 - fraction - hidden).abs() < 0.03, "{fraction} for {}", 1.0 - hidden);
+}
+
+#[test]
+fn environments_come_and_go() {
+    for (strategy, start) in [(None, stage()), (Some(Strategy::Spheres), outdoors())] {
+        let settings = Settings { strategy, ..Settings::default() };
+        let mut edited = Renderer::new(start, Animation::default(), settings).expect("a scene");
+        edited.render().expect("a picture");
+        let still: Vec<_> = edited.lights().filter(|(_, l)| l.name() != "environment").map(|(h, _)| h).collect();
+        let around = world(edited.scene());
+        for (k, new) in [Some(environment(around, 1.0)), Some(environment(around, 0.2)), None].into_iter().enumerate() {
+            edited.set_environment(new.clone()).expect("an environment");
+            let count = new.as_ref().map_or(0, |environment| environment.lights().len());
+            assert_eq!(edited.lights().count(), still.len() + count);
+            assert!(edited.lights().zip(&still).all(|((handle, _), known)| handle == *known));
+            check_same(&mut edited, &format!("{strategy:?}, {k}"));
+        }
+        edited.set_settings(Settings { method: Method::Lobes, ..edited.settings().clone() }).expect("settings");
+    }
+    let mut paper = renderer(Settings { method: Method::Paper, ..Settings::default() });
+    let new = environment(world(paper.scene()), 1.0);
+    assert!(matches!(paper.set_environment(Some(new)), Err(RenderError::PaperLight(1, _))));
+    assert_eq!(paper.scene(), &stage());
+}
+
+/// Without objects a picture is the background, or the environment; objects may come again.
+#[test]
+fn the_last_object_goes() {
+    for strategy in all_strategies() {
+        let mut edited = renderer(Settings { strategy, ..Settings::default() });
+        edited.render().expect("a picture");
+        let background = Vec3::new(0.1, 0.2, 0.3);
+        edited.set_background(background).expect("a color");
+        for object in edited.objects().map(|(handle, _)| handle).collect::<Vec<_>>() {
+            edited.remove_object(object).expect("is there");
+        }
+        let image = edited.render().expect("a picture");
+        assert!(
+            image.radiance.iter().all(|pixel| *pixel == background) && edited.pick(20, 20).is_none(),
+            "{strategy:?}"
+        );
+        check_same(&mut edited, &format!("{strategy:?}, empty"));
+        let light = edited.lights().next().expect("a light").0;
+        let at = lobe_core::Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
+        assert_eq!(edited.visible_fraction(&at, light).expect("a light"), Vec3::ONE);
+        edited.add_object(mesh_object(0.3)).expect("an object");
+        check_same(&mut edited, &format!("{strategy:?}, again"));
     }
 }

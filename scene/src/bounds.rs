@@ -50,6 +50,12 @@ impl Bounds {
         if self.is_empty() { Vec3::ZERO } else { self.max - self.min }
     }
 
+    /// Distance of a point from the corner that is farthest from it.
+    #[must_use]
+    pub fn farthest(&self, point: Vec3) -> f32 {
+        (point - self.min).abs().max((self.max - point).abs()).length()
+    }
+
     /// Half the diagonal: the radius of the sphere about the centre that holds the box.
     #[must_use]
     pub fn radius(&self) -> f32 {

@@ -19,10 +19,10 @@ fn is_color(color: Vec3) -> bool {
 }
 
 impl Scene {
-    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, spheres, proxies, lights, and
-    /// that there is an object. [`load`](crate::load) has done so.
+    /// Checks everything that a renderer relies on: camera, image size, materials, meshes, spheres, proxies, lights.
+    /// [`load`](crate::load) has done so.
     ///
-    /// A scene without lights is allowed: its picture is black.
+    /// A scene without lights is allowed: its picture is black. So is one without objects: its picture is the background.
     ///
     /// # Errors
     /// [`SceneError::Invalid`] that names the first fault.
@@ -32,9 +32,6 @@ impl Scene {
         Self::check_background(self.background)?;
         for (i, material) in self.materials.iter().enumerate() {
             Self::check_material(i, material, self.surfaces.get(i).unwrap_or(&Surface::default()))?;
-        }
-        if self.objects.is_empty() {
-            return Err(SceneError::invalid("scene has no objects"));
         }
         self.objects.iter().try_for_each(|object| self.check_object(object))?;
         self.lights.iter().enumerate().try_for_each(|(i, light)| Self::check_light(i, light))

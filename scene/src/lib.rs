@@ -4,7 +4,7 @@
 //!   textures and emission ([`Surface`]), lights of `lighting`. [`Scene::validate`] checks all that renderers rely on. [`Animation`]: its motion.
 //! - [`load`]: scene files in TOML (every key, commented: [`SCHEMA_EXAMPLE`]), and `.obj`, `.ply`, `.gltf`, `.glb` meshes,
 //!   to which a floor, a light and a camera are added. [`builtin`]: the scene that needs no file.
-//! - The inputs and results of renderers, the same for CPU and GPU: [`Shade`], [`ShadingPoints`], [`Frame`], [`BlockerSet`].
+//! - The inputs and results of renderers, the same for CPU and GPU: [`Shade`], [`ShadingPoints`], [`Frame`], [`BlockerSet`], [`Cancel`].
 //!
 //! ```
 //! let scene = scene::builtin();
@@ -58,7 +58,9 @@ mod animation_edits;
 mod bounds;
 mod builtin;
 mod camera;
+mod cancel;
 mod check;
+mod clock;
 mod coherence;
 mod context;
 mod cut_out;
@@ -120,6 +122,8 @@ pub use crate::animation_edits::{KeyFrame, KeyFrames};
 pub use crate::bounds::Bounds;
 pub use crate::builtin::builtin;
 pub use crate::camera::Camera;
+pub use crate::cancel::Cancel;
+pub use crate::clock::{Stopwatch, set_clock};
 pub use crate::coherence::GROUP;
 pub use crate::duplicates::Duplicates;
 pub use crate::error::SceneError;

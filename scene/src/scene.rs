@@ -124,6 +124,28 @@ impl Scene {
         self.objects.iter().fold(Bounds::EMPTY, |b, o| b.union(o.shape.bounds()))
     }
 
+    /// Lets lights that are farther away than the scene, or everywhere, hold all objects in the
+    /// [sphere](Light::world) that they are made for, where objects have left it. Whether any light has changed.
+    ///
+    /// Cost: one look at each vertex, where there is such a light.
+    pub fn fit_lights(&mut self) -> bool {
+        if self.lights.iter().all(|light| light.world().is_none()) {
+            return false;
+        }
+        let bounds = self.bounds();
+        let around = Sphere { center: bounds.center(), radius: bounds.radius() };
+        let mut is_changed = false;
+        for light in &mut self.lights {
+            // To rounding: it may have been made for just these objects.
+            let holds = |world: Sphere| bounds.farthest(world.center) <= world.radius * (1.0 + 1e-5);
+            if !bounds.is_empty() && light.world().is_some_and(|world| !holds(world)) {
+                light.set_world(around);
+                is_changed = true;
+            }
+        }
+        is_changed
+    }
+
     /// Textures and emission of a material; `None` if it has neither.
     #[must_use]
     pub fn surface(&self, material: usize) -> Option<&Surface> {

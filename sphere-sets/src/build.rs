@@ -123,7 +123,7 @@ impl<'a> Builder<'a> {
         }
         // Few rounds are requested where time matters: 200 and 300 steps with 40.
         let effort = options.rounds.min(40) as usize;
-        descend(&goal, &mut spheres, 80 + 3 * effort, rates(0.004, 0.0006), &mut random);
+        descend(&goal, &mut spheres, 80 + 3 * effort, rates(0.004, 0.0006), &mut random, &mut || report(0.15))?;
         let mut best = goal.error(&spheres);
         let mut history = vec![best];
         let (steps, rate) = swap_descent(options.count);
@@ -131,7 +131,8 @@ impl<'a> Builder<'a> {
         // The start of the next exchanges. It may be worse than the best for a while after random removals.
         let (mut walk, mut reached) = (spheres.clone(), best);
         for round in 0..options.rounds {
-            report(0.2 + 0.65 * round as f32 / options.rounds as f32)?;
+            let done = 0.2 + 0.65 * round as f32 / options.rounds as f32;
+            report(done)?;
             // A box is soon as good as it gets: exchanges that bring little are not gone on with.
             let pays = |since: usize, gain: f32| history.len() <= since + 2 || best < (1.0 - gain) * history[since];
             if !pays(history.len().saturating_sub(WINDOW + 1), 0.02) && !pays(0, 0.15) {
@@ -150,7 +151,7 @@ impl<'a> Builder<'a> {
             let from = random.below(places.len() - PLACES.min(places.len()) + 1);
             let some = &places[from..(from + PLACES).min(places.len())];
             insert(views, &mut trial, some, missing, &mut random);
-            descend(&goal, &mut trial, steps, rates(rate, 0.0004), &mut random);
+            descend(&goal, &mut trial, steps, rates(rate, 0.0004), &mut random, &mut || report(done))?;
             let found = goal.error(&trial);
             if found < best {
                 best = found;
@@ -163,7 +164,7 @@ impl<'a> Builder<'a> {
         }
         report(0.85)?;
         let mut trial = spheres.clone();
-        descend(&goal, &mut trial, 60 + 6 * effort, rates(0.001, 0.0001), &mut random);
+        descend(&goal, &mut trial, 60 + 6 * effort, rates(0.001, 0.0001), &mut random, &mut || report(0.85))?;
         if goal.error(&trial) < best {
             spheres = trial;
         }

@@ -1,3 +1,4 @@
+use crate::BuildError;
 use core::f32::consts::TAU;
 
 use glam::{Vec2, Vec3, Vec4};
@@ -29,8 +30,15 @@ const BULGE_HEIGHT: f32 = 0.01;
 /// The gradient of the first part of the [`Goal`] is an integral over the exposed boundary of the set's silhouette: a
 /// piece ds that moves outward by δ adds ±δ ds, + outside the mesh's silhouette and − inside. Steps are Adam's
 /// (D. Kingma, J. Ba, *Adam: A Method for Stochastic Optimization*, ICLR 2015) on a few random views at a time; `rates`
-/// are the lengths of the first and the last step.
-pub(crate) fn descend(goal: &Goal<'_>, spheres: &mut [Vec4], steps: usize, rates: [f32; 2], random: &mut Random) {
+/// are the lengths of the first and the last step. `before_each` step may end it with an error.
+pub(crate) fn descend(
+    goal: &Goal<'_>,
+    spheres: &mut [Vec4],
+    steps: usize,
+    rates: [f32; 2],
+    random: &mut Random,
+    before_each: &mut dyn FnMut() -> Result<(), BuildError>,
+) -> Result<(), BuildError> {
     const MEMORY: [f32; 2] = [0.9, 0.98];
     let views = goal.views;
     let sphere: [Vec3; BULGE_POINTS] = core::array::from_fn(|k| fibonacci(k, BULGE_POINTS));
@@ -41,6 +49,7 @@ pub(crate) fn descend(goal: &Goal<'_>, spheres: &mut [Vec4], steps: usize, rates
     let mut moments = vec![[Vec4::ZERO; 2]; spheres.len()];
     let mut decay = [1.0_f32; 2];
     for step in 0..steps {
+        before_each()?;
         if next + batch > order.len() {
             random.shuffle(&mut order);
             next = 0;
@@ -75,6 +84,7 @@ pub(crate) fn descend(goal: &Goal<'_>, spheres: &mut [Vec4], steps: usize, rates
             sphere.w = sphere.w.max(LEAST_RADIUS);
         }
     }
+    Ok(())
 }
 
 /// One view's part of the gradient, with the buffers for computing it.

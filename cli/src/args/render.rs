@@ -7,9 +7,12 @@ use clap::{Args, ValueEnum};
 use cosine_lobes::Window;
 use cosine_lobes::lobe_core::Accuracy;
 use cosine_lobes::render_cpu::TILE;
-use cosine_lobes::renderer::{self, Settings};
+use cosine_lobes::renderer::{self, LayerSet, Settings};
 use cosine_lobes::scene::Strategy;
 use std::path::PathBuf;
+
+/// The layers of `--layers`.
+const LAYERS: LayerSet = LayerSet { objects: false, ..LayerSet::ALL };
 
 /// Render a picture
 ///
@@ -118,7 +121,7 @@ impl RenderArgs {
             threshold: self.threshold,
             samples: self.view.samples,
             map_resolution: self.map_resolution,
-            layers: self.layers,
+            layers: if self.layers { LAYERS } else { LayerSet::NONE },
             repeat: self.repeat,
             cache: input::cache_folder(),
             ..Settings::default()

@@ -16,7 +16,6 @@ use cosine_lobes::renderer::{
 use cosine_lobes::scene::{BlockerSet, Frame, Shade, ShadingPoints};
 use cosine_lobes::visibility_shadowmap::{ReceiverBounds, ShadowMap};
 use glam::Vec3;
-use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// No setting is repeated for longer, once it was shaded three times.
@@ -207,7 +206,7 @@ impl Timed<'_> {
         shader.shade(self.points, self.frame, &mut radiance)?;
         let (start, mut times) = (Instant::now(), Vec::with_capacity(self.repeats));
         let goes_on = |done: usize| done < self.repeats && (done < 3 || start.elapsed() < LONGEST);
-        while times.is_empty() || (goes_on(times.len()) && !STOP.load(Ordering::SeqCst)) {
+        while times.is_empty() || (goes_on(times.len()) && !STOP.is_cancelled()) {
             times.push(shader.shade(self.points, self.frame, &mut radiance)?.seconds);
         }
         times.sort_by(f64::total_cmp);

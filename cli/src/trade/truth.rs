@@ -8,7 +8,6 @@ use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::scene::BlockerSet;
 use cosine_lobes::{ExrLayer, FlipMap, Picture, RegionError, ShadowErrors, luminance};
 use glam::Vec3;
-use std::sync::atomic::Ordering;
 
 /// The reference that all rows are compared with.
 pub(super) struct Truth {
@@ -41,7 +40,7 @@ impl Truth {
                 checkpoint::advance(&mut reference, samples, &path, "reference", args.view.quiet)?;
                 checkpoint::save(&reference, &path)
             })?;
-            if STOP.load(Ordering::SeqCst) {
+            if STOP.is_cancelled() {
                 return Err(Failure::interrupted(format_args!(
                     "the reference so far is kept in {}; the same command goes on from there",
                     path.display()

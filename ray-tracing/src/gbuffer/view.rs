@@ -8,7 +8,7 @@ use core::ops::Range;
 use glam::{Vec2, Vec3};
 use lobe_core::Receiver;
 use rayon::prelude::*;
-use scene::Surface;
+use scene::{Cancel, Surface};
 
 /// Tiles that a thread takes at once.
 const TASK: usize = 8;
@@ -26,6 +26,7 @@ pub(super) struct View<'w> {
     rows: Range<u32>,
     /// For each object whether its points have an appearance of their own, if any has.
     varied: Option<Vec<bool>>,
+    cancel: Option<&'w Cancel>,
 }
 
 /// Points of some tiles, where they belong.
@@ -87,17 +88,36 @@ impl GBuffer {
         columns: Range<u32>,
         rows: Range<u32>,
     ) -> Self {
-        let inside = |r: &Range<u32>, size: u32| r.start <= r.end && r.end <= size;
-        assert!(inside(&columns, width) && inside(&rows, height), "window outside the image");
-        let (own_width, own_height) = (columns.end - columns.start, rows.end - rows.start);
-        assert!(u64::from(own_width) * u64::from(own_height) <= 1 << 32, "too many pixels");
-        let samples = samples.max(1);
-        let view = View::new(world, [width, height], samples, columns, rows);
+        Self::of(&View::new(world, [width, height], samples.max(1), columns, rows)).unwrap_or_default()
+    }
+
+    /// The same until the request to stop is made: none then. It is looked at for each tile of pixels.
+    ///
+    /// # Panics
+    /// As [`window`](Self::window).
+    #[must_use]
+    pub fn window_until(
+        world: &World<'_>,
+        image: [u32; 2],
+        samples: u32,
+        columns: Range<u32>,
+        rows: Range<u32>,
+        cancel: &Cancel,
+    ) -> Option<Self> {
+        Self::of(&View { cancel: Some(cancel), ..View::new(world, image, samples.max(1), columns, rows) })
+    }
+
+    fn of(view: &View<'_>) -> Option<Self> {
+        let (width, height) = (view.columns.end - view.columns.start, view.rows.end - view.rows.start);
         let (found, ends) = view.trace();
-        let mut all = Self { width: own_width, height: own_height, samples, ..Self::default() };
-        view.describe(&found, &ends, &mut all);
-        all.sky = view.sky(&found);
-        all
+        let mut all = Self { width, height, samples: view.offsets.len() as u32, ..Self::default() };
+        if !view.is_cancelled() {
+            view.describe(&found, &ends, &mut all);
+        }
+        if !view.is_cancelled() {
+            all.sky = view.sky(&found);
+        }
+        (!view.is_cancelled()).then_some(all)
     }
 }
 
@@ -109,6 +129,10 @@ impl<'w> View<'w> {
         columns: Range<u32>,
         rows: Range<u32>,
     ) -> Self {
+        let inside = |r: &Range<u32>, size: u32| r.start <= r.end && r.end <= size;
+        assert!(inside(&columns, width) && inside(&rows, height), "window outside the image");
+        let pixels = u64::from(columns.end - columns.start) * u64::from(rows.end - rows.start);
+        assert!(pixels <= 1 << 32, "too many pixels");
         Self {
             world,
             rays: Rays::new(&world.scene().camera, width, height),
@@ -118,7 +142,12 @@ impl<'w> View<'w> {
             columns,
             rows,
             varied: varied(world.scene()),
+            cancel: None,
         }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(Cancel::is_cancelled)
     }
 
     fn tile_rays(&self) -> usize {
@@ -155,6 +184,9 @@ impl<'w> View<'w> {
     }
 
     fn trace_tile(&self, tile: usize, found: &mut [u32]) -> usize {
+        if self.is_cancelled() {
+            return 0;
+        }
         let ([left, top], [columns, rows]) = self.tile(tile);
         let corner = Vec2::new(left as f32, top as f32);
         for (offset, found) in self.offsets.iter().zip(found.chunks_exact_mut((TILE * TILE) as usize)) {
@@ -217,6 +249,9 @@ impl<'w> View<'w> {
         let width = self.columns.len();
         let mut sky = vec![Vec3::ZERO; width * self.rows.len()];
         sky.par_chunks_mut(width.max(1)).zip(self.rows.clone()).for_each(|(pixels, y)| {
+            if self.is_cancelled() {
+                return;
+            }
             for (pixel, x) in pixels.iter_mut().zip(self.columns.clone()) {
                 let (column, row) = (x / TILE - self.across.start, y / TILE - self.down.start);
                 let tile = row as usize * self.across.len() + column as usize;
@@ -237,6 +272,9 @@ impl<'w> View<'w> {
     fn describe_tiles(&self, first: usize, found: &[u32], mut out: Part<'_>) -> Vec<Material> {
         let (mut met, mut own) = (Met::default(), Vec::new());
         for (tile, found) in found.chunks_exact(self.tile_rays()).enumerate() {
+            if self.is_cancelled() {
+                break;
+            }
             let ([left, top], [columns, rows]) = self.tile(first + tile);
             let width = self.columns.end - self.columns.start;
             for row in rows {

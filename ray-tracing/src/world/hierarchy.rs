@@ -1,15 +1,15 @@
 //! The two hierarchies over a scene, which follow it from frame to frame.
 
 use super::appearance;
+use super::build::build;
 use super::primitive::{Corners, SceneSphere};
 use super::tree::{Tree, hierarchy_scale};
-use core::time::Duration;
+use core::sync::atomic::{AtomicU64, Ordering};
 use glam::{Vec3, Vec3A};
 use lobe_core::Sphere;
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
 use obvhs::triangle::Triangle;
-use obvhs::{Boundable, BvhBuildParams};
 use scene::{Duplicates, Proxy, Scene, Shape};
 
 /// The triangles and the exact spheres of a scene in two hierarchies, kept from frame to frame.
@@ -29,6 +29,13 @@ pub struct Hierarchy {
     pub(super) spheres: Tree<SceneSphere>,
     /// Of vertices, by object, for normal maps; empty without.
     pub(super) tangents: Vec<Vec<Vec3>>,
+    revision: u64,
+}
+
+/// A number that no hierarchy has had.
+fn new_revision() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// How much an update had to do.
@@ -51,7 +58,8 @@ impl Hierarchy {
         let (triangles, spheres) = gather(scene);
         let scale = scale_of(&triangles, &spheres);
         let tangents = appearance::tangents(scene);
-        Self { triangles: triangle_tree(&triangles, scale), spheres: sphere_tree(&spheres, scale), tangents }
+        let (triangles, spheres) = (triangle_tree(&triangles, scale), sphere_tree(&spheres, scale));
+        Self { triangles, spheres, tangents, revision: new_revision() }
     }
 
     /// Follows the scene: objects may have moved, come or gone. Boxes are refitted where primitives have moved, and a hierarchy is
@@ -71,7 +79,16 @@ impl Hierarchy {
             Update::Built
         });
         self.update_surfaces(scene);
-        of_triangles.max(of_spheres)
+        let done = of_triangles.max(of_spheres);
+        if done != Update::Kept {
+            self.revision = new_revision();
+        }
+        done
+    }
+
+    /// See [`World::revision`](crate::World::revision).
+    pub(super) const fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// Follows lights that have changed while all objects stay: a sphere that shows a light does not block. Whether any sphere blocks
@@ -81,6 +98,9 @@ impl Hierarchy {
         for sphere in &mut self.spheres.primitives {
             let blocks = blocks(scene, &sphere.sphere);
             is_changed |= core::mem::replace(&mut sphere.blocks, blocks) != blocks;
+        }
+        if is_changed {
+            self.revision = new_revision();
         }
         is_changed
     }
@@ -98,14 +118,14 @@ fn triangle_tree(triangles: &[Corners], scale: f32) -> Tree<Corners> {
             Triangle { v0, v1, v2 }
         };
         let triangles: Vec<_> = triangles.iter().map(corners).collect();
-        build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
+        build(&triangles)
     })
 }
 
 fn sphere_tree(spheres: &[SceneSphere], scale: f32) -> Tree<SceneSphere> {
     Tree::new(spheres, scale, |spheres| {
         let boxes = spheres.iter().map(Boundable::aabb).map(|b| Aabb::new(b.min * scale, b.max * scale));
-        build_cwbvh(&boxes.collect::<Vec<_>>(), BvhBuildParams::medium_build(), &mut Duration::ZERO.clone())
+        build(&boxes.collect::<Vec<_>>())
     })
 }
 

@@ -3,12 +3,13 @@
 use super::primitive::{GpuPrimitive, ShadowCasting, bounds};
 use crate::GpuError;
 use bytemuck::{Pod, Zeroable};
-use core::time::Duration;
 use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
 
 /// `BvhNode` of bvh.wgsl.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -20,6 +21,25 @@ pub(crate) struct GpuNode {
     pub(crate) high: [f32; 3],
     /// First primitive, or first of two children.
     pub(crate) first: u32,
+}
+
+/// The steps of obvhs's own builder, which reads a clock that not every target has.
+fn build(boxes: &[Aabb]) -> Bvh2 {
+    let of = BvhBuildParams::medium_build();
+    let numbers = (0..boxes.len() as u32).collect();
+    let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
+        of.ploc_search_distance,
+        boxes,
+        numbers,
+        of.sort_precision,
+        of.search_depth_threshold,
+    );
+    let mut optimizer = ReinsertionOptimizer::default();
+    optimizer.run(&mut bvh, of.reinsertion_batch_ratio, None);
+    collapse(&mut bvh, of.max_prims_per_leaf.clamp(1, 255), of.collapse_traversal_cost);
+    let ratio = of.reinsertion_batch_ratio * of.post_collapse_reinsertion_batch_ratio_multiplier;
+    optimizer.run(&mut bvh, ratio, None);
+    bvh
 }
 
 /// Hierarchies deeper than this are refused: a kernel's stack is as long.
@@ -45,7 +65,7 @@ impl Tree {
     /// Builds it. There is a primitive at least.
     pub(super) fn new(primitives: &[GpuPrimitive], names: Vec<u32>) -> Result<Self, GpuError> {
         let boxes: Vec<_> = primitives.iter().map(bounds).map(|[a, b]| Aabb::new(a.into(), b.into())).collect();
-        let bvh = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::ZERO.clone());
+        let bvh = build(&boxes);
         let (nodes, depth) = laid_out(&bvh);
         if depth > DEEPEST {
             let (needed, allowed) = (depth.into(), DEEPEST.into());

@@ -104,14 +104,17 @@ impl Kernel {
     /// Submits it alone, with so many workgroups along x and y and its uniform from the beginning; does not wait.
     pub(crate) fn submit(&self, gpu: &Gpu, group: &wgpu::BindGroup, groups: [u32; 2]) {
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let label = Some(self.label);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, group, if self.has_frame() { &[0] } else { &[] });
-            pass.dispatch_workgroups(groups[0], groups[1], 1);
-        }
+        self.record(&mut encoder, group, groups);
         gpu.queue().submit([encoder.finish()]);
+    }
+
+    /// Writes it into an encoder, as a pass of its own.
+    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder, group: &wgpu::BindGroup, groups: [u32; 2]) {
+        let label = Some(self.label);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes: None });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, if self.has_frame() { &[0] } else { &[] });
+        pass.dispatch_workgroups(groups[0], groups[1], 1);
     }
 }
 

@@ -20,6 +20,7 @@ pub(crate) fn trials(gpu: Option<&Gpu>) -> Vec<Trial> {
         trial("points_of_one_pixel", gpu, |gpu| same(gpu, &plain(), 1, 1)),
         trial("points_of_windows", gpu, windows),
         trial("points_are_shaded_where_they_are", gpu, shaded),
+        trial("pictures_are_recorded_for_a_caller", gpu, recorded),
         trial("points_of_nothing", gpu, nothing),
         trial("points_from_inside", gpu, from_inside),
         trial("points_at_all_scales", gpu, scales),
@@ -177,6 +178,44 @@ fn windows(gpu: &Gpu) {
         assert_eq!(objects(&points.receivers), objects(&want.points.receivers));
         assert_eq!(points.materials, want.points.materials);
     }
+}
+
+/// All the work of a picture in an encoder of the caller's, in slices that differ: the same bits as submitted one by one.
+fn recorded(gpu: &Gpu) {
+    let view = View::new(globes(), 1, 1);
+    let frame = view.frame(0.003, 5);
+    let occlusion = Occlusion { blockers: &[&view.spheres], any_hit: None };
+    let mut ours = GpuGBuffer::new(gpu, &view.scene).expect("geometry");
+    let mut pictures = Vec::new();
+    for is_recorded in [false, true, true] {
+        let mut shader = GpuShader::new(gpu, occlusion).expect("a shader").with_slice(1024);
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let points = match is_recorded {
+            false => ours.trace(&view.scene.camera, 80, 45, 0..80, 0..45),
+            true => ours.record(&view.scene.camera, [80, 45], 0..80, 0..45, &mut encoder),
+        }
+        .expect("points");
+        assert!(points.count > 2 * 1024 && !points.count.is_multiple_of(1024));
+        let size = 16 * u64::from(points.count);
+        let buffer = |usage| {
+            let descriptor = wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
+            gpu.device().create_buffer(&descriptor)
+        };
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let (radiance, staging) = (buffer(usage), buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST));
+        match is_recorded {
+            false => shader.submit(&frame, points.buffer, points.count, &radiance),
+            true => shader.record(&frame, points.buffer, points.count, &radiance, &mut encoder),
+        }
+        .expect("the GPU shades");
+        encoder.copy_buffer_to_buffer(&radiance, 0, &staging, 0, size);
+        gpu.queue().submit([encoder.finish()]);
+        staging.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("mapped"));
+        gpu.device().poll(wgpu::PollType::wait_indefinitely()).expect("done");
+        pictures.push(staging.slice(..).get_mapped_range().expect("mapped").to_vec());
+    }
+    assert!(pictures[0].iter().any(|byte| *byte != 0));
+    assert!(pictures[0] == pictures[1] && pictures[1] == pictures[2]);
 }
 
 /// Points found and shaded on the GPU, of a window that cuts tiles: the picture of the CPU; nothing where there is no point.

@@ -1,0 +1,117 @@
+//! One picture: maps, the accuracy that a time budget chooses, blockers, shading.
+
+use crate::bands::{Bands, seconds};
+use crate::budget::Budget;
+use crate::event::tell;
+use crate::image::{Canvas, Shading};
+use crate::kept_maps::{KeptMaps, MapRequest};
+use crate::kept_points::KeptPoints;
+use crate::{
+    Backend, CustomStrategy, Event, FrameBlockers, FrameClocks, ImageStats, KeptSpheres, Listener, MapReduction, Plan,
+    RenderError, Settings, Sink,
+};
+use lobe_core::Accuracy;
+use lobe_core::paper::Tables;
+use pictures::Window;
+use render_cpu::{SceneSilhouettes, World};
+use scene::{Cancel, Frame};
+use visibility_shadowmap::{ReceiverBounds, ShadowMap};
+
+/// The state that a picture uses and leaves for the next one.
+pub(crate) struct State<'a> {
+    pub(crate) backend: &'a mut Backend,
+    pub(crate) chosen: &'a mut Option<Accuracy>,
+    pub(crate) is_advised: &'a mut bool,
+    pub(crate) points: &'a mut KeptPoints,
+    pub(crate) canvas: &'a mut Canvas,
+    pub(crate) maps: &'a mut KeptMaps,
+}
+
+/// The parts of a picture, made and kept.
+pub(crate) struct Job<'a> {
+    pub(crate) settings: &'a Settings,
+    pub(crate) parts: &'a [Window],
+    pub(crate) plan: &'a Plan,
+    pub(crate) cancel: &'a Cancel,
+    pub(crate) spheres: &'a KeptSpheres,
+    pub(crate) silhouettes: &'a SceneSilhouettes,
+    pub(crate) custom: &'a [Box<dyn CustomStrategy>],
+    pub(crate) tables: Option<&'a Tables>,
+}
+
+impl Job<'_> {
+    /// One picture of a world, as far as the sink takes it.
+    pub(crate) fn picture(
+        &self,
+        world: &World<'_>,
+        state: State<'_>,
+        mut clocks: FrameClocks,
+        listener: &mut Listener<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Result<ImageStats, RenderError> {
+        let Self { settings, parts, plan, cancel, silhouettes, custom, tables, .. } = *self;
+        let State { backend, chosen, is_advised, points, canvas, maps: kept_maps } = state;
+        let (scene, spheres) = (world.scene(), self.spheres.get());
+        let mut bands = Bands::new(world, settings, parts, points, cancel);
+        let mut maps = Vec::new();
+        if plan.wants_maps(scene)
+            && let Some(receivers) = bands.bounds()?
+        {
+            let request = MapRequest { receivers, resolution: settings.map_resolution, room: backend.room_for_maps() };
+            let coarser;
+            (maps, coarser) = seconds(&mut clocks.maps, || kept_maps.update(plan, scene, request, cancel))?;
+            if !core::mem::replace(is_advised, true) {
+                advise(&maps, coarser, &receivers, listener)?;
+            }
+        }
+        let (materials, lights) = (&scene.materials, &scene.lights);
+        let mut frame = Frame { materials, lights, accuracy: settings.accuracy, threshold: settings.threshold };
+        match (*chosen, settings.time_budget) {
+            (Some(accuracy), _) => frame.accuracy = accuracy,
+            (None, Some(budget)) => {
+                let choice = Budget {
+                    world,
+                    plan,
+                    spheres,
+                    maps: &maps,
+                    silhouettes,
+                    custom,
+                    method: settings.method,
+                    tables,
+                    cancel,
+                    fixed: clocks.maps,
+                };
+                frame.accuracy = choice.choose(backend, budget, &bands, &frame, listener)?;
+                *chosen = Some(frame.accuracy);
+            }
+            (None, None) => {}
+        }
+        let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
+        let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
+        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy).with_custom(custom);
+        let (repeat, layers) = (settings.repeat, settings.layers);
+        let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, listener, sink };
+        let mut stats = blockers.shade(backend, settings.method, tables, shading)?;
+        clocks.gbuffer = bands.seconds;
+        stats.clocks = clocks;
+        stats.accuracy = frame.accuracy;
+        stats.spheres = spheres.map_or(0, |s| s.spheres().len());
+        stats.triangles = world.triangle_count();
+        (stats.map_resolutions, stats.map_bytes) = (map_resolutions, map_bytes);
+        Ok(stats)
+    }
+}
+
+/// Tells how the maps suit the receivers.
+fn advise(
+    maps: &[ShadowMap],
+    coarser: Option<MapReduction>,
+    receivers: &ReceiverBounds,
+    listener: &mut Listener<'_>,
+) -> Result<(), RenderError> {
+    if let Some(coarser) = coarser {
+        tell(listener, Event::MapsReduced(coarser))?;
+    }
+    let mut maps = maps.iter().enumerate();
+    maps.try_for_each(|(light, map)| tell(listener, Event::Map { light, advice: map.advice(receivers) }))
+}

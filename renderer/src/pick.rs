@@ -1,0 +1,156 @@
+//! Questions about single points: the surface that a pixel shows, and the part of a light that a point sees.
+
+use crate::bands::Bands;
+use crate::kept_maps::MapRequest;
+use crate::{
+    Backend, EditError, FrameBlockers, LightHandle, MaterialHandle, Method, ObjectHandle, RenderError, Renderer,
+    Shader, ShaderTask,
+};
+use brdf::Material;
+use core::ops::ControlFlow;
+use glam::Vec3;
+use lighting::Light;
+use lobe_core::{LightLobes, Receiver, Unshadowed};
+use pictures::Window;
+use render_cpu::{CpuShader, GBuffer, ShadeRequest, World};
+use scene::{Frame, Shade, ShadingPoints};
+use visibility_shadowmap::ReceiverBounds;
+
+/// The surface that a pixel shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pick {
+    /// Its object.
+    pub object: ObjectHandle,
+    /// The light whose surface it is, where it is one.
+    pub light: Option<LightHandle>,
+    /// The object's material.
+    pub material: MaterialHandle,
+    /// The point as it is shaded: position, normals, direction toward the eye.
+    pub receiver: Receiver,
+    /// From the eye, in units of the scene.
+    pub distance: f32,
+}
+
+/// A point is on a light up to this part of the light's radius.
+const ON_LIGHT: f32 = 1e-3;
+
+impl Renderer {
+    /// The surface in the middle of a pixel: the same point, bit for bit, as of a picture of one ray a pixel. None where the camera
+    /// meets nothing there, and outside the picture.
+    ///
+    /// The point belongs to a light where it is on that light's surface (to a thousandth of its radius), or the light stands for the
+    /// object. Lights that no object shows are not seen and not picked.
+    ///
+    /// ```
+    /// use renderer::{Renderer, Settings};
+    /// let mut scene = scene::builtin();
+    /// (scene.width, scene.height) = (64, 36);
+    /// let mut renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
+    /// let pick = renderer.pick(32, 34).expect("the floor");
+    /// assert!(pick.light.is_none() && pick.receiver.normal.y > 0.9);
+    /// # Ok::<(), renderer::RenderError>(())
+    /// ```
+    ///
+    /// # Cost
+    /// That of one ray, once the hierarchy follows the last edit.
+    pub fn pick(&mut self, x: u32, y: u32) -> Option<Pick> {
+        let (width, height) = (self.scene.width, self.scene.height);
+        if x >= width || y >= height {
+            return None;
+        }
+        let hierarchy = self.follow_hierarchy();
+        let world = World::with_hierarchy(&self.scene, hierarchy);
+        let found = GBuffer::window(&world, width, height, 1, x..x + 1, y..y + 1);
+        let receiver = *found.points.receivers.first()?;
+        let object = receiver.object as usize;
+        let light = light_at(&self.scene.lights, &receiver);
+        Some(Pick {
+            object: ObjectHandle(self.rows.revisions()[object].object),
+            light: light.map(|light| LightHandle(self.light_handles.at(light))),
+            material: MaterialHandle(self.material_handles.at(self.scene.objects[object].material)),
+            receiver,
+            distance: receiver.position.distance(self.scene.camera.eye),
+        })
+    }
+
+    /// The fraction of a light that a white diffuse surface at a point sees, by the scene's own strategies and accuracy:
+    ///
+    /// ```text
+    /// ∫ L (n·v) V dv / ∫ L (n·v) dv
+    /// ```
+    ///
+    /// over the light, per channel (they differ only where the light shows an image); 0 where the surface gets nothing of the
+    /// light even without blockers. [`Receiver::on_surface`] makes points that are on no object.
+    ///
+    /// # Cost
+    /// One point under all lights, and gathering what blocks: for single points.
+    ///
+    /// # Errors
+    /// [`RenderError::Edit`] where the light is not there; those of [`render`](Self::render).
+    pub fn visible_fraction(&mut self, at: &Receiver, light: LightHandle) -> Result<Vec3, RenderError> {
+        let light = self.light_handles.place(light.0).ok_or(EditError::NoLight(light))?;
+        self.prepare(&mut |_| ControlFlow::Continue(()))?;
+        let hierarchy = self.follow(&mut crate::FrameClocks::default())?;
+        let world = World::with_hierarchy(&self.scene, hierarchy);
+        let mut maps = Vec::new();
+        if self.plan.wants_maps(&self.scene) {
+            let whole = [Window::whole(self.scene.width as usize, self.scene.height as usize)];
+            let parts = if self.settings.keep_points { &whole[..] } else { &[] };
+            let seen = Bands::new(&world, &self.settings, parts, &mut self.points, &self.cancel).bounds()?;
+            let (resolution, room) = (self.settings.map_resolution, self.backend.room_for_maps());
+            let around = bounds_with(seen, at.position);
+            maps = if seen == Some(around) {
+                let request = MapRequest { receivers: around, resolution, room };
+                self.maps.update(&self.plan, &self.scene, request, &self.cancel)?.0
+            } else {
+                self.plan.maps(&self.scene, around, resolution, room)?.0
+            };
+        }
+        let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
+        let (plan, spheres) = (&self.plan, self.spheres.get());
+        let blockers = FrameBlockers::new(plan, &world, spheres, maps, &self.silhouettes, accuracy);
+        let materials = &[Material::lambert(Vec3::ONE)];
+        let frame = Frame { materials, lights: &self.scene.lights, accuracy, threshold: 0.0 };
+        blockers.shade(&mut Backend::Cpu, Method::Moments, None, Fraction { at, light, frame })
+    }
+}
+
+/// A box that holds a point as well.
+fn bounds_with(bounds: Option<ReceiverBounds>, point: Vec3) -> ReceiverBounds {
+    let ReceiverBounds { min, max } = bounds.unwrap_or(ReceiverBounds { min: point, max: point });
+    ReceiverBounds { min: min.min(point), max: max.max(point) }
+}
+
+/// The light whose surface a point is on, or that stands for its object: the nearest of these.
+fn light_at(lights: &[Light], at: &Receiver) -> Option<usize> {
+    let distance = |light: &Light| {
+        let distance = light.distance_to(at.position)?;
+        let stands_for_it = matches!(light, Light::Enclosed(inside) if inside.object == at.object);
+        (stands_for_it || distance <= ON_LIGHT * light.bounds().radius).then_some(distance)
+    };
+    let all = lights.iter().enumerate().filter_map(|(number, light)| Some((number, distance(light)?)));
+    all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(number, _)| number)
+}
+
+/// The part of one light that a point sees.
+struct Fraction<'a> {
+    at: &'a Receiver,
+    light: usize,
+    frame: Frame<'a>,
+}
+
+impl ShaderTask for Fraction<'_> {
+    type Output = Vec3;
+
+    fn with<S: Shader>(self, shader: &mut S) -> Result<Vec3, RenderError> {
+        let points = ShadingPoints { receivers: vec![*self.at], materials: vec![0] };
+        let request = ShadeRequest { lights: true, ..ShadeRequest::default() };
+        let (_, layers) = shader.shade_with(&points, &self.frame, &mut [Vec3::ZERO], &request)?;
+        let alone = Frame { lights: &self.frame.lights[self.light..=self.light], ..self.frame };
+        let mut whole = [Vec3::ZERO];
+        CpuShader::new(Unshadowed).shade(&points, &alone, &mut whole)?;
+        let part = layers.lights[self.light];
+        let share = |k: usize| if whole[0][k] > 0.0 { (part[k] / whole[0][k]).clamp(0.0, 1.0) } else { 0.0 };
+        Ok(Vec3::from_array(core::array::from_fn(share)))
+    }
+}

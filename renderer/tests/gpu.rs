@@ -1,0 +1,142 @@
+//! A renderer on a GPU: what is kept there, and what an interactive program asks of it. Ignored where there is no adapter.
+
+use core::ops::ControlFlow;
+use glam::{Mat4, Vec3};
+use libtest_mimic::{Arguments, Trial};
+use lighting::{Light, SphereLight};
+use lobe_core::Sphere;
+use renderer::{Cancel, Device, LayerSet, RenderError, Renderer, Settings, Window};
+use scene::{Animation, Object, Proxy, Scene, Strategy};
+use test_scenes::{floor_and_ball, globe};
+
+fn main() {
+    let is_there = renderer::Backend::open(Device::Gpu).is_ok();
+    let trial = |name: &str, test: fn()| {
+        Trial::test(name, move || {
+            test();
+            Ok(())
+        })
+        .with_ignored_flag(!is_there)
+    };
+    let trials = vec![
+        trial("rays_follow_only_what_moves", rays_follow_only_what_moves),
+        trial("the_first_picture_compiles_nothing", the_first_picture_compiles_nothing),
+        trial("parts_make_the_picture", parts_make_the_picture),
+        trial("layers_of_points", layers_of_points),
+        trial("requests_to_stop", requests_to_stop),
+        trial("nothing_to_see", nothing_to_see),
+    ];
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
+
+fn stage() -> Scene {
+    let mut scene = floor_and_ball();
+    (scene.width, scene.height) = (48, 27);
+    let center = Vec3::new(-0.9, 0.8, 0.5);
+    scene.objects.push(Object::mesh("globe", globe(6, center, 0.5, true), 0, Proxy::Count(8)));
+    scene
+}
+
+fn renderer(settings: Settings) -> Renderer {
+    Renderer::new(stage(), Animation::default(), Settings { device: Device::Gpu, ..settings }).expect("a GPU")
+}
+
+fn lamp(x: f32) -> Light {
+    SphereLight::new(Sphere { center: Vec3::new(x, 4.0, 1.0), radius: 0.5 }, Vec3::splat(4.0)).into()
+}
+
+fn rays_follow_only_what_moves() {
+    let mut edited = renderer(Settings { strategy: Some(Strategy::Rays), ..Settings::default() });
+    let worlds = |edited: &mut Renderer| {
+        edited.render().expect("a picture");
+        edited.upkeep().ray_worlds
+    };
+    assert_eq!(worlds(&mut edited), 1);
+    assert_eq!(worlds(&mut edited), 1);
+    let light = edited.lights().next().expect("a light").0;
+    edited.set_light(light, lamp(0.4)).expect("a light");
+    assert_eq!(worlds(&mut edited), 1);
+    let camera = scene::Camera { eye: Vec3::new(0.5, 3.0, 8.0), ..edited.scene().camera };
+    edited.set_camera(camera).expect("a camera");
+    assert_eq!(worlds(&mut edited), 1);
+    let object = edited.objects().nth(2).expect("the globe").0;
+    edited.set_transform(object, Mat4::from_translation(Vec3::X * 0.4)).expect("a shift");
+    assert_eq!(worlds(&mut edited), 2);
+    // A lamp that shows the light does not hide it: what rays meet has changed.
+    let shown = edited.scene().objects[1].clone();
+    let scene::Shape::Spheres(spheres) = &shown.shape else { panic!("a sphere") };
+    edited.set_light(light, SphereLight::new(spheres[0], Vec3::ONE).into()).expect("a light");
+    assert_eq!(worlds(&mut edited), 3);
+    edited.set_object_strategy(object, Some(Strategy::None)).expect("a strategy");
+    let image = edited.render().expect("a picture").radiance;
+    let fresh = Renderer::new(edited.scene().clone(), Animation::default(), edited.settings().clone());
+    assert!(image == fresh.expect("a GPU").render().expect("a picture").radiance);
+}
+
+fn the_first_picture_compiles_nothing() {
+    for strategy in [None, Some(Strategy::Rays)] {
+        let mut warm = renderer(Settings { strategy, ..Settings::default() });
+        let count = |warm: &Renderer| warm.backend().gpu().expect("a GPU").kernels().compiled().len();
+        warm.warm_up(&mut |_| ControlFlow::Continue(())).expect("kernels");
+        let before = (count(&warm), warm.upkeep());
+        assert!(before.0 > 2);
+        let image = warm.render().expect("a picture");
+        let after = (count(&warm), renderer::Upkeep { point_bands: 0, ..warm.upkeep() });
+        assert_eq!(after, before, "{strategy:?}");
+        assert!(image.radiance.iter().any(|pixel| *pixel != Vec3::ZERO));
+    }
+}
+
+fn parts_make_the_picture() {
+    let mut parted = renderer(Settings { strategy: Some(Strategy::Silhouettes), ..Settings::default() });
+    let want = parted.render().expect("a picture").radiance;
+    let whole = Window::whole(48, 27);
+    let (mut picture, mut parts) = (vec![Vec3::NAN; whole.pixels()], whole.parts([16, 8]).collect::<Vec<_>>());
+    parts.reverse();
+    parted
+        .render_parts(&parts, &mut |_| ControlFlow::Continue(()), &mut |band| {
+            band.copy_to(&whole, &mut picture);
+            ControlFlow::Continue(())
+        })
+        .expect("a picture");
+    assert!(picture == want);
+}
+
+fn layers_of_points() {
+    let layers = LayerSet { depths: true, normals: true, objects: true, ..LayerSet::NONE };
+    let ours = renderer(Settings { layers, ..Settings::default() }).render().expect("a picture").layers;
+    let theirs = Settings { layers, ..Settings::default() };
+    let theirs = Renderer::new(stage(), Animation::default(), theirs).expect("a scene").render().expect("a picture");
+    assert!(ours == theirs.layers && ours.unshadowed.is_empty());
+    let all = Settings { layers: LayerSet::ALL, device: Device::Gpu, ..Settings::default() };
+    let refused = Renderer::new(stage(), Animation::default(), all);
+    assert!(matches!(refused, Err(RenderError::NotOnGpu(_))));
+}
+
+fn requests_to_stop() {
+    let mut edited = renderer(Settings::default());
+    let want = edited.render().expect("a picture").radiance;
+    let cancel = Cancel::new();
+    edited.set_cancel(cancel.clone());
+    let whole = Window::whole(48, 27);
+    let parts: Vec<Window> = whole.parts([48, 8]).collect();
+    let mut count = 0;
+    let stopped = edited.render_parts(&parts, &mut |_| ControlFlow::Continue(()), &mut |_| {
+        count += 1;
+        cancel.cancel();
+        ControlFlow::Continue(())
+    });
+    assert!(matches!(stopped, Err(RenderError::Cancelled)) && count == 1);
+    edited.set_cancel(Cancel::new());
+    assert!(edited.render().expect("a picture").radiance == want);
+}
+
+fn nothing_to_see() {
+    let mut edited = renderer(Settings { strategy: Some(Strategy::Rays), ..Settings::default() });
+    edited.render().expect("a picture");
+    edited.set_background(Vec3::X).expect("a color");
+    for object in edited.objects().map(|(handle, _)| handle).collect::<Vec<_>>() {
+        edited.remove_object(object).expect("is there");
+    }
+    assert!(edited.render().expect("a picture").radiance.iter().all(|pixel| *pixel == Vec3::X));
+}
