@@ -17,7 +17,7 @@ fn slow(width: u32, height: u32) -> Scene {
     let inner = Sphere { center: Vec3::new(-0.8, 0.8, 0.4), radius: 0.48 };
     scene.objects.push(Object::mesh("globe", mesh, 0, Proxy::Spheres(vec![inner])));
     for k in 0..6 {
-        let mut light = scene.lights[0].ball().expect("a sphere");
+        let mut light = scene.lights[0].sphere().expect("a sphere");
         light.center.x += 0.3 * (k as f32 - 2.5);
         light.radius *= 2.0;
         scene.lights.push(SphereLight::new(light, Vec3::ONE).into());

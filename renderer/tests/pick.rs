@@ -2,7 +2,7 @@
 
 use core::ops::ControlFlow;
 use glam::Vec3;
-use lighting::{FlatLight, InsideLight, Light, SphereLight, TubeLight};
+use lighting::{EnclosedLight, FlatLight, Light, SphereLight, TubeLight};
 use lobe_core::{Random, Receiver, Sphere};
 use ray_tracing::World;
 use renderer::{LayerSet, LightHandle, Renderer, Settings, Window};
@@ -78,7 +78,7 @@ fn picks_follow_edits() {
     let mut scene = stage();
     let center = Vec3::new(-0.9, 0.8, 0.5);
     let inner: Light = TubeLight { ends: [center, center + Vec3::X * 0.1], radius: 0.2, radiance: Vec3::ONE }.into();
-    scene.lights.push(InsideLight { light: Box::new(inner), object: 2 }.into());
+    scene.lights.push(EnclosedLight { light: Box::new(inner), object: 2 }.into());
     let mut edited = renderer(scene, None);
     let (globe, inside) = (edited.objects().nth(2).expect("the globe").0, edited.lights().nth(3).expect("a light").0);
     let find = |edited: &mut Renderer| {
@@ -106,8 +106,8 @@ fn sampled(scene: &Scene, at: &Receiver, light: &Light, n: u32) -> f64 {
         let t = (f64::from(k / n) + random.uniform()) / f64::from(n);
         let (direction, distance, weight) = match light {
             Light::Sphere(light) => {
-                let to = light.ball.center - at.position;
-                let sin_sq = f64::from(light.ball.radius * light.ball.radius / to.length_squared());
+                let to = light.sphere.center - at.position;
+                let sin_sq = f64::from(light.sphere.radius * light.sphere.radius / to.length_squared());
                 let one_minus_cos = s * (1.0 - (1.0 - sin_sq).sqrt());
                 let (cos, sin) = (1.0 - one_minus_cos, (one_minus_cos * (2.0 - one_minus_cos)).sqrt());
                 let (axis, phi) = (to.normalize(), core::f64::consts::TAU * t);
@@ -115,7 +115,8 @@ fn sampled(scene: &Scene, at: &Receiver, light: &Light, n: u32) -> f64 {
                 let d = axis * cos as f32 + (u * phi.cos() as f32 + v * phi.sin() as f32) * sin as f32;
                 // The near surface: what is inside the light does not count.
                 let along = to.dot(d);
-                let near = along - (light.ball.radius.powi(2) - (to.length_squared() - along * along)).max(0.0).sqrt();
+                let near =
+                    along - (light.sphere.radius.powi(2) - (to.length_squared() - along * along)).max(0.0).sqrt();
                 (d, near, f64::from(at.normal.dot(d)).max(0.0))
             }
             Light::Flat(flat) => {
