@@ -99,10 +99,53 @@
 //!
 //! # Own parts
 //!
-//! A material is a type that implements [`BrdfLobes`](lobe_core::BrdfLobes), a light one that implements
-//! [`LightLobes`](lobe_core::LightLobes), and a strategy one that implements [`Blockers`](visibility_mask::Blockers). The built-in parts
-//! use the same traits. `examples/open` is a crate with one of each, on CPU and GPU; the suites of the feature `oracle` test them
-//! against f64. `examples/compose.rs` is a renderer of these traits in forty lines.
+//! A material is a [`Model`](brdf::Model), a light a [`LightKind`](lighting::LightKind), a strategy a
+//! [`CustomStrategy`](renderer::CustomStrategy) with [`Blockers`](visibility_mask::Blockers). The built-in parts implement the same traits, and
+//! a renderer shades both kinds in the same way: on CPU and GPU, with animation, edits and layers, and in the reference.
+//!
+//! ```
+//! use cosine_lobes::brdf::{Brdf, Material, Model};
+//! use cosine_lobes::glam::Vec3;
+//! use cosine_lobes::lobe_core::{BrdfLobe, BrdfLobes, Lobe, Receiver};
+//! use cosine_lobes::renderer::{Renderer, Settings};
+//! use cosine_lobes::scene::{Animation, builtin};
+//! use std::sync::Arc;
+//!
+//! /// Reflects back to where the light came from, as road signs do.
+//! #[derive(Debug)]
+//! struct Retro(Vec3);
+//!
+//! impl BrdfLobes for Retro {
+//!     fn brdf_lobes(&self, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+//!         out.push(Lobe::new(at.view, 40.0, self.0).times_cosine().into());
+//!     }
+//! }
+//!
+//! impl Brdf for Retro {
+//!     fn eval(&self, at: &Receiver, v: Vec3) -> Vec3 {
+//!         self.0 * (at.view.dot(v).max(0.0).powi(40) * at.normal.dot(v).max(0.0))
+//!     }
+//! }
+//!
+//! impl Model for Retro {
+//!     fn name(&self) -> &'static str {
+//!         "retro"
+//!     }
+//!     fn lobe_count(&self) -> usize {
+//!         1
+//!     }
+//! }
+//!
+//! let mut scene = builtin();
+//! (scene.width, scene.height) = (32, 18);
+//! scene.materials[1] = Material::Custom(Arc::new(Retro(Vec3::ONE)));
+//! let image = Renderer::new(scene, Animation::default(), Settings::default())?.render()?;
+//! # assert_eq!(image.size, [32, 18]);
+//! # Ok::<(), cosine_lobes::renderer::RenderError>(())
+//! ```
+//!
+//! `examples/open` is a crate with one of each, on both devices; the suites of the feature `oracle` test such parts
+//! against f64. `examples/compose.rs` is a renderer of the traits below these in forty lines.
 //!
 //! # Units
 //!
@@ -133,6 +176,7 @@
 //! # Features
 //!
 //! - `gpu` (default): `render_gpu`, through wgpu.
+//! - `files` (default): scene files, models, images: glTF, OBJ, PLY, PNG, OpenEXR and others. Without it a scene comes from code.
 //! - `oracle`: f64 oracles, and suites for own materials, lights and strategies ([`lobe_core`] and [`brdf`], module `conformance`).
 //!
 //! The command `lobes` is a package of its own, `cosine-lobes-cli`. With `default-features = false` no wgpu is built.
@@ -157,7 +201,10 @@ pub use visibility_silhouettes;
 pub use visibility_spheres;
 
 pub use pictures::{
-    Comparison, ExrLayer, ExrPart, FlipMap, ImageFileError, MergeError, Output, Picture, PictureStream, RegionError,
-    ShadowErrors, SizesDiffer, Window, checksum, luminance, merge_exr, read_exr, read_exr_layer, read_stamp,
-    remove_unfinished, signed_difference, srgb_bytes, srgb_bytes_into, write_exr, write_png,
+    Comparison, FlipMap, ImageFileError, Output, Picture, RegionError, ShadowErrors, SizesDiffer, Window, checksum,
+    luminance, remove_unfinished, signed_difference, srgb_bytes, srgb_bytes_into,
+};
+#[cfg(feature = "files")]
+pub use pictures::{
+    ExrLayer, ExrPart, MergeError, PictureStream, merge_exr, read_exr, read_exr_layer, read_stamp, write_exr, write_png,
 };

@@ -12,28 +12,43 @@
 mod checksum;
 mod comparison;
 mod error_map;
+#[cfg(feature = "files")]
 mod exr_file;
+#[cfg(feature = "files")]
 mod exr_layer;
+#[cfg(feature = "files")]
 mod exr_open;
+#[cfg(feature = "files")]
 mod exr_part;
 mod flip;
 mod output;
 mod picture;
+#[cfg(feature = "files")]
 mod png_file;
+mod srgb;
+#[cfg(feature = "files")]
 mod stamp;
+#[cfg(feature = "files")]
 mod stream;
 mod window;
 
 pub use crate::checksum::checksum;
 pub use crate::comparison::{Comparison, RegionError, ShadowErrors, SizesDiffer};
 pub use crate::error_map::{FlipMap, signed_difference};
+#[cfg(feature = "files")]
 pub use crate::exr_file::{read_exr, read_exr_layer, write_exr};
+#[cfg(feature = "files")]
 pub use crate::exr_layer::ExrLayer;
+#[cfg(feature = "files")]
 pub use crate::exr_part::{ExrPart, MergeError, merge_exr};
 pub use crate::output::{ImageFileError, Output, remove_unfinished};
 pub use crate::picture::{Picture, luminance};
-pub use crate::png_file::{srgb_bytes, srgb_bytes_into, write_png};
+#[cfg(feature = "files")]
+pub use crate::png_file::write_png;
+pub use crate::srgb::{srgb_bytes, srgb_bytes_into};
+#[cfg(feature = "files")]
 pub use crate::stamp::read_stamp;
+#[cfg(feature = "files")]
 pub use crate::stream::PictureStream;
 pub use crate::window::Window;
 pub use glam;

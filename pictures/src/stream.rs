@@ -1,6 +1,7 @@
 use crate::checksum::{UNKNOWN, seal_file};
 use crate::exr_part::exposure_comment;
-use crate::png_file::{encoder, srgb_row};
+use crate::png_file::encoder;
+use crate::srgb::srgb_row;
 use crate::stamp::STAMP;
 use crate::{ExrPart, ImageFileError, Output, Window};
 use exr::block::writer::ChunksWriter;

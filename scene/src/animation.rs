@@ -1,5 +1,5 @@
+use crate::camera_keys::CameraKeys;
 use crate::deformer::{BoundBall, Deformer, scaled};
-use crate::keys::CameraKeys;
 use crate::mesh::MAX_COORDINATE;
 use crate::placement::Placement;
 use crate::skeleton::{Carrier, Skeleton};

@@ -1,8 +1,8 @@
 //! Animations that are made and changed in code.
 
 use crate::animation::{Body, Mover};
+use crate::camera_keys::MAX_SECONDS;
 use crate::deformer::{BoundBall, Deformer};
-use crate::keys::MAX_SECONDS;
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
 use crate::placement::{Clock, Keyed, Placement, Turn};

@@ -3,6 +3,7 @@
 use crate::animation::{Body, Mover};
 use crate::cut_out::CutOut;
 use crate::deformer::BoundBall;
+use crate::files::Source;
 use crate::skeleton::Skeleton;
 use crate::{Animation, Mesh, Pose, Proxy, SceneError};
 use glam::DVec3;
@@ -11,6 +12,8 @@ use std::path::Path;
 /// Everything in a file besides its objects.
 #[derive(Default)]
 pub(crate) struct Context {
+    /// The files that are read.
+    pub(crate) files: Source,
     /// Things that were left out or replaced, one line each.
     pub(crate) warnings: Vec<String>,
     /// The nodes of the glTF files with a clip that moves.

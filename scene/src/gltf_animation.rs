@@ -1,7 +1,7 @@
 //! Clips of a glTF document.
 
+use crate::camera_keys::MAX_SECONDS;
 use crate::gltf_buffers::Buffers;
-use crate::keys::MAX_SECONDS;
 use crate::mesh::MAX_COORDINATE;
 use crate::placement::Clock;
 use crate::skeleton::{Local, Skeleton};

@@ -1,5 +1,6 @@
 //! The data behind glTF accessors, every length checked before anything is read or reserved.
 
+use crate::files::Source;
 use crate::texture::unit;
 use glam::Vec3;
 use gltf::json::accessor::{ComponentType, Type};
@@ -18,12 +19,12 @@ const MAX_WITHOUT_DATA: usize = 1 << 24;
 
 impl<'a> Buffers<'a> {
     /// Reads all buffers: from the file's own binary chunk, data URIs and files beside `path`.
-    pub(crate) fn load(path: &Path, root: &'a Root, mut chunk: Option<&[u8]>) -> Result<Self, String> {
+    pub(crate) fn load(files: &Source, path: &Path, root: &'a Root, mut chunk: Option<&[u8]>) -> Result<Self, String> {
         let mut data = Vec::new();
         for (i, buffer) in root.buffers.iter().enumerate() {
             let fault = |message: String| format!("buffer {i}: {message}");
             let mut bytes = match &buffer.uri {
-                Some(uri) => read_uri(path, uri).map_err(fault)?,
+                Some(uri) => read_uri(files, path, uri).map_err(fault)?,
                 None => chunk.take().filter(|_| i == 0).ok_or_else(|| fault("has no data".to_owned()))?.to_vec(),
             };
             let (wanted, found) = (buffer.byte_length.0, bytes.len());
@@ -189,7 +190,7 @@ fn number(bytes: &[u8], component: ComponentType) -> f64 {
 }
 
 /// A data URI, or a file beside the document: nothing else is ever opened.
-pub(crate) fn read_uri(path: &Path, uri: &str) -> Result<Vec<u8>, String> {
+pub(crate) fn read_uri(files: &Source, path: &Path, uri: &str) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data.split_once(";base64,").ok_or("data URI is not base64")?.1;
         return base64(encoded).ok_or_else(|| "data URI is not valid base64".to_owned());
@@ -202,7 +203,7 @@ pub(crate) fn read_uri(path: &Path, uri: &str) -> Result<Vec<u8>, String> {
     if !relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir)) {
         return Err(format!("\"{name}\" lies outside the file's folder"));
     }
-    crate::files::read(&path.with_file_name("").join(relative)).map_err(|e| e.to_string())
+    files.read(&path.with_file_name("").join(relative)).map_err(|e| e.to_string())
 }
 
 pub(crate) fn percent_decoded(text: &str) -> Option<String> {

@@ -147,7 +147,7 @@ fn document(
     if let Some(name) = root.extensions_required.iter().find(|e| !KNOWN_EXTENSIONS.contains(&e.as_str())) {
         return Err(format!("requires the extension {name}, which is not supported"));
     }
-    let buffers = Buffers::load(path, root, chunk)?;
+    let buffers = Buffers::load(&context.files, path, root, chunk)?;
     // The tree comes first, so that a wrong reference of a node is reported as that node's fault.
     let mut skeleton = animated(path, root, json, &buffers, wanted, context)?;
     skeleton.origin = context.origin;
@@ -159,7 +159,7 @@ fn document(
         moving: skeleton.moving(),
         skeleton,
         materials: HashMap::new(),
-        images: Images::new(path, root),
+        images: Images::new(&context.files, path, root),
         notes: Notes::default(),
     };
     let index = context.skeletons.len();

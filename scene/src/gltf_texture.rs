@@ -1,6 +1,7 @@
 //! Textures of a glTF document.
 
-use crate::gltf_buffers::{Buffers, read_uri};
+use crate::files::Source;
+use crate::gltf_buffers::{Buffers, percent_decoded, read_uri};
 use crate::{Encoding, Texture, TextureMap, Wrap, image_file};
 use glam::{Affine2, Vec2};
 use gltf::json::extensions::texture::TextureTransform;
@@ -12,6 +13,7 @@ use std::path::Path;
 
 /// The images of a document that were used so far, decoded once for each encoding.
 pub(crate) struct Images<'a> {
+    files: Source,
     path: &'a Path,
     root: &'a Root,
     known: HashMap<(usize, bool), Option<Texture>>,
@@ -40,8 +42,8 @@ impl<'a> From<&'a texture::Info> for Reference<'a> {
 }
 
 impl<'a> Images<'a> {
-    pub(crate) fn new(path: &'a Path, root: &'a Root) -> Self {
-        Self { path, root, known: HashMap::new(), notes: Vec::new() }
+    pub(crate) fn new(files: &Source, path: &'a Path, root: &'a Root) -> Self {
+        Self { files: files.clone(), path, root, known: HashMap::new(), notes: Vec::new() }
     }
 
     /// A texture, and the number of its image if it names one. A document that names a missing texture is broken.
@@ -123,7 +125,7 @@ impl<'a> Images<'a> {
             _ => format!("{index}"),
         };
         let bytes = match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => match read_uri(self.path, uri) {
+            (Some(uri), _) => match read_uri(&self.files, self.path, uri) {
                 Ok(bytes) => bytes,
                 // A model may come without its images.
                 Err(e) if !uri.starts_with("data:") && self.is_missing(uri) => {
@@ -140,7 +142,8 @@ impl<'a> Images<'a> {
     }
 
     fn is_missing(&self, uri: &str) -> bool {
-        crate::gltf_buffers::percent_decoded(uri).is_some_and(|name| !self.path.with_file_name("").join(name).exists())
+        let file = percent_decoded(uri).map(|name| self.path.with_file_name("").join(name));
+        file.is_some_and(|file| !self.files.exists(&file))
     }
 }
 

@@ -2,15 +2,13 @@
 
 use crate::SceneError;
 use crate::camera::Camera;
+use crate::camera_keys::{CameraKeys, MAX_SECONDS};
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::{Origins, relative};
 use crate::placement::{Clock, Keyed, Placement, linear_turn, one_axis, smooth_turn};
 use crate::toml_reader::{Table, Value};
 use crate::track::{Interpolation, Meaning, Track};
 use glam::{DVec3, Mat4, Vec3};
-
-/// Times beyond this are refused: eleven days.
-pub(crate) const MAX_SECONDS: f32 = 1e6;
 
 /// `keys`, `interpolate` and `loop` of an object, a light or the camera.
 pub(crate) struct Keys<'s> {
@@ -194,25 +192,6 @@ impl<'s> Keys<'s> {
             keys.at(time).validate().map_err(|e| place.error(format!("at {time} s: {e}")))?;
         }
         Ok(keys)
-    }
-}
-
-/// A camera over time.
-#[derive(Clone, Debug)]
-pub(crate) struct CameraKeys {
-    pub(crate) clock: Clock,
-    eye: Track,
-    target: Track,
-    up: Track,
-    fov: Track,
-}
-
-impl CameraKeys {
-    pub(crate) fn at(&self, time: f32) -> Camera {
-        let time = self.clock.local(time);
-        let vector = |track| Vec3::from_array(crate::placement::sample(track, time));
-        let [vertical_fov] = crate::placement::sample(&self.fov, time);
-        Camera { eye: vector(&self.eye), target: vector(&self.target), up: vector(&self.up), vertical_fov }
     }
 }
 

@@ -53,57 +53,88 @@
 //! # Scope
 //! Out of scope here: pictures as output, sphere-set construction, threads.
 
+#![cfg_attr(not(feature = "files"), expect(dead_code, reason = "readers make much of what is held here"))]
+
 mod animation;
 mod animation_edits;
 mod bounds;
 mod builtin;
 mod camera;
+mod camera_keys;
 mod cancel;
 mod check;
 mod clock;
 mod coherence;
+#[cfg(feature = "files")]
 mod context;
+#[cfg(feature = "files")]
 mod cut_out;
+#[cfg(feature = "files")]
 mod defaults;
 mod deformer;
 mod duplicates;
 mod error;
+#[cfg(feature = "files")]
 mod files;
+#[cfg(feature = "files")]
 mod gltf_animation;
+#[cfg(feature = "files")]
 mod gltf_buffers;
+#[cfg(feature = "files")]
 mod gltf_file;
+#[cfg(feature = "files")]
 mod gltf_light;
+#[cfg(feature = "files")]
 mod gltf_material;
+#[cfg(feature = "files")]
 mod gltf_mesh;
+#[cfg(feature = "files")]
 mod gltf_nodes;
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod gltf_tests;
+#[cfg(feature = "files")]
 mod gltf_texture;
+#[cfg(feature = "files")]
 mod height;
+#[cfg(feature = "files")]
 mod image_file;
+#[cfg(feature = "files")]
 mod keys;
+#[cfg(feature = "files")]
 mod load;
+#[cfg(feature = "files")]
 mod look;
 mod mesh;
+#[cfg(feature = "files")]
 mod mesh_file;
+#[cfg(feature = "files")]
 mod mesh_scene;
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod mesh_tests;
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod motion_tests;
+#[cfg(feature = "files")]
 mod mtl;
+#[cfg(feature = "files")]
 mod obj;
 mod origin;
+#[cfg(feature = "files")]
 mod part;
 mod placement;
+#[cfg(feature = "files")]
 mod ply;
 mod scene;
+#[cfg(feature = "files")]
 mod scene_environment;
+#[cfg(feature = "files")]
 mod scene_file;
-#[cfg(test)]
+#[cfg(all(test, feature = "files"))]
 mod scene_file_tests;
+#[cfg(feature = "files")]
 mod scene_light;
+#[cfg(feature = "files")]
 mod scene_material;
+#[cfg(feature = "files")]
 mod scene_object;
 mod shade;
 mod shapes;
@@ -114,6 +145,7 @@ mod texture;
 mod texture_level;
 #[cfg(test)]
 mod texture_tests;
+#[cfg(feature = "files")]
 mod toml_reader;
 mod track;
 
@@ -127,9 +159,13 @@ pub use crate::clock::{Stopwatch, set_clock};
 pub use crate::coherence::GROUP;
 pub use crate::duplicates::Duplicates;
 pub use crate::error::SceneError;
-pub use crate::load::{load, load_animated, load_clip, load_objects, load_with_warnings, obj_mesh};
+#[cfg(feature = "files")]
+pub use crate::files::{Disk, Files};
+#[cfg(feature = "files")]
+pub use crate::load::{load, load_animated, load_clip, load_from, load_objects, load_with_warnings, obj_mesh};
 pub use crate::mesh::Mesh;
 pub use crate::scene::{Object, Proxy, Scene, Shape};
+#[cfg(feature = "files")]
 pub use crate::scene_file::SCHEMA_EXAMPLE;
 pub use crate::shade::{BlockerSet, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds};
 pub use crate::strategy::Strategy;

@@ -1,7 +1,7 @@
 //! Files of all kinds to scenes.
 
 use crate::context::Context;
-use crate::files::{extension, read_text};
+use crate::files::{Files, Source, extension};
 use crate::mesh_file::file_parts;
 use crate::mesh_scene::{Bare, MESH_OR_SCENE, bare, bare_objects};
 use crate::part::Normals;
@@ -9,6 +9,7 @@ use crate::placement::Placement;
 use crate::{Animation, Mesh, Object, Scene, SceneError, Shape, Surface, obj, scene_file};
 use glam::{Mat4, Vec3};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Loads a scene: a scene file (`.toml`; keys in [`SCHEMA_EXAMPLE`](crate::SCHEMA_EXAMPLE)), or a mesh (`.obj`, `.ply`,
 /// `.gltf`, `.glb`) to which a floor, a light and, where the file has none, a camera are added. Moving objects stand at their
@@ -41,7 +42,7 @@ pub fn load_with_warnings(path: impl AsRef<Path>) -> Result<(Scene, Vec<String>)
 /// # Errors
 /// As [`load`].
 pub fn load_animated(path: impl AsRef<Path>) -> Result<(Scene, Animation, Vec<String>), SceneError> {
-    load_any(path.as_ref(), None)
+    load_any(path.as_ref(), None, Context::default())
 }
 
 /// As [`load_animated`], of a glTF file with the clip of that name, or of that number from 0 when no clip has the name.
@@ -50,7 +51,35 @@ pub fn load_animated(path: impl AsRef<Path>) -> Result<(Scene, Animation, Vec<St
 /// # Errors
 /// As [`load`], and when there is no such clip or it is broken.
 pub fn load_clip(path: impl AsRef<Path>, clip: &str) -> Result<(Scene, Animation, Vec<String>), SceneError> {
-    load_any(path.as_ref(), Some(clip))
+    load_any(path.as_ref(), Some(clip), Context::default())
+}
+
+/// As [`load_animated`], or [`load_clip`] where a clip is given, from other files than the disk's.
+///
+/// A sphere set that a scene file names is no part of it: it is read from the disk when the spheres are needed.
+///
+/// # Errors
+/// As [`load_clip`].
+///
+/// ```
+/// use std::collections::BTreeMap;
+/// use std::path::PathBuf;
+/// use std::sync::Arc;
+/// let scene = "[[lights]]\nkind = \"sphere\"\ncenter = [0, 3, 0]\nradius = 0.5\nradiance = 9\n\
+///              [[objects]]\nmesh = \"models/corner.obj\"\n";
+/// let corner = "v 0 0 0\nv 1 0 0\nv 0 0 -1\nf 1 2 3\n";
+/// let files = [("room.toml", scene), ("models/corner.obj", corner)];
+/// let files: BTreeMap<_, _> = files.map(|(path, text)| (PathBuf::from(path), text.into())).into();
+/// let (scene, _animation, _warnings) = scene::load_from(Arc::new(files), "room.toml", None)?;
+/// assert_eq!(scene.triangles(), 1);
+/// # Ok::<(), scene::SceneError>(())
+/// ```
+pub fn load_from(
+    files: Arc<dyn Files>,
+    path: impl AsRef<Path>,
+    clip: Option<&str>,
+) -> Result<(Scene, Animation, Vec<String>), SceneError> {
+    load_any(path.as_ref(), clip, Context { files: Source(files), ..Context::default() })
 }
 
 /// The objects of a mesh file (`.obj`, `.ply`, `.gltf`, `.glb`) alone, at the first moment of its first clip or of the one
@@ -104,13 +133,16 @@ pub fn obj_mesh(name: &str, text: &str) -> Result<Mesh, SceneError> {
     Ok(all)
 }
 
-fn load_any(path: &Path, clip: Option<&str>) -> Result<(Scene, Animation, Vec<String>), SceneError> {
-    let mut context = Context::default();
+fn load_any(
+    path: &Path,
+    clip: Option<&str>,
+    mut context: Context,
+) -> Result<(Scene, Animation, Vec<String>), SceneError> {
     let (mut scene, animation) = if extension(path) == "toml" {
         if clip.is_some() {
             return Err(SceneError::file(path, "a scene file names the clips of its objects itself"));
         }
-        let text = read_text(path)?;
+        let text = context.files.read_text(path)?;
         scene_file::parse(path, &text, &mut context)?
     } else {
         bare(path, clip, &mut context)?

@@ -1,7 +1,7 @@
 //! Mesh files of all kinds (`.obj`, `.ply`, `.gltf`, `.glb`) as parts: the ending picks the reader.
 
 use crate::context::{Context, counted};
-use crate::files::{extension, read};
+use crate::files::extension;
 use crate::gltf_file::Read;
 use crate::part::Part;
 use crate::{Bounds, SceneError, gltf_file, obj, ply};
@@ -46,10 +46,10 @@ pub(crate) fn file_parts(
 ) -> Result<Read, SceneError> {
     let extension = extension(path);
     if !["obj", "ply", "gltf", "glb"].contains(&extension.as_str()) {
-        read(path)?;
+        context.files.read(path)?;
         return Err(SceneError::file(path, format!("unknown kind of file: expected {endings}")));
     }
-    let bytes = read(path)?;
+    let bytes = context.files.read(path)?;
     if bytes.is_empty() {
         return Err(SceneError::file(path, "file is empty"));
     }

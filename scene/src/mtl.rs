@@ -2,7 +2,7 @@
 
 use crate::context::Context;
 use crate::cut_out::CutOut;
-use crate::files;
+use crate::files::extension;
 use crate::height::{self, Source};
 use crate::look::Look;
 use crate::{Channel, Encoding, SceneError, Surface, Texture, TextureMap, Wrap, image_file};
@@ -19,7 +19,7 @@ use std::path::Path;
 /// `d`, `Tr` and `map_d` cut surfaces out where their opacity is below a half. `bump` is a height, of white as many texels as `-bm` says, or
 /// a normal map where its colours are normals.
 pub(crate) fn parse(path: &Path, context: &mut Context) -> Result<HashMap<String, Look>, SceneError> {
-    let text = String::from_utf8_lossy(&files::read(path)?).into_owned();
+    let text = String::from_utf8_lossy(&context.files.read(path)?).into_owned();
     let mut reader = Reader { path, context, textures: HashMap::new(), unread: Vec::new() };
     let (mut all, mut entry): (HashMap<String, Look>, Option<Entry>) = (HashMap::new(), None);
     let unified = text.replace("\r\n", "\n").replace('\r', "\n");
@@ -238,9 +238,9 @@ impl Reader<'_> {
             return Err("expected the name of an image".to_owned());
         }
         let file = self.path.with_file_name("").join(name);
-        let texture = if file.exists() {
-            let bytes = files::read(&file).map_err(|e| e.to_string())?;
-            let (size, texels) = image_file::texels(name, &files::extension(&file), &bytes)?;
+        let texture = if self.context.files.exists(&file) {
+            let bytes = self.context.files.read(&file).map_err(|e| e.to_string())?;
+            let (size, texels) = image_file::texels(name, &extension(&file), &bytes)?;
             Some(match used {
                 Use::Color => (Texture::new(name, size, texels, Encoding::Srgb), 1.0),
                 Use::Number => (Texture::new(name, size, texels, Encoding::Linear), 1.0),

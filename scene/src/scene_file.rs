@@ -1,9 +1,10 @@
 //! The scene file.
 
 use crate::animation::CameraMover;
+use crate::camera_keys::{CameraKeys, MAX_SECONDS};
 use crate::context::Context;
 use crate::defaults::{DEFAULT_FOV, DEFAULT_SIZE, default_camera};
-use crate::keys::{CameraKeys, Keys, MAX_SECONDS};
+use crate::keys::Keys;
 use crate::look::Look;
 use crate::mesh::MAX_COORDINATE;
 use crate::scene_light::{Around, SceneLights};
@@ -63,7 +64,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     let background = root.get("background").map_or(Ok(Vec3::ZERO), |v| v.color())?;
 
     let mut materials = Materials::default();
-    let mut images = ImageFiles::default();
+    let mut images = ImageFiles::new(&context.files);
     if let Some(value) = root.get("materials") {
         for entry in value.table()?.entries() {
             let look = read_material(entry.table()?, path, &mut images, context)?;
@@ -109,7 +110,7 @@ fn parse_from(path: &Path, text: &str, origin: DVec3, context: &mut Context) -> 
     let mut lit = SceneLights::default();
     if let Some(value) = root.get("lights") {
         for entry in value.elements("[[lights]]")? {
-            lit.read(entry.table()?, &Around { path, origin, bounds: &bounds })?;
+            lit.read(entry.table()?, &Around { path, files: &context.files, origin, bounds: &bounds })?;
         }
     }
     for (object, key) in emitters {

@@ -2,6 +2,7 @@
 
 use crate::animation::{Body, LightMover, LightPlace, Mover};
 use crate::check::check_balls;
+use crate::files::Source;
 use crate::keys::Keys;
 use crate::mesh::MAX_COORDINATE;
 use crate::origin::Origins;
@@ -34,6 +35,7 @@ pub(crate) struct SceneLights {
 
 /// The context of a light's keys: the file, the origin of the scene's coordinates and the box around its objects.
 pub(crate) struct Around<'a> {
+    pub(crate) files: &'a Source,
     pub(crate) path: &'a Path,
     pub(crate) origin: DVec3,
     pub(crate) bounds: &'a Bounds,
@@ -76,7 +78,7 @@ impl SceneLights {
                 if self.environment.is_some() {
                     return Err(kind.error("there is an environment already: a scene has one"));
                 }
-                let environment = read_environment(&mut t, around.path, around.bounds)?;
+                let environment = read_environment(&mut t, around)?;
                 self.lights.extend_from_slice(environment.lights());
                 self.environment = Some(Arc::new(environment));
                 return t.finish();
@@ -225,7 +227,7 @@ fn flat<'s>(t: &mut Table<'s>, light: FlatLight, origins: Origins, around: &Arou
     let (light, mean) = match t.get("image") {
         None => (light, Vec3::ONE),
         Some(image) => {
-            let (size, texels) = read_linear(image, around.path)?;
+            let (size, texels) = read_linear(image, around)?;
             // Files begin with the top row.
             let rows = texels.chunks_exact(size.x as usize).rev();
             let (shown, mean) = LightImage::new(size, &rows.flatten().copied().collect::<Vec<_>>())

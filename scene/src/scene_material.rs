@@ -3,7 +3,7 @@
 use crate::context::Context;
 use crate::cut_out::CutOut;
 use crate::defaults::default_material;
-use crate::files;
+use crate::files::{Source, extension};
 use crate::look::Look;
 use crate::toml_reader::{Table, Value};
 use crate::{Channel, Encoding, Object, SceneError, Surface, Texture, TextureMap, Wrap, image_file};
@@ -16,21 +16,26 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Images that the file's materials name, each decoded once for each encoding.
-#[derive(Default)]
-pub(crate) struct ImageFiles(HashMap<(PathBuf, bool), Texture>);
+pub(crate) struct ImageFiles {
+    files: Source,
+    known: HashMap<(PathBuf, bool), Texture>,
+}
 
 impl ImageFiles {
+    pub(crate) fn new(files: &Source) -> Self {
+        Self { files: files.clone(), known: HashMap::new() }
+    }
+
     fn texture(&mut self, value: Value<'_>, path: &Path, encoding: Encoding) -> Result<Texture, SceneError> {
         let name = value.string()?;
         let file = path.with_file_name("").join(name);
         let key = (file, encoding == Encoding::Srgb);
-        if let Some(known) = self.0.get(&key) {
+        if let Some(known) = self.known.get(&key) {
             return Ok(known.clone());
         }
-        let bytes = files::read(&key.0).map_err(|e| value.error(e))?;
-        let texture =
-            image_file::decode(name, &files::extension(&key.0), &bytes, encoding).map_err(|e| value.error(e))?;
-        self.0.insert(key, texture.clone());
+        let bytes = self.files.read(&key.0).map_err(|e| value.error(e))?;
+        let texture = image_file::decode(name, &extension(&key.0), &bytes, encoding).map_err(|e| value.error(e))?;
+        self.known.insert(key, texture.clone());
         Ok(texture)
     }
 }
@@ -166,7 +171,7 @@ pub(crate) fn read_material(
 
 /// Fits lobes to a table of measurements beside the scene file; a warning states their kind and their error.
 fn measured(file: Value<'_>, lobes: usize, path: &Path, context: &mut Context) -> Result<Material, SceneError> {
-    let bytes = files::read(&path.with_file_name("").join(file.string()?)).map_err(|e| file.error(e))?;
+    let bytes = context.files.read(&path.with_file_name("").join(file.string()?)).map_err(|e| file.error(e))?;
     let table = Merl::read(&bytes).map_err(|e| file.error(e))?;
     let fitted = fit(|i, o| table.eval(i, o), lobes).map_err(|e| file.error(e))?;
     let (name, percent) = (file.string()?, 100.0 * fitted.residual);
