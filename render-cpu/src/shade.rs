@@ -39,7 +39,7 @@ pub struct CpuShader<V, I = FractionIntegrator> {
     integrator: I,
 }
 
-/// What [`CpuShader::shade_layers`] writes beside the radiance: one entry a point, lights point by point.
+/// The layers that [`CpuShader::shade_layers`] writes beside the radiance: one entry a point, lights point by point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
     /// Radiance without blockers.
@@ -142,7 +142,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             stages.iter_mut().zip(stats.stages).for_each(|(a, b)| *a += b);
             layers.push(layer);
         }
-        // Shares of the timed groups, in seconds of the whole call.
+        // Parts of the timed groups, in seconds of the whole call.
         let timed: f64 = stages.iter().map(Duration::as_secs_f64).sum();
         let share = |k: usize| if timed > 0.0 { stages[k].as_secs_f64() / timed * seconds } else { 0.0 };
         let stages = StageSeconds {
@@ -191,7 +191,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             stats.lap(1);
             let (id, accuracy) = (LightId(l as u32), frame.accuracy);
             let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id).in_box(half_extent);
-            // Of receivers that all face away from the light none is asked about.
+            // Receivers that all face away from the light need no query.
             let any =
                 !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);
             let mut visibility = match any {

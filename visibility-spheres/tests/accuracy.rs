@@ -1,4 +1,4 @@
-//! The whole chain, blockers to visible share, against brute force in f64 over random blockers.
+//! The whole chain, blockers to visible fraction, against brute force in f64 over random blockers.
 
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
@@ -134,7 +134,7 @@ fn errors(
         let unshadowed = cap_integral(&case.at, &case.lobe, &case.cone);
         let on_axis = -((case.lobe.exponent + 1.0) * (-case.cone.one_minus_cos).ln_1p()).exp_m1();
         if unshadowed < 1e-4 * on_axis {
-            // Less than a ten-thousandth of what the lobe would see of the light: no picture shows a share of that.
+            // Less than a ten-thousandth of what the lobe would see of the light: no picture shows a fraction of that.
             continue;
         }
         let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
