@@ -92,7 +92,7 @@ impl Scene {
     }
 
     fn unshadowed(&self) -> f32 {
-        cap_integral(&self.at(), &self.brdf(), &self.cone())
+        cap_integral(&self.at(), self.brdf(), &self.cone())
     }
 
     /// How far anything is to be seen: the fraction of next to nothing does not matter. 1 from a hundredth of the lobe's
