@@ -89,7 +89,7 @@ impl Hull {
         let half = node.vectors(simd, 3);
         let mut outside = mask32x8::splat(simd, false);
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
-            outside |= (middle.dot(*n) - half.dot(n.abs())).simd_gt(f32x8::splat(simd, *offset));
+            outside |= (middle.dot_one(*n) - half.dot_one(n.abs())).simd_gt(f32x8::splat(simd, *offset));
         }
         // All normals of the cone on one side for all receivers: none of its edges is a silhouette. For d from any point of
         // the box to any receiver that is axis·d > |d| sin α.
@@ -130,7 +130,7 @@ impl Hull {
         let mut outside = !keep;
         let [a, b] = [vectors(simd, packet, ENDS[0]), vectors(simd, packet, ENDS[1])];
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
-            outside |= a.dot(*n).min(b.dot(*n)).simd_gt(f32x8::splat(simd, *offset));
+            outside |= a.dot_one(*n).min(b.dot_one(*n)).simd_gt(f32x8::splat(simd, *offset));
         }
         let keep = !outside;
         if keep.any_true() {

@@ -49,7 +49,7 @@ pub(crate) fn silhouettes<S: Simd>(
         let [a, b] = [edges.load3(simd, ENDS[0], first).minus(x), edges.load3(simd, ENDS[1], first).minus(x)];
         let mut keep = mask32x8::from_bitmask(simd, u64::from(edges.lanes(first)));
         for n in window {
-            keep &= a.dot(*n).max(b.dot(*n)).simd_ge(zero);
+            keep &= a.dot_one(*n).max(b.dot_one(*n)).simd_ge(zero);
         }
         if !keep.any_true() {
             continue;
@@ -153,7 +153,7 @@ fn side<S: Simd>(
     let (normal, d) = (edges.load3(simd, column, first), edges.load(simd, column + 3, first));
     let value = normal.dot_one(x) + d;
     let [zero, plus, minus] = [f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, -1.0)];
-    let is_there = normal.abs().dot(Vec3::ONE).simd_gt(zero);
+    let is_there = normal.abs().dot_one(Vec3::ONE).simd_gt(zero);
     let unsure = is_there & value.abs().simd_le(d.abs() * UNSURE + reach);
     (value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero)), unsure)
 }
@@ -173,7 +173,7 @@ pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes
         // Where an edge passes beside the receiver, far outside of the disc of a light at infinity, it has no depth but rounding.
         let near = if is_finite { nearest } else { (a.dot(a) + b.dot(b)).sqrt() * BESIDE };
         // Of what is behind the light or the receiver some is listed and some is not.
-        let [depth_a, depth_b] = [a.dot(light.axis), b.dot(light.axis)];
+        let [depth_a, depth_b] = [a.dot_one(light.axis), b.dot_one(light.axis)];
         let edge = b - a;
         let mut is_there = mask32x8::from_bitmask(simd, u64::from(silhouettes.lanes(first)));
         let (mut from, mut to) = (a, b);
