@@ -61,7 +61,7 @@ impl Packer {
         self.words.is_empty()
     }
 
-    /// Where a table begins, which is written by the first who asks for it. To be asked for before [`begin`](Self::begin).
+    /// Where a table begins, which the first material that needs it writes. Before [`begin`](Self::begin).
     pub(crate) fn table<T>(&mut self, table: &T, write: impl FnOnce(&T, &mut Self)) -> u32 {
         let key = core::ptr::from_ref(table).cast();
         if let Some((_, at)) = self.tables.iter().find(|(known, _)| *known == key) {

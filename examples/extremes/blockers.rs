@@ -63,7 +63,7 @@ fn fraction(spheres: &[Sphere]) -> f32 {
     let (cone, lobe) = (Cone::of_sphere(at.position, LIGHT), Lobe::new(Vec3::Y, 1.0, Vec3::ONE));
     let mut scratch = visibility.scratch();
     let mut visit = LightVisibility::alone(&visibility, LightId(0), Accuracy::new(0.001), &mut scratch);
-    let unshadowed = cap_integral(&at, &lobe, &cone);
+    let unshadowed = cap_integral(&at, lobe, &cone);
     visit.visible_fraction(&at, &cone, &lobe, unshadowed).x
 }
 

@@ -103,7 +103,7 @@ pub(crate) fn caps(table: &mut Table) {
                     let integral = oracle::cap(&truth, light.as_dvec3().normalize(), theta);
                     let want = integral * n / core::f64::consts::TAU;
                     let on_axis = -(n * (-f64::from(one_minus_cos)).ln_1p()).exp_m1();
-                    let got = cap_integral(&at, &Lobe::with_flux(axis, e, Vec3::ONE), &cone);
+                    let got = cap_integral(&at, Lobe::with_flux(axis, e, Vec3::ONE), &cone);
                     // f32 knows n·l, and a lobe's edge, to 2e-7.
                     let stated = if e < 1.0 { 6e-3 } else { 3e-3 };
                     let limit = stated + 2e-7 / theta.sin();

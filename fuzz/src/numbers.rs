@@ -70,7 +70,7 @@ pub(crate) fn cap(data: &[u8]) {
             lobe = lobe.times_cosine();
         }
         let cone = Cone { axis: bytes.direction(), one_minus_cos: bytes.edge(), distance: bytes.size(-18.0, 18.0) };
-        let value = cap_integral(&at, &lobe, &cone);
+        let value = cap_integral(&at, lobe, &cone);
         // All of the lobe's flux is 1; the cosine takes from it.
         assert!((0.0..=1.006).contains(&value), "{at:?} {lobe:?} {cone:?}: {value:e}");
 

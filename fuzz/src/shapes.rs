@@ -162,14 +162,14 @@ fn check<B: Blockers>(name: &str, blockers: B, (at, light): &(Receiver, Sphere),
     let mut diffuse = None;
     let narrow = Lobe::new(bytes.direction(), bytes.size(0.0, 6.0), Vec3::ONE).times_cosine();
     for (k, lobe) in [Lobe::new(at.normal, 1.0, Vec3::ONE), narrow].into_iter().enumerate() {
-        let unshadowed = cap_integral(at, &lobe, &cone);
+        let unshadowed = cap_integral(at, lobe, &cone);
         if unshadowed <= 0.0 || unshadowed.is_nan() {
             continue;
         }
         let fraction = match &look {
             LightCoverage::Lit => 1.0,
             LightCoverage::Dark => 0.0,
-            LightCoverage::Partial(seen) => visit.fraction(seen, &lobe, unshadowed).x,
+            LightCoverage::Partial(seen) => visit.fraction(seen, lobe, unshadowed).x,
         };
         assert!((0.0..=1.0).contains(&fraction), "{name}: {fraction} of {lobe:?} at {at:?} from {light:?}");
         if k == 0 {

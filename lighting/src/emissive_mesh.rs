@@ -269,8 +269,8 @@ impl Part {
 fn irradiance(light: &Light, at: &Receiver) -> f64 {
     let (term, lobe) = (light.seen_from(at), Lobe::new(at.normal, 1.0, Vec3::ONE));
     f64::from(match &term.outline {
-        Some(outline) => outline_integral(at, &lobe, outline),
-        None => cap_integral(at, &lobe, &term.cone),
+        Some(outline) => outline_integral(at, lobe, outline),
+        None => cap_integral(at, lobe, &term.cone),
     })
 }
 

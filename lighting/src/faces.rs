@@ -1,5 +1,6 @@
 //! The flat faces of a mesh, as lights.
 
+use crate::flat_light::is_convex;
 use crate::{FlatLight, FlatLightError};
 use core::f32::consts::PI;
 use glam::Vec3;
@@ -212,22 +213,6 @@ fn join(p: &[u32], q: &[u32]) -> Option<Vec<u32>> {
         return Some(around.chain(between).collect());
     }
     None
-}
-
-fn is_convex(part: &[Vec3], normal: Vec3) -> bool {
-    let turn = |k: usize| {
-        let [a, b, c] = [0, 1, 2].map(|i| part[(k + i) % part.len()]);
-        let (p, q) = (b - a, c - b);
-        normal.dot(p.cross(q)) >= -1e-5 * p.length() * q.length()
-    };
-    // Once around: a star turns the same way everywhere, too.
-    let whole: f32 = (0..part.len())
-        .map(|k| {
-            (part[(k + 1) % part.len()] - part[k])
-                .angle_between(part[(k + 2) % part.len()] - part[(k + 1) % part.len()])
-        })
-        .sum();
-    part.len() >= 3 && (0..part.len()).all(turn) && whole < 3.0 * PI
 }
 
 /// A polygon without corners at which it goes straight on.

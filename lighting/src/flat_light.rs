@@ -100,7 +100,6 @@ impl FlatLight {
         }
         let center = points.iter().sum::<Vec3>() / count as f32;
         let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
-        let next = |i: usize| points[(i + 1) % count];
         let first = points[0];
         let twice = points[1..].windows(2).map(|p| (p[0] - first).cross(p[1] - first)).sum::<Vec3>();
         let area = 0.5 * twice.length();
@@ -111,13 +110,7 @@ impl FlatLight {
         if points.iter().any(|p| normal.dot(*p - center).abs() > 1e-3 * radius) {
             return Err(FlatLightError::NotFlat);
         }
-        let turns = |i: usize| {
-            let (p, q, r) = (points[i], next(i), next((i + 1) % count));
-            normal.dot((q - p).cross(r - q)) >= -1e-5 * area
-        };
-        // Every corner turns the same way, and all together once.
-        let around = (0..count).map(|i| (points[i] - center).angle_between(next(i) - center)).sum::<f32>();
-        if !(0..count).all(turns) || around > 1.5 * TAU {
+        if !is_convex(points, normal) {
             return Err(FlatLightError::NotConvex);
         }
         let mut corners = [first; Outline::MOST];
@@ -332,4 +325,19 @@ pub(crate) fn half_ellipse(center: Vec3, along: Vec3, across: Vec3) -> [Vec3; 7]
         let (sin, cos) = (k as f32 * step - FRAC_PI_2).sin_cos();
         center + along * (reach * cos) + across * sin
     })
+}
+
+/// Whether a polygon in a plane of this normal is convex: every corner turns the same way, and all together once.
+pub(crate) fn is_convex(points: &[Vec3], normal: Vec3) -> bool {
+    let count = points.len();
+    let center = points.iter().sum::<Vec3>() / count as f32;
+    let spokes = |i: usize| [points[i] - center, points[(i + 1) % count] - center];
+    let area = 0.5 * (0..count).map(spokes).map(|[p, q]| normal.dot(p.cross(q))).sum::<f32>().abs();
+    let turns = |i: usize| {
+        let [p, q, r] = [0, 1, 2].map(|k| points[(i + k) % count]);
+        normal.dot((q - p).cross(r - q)) >= -1e-5 * area
+    };
+    // A star turns the same way everywhere, too.
+    let around = (0..count).map(spokes).map(|[p, q]| p.angle_between(q)).sum::<f32>();
+    count >= 3 && (0..count).all(turns) && around < 1.5 * TAU
 }

@@ -30,8 +30,8 @@ fn tube() -> TubeLight {
 #[test]
 fn all_kinds_conform() {
     let limits = LightLimits::default();
-    let ball = Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 };
-    let sphere = SphereLight::new(ball, COLOR);
+    let bulb = Sphere { center: Vec3::new(0.0, 4.0, 0.0), radius: 0.5 };
+    let sphere = SphereLight::new(bulb, COLOR);
     check_light(&sphere, &limits).expect("a sphere");
     check_light(&SpotLight { light: sphere, axis: Vec3::NEG_Y, cos: [0.9, 0.7] }, &limits).expect("a spot");
     check_light(&rectangle(), &limits).expect("a rectangle");
@@ -207,8 +207,8 @@ fn a_spot_ends_softly_and_a_sun_is_everywhere_the_same() {
     let bounds = sun.bounds_from(&receivers);
     for k in 0..20 {
         let from = receivers.center + Quat::from_rotation_z(k as f32) * Vec3::X * 0.5;
-        let ball = sun.sphere_from(from);
-        assert!(ball.center.distance(bounds.center) + ball.radius <= bounds.radius * 1.000_01);
+        let seen = sun.sphere_from(from);
+        assert!(seen.center.distance(bounds.center) + seen.radius <= bounds.radius * 1.000_01);
     }
 }
 

@@ -105,7 +105,7 @@ fn caps(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("one by one", name), |b| {
             b.iter(|| {
                 for (k, out) in out.iter_mut().enumerate() {
-                    *out = cap_integral(black_box(&at[k]), &own[k], &cones[k]);
+                    *out = cap_integral(black_box(&at[k]), own[k], &cones[k]);
                 }
             });
         });

@@ -51,7 +51,7 @@ impl Sphere {
     /// Checks that it is finite, not beyond [`LARGEST`](Self::LARGEST), and has a radius above 0.
     ///
     /// # Errors
-    /// What is wrong, in a sentence.
+    /// The fault, in a sentence.
     pub fn validate(&self) -> Result<(), String> {
         let Self { center, radius } = self;
         if center.is_nan() || center.abs().max_element() > Self::LARGEST {

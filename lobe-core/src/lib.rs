@@ -61,6 +61,9 @@ pub mod special;
 mod tests;
 mod tile;
 mod tile_integrator;
+// For the workspace alone, too.
+#[doc(hidden)]
+pub mod vec3x8;
 mod visibility;
 mod visibility_sum;
 pub mod wgsl;

@@ -20,8 +20,6 @@
 
 mod gbuffer;
 mod sphere_hierarchy;
-#[doc(hidden)]
-pub mod vec3x8;
 mod world;
 
 pub use crate::gbuffer::{GBuffer, TILE};

@@ -19,10 +19,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8};
 use glam::Vec3;
 use lighting::Area;
+use lobe_core::vec3x8::{LANES, Vec3x8};
 use lobe_core::{
     Cone, Coverage, LightId, LightLobes, NO_OBJECT, Receiver, SeenLight, Shaft, Sphere, Tile, orthonormal_basis,
 };
-use ray_tracing::vec3x8::{LANES, Vec3x8};
 use ray_tracing::{Primitive, Region, World};
 use rayon::prelude::*;
 use scene::{BlockerSet, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, Stopwatch};

@@ -17,7 +17,7 @@ use visibility_mask::MaskVisibility;
 use visibility_rays::RayBlockers;
 use visibility_spheres::SphereBlockers;
 
-/// What a curve turns one number of.
+/// The number that a curve varies.
 #[derive(Clone)]
 struct Case {
     side: usize,

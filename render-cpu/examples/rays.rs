@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p cosine-lobes-render-cpu --example rays -- bunny.obj`
 //!
-//! V is the visible share of a diffuse receiver's irradiance, in %; receivers with V between 1 and 99 count.
+//! V is the visible fraction of a diffuse receiver's irradiance, in %; receivers with V between 1 and 99 count.
 
 use brdf::Material;
 use core::sync::atomic::AtomicBool;

@@ -181,7 +181,7 @@ fn look<B: Blockers>(
     let cone = light.cone(at);
     let mut visit = LightVisibility::alone(visibility, LightId(0), Accuracy::new(TOLERANCE), scratch);
     let LightCoverage::Partial(seen) = visit.coverage(at, &cone, None) else { return None };
-    let fraction = visit.fraction(&seen, &Lobe::new(at.normal, 1.0, Vec3::ONE), 1.0).x;
+    let fraction = visit.fraction(&seen, Lobe::new(at.normal, 1.0, Vec3::ONE), 1.0).x;
     (0.01..0.99).contains(&fraction).then_some(fraction)
 }
 

@@ -29,7 +29,7 @@ pub enum BlockersError {
         path: PathBuf,
         /// The object that it is given for.
         object: String,
-        /// What differs.
+        /// The difference.
         source: MisfitError,
     },
     /// The spheres of a moving object cannot follow it.

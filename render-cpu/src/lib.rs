@@ -1,7 +1,7 @@
 //! Shading on the CPU by lobe sums, and what blocks light in a scene.
 //!
 //! - [`CpuShader`]: shades points, with any visibility strategy, materials and lights.
-//! - What blocks: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`].
+//! - Blockers: [`SceneSpheres`] and [`blockers()`], [`SceneSilhouettes`] with [`SurfaceHits`].
 //! - [`World`] and [`GBuffer`], which they ask and shade, are [`ray_tracing`]'s.
 //!
 //! ```

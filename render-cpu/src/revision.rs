@@ -15,7 +15,7 @@ pub struct Revision {
 }
 
 impl Revision {
-    /// Those of a scene with so many objects that nobody edits.
+    /// Those of a scene with so many objects, before any edit.
     #[must_use]
     pub fn unedited(objects: usize) -> Vec<Self> {
         let of = |object| Self { object, form: 0, place: 0, transform: Mat4::IDENTITY };

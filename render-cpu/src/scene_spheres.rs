@@ -155,7 +155,7 @@ impl SceneSpheres {
     /// [transform](Revision::transform); [`place`](Self::place) puts the spheres where they are.
     ///
     /// # Errors
-    /// As [`new`](Self::new). What is made by then is kept for the next call.
+    /// As [`new`](Self::new). Sets that are made by then are kept for the next call.
     pub fn update(
         &mut self,
         scene: &Scene,
@@ -197,7 +197,7 @@ impl SceneSpheres {
         }
     }
 
-    /// Which objects block by a sphere set, and the share of their silhouettes that it misses.
+    /// Which objects block by a sphere set, and the part of their silhouettes that it misses.
     pub fn silhouette_errors(&self) -> impl Iterator<Item = (usize, f32)> {
         self.objects.iter().enumerate().filter_map(|(object, own)| Some((object, own.silhouette_error?)))
     }

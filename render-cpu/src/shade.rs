@@ -37,7 +37,7 @@ pub struct CpuShader<V, I = FractionIntegrator> {
     integrator: I,
 }
 
-/// The layers that [`CpuShader::shade_with`] is asked for, and the request that stops it. Nothing by default.
+/// The layers that [`CpuShader::shade_with`] makes on request, and the request that stops it. Nothing by default.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShadeRequest<'a> {
     /// [`Layers::unshadowed`].
@@ -50,7 +50,8 @@ pub struct ShadeRequest<'a> {
     pub cancel: Option<&'a Cancel>,
 }
 
-/// What [`CpuShader::shade_with`] writes beside the radiance: one entry a point, lights point by point; empty where it was not asked for.
+/// The layers that [`CpuShader::shade_with`] writes beside the radiance: one entry a point, lights point by point; empty where there was
+/// no request.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
     /// Radiance without blockers.
@@ -174,7 +175,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             stages.iter_mut().zip(stats.stages).for_each(|(a, b)| *a += b);
             layers.push(layer);
         }
-        // Shares of the timed groups, in seconds of the whole call.
+        // Parts of the timed groups, in seconds of the whole call.
         let timed: f64 = stages.iter().sum();
         let share = |k: usize| if timed > 0.0 { stages[k] / timed * seconds } else { 0.0 };
         let stages = StageSeconds {
@@ -221,7 +222,7 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             stats.lap(1);
             let (id, accuracy) = (LightId(l as u32), frame.accuracy);
             let shaft = Shaft::new(sphere, light.bounds_from(&sphere), id).in_box(half_extent);
-            // Of receivers that all face away from the light none is asked about.
+            // Receivers that all face away from the light need no query.
             let any =
                 !I::TAKES_INTEGRALS || light.image().is_some() || integrals.iter().any(|integral| *integral > 0.0);
             let mut visibility = match any {

@@ -79,7 +79,7 @@ fn fractions<V: Visibility>(visibility: V, scene: &Scene, points: &ShadingPoints
     out.iter().zip(&layers.unshadowed).map(fraction).collect()
 }
 
-/// The truth of points that were asked for before.
+/// The truth of points that is known already.
 #[derive(Default)]
 struct Known(HashMap<[u32; 6], Light>);
 

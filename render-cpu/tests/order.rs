@@ -64,7 +64,7 @@ fn coherent_points_shade_the_same_bit_for_bit() {
     }
 }
 
-/// A group of so many points, evenly spread over a square, cannot be smaller than a square of their share of it.
+/// A group of so many points, evenly spread over a square, cannot be smaller than a square of their part of it.
 #[test]
 fn coherent_groups_are_compact() {
     let mut points = floor(&mut Random::new(5), 64 * 256);

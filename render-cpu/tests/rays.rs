@@ -85,7 +85,7 @@ fn contact_is_dark() {
     }
 }
 
-/// What no ray can meet costs no ray; a point light costs one.
+/// A blocker that no ray can meet costs no ray; a point light costs one.
 #[test]
 fn lit_points_cost_nothing() {
     let light = Sphere { center: Vec3::new(3.0, 3.0, 0.0), radius: 0.2 };
@@ -141,7 +141,7 @@ fn a_large_floor_is_lit() {
     }
 }
 
-/// The built-in scene against Monte Carlo of the true geometry, as a share of the unshadowed radiance.
+/// The built-in scene against Monte Carlo of the true geometry, relative to the unshadowed radiance.
 #[test]
 fn near_monte_carlo() {
     let scene = scene::builtin();
@@ -161,7 +161,7 @@ fn near_monte_carlo() {
         let sum = |v: Vec3| f64::from(v.element_sum());
         let (want, whole) = (sum(truth.radiance[i]), sum(truth.unshadowed[i]));
         if whole > 0.0 && (0.01..=0.99).contains(&(want / whole)) {
-            // The lobes' own share of the error is that of the unshadowed radiance.
+            // The lobes' own part of the error is that of the unshadowed radiance.
             let share = sum(*out) / sum(layers.unshadowed[i]);
             errors.push((share - want / whole).abs());
             noise += sum(truth.std_error[i]) / whole;
@@ -174,7 +174,7 @@ fn near_monte_carlo() {
     assert!(n > 300 && mean < 0.004 && errors[n * 99 / 100] < 0.03);
 }
 
-/// A mask whose every cell is asked.
+/// A mask with every cell traced.
 struct EveryCell<'w>(&'w World<'w>);
 
 impl Blockers for EveryCell<'_> {
@@ -192,7 +192,7 @@ impl Blockers for EveryCell<'_> {
     }
 }
 
-/// What the contour saves: the share of the light against that of a mask whose every cell is asked, over penumbrae.
+/// The saving of the contour: the visible fraction against that of a mask with every cell traced, over penumbrae.
 #[test]
 fn near_the_full_mask() {
     let picket = |k: i16| Mesh::cuboid(Vec3::new(-1.5 + 0.1 * f32::from(k), 0.5, 0.0), Vec3::new(0.05, 1.0, 0.02));
@@ -222,7 +222,7 @@ fn near_the_full_mask() {
     }
 }
 
-/// The share of the light that each point sees.
+/// The fraction of the light that each point sees.
 fn shares<V: Visibility>(visibility: V, depth: u32, scene: &Scene, points: &ShadingPoints) -> Vec<f64> {
     let frame = Frame::new(&scene.materials, &scene.lights, Accuracy { tolerance: 0.003, depth });
     let mut out = vec![Vec3::ZERO; points.receivers.len()];

@@ -1,5 +1,5 @@
 //! Tiles of 64 points give the bits that the integrator gives of each point alone: the packed path of the built-in materials, and
-//! models that are asked one by one.
+//! models that are called one by one.
 
 use brdf::{Lafortune, LafortuneLobe, Lambert, Material, MetallicRoughness, ModifiedPhong, Phong};
 use glam::Vec3;

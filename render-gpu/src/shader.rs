@@ -30,6 +30,7 @@ const HEADER: u64 = 4 * QUEUE_HEADER as u64;
 /// From one light's uniform to the next: a multiple of the largest alignment that a device may ask for.
 const FRAME_STRIDE: u64 = 512;
 const FLAT_BY_PAPER: &str = "the paper's method knows lights that are balls alone";
+const MICROFACETS_BY_PAPER: &str = "the paper's method knows cosine lobes alone: materials need a `gpu_cosine_set`";
 
 /// Shades points with lobe sums on the GPU: the same sums as `render_cpu::CpuShader`, in WGSL.
 ///
@@ -223,6 +224,9 @@ impl GpuShader {
         // The paper's products are of cosine lobes.
         let set = if self.paper.is_some() { M::gpu_cosine_set(frame.materials) } else { M::gpu_set(frame.materials) };
         let set = set.map_err(GpuError::Unsupported)?;
+        if self.paper.is_some() && set.has_microfacets {
+            return Err(GpuError::Unsupported(MICROFACETS_BY_PAPER.to_owned()));
+        }
         let GpuMaterialSet { name, wgsl, words, max_lobes, is_lambert, has_microfacets } = set;
         self.materials.hold(&self.gpu, bytemuck::cast_slice(&words))?;
         self.max_lobes = max_lobes;

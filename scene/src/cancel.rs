@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// One that nobody has made yet.
+    /// A token that is not cancelled yet.
     #[must_use]
     pub fn new() -> Self {
         Self::default()

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// The files that a scene is read from: the disk, memory, an archive, files that were dropped onto a page.
 ///
-/// A scene file and a model name other files; these are looked for beside the file that names them, and are asked for by that path.
+/// A scene file or a model names other files: their paths are relative to the folder of the file that names them.
 pub trait Files: Send + Sync {
     /// The bytes of a regular file.
     ///

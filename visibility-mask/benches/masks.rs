@@ -39,7 +39,7 @@ fn penumbra_point(c: &mut Criterion) {
         let accuracy = Accuracy::new(0.003).with_depth(depth);
         for exponent in [1.0, 20.0, 200.0, 2000.0] {
             let lobe = Lobe::new(Vec3::Y, exponent, Vec3::ONE);
-            let unshadowed = cap_integral(&at, &lobe, &cone);
+            let unshadowed = cap_integral(&at, lobe, &cone);
             group.bench_function(BenchmarkId::new(format!("depth {depth}"), exponent), |b| {
                 b.iter(|| {
                     let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);

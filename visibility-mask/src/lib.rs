@@ -35,7 +35,7 @@
 //! let strategy = MaskVisibility::new(Curtain);
 //! let mut scratch = strategy.scratch();
 //! let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::default(), &mut scratch);
-//! let unshadowed = cap_integral(&at, &lambert, &cone);
+//! let unshadowed = cap_integral(&at, lambert, &cone);
 //! let fraction = visit.visible_fraction(&at, &cone, &lambert, unshadowed).x;
 //! assert!((fraction - 0.5).abs() < 0.01);
 //! ```

@@ -170,8 +170,8 @@ fn glossy_lobes_see_what_they_look_at() {
             if !(0.01..0.99).contains(&truth) {
                 continue;
             }
-            let unshadowed = cap_integral(&at, &lobe, &cone);
-            errors += (f64::from(visit.fraction(&seen, &lobe, unshadowed).x) - truth).abs();
+            let unshadowed = cap_integral(&at, lobe, &cone);
+            errors += (f64::from(visit.fraction(&seen, lobe, unshadowed).x) - truth).abs();
             count += 1;
         }
         let mean = 100.0 * errors / f64::from(count);

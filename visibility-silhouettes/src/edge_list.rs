@@ -1,5 +1,5 @@
-use crate::lanes::{LANES, Lanes3};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use lobe_core::vec3x8::{LANES, Vec3x8};
 
 /// Numbers of an edge: its two ends, the planes of the triangle that runs from the first end to the second and of the one
 /// that runs back, and the bits of its number.
@@ -67,8 +67,8 @@ impl<const C: usize> Columns<C> {
 
     /// Eight of three columns.
     #[inline(always)]
-    pub(crate) fn load3<S: Simd>(&self, simd: S, column: usize, first: usize) -> Lanes3<S> {
-        Lanes3::new(
+    pub(crate) fn load3<S: Simd>(&self, simd: S, column: usize, first: usize) -> Vec3x8<S> {
+        Vec3x8::new(
             self.load(simd, column, first),
             self.load(simd, column + 1, first),
             self.load(simd, column + 2, first),
@@ -94,7 +94,7 @@ impl<const C: usize> Columns<C> {
     }
 
     #[inline(always)]
-    pub(crate) fn put3<S: Simd>(&mut self, column: usize, keep: mask32x8<S>, value: Lanes3<S>) {
+    pub(crate) fn put3<S: Simd>(&mut self, column: usize, keep: mask32x8<S>, value: Vec3x8<S>) {
         self.put(column, keep, value.x);
         self.put(column + 1, keep, value.y);
         self.put(column + 2, keep, value.z);

@@ -1,9 +1,9 @@
 use crate::edge_list::{Block, COARSE, COLUMNS, ENDS, EdgeList, EdgePacket, PLANES};
-use crate::lanes::Lanes3;
 use crate::mesh::SilhouetteMesh;
 use crate::tree::{Node, Tree};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::Vec3;
+use lobe_core::vec3x8::Vec3x8;
 use lobe_core::{Shaft, Sphere};
 
 /// Planes around the hull: eight along the light's path, one behind the receivers, one behind the light.
@@ -89,20 +89,20 @@ impl Hull {
         let half = node.vectors(simd, 3);
         let mut outside = mask32x8::splat(simd, false);
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
-            outside |= (middle.dot(*n) - half.dot(n.abs())).simd_gt(f32x8::splat(simd, *offset));
+            outside |= (middle.dot_one(*n) - half.dot_one(n.abs())).simd_gt(f32x8::splat(simd, *offset));
         }
         // All normals of the cone on one side for all receivers: none of its edges is a silhouette. For d from any point of
         // the box to any receiver that is axis·d > |d| sin α.
         let axis = node.vectors(simd, 6);
         let to = middle.minus(self.center);
         let wide = half.plus(self.half);
-        let far = to.abs().plus_each(wide);
-        let far = far.dot_each(far).sqrt();
+        let far = to.abs() + wide;
+        let far = far.dot(far).sqrt();
         let unsure = (far + self.reach) * (2.0 * UNSURE);
-        let along = to.dot_each(axis).abs() - wide.dot_each(axis.abs()) - unsure;
+        let along = to.dot(axis).abs() - wide.dot(axis.abs()) - unsure;
         outside |= along.simd_gt(far * f32x8::simd_from(simd, node.bounds[9]));
         if let Some((forms, reach)) = forms {
-            let away = to.dot_each(to).sqrt();
+            let away = to.dot(to).sqrt();
             let [reach, detail] = [f32x8::simd_from(simd, reach[0]), f32x8::simd_from(simd, reach[1])];
             let (zero, around) = (f32x8::splat(simd, 0.0), forms.radius + 1e-5 * self.reach);
             outside |= if forms.is_coarse {
@@ -130,7 +130,7 @@ impl Hull {
         let mut outside = !keep;
         let [a, b] = [vectors(simd, packet, ENDS[0]), vectors(simd, packet, ENDS[1])];
         for (n, offset) in self.normals.iter().zip(&self.offsets) {
-            outside |= a.dot(*n).min(b.dot(*n)).simd_gt(f32x8::splat(simd, *offset));
+            outside |= a.dot_one(*n).min(b.dot_one(*n)).simd_gt(f32x8::splat(simd, *offset));
         }
         let keep = !outside;
         if keep.any_true() {
@@ -145,9 +145,9 @@ impl Hull {
     #[inline(always)]
     fn faces<S: Simd>(&self, simd: S, packet: &impl EdgePacket, column: usize) -> [mask32x8<S>; 2] {
         let (normal, d) = (vectors(simd, packet, column), packet.column(simd, column + 3));
-        let middle = normal.dot(self.center) + d;
+        let middle = normal.dot_one(self.center) + d;
         let unsure = d.abs() * (2.0 * UNSURE) + 2.0 * UNSURE * self.reach;
-        let wide = normal.abs().dot(self.half).min(f32x8::splat(simd, self.radius));
+        let wide = normal.abs().dot_one(self.half).min(f32x8::splat(simd, self.radius));
         let (reach, zero) = (wide * 1.000_001 + unsure, f32x8::splat(simd, 0.0));
         [(middle - reach).simd_gt(zero), (middle + reach).simd_lt(zero)]
     }
@@ -308,6 +308,6 @@ impl Forms<'_> {
 }
 
 #[inline(always)]
-fn vectors<S: Simd>(simd: S, packet: &impl EdgePacket, column: usize) -> Lanes3<S> {
-    Lanes3::new(packet.column(simd, column), packet.column(simd, column + 1), packet.column(simd, column + 2))
+fn vectors<S: Simd>(simd: S, packet: &impl EdgePacket, column: usize) -> Vec3x8<S> {
+    Vec3x8::new(packet.column(simd, column), packet.column(simd, column + 1), packet.column(simd, column + 2))
 }

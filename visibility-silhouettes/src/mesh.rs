@@ -1,12 +1,12 @@
 use crate::coarse::{self, Coarse};
 use crate::edge_list::{Block, COLUMNS, ENDS, ID, PLANES, SOMETIMES};
-use crate::lanes::LANES;
 use crate::lanes::columns;
 use crate::topology::{self, Edge, Tag, normal};
 use crate::tree::{Reach, Tree};
 use core::ops::Range;
 use fearless_simd::Simd;
 use glam::{Vec3, Vec4};
+use lobe_core::vec3x8::LANES;
 use rayon::prelude::*;
 
 /// A triangle mesh as the silhouettes of it are found: planes of triangles, edges with the triangles on both sides, and a

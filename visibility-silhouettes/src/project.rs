@@ -1,9 +1,9 @@
 //! Silhouettes on the square that faces the light.
 
-use crate::lanes::Lanes3;
 use crate::select::{STEP, Silhouettes};
 use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use glam::{Vec2, Vec3};
+use lobe_core::vec3x8::Vec3x8;
 use lobe_core::{Outline, VisibilityQuery};
 use visibility_mask::{Raster, UnitSquare};
 
@@ -125,10 +125,10 @@ pub(crate) fn project<S: Simd>(simd: S, silhouettes: &Silhouettes, view: &View, 
     let (zero, last) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, view.rows as f32));
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
-        let mut a = Lanes3::new(a.dot(right), a.dot(up), a.dot(axis));
-        let mut b = Lanes3::new(b.dot(right), b.dot(up), b.dot(axis));
+        let mut a = Vec3x8::new(a.dot_one(right), a.dot_one(up), a.dot_one(axis));
+        let mut b = Vec3x8::new(b.dot_one(right), b.dot_one(up), b.dot_one(axis));
         // The line through both, from a × (b − a): ends that are clipped would be too far outside for it.
-        let line = a.cross_each(b.minus_each(a));
+        let line = a.cross(b - a);
         let flat = line.x.simd_eq(zero);
         let inverse = f32x8::splat(simd, -1.0) / flat.select(f32x8::splat(simd, 1.0), line.x);
         let lean = line.y * inverse;
@@ -180,7 +180,7 @@ fn limit<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
 /// Where an edge meets a plane of equal depth, from the end that is on the right side of it: whoever cuts the same edge finds
 /// the same point.
 #[inline(always)]
-fn clip_at<S: Simd>(plane: f32x8<S>, from: Lanes3<S>, to: Lanes3<S>) -> Lanes3<S> {
+fn clip_at<S: Simd>(plane: f32x8<S>, from: Vec3x8<S>, to: Vec3x8<S>) -> Vec3x8<S> {
     let t = (plane - from.z) / (to.z - from.z);
-    Lanes3::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), plane)
+    Vec3x8::new(from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), plane)
 }

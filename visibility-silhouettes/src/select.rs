@@ -2,9 +2,9 @@
 
 use crate::edge_list::{COARSE, Columns, ENDS, EdgeList, ID, MARKS, PLANES, SOMETIMES};
 use crate::hull::UNSURE;
-use crate::lanes::Lanes3;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
+use lobe_core::vec3x8::Vec3x8;
 use lobe_core::{Cone, orthonormal_basis};
 use visibility_mask::Edges;
 
@@ -49,7 +49,7 @@ pub(crate) fn silhouettes<S: Simd>(
         let [a, b] = [edges.load3(simd, ENDS[0], first).minus(x), edges.load3(simd, ENDS[1], first).minus(x)];
         let mut keep = mask32x8::from_bitmask(simd, u64::from(edges.lanes(first)));
         for n in window {
-            keep &= a.dot(*n).max(b.dot(*n)).simd_ge(zero);
+            keep &= a.dot_one(*n).max(b.dot_one(*n)).simd_ge(zero);
         }
         if !keep.any_true() {
             continue;
@@ -104,23 +104,23 @@ pub(crate) fn silhouettes<S: Simd>(
 /// Such an edge changes the number of surfaces before all samples alike, or before none: it is on one side of the disc in
 /// all rows that both meet.
 #[inline(always)]
-fn beside<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>) -> mask32x8<S> {
+fn beside<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>) -> mask32x8<S> {
     let (axis, cos) = (cone.axis, cone.cos());
-    let edge = b.minus_each(a);
+    let edge = b - a;
     // The plane through the edge and the receiver misses the disc: |n·axis| > |n| sin θ.
-    let normal = a.cross_each(edge);
-    let [size, reach] = [normal.dot_each(normal), a.dot_each(a) * edge.dot_each(edge)];
-    let along = normal.dot(axis).abs() - reach.sqrt() * 1e-6;
+    let normal = a.cross(edge);
+    let [size, reach] = [normal.dot(normal), a.dot(a) * edge.dot(edge)];
+    let along = normal.dot_one(axis).abs() - reach.sqrt() * 1e-6;
     let mut beside = along.simd_gt((size * (cone.sin_sq() * AROUND_SQ)).sqrt());
     // What is behind the light's plane does not count.
     let (mut from, mut to) = (a, b);
-    let [mut depth_a, mut depth_b] = [a.dot(axis), b.dot(axis)];
+    let [mut depth_a, mut depth_b] = [a.dot_one(axis), b.dot_one(axis)];
     let far = f32x8::splat(simd, cone.distance * cos * cos);
     let [far_a, far_b] = [depth_a.simd_gt(far), depth_b.simd_gt(far)];
     if (far_a | far_b).any_true() {
         beside |= far_a & far_b;
         let t = (far - depth_a) / (depth_b - depth_a);
-        let cut = Lanes3::new(a.x + edge.x * t, a.y + edge.y * t, a.z + edge.z * t);
+        let cut = Vec3x8::new(a.x + edge.x * t, a.y + edge.y * t, a.z + edge.z * t);
         (from, to) = (from.or(far_a, cut), to.or(far_b, cut));
         (depth_a, depth_b) = (far_a.select(far, depth_a), far_b.select(far, depth_b));
     }
@@ -129,14 +129,14 @@ fn beside<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>) -> mask32x8
     let zero = f32x8::splat(simd, 0.0);
     let [front_a, front_b] = [depth_a.simd_gt(zero), depth_b.simd_gt(zero)];
     // d/dt of the squared cosine at the ends: its sign tells whether the edge comes nearer from there on.
-    let across = edge.dot(axis);
-    let at_a = across * from.dot_each(from) - depth_a * from.dot_each(edge);
-    let at_b = across * to.dot_each(to) - depth_b * to.dot_each(edge);
+    let across = edge.dot_one(axis);
+    let at_a = across * from.dot(from) - depth_a * from.dot(edge);
+    let at_b = across * to.dot(to) - depth_b * to.dot(edge);
     let leaves = at_a.simd_lt(zero) & (at_b.simd_lt(zero) | !front_b);
     let comes = at_b.simd_gt(zero) & (at_a.simd_gt(zero) | !front_a);
     let limit = cos * cos * (2.0 - AROUND_SQ);
-    let outside_a = (depth_a * depth_a).simd_lt(from.dot_each(from) * limit) | !front_a;
-    let outside_b = (depth_b * depth_b).simd_lt(to.dot_each(to) * limit) | !front_b;
+    let outside_a = (depth_a * depth_a).simd_lt(from.dot(from) * limit) | !front_a;
+    let outside_b = (depth_b * depth_b).simd_lt(to.dot(to) * limit) | !front_b;
     beside | !(front_a | front_b) | ((leaves | comes) & outside_a & outside_b)
 }
 
@@ -151,9 +151,9 @@ fn side<S: Simd>(
     reach: f32,
 ) -> (f32x8<S>, mask32x8<S>) {
     let (normal, d) = (edges.load3(simd, column, first), edges.load(simd, column + 3, first));
-    let value = normal.dot(x) + d;
+    let value = normal.dot_one(x) + d;
     let [zero, plus, minus] = [f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, -1.0)];
-    let is_there = normal.abs().dot(Vec3::ONE).simd_gt(zero);
+    let is_there = normal.abs().dot_one(Vec3::ONE).simd_gt(zero);
     let unsure = is_there & value.abs().simd_le(d.abs() * UNSURE + reach);
     (value.simd_gt(zero).select(plus, value.simd_lt(zero).select(minus, zero)), unsure)
 }
@@ -171,23 +171,23 @@ pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes
     for first in (0..silhouettes.len()).step_by(8) {
         let [a, b] = [silhouettes.load3(simd, 0, first), silhouettes.load3(simd, 3, first)];
         // Where an edge passes beside the receiver, far outside of the disc of a light at infinity, it has no depth but rounding.
-        let near = if is_finite { nearest } else { (a.dot_each(a) + b.dot_each(b)).sqrt() * BESIDE };
+        let near = if is_finite { nearest } else { (a.dot(a) + b.dot(b)).sqrt() * BESIDE };
         // Of what is behind the light or the receiver some is listed and some is not.
-        let [depth_a, depth_b] = [a.dot(light.axis), b.dot(light.axis)];
-        let edge = b.minus_each(a);
+        let [depth_a, depth_b] = [a.dot_one(light.axis), b.dot_one(light.axis)];
+        let edge = b - a;
         let mut is_there = mask32x8::from_bitmask(simd, u64::from(silhouettes.lanes(first)));
         let (mut from, mut to) = (a, b);
         for (limit, out_a, out_b) in
             [(near, depth_a.simd_lt(near), depth_b.simd_lt(near)), (far, depth_a.simd_gt(far), depth_b.simd_gt(far))]
         {
             let t = (limit - depth_a) / (depth_b - depth_a);
-            let cut = Lanes3::new(a.x + t * edge.x, a.y + t * edge.y, a.z + t * edge.z);
+            let cut = Vec3x8::new(a.x + t * edge.x, a.y + t * edge.y, a.z + t * edge.z);
             (from, to) = (from.or(out_a, cut), to.or(out_b, cut));
             is_there &= !(out_a & out_b);
         }
         let (a, b) = (from, to);
         // Across the edge: the normal of the plane through it and the receiver.
-        let normal = a.cross_each(b.minus_each(a));
+        let normal = a.cross(b - a);
         let mut length = length_before(simd, part, a, b, normal);
         if part != light {
             let zero = f32x8::splat(simd, 0.0);
@@ -200,11 +200,11 @@ pub(crate) fn add_edges<S: Simd>(simd: S, part: &Cone, light: &Cone, silhouettes
 
 /// How much of eight edges lies before the disc of a light, in its radii; not above zero where nothing does.
 #[inline(always)]
-fn length_before<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>, normal: Lanes3<S>) -> f32x8<S> {
+fn length_before<S: Simd>(simd: S, cone: &Cone, a: Vec3x8<S>, b: Vec3x8<S>, normal: Vec3x8<S>) -> f32x8<S> {
     let (tan, axis) = (cone.tan(), cone.axis);
-    let along = normal.dot(axis);
-    let across = normal.minus_each(Lanes3::new(along * axis.x, along * axis.y, along * axis.z));
-    let square = across.dot_each(across);
+    let along = normal.dot_one(axis);
+    let across = normal - Vec3x8::new(along * axis.x, along * axis.y, along * axis.z);
+    let square = across.dot(across);
     // The line passes the disc's middle at |n·axis|/|n − axis(n·axis)|: half the chord.
     let half_sq = f32x8::splat(simd, 1.0) - along * along / (square * (tan * tan));
     let half = half_sq.max(f32x8::splat(simd, 0.0)).sqrt();
@@ -217,6 +217,6 @@ fn length_before<S: Simd>(simd: S, cone: &Cone, a: Lanes3<S>, b: Lanes3<S>, norm
 
 /// Where points, in front of the receiver, are along lines on the square.
 #[inline(always)]
-fn place<S: Simd>(point: Lanes3<S>, axis: Vec3, line: Lanes3<S>, scale: f32x8<S>) -> f32x8<S> {
-    point.dot_each(line) / (scale * point.dot(axis))
+fn place<S: Simd>(point: Vec3x8<S>, axis: Vec3, line: Vec3x8<S>, scale: f32x8<S>) -> f32x8<S> {
+    point.dot(line) / (scale * point.dot_one(axis))
 }

@@ -1,9 +1,9 @@
 //! A hierarchy of edges, eight children a node, built once and refitted as the edges move.
 
-use crate::lanes::Lanes3;
 use core::ops::Range;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
+use lobe_core::vec3x8::Vec3x8;
 use rayon::prelude::*;
 
 /// Children of a node; edges of a leaf at most.
@@ -202,9 +202,9 @@ impl Tree {
 impl Node {
     /// Three numbers of each child, from one of `bounds` on.
     #[inline(always)]
-    pub(crate) fn vectors<S: Simd>(&self, simd: S, first: usize) -> Lanes3<S> {
+    pub(crate) fn vectors<S: Simd>(&self, simd: S, first: usize) -> Vec3x8<S> {
         let [x, y, z] = [self.bounds[first], self.bounds[first + 1], self.bounds[first + 2]];
-        Lanes3::new(f32x8::simd_from(simd, x), f32x8::simd_from(simd, y), f32x8::simd_from(simd, z))
+        Vec3x8::new(f32x8::simd_from(simd, x), f32x8::simd_from(simd, y), f32x8::simd_from(simd, z))
     }
 
     fn set(&mut self, k: usize, bounds: &EdgeBounds) {

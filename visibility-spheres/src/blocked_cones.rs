@@ -98,7 +98,7 @@ impl LightSphere {
         Self { at: query.at.position, axis: cone.axis, sin, cos, distance, radius, power, narrow, culls, plane }
     }
 
-    /// What those of eight candidates that `which` names hide from the receiver of a query. Where in doubt, something.
+    /// The cones that those of eight candidates that `which` names hide from the receiver of a query. Where in doubt, something.
     #[inline(always)]
     pub(crate) fn blocked_cones<S: Simd>(
         &self,

@@ -85,7 +85,7 @@ impl SphereBlockers {
         self
     }
 
-    /// Moves the spheres, and makes them larger or smaller, for another pose; their objects stay. What follows is as if
+    /// Moves the spheres, and makes them larger or smaller, for another pose; their objects stay. The result is as if
     /// made by [`new`](Self::new), bit for bit.
     ///
     /// The hierarchy is refitted, O(n), or made anew where that pays: when its nodes have grown by half in area since
@@ -142,7 +142,7 @@ impl SphereBlockers {
         self.tree.order()
     }
 
-    /// What receivers of its own object inside it see of a sphere, from its centre, and its τ.
+    /// The part of a sphere that receivers of its own object inside it see, from its centre, and its τ.
     pub(crate) fn own(&self, index: usize) -> (Sphere, f32) {
         let sphere = self.spheres[index];
         match self.self_shadows.get(index) {
@@ -193,7 +193,7 @@ pub struct SphereScratch {
     /// The block of a sphere that hid the whole light from the receiver before.
     darkener: Option<usize>,
     stack: Vec<(u32, u32)>,
-    /// What meets the current receiver's light cone.
+    /// The spheres that meet the current receiver's light cone.
     cones: ConeList,
     /// The normal of its facet, where that hides a part of the light.
     facet: Option<Vec3>,
@@ -292,7 +292,7 @@ impl Blockers for SphereBlockers {
 fn select_all<S: Simd>(simd: S, query: &VisibilityQuery<'_>, scratch: &mut SphereScratch, culls: bool) -> Coverage {
     let (light, object) = (LightSphere::new(query, culls), query.at.object);
     scratch.cones.clear(scratch.candidates.len());
-    // What hides all of a receiver's light mostly does so to its neighbour too.
+    // A sphere that hides all of a receiver's light mostly hides it from its neighbour too.
     if let Some(number) = scratch.darkener.take()
         && let Some(block) = scratch.blocks.get(number)
         && light.blocked_cones(simd, object, block, scratch.lanes(simd, number)).is_some_and(|cones| cones.darkens)

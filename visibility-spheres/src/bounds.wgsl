@@ -1,6 +1,6 @@
 // A sphere around each block of spheres, one block a thread, as `Block::bounds`. Needs packed.wgsl and the buffers of gpu.rs.
 
-// What is larger is a float no more.
+// Larger numbers are no floats.
 const BOUNDS_EVERYTHING = 3e38;
 
 @compute @workgroup_size(64)

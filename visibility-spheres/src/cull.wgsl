@@ -68,7 +68,7 @@ fn cull(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) la
     var here = point < frame.point_count;
     if (here) {
         position = points[point].position;
-        // What is not finite gets no light, but must not take it from its neighbours.
+        // A receiver that is not finite gets no light, but must not take it from its neighbours.
         here = points[point].material != NO_MATERIAL && all(abs(position) < vec3f(1e18));
     }
     let ball = tile_sphere(lane, position, here);

@@ -77,7 +77,7 @@ fn candidates_are_what_meets_the_shaft() {
             met += usize::from(gap <= 0.0);
             extra += usize::from(found && gap > 0.0);
             assert!(found || gap > 0.0, "case {case}: sphere {i} meets the shaft by {gap:e}");
-            // What is kept for its rounding alone is next to the shaft.
+            // A sphere that is kept for its rounding alone is next to the shaft.
             let distance = f64::from(sphere.center.distance(shaft.receivers.center));
             let slack = 1e-4 * (distance + f64::from(sphere.radius + shaft.receivers.radius + shaft.light.radius));
             assert!(!found || gap < slack, "case {case}: sphere {i} is {gap:e} away, {distance}");

@@ -1,4 +1,4 @@
-// What spheres hide of one light: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
+// The part of one light that spheres hide: the list of a tile, the exact question to each sphere of it. Needs packed, cone_test,
 // blocked_cone, the buffers of gpu.rs, lobe-core's geometry and outline, and visibility-mask's facet.
 
 // The light as a sphere, and the power of the receiver with respect to it.
@@ -42,7 +42,7 @@ fn sphere_before_plane(to: vec3f, radius: f32, plane: vec4f) -> u32 {
     return select(DARK, PARTIAL, abs(along - plane.w) < radius && !is_before);
 }
 
-// What one sphere hides of a light.
+// The part of a light that one sphere hides.
 fn spheres_look(index: u32, at: Receiver, cone: Cone, light: LightSphere) -> Look {
     let sphere = spheres[index];
     let own = sphere.object == at.object;

@@ -1,4 +1,4 @@
-// What spheres block on a mask, by a workgroup of LANES threads. Needs spheres, splat, ellipse, and visibility-mask's edges.wgsl.
+// The cells that spheres block on a mask, by a workgroup of LANES threads. Needs spheres, splat, ellipse, and visibility-mask's edges.wgsl.
 
 // Kinds of splats.
 const ELLIPSE = 0u;
@@ -96,7 +96,7 @@ fn spheres_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {
             }
         }
         let used = turn;
-        // Nobody reads the others any more.
+        // The others are not read any more.
         turn = SPLATS_USED - turn;
         if (lane < SPLATS_USED) {
             atomicStore(&splats_used[turn + lane], 0u);

@@ -107,7 +107,7 @@ impl BlockedCone {
     }
 }
 
-/// What of a sphere is before a plane, seen from in front of both: on the plane the disc that it cuts out of the sphere, and the ellipse
+/// The part of a sphere before a plane, seen from in front of both: on the plane the disc that it cuts out of the sphere, and the ellipse
 /// that the whole sphere hides, where rays pass their point nearest to the centre before they come to the plane.
 ///
 /// Along a ray to a point q that is outside of the sphere, both hits are before q or both behind it: before it where `|q|² > c·q`, outside of

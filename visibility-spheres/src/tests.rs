@@ -12,7 +12,7 @@ fn receiver(position: Vec3, normal: Vec3, object: u32) -> Receiver {
     Receiver::on_surface(position, normal, normal).on_object(object)
 }
 
-/// Share of the light's disc that rays from the receiver see, by the definition; sampled.
+/// Fraction of the light's disc that rays from the receiver see, by the definition; sampled.
 fn brute_share(at: &Receiver, light: Sphere, spheres: &[(Sphere, f64)], n: usize) -> (usize, usize) {
     let position = at.position.as_dvec3();
     let to_light = light.center.as_dvec3() - position;
@@ -45,7 +45,7 @@ fn brute_share(at: &Receiver, light: Sphere, spheres: &[(Sphere, f64)], n: usize
 
 #[test]
 fn shares_follow_the_order_of_blocker_and_light() {
-    // Area share of the mask against rays: in front, behind, half-way through, containing, inside the light.
+    // Area of the mask against rays: in front, behind, half-way through, containing, inside the light.
     let mut random = Random::new(5);
     let names = [
         "in front",

@@ -1,4 +1,4 @@
-//! The whole chain, blockers to visible share, against brute force in f64 over random blockers.
+//! The whole chain, blockers to visible fraction, against brute force in f64 over random blockers.
 
 use glam::{DVec3, Vec3};
 use lobe_core::oracle::Random;
@@ -131,10 +131,10 @@ fn errors(
         let strategy = MaskVisibility::new(SphereBlockers::new(&case.spheres, &objects, &[]));
         let mut scratch = strategy.scratch();
         let accuracy = Accuracy::new(tolerance);
-        let unshadowed = cap_integral(&case.at, &case.lobe, &case.cone);
+        let unshadowed = cap_integral(&case.at, case.lobe, &case.cone);
         let on_axis = -((case.lobe.exponent + 1.0) * (-case.cone.one_minus_cos).ln_1p()).exp_m1();
         if unshadowed < 1e-4 * on_axis {
-            // Less than a ten-thousandth of what the lobe would see of the light: no picture shows a share of that.
+            // Less than a ten-thousandth of what the lobe would see of the light: no picture shows a fraction of that.
             continue;
         }
         let mut visit = LightVisibility::alone(&strategy, LightId(0), accuracy, &mut scratch);
@@ -208,10 +208,10 @@ fn wide_lights() {
             let strategy = MaskVisibility::new(SphereBlockers::new(&[sphere], &[NO_OBJECT], &[0.0]));
             let mut scratch = strategy.scratch();
             let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::new(0.005), &mut scratch);
-            let unshadowed = cap_integral(&at, &lobe, &cone);
+            let unshadowed = cap_integral(&at, lobe, &cone);
             // Where no sample is blocked all is lit.
             let found = match visit.coverage(&at, &cone, None) {
-                LightCoverage::Partial(seen) => f64::from(visit.fraction(&seen, &lobe, unshadowed).x),
+                LightCoverage::Partial(seen) => f64::from(visit.fraction(&seen, lobe, unshadowed).x),
                 LightCoverage::Lit => 1.0,
                 LightCoverage::Dark => 0.0,
             };

@@ -1,4 +1,4 @@
-//! What must hold whatever the scene: limits, monotony, continuity, invariance, dispatch.
+//! Properties of all scenes: limits, monotony, continuity, invariance, dispatch.
 
 use glam::{DQuat, DVec3, Vec3};
 use lobe_core::oracle::Random;
@@ -92,10 +92,10 @@ impl Scene {
     }
 
     fn unshadowed(&self) -> f32 {
-        cap_integral(&self.at(), &self.brdf(), &self.cone())
+        cap_integral(&self.at(), self.brdf(), &self.cone())
     }
 
-    /// How far anything is to be seen: the share of next to nothing does not matter. 1 from a hundredth of the lobe's
+    /// How far anything is to be seen: the fraction of next to nothing does not matter. 1 from a hundredth of the lobe's
     /// possible radiance on.
     fn matters(&self) -> f64 {
         let cos = (1.0 - (self.light.1 / self.light.0.distance(self.position)).powi(2)).sqrt();
@@ -103,7 +103,7 @@ impl Scene {
         (100.0 * f64::from(self.unshadowed()) / on_axis).min(1.0)
     }
 
-    /// Share of the light seen through the lobe.
+    /// Fraction of the light seen through the lobe.
     fn share(&self) -> f64 {
         let strategy = self.strategy();
         let mut scratch = strategy.scratch();
@@ -187,7 +187,7 @@ fn pop(n: usize, scene: impl Fn(f64) -> Scene) -> (f64, f64) {
     largest
 }
 
-/// What moves in a sweep.
+/// The thing that moves in a sweep.
 const SWEEPS: [&str; 5] = ["lobe", "blocker", "light", "receiver", "normal"];
 
 /// How far things move, in all steps of a sweep.

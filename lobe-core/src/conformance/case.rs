@@ -202,7 +202,7 @@ impl Case {
         let fraction = match &coverage {
             LightCoverage::Lit => 1.0,
             LightCoverage::Dark => 0.0,
-            LightCoverage::Partial(penumbra) => visibility.fraction(penumbra, &brdf, cap_integral(&at, &brdf, &cone)).x,
+            LightCoverage::Partial(penumbra) => visibility.fraction(penumbra, brdf, cap_integral(&at, brdf, &cone)).x,
         };
         Some((coverage.coverage(), fraction))
     }

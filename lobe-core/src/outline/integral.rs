@@ -29,7 +29,7 @@ const NOTHING: f32 = 1e-9;
 /// # Accuracy
 /// Against quadrature in f64 over rectangles of aspect 1 to 20, tilted, 0.02 to 2 times as large as far, above the horizon and through
 /// it. Lambert: ≤ 0.03 %. Powers from 0.3 to 20 000, relative to what the same light gives along the lobe's axis: ≤ 0.08 % in the mean, 2 %
-/// at worst. Microfacets of roughness 0.1 to 1: ≤ 0.25 % in the mean, 1.5 % at worst.
+/// at worst. Microfacets of roughness 0.1 to 1: ≤ 0.25 % in the mean, 1.6 % at worst.
 ///
 /// # Cost
 /// 4 to 300 evaluations of the lobe, sixteen at a time: few where light and lobe vary little over each other.

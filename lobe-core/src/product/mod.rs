@@ -34,7 +34,7 @@ use glam::Vec3;
 /// digits where `a₁·a₂` has none left.
 ///
 /// # Accuracy
-/// Relative error ≤ 0.1 % wherever `P` exceeds 1e-4 of the coaxial `2π/(e₁+e₂+1)`, against quadrature in f64; absolute
+/// Relative error ≤ 0.15 % wherever `P` exceeds 1e-4 of the coaxial `2π/(e₁+e₂+1)`, against quadrature in f64; absolute
 /// error below 1e-6 of the coaxial value elsewhere.
 ///
 /// # Cost

@@ -24,7 +24,7 @@ fn cap_case(random: &mut Random, exponents: (f64, f64), cosine: bool, through: b
     let at = receiver(normal);
     let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
     let lobe = Lobe { has_cosine: cosine, ..Lobe::new(axis, e as f32, Vec3::ONE) };
-    let got = f64::from(cap_integral(&at, &lobe, &cone)) * TAU / (e + 1.0);
+    let got = f64::from(cap_integral(&at, lobe, &cone)) * TAU / (e + 1.0);
     let truth =
         CapLobe { axis: axis.as_dvec3().normalize(), exponent: e, cosine, normal: at.normal.as_dvec3().normalize() };
     let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta);
@@ -32,7 +32,8 @@ fn cap_case(random: &mut Random, exponents: (f64, f64), cosine: bool, through: b
     (got, want, on_axis)
 }
 
-fn cap_errors(exponents: (f64, f64), cosine: bool, through: bool) -> (f64, f64) {
+/// Mean, 99th percentile and largest error.
+fn cap_errors(exponents: (f64, f64), cosine: bool, through: bool) -> [f64; 3] {
     let mut random = Random::new(7);
     let mut errors: Vec<f64> = (0..1000)
         .map(|_| {
@@ -43,39 +44,37 @@ fn cap_errors(exponents: (f64, f64), cosine: bool, through: bool) -> (f64, f64) 
         .collect();
     errors.sort_by(f64::total_cmp);
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    let [p99, max] = [errors[errors.len() * 99 / 100], errors[errors.len() - 1]];
     println!(
         "e {exponents:?} cosine {cosine} horizon {through}: mean {:.4} % p99 {:.3} % max {:.3} %",
         100.0 * mean,
-        100.0 * errors[errors.len() * 99 / 100],
-        100.0 * errors[errors.len() - 1]
+        100.0 * p99,
+        100.0 * max
     );
-    (mean, errors[errors.len() - 1])
+    [mean, p99, max]
 }
 
 #[test]
 fn lobe_over_light_above_the_horizon() {
     for cosine in [false, true] {
         for exponents in [(0.01, 1.0), (1.0, 5.0), (5.0, 50.0), (50.0, 399.0), (400.0, 1e5), (1e5, 1e6)] {
-            let (mean, max) = cap_errors(exponents, cosine, false);
-            let bound = if exponents.1 <= 1.0 {
-                6e-3
-            } else if cosine {
-                3e-3
-            } else {
-                1.7e-3
-            };
-            assert!(mean < 5e-4 && max < bound);
+            let [mean, _, max] = cap_errors(exponents, cosine, false);
+            assert!(mean < 3e-5 && max < if exponents.1 <= 1.0 { 1e-4 } else { 1.5e-3 });
         }
     }
 }
 
 #[test]
 fn lobe_over_light_through_the_horizon() {
+    let exponents = [(0.01, 1.0), (1.0, 5.0), (5.0, 49.9), (50.0, 500.0), (500.0, 1e5)];
     for cosine in [false, true] {
-        for exponents in [(0.01, 1.0), (1.0, 5.0), (5.0, 49.9), (50.0, 500.0), (500.0, 1e5)] {
-            let (mean, max) = cap_errors(exponents, cosine, true);
-            assert!(mean < 2e-4 && max < 3e-3);
+        let mut all = 0.0;
+        for exponents in exponents {
+            let [mean, p99, max] = cap_errors(exponents, cosine, true);
+            assert!(p99 < 1.5e-3 && max < 3e-3);
+            all += mean;
         }
+        assert!(all < 3e-5 * exponents.len() as f64);
     }
 }
 
@@ -112,7 +111,7 @@ fn survey(exponents: (f64, f64), lights: (f64, f64), cosine: bool, through: bool
             let n = f64::from(e) + 1.0;
             let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta) * n / TAU;
             let on_axis = -(n * (-f64::from(one_minus_cos)).ln_1p()).exp_m1();
-            let got = f64::from(cap_integral(&at, &lobe, &cone));
+            let got = f64::from(cap_integral(&at, lobe, &cone));
             let rounding = if through || e < 1.0 { 2e-7 / sin } else { 0.0 };
             let error = ((got - want).abs() / on_axis - rounding).max(0.0);
             if error > worst.0 {
@@ -165,7 +164,7 @@ fn seams_between_slab_and_chords() {
         let e = random.log_uniform(400.0, 1e5) as f32;
         let width = random.log_uniform(3.0, 90.0) as f32;
         let value = |e: f32, one_minus_cos: f32, axis: Vec3| {
-            cap_integral(&at, &Lobe::new(axis, e, Vec3::ONE), &Cone { axis: Vec3::Z, one_minus_cos, distance: 1.0 })
+            cap_integral(&at, Lobe::new(axis, e, Vec3::ONE), &Cone { axis: Vec3::Z, one_minus_cos, distance: 1.0 })
         };
         let offset = |c: f32| f64::from((2.0 * c).sqrt()) + 4.0 / f64::from(e).sqrt();
         // Across the exponent 400 at any width, and across the width at any exponent.
@@ -178,7 +177,7 @@ fn seams_between_slab_and_chords() {
         by_width = by_width.max((value(e, c * 0.9999, axis) - value(e, c * 1.0001, axis)).abs() / value(e, c, Vec3::Z));
     }
     println!("seams: {by_exponent:.2e} across the exponent, {by_width:.2e} across the width");
-    assert!(by_exponent < 2e-3 && by_width < 2e-3);
+    assert!(by_exponent < 1.5e-3 && by_width < 1.5e-3);
 }
 
 /// Sphere lights at a receiver's horizon, `(cos β, sin²σ)`: all sizes, and heights that come as near to the ends as digits let
@@ -227,9 +226,9 @@ fn lambert_is_exact_at_every_horizon_crossing() {
 fn inside_a_light_everything_is_bright() {
     let at = receiver(DVec3::Z);
     let cone = Cone { axis: Vec3::X, one_minus_cos: 2.0, distance: 0.1 };
-    let lambert = cap_integral(&at, &Lobe::new(Vec3::Z, 1.0, Vec3::ONE), &cone);
+    let lambert = cap_integral(&at, Lobe::new(Vec3::Z, 1.0, Vec3::ONE), &cone);
     assert!((lambert - 1.0).abs() < 1e-5, "{lambert}");
-    let phong = cap_integral(&at, &Lobe::new(Vec3::Z, 20.0, Vec3::ONE), &cone);
+    let phong = cap_integral(&at, Lobe::new(Vec3::Z, 20.0, Vec3::ONE), &cone);
     assert!((phong - 1.0).abs() < 1e-3, "{phong}");
 }
 
@@ -243,7 +242,7 @@ fn a_light_grows_continuously_from_a_point() {
         for k in 0..40 {
             let one_minus_cos = 1e-12 * 2.0_f32.powi(k);
             let value =
-                cap_integral(&at, &Lobe::new(axis, e, Vec3::ONE), &Cone { axis: light, one_minus_cos, distance: 1.0 });
+                cap_integral(&at, Lobe::new(axis, e, Vec3::ONE), &Cone { axis: light, one_minus_cos, distance: 1.0 });
             assert!(value.is_finite() && value >= last * 0.999, "e {e} k {k}: {value} after {last}");
             last = value;
         }
@@ -273,9 +272,9 @@ fn touching_the_horizon_is_seamless() {
         };
         let lobe = Lobe { has_cosine: random.bits() % 2 == 1, ..Lobe::new(axis, e, Vec3::ONE) };
         let lobe = Lobe { flux: Vec3::ONE, ..lobe };
-        let value = |step: f64| f64::from(cap_integral(&receiver(normal(step).as_dvec3()), &lobe, &cone));
+        let value = |step: f64| f64::from(cap_integral(&receiver(normal(step).as_dvec3()), lobe, &cone));
         let on_axis =
-            f64::from(cap_integral(&receiver(light), &Lobe { axis: cone.axis, has_cosine: false, ..lobe }, &cone));
+            f64::from(cap_integral(&receiver(light), Lobe { axis: cone.axis, has_cosine: false, ..lobe }, &cone));
         let jump = (value(2e-5) - value(-2e-5)).abs() / on_axis;
         if jump > worst {
             (worst, at_worst) =
@@ -301,7 +300,7 @@ fn small_lights_on_the_horizon_keep_their_pieces() {
         let axis = random.axis_at(light.as_dvec3(), off).as_vec3().normalize();
         let one_minus_cos = (2.0 * (0.5 * theta).sin().powi(2)) as f32;
         let cone = Cone { axis: light, one_minus_cos, distance: 1.0 };
-        let got = cap_integral(&receiver(normal.as_dvec3()), &Lobe::new(axis, e as f32, Vec3::ONE), &cone);
+        let got = cap_integral(&receiver(normal.as_dvec3()), Lobe::new(axis, e as f32, Vec3::ONE), &cone);
         let truth = CapLobe {
             axis: axis.as_dvec3().normalize(),
             exponent: e,
@@ -315,7 +314,7 @@ fn small_lights_on_the_horizon_keep_their_pieces() {
         worst = worst.max(error);
     }
     println!("small lights on the horizon: mean {mean:.1e}, largest {worst:.1e}");
-    assert!(mean < 1e-3 && worst < 2e-2);
+    assert!(mean < 1e-4 && worst < 3e-3);
 }
 
 #[test]
@@ -343,7 +342,7 @@ fn the_tail_of_a_lobe_is_right_too() {
         let want = oracle::cap(&truth, light.as_dvec3().normalize(), theta) * n / TAU;
         let on_axis = -(n * (-f64::from(one_minus_cos)).ln_1p()).exp_m1();
         let got =
-            f64::from(cap_integral(&receiver(DVec3::Z), &lobe, &Cone { axis: light, one_minus_cos, distance: 1.0 }));
+            f64::from(cap_integral(&receiver(DVec3::Z), lobe, &Cone { axis: light, one_minus_cos, distance: 1.0 }));
         let slab = usize::from(n * f64::from(one_minus_cos) > 10.0);
         if want > [1e-3, 1e-2][slab] * on_axis {
             worst[slab] = worst[slab].max((got / want - 1.0).abs());
@@ -364,7 +363,7 @@ fn surfaces_of_lights_see_nothing_of_them() {
         let at = Receiver::on_surface(position, normal, normal);
         let cone = Cone::of_sphere(position, sphere);
         assert!((cone.one_minus_cos - 1.0).abs() < 0.05, "{sphere:?} {cone:?}");
-        let seen = cap_integral(&at, &Lobe::new(normal, 1.0, Vec3::ONE), &cone);
+        let seen = cap_integral(&at, Lobe::new(normal, 1.0, Vec3::ONE), &cone);
         assert!(seen < 2e-3, "{sphere:?}: {seen}");
     }
     let sphere = Sphere { center: Vec3::ZERO, radius: 2.0 };

@@ -36,7 +36,7 @@ fn product_against_quadrature() {
         }
     }
     println!("worst relative {worst:.2e} at {at:?}; elsewhere {far:.2e} of coaxial");
-    assert!(worst < 2e-3 && far < 1e-6);
+    assert!(worst < 1.5e-3 && far < 1e-6);
 }
 
 #[test]
@@ -46,7 +46,9 @@ fn product_at_the_extremes() {
             for alpha in [0.0, 1e-7, 0.5, 0.5 * PI, 0.5 * PI + 1e-7, 2.0, PI - 1e-6, PI] {
                 let (got, want) = product_error(e1, e2, alpha);
                 let coaxial = TAU / (e1 + e2 + 1.0);
-                let bound = if want > 1e-4 * coaxial { 5e-3 * want } else { 1e-6 * coaxial };
+                // From 1e6 on there is no promise.
+                let part = if e1.max(e2) <= 1e6 { 1.5e-3 } else { 5e-3 };
+                let bound = if want > 1e-4 * coaxial { part * want } else { 1e-6 * coaxial };
                 assert!((got - want).abs() <= bound, "P({e1}, {e2}, {alpha}) = {got}, not {want}");
             }
         }

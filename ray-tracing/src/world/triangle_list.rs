@@ -2,10 +2,10 @@
 
 use super::World;
 use super::primitive::{CLOSE, Corners, EDGE, Plane};
-use crate::vec3x8::{LANES, Vec3x8};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use glam::{Vec3, Vec3A};
 use lobe_core::Shaft;
+use lobe_core::vec3x8::{LANES, Vec3x8};
 use obvhs::ray::Ray;
 
 /// x, y and z of eight vectors.

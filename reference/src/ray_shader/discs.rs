@@ -2,7 +2,7 @@
 
 use crate::cone::concentric;
 use crate::sobol::{Sequence, mix};
-use ray_tracing::vec3x8::LANES;
+use lobe_core::vec3x8::LANES;
 
 /// Sets to choose from; a point also turns its set by an angle of its own.
 const SETS: usize = 16;

@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, u32x8};
 use glam::Vec3;
 use lobe_core::Receiver;
-use ray_tracing::vec3x8::{LANES, Vec3x8};
+use lobe_core::vec3x8::{LANES, Vec3x8};
 
 /// `f̃` of a material at a receiver, summed over directions.
 #[derive(Clone, Copy, Debug)]

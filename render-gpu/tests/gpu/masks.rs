@@ -381,7 +381,7 @@ fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: 
         classes[usize::from(class)] += 1;
         assert_eq!(got[0], f32::from(class), "{coverage:?}");
         if let LightCoverage::Partial(seen) = &look {
-            let fraction = visit.fraction(seen, &case.lobe, 1.0).x;
+            let fraction = visit.fraction(seen, case.lobe, 1.0).x;
             assert!((0.0..=1.0).contains(&got[1]), "{}", got[1]);
             if sees_light(&case.lobe, &case.light) {
                 spread.add(got[1], fraction);

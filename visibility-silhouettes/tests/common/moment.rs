@@ -81,7 +81,7 @@ impl Moment {
         let blockers = SilhouetteBlockers::new(&meshes, Rays(&soup));
         let strategy = MaskVisibility::new(blockers);
         let mut scratch = strategy.scratch();
-        let unshadowed = cap_integral(&at, &lobe, &cone);
+        let unshadowed = cap_integral(&at, lobe, &cone);
         let mut visit = LightVisibility::alone(&strategy, LightId(0), Accuracy::new(self.tolerance), &mut scratch);
         let fraction = visit.visible_fraction(&at, &cone, &lobe, unshadowed).x;
         let on_axis = 1.0 - ((self.lobe.1 + 1.0) * f64::from(cone.cos()).ln()).exp();

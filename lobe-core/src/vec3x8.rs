@@ -2,7 +2,7 @@
 
 use core::ops::{Add, Mul, Sub};
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, mask32x8};
 use glam::Vec3;
 
 /// Lanes.
@@ -17,6 +17,11 @@ pub struct Vec3x8<S: Simd> {
 }
 
 impl<S: Simd> Vec3x8<S> {
+    #[inline(always)]
+    pub fn new(x: f32x8<S>, y: f32x8<S>, z: f32x8<S>) -> Self {
+        Self { x, y, z }
+    }
+
     #[inline(always)]
     pub fn splat(simd: S, v: Vec3) -> Self {
         Self { x: f32x8::splat(simd, v.x), y: f32x8::splat(simd, v.y), z: f32x8::splat(simd, v.z) }
@@ -49,6 +54,32 @@ impl<S: Simd> Vec3x8<S> {
     #[inline(always)]
     pub fn minus(self, v: Vec3) -> Self {
         Self { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
+    }
+
+    #[inline(always)]
+    pub fn plus(self, v: Vec3) -> Self {
+        Self { x: self.x + v.x, y: self.y + v.y, z: self.z + v.z }
+    }
+
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
+    }
+
+    /// `axis × self`.
+    #[inline(always)]
+    pub fn turned_about(self, axis: Vec3) -> Self {
+        Self {
+            x: self.z * axis.y - self.y * axis.z,
+            y: self.x * axis.z - self.z * axis.x,
+            z: self.y * axis.x - self.x * axis.y,
+        }
+    }
+
+    /// Where a mask holds, the other.
+    #[inline(always)]
+    pub fn or(self, mask: mask32x8<S>, other: Self) -> Self {
+        Self { x: mask.select(other.x, self.x), y: mask.select(other.y, self.y), z: mask.select(other.z, self.z) }
     }
 
     /// One of them.
