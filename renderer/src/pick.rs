@@ -109,6 +109,7 @@ impl Renderer {
         let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
         let (plan, spheres) = (&self.plan, self.spheres.get());
         let blockers = FrameBlockers::new(plan, &world, spheres, maps, &self.silhouettes, accuracy);
+        let blockers = blockers.with_custom(&self.custom.0);
         let materials = &[Material::lambert(Vec3::ONE)];
         let frame = Frame { materials, lights: &self.scene.lights, accuracy, threshold: 0.0 };
         blockers.shade(&mut Backend::Cpu, Method::Moments, None, Fraction { at, light, frame })
