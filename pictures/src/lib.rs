@@ -9,6 +9,8 @@
 //! assert_eq!((error.mae, error.bias, error.max), (0.25, 0.25, 0.5));
 //! ```
 
+#![cfg_attr(not(feature = "files"), expect(dead_code, reason = "files carry stamps and checksums"))]
+
 mod checksum;
 mod comparison;
 mod error_map;

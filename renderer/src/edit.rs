@@ -78,6 +78,12 @@ impl Renderer {
         self.mark(Stale::STRATEGY)
     }
 
+    /// The matrix of [`set_transform`](Self::set_transform) that an object has; none where it is not there.
+    #[must_use]
+    pub fn transform(&self, object: ObjectHandle) -> Option<Mat4> {
+        self.object_place(object).ok().map(|place| self.rows.transform(place))
+    }
+
     /// Puts an object where the matrix takes it from where it stood when it came, or got its shape. Spheres, and meshes with spheres
     /// that stand for them, keep their proportions: a rotation, one scale, a translation. A sphere set is not fitted anew.
     ///
@@ -251,6 +257,7 @@ impl Renderer {
         self.scene.materials.push(material);
         self.put_surface(before, surface);
         self.points.set_materials(&self.scene.materials, before);
+        self.reduced.0.set_materials(&self.scene.materials, before);
         Ok(MaterialHandle(self.material_handles.push()))
     }
 
@@ -273,6 +280,7 @@ impl Renderer {
         self.scene.materials[place] = material;
         self.put_surface(place, surface);
         self.points.set_materials(&self.scene.materials, self.scene.materials.len());
+        self.reduced.0.set_materials(&self.scene.materials, self.scene.materials.len());
         let points = if varies { Stale::POINTS | Stale::SURFACES } else { Stale::NOTHING };
         Ok(self.mark(Stale::SHADING | points))
     }

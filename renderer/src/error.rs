@@ -6,6 +6,7 @@ use visibility_shadowmap::MapError;
 
 /// What [`RenderError::NotOnGpu`] says of layers and of visibility as lobes.
 pub(crate) const LAYERS: &str = "layers are made by the CPU only";
+#[cfg(feature = "gpu")]
 pub(crate) const NO_WGSL: &str = "it has no blockers for a GPU";
 pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
 

@@ -9,8 +9,8 @@ use crate::kept_points::KeptPoints;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::{
-    Backend, Clocks, FrameClocks, Image, ImageStats, KeptSpheres, Listener, Method, Plan, RenderError, Settings, Sink,
-    Stale, Upkeep, paper_tables,
+    Backend, Clocks, Device, FrameClocks, Image, ImageStats, KeptSpheres, LayerSet, Listener, Method, Plan,
+    RenderError, Settings, Sink, Stale, Upkeep, paper_tables,
 };
 use core::ops::ControlFlow;
 use glam::Vec3;
@@ -55,6 +55,8 @@ pub struct Renderer {
     pub(crate) silhouettes: SceneSilhouettes,
     pub(crate) custom: CustomStrategies,
     pub(crate) points: KeptPoints,
+    /// Points and maps of pictures with fewer pixels.
+    pub(crate) reduced: (KeptPoints, KeptMaps),
     canvas: Canvas,
     pub(crate) maps: KeptMaps,
     pub(crate) rows: Rows,
@@ -116,6 +118,7 @@ impl Renderer {
             silhouettes: SceneSilhouettes::default(),
             custom: CustomStrategies::default(),
             points: KeptPoints::default(),
+            reduced: Default::default(),
             canvas: Canvas::default(),
             maps: KeptMaps::default(),
             stale: Stale::ALL,
@@ -221,6 +224,7 @@ impl Renderer {
             self.plan = Plan::new(self.settings.strategy, &self.scene);
             self.stale = self.stale.without(Stale::PLAN);
             self.maps.clear();
+            self.reduced.1.clear();
         }
         if self.stale.has(Stale::SETS) {
             // Sets are fitted where objects stand at first.
@@ -258,6 +262,12 @@ impl Renderer {
         let stops = crate::exposure(&World::with_hierarchy(&self.scene, hierarchy));
         self.seek(time);
         stops
+    }
+
+    /// The moment of the animation, in seconds.
+    #[must_use]
+    pub const fn time(&self) -> f32 {
+        self.time
     }
 
     /// Goes to a moment of the animation, in seconds.
@@ -333,6 +343,61 @@ impl Renderer {
             band.copy_to(window, pixels);
             ControlFlow::Continue(())
         })
+    }
+
+    /// The whole picture in fewer pixels: each of its sides divided by a number, and rounded up. What is kept for the whole one stays,
+    /// and the reduced one keeps its own: both may be made in turn.
+    ///
+    /// ```
+    /// # use renderer::{Renderer, Settings};
+    /// # let mut scene = scene::builtin();
+    /// (scene.width, scene.height) = (70, 40);
+    /// let mut renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
+    /// let coarse = renderer.render_reduced(4, &mut |_| core::ops::ControlFlow::Continue(()))?;
+    /// assert_eq!((coarse.size, renderer.render()?.size), ([18, 10], [70, 40]));
+    /// # Ok::<(), renderer::RenderError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn render_reduced(&mut self, divisor: u32, listener: &mut Listener<'_>) -> Result<Image, RenderError> {
+        let (width, height) = (self.scene.width, self.scene.height);
+        if divisor <= 1 {
+            return self.render_window(&Window::whole(width as usize, height as usize), listener);
+        }
+        (self.scene.width, self.scene.height) = (width.div_ceil(divisor), height.div_ceil(divisor));
+        core::mem::swap(&mut self.points, &mut self.reduced.0);
+        core::mem::swap(&mut self.maps, &mut self.reduced.1);
+        let window = Window::whole(self.scene.width as usize, self.scene.height as usize);
+        let image = self.render_window(&window, listener);
+        core::mem::swap(&mut self.points, &mut self.reduced.0);
+        core::mem::swap(&mut self.maps, &mut self.reduced.1);
+        (self.scene.width, self.scene.height) = (width, height);
+        image
+    }
+
+    /// A window by the CPU with other layers and another number of camera rays, beside the pictures: all that is kept for these stays.
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn render_apart(&mut self, window: &Window, layers: LayerSet, samples: u32) -> Result<Image, RenderError> {
+        // Lets what an edit made stale go before it is put aside.
+        let _ = self.follow_hierarchy();
+        let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
+        let own = Settings { device: Device::Cpu, accuracy, layers, samples, repeat: 1, ..self.settings.clone() };
+        own.validate()?;
+        let settings = core::mem::replace(&mut self.settings, own);
+        let backend = core::mem::replace(&mut self.backend, Backend::Cpu);
+        let (points, maps) = (core::mem::take(&mut self.points), core::mem::take(&mut self.maps));
+        let image = self.render_window(window, &mut |_| ControlFlow::Continue(()));
+        (self.settings, self.backend, self.points, self.maps) = (settings, backend, points, maps);
+        image
+    }
+
+    /// The scene at its present moment as rays meet it.
+    pub fn with_world<R>(&mut self, ask: impl FnOnce(&World<'_>) -> R) -> R {
+        let hierarchy = self.follow_hierarchy();
+        ask(&World::with_hierarchy(&self.scene, hierarchy))
     }
 
     /// A window in bands of rows, which go to `sink` as they are done: pictures of any size in bounded memory. Ends early where the
@@ -441,9 +506,11 @@ impl Renderer {
         self.upkeep.hierarchy_refits += u64::from(done == Update::Refitted);
         if done != Update::Kept {
             self.maps.clear();
+            self.reduced.1.clear();
         }
         if done != Update::Kept || self.stale.has(Stale::POINTS) {
             self.points.clear();
+            self.reduced.0.clear();
         }
         self.stale = self.stale.without(Stale::HIERARCHY | Stale::SURFACES | Stale::POINTS);
         Arc::clone(self.hierarchy.get_or_insert_with(|| Arc::new(Hierarchy::new(scene))))

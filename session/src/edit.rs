@@ -1,0 +1,114 @@
+use brdf::Material;
+use glam::Mat4;
+use lighting::Light;
+use renderer::{LightHandle, MaterialHandle, ObjectHandle, RenderError, Renderer, Settings};
+use scene::{Camera, Strategy, Surface};
+
+/// One change of a scene, of the camera or of how it is drawn. Objects and lights that come or go are no such change: they have no
+/// inverse with the same handles. [`Session::query`](crate::Session::query) adds and removes them.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Edit {
+    /// Another light in the place of one.
+    Light(LightHandle, Light),
+    /// Where an object stands, from where it stood when it came.
+    Transform(ObjectHandle, Mat4),
+    /// Another material in the place of one, and what surfaces show beside it.
+    Material(MaterialHandle, Material, Box<Surface>),
+    /// The material of an object.
+    MaterialOf(ObjectHandle, MaterialHandle),
+    /// How an object blocks light.
+    Strategy(ObjectHandle, Option<Strategy>),
+    /// Whether the camera sees an object.
+    Visible(ObjectHandle, bool),
+    /// The camera.
+    Camera(Camera),
+    /// Width and height of the picture.
+    Size(u32, u32),
+    /// Accuracy, strategy, method, device and all else.
+    Settings(Box<Settings>),
+    /// The moment of the animation, in seconds.
+    Seek(f32),
+}
+
+impl Edit {
+    /// Makes the change; returns the one that takes it back.
+    ///
+    /// # Errors
+    /// Those of the renderer's own edits; nothing has changed then.
+    pub fn apply(self, renderer: &mut Renderer) -> Result<Self, RenderError> {
+        let scene = renderer.scene();
+        match self {
+            Self::Light(handle, light) => {
+                let before = renderer.lights().find(|(known, _)| *known == handle).map(|(_, light)| light.clone());
+                renderer.set_light(handle, light.clone())?;
+                Ok(Self::Light(handle, before.unwrap_or(light)))
+            }
+            Self::Transform(handle, matrix) => {
+                let before = renderer.transform(handle).unwrap_or(Mat4::IDENTITY);
+                renderer.set_transform(handle, matrix)?;
+                Ok(Self::Transform(handle, before))
+            }
+            Self::Material(handle, material, surface) => {
+                let place = renderer.materials().position(|(known, _)| known == handle);
+                let before = place.map(|place| {
+                    let surface = scene.surfaces.get(place).cloned().unwrap_or_default();
+                    (scene.materials[place].clone(), Box::new(surface))
+                });
+                renderer.set_material(handle, material.clone(), (*surface).clone())?;
+                let (material, surface) = before.unwrap_or((material, surface));
+                Ok(Self::Material(handle, material, surface))
+            }
+            Self::MaterialOf(handle, material) => {
+                let number = renderer.objects().find(|(known, _)| *known == handle).map(|(_, object)| object.material);
+                let before = number.and_then(|number| renderer.materials().nth(number)).map(|(handle, _)| handle);
+                renderer.set_object_material(handle, material)?;
+                Ok(Self::MaterialOf(handle, before.unwrap_or(material)))
+            }
+            Self::Strategy(handle, strategy) => {
+                let before = renderer.objects().find(|(known, _)| *known == handle).and_then(|(_, o)| o.strategy);
+                renderer.set_object_strategy(handle, strategy)?;
+                Ok(Self::Strategy(handle, before))
+            }
+            Self::Visible(handle, visible) => {
+                let before = renderer.objects().find(|(known, _)| *known == handle).map(|(_, object)| object.visible);
+                renderer.set_visible(handle, visible)?;
+                Ok(Self::Visible(handle, before.unwrap_or(visible)))
+            }
+            Self::Camera(camera) => {
+                let before = scene.camera;
+                renderer.set_camera(camera)?;
+                Ok(Self::Camera(before))
+            }
+            Self::Size(width, height) => {
+                let before = Self::Size(scene.width, scene.height);
+                renderer.set_size(width, height)?;
+                Ok(before)
+            }
+            Self::Settings(settings) => {
+                let before = renderer.settings().clone();
+                renderer.set_settings(*settings)?;
+                Ok(Self::Settings(Box::new(before)))
+            }
+            Self::Seek(time) => {
+                let before = renderer.time();
+                renderer.seek(time);
+                Ok(Self::Seek(before))
+            }
+        }
+    }
+
+    /// Whether the other one changes the same thing, so that both together are one step.
+    pub(crate) fn is_of(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Light(a, _), Self::Light(b, _)) => a == b,
+            (Self::Transform(a, _), Self::Transform(b, _)) => a == b,
+            (Self::Material(a, ..), Self::Material(b, ..)) => a == b,
+            (Self::Camera(_), Self::Camera(_))
+            | (Self::Size(..), Self::Size(..))
+            | (Self::Settings(_), Self::Settings(_))
+            | (Self::Seek(_), Self::Seek(_)) => true,
+            _ => false,
+        }
+    }
+}

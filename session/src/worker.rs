@@ -1,0 +1,203 @@
+use crate::history::History;
+use crate::session::{Control, Shared};
+use crate::{Edit, Picture};
+use core::ops::ControlFlow;
+use renderer::{RenderError, Renderer, Stale};
+use scene::{Cancel, Stopwatch};
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+
+/// A question to the renderer.
+pub(crate) type Question = Box<dyn FnOnce(&mut Renderer) + Send>;
+
+pub(crate) enum Command {
+    /// With the moment at which it was made.
+    Edit(Edit, Stopwatch),
+    CloseStep,
+    Undo(Stopwatch),
+    Redo(Stopwatch),
+    /// Whether it may change the scene.
+    Query(Question, bool),
+    Budget(f64),
+    Quit,
+}
+
+impl Command {
+    /// Whether it may change what there is to see.
+    const fn is_change(&self) -> bool {
+        matches!(self, Self::Edit(..) | Self::Undo(_) | Self::Redo(_) | Self::Query(_, true))
+    }
+}
+
+/// The thread's side of a session.
+pub(crate) struct Worker {
+    renderer: Renderer,
+    commands: Receiver<Command>,
+    shared: Arc<Shared>,
+    history: History,
+    edits: u64,
+    /// The first edit that no picture shows.
+    waiting: Option<Stopwatch>,
+    /// Seconds in which a picture is to be there after an edit.
+    budget: f64,
+    /// Seconds of the last whole picture: with visible points that were there, and with new ones.
+    whole: [Option<f64>; 2],
+}
+
+/// The coarsest picture has a pixel for so many by so many.
+const COARSEST: u32 = 8;
+
+impl Worker {
+    pub(crate) fn new(renderer: Renderer, commands: Receiver<Command>, shared: Arc<Shared>) -> Self {
+        let history = History::default();
+        Self { renderer, commands, shared, history, edits: 0, waiting: None, budget: BUDGET, whole: [None; 2] }
+    }
+
+    pub(crate) fn run(mut self) {
+        let mut is_pending = true;
+        loop {
+            let first = match is_pending {
+                true => None,
+                false => match self.commands.recv() {
+                    Ok(command) => Some(command),
+                    Err(_) => return,
+                },
+            };
+            // From here on the first picture is not interrupted by edits: they would leave nothing to look at.
+            let cancel = self.shared.begin(Control::First);
+            self.renderer.set_cancel(cancel.clone());
+            let mut next = first.or_else(|| self.commands.try_recv().ok());
+            while let Some(command) = next {
+                if matches!(command, Command::Quit) {
+                    return;
+                }
+                is_pending |= self.take(command);
+                next = self.commands.try_recv().ok();
+            }
+            if is_pending {
+                is_pending = !self.refine();
+            }
+            if cancel.is_cancelled() && self.shared.is_over() {
+                return;
+            }
+        }
+    }
+
+    /// Does what is requested; whether there is something new to see.
+    fn take(&mut self, command: Command) -> bool {
+        let shown = self.edits;
+        self.edits += u64::from(command.is_change());
+        let (done, since) = match command {
+            Command::Edit(edit, since) => (self.history.apply(edit, &mut self.renderer).map(|()| true), Some(since)),
+            Command::Undo(since) => (self.history.undo(&mut self.renderer), Some(since)),
+            Command::Redo(since) => (self.history.redo(&mut self.renderer), Some(since)),
+            Command::CloseStep => {
+                self.history.close();
+                (Ok(false), None)
+            }
+            Command::Budget(seconds) => {
+                self.budget = seconds;
+                (Ok(false), None)
+            }
+            Command::Query(question, is_edit) => {
+                question(&mut self.renderer);
+                if is_edit {
+                    self.history.clear();
+                }
+                (Ok(is_edit), None)
+            }
+            Command::Quit => (Ok(false), None),
+        };
+        match done {
+            // A picture follows all the same: who counts changes waits for it.
+            Err(error) => {
+                self.shared.fail(error, None);
+                true
+            }
+            Ok(is_new) => {
+                if is_new && self.waiting.is_none() {
+                    self.waiting = since;
+                }
+                is_new || self.edits > shown
+            }
+        }
+    }
+
+    /// Pictures from the coarsest that is needed to the whole one; whether that is there now.
+    fn refine(&mut self) -> bool {
+        let is_new = usize::from(self.renderer.stale().has(Stale::POINTS));
+        let divisor = match self.whole[is_new].or(self.whole[1 - is_new]) {
+            Some(seconds) => divisor_for(seconds, self.budget),
+            None => COARSEST / 2,
+        };
+        if divisor > 1 {
+            match self.show(divisor, is_new) {
+                Shown::Yes => {}
+                Shown::Failed => return true,
+                Shown::Interrupted => return false,
+            }
+            let cancel = self.shared.begin(Control::Refining);
+            self.renderer.set_cancel(cancel);
+        }
+        self.show(1, is_new) != Shown::Interrupted
+    }
+
+    /// Makes a picture and shows it.
+    fn show(&mut self, divisor: u32, is_new: usize) -> Shown {
+        let watch = Stopwatch::start();
+        let image = self.renderer.render_reduced(divisor, &mut |_| ControlFlow::Continue(()));
+        let image = match image {
+            Ok(image) => image,
+            Err(RenderError::Cancelled) => return Shown::Interrupted,
+            Err(error) => {
+                self.shared.fail(error, Some(self.edits));
+                return Shown::Failed;
+            }
+        };
+        if divisor == 1 {
+            self.whole[is_new] = Some(watch.seconds());
+        }
+        let latency = self.waiting.take().map_or(0.0, |since| since.seconds());
+        let (size, radiance, stats) = (image.size, image.radiance, image.stats);
+        let (edits, upkeep) = (self.edits, self.renderer.upkeep());
+        self.shared.show(Picture { size, radiance, divisor, edits, latency, stats, upkeep });
+        Shown::Yes
+    }
+}
+
+/// Whether a picture is there.
+#[derive(PartialEq, Eq)]
+enum Shown {
+    Yes,
+    Interrupted,
+    Failed,
+}
+
+/// Thirty pictures a second.
+const BUDGET: f64 = 1.0 / 30.0;
+
+/// The smallest divisor whose picture takes so long at most.
+fn divisor_for(seconds: f64, budget: f64) -> u32 {
+    let mut divisor = 1;
+    while divisor < COARSEST && seconds / f64::from(divisor * divisor) > budget {
+        divisor *= 2;
+    }
+    divisor
+}
+
+/// Never used up: the token of a session that is over.
+pub(crate) fn cancelled() -> Cancel {
+    let cancel = Cancel::new();
+    cancel.cancel();
+    cancel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coarse_pictures_keep_within_the_budget() {
+        assert_eq!([0.01, 0.033, 0.05, 0.2, 9.0].map(|seconds| divisor_for(seconds, BUDGET)), [1, 1, 2, 4, COARSEST]);
+    }
+}

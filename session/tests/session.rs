@@ -1,0 +1,180 @@
+//! Edits at any time give the pictures of new renderers, are seen soon, and can be taken back.
+
+#![allow(clippy::unwrap_used, reason = "in tests")]
+
+use core::time::Duration;
+use glam::{Mat4, Quat, Vec3};
+use lobe_core::Accuracy;
+use renderer::{LightHandle, RenderError, Renderer, Settings};
+use scene::{Animation, Scene};
+use session::{Edit, Picture, Session};
+use std::sync::Arc;
+use std::thread;
+
+fn scene(width: u32, height: u32) -> Scene {
+    Scene { width, height, ..scene::builtin() }
+}
+
+fn renderer(scene: Scene) -> Renderer {
+    Renderer::new(scene, Animation::default(), Settings::default()).unwrap()
+}
+
+fn of_new(scene: Scene) -> Vec<Vec3> {
+    renderer(scene).render().unwrap().radiance
+}
+
+/// Somewhere else along a circle.
+fn turned(scene: &Scene, light: usize, step: usize) -> lighting::Light {
+    scene.lights[light].moved(Mat4::from_quat(Quat::from_rotation_y(0.02 * step as f32)))
+}
+
+fn first_light(renderer: &Renderer) -> LightHandle {
+    renderer.lights().next().unwrap().0
+}
+
+#[test]
+fn the_picture_in_the_end_is_that_of_a_new_renderer() {
+    let mut scene = scene(96, 54);
+    let renderer = renderer(scene.clone());
+    let (light, object) = (first_light(&renderer), renderer.objects().last().unwrap().0);
+    let session = Session::new(renderer);
+    assert_eq!(session.finished().radiance, of_new(scene.clone()));
+    let matrix = Mat4::from_translation(Vec3::new(0.1, 0.2, -0.1));
+    let camera = scene::Camera { eye: scene.camera.eye + Vec3::X * 0.3, ..scene.camera };
+    session.edit(Edit::Light(light, turned(&scene, 0, 9)));
+    session.edit(Edit::Transform(object, matrix));
+    session.edit(Edit::Camera(camera));
+    session.edit(Edit::Size(80, 50));
+    let picture = session.finished();
+    scene.lights[0] = turned(&scene, 0, 9);
+    (scene.camera, scene.width, scene.height) = (camera, 80, 50);
+    let mut want = self::renderer(scene);
+    let object = want.objects().last().unwrap().0;
+    want.set_transform(object, matrix).unwrap();
+    assert_eq!((picture.size, picture.edits, picture.divisor), ([80, 50], 4, 1));
+    assert!(picture.radiance == want.render().unwrap().radiance);
+    assert!(session.take_errors().is_empty());
+}
+
+#[test]
+fn steps_are_taken_back_and_made_again() {
+    let scene = scene(64, 36);
+    let renderer = renderer(scene.clone());
+    let (light, object) = (first_light(&renderer), renderer.objects().last().unwrap().0);
+    let session = Session::new(renderer);
+    let before = session.finished();
+    // A drag is one step, until it is closed.
+    (1..9).for_each(|step| session.edit(Edit::Light(light, turned(&scene, 0, step))));
+    session.close_step();
+    let dragged = session.finished();
+    session.edit(Edit::Light(light, turned(&scene, 0, 30)));
+    session.edit(Edit::Transform(object, Mat4::from_translation(Vec3::Y * 0.3)));
+    let after = session.finished();
+    let step = |go: fn(&Session)| -> Arc<Picture> {
+        go(&session);
+        session.finished()
+    };
+    step(Session::undo);
+    assert!(step(Session::undo).radiance == dragged.radiance);
+    assert!(step(Session::undo).radiance == before.radiance);
+    // There is nothing more to take back.
+    assert!(step(Session::undo).radiance == before.radiance);
+    step(Session::redo);
+    step(Session::redo);
+    assert!(step(Session::redo).radiance == after.radiance);
+    assert!(step(Session::redo).radiance == after.radiance && after.radiance != dragged.radiance);
+}
+
+#[test]
+fn refused_edits_change_nothing_and_are_said() {
+    let scene = scene(48, 27);
+    let renderer = renderer(scene.clone());
+    let light = first_light(&renderer);
+    let session = Session::new(renderer);
+    let before = session.finished();
+    session.edit(Edit::Light(light, scene.lights[0].moved(Mat4::from_translation(Vec3::splat(f32::NAN)))));
+    session.edit(Edit::Size(0, 10));
+    let after = session.finished();
+    assert!(after.edits == 2 && after.radiance == before.radiance);
+    let errors = session.take_errors();
+    assert!(matches!(&errors[..], [RenderError::Scene(_), RenderError::Scene(_)]), "{errors:?}");
+    session.undo();
+    assert!(session.finished().radiance == before.radiance && session.take_errors().is_empty());
+}
+
+/// While a light is dragged pictures appear, no hierarchy is built, and no visible point is found anew.
+#[test]
+fn a_dragged_light_is_seen_while_it_moves() {
+    let scene = scene(640, 360);
+    let renderer = renderer(scene.clone());
+    let light = first_light(&renderer);
+    let session = Session::new(renderer);
+    let before = session.finished();
+    let mut latencies: Vec<f64> = Vec::new();
+    let mut seen = 0;
+    for step in 1..=60 {
+        session.edit(Edit::Light(light, turned(&scene, 0, step)));
+        thread::sleep(Duration::from_millis(16));
+        let picture = session.picture();
+        if picture.edits != seen && picture.latency > 0.0 {
+            latencies.push(picture.latency);
+            seen = picture.edits;
+        }
+    }
+    latencies.sort_by(f64::total_cmp);
+    let after = session.finished();
+    let late = latencies.get(latencies.len() * 95 / 100).copied().unwrap_or(f64::INFINITY);
+    println!("{} pictures of 60 edits, 95 % within {:.1} ms", latencies.len(), 1e3 * late);
+    assert!(latencies.len() > 5, "{} pictures of 60 edits", latencies.len());
+    let (upkeep, first) = (after.upkeep, before.upkeep);
+    assert_eq!(upkeep.hierarchy_builds + upkeep.hierarchy_refits, first.hierarchy_builds + first.hierarchy_refits);
+    assert_eq!(upkeep.silhouette_builds + upkeep.silhouette_refits, first.silhouette_builds + first.silhouette_refits);
+    let mut last = scene;
+    last.lights[0] = turned(&last, 0, 60);
+    assert!(after.divisor == 1 && after.radiance == of_new(last));
+}
+
+/// A session of much work ends at once.
+#[test]
+fn a_session_ends_at_once() {
+    let session = Session::new(
+        Renderer::new(
+            scene(1920, 1080),
+            Animation::default(),
+            Settings { accuracy: Accuracy::new(0.001), samples: 16, ..Settings::default() },
+        )
+        .unwrap(),
+    );
+    thread::sleep(Duration::from_millis(50));
+    let watch = scene::Stopwatch::start();
+    drop(session);
+    let seconds = watch.seconds();
+    println!("ended after {:.1} ms", 1e3 * seconds);
+    assert!(seconds < 2.0, "{seconds} s");
+}
+
+/// The parts of the lights are the pixel, and the reference is near it.
+#[test]
+fn a_pixel_is_taken_apart() {
+    let scene = scene(64, 36);
+    let mut direct = renderer(scene);
+    let image = direct.render().unwrap();
+    let session = Session::new(direct);
+    let before = session.finished();
+    let mut penumbrae = 0;
+    for (x, y) in [(20, 30), (32, 30), (40, 28), (26, 24), (50, 33)] {
+        let Some(probe) = session.probe(x, y, 2048).recv().unwrap().unwrap() else { continue };
+        let pixel = image.radiance[(y * 64 + x) as usize];
+        assert_eq!(probe.radiance, pixel);
+        let sum: Vec3 = probe.lights.iter().map(|part| part.radiance).sum();
+        assert!((sum - pixel).abs().max_element() <= 1e-5 * pixel.max_element() + 1e-6, "{sum} {pixel}");
+        let [want, error] = probe.reference;
+        let allowed = 5.0 * error.max_element() + 0.01 * want.max_element() + 1e-4;
+        assert!((want - sum).abs().max_element() <= allowed, "{x} {y}: {want} {sum}");
+        penumbrae += probe.lights.iter().filter(|part| part.visible.x > 0.0 && part.visible.x < 1.0).count();
+    }
+    println!("{penumbrae} in penumbra");
+    assert!(session.probe(0, 0, 8).recv().unwrap().unwrap().is_none_or(|probe| probe.radiance.is_finite()));
+    // Questions leave the picture as it is.
+    assert!(session.finished().radiance == before.radiance);
+}
