@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// One that nobody has made yet.
+    /// A request that was not made yet.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
