@@ -25,6 +25,9 @@ const PATIENCE: Duration = Duration::from_millis(200);
 /// True once Ctrl-C ends the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
+/// The last line of a program that Ctrl-C has ended.
+pub(crate) const INTERRUPTED: &str = "lobes: interrupted; nothing half-written";
+
 /// Waits for the end of the program once Ctrl-C has begun it. Its files are removed meanwhile, and errors that follow from this
 /// are not reported.
 pub(crate) fn give_way() {
@@ -48,7 +51,7 @@ pub(crate) fn catch_interrupts() -> Result<(), Failure> {
         }
         ENDING.store(true, Ordering::SeqCst);
         remove_unfinished();
-        note("lobes: interrupted; nothing half-written");
+        note(INTERRUPTED);
         std::process::exit(130);
     })
     .map_err(|e| Failure::new(format_args!("cannot catch Ctrl-C: {e}")))
@@ -66,7 +69,7 @@ pub(crate) fn stoppable<T>(work: impl FnOnce() -> T) -> T {
 pub(crate) fn cancellable<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     HASTY.store(true, Ordering::SeqCst);
     stoppable(work).map_err(|failure| match STOP.is_cancelled() {
-        true => Failure::interrupted("nothing half-written"),
+        true => Failure::interrupted(""),
         false => failure,
     })
 }

@@ -1,3 +1,4 @@
+use crate::console;
 use std::fmt::Display;
 use std::process::ExitCode;
 
@@ -14,7 +15,7 @@ impl Failure {
         Self { message: message.to_string(), code: 2 }
     }
 
-    /// Ctrl-C, after everything was put away.
+    /// Ctrl-C, after everything was put away; no message where nothing is left of the work.
     pub(crate) fn interrupted(message: impl Display) -> Self {
         Self { message: message.to_string(), code: 130 }
     }
@@ -24,11 +25,14 @@ impl Failure {
     }
 
     pub(crate) fn report(self) -> ExitCode {
-        crate::console::give_way();
+        console::give_way();
         // A message that quotes a file or a parser may hold line breaks.
         let line = self.message.split_whitespace().collect::<Vec<_>>().join(" ");
-        let label = if self.code == 130 { "interrupted" } else { "error" };
-        crate::console::note(format_args!("lobes: {label}: {line}"));
+        match self.code {
+            130 if line.is_empty() => console::note(console::INTERRUPTED),
+            130 => console::note(format_args!("lobes: interrupted: {line}")),
+            _ => console::note(format_args!("lobes: error: {line}")),
+        }
         ExitCode::from(self.code)
     }
 }

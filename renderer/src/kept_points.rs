@@ -47,9 +47,12 @@ impl KeptPoints {
             self.clear_parts();
             self.samples = samples;
         }
+        let more = rays(window, samples);
+        if more > KEPT_RAYS {
+            return;
+        }
         self.parts.retain(|(kept, _)| !kept.overlaps(window));
         self.rays = self.parts.iter().map(|(kept, _)| rays(kept, samples)).sum();
-        let more = rays(window, samples);
         if self.rays + more <= KEPT_RAYS {
             self.rays += more;
             self.parts.push((window.clone(), points));

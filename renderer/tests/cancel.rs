@@ -5,6 +5,7 @@ use lighting::SphereLight;
 use lobe_core::Sphere;
 use renderer::{RenderError, Renderer, Settings};
 use scene::{Animation, Cancel, Object, Proxy, Scene, Strategy};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 use test_scenes::{floor_and_ball, globe};
@@ -32,20 +33,39 @@ fn renderer(scene: Scene, strategy: Option<Strategy>) -> Renderer {
     Renderer::new(scene, Animation::default(), Settings { strategy, ..Settings::default() }).expect("a scene")
 }
 
-/// Cancels a picture after some time. The time from the request to the end, if it came before the picture was done.
-fn stop_after(renderer: &mut Renderer, wait: Duration) -> Option<Duration> {
+/// Tests are measured one by one: they share the threads.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Seconds that all threads of this process have computed, where Linux tells: other programs do not count.
+fn computed() -> Option<Duration> {
+    let tasks = std::fs::read_dir("/proc/self/task").ok()?;
+    let texts = tasks.flatten().filter_map(|task| std::fs::read_to_string(task.path().join("schedstat")).ok());
+    Some(Duration::from_nanos(texts.filter_map(|text| text.split(' ').next()?.parse::<u64>().ok()).sum()))
+}
+
+/// Cancels a picture after some time. The time from the request to the end, and the part of it that each thread of the pool has
+/// computed, if the request came before the picture was done.
+fn stop_after(renderer: &mut Renderer, wait: Duration) -> Option<[Duration; 2]> {
     let cancel = Cancel::new();
     renderer.set_cancel(cancel.clone());
     let other = thread::spawn(move || {
         thread::sleep(wait);
+        let before = computed();
         cancel.cancel();
-        Instant::now()
+        (Instant::now(), before)
     });
     let image = renderer.render();
-    let end = Instant::now();
-    let asked = other.join().expect("a request");
+    let (end, after) = (Instant::now(), computed());
+    let (start, before) = other.join().expect("a request");
+    let work = after.zip(before).map_or(Duration::ZERO, |(after, before)| after.saturating_sub(before));
     match image {
-        Err(RenderError::Cancelled) => Some(end.saturating_duration_since(asked)),
+        Err(RenderError::Cancelled) => {
+            Some([end.saturating_duration_since(start), work / rayon::current_num_threads() as u32])
+        }
         Err(error) => panic!("{error}"),
         Ok(_) => None,
     }
@@ -53,6 +73,7 @@ fn stop_after(renderer: &mut Renderer, wait: Duration) -> Option<Duration> {
 
 #[test]
 fn pictures_end_soon_and_the_next_one_is_right() {
+    let _alone = alone();
     for strategy in STRATEGIES {
         let scene = slow(320, 180);
         let fresh = renderer(scene.clone(), strategy).render().expect("a picture");
@@ -65,14 +86,15 @@ fn pictures_end_soon_and_the_next_one_is_right() {
         let image = edited.render().expect("a picture");
         assert!(image.radiance == fresh.radiance, "{strategy:?}");
         assert!(!delays.is_empty(), "{strategy:?}: done before every request");
-        // 5 ms on an idle machine; threads of others may come first here.
-        let worst = delays.iter().max().expect("a delay");
-        assert!(*worst < Duration::from_millis(500), "{strategy:?}: {delays:?}");
+        // 5 ms on an idle machine. Here threads of other programs may come first, and tests are compiled for speed in part only.
+        let worst = |k: usize| delays.iter().map(|delay| delay[k]).max().expect("a delay");
+        assert!(worst(0) < Duration::from_secs(1) && worst(1) < Duration::from_millis(20), "{strategy:?}: {delays:?}");
     }
 }
 
 #[test]
 fn a_request_that_was_made_before_stops_everything() {
+    let _alone = alone();
     let mut renderer = renderer(slow(64, 36), None);
     let cancel = Cancel::new();
     cancel.cancel();
@@ -85,6 +107,7 @@ fn a_request_that_was_made_before_stops_everything() {
 /// An edit in between is not lost, whatever the request has cut short.
 #[test]
 fn edits_survive_a_request() {
+    let _alone = alone();
     let mut edited = renderer(slow(160, 90), None);
     edited.render().expect("a picture");
     let object = edited.objects().nth(2).expect("the globe").0;
@@ -103,23 +126,22 @@ fn edits_survive_a_request() {
 #[test]
 #[ignore = "a measurement, for an idle machine"]
 fn report() {
+    let _alone = alone();
     for strategy in STRATEGIES {
         let mut edited = renderer(slow(1280, 720), strategy);
         edited.render().expect("a picture");
         let light = edited.lights().next().map(|(handle, light)| (handle, light.clone())).expect("a light");
         let mut delays = Vec::new();
-        for k in 0..200 {
+        for k in 0..60 {
             edited.set_light(light.0, light.1.clone()).expect("a light");
-            delays.extend(stop_after(&mut edited, Duration::from_micros(500 + 137 * k)));
+            delays.extend(stop_after(&mut edited, Duration::from_micros(500 + 900 * k)));
         }
-        delays.sort_unstable();
-        let at = |share: f64| delays[((delays.len() - 1) as f64 * share) as usize].as_secs_f64() * 1e3;
-        println!(
-            "{strategy:?}: {} stopped; median {:.2} ms, 99 % {:.2} ms, most {:.2} ms",
-            delays.len(),
-            at(0.5),
-            at(0.99),
-            at(1.0)
-        );
+        let show = |k: usize| {
+            let mut all: Vec<f64> = delays.iter().map(|delay| 1e3 * delay[k].as_secs_f64()).collect();
+            all.sort_unstable_by(f64::total_cmp);
+            let at = |part: f64| all[((all.len() - 1) as f64 * part) as usize];
+            format!("median {:.2} ms, 99 % {:.2} ms, most {:.2} ms", at(0.5), at(0.99), at(1.0))
+        };
+        println!("{strategy:?}: {} stopped; {}; computed by each thread: {}", delays.len(), show(0), show(1));
     }
 }

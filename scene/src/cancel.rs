@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// A token that is not cancelled yet.
+    /// A request that was not made yet.
     #[must_use]
     pub fn new() -> Self {
         Self::default()

@@ -4,9 +4,9 @@ use renderer::{RenderError, Renderer};
 /// The steps that led here, and those that were taken back.
 #[derive(Debug, Default)]
 pub(crate) struct History {
-    /// What takes each step back, the latest last.
+    /// The edits that take each step back, the latest last.
     done: Vec<Edit>,
-    /// What makes each again.
+    /// The edits that make each again.
     undone: Vec<Edit>,
     /// Whether the next edit of the same thing belongs to the latest step.
     is_open: bool,

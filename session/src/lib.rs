@@ -1,4 +1,4 @@
-//! A renderer on a thread of its own, for whoever changes a scene while looking at it.
+//! A renderer on a thread of its own, for programs that change a scene while it is looked at.
 //!
 //! - [`Session`]: takes an [`Edit`] at any time and never waits; gives the newest [`Picture`]. After an edit a coarse picture comes
 //!   first where the whole one would take too long; the whole one follows when nothing changes any more, with the same bits as

@@ -21,7 +21,7 @@ pub struct Session {
     worker: Option<JoinHandle<()>>,
 }
 
-/// What edits may interrupt.
+/// Whether edits may interrupt the work that runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Control {
     /// The first picture after an edit: nothing may.
@@ -30,7 +30,7 @@ pub(crate) enum Control {
     Refining,
 }
 
-/// What both threads have.
+/// The state that both threads have.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     state: Mutex<State>,
