@@ -97,6 +97,9 @@
 //! # Ok::<(), cosine_lobes::renderer::RenderError>(())
 //! ```
 //!
+//! A window hands its edits to a [`Session`](session::Session), which renders on a thread of its own, shows a coarse picture first where the
+//! whole one takes too long, and takes steps back.
+//!
 //! # Own parts
 //!
 //! A material is a [`Model`](brdf::Model), a light a [`LightKind`](lighting::LightKind), a strategy a
@@ -168,7 +171,7 @@
 //!
 //! # Crates
 //!
-//! Each crate of the workspace is a module here. [`scene`]: scenes and their files. [`renderer`]: the front door. [`brdf`], [`lighting`]:
+//! Each crate of the workspace is a module here. [`scene`]: scenes and their files. [`renderer`]: the front door; [`session`]: the same on a thread of its own. [`brdf`], [`lighting`]:
 //! materials and lights as lobes; [`lobe_core`]: lobes, their integrals and the traits. [`visibility_mask`], [`visibility_silhouettes`],
 //! [`visibility_spheres`], [`sphere_sets`], [`visibility_shadowmap`], [`visibility_rays`]: visibility. [`render_cpu`], `render_gpu`: shading. [`ray_tracing`]: rays
 //! and visible points. [`reference`](mod@reference): Monte Carlo. [`pictures`]: image files and comparison.
@@ -193,6 +196,7 @@ pub use render_cpu;
 pub use render_gpu;
 pub use renderer;
 pub use scene;
+pub use session;
 pub use sphere_sets;
 pub use visibility_mask;
 pub use visibility_rays;
