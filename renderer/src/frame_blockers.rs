@@ -146,7 +146,7 @@ impl<'a> FrameBlockers<'a> {
                 HidesFrom::Drawn => Stops::Alike,
             });
             let stops: Vec<Stops> = stops.collect();
-            let traced = stops.iter().any(|stops| *stops != Stops::None).then(|| (self.world, stops));
+            let traced = stops.iter().any(|stops| *stops != Stops::None).then_some((self.world, stops));
             if method == Method::Lobes {
                 return Err(RenderError::NotOnGpu(crate::error::LOBES));
             }
