@@ -1,5 +1,6 @@
 //! Requests to stop: pictures end soon, and the renderer is as good as before.
 
+use core::ops::ControlFlow;
 use glam::{Mat4, Vec3};
 use lighting::SphereLight;
 use lobe_core::Sphere;
@@ -78,8 +79,17 @@ fn pictures_end_soon_and_the_next_one_is_right() {
         let scene = slow(320, 180);
         let fresh = renderer(scene.clone(), strategy).render().expect("a picture");
         let mut edited = renderer(scene, strategy);
+        // Hierarchies, silhouettes and maps, of which one is made to its end.
+        for wait in [0, 1, 3, 7, 15, 30] {
+            stop_after(&mut edited, Duration::from_millis(wait));
+        }
+        // All is made but the visible points and their shading.
+        edited.set_cancel(Cancel::new());
+        edited.warm_up(&mut |_| ControlFlow::Continue(())).expect("a scene");
         let mut delays = Vec::new();
-        for wait in [0, 1, 3, 7, 15, 30, 60] {
+        for wait in [1, 3, 7, 15, 30, 60] {
+            let camera = edited.scene().camera;
+            edited.set_camera(camera).expect("a camera");
             delays.extend(stop_after(&mut edited, Duration::from_millis(wait)));
         }
         edited.set_cancel(Cancel::new());
