@@ -521,7 +521,7 @@ impl Model for Retro {
 fn custom_models_are_models() {
     let retro: Material = Material::Custom(std::sync::Arc::new(Retro));
     crate::conformance::check(&Retro, &crate::conformance::BrdfLimits { energy: 1.0, ..Default::default() }).unwrap();
-    assert_eq!((&retro == &retro.clone(), retro == Material::Custom(std::sync::Arc::new(Retro))), (true, false));
+    assert_eq!((retro.clone() == retro, retro == Material::Custom(std::sync::Arc::new(Retro))), (true, false));
     assert!(!retro.takes_textures() && Material::lambert(Vec3::ONE).takes_textures());
     let gold = Material::from(MetallicRoughness::new(Vec3::ONE, 1.0, 0.3).unwrap());
     let materials = [Material::lambert(Vec3::ONE), retro, gold];

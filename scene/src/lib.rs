@@ -90,7 +90,8 @@ mod gltf_material;
 mod gltf_mesh;
 #[cfg(feature = "files")]
 mod gltf_nodes;
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
+#[cfg(feature = "files")]
 mod gltf_tests;
 #[cfg(feature = "files")]
 mod gltf_texture;
@@ -109,9 +110,11 @@ mod mesh;
 mod mesh_file;
 #[cfg(feature = "files")]
 mod mesh_scene;
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
+#[cfg(feature = "files")]
 mod mesh_tests;
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
+#[cfg(feature = "files")]
 mod motion_tests;
 #[cfg(feature = "files")]
 mod mtl;
@@ -128,7 +131,8 @@ mod scene;
 mod scene_environment;
 #[cfg(feature = "files")]
 mod scene_file;
-#[cfg(all(test, feature = "files"))]
+#[cfg(test)]
+#[cfg(feature = "files")]
 mod scene_file_tests;
 #[cfg(feature = "files")]
 mod scene_light;

@@ -10,7 +10,7 @@ use scene::{Camera, Strategy, Surface};
 #[non_exhaustive]
 pub enum Edit {
     /// Another light in the place of one.
-    Light(LightHandle, Light),
+    Light(LightHandle, Box<Light>),
     /// Where an object stands, from where it stood when it came.
     Transform(ObjectHandle, Mat4),
     /// Another material in the place of one, and what surfaces show beside it.
@@ -41,8 +41,8 @@ impl Edit {
         match self {
             Self::Light(handle, light) => {
                 let before = renderer.lights().find(|(known, _)| *known == handle).map(|(_, light)| light.clone());
-                renderer.set_light(handle, light.clone())?;
-                Ok(Self::Light(handle, before.unwrap_or(light)))
+                renderer.set_light(handle, (*light).clone())?;
+                Ok(Self::Light(handle, before.map_or(light, Box::new)))
             }
             Self::Transform(handle, matrix) => {
                 let before = renderer.transform(handle).unwrap_or(Mat4::IDENTITY);

@@ -17,7 +17,7 @@
 //! let renderer = Renderer::new(scene, scene::Animation::default(), Settings::default())?;
 //! let (light, lamp) = renderer.lights().next().map(|(handle, light)| (handle, light.clone())).expect("a light");
 //! let session = Session::new(renderer);
-//! session.edit(Edit::Light(light, lamp.moved(Mat4::from_translation(Vec3::X))));
+//! session.edit(Edit::Light(light, lamp.moved(Mat4::from_translation(Vec3::X)).into()));
 //! let picture = session.finished();
 //! assert_eq!((picture.size, picture.divisor, picture.edits), ([64, 36], 1, 1));
 //! # Ok::<(), renderer::RenderError>(())

@@ -41,7 +41,7 @@ fn the_picture_in_the_end_is_that_of_a_new_renderer() {
     assert_eq!(session.finished().radiance, of_new(scene.clone()));
     let matrix = Mat4::from_translation(Vec3::new(0.1, 0.2, -0.1));
     let camera = scene::Camera { eye: scene.camera.eye + Vec3::X * 0.3, ..scene.camera };
-    session.edit(Edit::Light(light, turned(&scene, 0, 9)));
+    session.edit(Edit::Light(light, turned(&scene, 0, 9).into()));
     session.edit(Edit::Transform(object, matrix));
     session.edit(Edit::Camera(camera));
     session.edit(Edit::Size(80, 50));
@@ -64,10 +64,10 @@ fn steps_are_taken_back_and_made_again() {
     let session = Session::new(renderer);
     let before = session.finished();
     // A drag is one step, until it is closed.
-    (1..9).for_each(|step| session.edit(Edit::Light(light, turned(&scene, 0, step))));
+    (1..9).for_each(|step| session.edit(Edit::Light(light, turned(&scene, 0, step).into())));
     session.close_step();
     let dragged = session.finished();
-    session.edit(Edit::Light(light, turned(&scene, 0, 30)));
+    session.edit(Edit::Light(light, turned(&scene, 0, 30).into()));
     session.edit(Edit::Transform(object, Mat4::from_translation(Vec3::Y * 0.3)));
     let after = session.finished();
     let step = |go: fn(&Session)| -> Arc<Picture> {
@@ -92,7 +92,7 @@ fn refused_edits_change_nothing_and_are_said() {
     let light = first_light(&renderer);
     let session = Session::new(renderer);
     let before = session.finished();
-    session.edit(Edit::Light(light, scene.lights[0].moved(Mat4::from_translation(Vec3::splat(f32::NAN)))));
+    session.edit(Edit::Light(light, scene.lights[0].moved(Mat4::from_translation(Vec3::splat(f32::NAN))).into()));
     session.edit(Edit::Size(0, 10));
     let after = session.finished();
     assert!(after.edits == 2 && after.radiance == before.radiance);
@@ -113,7 +113,7 @@ fn a_dragged_light_is_seen_while_it_moves() {
     let mut latencies: Vec<f64> = Vec::new();
     let mut seen = 0;
     for step in 1..=60 {
-        session.edit(Edit::Light(light, turned(&scene, 0, step)));
+        session.edit(Edit::Light(light, turned(&scene, 0, step).into()));
         thread::sleep(Duration::from_millis(16));
         let picture = session.picture();
         if picture.edits != seen && picture.latency > 0.0 {
