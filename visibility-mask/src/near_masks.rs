@@ -170,29 +170,29 @@ fn next(mask: &Mask, job: &Job, block: &Block, smallest: Vec2) -> [Option<Job>; 
         return one(around);
     }
     let across = usize::from(rows.len() as f32 / all.y > samples.len() as f32 / all.x);
-    let middle = (block[across].start + block[across].end) / 2;
-    let part = |first: bool| {
-        let mut block = block.clone();
-        block[across] = if first { block[across].start..middle } else { middle..block[across].end };
-        let cut = window.low[across] + window.size()[across] * (middle as f32 / all[across]);
-        let mut limit = limit;
-        if first {
-            limit.high[across] = cut;
-        } else {
-            limit.low[across] = cut;
-        }
-        let [samples, rows] = block;
-        // Shifts of rows may move a sample across the cut.
-        let window = match lit_block(mask, samples, rows) {
-            Some(lit) => rect(mask, &lit).within(limit),
-            None => return None,
-        };
-        Some(Job { window, limit })
-    };
-    match [part(true), part(false)] {
+    match [true, false].map(|first| part(mask, job, block, across, first)) {
         [None, only] => [only, None],
         parts => parts,
     }
+}
+
+/// What is drawn of one side of the middle of a block, cut across its samples (0) or its rows (1).
+fn part(mask: &Mask, job: &Job, block: &Block, across: usize, first: bool) -> Option<Job> {
+    let Job { window, mut limit } = *job;
+    let middle = (block[across].start + block[across].end) / 2;
+    let count = [mask.width(), mask.side()][across] as f32;
+    let cut = window.low[across] + window.size()[across] * (middle as f32 / count);
+    let mut block = block.clone();
+    if first {
+        block[across].end = middle;
+        limit.high[across] = cut;
+    } else {
+        block[across].start = middle;
+        limit.low[across] = cut;
+    }
+    let [samples, rows] = block;
+    // Shifts of rows may move a sample across the cut.
+    lit_block(mask, samples, rows).map(|lit| Job { window: rect(mask, &lit).within(limit), limit })
 }
 
 /// Samples and rows of a part of a mask that are lit lie between these.
