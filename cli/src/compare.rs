@@ -97,15 +97,17 @@ fn print(c: &Comparison, flip: f64, shadows: Option<&ShadowErrors>) {
     say(format_args!("bias            {:+.6}  {}", c.bias, percent(c.bias)));
     say(format_args!("mean relative   {:.4} %", 100.0 * c.mean_relative));
     say(format_args!("FLIP            {flip:.5}"));
-    let Some(s) = shadows else { return };
-    let line = |name: &str, r: &RegionError| {
+    let line = |name: &str, of: &str, r: &RegionError| {
         let [mean, p99, max] = [r.mean, r.p99, r.max].map(|x| 100.0 * x);
         format!(
-            "{name:15} {} pixels, error in % of unshadowed: mean {mean:.4}, 99th percentile {p99:.4}, max {max:.4}",
+            "{name:15} {} pixels, error in % of {of}: mean {mean:.4}, 99th percentile {p99:.4}, max {max:.4}",
             r.pixels
         )
     };
-    say(line("penumbra", &s.penumbra));
-    say(line("fully lit", &s.lit));
-    say(format_args!("{}; {} not exactly 0", line("fully dark", &s.dark), s.dark_nonzero));
+    say(line("own radiance", "the pixel's own", &c.own));
+    let Some(s) = shadows else { return };
+    let unshadowed = "unshadowed";
+    say(line("penumbra", unshadowed, &s.penumbra));
+    say(line("fully lit", unshadowed, &s.lit));
+    say(format_args!("{}; {} not exactly 0", line("fully dark", unshadowed, &s.dark), s.dark_nonzero));
 }

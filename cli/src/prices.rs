@@ -66,8 +66,8 @@ impl Prices {
     pub(crate) fn print(&self) {
         let [width, height] = self.size;
         say(format_args!(
-            "prices     at {width} x {height}, tolerance {TOLERANCE}, {} threads; errors over {} points in penumbra, from the exact \
-             picture",
+            "prices     at {width} x {height}, tolerance {TOLERANCE}, {} threads; errors over {} points in penumbra, of unshadowed \
+             radiance, from the exact picture",
             rayon::current_num_threads(),
             self.penumbra
         ));

@@ -30,6 +30,9 @@ pub struct Comparison {
     pub max: f64,
     /// Mean over pixels of `|A − B|/B` in luminance ("pixel to pixel"), where B exceeds a thousandth of its mean.
     pub mean_relative: f64,
+    /// `|A − B|/B` in luminance where B is at least a thousandth of white: the error of each pixel as a fraction of its own radiance. White is
+    /// twice the luminance that nine of ten lit pixels of B stay below, as a picture is exposed.
+    pub own: RegionError,
     /// Signed mean error, `mean (A − B)`.
     pub bias: f64,
     /// Mean of the reference.
@@ -63,11 +66,14 @@ impl Comparison {
             .map(|(a, b)| (luminance(*a), luminance(*b)))
             .filter(|(_, b)| *b > floor && *b > 0.0)
             .map(|(a, b)| (a - b).abs() / b);
+        let darkest = DARKEST * white(reference);
+        let own = pairs().map(|(a, b)| (luminance(*a), luminance(*b))).filter(|(_, b)| *b > 0.0 && *b >= darkest);
         Ok(Self {
             mae: absolute / count,
             rmse: (squared / count).sqrt(),
             max,
             mean_relative: mean(relative),
+            own: RegionError::of(own.map(|(a, b)| (a - b).abs() / b).collect()),
             bias: bias / count,
             reference_mean: total / count,
             pixels: test.pixels().len(),
@@ -75,12 +81,25 @@ impl Comparison {
     }
 }
 
+/// Pixels darker than this part of white have no error of their own.
+const DARKEST: f64 = 1e-3;
+/// So many of the lit pixels are darker than half of white.
+const BRIGHT: f64 = 0.9;
+
+/// The luminance of white in a picture that is exposed for it.
+fn white(picture: &Picture) -> f64 {
+    let mut lit: Vec<f64> =
+        picture.pixels().iter().map(|p| luminance(*p)).filter(|y| *y > 0.0 && y.is_finite()).collect();
+    lit.sort_unstable_by(f64::total_cmp);
+    lit.len().checked_sub(1).map_or(0.0, |last| 2.0 * lit[(BRIGHT * last as f64).round() as usize])
+}
+
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0usize), |(s, n), v| (s + v, n + 1));
     if count == 0 { 0.0 } else { sum / count as f64 }
 }
 
-/// Errors over some of the pixels, as fractions of the unshadowed radiance.
+/// Errors over some of the pixels, as fractions of their unshadowed radiance or of their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct RegionError {
     /// Number of pixels.
@@ -175,6 +194,18 @@ mod tests {
         assert_eq!((c.mae, c.max, c.bias, c.reference_mean, c.pixels), (1.125, 2.0, -0.875, 2.0, 4));
         assert!((c.rmse - (8.25f64 / 4.0).sqrt()).abs() < 1e-12);
         assert!((c.mean_relative - (0.5 + 0.5 + 2.0 / 3.0) / 3.0).abs() < 1e-12);
+        assert_eq!((c.own.pixels, c.own.max), (3, 2.0 / 3.0));
+        assert!((c.own.mean - (0.5 + 0.5 + 2.0 / 3.0) / 3.0).abs() < 1e-12);
+    }
+
+    /// Pixels darker than a thousandth of white, twice the ninth of ten pixels, have no error of their own.
+    #[test]
+    fn own_errors_end_at_a_thousandth_of_white() {
+        let reference = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 64.0, 0.003, 0.001, 0.0];
+        let test = reference.map(|b| 1.25 * b);
+        let c = Comparison::of(&gray(&test), &gray(&reference)).unwrap();
+        assert_eq!(c.own.pixels, 9);
+        assert!((c.own.mean - 0.25).abs() < 1e-6 && (c.own.max - 0.25).abs() < 1e-6);
     }
 
     #[test]

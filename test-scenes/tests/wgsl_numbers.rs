@@ -86,6 +86,12 @@ const PAIRS: &[Pair] = &[
     ("visibility-mask/src/visibility.wgsl", "CROWDED", Is("visibility-mask/src/visibility.rs", "CROWDED")),
     ("visibility-mask/src/visibility.wgsl", "COARSE", Is("visibility-mask/src/fineness.rs", "COARSE")),
     ("visibility-mask/src/visibility.wgsl", "FINEST", Is("lobe-core/src/accuracy.rs", "FINEST")),
+    ("visibility-mask/src/near.wgsl", "NEAR_LITTLE", Is("visibility-mask/src/near_masks.rs", "LITTLE")),
+    ("visibility-mask/src/near.wgsl", "NEAR_LEAST", Is("visibility-mask/src/near_masks.rs", "LEAST")),
+    ("visibility-mask/src/near.wgsl", "NEAR_FEW", Is("visibility-mask/src/near_masks.rs", "FEW")),
+    ("visibility-mask/src/near.wgsl", "NEAR_OF", Is("visibility-mask/src/near_masks.rs", "OF")),
+    ("visibility-mask/src/near.wgsl", "NEAR_ROOM_SAMPLES", Is("visibility-mask/src/near_masks.rs", "ROOM_SAMPLES")),
+    ("visibility-mask/src/near.wgsl", "NEAR_ROOM_ROWS", Is("visibility-mask/src/near_masks.rs", "ROOM_ROWS")),
     ("visibility-mask/src/visibility_window.wgsl", "STEEP", Is("visibility-mask/src/visibility.rs", "STEEP")),
     ("visibility-shadowmap/src/coverage.wgsl", "MAP_DIAGONAL", Number(consts::FRAC_1_SQRT_2)),
     // A layer of the packed map that has no surface.
@@ -119,6 +125,16 @@ const PAIRS: &[Pair] = &[
         "visibility-silhouettes/src/silhouettes.wgsl",
         "SILHOUETTES_AROUND_SQ",
         Is("visibility-silhouettes/src/select.rs", "AROUND_SQ"),
+    ),
+    (
+        "visibility-silhouettes/src/silhouettes_splat.wgsl",
+        "SILHOUETTES_PARTS",
+        Is("visibility-silhouettes/src/bounds.rs", "PARTS"),
+    ),
+    (
+        "visibility-silhouettes/src/silhouettes_splat.wgsl",
+        "SILHOUETTES_SHALLOW",
+        Is("visibility-silhouettes/src/bounds.rs", "SHALLOW"),
     ),
     // The CPU's hulls have margins of their own.
     ("visibility-silhouettes/src/silhouettes.wgsl", "SILHOUETTES_ROUNDING", Own),

@@ -1,9 +1,8 @@
 //! For tests of the WGSL alone: what a mask is made of.
 
 use crate::counts::Counts;
-use crate::visible_fraction::sums;
+use crate::visible_fraction::{narrowest, sums};
 use crate::{Mask, UnitSquare};
-use core::slice;
 use glam::Vec3;
 use lobe_core::{Lobe, Receiver};
 
@@ -25,5 +24,7 @@ pub fn row(mask: &Mask, j: usize) -> [u64; 4] {
 /// The fraction of a lobe's light that the mask leaves.
 #[must_use]
 pub fn fraction_of(mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
-    sums(mask, mask.square(), at, lobe, &mut Counts::default()).ratio(slice::from_ref(mask))
+    let lobe = Lobe { exponent: lobe.exponent.min(narrowest(mask)), ..*lobe };
+    sums(mask, mask.square(), at, &lobe, &mut Counts::default())
+        .ratio(|| mask.lit_count() as f32 / mask.emitting_count().max(1) as f32)
 }

@@ -53,6 +53,7 @@ mod lanes;
 mod mask;
 mod mixture;
 mod moments;
+mod near_masks;
 mod optional;
 mod paper_visibility;
 mod paper_weights;

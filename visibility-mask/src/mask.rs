@@ -400,6 +400,38 @@ impl Mask {
         (from, (to - from).max(0.0))
     }
 
+    /// Number of samples that emit.
+    pub(crate) fn emitting_count(&self) -> u32 {
+        (0..self.side()).map(|j| self.emitting[1][j].saturating_sub(self.emitting[0][j])).sum()
+    }
+
+    /// Number of samples that are lit.
+    pub(crate) fn lit_count(&self) -> u32 {
+        dispatch!(Level::new(), _simd => self.count_lit())
+    }
+
+    #[inline(always)]
+    fn count_lit(&self) -> u32 {
+        if self.coarse {
+            let [low, high] = self.halves();
+            let both = low.iter().zip(high).map(|(low, high)| u64::from(*low) | u64::from(*high) << 32);
+            return both.map(u64::count_ones).sum();
+        }
+        self.fine_rows().iter().map(row::count).sum()
+    }
+
+    /// The rows and the samples that all that is lit lies in; none where nothing is.
+    pub(crate) fn lit_block(&self) -> Option<[core::ops::Range<u32>; 2]> {
+        let bounds = dispatch!(Level::new(), simd => self.lit_bounds(simd));
+        let LitBounds { rows, samples } = bounds;
+        (!bounds.is_empty()).then(|| [samples[0]..samples[1], rows[0]..rows[1].min(self.side() as u32)])
+    }
+
+    /// What a sample stands for in plane coordinates.
+    pub(crate) fn sample_area(&self) -> f32 {
+        self.cell().element_product() * self.side() as f32 / self.width() as f32
+    }
+
     /// Emitting and lit area in cells.
     #[must_use]
     pub fn areas(&self) -> (f32, f32) {

@@ -1,4 +1,5 @@
-use crate::{Blockers, Edges, Mask};
+use crate::{Blockers, Edges, Mask, UnitSquare};
+use glam::Vec2;
 use lobe_core::{Coverage, Shaft, VisibilityQuery};
 
 /// Two kinds of blockers in one mask: what either hides is hidden. Pairs of pairs give more.
@@ -67,6 +68,21 @@ impl<A: Blockers, B: Blockers> Blockers for Mixture<A, B> {
         }
         if scratch.partial.1 {
             self.second.edges(query, &scratch.second, edges);
+        }
+    }
+
+    fn edge_bounds(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &Self::Scratch,
+        window: &UnitSquare,
+    ) -> Option<[Vec2; 2]> {
+        let first = || self.first.edge_bounds(query, &scratch.first, window);
+        let second = || self.second.edge_bounds(query, &scratch.second, window);
+        match scratch.partial {
+            (true, false) => first(),
+            (false, true) => second(),
+            _ => first().zip(second()).map(|([a, b], [c, d])| [a.min(c), b.max(d)]),
         }
     }
 

@@ -1,4 +1,5 @@
-use crate::{Blockers, Edges, Mask};
+use crate::{Blockers, Edges, Mask, UnitSquare};
+use glam::Vec2;
 use lobe_core::{Coverage, Shaft, VisibilityQuery};
 
 /// Blockers that a scene may not have: `None` blocks nothing, at the cost of one branch a query.
@@ -38,6 +39,15 @@ impl<B: Blockers> Blockers for Option<B> {
         }
     }
 
+    fn edge_bounds(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &Self::Scratch,
+        window: &UnitSquare,
+    ) -> Option<[Vec2; 2]> {
+        self.as_ref().zip(scratch.as_ref()).and_then(|(blockers, scratch)| blockers.edge_bounds(query, scratch, window))
+    }
+
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {
         if let (Some(blockers), Some(scratch)) = (self, scratch) {
             blockers.splat(query, scratch, mask);
@@ -63,6 +73,15 @@ impl<B: Blockers> Blockers for &B {
 
     fn edges(&self, query: &VisibilityQuery<'_>, scratch: &Self::Scratch, edges: &mut Edges) {
         B::edges(self, query, scratch, edges);
+    }
+
+    fn edge_bounds(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &Self::Scratch,
+        window: &UnitSquare,
+    ) -> Option<[Vec2; 2]> {
+        B::edge_bounds(self, query, scratch, window)
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {

@@ -204,6 +204,7 @@ fn either<S: Simd>(words: u32x8<S>) -> u32 {
 }
 
 /// Number of samples.
+#[inline(always)]
 pub(crate) fn count(row: &Row) -> u32 {
     row.0.iter().map(|word| word.count_ones()).sum()
 }

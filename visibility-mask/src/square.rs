@@ -205,6 +205,11 @@ impl UnitSquare {
         Self { center, half, ..*self }
     }
 
+    /// Half the side of the smallest window.
+    pub(crate) fn smallest(&self) -> f32 {
+        THINNEST * self.disc
+    }
+
     /// The part `k` of the window divided into so many across and upward.
     pub(crate) fn part(&self, k: u32, across: UVec2) -> Self {
         if across == UVec2::ONE {

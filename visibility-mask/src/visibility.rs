@@ -3,7 +3,7 @@ use crate::quadtree_cut::{QuadtreeCut, QuadtreeMoments};
 use crate::square::WIDEST_TAN;
 use crate::window_masks::{WindowMasks, image_fractions, microfacet_fractions};
 use crate::{Edges, Fineness, MAX_DEPTH, Mask, UnitSquare};
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use lobe_core::{
     Accuracy, BrdfLobe, Cone, Coverage, LightImage, Lobe, Microfacets, Outline, Schlick, Shaft, Visibility,
     VisibilityLobes, VisibilityQuery, VisibilitySum, is_lambert,
@@ -83,6 +83,18 @@ pub trait Blockers: Sync {
         edges.across()
     }
 
+    /// Two corners of the plane of a window between which all edges in it lie, where that is known: more than masks show may be lit there
+    /// and nowhere else. Only after [`splat`](Self::splat) of the same query. Provided: nothing is known.
+    fn edge_bounds(
+        &self,
+        query: &VisibilityQuery<'_>,
+        scratch: &Self::Scratch,
+        window: &UnitSquare,
+    ) -> Option<[Vec2; 2]> {
+        let _ = (query, scratch, window);
+        None
+    }
+
     /// Blocks cells of the mask, whose window is any part of the receiver's unit square. Only after
     /// [`select`](Self::select) of the same query.
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask);
@@ -91,7 +103,8 @@ pub trait Blockers: Sync {
 /// The `moments` visibility: any [`Blockers`] through the mask.
 ///
 /// # Method
-/// The blockers fill a mask of the whole light; a lobe narrower than the light has a mask of its own over the part of the
+/// The blockers fill a mask of the whole light. Where so little of it is lit that few samples tell its size, masks are drawn again in windows
+/// around what is lit, or around all edges where that is less than half of the light, so that the error is small beside what is seen. A lobe narrower than the light has a mask of its own over the part of the
 /// light that it sees, since there the cells would limit the accuracy. As things move, samples come and go: below a
 /// tolerance of 0.5 % what a narrow lobe sees is divided into 2 × 2 parts with a mask each, below 0.2 % into 3 × 2 and the
 /// whole light into 2 × 2 ([`Fineness`]), so that of
@@ -197,7 +210,7 @@ impl<B: Blockers> MaskVisibility<B> {
         let finer = near.is_none() && broad != narrow && size > 2.0 * microfacets.highlight().1;
         if let Some(square) = near.or(finer.then_some(whole)) {
             if !(finer && scratch.is_whole) {
-                self.draw(&square, narrow, query, &mut scratch.blockers, &mut scratch.own);
+                self.draw_narrow(&square, query, scratch);
             }
             scratch.is_whole = finer;
         }
@@ -219,7 +232,7 @@ impl<B: Blockers> MaskVisibility<B> {
         let Some(square) = self.window(query, brdf, whole, &scratch.blockers) else { return false };
         let is_whole = square == *whole;
         if !(is_whole && scratch.is_whole) {
-            self.draw(&square, self.narrow(query), query, &mut scratch.blockers, &mut scratch.own);
+            self.draw_narrow(&square, query, scratch);
             scratch.is_whole = is_whole;
         }
         true
@@ -241,17 +254,36 @@ impl<B: Blockers> MaskVisibility<B> {
         (depth(query.accuracy) + more).min(MAX_DEPTH)
     }
 
+    /// Draws the masks of a window of narrow lobes, and what little of it is lit again where that was done of the whole light.
+    fn draw_narrow(&self, square: &UnitSquare, query: &VisibilityQuery<'_>, scratch: &mut MaskScratch<B::Scratch>) {
+        let MaskScratch { blockers, full, own, .. } = scratch;
+        let fineness = [self.narrow(query), Fineness::narrow(evenly(query))];
+        self.draw(square, fineness, query, blockers, own, full.has_near());
+    }
+
+    /// Draws the masks of a window, of the first fineness, and what little of it is lit again if it `is_looked_into`, of the second.
     fn draw(
         &self,
         square: &UnitSquare,
-        fineness: Fineness,
+        [fineness, near]: [Fineness; 2],
         query: &VisibilityQuery<'_>,
         blockers: &mut B::Scratch,
         masks: &mut WindowMasks,
+        is_looked_into: bool,
     ) {
         let depth = self.depth(query);
         let draw = |mask: &mut Mask| self.blockers.splat(query, blockers, mask);
         masks.draw(square, fineness, depth, query.at.normal, query.outline, draw);
+        if self.is_single || !is_looked_into || !masks.is_little_lit() {
+            return;
+        }
+        let edges = self.blockers.edge_bounds(query, blockers, square);
+        masks.draw_near(edges, near.coarse, |square, mask| {
+            mask.reset_to(square, query.accuracy.depth.clamp(1, MAX_DEPTH), query.at.normal, query.outline);
+            if !mask.is_dark() {
+                self.blockers.splat(query, blockers, mask);
+            }
+        });
     }
 
     /// The blockers, given back.
@@ -313,7 +345,8 @@ impl<B: Blockers> Visibility for MaskVisibility<B> {
         let square = Self::whole(query, self.across(query, &scratch.blockers));
         scratch.is_whole = false;
         scratch.edge = None;
-        self.draw(&square, self.broad(query), query, &mut scratch.blockers, &mut scratch.full);
+        let fineness = [self.broad(query), Fineness::broad(evenly(query))];
+        self.draw(&square, fineness, query, &mut scratch.blockers, &mut scratch.full, true);
         scratch.full.coverage()
     }
 
@@ -415,8 +448,12 @@ fn toward_middle(outline: &Outline, cone: &Cone) -> Cone {
 /// The tolerance for a light that fills its window, with samples that stand for the same: a long one has few of the window's samples, a
 /// wide one few that count.
 fn tolerance(query: &VisibilityQuery<'_>) -> f32 {
-    let fill = query.outline.map_or(1.0, |outline| fill_factor(outline.roundness()));
-    query.accuracy.tolerance * fill * (2.0 * CROWDED / crowding(query)).min(1.0)
+    evenly(query) * (2.0 * CROWDED / crowding(query)).min(1.0)
+}
+
+/// The same where samples count alike.
+fn evenly(query: &VisibilityQuery<'_>) -> f32 {
+    query.accuracy.tolerance * query.outline.map_or(1.0, |outline| fill_factor(outline.roundness()))
 }
 
 /// The fill factor of a mask: the part of a tolerance that masks of a flat light of some [roundness](Outline::roundness) are made for.

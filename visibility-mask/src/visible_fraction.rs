@@ -85,7 +85,7 @@ pub(crate) fn microfacet_sums(
             by_sample::<_, COARSE, 2>(simd, mask, counts, weight)
         }
     })
-    .map(|sums| sums * (mask.cell().element_product() * mask.side() as f32 / mask.width() as f32))
+    .map(|sums| sums * mask.sample_area())
 }
 
 /// The sums of [`sums`] by channel of a light that shows an image, in steradians of samples. Samples in `skip`, a part of the mask along
@@ -106,7 +106,7 @@ pub(crate) fn image_sums(
         }
         BrdfLobe::Cosine(lobe) => {
             let axis = square.local(lobe.axis);
-            let half = 0.5 * lobe.exponent.min(narrowest(mask));
+            let half = 0.5 * lobe.exponent;
             let cosine = lobe.has_cosine;
             shown_sums(mask, shown, skip, counts, |p, inverse| {
                 let along = axis.dot(p);
@@ -120,7 +120,7 @@ pub(crate) fn image_sums(
             shown_sums(mask, shown, skip, counts, |p, inverse| microfacets.value(p * inverse.sqrt()))
         }
     };
-    sums.map(|sums| sums * (mask.cell().element_product() * mask.side() as f32 / mask.width() as f32))
+    sums.map(|sums| sums * mask.sample_area())
 }
 
 /// What a mask's light shows, and where in the mask's plane.
@@ -209,7 +209,7 @@ fn outside(skip: Option<&UnitSquare>) -> impl Fn(f32, f32) -> bool {
 }
 
 /// The exponent of lobes as narrow as the cells: a mirror sees some samples.
-fn narrowest(mask: &Mask) -> f32 {
+pub(crate) fn narrowest(mask: &Mask) -> f32 {
     (2.0 / mask.cell().max_element().powi(2)).max(MIRROR)
 }
 
@@ -237,15 +237,21 @@ impl Mul<f32> for Sums {
 }
 
 impl Sums {
+    /// What is lit alone.
+    pub(crate) fn lit(self) -> Self {
+        Self { all: 0.0, ..self }
+    }
+
+    /// All alone.
+    pub(crate) fn emitting(self) -> Self {
+        Self { lit: 0.0, ..self }
+    }
+
     /// The fraction of the light that is lit. Where the weights say nothing, since all of the light is far out of the lobe,
-    /// every sample of the masks counts alike.
-    pub(crate) fn ratio(self, masks: &[Mask]) -> f32 {
+    /// every sample of the masks counts alike: the fraction is the lit `share` of the area.
+    pub(crate) fn ratio(self, share: impl FnOnce() -> f32) -> f32 {
         let fraction = self.lit / self.all;
-        if self.all > 0.0 && fraction.is_finite() {
-            return fraction.clamp(0.0, 1.0);
-        }
-        let (all, lit) = masks.iter().map(Mask::areas).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-        if all > 0.0 { lit / all } else { 0.0 }
+        if self.all > 0.0 && fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { share() }
     }
 }
 
@@ -294,7 +300,7 @@ fn glossy<S: Simd, const B: usize>(
 ) -> Sums {
     let (axis, normal) = (square.local(lobe.axis), square.local(at.normal));
     let cosine = lobe.has_cosine;
-    let e = lobe.exponent.min(narrowest(mask));
+    let e = lobe.exponent;
     let m = e + 3.0;
     // The peak: the point of the light next to the lobe's axis.
     let aside = axis.truncate();

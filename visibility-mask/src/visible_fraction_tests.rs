@@ -1,11 +1,12 @@
 use super::*;
-use core::slice;
 use glam::DVec3;
 use lobe_core::Cone;
 use lobe_core::oracle::Random;
 
 fn share_at(level: Level, mask: &Mask, at: &Receiver, lobe: &Lobe) -> f32 {
-    sums_at(level, mask, mask.square(), at, lobe, &mut Counts::default()).ratio(slice::from_ref(mask))
+    let lobe = Lobe { exponent: lobe.exponent.min(narrowest(mask)), ..*lobe };
+    sums_at(level, mask, mask.square(), at, &lobe, &mut Counts::default())
+        .ratio(|| mask.lit_count() as f32 / mask.emitting_count().max(1) as f32)
 }
 
 /// The definition in f64, sample by sample, and what part of the lobe sees the light.

@@ -1,15 +1,18 @@
 use crate::counts::Counts;
-use crate::visible_fraction::{Shown, Sums, image_sums, microfacet_sums, sums};
+use crate::near_masks::{LitCounts, NearMasks, Rect, rect};
+use crate::visible_fraction::{MIRROR, Shown, Sums, image_sums, microfacet_sums, narrowest, sums};
 use crate::{Fineness, Mask, UnitSquare};
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use lobe_core::{BrdfLobe, Coverage, LightImage, Lobe, Microfacets, Outline, Receiver};
 
-/// The masks of a window: one, or several side by side where the tolerance wants more samples than one has.
+/// The masks of a window: one, or several side by side where the tolerance wants more samples than one has; and where little of it is lit,
+/// masks of that.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WindowMasks {
     window: UnitSquare,
     masks: Vec<Mask>,
     used: usize,
+    near: NearMasks,
 }
 
 impl WindowMasks {
@@ -39,6 +42,42 @@ impl WindowMasks {
                 draw(mask);
             }
         }
+        self.near.clear();
+    }
+
+    /// Whether so little is lit that few samples tell its size.
+    pub(crate) fn is_little_lit(&self) -> bool {
+        let mut counts = LitCounts::default();
+        self.masks().iter().for_each(|mask| counts.add(mask));
+        counts.are_few()
+    }
+
+    /// Whether there are masks of what is lit.
+    pub(crate) fn has_near(&self) -> bool {
+        !self.near.masks().is_empty()
+    }
+
+    /// Has `draw` block what is blocked of windows around what is lit: masks of a depth and fineness, each of which is filled by a quarter
+    /// where [`NearMasks`] can. Edges lie between two corners of the plane, if that is known.
+    pub(crate) fn draw_near(
+        &mut self,
+        edges: Option<[Vec2; 2]>,
+        coarse: bool,
+        mut draw: impl FnMut(&UnitSquare, &mut Mask),
+    ) {
+        let window = Rect::of(&self.window);
+        let edges = edges.map(|[low, high]| Rect { low, high }.within(window));
+        let around = edges.filter(|edges| 2.0 * edges.area() <= window.area()).unwrap_or_else(|| {
+            self.masks().iter().fold(Rect::NOTHING, |around, mask| {
+                mask.lit_block().map_or(around, |lit| around.with(rect(mask, &lit)))
+            })
+        });
+        if around != Rect::NOTHING {
+            self.near.draw(&self.window, around, |square, mask| {
+                mask.set_coarse(coarse);
+                draw(square, mask);
+            });
+        }
     }
 
     /// The window of all of them.
@@ -53,7 +92,9 @@ impl WindowMasks {
 
     /// What they leave of what emits.
     pub(crate) fn coverage(&self) -> Coverage {
-        if self.masks().iter().all(Mask::is_lit) {
+        if self.has_near() {
+            Coverage::Partial
+        } else if self.masks().iter().all(Mask::is_lit) {
             Coverage::Lit
         } else if self.masks().iter().all(Mask::is_dark) {
             Coverage::Dark
@@ -62,11 +103,50 @@ impl WindowMasks {
         }
     }
 
+    /// What `sums` gives for all masks, in units of solid angle or in samples of the masks of the whole window: the lit part of masks of
+    /// that, if there are some.
+    fn total<const N: usize>(&self, mut sums: impl FnMut(&Mask, bool) -> [Sums; N]) -> [Sums; N] {
+        let mut total = [Sums::default(); N];
+        let mut add = |mask: &Mask, near: bool, part: fn(Sums) -> Sums| {
+            for (total, sums) in total.iter_mut().zip(sums(mask, near)) {
+                *total = *total + part(sums);
+            }
+        };
+        let near = self.near.masks();
+        for mask in self.masks() {
+            add(mask, false, if near.is_empty() { |sums| sums } else { Sums::emitting });
+        }
+        for mask in near {
+            add(mask, true, Sums::lit);
+        }
+        total
+    }
+
+    /// The lit part of the area that emits.
+    fn share(&self) -> f32 {
+        let area = |masks: &[Mask], count: fn(&Mask) -> u32| {
+            masks.iter().map(|mask| count(mask) as f32 * mask.sample_area()).sum::<f32>()
+        };
+        let near = self.near.masks();
+        let lit = if near.is_empty() { self.masks() } else { near };
+        let [all, lit] = [area(self.masks(), Mask::emitting_count), area(lit, Mask::lit_count)];
+        if all > 0.0 { lit / all } else { 0.0 }
+    }
+
+    /// The exponent of lobes as narrow as cells of the masks of the whole window: a mirror sees some samples.
+    fn narrowest(&self) -> f32 {
+        self.masks().first().map_or(MIRROR, narrowest)
+    }
+
     /// Fraction of the lobe's light that is lit.
     pub(crate) fn fraction(&self, at: &Receiver, lobe: &Lobe, counts: &mut Counts) -> f32 {
-        let of_mask = |mask| sums(mask, &self.window, at, lobe, counts);
-        let total = self.masks().iter().map(of_mask).fold(Sums::default(), |a, b| a + b);
-        total.ratio(self.masks())
+        let lobe = Lobe { exponent: lobe.exponent.min(self.narrowest()), ..*lobe };
+        let whole = self.masks().first().map_or(1.0, Mask::sample_area);
+        let [total] = self.total(|mask, near| {
+            let sums = sums(mask, &self.window, at, &lobe, counts);
+            [if near { sums * (mask.sample_area() / whole) } else { sums }]
+        });
+        total.ratio(|| self.share())
     }
 }
 
@@ -79,15 +159,13 @@ pub(crate) fn microfacet_fractions(
     counts: [&mut Counts; 2],
 ) -> [f32; 2] {
     let [whole_counts, near_counts] = counts;
-    let mut total = [Sums::default(); 2];
-    let mut add = |sums: [Sums; 2]| total = [total[0] + sums[0], total[1] + sums[1]];
-    for mask in whole.masks() {
-        add(microfacet_sums(mask, at, facets, near.map(WindowMasks::window), whole_counts));
+    let skip = near.map(WindowMasks::window);
+    let mut total = whole.total(|mask, _| microfacet_sums(mask, at, facets, skip, whole_counts));
+    if let Some(near) = near {
+        let sums = near.total(|mask, _| microfacet_sums(mask, at, facets, None, near_counts));
+        total = [total[0] + sums[0], total[1] + sums[1]];
     }
-    for mask in near.map(WindowMasks::masks).unwrap_or_default() {
-        add(microfacet_sums(mask, at, facets, None, near_counts));
-    }
-    total.map(|sums| sums.ratio(whole.masks()))
+    total.map(|sums| sums.ratio(|| whole.share()))
 }
 
 /// What is left of the light of an image, by channel: of all of the light's, or of all but what the masks in `near` show, and theirs.
@@ -102,14 +180,19 @@ pub(crate) fn image_fractions(
     // All windows of such a light are turned alike.
     let UnitSquare { right, up, .. } = whole.window;
     let shown = Shown { image, places: outline.places([right, up]) };
-    let mut total = [Sums::default(); 3];
+    let lobe = |masks: &WindowMasks| match lobe {
+        BrdfLobe::Microfacets(facets) => BrdfLobe::Microfacets(*facets),
+        BrdfLobe::Cosine(lobe) => Lobe { exponent: lobe.exponent.min(masks.narrowest()), ..*lobe }.into(),
+    };
     let skip = near.map(WindowMasks::window);
-    let masks = whole.masks().iter().map(|mask| (mask, skip));
-    for (mask, skip) in masks.chain(near.into_iter().flat_map(WindowMasks::masks).map(|mask| (mask, None))) {
-        let sums = image_sums(mask, at, lobe, &shown, skip, counts);
+    let of_whole = lobe(whole);
+    let mut total = whole.total(|mask, _| image_sums(mask, at, &of_whole, &shown, skip, counts));
+    if let Some(near) = near {
+        let of_near = lobe(near);
+        let sums = near.total(|mask, _| image_sums(mask, at, &of_near, &shown, None, counts));
         total = core::array::from_fn(|k| total[k] + sums[k]);
     }
-    Vec3::from_array(total.map(|sums| sums.ratio(whole.masks())))
+    Vec3::from_array(total.map(|sums| sums.ratio(|| whole.share())))
 }
 
 #[cfg(test)]

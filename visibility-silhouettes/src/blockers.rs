@@ -1,4 +1,5 @@
 use crate::SilhouetteMesh;
+use crate::bounds::bounds;
 use crate::clip::{Ball, Behind, Chord, Front};
 use crate::count::{Counter, Fewest};
 use crate::hull::Fineness;
@@ -8,9 +9,9 @@ use crate::project::{Crossing, View, project};
 use crate::select::{Silhouettes, add_edges, silhouettes};
 use crate::topology::normal;
 use fearless_simd::{Level, Simd, dispatch};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use lobe_core::{Cone, Coverage, Outline, Receiver, Shaft, Sphere, VisibilityQuery};
-use visibility_mask::{Blockers, Edges, Mask, facet_coverage};
+use visibility_mask::{Blockers, Edges, Mask, UnitSquare, facet_coverage};
 
 /// The size of details that a tolerance leaves out: this part of it, in radii of the light. Root mean square: measured so that
 /// masks differ by less than a quarter of the tolerance in the mean.
@@ -347,6 +348,12 @@ impl<H: AnyHit> Blockers for SilhouetteBlockers<'_, H> {
             light.one_minus_cos = light.one_minus_cos.min(WIDEST_DISC);
         }
         dispatch!(Level::new(), simd => add_edges(simd, query.cone, &light, &scratch.silhouettes, edges));
+    }
+
+    fn edge_bounds(&self, _: &VisibilityQuery<'_>, scratch: &Self::Scratch, window: &UnitSquare) -> Option<[Vec2; 2]> {
+        // Where the light or its plane cuts triangles there are more.
+        let is_whole = scratch.facet.is_none() && scratch.arcs.is_empty();
+        is_whole.then(|| bounds(&scratch.silhouettes, window)).flatten()
     }
 
     fn splat(&self, query: &VisibilityQuery<'_>, scratch: &mut Self::Scratch, mask: &mut Mask) {

@@ -53,6 +53,7 @@
 //! Out of scope: tracing rays, deciding what casts shadows.
 
 mod blockers;
+mod bounds;
 mod clip;
 mod coarse;
 mod count;

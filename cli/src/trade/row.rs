@@ -24,6 +24,11 @@ pub(super) struct Row {
     pub(super) repeats: usize,
     /// The same with finding the visible points, and shadow maps where there are some.
     pub(super) frame_seconds: f64,
+    /// Error as fractions of each pixel's own radiance.
+    #[serde(default)]
+    pub(super) own_mean: f64,
+    #[serde(default)]
+    pub(super) own_p99: f64,
     /// Error in penumbra, as fractions of the unshadowed radiance.
     pub(super) mean: f64,
     pub(super) p99: f64,
@@ -48,7 +53,7 @@ impl Row {
         truth: &Truth,
         stamp: &str,
     ) -> Result<Self, Failure> {
-        let (error, flip) = truth.compare(&stage.picture(&shot.radiance), stage.exposure())?;
+        let ([own, error], flip) = truth.compare(&stage.picture(&shot.radiance), stage.exposure())?;
         let quartiles = [shot.at(0.25), shot.at(0.75)];
         let seconds = shot.at(0.5);
         Ok(Self {
@@ -64,6 +69,8 @@ impl Row {
             quartiles,
             repeats: shot.seconds.len(),
             frame_seconds: seconds + stage.gbuffer_seconds() + shot.map_seconds,
+            own_mean: own.mean,
+            own_p99: own.p99,
             mean: error.mean,
             p99: error.p99,
             flip,
@@ -105,8 +112,13 @@ impl Row {
     }
 
     pub(super) fn sentence(&self) -> String {
-        let (ms, mean, p99) = (1e3 * self.seconds, 100.0 * self.mean, 100.0 * self.p99);
-        format!("{} at {}: {ms:.2} ms, penumbra mean {mean:.3} %, 99 % {p99:.3} %", self.technique(), self.knobs())
+        let (ms, own) = (1e3 * self.seconds, 100.0 * self.own_mean);
+        let [mean, p99] = [self.mean, self.p99].map(|error| 100.0 * error);
+        format!(
+            "{} at {}: {ms:.2} ms, of own radiance mean {own:.3} %, penumbra mean {mean:.3} %, 99 % {p99:.3} % of unshadowed",
+            self.technique(),
+            self.knobs()
+        )
     }
 }
 
@@ -142,6 +154,8 @@ pub(super) mod tests {
             quartiles: [0.95 * seconds, 1.05 * seconds],
             repeats: 3,
             frame_seconds: 2.0 * seconds,
+            own_mean: 2.0 * mean,
+            own_p99: 6.0 * mean,
             mean,
             p99: 3.0 * mean,
             flip: 0.01,

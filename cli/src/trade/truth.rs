@@ -6,7 +6,7 @@ use crate::files::Files;
 use cosine_lobes::ray_tracing::{GBuffer, World};
 use cosine_lobes::reference::{Geometry, Reference, ReferenceJob};
 use cosine_lobes::scene::BlockerSet;
-use cosine_lobes::{ExrLayer, FlipMap, Picture, RegionError, ShadowErrors, luminance};
+use cosine_lobes::{Comparison, ExrLayer, FlipMap, Picture, RegionError, ShadowErrors, luminance};
 use glam::Vec3;
 
 /// The reference that all rows are compared with.
@@ -62,10 +62,11 @@ impl Truth {
         Ok(truth)
     }
 
-    /// Error in penumbra, and FLIP of the whole.
-    pub(super) fn compare(&self, picture: &Picture, exposure: f32) -> Result<(RegionError, f64), Failure> {
+    /// Error of each pixel's own radiance, of the unshadowed radiance in penumbra, and FLIP of the whole.
+    pub(super) fn compare(&self, picture: &Picture, exposure: f32) -> Result<([RegionError; 2], f64), Failure> {
+        let own = Comparison::of(picture, &self.picture)?.own;
         let errors = ShadowErrors::of(picture, &self.picture, &self.unshadowed)?;
-        Ok((errors.penumbra, FlipMap::of(picture, &self.picture, exposure)?.mean()))
+        Ok(([own, errors.penumbra], FlipMap::of(picture, &self.picture, exposure)?.mean()))
     }
 }
 

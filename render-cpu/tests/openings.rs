@@ -1,0 +1,144 @@
+//! A closed room with one opening: each point sees a small part of a large light, and its radiance is right as a part of itself.
+
+use core::f64::consts::PI;
+use glam::{DVec3, Vec3};
+use lighting::{FlatLight, Light, SphereLight};
+use lobe_core::{Accuracy, Receiver, Sphere};
+use render_cpu::{CpuShader, GBuffer, SceneSilhouettes, SurfaceHits, World};
+use scene::{Camera, Frame, Mesh, Object, Proxy, Scene, Shade};
+use visibility_mask::MaskVisibility;
+use visibility_silhouettes::SilhouetteBlockers;
+
+/// Half the room's sides.
+const HALF: Vec3 = Vec3::new(2.0, 1.5, 2.5);
+const LIGHT: DVec3 = DVec3::new(0.0, 0.3, -12.5);
+/// Half a side of the square of light, and the radius of the sphere.
+const SQUARE: f64 = 15.0;
+const SPHERE: f64 = 6.0;
+/// Points of the opening, upward and across, that the integral is over.
+const STEPS: [usize; 2] = [192, 192];
+
+/// An opening in the wall at −z: x from, to, y from, to.
+type Opening = [f32; 4];
+
+/// The wall around an opening: its corners and those of the opening, whose sides are the only edges that a ray may pass.
+fn wall([left, right, low, high]: Opening) -> Mesh {
+    let at = |x: f32, y: f32| Vec3::new(x, y, -HALF.z);
+    let (x, y) = (HALF.x, HALF.y);
+    let positions = vec![
+        at(-x, -y),
+        at(x, -y),
+        at(x, y),
+        at(-x, y),
+        at(left, low),
+        at(right, low),
+        at(right, high),
+        at(left, high),
+    ];
+    let ring = (0..4_u32).flat_map(|k| {
+        let next = (k + 1) % 4;
+        [[k, next, next + 4], [k, next + 4, k + 4]]
+    });
+    Mesh { positions, triangles: ring.collect(), ..Mesh::default() }
+}
+
+fn room(opening: Opening, light: Light) -> Scene {
+    let Vec3 { x, y, z } = HALF;
+    let sides = [
+        Mesh::quad(Vec3::new(0.0, -y, 0.0), Vec3::X * x, Vec3::NEG_Z * z),
+        Mesh::quad(Vec3::new(0.0, y, 0.0), Vec3::X * x, Vec3::Z * z),
+        Mesh::quad(Vec3::new(0.0, 0.0, z), Vec3::NEG_X * x, Vec3::Y * y),
+        Mesh::quad(Vec3::new(-x, 0.0, 0.0), Vec3::NEG_Z * z, Vec3::Y * y),
+        Mesh::quad(Vec3::new(x, 0.0, 0.0), Vec3::Z * z, Vec3::Y * y),
+        wall(opening),
+    ];
+    Scene {
+        surfaces: Vec::new(),
+        camera: Camera {
+            eye: Vec3::new(0.0, 0.2, -2.2),
+            target: Vec3::new(0.0, -0.4, 2.0),
+            up: Vec3::Y,
+            vertical_fov: 1.3,
+        },
+        width: 36,
+        height: 24,
+        background: Vec3::ZERO,
+        environment: None,
+        materials: vec![brdf::Material::lambert(Vec3::ONE)],
+        objects: sides.into_iter().map(|mesh| Object::mesh("side", mesh, 0, Proxy::None)).collect(),
+        lights: vec![light],
+    }
+}
+
+/// The radiance of a white diffuse point: an integral over the opening, in f64.
+fn oracle(at: &Receiver, [left, right, low, high]: Opening, is_light: impl Fn(DVec3, DVec3) -> bool) -> f64 {
+    let [left, right, low, high] = [left, right, low, high].map(f64::from);
+    let (x, n) = (at.position.as_dvec3(), at.normal.as_dvec3());
+    let mut sum = 0.0;
+    for j in 0..STEPS[0] {
+        for i in 0..STEPS[1] {
+            // Rows are shifted, so that no side of the light runs along the points.
+            let shift = ((j as f64 + 0.5) * 0.618_033_988_75).fract();
+            let u = left + (right - left) * (i as f64 + shift) / STEPS[1] as f64;
+            let v = low + (high - low) * (j as f64 + 0.5) / STEPS[0] as f64;
+            let to = DVec3::new(u, v, f64::from(-HALF.z)) - x;
+            let direction = to.normalize();
+            if is_light(x, direction) {
+                sum += n.dot(direction).max(0.0) * -direction.z / to.length_squared();
+            }
+        }
+    }
+    sum * (right - left) * (high - low) / (PI * (STEPS[0] * STEPS[1]) as f64)
+}
+
+/// Mean and 99th percentile of the error of each point as a part of its own radiance, and the largest radiance that is not seen at all.
+fn own_errors(opening: Opening, light: Light, is_light: impl Fn(DVec3, DVec3) -> bool) -> [f64; 3] {
+    let scene = room(opening, light);
+    let world = World::new(&scene);
+    let mut silhouettes = SceneSilhouettes::new(&scene, |_| true);
+    silhouettes.refit(&scene);
+    let blockers = SilhouetteBlockers::new(silhouettes.meshes(), SurfaceHits::new(&world, |_| true));
+    let points = GBuffer::new(&world, scene.width, scene.height, 1).points;
+    let mut out = vec![Vec3::ZERO; points.receivers.len()];
+    let frame =
+        Frame { materials: &scene.materials, lights: &scene.lights, accuracy: Accuracy::default(), threshold: 0.0 };
+    CpuShader::new(MaskVisibility::new(blockers)).shade(&points, &frame, &mut out).expect("room");
+    let truth: Vec<f64> = points.receivers.iter().map(|at| oracle(at, opening, &is_light)).collect();
+    let white = truth.iter().copied().fold(0.0, f64::max);
+    let bright = truth.iter().zip(&out).filter(|(truth, _)| **truth > 1e-3 * white);
+    let mut errors: Vec<f64> = bright.map(|(truth, got)| (f64::from(got.x) / truth - 1.0).abs()).collect();
+    errors.sort_unstable_by(f64::total_cmp);
+    let dark = truth.iter().zip(&out).filter(|(_, got)| **got == Vec3::ZERO).map(|(truth, _)| truth / white);
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    [mean, errors[errors.len() * 99 / 100], dark.fold(0.0, f64::max)]
+}
+
+#[test]
+fn rooms_behind_openings_are_lit() {
+    let center = LIGHT.as_vec3();
+    let across = SQUARE as f32;
+    let square = FlatLight::rectangle(center, Vec3::X * across, Vec3::Y * across, Vec3::ONE).expect("a square");
+    let sphere = || Light::from(SphereLight::new(Sphere { center, radius: SPHERE as f32 }, Vec3::ONE));
+    let meets_square = |x: DVec3, v: DVec3| {
+        let met = x + v * ((LIGHT.z - x.z) / v.z) - LIGHT;
+        v.z < 0.0 && met.x.abs() < SQUARE && met.y.abs() < SQUARE
+    };
+    let meets_sphere = |x: DVec3, v: DVec3| {
+        let to = LIGHT - x;
+        to.dot(v) > 0.0 && to.reject_from_normalized(v).length_squared() < SPHERE * SPHERE
+    };
+    let openings = [
+        ("window", [-0.6, 0.6, -0.2, 0.8]),
+        ("small window", [-0.2, 0.2, 0.3, 0.7]),
+        ("slit", [-0.01, 0.01, -1.0, 1.0]),
+        ("letter box", [-0.3, 0.3, 0.4, 0.42]),
+    ];
+    for (name, opening) in openings {
+        let by_square = own_errors(opening, square.clone().into(), meets_square);
+        let by_sphere = own_errors(opening, sphere(), meets_sphere);
+        for (light, [mean, p99, dark]) in [("square", by_square), ("sphere", by_sphere)] {
+            println!("{name}, {light}: own error {mean:.5}, 99 % {p99:.4}, darkened {dark:.4}");
+            assert!(mean < 0.015 && p99 < 0.08 && dark < 1e-3, "{name}, {light}: {mean} {p99} {dark}");
+        }
+    }
+}

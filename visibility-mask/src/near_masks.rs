@@ -1,0 +1,308 @@
+//! Masks of what is lit where that is little of the light.
+
+use crate::row::{self, Row};
+use crate::{Mask, UnitSquare};
+use core::ops::Range;
+use glam::Vec2;
+
+/// Of masks that leave less than this part of what emits,
+const LITTLE: u32 = 3;
+/// those are drawn again that leave less than this part,
+const LEAST: u32 = 40;
+/// or that have anything lit in less than so many of this number of rows: where few rows cross what is lit, its ends count.
+const FEW: u32 = 3;
+const OF: u32 = 8;
+/// Masks of which this part is lit are fine enough.
+const FILLED: u32 = 4;
+/// So many masks are drawn for a window at most.
+const MOST: usize = 16;
+/// What is lit lies between samples that are dark: a window around them leaves so much room, in samples and in rows.
+const ROOM_SAMPLES: f32 = 2.0;
+const ROOM_ROWS: f32 = 1.0;
+
+/// How many samples of masks are lit, how many emit; how many rows have anything lit, and how many there are.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LitCounts {
+    lit: u32,
+    emitting: u32,
+    lit_rows: u32,
+    rows: u32,
+}
+
+impl LitCounts {
+    pub(crate) fn add(&mut self, mask: &Mask) {
+        self.lit += mask.lit_count();
+        self.emitting += mask.emitting_count();
+        self.lit_rows += (0..mask.side()).map(|j| u32::from(!mask.is_row_dark(j))).sum::<u32>();
+        self.rows += mask.side() as u32;
+    }
+
+    /// Whether what is lit is so little that few samples tell its size.
+    pub(crate) fn are_few(self) -> bool {
+        let Self { lit, emitting, lit_rows, rows } = self;
+        LITTLE * lit < emitting && (LEAST * lit < emitting || OF * lit_rows < FEW * rows)
+    }
+}
+
+/// A rectangle of the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rect {
+    pub(crate) low: Vec2,
+    pub(crate) high: Vec2,
+}
+
+impl Rect {
+    pub(crate) const NOTHING: Self = Self { low: Vec2::INFINITY, high: Vec2::NEG_INFINITY };
+
+    pub(crate) fn of(square: &UnitSquare) -> Self {
+        Self { low: square.center - square.half, high: square.center + square.half }
+    }
+
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    pub(crate) fn within(self, other: Self) -> Self {
+        Self { low: self.low.max(other.low), high: self.high.min(other.high) }
+    }
+
+    fn size(self) -> Vec2 {
+        (self.high - self.low).max(Vec2::ZERO)
+    }
+
+    pub(crate) fn area(self) -> f32 {
+        self.size().element_product()
+    }
+}
+
+/// Samples and rows of a mask.
+type Block = [Range<u32>; 2];
+
+/// A window that is to be drawn, and the part of the light that it may grow to.
+#[derive(Clone, Copy, Debug)]
+struct Job {
+    window: Rect,
+    limit: Rect,
+}
+
+/// Masks of the parts of a window that are lit.
+///
+/// # Method
+/// A mask is drawn around what is lit. Where that reaches its side the next one is larger there; where it fills less than a quarter, the
+/// next one is smaller or, where no smaller rectangle holds all of it, it is divided in the middle: as long as there are masks
+/// left of [`MOST`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NearMasks {
+    masks: Vec<Mask>,
+    used: usize,
+    jobs: Vec<Job>,
+}
+
+impl NearMasks {
+    /// No masks.
+    pub(crate) fn clear(&mut self) {
+        self.used = 0;
+    }
+
+    pub(crate) fn masks(&self) -> &[Mask] {
+        &self.masks[..self.used]
+    }
+
+    /// Draws what is lit of a window, which is in the rectangle `lit` as far as masks of all of it show.
+    pub(crate) fn draw(&mut self, window: &UnitSquare, lit: Rect, mut draw: impl FnMut(&UnitSquare, &mut Mask)) {
+        self.clear();
+        self.jobs.clear();
+        let limit = Rect::of(window);
+        self.jobs.push(Job { window: lit.within(limit), limit });
+        let smallest = Vec2::splat(window.smallest());
+        let mut left = MOST;
+        while let Some(job) = self.jobs.pop() {
+            if self.masks.len() == self.used {
+                self.masks.push(Mask::default());
+            }
+            let mask = &mut self.masks[self.used];
+            let half = (0.5 * job.window.size()).max(smallest);
+            let center = 0.5 * (job.window.low + job.window.high);
+            draw(&UnitSquare { center, half, ..*window }, mask);
+            left -= 1;
+            let Some(block) = mask.lit_block() else { continue };
+            // Each window that waits has a mask for certain.
+            let room = left.saturating_sub(self.jobs.len());
+            match next(mask, &job, &block, smallest) {
+                [Some(one), None] if room >= 1 => self.jobs.push(one),
+                [Some(one), Some(other)] if room >= 2 => self.jobs.extend([other, one]),
+                _ => self.used += 1,
+            }
+        }
+    }
+}
+
+/// What is drawn instead of a mask whose lit samples are in a block: nothing, a window, or two.
+fn next(mask: &Mask, job: &Job, block: &Block, smallest: Vec2) -> [Option<Job>; 2] {
+    let Job { window, limit } = *job;
+    let all = Vec2::new(mask.width() as f32, mask.side() as f32);
+    let [samples, rows] = block;
+    // What is lit at a side goes on beyond it.
+    let room = 1e-3 * window.size();
+    let at_low = [samples.start == 0, rows.start == 0];
+    let at_high = [samples.end == mask.width() as u32, rows.end == mask.side() as u32];
+    let mut around = rect(mask, block).within(limit);
+    let mut grows = false;
+    for k in 0..2 {
+        if at_low[k] && window.low[k] > limit.low[k] + room[k] {
+            around.low[k] = (window.low[k] - 0.5 * window.size()[k]).max(limit.low[k]);
+            grows = true;
+        }
+        if at_high[k] && window.high[k] < limit.high[k] - room[k] {
+            around.high[k] = (window.high[k] + 0.5 * window.size()[k]).min(limit.high[k]);
+            grows = true;
+        }
+    }
+    let one = |window| [Some(Job { window, limit }), None];
+    if grows {
+        return one(around);
+    }
+    let lit = mask.lit_count();
+    if FILLED * lit >= (mask.width() * mask.side()) as u32 || window.size().cmple(2.0 * smallest).any() {
+        return [None, None];
+    }
+    if 2.0 * around.area() <= window.area() {
+        return one(around);
+    }
+    let across = usize::from(rows.len() as f32 / all.y > samples.len() as f32 / all.x);
+    match [true, false].map(|first| part(mask, job, block, across, first)) {
+        [None, only] => [only, None],
+        parts => parts,
+    }
+}
+
+/// What is drawn of one side of the middle of a block, cut across its samples (0) or its rows (1).
+fn part(mask: &Mask, job: &Job, block: &Block, across: usize, first: bool) -> Option<Job> {
+    let Job { window, mut limit } = *job;
+    let middle = (block[across].start + block[across].end) / 2;
+    let count = [mask.width(), mask.side()][across] as f32;
+    let cut = window.low[across] + window.size()[across] * (middle as f32 / count);
+    let mut block = block.clone();
+    if first {
+        block[across].end = middle;
+        limit.high[across] = cut;
+    } else {
+        block[across].start = middle;
+        limit.low[across] = cut;
+    }
+    let [samples, rows] = block;
+    // Shifts of rows may move a sample across the cut.
+    lit_block(mask, samples, rows).map(|lit| Job { window: rect(mask, &lit).within(limit), limit })
+}
+
+/// Samples and rows of a part of a mask that are lit lie between these.
+fn lit_block(mask: &Mask, samples: Range<u32>, rows: Range<u32>) -> Option<Block> {
+    let within = row::span(samples.start, samples.end);
+    let (mut columns, mut first, mut end) = (row::NONE, None, 0);
+    for j in rows {
+        let lit: Row = row::and(&mask.lit(j as usize), &within);
+        if lit != row::NONE {
+            columns = row::with(&columns, &lit);
+            first = first.or(Some(j));
+            end = j + 1;
+        }
+    }
+    let [from, to] = row::bounds(&columns);
+    first.map(|first| [from..to, first..end])
+}
+
+/// Where that may lie in the plane.
+pub(crate) fn rect(mask: &Mask, [samples, rows]: &Block) -> Rect {
+    let Rect { low, high } = Rect::of(mask.square());
+    let sample = (high - low) / Vec2::new(mask.width() as f32, mask.side() as f32);
+    let from = Vec2::new(samples.start as f32, rows.start as f32);
+    let to = Vec2::new(samples.end as f32, rows.end as f32);
+    let room = Vec2::new(ROOM_SAMPLES, ROOM_ROWS);
+    Rect { low: low + (from - room) * sample, high: low + (to + room) * sample }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use lobe_core::Cone;
+    use lobe_core::oracle::Random;
+
+    /// Blocks all but rectangles.
+    fn block_around(holes: &[Rect], mask: &mut Mask) {
+        for j in 0..mask.side() {
+            let y = mask.row_y(j);
+            let mut open: Vec<Rect> = holes.iter().copied().filter(|hole| hole.low.y < y && y < hole.high.y).collect();
+            open.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+            let mut from = f32::NEG_INFINITY;
+            for hole in &open {
+                mask.block_span(j, from, hole.low.x);
+                from = hole.high.x;
+            }
+            mask.block_span(j, from, f32::INFINITY);
+        }
+    }
+
+    /// The lit area that masks show of all that is around holes, how many were drawn, and what one mask alone shows.
+    fn area(holes: &[Rect]) -> (f32, usize, f32) {
+        let cone = Cone { axis: Vec3::Z, one_minus_cos: 0.01, distance: f32::INFINITY };
+        let window = UnitSquare::facing(&cone, Vec3::X);
+        let draw = |square: &UnitSquare, mask: &mut Mask| {
+            mask.set_coarse(true);
+            mask.reset(square, 5, Vec3::Z);
+            block_around(holes, mask);
+        };
+        let mut whole = Mask::default();
+        draw(&window, &mut whole);
+        let Some(block) = whole.lit_block() else {
+            return (0.0, 0, 0.0);
+        };
+        let (mut near, mut drawn) = (NearMasks::default(), 0);
+        near.draw(&window, rect(&whole, &block), |square, mask| {
+            drawn += 1;
+            draw(square, mask);
+        });
+        let area = |mask: &Mask| mask.lit_count() as f32 * mask.sample_area();
+        (near.masks().iter().map(area).sum(), drawn, area(&whole))
+    }
+
+    #[test]
+    fn small_holes_have_their_area() {
+        let mut random = Random::new(5);
+        let disc = 0.14;
+        let (mut worst, mut without, mut most) = ([0.0_f32; 2], 0.0_f32, 0);
+        for case in 0..400 {
+            // Two may meet, but do not overlap.
+            let count = 1 + case % 2;
+            let holes: Vec<Rect> = (0..count)
+                .map(|k| {
+                    let mut size = || disc * random.log_uniform(0.08, 0.25) as f32;
+                    let size = Vec2::new(size(), size());
+                    let mut at = |from: f64, to: f64| disc * random.between(from, to) as f32;
+                    let side = if count == 1 { at(-0.6, 0.35) } else { at(-0.6, -0.3) + k as f32 * 0.7 * disc };
+                    let low = Vec2::new(side, at(-0.6, 0.35));
+                    Rect { low, high: low + size }
+                })
+                .collect();
+            let want: f32 = holes.iter().map(|hole| hole.area()).sum();
+            let (got, drawn, alone) = area(&holes);
+            let k = usize::from(count > 1);
+            worst[k] = worst[k].max((got / want - 1.0).abs());
+            without = without.max((alone / want - 1.0).abs());
+            most = most.max(drawn);
+        }
+        println!("one hole {:.4}, two {:.4}, by one mask {without:.4}, {most} masks at most", worst[0], worst[1]);
+        assert!(worst[0] < 0.08 && worst[1] < 0.08 && without > 0.3 && most <= MOST, "{worst:?} {without} {most}");
+    }
+
+    /// However many parts are lit, no more masks are drawn than there may be, and none of the light is counted twice.
+    #[test]
+    fn many_holes_keep_to_the_budget() {
+        let at = |i: usize, j: usize| 0.14 * Vec2::new(i as f32 * 0.17 - 0.6, j as f32 * 0.17 - 0.6);
+        let size = Vec2::splat(0.14 * 0.08);
+        let holes: Vec<Rect> = (0..49).map(|k| at(k % 7, k / 7)).map(|low| Rect { low, high: low + size }).collect();
+        let want: f32 = holes.iter().map(|hole| hole.area()).sum();
+        let (got, drawn, _) = area(&holes);
+        assert!(drawn <= MOST && (got / want - 1.0).abs() < 0.25, "{drawn} masks, {got} {want}");
+    }
+}
