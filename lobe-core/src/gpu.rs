@@ -241,12 +241,6 @@ pub trait GpuBlockers: Debug + Sync {
         false
     }
 
-    /// Whether [`splat`](Self::splat) has `NAME_edge_bounds(lane, tile, at, light, window) -> vec4f`: of a window the lower and the upper
-    /// corner between which all edges in it lie, in uniform control flow. Provided: no.
-    fn has_edge_bounds(&self) -> bool {
-        false
-    }
-
     /// Whether its functions ask what rays meet. The shader must have a scene for that.
     fn asks_any_hit(&self) -> bool {
         false

@@ -60,9 +60,7 @@ pub(crate) struct GpuFrame {
     pub(crate) rounds: u32,
     pub(crate) image: u32,
     pub(crate) number: u32,
-    /// Of the quad-trees of masks.
-    pub(crate) depth: u32,
-    pub(crate) pad: u32,
+    pub(crate) pad: [u32; 2],
     /// What else the kind of light is told by.
     pub(crate) shape: [[f32; 4]; GPU_SHAPE],
 }

@@ -103,7 +103,6 @@ pub(crate) struct OwnText {
     pub(crate) splat: String,
     pub(crate) splat_needs: Vec<&'static str>,
     pub(crate) has_edges: bool,
-    pub(crate) has_edge_bounds: bool,
     pub(crate) buffers: Vec<OwnBuffer>,
 }
 
@@ -117,7 +116,6 @@ impl OwnText {
             splat: blockers.splat(),
             splat_needs: blockers.splat_needs(),
             has_edges: blockers.has_edges(),
-            has_edge_bounds: blockers.has_edge_bounds(),
             buffers,
         }
     }
@@ -330,18 +328,11 @@ pub(crate) fn penumbra(variant: &Variant) -> Text {
     let edges: String = edges.collect();
     let splats = variant.own.iter().map(|own| format!("{}_splat(lane, tile, at, light, mask);", own.name));
     let splats: String = splats.collect();
-    // Of several strategies each may have holes that others' edges do not bound.
-    let bounds = match variant.own.as_slice() {
-        [own] if own.has_edge_bounds => format!("{}_edge_bounds(lane, tile, at, light, window)", own.name),
-        _ => "vec4f(window.center - window.half, window.center + window.half)".to_owned(),
-    };
     let world = variant.world();
     let hooks = format!(
         "fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {{ \
         var edges = vec4f(0.0); {edges} return edges; }}\n\
-        fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {{ {splats} }}\n\
-        fn blockers_edge_bounds(lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare) -> vec4f {{ \
-        return {bounds}; }}"
+        fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {{ {splats} }}"
     );
     let mut pieces = vec![
         kernels::FRAME,

@@ -331,8 +331,7 @@ impl GpuShader {
                 queue_stride: 1 + Shown::of(light).words() as u32 * self.max_lobes,
                 image: self.images.start(number),
                 number,
-                depth: frame.accuracy.depth.clamp(1, MAX_DEPTH),
-                pad: 0,
+                pad: [0; 2],
                 rounds: 2,
             };
             bytes[..size_of::<GpuFrame>()].copy_from_slice(bytemuck::bytes_of(&uniform));

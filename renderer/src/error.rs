@@ -8,6 +8,7 @@ use visibility_shadowmap::MapError;
 pub(crate) const LAYERS: &str = "layers are made by the CPU only";
 #[cfg(feature = "gpu")]
 pub(crate) const NO_WGSL: &str = "it has no blockers for a GPU";
+pub(crate) const OWN: &str = "a tolerance of each pixel's own radiance is met by the CPU only";
 pub(crate) const LOBES: &str = "visibility as lobes is summed by the CPU only";
 
 /// Why a picture could not be made. Nothing of it is printed or kept here.

@@ -34,6 +34,8 @@ pub struct FrameBlockers<'a> {
     rays: Option<RayBlockers<'a>>,
     /// Anybody's.
     custom: &'a [Box<dyn CustomStrategy>],
+    /// See [`Settings::own_radiance`](crate::Settings::own_radiance).
+    of_own: bool,
     /// The meshes by silhouettes for all receivers.
     meshes: Vec<&'a SilhouetteMesh>,
     /// For each object, from whom it hides lights by its true surface.
@@ -95,13 +97,19 @@ impl<'a> FrameBlockers<'a> {
         let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes, false));
         let on_drawn = drawn.contains(&true).then(|| OnObjects::new(outlines(&own, true), drawn.clone()));
         let maps = (!maps.is_empty()).then(|| ShadowMapBlockers::of_lights(maps).with_casters(casters).leaving(drawn));
-        Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, custom: &[], meshes, hides }
+        Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, custom: &[], of_own: false, meshes, hides }
     }
 
     /// The same, and strategies that are not built in.
     #[must_use]
     pub fn with_custom(self, custom: &'a [Box<dyn CustomStrategy>]) -> Self {
         Self { custom, ..self }
+    }
+
+    /// The same for a tolerance that is a part of [each pixel's own radiance](crate::Settings::own_radiance), on the CPU.
+    #[must_use]
+    pub fn with_own_radiance(self, of_own: bool) -> Self {
+        Self { of_own, ..self }
     }
 
     /// The meshes by silhouettes as a GPU has them. None where others are by rays anyway, or where a ball of light holds parts of triangles:
@@ -171,22 +179,23 @@ impl<'a> FrameBlockers<'a> {
         #[cfg(not(feature = "gpu"))]
         let Backend::Cpu = backend;
         let maps = self.maps.map(|maps| Mixture::new(maps, self.drawn));
+        let form = (method, self.of_own);
         let custom = DynMixture(self.custom.iter().map(|own| own.blockers()).collect());
         match (self.spheres, maps, self.silhouettes, self.rays) {
             parts if !custom.0.is_empty() => {
                 let (spheres, maps, silhouettes, rays) = parts;
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), method, tables, work)
+                masked(Mixture::new(custom, Mixture::new(spheres, triangles)), form, tables, work)
             }
             (None, None, None, None) => match tables {
                 Some(tables) => work.with(&mut CpuShader::with_integrator(Unshadowed, PaperIntegrator { tables })),
                 None => work.with(&mut CpuShader::new(Unshadowed)),
             },
-            (Some(spheres), None, None, None) => masked(spheres, method, tables, work),
-            (None, None, Some(silhouettes), None) => masked(silhouettes, method, tables, work),
+            (Some(spheres), None, None, None) => masked(spheres, form, tables, work),
+            (None, None, Some(silhouettes), None) => masked(silhouettes, form, tables, work),
             (spheres, maps, silhouettes, rays) => {
                 let triangles = Mixture::new(silhouettes, Mixture::new(maps, rays));
-                masked(Mixture::new(spheres, triangles), method, tables, work)
+                masked(Mixture::new(spheres, triangles), form, tables, work)
             }
         }
     }
@@ -204,13 +213,14 @@ pub trait ShaderTask {
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
 }
 
+/// By masks, with a method and for the [tolerance](crate::Settings::own_radiance) of own radiance or not.
 fn masked<B: Blockers, W: ShaderTask>(
     blockers: B,
-    method: Method,
+    (method, of_own): (Method, bool),
     tables: Option<&Tables>,
     work: W,
 ) -> Result<W::Output, RenderError> {
-    let visibility = MaskVisibility::new(blockers);
+    let visibility = MaskVisibility::new(blockers).of_own_radiance(of_own);
     match (method, tables) {
         (Method::Lobes, _) => work.with(&mut CpuShader::with_integrator(visibility.with_lobes(), LobeIntegrator)),
         (Method::Paper, Some(tables)) => {

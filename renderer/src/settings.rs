@@ -1,4 +1,4 @@
-use crate::error::{LAYERS, LOBES};
+use crate::error::{LAYERS, LOBES, OWN};
 use crate::{LayerSet, RenderError};
 use lobe_core::Accuracy;
 use scene::Strategy;
@@ -47,6 +47,9 @@ pub struct Settings {
     pub accuracy: Accuracy,
     /// The best accuracy whose frame takes at most so many milliseconds instead, measured before the first frame.
     pub time_budget: Option<f32>,
+    /// Whether the tolerance is a part of each pixel's own radiance, and not of the unshadowed one: where little of a light is lit, as in a
+    /// room behind a window, masks are drawn again around that. On the CPU; up to 13 % slower elsewhere.
+    pub own_radiance: bool,
     /// Contributions whose radiance is below this are dropped.
     pub threshold: f32,
     /// Camera rays a pixel.
@@ -106,6 +109,7 @@ impl Settings {
     pub fn check_device(&self, device: Device) -> Result<(), RenderError> {
         match device {
             Device::Gpu if self.layers.is_of_cpu() => Err(RenderError::NotOnGpu(LAYERS)),
+            Device::Gpu if self.own_radiance => Err(RenderError::NotOnGpu(OWN)),
             Device::Gpu if self.method == Method::Lobes => Err(RenderError::NotOnGpu(LOBES)),
             _ => Ok(()),
         }
@@ -121,6 +125,7 @@ impl Default for Settings {
             device: Device::Cpu,
             accuracy: Accuracy::default(),
             time_budget: None,
+            own_radiance: false,
             threshold: 0.0,
             samples: 1,
             map_resolution: None,

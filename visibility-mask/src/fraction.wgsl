@@ -37,22 +37,6 @@ fn fraction_sums(lane: u32, mask: Mask, window: UnitSquare, at: Receiver, lobe: 
     return total(lane, sum);
 }
 
-// The sums of masks whose samples have the area `whole`, with those of `masks.y` masks of what is lit in place of what they show of that.
-// Requires uniform control flow.
-fn near_instead(
-    lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, lobe: Lobe, masks: vec2u, whole: f32, sum: vec4f
-) -> vec4f {
-    if (masks.y == 0u) {
-        return sum;
-    }
-    var near = vec4f(0.0);
-    for (var k = 0u; k < masks.y; k++) {
-        let mask = near_draw(lane, tile, at, light, window, masks.x, k);
-        near += fraction_sums(lane, mask, window, at, lobe) * (near_sample(mask) / whole);
-    }
-    return vec4f(near.x, sum.y, near.z, sum.w);
-}
-
 // Fraction of the lobe's light that is lit.
 fn fraction_of(sum: vec4f) -> f32 {
     // Where the weights say nothing, since all of the light is far out of the lobe, every sample counts alike.

@@ -21,20 +21,15 @@ const LEFT_OUT = 0.004;
 // Exponents beyond are taken only up to where a lobe is as narrow as a cell: a mirror sees some samples.
 const MIRROR_EXPONENT = 1e6;
 
-// The exponent of lobes as narrow as cells.
-fn glossy_narrowest(mask: Mask) -> f32 {
-    let cell = mask_cell(mask);
-    let widest = max(cell.x, cell.y);
-    return max(2.0 / (widest * widest), MIRROR_EXPONENT);
-}
-
 fn glossy_of(mask: Mask, square: UnitSquare, at: Receiver, lobe: Lobe) -> GlossyWeights {
     var weights: GlossyWeights;
     weights.axis = square_local(square, lobe.axis);
     weights.normal = square_local(square, at.normal);
     weights.cosine = lobe.kind == LOBE_COSINE;
+    let cell = mask_cell(mask);
+    let widest = max(cell.x, cell.y);
     let half = max(square.half.x, square.half.y);
-    let e = min(lobe.exponent, glossy_narrowest(mask));
+    let e = min(lobe.exponent, max(2.0 / (widest * widest), MIRROR_EXPONENT));
     weights.exponent = e;
     let m = e + 3.0;
     let aside = weights.axis.xy;

@@ -20,77 +20,45 @@ fn visible_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: 
     var all = vec3f(0.0);
     if (decide(lane, is_part || is_finer)) {
         row_refine(true);
-        var areas = vec4f(0.0);
-        var around = NEAR_NOTHING;
         for (var k = 0u; k < NARROW_GRID.x * NARROW_GRID.y; k++) {
             let mask = mask_reset(square_part(square, k, NARROW_GRID), lane, at.normal);
             blockers_splat(lane, tile, at, light, mask);
-            let sums = image_sums(lane, mask, at, lobe, is_facets, NEAR_NOTHING);
+            let sums = image_sums(lane, mask, at, lobe, is_facets, vec2f(1e30), vec2f(-1e30));
             seen += sums[0];
             all += sums[1];
-            areas += total(lane, visibility_counts(lane));
-            around = near_with(lane, around, mask.square, NARROW_GRID);
-        }
-        if (near_count(0u) > 0u) {
-            near_find(lane, tile, at, light, square, around, areas, 1u, true);
-            let narrow = image_narrowed(lobe, square_part(square, 0u, NARROW_GRID), is_facets);
-            seen = image_instead(lane, tile, at, light, square, narrow, is_facets, 1u, NEAR_NOTHING, seen);
         }
         row_refine(false);
     }
     // What a highlight's masks show is not counted in those of the whole light; a lobe's own window stands for it.
     if (decide(lane, !is_finer && (is_facets || !is_part))) {
-        let cut = select(NEAR_NOTHING, near_rect(square), is_part);
-        var rest = vec3f(0.0);
+        let low = select(vec2f(1e30), square.center - square.half, is_part);
+        let high = select(vec2f(-1e30), square.center + square.half, is_part);
         for (var k = 0u; k < BROAD_COUNT; k++) {
             emitting = broad_emitting[k];
             lit = broad_lit[k];
-            let sums = image_sums(lane, mask_of(square_part(whole, k, BROAD_GRID)), at, lobe, is_facets, cut);
-            rest += sums[0];
+            let sums = image_sums(lane, mask_of(square_part(whole, k, BROAD_GRID)), at, lobe, is_facets, low, high);
+            seen += sums[0];
             all += sums[1];
         }
-        let narrow = image_narrowed(lobe, square_part(whole, 0u, BROAD_GRID), is_facets);
-        seen += image_instead(lane, tile, at, light, whole, narrow, is_facets, 0u, cut, rest);
     }
     // Where the weights say nothing every sample counts alike.
-    let alike = visibility_share();
+    let areas = visibility_areas(lane);
+    let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
     let fraction = seen / all;
     let is_known = (all > vec3f(0.0)) & (all < vec3f(3e38)) & (abs(fraction) < vec3f(3e38));
     return clamp(select(vec3f(alike), fraction, is_known), vec3f(0.0), vec3f(1.0));
 }
 
-// A lobe, or one as narrow as cells of a mask of a window: finer masks are to see no narrower one.
-fn image_narrowed(lobe: Lobe, square: UnitSquare, is_facets: bool) -> Lobe {
-    var narrow = lobe;
-    if (!is_facets) {
-        narrow.exponent = min(lobe.exponent, glossy_narrowest(mask_of(square)));
-    }
-    return narrow;
-}
-
-// What masks of what is lit show, if there are some, in place of `seen`. Requires uniform control flow.
-fn image_instead(
-    lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, lobe: Lobe, is_facets: bool, number: u32, cut: vec4f,
-    seen: vec3f
-) -> vec3f {
-    let count = near_count(number);
-    var near = vec3f(0.0);
-    for (var k = 0u; k < count; k++) {
-        let mask = near_draw(lane, tile, at, light, window, number, k);
-        near += image_sums(lane, mask, at, lobe, is_facets, cut)[0];
-    }
-    return select(seen, near, count > 0u);
-}
-
-// Of all rows, in steradians of samples: what is lit, and what emits. Samples in the rectangle `cut` do not count. Requires uniform control
+// Of all rows, in steradians of samples: what is lit, and what emits. Samples between `low` and `high` do not count. Requires uniform control
 // flow.
-fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, cut: vec4f) -> array<vec3f, 2> {
+fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, low: vec2f, high: vec2f) -> array<vec3f, 2> {
     let square = mask.square;
     let axis = square_local(square, lobe.axis);
     let normal = square_local(square, at.normal);
     let is_diffuse = is_lambert(at, lobe);
     let cell = mask_cell(mask);
-    let half_exponent = 0.5 * min(lobe.exponent, glossy_narrowest(mask));
+    let widest = max(cell.x, cell.y);
+    let half_exponent = 0.5 * min(lobe.exponent, max(2.0 / (widest * widest), MIRROR_EXPONENT));
     if (is_facets) {
         image_facets_in(square, at, lobe);
     }
@@ -121,7 +89,7 @@ fn image_sums(lane: u32, mask: Mask, at: Receiver, lobe: Lobe, is_facets: bool, 
                     value = select(0.0, power * select(1.0, value, lobe.kind == LOBE_COSINE), along > 0.0);
                 }
                 let weight = value * inverse * root;
-                let is_left_out = all(p.xy > cut.xy) && all(p.xy < cut.zw);
+                let is_left_out = all(p.xy > low) && all(p.xy < high);
                 if (weight > 0.0 && !is_left_out) {
                     let place = places.origin + places.x * p.x + places.y * p.y;
                     let texel = image_nearest(copy, place) * weight;

@@ -24,40 +24,31 @@ fn microfacet_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, toleranc
     let own = select(0u, counts.z * counts.w, decide(lane, is_part || is_finer));
     let broad = select(counts.x * counts.y, 0u, decide(lane, is_finer));
     var sum = vec4f(0.0);
-    var areas = vec4f(0.0);
-    var around = NEAR_NOTHING;
-    row_refine(true);
-    for (var k = 0u; k < own; k++) {
-        let mask = visibility_draw(lane, tile, at, light, square, k, counts.zw, forms.x);
-        sum += microfacet_sums(lane, mask, microfacets, NEAR_NOTHING);
-        areas += total(lane, visibility_counts(lane));
-        around = near_with(lane, around, mask.square, counts.zw);
-    }
-    if (own > 0u && near_count(0u) > 0u) {
-        near_find(lane, tile, at, light, square, around, areas, 1u, true);
-        sum = microfacets_instead(lane, tile, at, light, square, microfacets, 1u, NEAR_NOTHING, sum);
-    }
-    let cut = select(NEAR_NOTHING, near_rect(square), is_part);
-    var rest = vec4f(0.0);
-    row_refine(forms.y > 0u);
-    for (var k = 0u; k < broad; k++) {
-        if (forms.w > 0u) {
-            visibility_draw(lane, tile, at, light, whole, k, counts.xy, forms.x);
-        } else {
-            emitting = broad_emitting[k];
-            lit = broad_lit[k];
+    for (var k = 0u; k < own + broad; k++) {
+        let is_own = k < own;
+        var window = whole;
+        if (is_own) {
+            window = square;
         }
-        rest += microfacet_sums(lane, mask_of(square_part(whole, k, counts.xy)), microfacets, cut);
+        let grid = select(counts.xy, counts.zw, is_own);
+        let part = select(k - own, k, is_own);
+        row_refine(is_own || forms.y > 0u);
+        if (is_own || forms.w > 0u) {
+            visibility_draw(lane, tile, at, light, window, part, grid, forms.x);
+        } else {
+            emitting = broad_emitting[part];
+            lit = broad_lit[part];
+        }
+        let is_cut = is_part && !is_own;
+        let low = select(vec2f(1e30), square.center - square.half, is_cut);
+        let high = select(vec2f(-1e30), square.center + square.half, is_cut);
+        sum += microfacet_sums(lane, mask_of(square_part(window, part, grid)), microfacets, low, high);
     }
-    if (broad > 0u) {
-        row_refine(false);
-        rest = microfacets_instead(lane, tile, at, light, whole, microfacets, 0u, cut, rest);
-        row_refine(forms.y > 0u);
-    }
-    sum += rest;
+    row_refine(forms.y > 0u);
     var fractions = sum.xy / sum.zw;
     // Where the weights say nothing every sample counts alike.
-    let alike = visibility_share();
+    let areas = visibility_areas(lane);
+    let alike = select(0.0, areas.x / areas.y, areas.y > 0.0);
     let is_known = (sum.zw > vec2f(0.0)) & (sum.zw < vec2f(3e38)) & (abs(fractions) < vec2f(3e38));
     fractions = clamp(select(vec2f(alike), fractions, is_known), vec2f(0.0), vec2f(1.0));
     known_edge = vec2f(select(lobe.exponent, -1.0, is_edge), fractions.y);
@@ -95,21 +86,9 @@ fn microfacets_in(square: UnitSquare, world: MicrofacetsAt) -> MicrofacetsAt {
     return MicrofacetsAt(square_local(square, world.normal), world.alpha_sq, square_local(square, world.view), world.shadowing);
 }
 
-// What masks of what is lit show, if there are some, in place of what `sum` says of that. Requires uniform control flow.
-fn microfacets_instead(
-    lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare, world: MicrofacetsAt, number: u32, cut: vec4f, sum: vec4f
-) -> vec4f {
-    let count = near_count(number);
-    var near = vec4f(0.0);
-    for (var k = 0u; k < count; k++) {
-        near += microfacet_sums(lane, near_draw(lane, tile, at, light, window, number, k), world, cut);
-    }
-    return vec4f(select(sum.xy, near.xy, count > 0u), sum.zw);
-}
-
-// Of all rows, in steradians of samples: both lobes over the lit samples, and over those that emit. Samples in the rectangle `cut` do not
-// count. Requires uniform control flow.
-fn microfacet_sums(lane: u32, mask: Mask, world: MicrofacetsAt, cut: vec4f) -> vec4f {
+// Of all rows, in steradians of samples: both lobes over the lit samples, and over those that emit. Samples between `low` and
+// `high` do not count. Requires uniform control flow.
+fn microfacet_sums(lane: u32, mask: Mask, world: MicrofacetsAt, low: vec2f, high: vec2f) -> vec4f {
     let square = mask.square;
     let microfacets = microfacets_in(square, world);
     var sum = vec4f(0.0);
@@ -128,7 +107,7 @@ fn microfacet_sums(lane: u32, mask: Mask, world: MicrofacetsAt, cut: vec4f) -> v
                 let inverse = 1.0 / (dot(point, point) + 1.0);
                 let root = sqrt(inverse);
                 let both = microfacets_both(microfacets, vec3f(point, 1.0) * root) * (inverse * root);
-                let is_left_out = all(point > cut.xy) && all(point < cut.zw);
+                let is_left_out = all(point > low) && all(point < high);
                 let w = select(select(vec2f(0.0), both, both > vec2f(0.0)), vec2f(0.0), is_left_out);
                 sum += vec4f(open[k] * w, emits[k] * w);
             }

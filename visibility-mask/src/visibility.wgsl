@@ -8,8 +8,8 @@ var<workgroup> grid_counts: vec4u;
 // Bands of a mask; whether broad lobes have fine masks; whether narrow ones have finer ones; whether the masks of the whole light are too
 // many to be kept, and drawn for each lobe.
 var<workgroup> grid_forms: vec4u;
-// Samples of all masks of the whole light: lit ones, and those that emit.
-var<private> broad_total: vec2f;
+// Samples of all masks of the whole light, of the own rows: lit ones, and those that emit.
+var<private> broad_areas: vec2u;
 
 // From so many times their mean solid angle in the middle on there are more samples: lights of 65° and more.
 const CROWDED = 4.0;
@@ -61,40 +61,21 @@ fn visibility_window(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance:
     let grid = workgroupUniformLoad(&grid_counts).xy;
     let forms = workgroupUniformLoad(&grid_forms);
     row_refine(forms.y > 0u);
-    var broad_areas = vec4f(0.0);
-    var around = NEAR_NOTHING;
+    broad_areas = vec2u(0u);
     for (var k = 0u; k < grid.x * grid.y; k++) {
         let mask = visibility_draw(lane, tile, at, light, window, k, grid, forms.x);
-        broad_areas += visibility_counts(lane);
-        around = near_with(lane, around, mask.square, grid);
+        broad_areas += vec2u(row_count(lit), emitting.y - min(emitting.x, emitting.y));
         visibility_drawn(lane, k, mask, window, at);
     }
-    broad_areas = total(lane, broad_areas);
-    broad_total = broad_areas.xy;
-    near_find(lane, tile, at, light, window, around, broad_areas, 0u, false);
-    row_refine(false);
-    visibility_near(lane, tile, at, light, window);
-    row_refine(forms.y > 0u);
     return window;
 }
 
-// Samples of the own row, lit ones and those that emit; whether any is lit, and whether it is a row.
-fn visibility_counts(lane: u32) -> vec4f {
-    let is_row = lane < SIDE;
-    return vec4f(
-        f32(row_count(lit)), f32(emitting.y - min(emitting.x, emitting.y)), select(1.0, 0.0, row_is_none(lit)), select(0.0, 1.0, is_row)
-    );
-}
+// Samples that are lit and samples that emit, of all masks.
+fn visibility_areas(lane: u32) -> vec2f { return total(lane, vec4f(vec2f(broad_areas), 0.0, 0.0)).xy; }
 
-// The part of what emits that is lit.
-fn visibility_share() -> f32 { return select(0.0, broad_total.x / broad_total.y, broad_total.y > 0.0); }
-
-// How much of what emits the masks leave. Requires uniform control flow.
+// How much of what emits the masks leave.
 fn visibility_coverage(lane: u32) -> u32 {
-    if (near_count(0u) > 0u) {
-        return PARTIAL;
-    }
-    let areas = broad_total;
+    let areas = visibility_areas(lane);
     if (areas.x == areas.y) {
         return LIT;
     }

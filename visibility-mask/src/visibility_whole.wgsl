@@ -12,16 +12,6 @@ fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Recei
     broad_sums = select(broad_sums + sums, sums, k == 0u);
 }
 
-// What masks of what is lit say instead, where there are some.
-fn visibility_near(lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare) {
-    let count = near_count(0u);
-    if (count > 0u) {
-        let grid = workgroupUniformLoad(&grid_counts).xy;
-        let whole = near_sample(mask_of(square_part(window, 0u, grid)));
-        broad_sums = near_instead(lane, tile, at, light, window, Lobe(), vec2u(0u, count), whole, broad_sums);
-    }
-}
-
 fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, window: UnitSquare, lobe: Lobe) -> f32 {
     return fraction_of(broad_sums);
 }

@@ -14,9 +14,6 @@ fn visibility_drawn(lane: u32, k: u32, mask: Mask, window: UnitSquare, at: Recei
     }
 }
 
-// Masks of what is lit are drawn for each lobe.
-fn visibility_near(lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare) {}
-
 // The fraction of the light that a lobe sees. Requires uniform control flow.
 fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32, whole: UnitSquare, lobe: Lobe) -> f32 {
     if (HAS_MICROFACETS && decide(lane, lobe.kind >= LOBE_MICROFACETS_F0)) {
@@ -43,8 +40,6 @@ fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32
     let grid = select(counts.xy, counts.zw, is_own);
     row_refine(is_own || forms.y > 0u);
     var sum = vec4f(0.0);
-    var areas = vec4f(0.0);
-    var around = NEAR_NOTHING;
     for (var k = 0u; k < grid.x * grid.y; k++) {
         if (is_own || forms.w > 0u) {
             visibility_draw(lane, tile, at, light, window, k, grid, forms.x);
@@ -52,25 +47,8 @@ fn lobe_fraction(lane: u32, tile: u32, at: Receiver, light: Cone, tolerance: f32
             emitting = broad_emitting[k];
             lit = broad_lit[k];
         }
-        let mask = mask_of(square_part(window, k, grid));
-        around = near_with(lane, around, mask.square, grid);
-        if (is_own) {
-            areas += total(lane, visibility_counts(lane));
-        }
-        sum += fraction_sums(lane, mask, window, at, lobe);
+        sum += fraction_sums(lane, mask_of(square_part(window, k, grid)), window, at, lobe);
     }
-    // A mirror sees as many samples of finer masks as of these.
-    var narrow = lobe;
-    let first = mask_of(square_part(window, 0u, grid));
-    let whole_sample = near_sample(first);
-    narrow.exponent = min(lobe.exponent, glossy_narrowest(first));
-    if (is_own && near_count(0u) > 0u) {
-        near_find(lane, tile, at, light, window, around, areas, 1u, true);
-    }
-    row_refine(is_own);
-    let number = select(0u, 1u, is_own);
-    let count = select(0u, near_count(number), near_count(0u) > 0u);
-    sum = near_instead(lane, tile, at, light, window, narrow, vec2u(number, count), whole_sample, sum);
     row_refine(forms.y > 0u);
     return fraction_of(sum);
 }

@@ -32,8 +32,8 @@ pub const FACET: &str = include_str!("facet.wgsl");
 pub const TOTAL: &str = include_str!("total.wgsl");
 /// The fraction of a lobe's light that masks leave; needs [`MASK`], [`TOTAL`] and one of [`LAMBERT`] and [`LOBES`].
 pub const FRACTION: &str = include_str!("fraction.wgsl");
-/// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], [`FRACTION`], `blockers_edges`, `blockers_splat` and `blockers_edge_bounds`.
-pub const VISIBILITY: &str = concat!(include_str!("visibility.wgsl"), include_str!("near.wgsl"));
+/// Masks of blockers; needs [`EDGES`], [`MASK`], [`TOTAL`], [`FRACTION`], `blockers_edges` and `blockers_splat`.
+pub const VISIBILITY: &str = include_str!("visibility.wgsl");
 /// What a lobe sees where all lobes are Lambert's; needs [`VISIBILITY`].
 pub const LAMBERT: &str = concat!(
     include_str!("visibility_whole.wgsl"),

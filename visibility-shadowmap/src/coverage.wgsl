@@ -3,6 +3,11 @@
 
 const MAP_DIAGONAL = 0.70710678;
 
+// Cells a side of the mask for a tolerance: 2^depth, as `Accuracy::new`.
+fn map_cells(tolerance: f32) -> f32 {
+    return select(select(64.0, 32.0, tolerance >= 0.002), 16.0, tolerance >= 0.008);
+}
+
 fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
     let map = map_of_light();
     if map == 0u || map_leaves(at.object) {
@@ -13,7 +18,7 @@ fn maps_coverage(tile: u32, at: Receiver, cone: Cone) -> u32 {
         return own;
     }
     let square = square_facing(cone, vec3f(0.0));
-    let cell = 2.0 * square.disc / f32(1u << frame.depth);
+    let cell = 2.0 * square.disc / map_cells(frame.tolerance);
     for (var f = 0u; f < maps_word(map); f++) {
         let face = map + 1u + MAP_FACE * f;
         let view = map_view(face, frame.light, at, square, -square.half, square.half, cell);

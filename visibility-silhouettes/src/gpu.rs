@@ -209,10 +209,6 @@ impl GpuBlockers for GpuSilhouettes {
         true
     }
 
-    fn has_edge_bounds(&self) -> bool {
-        true
-    }
-
     fn asks_any_hit(&self) -> bool {
         true
     }

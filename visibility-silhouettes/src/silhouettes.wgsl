@@ -189,19 +189,3 @@ fn silhouettes_facet(at: Receiver, cone: Cone) -> u32 {
     }
     return facet_coverage(at, cone);
 }
-
-// Whether a flat light's plane cuts any triangle next to it.
-fn silhouettes_are_clipped(eye: SilhouetteEye) -> bool {
-    let near = silhouettes_near();
-    let plane = light_plane();
-    for (var row = near.x; row < near.x + 3u * near.y; row += 3u) {
-        var behind = vec3<bool>();
-        for (var k = 0u; k < 3u; k++) {
-            behind[k] = dot(plane.xyz, bitcast<vec3f>(silhouettes_data[row + k].xyz) - eye.x) >= plane.w;
-        }
-        if (any(behind) && !all(behind)) {
-            return true;
-        }
-    }
-    return false;
-}

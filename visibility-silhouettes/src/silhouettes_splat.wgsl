@@ -65,17 +65,8 @@ var<private> silhouettes_view: SilhouetteView;
 // The window whose edges are added up, and the light before which they are.
 var<private> silhouettes_window: Cone;
 var<private> silhouettes_light: Cone;
-// What is done with edges: they are drawn, added up, or bounded.
-const SILHOUETTES_DRAW = 0u;
-const SILHOUETTES_ADD = 1u;
-const SILHOUETTES_BOUND = 2u;
-var<private> silhouettes_task: u32;
-// Lower corner and upper corner of what edges are in a window, in parts of it.
-var<workgroup> silhouettes_corners: array<atomic<i32>, 4>;
-var<private> silhouettes_bounded: UnitSquare;
-// Bounds are rounded to this part of a window. Depths below that part of an edge's size are not projected.
-const SILHOUETTES_PARTS = 65536.0;
-const SILHOUETTES_SHALLOW = 1e-5;
+// Whether edges are added up; else they are drawn.
+var<private> silhouettes_adds: bool;
 
 fn silhouettes_view_of(mask: Mask, eye: SilhouetteEye) -> SilhouetteView {
     let square = mask.square;
@@ -179,10 +170,8 @@ fn silhouettes_use(lane: u32, eye: SilhouetteEye, count: u32) {
         let ends = silhouettes_data[silhouettes_data[0].w + entry / 8u];
         let a = silhouettes_corner(eye, ends.x);
         let b = silhouettes_corner(eye, ends.y);
-        if (silhouettes_task == SILHOUETTES_ADD) {
+        if (silhouettes_adds) {
             silhouettes_add(eye, a, b);
-        } else if (silhouettes_task == SILHOUETTES_BOUND) {
-            silhouettes_bound(a, b);
         } else {
             silhouettes_draw(a, b, i32(entry % 8u) - 2);
         }
@@ -464,7 +453,7 @@ fn silhouettes_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Co
         // A flat light's cone may be a hemisphere, which has no disc.
         silhouettes_light.one_minus_cos = min(eye.cone.one_minus_cos, SILHOUETTES_WIDEST);
     }
-    silhouettes_task = SILHOUETTES_ADD;
+    silhouettes_adds = true;
     silhouettes_each(lane, eye);
     if (lane > 0u) {
         return vec4f(0.0);
@@ -486,7 +475,7 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
     if (silhouettes_facet(at, light) == PARTIAL) {
         mask_block_below(mask, lane, at.face);
     }
-    silhouettes_task = SILHOUETTES_DRAW;
+    silhouettes_adds = false;
     silhouettes_view = silhouettes_view_of(mask, eye);
     var keep: array<u32, SILHOUETTES_BITS>;
     var above = -0x7fffffff;
@@ -529,77 +518,4 @@ fn silhouettes_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask
     for (var w = 0u; 32u * w < row_width; w++) {
         mask_block_set(w, ~keep[w]);
     }
-}
-
-// The lower and the upper corner between which all edges in a window lie, or the whole window where there may be others. Requires uniform control
-// flow.
-fn silhouettes_edge_bounds(lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare) -> vec4f {
-    let eye = silhouettes_eye(at, light);
-    let low = window.center - window.half;
-    let whole = vec4f(low, window.center + window.half);
-    if (decide(lane, silhouettes_facet(at, light) == PARTIAL || silhouettes_are_clipped(eye))) {
-        return whole;
-    }
-    if (lane < 4u) {
-        atomicStore(&silhouettes_corners[lane], select(-0x7fffffff, 0x7fffffff, lane < 2u));
-    }
-    workgroupBarrier();
-    silhouettes_task = SILHOUETTES_BOUND;
-    silhouettes_bounded = window;
-    silhouettes_each(lane, eye);
-    let corners = vec4i(
-        atomicLoad(&silhouettes_corners[0]), atomicLoad(&silhouettes_corners[1]),
-        atomicLoad(&silhouettes_corners[2]), atomicLoad(&silhouettes_corners[3])
-    );
-    workgroupBarrier();
-    let part = 2.0 * window.half / SILHOUETTES_PARTS;
-    return vec4f(low + part * vec2f(corners.xy), low + part * vec2f(corners.zw));
-}
-
-// As `part_in_front` and `part_within` of `bounds.rs`.
-fn silhouettes_bound(world_a: vec3f, world_b: vec3f) {
-    let window = silhouettes_bounded;
-    var a = square_local(window, world_a);
-    var b = square_local(window, world_b);
-    let near = SILHOUETTES_SHALLOW * (sqrt(dot(a, a)) + sqrt(dot(b, b)));
-    let is_near = vec2f(a.z, b.z) < vec2f(near);
-    if (all(is_near)) {
-        return;
-    }
-    let old = a;
-    if (is_near.x) {
-        a = silhouettes_clip(near, b, a);
-    }
-    if (is_near.y) {
-        b = silhouettes_clip(near, old, b);
-    }
-    let low = window.center - window.half;
-    let size = 2.0 * window.half;
-    let start = (a.xy / a.z - low) / size;
-    let along = (b.xy / b.z - low) / size - start;
-    var from_t = 0.0;
-    var to_t = 1.0;
-    for (var k = 0u; k < 2u; k++) {
-        if (along[k] == 0.0) {
-            if (start[k] < 0.0 || start[k] > 1.0) {
-                return;
-            }
-            continue;
-        }
-        let first = -start[k] / along[k];
-        let last = (1.0 - start[k]) / along[k];
-        from_t = max(from_t, min(first, last));
-        to_t = min(to_t, max(first, last));
-    }
-    if (from_t > to_t) {
-        return;
-    }
-    let p = start + along * from_t;
-    let q = start + along * to_t;
-    let corner = vec2i(floor(min(p, q) * SILHOUETTES_PARTS));
-    let other = vec2i(ceil(max(p, q) * SILHOUETTES_PARTS));
-    atomicMin(&silhouettes_corners[0], corner.x);
-    atomicMin(&silhouettes_corners[1], corner.y);
-    atomicMax(&silhouettes_corners[2], other.x);
-    atomicMax(&silhouettes_corners[3], other.y);
 }

@@ -67,6 +67,10 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "MS", value_parser = positive, conflicts_with_all = ["tolerance", "depth", "crop", "tiles"])]
     pub(crate) time_budget: Option<f32>,
 
+    /// Let the tolerance be a part of each pixel's own radiance, for rooms lit through a window (CPU)
+    #[arg(long)]
+    pub(crate) own_radiance: bool,
+
     /// Drop contributions whose radiance is below this
     #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = threshold)]
     pub(crate) threshold: f32,
@@ -118,6 +122,7 @@ impl RenderArgs {
             method: self.method.into(),
             accuracy: self.accuracy(),
             time_budget: self.time_budget,
+            own_radiance: self.own_radiance,
             threshold: self.threshold,
             samples: self.view.samples,
             map_resolution: self.map_resolution,

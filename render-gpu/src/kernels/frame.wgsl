@@ -14,9 +14,8 @@ struct Frame {
     image: u32,
     // Which light of the frame it is.
     number: u32,
-    // Of the quad-trees of masks.
-    depth: u32,
-    pad: u32,
+    pad0: u32,
+    pad1: u32,
     // What else the kind of light is told by.
     shape: array<vec4f, 26>,
 }

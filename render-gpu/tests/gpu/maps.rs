@@ -66,18 +66,25 @@ struct Question {
     at: Receiver,
     light: Sphere,
     id: LightId,
-    accuracy: Accuracy,
+    tolerance: f32,
     across: Vec3,
     window: [f32; 4],
 }
 
+/// What the tolerance is for a depth.
+fn tolerance_for(depth: u32) -> f32 {
+    let tolerance = [0.01, 0.003, 0.001][depth.clamp(4, 6) as usize - 4];
+    assert_eq!(Accuracy::new(tolerance).depth, depth.clamp(4, 6));
+    tolerance
+}
+
 fn questions(random: &mut Random, receivers: &[Receiver], light: Sphere, depth: u32, zoomed: bool) -> Vec<Question> {
-    let accuracy = Accuracy::new(0.003).with_depth(depth);
+    let tolerance = tolerance_for(depth);
     let question = |at: &Receiver| {
         let half = [0; 2].map(|_| if zoomed { random.between(0.1, 0.7) as f32 } else { 1.0 });
         let [x, y] = half.map(|half| random.between(-0.6, 0.6) as f32 * (1.0 - half));
         let window = [x, y, half[0], half[1]];
-        Question { at: *at, light, id: LightId(0), accuracy, across: random.axis().as_vec3(), window }
+        Question { at: *at, light, id: LightId(0), tolerance, across: random.axis().as_vec3(), window }
     };
     receivers.iter().map(question).collect()
 }
@@ -85,19 +92,19 @@ fn questions(random: &mut Random, receivers: &[Receiver], light: Sphere, depth: 
 /// Numbers of a question for WGSL.
 const INPUTS: usize = 23;
 
-const FRAME: &str = "struct Frame { light: vec4f, depth: u32, number: u32 }
+const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, number: u32 }
     var<private> frame: Frame;
     fn v(k: u32) -> vec3f { return vec3f(x(k), x(k + 1u), x(k + 2u)); }
     fn receiver() -> Receiver {
-        frame = Frame(vec4f(v(10u), x(13u)), u32(x(14u)), u32(x(15u)));
+        frame = Frame(vec4f(v(10u), x(13u)), x(14u), u32(x(15u)));
         return Receiver(v(0u), u32(x(3u)), v(4u), 0u, v(7u), 0u, v(4u), 0u);
     }";
 
 fn numbers(question: &Question) -> [f32; INPUTS] {
-    let Question { at, light, id, accuracy, across, window } = question;
+    let Question { at, light, id, tolerance, across, window } = question;
     let mut out = [0.0; INPUTS];
     let object = [at.object as f32];
-    let rest = [light.radius, accuracy.depth as f32, id.0 as f32];
+    let rest = [light.radius, *tolerance, id.0 as f32];
     let parts: [&[f32]; 8] = [
         &at.position.to_array(),
         &object,
@@ -150,7 +157,7 @@ fn rust_coverage(blockers: &ShadowMapBlockers, questions: &[Question]) -> Vec<Co
     let mut scratch = blockers.scratch();
     let coverage = |q: &Question| {
         let cone = Cone::of_sphere(q.at.position, q.light);
-        blockers.select(&VisibilityQuery::new(&q.at, q.id, &cone, q.accuracy), &mut scratch)
+        blockers.select(&VisibilityQuery::new(&q.at, q.id, &cone, Accuracy::new(q.tolerance)), &mut scratch)
     };
     questions.iter().map(coverage).collect()
 }
@@ -215,7 +222,7 @@ fn rust_masks(blockers: &ShadowMapBlockers, questions: &[Question], depth: u32) 
     let (mut scratch, mut mask) = (blockers.scratch(), Mask::default());
     let seen = |q: &Question| {
         let cone = Cone::of_sphere(q.at.position, q.light);
-        let query = VisibilityQuery::new(&q.at, q.id, &cone, q.accuracy);
+        let query = VisibilityQuery::new(&q.at, q.id, &cone, Accuracy::new(q.tolerance));
         blockers.select(&query, &mut scratch);
         let mut square = UnitSquare::facing(&cone, q.across);
         square.center = square.disc * Vec2::new(q.window[0], q.window[1]);

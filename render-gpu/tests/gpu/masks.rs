@@ -203,9 +203,6 @@ fn masks(gpu: &Gpu, coarse: bool) {
     const HOOKS: &str = "
         const NARROW_GRID = vec2u(1u);
         const IS_NARROW_FINER = false;
-        fn blockers_edge_bounds(lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare) -> vec4f {
-            return vec4f(window.center - window.half, window.center + window.half);
-        }
         fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f { return vec4f(0.0); }
         fn blockers_splat(lane: u32, tile: u32, at: Receiver, light: Cone, mask: Mask) {}";
     const BODY: &str = "
@@ -333,9 +330,6 @@ impl Blockers for Curtain {
 fn compare_visibility(gpu: &Gpu, cases: &[(Case, Vec3)], depth: u32, tolerance: f32) -> (Spread, [u32; 3]) {
     const HOOKS: &str = "
         fn curtain() -> vec3f { return vec3f(x(13u), x(14u), x(15u)); }
-        fn blockers_edge_bounds(lane: u32, tile: u32, at: Receiver, light: Cone, window: UnitSquare) -> vec4f {
-            return vec4f(window.center - window.half, window.center + window.half);
-        }
         fn blockers_edges(lane: u32, tile: u32, at: Receiver, light: Cone, window: Cone) -> vec4f {
             return vec4f(select(vec2f(0.0), edges_add(edges_frame(window.axis), curtain(), 1.5), lane == 5u), 0.0, 0.0);
         }

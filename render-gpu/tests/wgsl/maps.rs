@@ -6,7 +6,7 @@ use lobe_core::wgsl::{GEOMETRY, LOBE, NO_OUTLINE, SPECIAL};
 use visibility_shadowmap::wgsl;
 
 /// What kernels declare.
-const FRAME: &str = "struct Frame { light: vec4f, depth: u32, number: u32 }
+const FRAME: &str = "struct Frame { light: vec4f, tolerance: f32, number: u32 }
     @group(0) @binding(0) var<uniform> frame: Frame;";
 
 fn validate(pieces: &[&str]) -> naga::Module {

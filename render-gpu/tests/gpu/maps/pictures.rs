@@ -1,6 +1,6 @@
 //! What points on meshes send to the eye, from CPU and GPU: small lights, thin things, a light among its blockers.
 
-use super::{Case, cases};
+use super::{Case, cases, tolerance_for};
 use crate::parity::assert_same;
 use brdf::{Lambert, Material, Phong};
 use glam::Vec3;
@@ -42,7 +42,7 @@ pub(super) fn agree(gpu: &Gpu) {
         let frame = Frame {
             materials: &materials,
             lights: &lights,
-            accuracy: Accuracy::new(0.003).with_depth(depth),
+            accuracy: Accuracy { tolerance: tolerance_for(depth), depth },
             threshold: 1e-5,
         };
         let want = shade(CpuShader::new(MaskVisibility::new(maps.clone())), &points, &frame);
