@@ -1,4 +1,4 @@
-use crate::gpu::{NO_OBJECT, PLANE_DISC, PLANE_POLYGON, PLANES, shape_of};
+use crate::gpu::{PLANE_DISC, PLANE_OUTSIDE, PLANE_POLYGON, PLANES, shape_of};
 use crate::tube_light::to_segment;
 use crate::{Area, AreaShape, Light, LightKind, ShownImage};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -300,10 +300,10 @@ impl LightKind for FlatLight {
     fn gpu_shape(&self) -> Vec<[f32; 4]> {
         let side = self.normal.extend(f32::from(u8::from(self.two_sided))).to_array();
         if let Some(radius) = self.disc {
-            return vec![side, [radius, 0.0, NO_OBJECT, PLANE_DISC]];
+            return vec![side, [radius, 0.0, PLANE_OUTSIDE, PLANE_DISC]];
         }
         let has_places = f32::from(u8::from(self.image.is_some()));
-        shape_of(side, [self.count as f32, has_places, NO_OBJECT, PLANE_POLYGON], self.corners())
+        shape_of(side, [self.count as f32, has_places, PLANE_OUTSIDE, PLANE_POLYGON], self.corners())
     }
 }
 

@@ -36,8 +36,8 @@ shared! {
     TUBE_BESIDE = 1.05;
     /// Tangent of the angle beyond which a tube goes on unseen.
     TUBE_FAR = 60.0;
-    /// The number of no object.
-    NO_OBJECT = -1.0;
+    /// The number of the object that the light is inside of, where there is none.
+    PLANE_OUTSIDE = -1.0;
 }
 
 pub(crate) const CONES: [&str; 2] = ["lights", CONES_WGSL];

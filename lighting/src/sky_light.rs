@@ -1,5 +1,5 @@
 use crate::flat_light::cone_of;
-use crate::gpu::{NO_OBJECT, PLANE_SKY, PLANES, shape_of};
+use crate::gpu::{PLANE_OUTSIDE, PLANE_SKY, PLANES, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind, ShownImage, SunLight};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
@@ -178,7 +178,7 @@ impl LightKind for SkyLight {
         match self {
             Self::Sun(sun) => sun.gpu_shape(),
             Self::Patch(patch) => {
-                let number = [4.0, 1.0, NO_OBJECT, PLANE_SKY];
+                let number = [4.0, 1.0, PLANE_OUTSIDE, PLANE_SKY];
                 shape_of(patch.axis.extend(0.0).to_array(), number, &patch.corners())
             }
         }

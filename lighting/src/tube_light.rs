@@ -1,5 +1,5 @@
 use crate::flat_light::{cone_of, half_ellipse};
-use crate::gpu::{NO_OBJECT, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_FAR, shape_of};
+use crate::gpu::{PLANE_OUTSIDE, PLANE_TUBE, PLANES, TUBE_BESIDE, TUBE_FAR, shape_of};
 use crate::{Area, AreaShape, Light, LightError, LightKind};
 use core::f32::consts::PI;
 use glam::{Mat4, Vec3};
@@ -156,6 +156,6 @@ impl LightKind for TubeLight {
     }
 
     fn gpu_shape(&self) -> Vec<[f32; 4]> {
-        shape_of([0.0; 4], [self.radius, 0.0, NO_OBJECT, PLANE_TUBE], &self.ends)
+        shape_of([0.0; 4], [self.radius, 0.0, PLANE_OUTSIDE, PLANE_TUBE], &self.ends)
     }
 }
