@@ -34,19 +34,20 @@ impl BrdfLobes for Material {
 
     /// Sixteen receivers at a time, as many in one instruction as the processor offers; least where neighbours have the same material.
     fn tile_lobes(materials: &[Self], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes) {
-        lobes_at::<ByModel>(Level::new(), materials, of, tile, out);
-        custom(materials, of, at, out, |model, at, lobes| model.brdf_lobes(at, lobes));
+        lobes_at::<ByModel>(Level::new(), materials, (of, at), tile, out);
     }
 
     fn tile_cosine_lobes(materials: &[Self], of: &[u32], at: &[Receiver], tile: &Tile, out: &mut TileLobes) {
-        lobes_at::<ByCosines>(Level::new(), materials, of, tile, out);
-        custom(materials, of, at, out, |model, at, lobes| model.cosine_lobes(at, lobes));
+        lobes_at::<ByCosines>(Level::new(), materials, (of, at), tile, out);
     }
 }
 
 /// Which of a material's lobes a tile has.
 pub(crate) trait Which {
     fn count(model: &dyn Model) -> usize;
+
+    /// Those of any model.
+    fn lobes(model: &dyn Model, at: &Receiver, out: &mut Vec<BrdfLobe>);
 
     /// Those that come from a built-in model's table.
     fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe)));
@@ -58,6 +59,10 @@ pub(crate) struct ByModel;
 impl Which for ByModel {
     fn count(model: &dyn Model) -> usize {
         model.lobe_count()
+    }
+
+    fn lobes(model: &dyn Model, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        model.brdf_lobes(at, out);
     }
 
     fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe))) {
@@ -78,6 +83,10 @@ impl Which for ByCosines {
         model.cosine_lobe_count()
     }
 
+    fn lobes(model: &dyn Model, at: &Receiver, out: &mut Vec<BrdfLobe>) {
+        model.cosine_lobes(at, out);
+    }
+
     fn of_table(material: &Material, at: &Receiver, write: impl FnMut((usize, PackedLobe))) {
         match material {
             Material::MetallicRoughness(m) => m.cosines(at).map(PackedLobe::from).enumerate().for_each(write),
@@ -87,8 +96,15 @@ impl Which for ByCosines {
     }
 }
 
-pub(crate) fn lobes_at<W: Which>(level: Level, materials: &[Material], of: &[u32], tile: &Tile, out: &mut TileLobes) {
-    assert_eq!(of.len(), tile.len(), "one material a receiver");
+/// The lobes of receivers, each with the number of its material.
+pub(crate) fn lobes_at<W: Which>(
+    level: Level,
+    materials: &[Material],
+    (of, receivers): (&[u32], &[Receiver]),
+    tile: &Tile,
+    out: &mut TileLobes,
+) {
+    assert!(of.len() == tile.len() && receivers.len() == tile.len(), "one material a receiver");
     // One a thread: no caller needs to keep or clear it.
     thread_local! {
         static SHAPES: RefCell<Shapes> = const { RefCell::new(Shapes::new()) };
@@ -104,40 +120,36 @@ pub(crate) fn lobes_at<W: Which>(level: Level, materials: &[Material], of: &[u32
     }
     out.reset(tile, places);
     SHAPES.with_borrow_mut(|shapes| {
-        for (block, of) in of.chunks(WIDTH).enumerate() {
+        for (block, (of, receivers)) in of.chunks(WIDTH).zip(receivers.chunks(WIDTH)).enumerate() {
             let at = tile.block(block);
             for place in 0..places {
                 shapes.lobes(level, materials, of, place, at, out.block_mut(place, block));
             }
-            tables::<W>(materials, of, at, block, out);
+            one_by_one::<W>(materials, (of, receivers), at, block, out);
         }
     });
 }
 
-/// Lobes that come from a material's table, one receiver after the other.
-fn tables<W: Which>(materials: &[Material], of: &[u32], at: &Columns<9>, block: usize, out: &mut TileLobes) {
+/// Lobes that come from a built-in model's table, and those of other models, one receiver after the other.
+fn one_by_one<W: Which>(
+    materials: &[Material],
+    (of, receivers): (&[u32], &[Receiver]),
+    at: &Columns<9>,
+    block: usize,
+    out: &mut TileLobes,
+) {
     for (j, number) in of.iter().enumerate() {
+        let material = &materials[*number as usize];
+        if let Material::Custom(model) = material {
+            out.set_row(block * WIDTH + j, |lobes| W::lobes(&**model, &receivers[j], lobes));
+            continue;
+        }
         let [_, _, _, x, y, z, view @ ..] = row(at, j);
         let (normal, view) = (Vec3::new(x, y, z), Vec3::from_array(view));
         let at = Receiver::on_surface(Vec3::ZERO, normal, view);
-        W::of_table(&materials[*number as usize], &at, |(place, lobe)| {
+        W::of_table(material, &at, |(place, lobe)| {
             set_row(out.block_mut(place, block), j, &bytemuck::cast(lobe));
         });
-    }
-}
-
-/// Lobes of models that are not built in, one receiver after the other.
-fn custom(
-    materials: &[Material],
-    of: &[u32],
-    at: &[Receiver],
-    out: &mut TileLobes,
-    lobes: impl Fn(&dyn Model, &Receiver, &mut Vec<BrdfLobe>),
-) {
-    for (i, (number, at)) in of.iter().zip(at).enumerate() {
-        if let Material::Custom(model) = &materials[*number as usize] {
-            out.set_row(i, |own| lobes(&**model, at, own));
-        }
     }
 }
 

@@ -470,12 +470,12 @@ fn lobes_of_tiles_are_the_single_ones_on_every_machine() {
             let count = materials.len();
             let of: Vec<u32> = (0..receivers.len()).map(|i| ((i / run * 7 + run) % count) as u32).collect();
             for level in [Level::new(), Level::baseline()] {
-                lobes_at::<ByModel>(level, &materials, &of, &tile, &mut tiled);
+                lobes_at::<ByModel>(level, &materials, (&of, receivers), &tile, &mut tiled);
                 for (i, at) in receivers.iter().enumerate() {
                     let got: Vec<_> = tiled.of(i).map(|(_, lobe)| lobe).collect();
                     assert_eq!(got, lobes(&materials[of[i] as usize], at), "{level:?} {at:?}");
                 }
-                lobes_at::<ByCosines>(level, &materials, &of, &tile, &mut tiled);
+                lobes_at::<ByCosines>(level, &materials, (&of, receivers), &tile, &mut tiled);
                 for (i, at) in receivers.iter().enumerate() {
                     let mut want = Vec::new();
                     materials[of[i] as usize].cosine_lobes(at, &mut want);
