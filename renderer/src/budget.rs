@@ -1,6 +1,6 @@
 use crate::bands::{Bands, seconds};
 use crate::event::tell;
-use crate::{Backend, CustomStrategy, Event, FrameBlockers, Listener, Method, Plan, RenderError, Shader, ShaderTask};
+use crate::{Backend, CustomStrategy, Event, FrameBlockers, Listener, Plan, RenderError, Settings, Shader, ShaderTask};
 use glam::Vec3;
 use lobe_core::Accuracy;
 use lobe_core::paper::Tables;
@@ -25,7 +25,7 @@ pub(crate) struct Budget<'a> {
     pub(crate) maps: &'a [ShadowMap],
     pub(crate) silhouettes: &'a SceneSilhouettes,
     pub(crate) custom: &'a [Box<dyn CustomStrategy>],
-    pub(crate) method: Method,
+    pub(crate) settings: &'a Settings,
     pub(crate) tables: Option<&'a Tables>,
     pub(crate) cancel: &'a Cancel,
     /// Seconds of a frame that no setting changes, but for finding the visible points.
@@ -52,9 +52,9 @@ impl Budget<'_> {
             let frame = Frame { materials: &materials, accuracy, ..*frame };
             let blockers =
                 FrameBlockers::new(self.plan, self.world, self.spheres, self.maps.to_vec(), self.silhouettes, accuracy)
-                    .with_custom(self.custom);
+                    .with(self.custom, self.settings);
             let twice = Twice { points: &points, frame: &frame, cancel: self.cancel };
-            let shading = blockers.shade(backend, self.method, self.tables, twice)?;
+            let shading = blockers.shade(backend, self.settings.method, self.tables, twice)?;
             let total = 1e3 * (fixed + shading * scale);
             if total > f64::from(milliseconds) && chosen.is_some() {
                 break;

@@ -256,8 +256,7 @@ impl Renderer {
         Scene::check_material(before, &material, &surface)?;
         self.scene.materials.push(material);
         self.put_surface(before, surface);
-        self.points.set_materials(&self.scene.materials, before);
-        self.reduced.0.set_materials(&self.scene.materials, before);
+        self.set_materials_of_points(before);
         Ok(MaterialHandle(self.material_handles.push()))
     }
 
@@ -279,8 +278,7 @@ impl Renderer {
             || self.scene.objects.iter().any(|o| o.material == place && has_colors(o));
         self.scene.materials[place] = material;
         self.put_surface(place, surface);
-        self.points.set_materials(&self.scene.materials, self.scene.materials.len());
-        self.reduced.0.set_materials(&self.scene.materials, self.scene.materials.len());
+        self.set_materials_of_points(self.scene.materials.len());
         let points = if varies { Stale::POINTS | Stale::SURFACES } else { Stale::NOTHING };
         Ok(self.mark(Stale::SHADING | points))
     }
@@ -301,6 +299,13 @@ impl Renderer {
         self.material_handles.remove(place);
         self.mark(Stale::SHADING | Stale::POINTS);
         Ok(self.scene.materials.remove(place))
+    }
+
+    /// Gives kept points the scene's materials; there were so many before.
+    fn set_materials_of_points(&mut self, before: usize) {
+        for kept in [&mut self.kept, &mut self.reduced] {
+            kept.points.set_materials(&self.scene.materials, before);
+        }
     }
 
     fn put_surface(&mut self, place: usize, surface: Surface) {

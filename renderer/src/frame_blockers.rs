@@ -1,5 +1,5 @@
 use crate::on_objects::OnObjects;
-use crate::{Backend, CustomStrategy, Method, Plan, RenderError, Shader};
+use crate::{Backend, CustomStrategy, Method, Plan, RenderError, Settings, Shader};
 use lobe_core::paper::{PaperIntegrator, Tables};
 use lobe_core::{Accuracy, LightId, LobeIntegrator, Unshadowed};
 use render_cpu::{CpuShader, SceneSilhouettes, SurfaceHits, World};
@@ -34,7 +34,7 @@ pub struct FrameBlockers<'a> {
     rays: Option<RayBlockers<'a>>,
     /// Anybody's.
     custom: &'a [Box<dyn CustomStrategy>],
-    /// See [`Settings::own_radiance`](crate::Settings::own_radiance).
+    /// See [`Settings::own_radiance`].
     of_own: bool,
     /// The meshes by silhouettes for all receivers.
     meshes: Vec<&'a SilhouetteMesh>,
@@ -100,16 +100,9 @@ impl<'a> FrameBlockers<'a> {
         Self { world, spheres, maps, drawn: on_drawn, silhouettes, rays, custom: &[], of_own: false, meshes, hides }
     }
 
-    /// The same, and strategies that are not built in.
-    #[must_use]
-    pub fn with_custom(self, custom: &'a [Box<dyn CustomStrategy>]) -> Self {
-        Self { custom, ..self }
-    }
-
-    /// The same for a tolerance that is a part of [each pixel's own radiance](crate::Settings::own_radiance), on the CPU.
-    #[must_use]
-    pub fn with_own_radiance(self, of_own: bool) -> Self {
-        Self { of_own, ..self }
+    /// The same with strategies that are not built in, and a tolerance of [the kind that is set](Settings::own_radiance).
+    pub(crate) fn with(self, custom: &'a [Box<dyn CustomStrategy>], settings: &Settings) -> Self {
+        Self { custom, of_own: settings.own_radiance, ..self }
     }
 
     /// The meshes by silhouettes as a GPU has them. None where others are by rays anyway, or where a ball of light holds parts of triangles:
@@ -213,7 +206,7 @@ pub trait ShaderTask {
     fn with<S: Shader>(self, shader: &mut S) -> Result<Self::Output, RenderError>;
 }
 
-/// By masks, with a method and for the [tolerance](crate::Settings::own_radiance) of own radiance or not.
+/// By masks, with a method and for the [tolerance](Settings::own_radiance) of own radiance or not.
 fn masked<B: Blockers, W: ShaderTask>(
     blockers: B,
     (method, of_own): (Method, bool),

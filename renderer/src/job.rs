@@ -76,7 +76,7 @@ impl Job<'_> {
                     maps: &maps,
                     silhouettes,
                     custom,
-                    method: settings.method,
+                    settings,
                     tables,
                     cancel,
                     fixed: clocks.maps,
@@ -88,9 +88,8 @@ impl Job<'_> {
         }
         let map_resolutions = maps.iter().map(ShadowMap::resolution).collect();
         let map_bytes = maps.iter().map(ShadowMap::bytes).sum();
-        let blockers = FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy)
-            .with_custom(custom)
-            .with_own_radiance(settings.own_radiance);
+        let blockers =
+            FrameBlockers::new(plan, world, spheres, maps, silhouettes, frame.accuracy).with(custom, settings);
         let (repeat, layers) = (settings.repeat, settings.layers);
         let shading = Shading { frame: &frame, bands: &mut bands, canvas, repeat, layers, listener, sink };
         let mut stats = blockers.shade(backend, settings.method, tables, shading)?;

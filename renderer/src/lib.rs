@@ -39,6 +39,7 @@ mod frame_blockers;
 mod handles;
 mod image;
 mod job;
+mod kept;
 mod kept_maps;
 mod kept_points;
 mod kept_spheres;

@@ -96,12 +96,12 @@ impl Renderer {
         if self.plan.wants_maps(&self.scene) {
             let whole = [Window::whole(self.scene.width as usize, self.scene.height as usize)];
             let parts = if self.settings.keep_points { &whole[..] } else { &[] };
-            let seen = Bands::new(&world, &self.settings, parts, &mut self.points, &self.cancel).bounds()?;
+            let seen = Bands::new(&world, &self.settings, parts, &mut self.kept.points, &self.cancel).bounds()?;
             let (resolution, room) = (self.settings.map_resolution, self.backend.room_for_maps());
             let around = bounds_with(seen, at.position);
             maps = if seen == Some(around) {
                 let request = MapRequest { receivers: around, resolution, room };
-                self.maps.update(&self.plan, &self.scene, request, &self.cancel)?.0
+                self.kept.maps.update(&self.plan, &self.scene, request, &self.cancel)?.0
             } else {
                 self.plan.maps(&self.scene, around, resolution, room)?.0
             };
@@ -109,7 +109,7 @@ impl Renderer {
         let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
         let (plan, spheres) = (&self.plan, self.spheres.get());
         let blockers = FrameBlockers::new(plan, &world, spheres, maps, &self.silhouettes, accuracy);
-        let blockers = blockers.with_custom(&self.custom.0);
+        let blockers = blockers.with(&self.custom.0, &self.settings);
         let materials = &[Material::lambert(Vec3::ONE)];
         let frame = Frame { materials, lights: &self.scene.lights, accuracy, threshold: 0.0 };
         blockers.shade(&mut Backend::Cpu, Method::Moments, None, Fraction { at, light, frame })

@@ -4,8 +4,7 @@ use crate::event::check;
 use crate::handles::Handles;
 use crate::image::Canvas;
 use crate::job::{Job, State};
-use crate::kept_maps::KeptMaps;
-use crate::kept_points::KeptPoints;
+use crate::kept::Kept;
 use crate::rows::Rows;
 use crate::sphere_cache::{Scope, follow_spheres};
 use crate::{
@@ -54,11 +53,10 @@ pub struct Renderer {
     built: f64,
     pub(crate) silhouettes: SceneSilhouettes,
     pub(crate) custom: CustomStrategies,
-    pub(crate) points: KeptPoints,
-    /// Points and maps of pictures with fewer pixels.
-    pub(crate) reduced: (KeptPoints, KeptMaps),
+    pub(crate) kept: Kept,
+    /// Of pictures with fewer pixels.
+    pub(crate) reduced: Kept,
     canvas: Canvas,
-    pub(crate) maps: KeptMaps,
     pub(crate) rows: Rows,
     pub(crate) light_handles: Handles,
     pub(crate) material_handles: Handles,
@@ -117,10 +115,9 @@ impl Renderer {
             built: 0.0,
             silhouettes: SceneSilhouettes::default(),
             custom: CustomStrategies::default(),
-            points: KeptPoints::default(),
-            reduced: Default::default(),
+            kept: Kept::default(),
+            reduced: Kept::default(),
             canvas: Canvas::default(),
-            maps: KeptMaps::default(),
             stale: Stale::ALL,
             upkeep: Upkeep::default(),
             is_advised: false,
@@ -174,7 +171,7 @@ impl Renderer {
     #[must_use]
     pub const fn upkeep(&self) -> Upkeep {
         let ray_worlds = self.upkeep.ray_worlds + self.backend.worlds_followed();
-        Upkeep { point_bands: self.points.found, maps: self.maps.drawn, ray_worlds, ..self.upkeep }
+        Upkeep { point_bands: self.kept.points.found, maps: self.kept.maps.drawn, ray_worlds, ..self.upkeep }
     }
 
     /// From now on this request, made on any thread, stops pictures and their preparation with [`RenderError::Cancelled`].
@@ -225,8 +222,7 @@ impl Renderer {
         if self.stale.has(Stale::PLAN) {
             self.plan = Plan::new(self.settings.strategy, &self.scene);
             self.stale = self.stale.without(Stale::PLAN);
-            self.maps.clear();
-            self.reduced.1.clear();
+            [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.maps.clear());
         }
         if self.stale.has(Stale::SETS) {
             // Sets are fitted where objects stand at first.
@@ -368,12 +364,10 @@ impl Renderer {
             return self.render_window(&Window::whole(width as usize, height as usize), listener);
         }
         (self.scene.width, self.scene.height) = (width.div_ceil(divisor), height.div_ceil(divisor));
-        core::mem::swap(&mut self.points, &mut self.reduced.0);
-        core::mem::swap(&mut self.maps, &mut self.reduced.1);
+        core::mem::swap(&mut self.kept, &mut self.reduced);
         let window = Window::whole(self.scene.width as usize, self.scene.height as usize);
         let image = self.render_window(&window, listener);
-        core::mem::swap(&mut self.points, &mut self.reduced.0);
-        core::mem::swap(&mut self.maps, &mut self.reduced.1);
+        core::mem::swap(&mut self.kept, &mut self.reduced);
         (self.scene.width, self.scene.height) = (width, height);
         image
     }
@@ -390,9 +384,9 @@ impl Renderer {
         own.validate()?;
         let settings = core::mem::replace(&mut self.settings, own);
         let backend = core::mem::replace(&mut self.backend, Backend::Cpu);
-        let (points, maps) = (core::mem::take(&mut self.points), core::mem::take(&mut self.maps));
+        let kept = core::mem::take(&mut self.kept);
         let image = self.render_window(window, &mut |_| ControlFlow::Continue(()));
-        (self.settings, self.backend, self.points, self.maps) = (settings, backend, points, maps);
+        (self.settings, self.backend, self.kept) = (settings, backend, kept);
         image
     }
 
@@ -468,13 +462,13 @@ impl Renderer {
             backend: &mut self.backend,
             chosen: &mut self.chosen,
             is_advised: &mut self.is_advised,
-            points: &mut self.points,
+            points: &mut self.kept.points,
             canvas: &mut self.canvas,
-            maps: &mut self.maps,
+            maps: &mut self.kept.maps,
         };
         let done = job.picture(&world, state, clocks, listener, sink);
         if !self.settings.keep_points {
-            self.points.clear_parts();
+            self.kept.points.clear_parts();
         }
         done
     }
@@ -507,12 +501,10 @@ impl Renderer {
         self.upkeep.hierarchy_builds += u64::from(done == Update::Built);
         self.upkeep.hierarchy_refits += u64::from(done == Update::Refitted);
         if done != Update::Kept {
-            self.maps.clear();
-            self.reduced.1.clear();
+            [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.maps.clear());
         }
         if done != Update::Kept || self.stale.has(Stale::POINTS) {
-            self.points.clear();
-            self.reduced.0.clear();
+            [&mut self.kept, &mut self.reduced].into_iter().for_each(|kept| kept.points.clear());
         }
         self.stale = self.stale.without(Stale::HIERARCHY | Stale::SURFACES | Stale::POINTS);
         Arc::clone(self.hierarchy.get_or_insert_with(|| Arc::new(Hierarchy::new(scene))))
