@@ -1,4 +1,4 @@
-use crate::worker::{Command, Worker, cancelled};
+use crate::worker::{Command, Worker};
 use crate::{Edit, Picture, Probe};
 use renderer::{RenderError, Renderer};
 use scene::{Cancel, Stopwatch};
@@ -57,7 +57,10 @@ impl Shared {
     /// The token of the work that begins.
     pub(crate) fn begin(&self, control: Control) -> Cancel {
         let mut state = self.lock();
-        let cancel = if state.is_over { cancelled() } else { Cancel::new() };
+        let cancel = Cancel::new();
+        if state.is_over {
+            cancel.cancel();
+        }
         state.running = Some((control, cancel.clone()));
         cancel
     }

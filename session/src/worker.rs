@@ -3,7 +3,7 @@ use crate::session::{Control, Shared};
 use crate::{Edit, Picture};
 use core::ops::ControlFlow;
 use renderer::{RenderError, Renderer, Stale};
-use scene::{Cancel, Stopwatch};
+use scene::Stopwatch;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
@@ -65,7 +65,7 @@ impl Worker {
             };
             // From here on the first picture is not interrupted by edits: they would leave nothing to look at.
             let cancel = self.shared.begin(Control::First);
-            self.renderer.set_cancel(cancel.clone());
+            self.renderer.set_cancel(cancel);
             let mut next = first.or_else(|| self.commands.try_recv().ok());
             while let Some(command) = next {
                 if matches!(command, Command::Quit) {
@@ -77,7 +77,7 @@ impl Worker {
             if is_pending {
                 is_pending = !self.refine();
             }
-            if cancel.is_cancelled() && self.shared.is_over() {
+            if self.shared.is_over() {
                 return;
             }
         }
@@ -183,13 +183,6 @@ fn divisor_for(seconds: f64, budget: f64) -> u32 {
         divisor *= 2;
     }
     divisor
-}
-
-/// Never used up: the token of a session that is over.
-pub(crate) fn cancelled() -> Cancel {
-    let cancel = Cancel::new();
-    cancel.cancel();
-    cancel
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ pub const MATERIALS: [Velvet; 2] = [
 pub fn lights() -> [Spot; 2] {
     let spot = |center: Vec3, radiance: Vec3| {
         let direction = (Vec3::Y * 0.5 - center).normalize();
-        Spot { ball: Sphere { center, radius: 0.35 }, radiance, direction, inner: 0.93, outer: 0.86 }
+        Spot { sphere: Sphere { center, radius: 0.35 }, radiance, direction, inner: 0.93, outer: 0.86 }
     };
     [
         spot(Vec3::new(-2.5, 4.0, 1.5), Vec3::new(60.0, 56.0, 50.0)),
@@ -47,8 +47,8 @@ pub fn rods() -> Capsules {
 fn shown(capsule: &Capsule) -> Vec<Sphere> {
     let [a, b] = capsule.ends;
     let steps = (a.distance(b) / (0.3 * capsule.radius)).ceil() as u32;
-    let ball = |k: u32| Sphere { center: a.lerp(b, k as f32 / steps as f32), radius: 0.999 * capsule.radius };
-    (0..=steps).map(ball).collect()
+    let sphere = |k: u32| Sphere { center: a.lerp(b, k as f32 / steps as f32), radius: 0.999 * capsule.radius };
+    (0..=steps).map(sphere).collect()
 }
 
 pub fn scene(width: u32, height: u32) -> Scene {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Full radiance within an angle of `direction`, none beyond another, smooth between.
 #[derive(Clone, Copy, Debug)]
 pub struct Spot {
-    pub ball: Sphere,
+    pub sphere: Sphere,
     pub radiance: Vec3,
     /// Unit.
     pub direction: Vec3,
@@ -19,11 +19,11 @@ pub struct Spot {
 
 impl LightLobes for Spot {
     fn bounds(&self) -> Sphere {
-        self.ball
+        self.sphere
     }
 
     fn seen_from(&self, at: &Receiver) -> SeenLight {
-        let cone = Cone::of_sphere(at.position, self.ball);
+        let cone = Cone::of_sphere(at.position, self.sphere);
         let cos = -cone.axis.dot(self.direction);
         let x = ((cos - self.outer) / (self.inner - self.outer)).clamp(0.0, 1.0);
         SeenLight::of_cone(cone, self.radiance * (x * x * (3.0 - 2.0 * x)))
@@ -50,17 +50,17 @@ impl LightKind for Spot {
     }
 
     fn sphere(&self) -> Option<Sphere> {
-        Some(self.ball)
+        Some(self.sphere)
     }
 
     fn moved(&self, placement: Mat4) -> Light {
-        let ball = Sphere { center: placement.transform_point3(self.ball.center), ..self.ball };
+        let sphere = Sphere { center: placement.transform_point3(self.sphere.center), ..self.sphere };
         let direction = placement.transform_vector3(self.direction).normalize();
-        Light::Custom(Arc::new(Self { ball, direction, ..*self }))
+        Light::Custom(Arc::new(Self { sphere, direction, ..*self }))
     }
 
     fn area(&self, _: Vec3) -> Option<Area<'_>> {
-        Some(Area::sphere(self.ball))
+        Some(Area::sphere(self.sphere))
     }
 
     fn wgsl(&self) -> Option<[&'static str; 2]> {
