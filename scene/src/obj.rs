@@ -7,6 +7,7 @@ use crate::texture::{srgb_decoded, unit};
 use crate::{Mesh, SceneError, mtl};
 use brdf::Lambert;
 use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -54,7 +55,12 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
 
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // Bare carriage returns end lines too, and a backslash at the end of a line joins it with the next.
-    let unified = text.replace("\r\n", "\n").replace('\r', "\n");
+    let unified = if text.contains('\r') {
+        Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n"))
+    } else {
+        Cow::Borrowed(text)
+    };
+    let mut face: Vec<Corner> = Vec::new();
     let mut number = 0;
     let mut lines = unified.split('\n');
     while let Some(line) = lines.next() {
@@ -68,9 +74,14 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
             line = lines.next().unwrap_or("");
             number += 1;
         }
-        joined.push_str(line);
+        let whole = if joined.is_empty() {
+            line
+        } else {
+            joined.push_str(line);
+            &joined
+        };
         let fault = |message: String| SceneError::at_line(path, first, message);
-        let content = joined.split('#').next().unwrap_or("");
+        let content = whole.split('#').next().unwrap_or("");
         let mut words = content.split_whitespace();
         match words.next() {
             Some("v") => {
@@ -81,8 +92,10 @@ pub(crate) fn parse(path: &Path, text: &str, context: &mut Context) -> Result<Ve
             Some("vn") => lists.normals.push(Vec3::from_array(numbers(&mut words).map_err(fault)?)),
             Some("vt") => lists.uvs.push(texture_coordinates(words).map_err(fault)?),
             Some("f") => {
-                let face: Result<Vec<Corner>, _> = words.map(|w| corner(w, &lists)).collect();
-                let face = face.map_err(fault)?;
+                face.clear();
+                for word in words {
+                    face.push(corner(word, &lists).map_err(fault)?);
+                }
                 if face.len() < 3 {
                     short += 1;
                 } else if !face.iter().all(|c| lists.positions[c.0 as usize].is_finite()) {
@@ -155,20 +168,26 @@ fn assemble(lists: &Lists, corners: &[[Corner; 3]], wants_uvs: bool, has_colors:
     let with_uvs = wants_uvs && corners.iter().flatten().all(|c| c.2.is_some());
     let mut mesh = Mesh::default();
     let mut uvs = Vec::new();
+    // Without normals and texture coordinates a position is one vertex; else one for each combination.
+    let mut places = vec![u32::MAX; if with_normals || with_uvs { 0 } else { lists.positions.len() }];
     let mut index: HashMap<Corner, u32> = HashMap::new();
     for triangle in corners {
-        let vertex = |&(p, n, t): &Corner| {
+        let triangle = triangle.map(|(p, n, t)| {
             let key = (p, n.filter(|_| with_normals), t.filter(|_| with_uvs));
-            *index.entry(key).or_insert_with(|| {
+            let place = match places.get_mut(p as usize) {
+                Some(place) => place,
+                None => index.entry(key).or_insert(u32::MAX),
+            };
+            if *place == u32::MAX {
+                *place = mesh.positions.len() as u32;
                 mesh.positions.push(lists.positions[p as usize]);
                 mesh.normals.extend(key.1.map(|n| lists.normals[n as usize]));
                 uvs.extend(key.2.map(|t| lists.uvs[t as usize]));
                 mesh.colors.extend(has_colors.then(|| lists.colors[p as usize]));
-                mesh.positions.len() as u32 - 1
-            })
-        };
-        let triangle: Vec<u32> = triangle.iter().map(vertex).collect();
-        mesh.triangles.push([triangle[0], triangle[1], triangle[2]]);
+            }
+            *place
+        });
+        mesh.triangles.push(triangle);
     }
     if with_uvs {
         mesh.uv_sets.push(uvs);
@@ -200,8 +219,9 @@ fn texture_coordinates<'w>(mut words: impl Iterator<Item = &'w str>) -> Result<V
 
 /// `x y z`, `x y z w` (homogeneous) or `x y z r g b`: a position, relative to an origin, and an sRGB colour.
 fn vertex<'w>(words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<(Vec3, Option<Vec3>), String> {
-    let color = match words.clone().skip(3).collect::<Vec<_>>()[..] {
-        [r, g, b] => {
+    let mut more = words.clone().skip(3);
+    let color = match [more.next(), more.next(), more.next(), more.next()] {
+        [Some(r), Some(g), Some(b), None] => {
             let channel = |word| number(word).map(|x| srgb_decoded(unit(x)));
             Some(Vec3::new(channel(r)?, channel(g)?, channel(b)?))
         }
@@ -213,16 +233,20 @@ fn vertex<'w>(words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Re
 fn position<'w>(mut words: impl Iterator<Item = &'w str> + Clone, origin: DVec3) -> Result<Vec3, String> {
     let fine = words.clone();
     let p = Vec3::from_array(numbers(&mut words)?);
-    let rest: Vec<f32> = words.map(number).collect::<Result<_, _>>()?;
+    let (weight, mut is_one) = (words.next().map(number).transpose()?, true);
+    for word in words {
+        number(word)?;
+        is_one = false;
+    }
     if origin != DVec3::ZERO {
         let fine: Vec<f64> = fine.filter_map(|word| word.parse().ok()).collect();
         let w = if let [_, _, _, w] = fine[..] { w } else { 1.0 };
         return Ok((DVec3::from_slice(&fine) / w - origin).as_vec3());
     }
-    match rest[..] {
-        [w] if w != 0.0 => Ok(p / w),
-        [_] => Err("vertex weight is 0".to_owned()),
-        _ => Ok(p),
+    match weight.filter(|_| is_one) {
+        Some(w) if w != 0.0 => Ok(p / w),
+        Some(_) => Err("vertex weight is 0".to_owned()),
+        None => Ok(p),
     }
 }
 

@@ -5,7 +5,7 @@ use core::cmp::Reverse;
 use core::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
 
 /// Triangles of a patch at most. Its rim is kept, so that small patches have little to lose.
 const PATCH: usize = 2048;
@@ -38,7 +38,9 @@ const MOST: usize = 1 << 14;
 
 /// Simplifies a mesh patch by patch; none where that is not worth it.
 pub(crate) fn coarse(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Coarse> {
-    let middle = |t: &u32| triangles[*t as usize].iter().map(|i| positions[*i as usize]).sum::<Vec3>();
+    let middle = |t: &[u32; 3]| t.iter().map(|i| positions[*i as usize]).sum();
+    let middles: Vec<Vec3> = triangles.par_iter().map(middle).collect();
+    let middle = |t: &u32| middles[*t as usize];
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
     let mut parts = Vec::new();
     divide(&mut order, 0, &middle, &mut parts);
@@ -139,12 +141,12 @@ impl Patch {
         let mut numbers: Vec<u32> = part.iter().flat_map(|t| triangles[*t as usize]).collect();
         numbers.sort_unstable();
         numbers.dedup();
-        let places: HashMap<u32, u32> = numbers.iter().copied().zip(0..).collect();
+        let place = |i: u32| numbers.partition_point(|number| *number < i) as u32;
         let origin = numbers.first().map_or(DVec3::ZERO, |i| positions[*i as usize].as_dvec3());
         let count = numbers.len();
         let mut patch = Self {
             positions: numbers.iter().map(|i| positions[*i as usize].as_dvec3() - origin).collect(),
-            triangles: part.iter().map(|t| triangles[*t as usize].map(|i| places[&i])).collect(),
+            triangles: part.iter().map(|t| triangles[*t as usize].map(place)).collect(),
             around: vec![Vec::new(); count],
             quadrics: vec![Quadric::default(); count],
             is_fixed: vec![false; count],
@@ -171,28 +173,30 @@ impl Patch {
         patch
     }
 
-    fn neighbours(&self, i: u32) -> Vec<u32> {
-        let all = self.around[i as usize].iter().flat_map(|t| self.triangles[*t as usize]);
-        let mut all: Vec<u32> = all.filter(|k| *k != i).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
-    }
-
-    /// Puts the steps of a corner onto a neighbour into the queue.
-    fn propose(&self, from: u32, to: u32, steps: &mut BinaryHeap<Step>) {
-        let [a, b] = [from as usize, to as usize];
-        if !self.is_fixed[a] {
-            let price = self.quadrics[a].plus(&self.quadrics[b]).at(self.positions[b]).max(0.0);
-            steps.push(Reverse((price.to_bits(), from, to, [self.changes[a], self.changes[b]])));
+    /// Lists the corners that share a triangle with one, by number.
+    fn neighbours(&self, i: u32, all: &mut Vec<u32>) {
+        all.clear();
+        for k in self.around[i as usize].iter().flat_map(|t| self.triangles[*t as usize]) {
+            if k != i && !all.contains(&k) {
+                all.push(k);
+            }
         }
+        all.sort_unstable();
     }
 
-    /// Whether a corner can be moved onto a neighbour: the surface stays one, and no triangle turns over.
-    fn may_move(&self, from: u32, to: u32) -> bool {
-        let [near, other] = [self.neighbours(from), self.neighbours(to)];
-        let shared = self.around[from as usize].iter().filter(|t| self.triangles[**t as usize].contains(&to)).count();
-        let common = near.iter().filter(|i| other.binary_search(i).is_ok()).count();
+    /// The step of a corner onto a neighbour, unless it is fixed.
+    fn proposal(&self, from: u32, to: u32) -> Option<Step> {
+        let [a, b] = [from as usize, to as usize];
+        let price = || self.quadrics[a].plus(&self.quadrics[b]).at(self.positions[b]).max(0.0);
+        (!self.is_fixed[a]).then(|| Reverse((price().to_bits(), from, to, [self.changes[a], self.changes[b]])))
+    }
+
+    /// Whether a corner can be moved onto a neighbour: the surface stays one, and no triangle turns over. Two lists are lent.
+    fn may_move(&self, from: u32, to: u32, [near, other]: &mut [Vec<u32>; 2]) -> bool {
+        let around = &self.around[from as usize];
+        if around.iter().filter(|t| self.triangles[**t as usize].contains(&to)).count() != 2 {
+            return false;
+        }
         let keeps = |t: &u32| {
             let corners = self.triangles[*t as usize];
             let normal = |corners: [u32; 3]| {
@@ -202,7 +206,12 @@ impl Patch {
             let [was, is] = [normal(corners), normal(corners.map(|i| if i == from { to } else { i }))];
             corners.contains(&to) || was.dot(is) > TURN * (was.length_squared() * is.length_squared()).sqrt()
         };
-        shared == 2 && common == 2 && self.around[from as usize].iter().all(keeps)
+        if !around.iter().all(keeps) {
+            return false;
+        }
+        self.neighbours(from, near);
+        self.neighbours(to, other);
+        near.iter().filter(|i| other.contains(i)).count() == 2
     }
 
     fn step(&mut self, from: u32, to: u32) {
@@ -224,26 +233,35 @@ impl Patch {
         self.changes[to as usize] += 1;
     }
 
-    /// `mesh` is the number of the mesh's corners.
-    fn simplified(mut self, mesh: usize) -> Option<Form> {
-        let mut steps = BinaryHeap::new();
+    /// Moves corners until one in [`KEPT`] of the inner ones is left, or none can be moved.
+    fn simplify(&mut self) {
+        let (mut list, mut lent) = (Vec::new(), [Vec::new(), Vec::new()]);
+        let mut steps = Vec::with_capacity(8 * self.numbers.len());
         for from in 0..self.numbers.len() as u32 {
-            self.neighbours(from).into_iter().for_each(|to| self.propose(from, to, &mut steps));
+            self.neighbours(from, &mut list);
+            steps.extend(list.iter().filter_map(|to| self.proposal(from, *to)));
         }
+        let mut steps = BinaryHeap::from(steps);
         let inner = self.is_fixed.iter().filter(|fixed| !**fixed).count();
         let mut left = inner - inner / KEPT;
         while left > 0 {
             let Some(Reverse((_, from, to, changes))) = steps.pop() else { break };
-            if changes != [from, to].map(|i| self.changes[i as usize]) || !self.may_move(from, to) {
+            if changes != [from, to].map(|i| self.changes[i as usize]) || !self.may_move(from, to, &mut lent) {
                 continue;
             }
             self.step(from, to);
             left -= 1;
-            for near in self.neighbours(to) {
-                self.propose(near, to, &mut steps);
-                self.propose(to, near, &mut steps);
+            self.neighbours(to, &mut list);
+            for near in &list {
+                steps.extend(self.proposal(*near, to));
+                steps.extend(self.proposal(to, *near));
             }
         }
+    }
+
+    /// The simplified form, if it is worth it. `mesh` is the number of the mesh's corners.
+    fn simplified(mut self, mesh: usize) -> Option<Form> {
+        self.simplify();
         let kept: Vec<u32> = (0..self.triangles.len() as u32)
             .filter(|t| self.triangles[*t as usize][0] != self.triangles[*t as usize][1])
             .collect();
@@ -252,8 +270,12 @@ impl Patch {
         }
         let mut places = vec![0; self.triangles.len()];
         kept.iter().zip(0..).for_each(|(t, place)| places[*t as usize] = place);
+        let mut prisms = vec![Prism::default(); self.triangles.len()];
+        kept.iter().for_each(|t| prisms[*t as usize] = self.prism(*t));
+        let mut rings = vec![Vec::new(); self.numbers.len()];
         let left_out = (0..self.numbers.len() as u32).filter(|i| self.onto[*i as usize] != *i);
-        let left_out = left_out.filter_map(|i| Some([self.numbers[i as usize], places[self.nearest(i)? as usize]]));
+        let left_out = left_out
+            .filter_map(|i| Some([self.numbers[i as usize], places[self.nearest(i, &prisms, &mut rings)? as usize]]));
         let left_out = left_out.collect();
         let mut numbers = self.numbers.clone();
         let mut own = Vec::new();
@@ -267,27 +289,62 @@ impl Patch {
         Some(Form { own, triangles, left_out })
     }
 
-    /// The triangle next to a corner that has been moved, among those around where it is now.
-    fn nearest(&self, i: u32) -> Option<u32> {
+    fn prism(&self, t: u32) -> Prism {
+        let [a, b, c] = self.triangles[t as usize].map(|k| self.positions[k as usize]);
+        let n = (b - a).cross(c - a);
+        let square = n.length_squared();
+        let sides = [(a, b), (b, c), (c, a)].map(|(u, v)| {
+            let g = n.cross(v - u) / square;
+            (g, -g.dot(u))
+        });
+        let size = square.sqrt();
+        let off = n * (1e-3 / (size * size.sqrt()));
+        Prism { sides, off: (off, -off.dot(a)) }
+    }
+
+    /// The triangle next to a corner that has been moved, among those around where it is now. The triangles around a corner are kept in
+    /// `rings`: they are the same for all that have been moved onto it.
+    fn nearest(&self, i: u32, prisms: &[Prism], rings: &mut [Vec<u32>]) -> Option<u32> {
         let mut at = i;
         while self.onto[at as usize] != at {
             at = self.onto[at as usize];
         }
+        let ring = &mut rings[at as usize];
+        if ring.is_empty() {
+            let mut near = Vec::new();
+            self.neighbours(at, &mut near);
+            for t in near.iter().chain([&at]).flat_map(|k| &self.around[*k as usize]) {
+                if !ring.contains(t) {
+                    ring.push(*t);
+                }
+            }
+        }
         let p = self.positions[i as usize];
         let mut best = (f64::NEG_INFINITY, None);
-        let ring = self.neighbours(at).into_iter().chain([at]);
-        for t in ring.flat_map(|k| &self.around[k as usize]) {
-            let [a, b, c] = self.triangles[*t as usize].map(|k| self.positions[k as usize]);
-            let n = (b - a).cross(c - a);
-            // How deep inside of the triangle's sides, seen along its normal.
-            let inside = [(a, b), (b, c), (c, a)].map(|(u, v)| (v - u).cross(p - u).dot(n) / n.length_squared());
-            let inside =
-                inside.into_iter().fold(0.0, f64::min) - 1e-3 * (n.dot(p - a) / n.length()).abs() / n.length().sqrt();
-            if inside > best.0 {
-                best = (inside, Some(*t));
+        for t in ring.iter() {
+            let depth = prisms[*t as usize].depth(p);
+            if depth > best.0 {
+                best = (depth, Some(*t));
             }
         }
         best.1
+    }
+}
+
+/// The space above and below a triangle: its sides as half-spaces, in units of its heights, and its plane, in a thousandth of
+/// the root of its area.
+#[derive(Clone, Copy, Default)]
+struct Prism {
+    sides: [(DVec3, f64); 3],
+    off: (DVec3, f64),
+}
+
+impl Prism {
+    /// How deep a point lies inside of the triangle's sides, seen along its normal: 0 inside, less the farther it is outside or
+    /// off the plane.
+    fn depth(&self, p: DVec3) -> f64 {
+        let inside = self.sides.iter().fold(0.0_f64, |least, (g, d)| least.min(g.dot(p) + d));
+        inside - (self.off.0.dot(p) + self.off.1).abs()
     }
 }
 

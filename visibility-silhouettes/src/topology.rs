@@ -128,15 +128,28 @@ impl Side {
     }
 }
 
+/// The sides of all triangles in the order of their ends: by the first end by counting, then the few of each by comparison.
 pub(crate) fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let mut sides = Vec::with_capacity(3 * triangles.len());
-    for (number, corners) in (0..).zip(triangles) {
-        for corner in 0..3 {
+    let all = (0..).zip(triangles).flat_map(|(number, corners)| {
+        (0..3).map(move |corner| {
             let [a, b] = [corners[corner as usize], corners[(corner as usize + 1) % 3]];
-            sides.push(Side { ends: (a.min(b), a.max(b)), down: a > b, triangle: number, corner });
-        }
+            Side { ends: (a.min(b), a.max(b)), down: a > b, triangle: number, corner }
+        })
+    });
+    let count = triangles.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+    let mut places = vec![0_u32; count + 1];
+    all.clone().for_each(|side| places[side.ends.0 as usize + 1] += 1);
+    for k in 0..count {
+        places[k + 1] += places[k];
     }
-    sides.sort_unstable();
+    let none = Side { ends: (0, 0), down: false, triangle: 0, corner: 0 };
+    let mut sides = vec![none; 3 * triangles.len()];
+    for side in all {
+        let place = &mut places[side.ends.0 as usize];
+        sides[*place as usize] = side;
+        *place += 1;
+    }
+    sides.chunk_by_mut(|a, b| a.ends.0 == b.ends.0).for_each(<[Side]>::sort_unstable);
     sides
 }
 
@@ -238,6 +251,11 @@ pub(crate) fn tagged_edges(triangles: &[[u32; 3]], fine: u32, patches: &[u16]) -
     let patch = |side: &Side| patches[side.triangle as usize];
     let half = |side: &Side| Tag::of(patch(side), side.triangle >= fine);
     for group in sides(triangles).chunk_by(|a, b| a.ends == b.ends) {
+        // The most frequent kind: inside of one patch and of one of its forms.
+        if group.iter().all(|side| half(side) == half(&group[0])) {
+            pairs(group, |edge| edges.push((edge, Tag([half(&group[0]), 0]))));
+            continue;
+        }
         // The sides of two patches, if there are two, and those of others.
         let of = |wanted: u16| -> Vec<Side> { group.iter().filter(|s| patch(s) == wanted).copied().collect() };
         let first = of(patch(&group[0]));
