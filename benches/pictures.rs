@@ -65,7 +65,7 @@ fn shots(device: &str) -> Vec<Shot> {
                     arguments.push(format!("{}/../scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR")));
                 }
                 let size = if device == "cpu" { "120x68" } else { "64x40" };
-                let rest = ["--quiet", "--size", size, "--visibility", strategy, "--device", device];
+                let rest = ["--quiet", "--samples", "1", "--size", size, "--visibility", strategy, "--device", device];
                 arguments.extend(rest.iter().chain(options).map(|word| (*word).to_owned()));
                 shots.push(Shot { name: format!("{device} | {scene} | {strategy} | {setting}"), arguments });
             }

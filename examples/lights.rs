@@ -226,6 +226,7 @@ impl Case {
         let points = ShadingPoints {
             receivers: chosen.iter().map(|k| all.receivers[*k]).collect(),
             materials: chosen.iter().map(|k| all.materials[*k]).collect(),
+            ..ShadingPoints::default()
         };
         let frame = Frame::new(&scene.materials, &scene.lights, Accuracy::new(tolerance));
         let balls: Vec<Sphere> = scene.objects.iter().filter_map(|o| as_spheres(&o.proxy)).flatten().copied().collect();

@@ -198,7 +198,11 @@ fn cost(material: &Material) -> [f64; 2] {
         Receiver::on_surface(position, Vec3::Y, view)
     };
     let count = SIDE * SIDE;
-    let points = ShadingPoints { receivers: (0..count).map(at).collect(), materials: vec![0; count as usize] };
+    let points = ShadingPoints {
+        receivers: (0..count).map(at).collect(),
+        materials: vec![0; count as usize],
+        ..ShadingPoints::default()
+    };
     let light = SphereLight::new(Sphere { center: Vec3::new(0.5, 3.0, -3.0), radius: 0.4 }, Vec3::ONE).into();
     let lights = [light];
     let frame = Frame::new(std::slice::from_ref(material), &lights, Accuracy::new(0.003));

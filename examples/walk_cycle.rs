@@ -150,7 +150,7 @@ fn floor(scene: &Scene) -> ShadingPoints {
         Receiver::on_surface(position, Vec3::Y, Vec3::Y).on_object(0)
     };
     let receivers: Vec<_> = (0..FLOOR).flat_map(|z| (0..FLOOR).map(move |x| (at(x), at(z)))).map(receiver).collect();
-    ShadingPoints { materials: vec![1; receivers.len()], receivers }
+    ShadingPoints { materials: vec![1; receivers.len()], receivers, ..ShadingPoints::default() }
 }
 
 /// The mesh's own vertices, as receivers that go with it.
@@ -158,7 +158,7 @@ fn skin(scene: &Scene) -> ShadingPoints {
     let mesh = mesh(scene);
     let vertex = |(p, n): (&Vec3, &Vec3)| Receiver::on_surface(*p, *n, *n).on_object(1);
     let receivers: Vec<_> = mesh.positions.iter().zip(&mesh.normals).map(vertex).collect();
-    ShadingPoints { materials: vec![1; receivers.len()], receivers }
+    ShadingPoints { materials: vec![1; receivers.len()], receivers, ..ShadingPoints::default() }
 }
 
 /// V of each point, weighted with the cosine: its radiance as a diffuse surface over that without blockers.

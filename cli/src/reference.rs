@@ -1,6 +1,6 @@
 use crate::args::{Geometry as Choice, ReferenceArgs, name};
 use crate::checkpoint;
-use crate::console::{self, note, say};
+use crate::console::{self, STOP, note, say};
 use crate::failure::Failure;
 use crate::files::{self, Files};
 use crate::input;
@@ -23,7 +23,7 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     files::distinct(&args.output, &view.file)?;
     let (mut scene, animation) = input::view(view)?;
     let moment = moment::single(view, &animation)?;
-    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples);
+    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples().usual());
     if points > MAX_POINTS {
         return Err(Failure::new(format_args!(
             "{points} camera rays are too many for a reference, at most {MAX_POINTS}"
@@ -52,7 +52,9 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         spheres.pose(&scene, Some((&animation, moment.time)), &mut blockers)?;
     }
     let world = World::new(&scene);
-    let gbuffer = GBuffer::new(&world, scene.width, scene.height, view.samples);
+    let whole = [0..scene.width, 0..scene.height];
+    let gbuffer = GBuffer::sampled(&world, [scene.width, scene.height], view.samples(), whole, &STOP);
+    let gbuffer = gbuffer.ok_or_else(|| Failure::interrupted("stopped before the first sample"))?;
     let job = ReferenceJob { world: &world, gbuffer: &gbuffer, blockers: &blockers, geometry, seed: args.seed };
     let mut reference = Reference::new(job);
 
@@ -77,11 +79,9 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     let mut estimate = reference.estimate();
     gbuffer.add_emission(&mut estimate.radiance);
     gbuffer.add_emission(&mut estimate.unshadowed);
-    let resolve = |values: &[Vec3], background| gbuffer.resolve(values, background);
     let picture = gbuffer.picture(&estimate.radiance, scene.background);
     let picture = Picture::new(scene.width as usize, scene.height as usize, picture);
-    // Of independent points variances add up: mean of the variances over their number.
-    let std_error = of_pixels(&estimate.std_error, gbuffer.samples, |values| resolve(values, Vec3::ZERO));
+    let std_error = of_pixels(&estimate.std_error, &gbuffer);
     let layers = [
         ExrLayer::color("unshadowed", &gbuffer.picture(&estimate.unshadowed, scene.background)),
         ExrLayer::color("stderr", &std_error),
@@ -118,14 +118,15 @@ pub(crate) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Standard errors of pixels from those of their camera samples, which `resolve` averages: the root of the mean variance over
-/// their number. In units of the largest, whose square may be no f32.
-fn of_pixels(errors: &[Vec3], samples: u32, resolve: impl Fn(&[Vec3]) -> Vec<Vec3>) -> Vec<Vec3> {
+/// Standard errors of pixels from those of their points. These are independent: a pixel's variance is the sum of theirs times the
+/// squares of their parts of its rays. In units of the largest, whose square may be no f32.
+fn of_pixels(errors: &[Vec3], gbuffer: &GBuffer) -> Vec<Vec3> {
     let largest = errors.iter().map(|e| e.max_element()).fold(0.0, f32::max);
     let unit = if largest > 0.0 { largest } else { 1.0 };
-    let variances: Vec<Vec3> = errors.iter().map(|e| (*e / unit) * (*e / unit)).collect();
-    let share = 1.0 / samples as f32;
-    resolve(&variances).iter().map(|v| (*v * share).map(f32::sqrt) * unit).collect()
+    let mut variances: Vec<Vec3> = errors.iter().map(|e| (*e / unit) * (*e / unit)).collect();
+    variances.iter_mut().zip(&gbuffer.rays).for_each(|(variance, rays)| *variance *= *rays as f32);
+    let part = 1.0 / gbuffer.samples as f32;
+    gbuffer.resolve(&variances, Vec3::ZERO).iter().map(|v| (*v * part).map(f32::sqrt) * unit).collect()
 }
 
 fn checkpoint_path(output: &Path) -> PathBuf {

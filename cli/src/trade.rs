@@ -32,7 +32,8 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let view = &args.view;
     let (mut scene, animation) = input::view(view)?;
     let moment = moment::single(view, &animation)?;
-    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(view.samples);
+    let samples = view.samples.unwrap_or(1);
+    let points = u64::from(scene.width) * u64::from(scene.height) * u64::from(samples);
     if points > MAX_POINTS {
         return Err(Failure::new(format_args!(
             "{points} points are too many for a sweep, at most {MAX_POINTS} (--size)"
@@ -59,7 +60,7 @@ pub(crate) fn run(args: &TradeArgs) -> Result<(), Failure> {
     let mut gbuffer_times = [0.0; 3];
     let mut gbuffer = GBuffer::default();
     for time in &mut gbuffer_times {
-        gbuffer = seconds(time, || GBuffer::new(&world, scene.width, scene.height, view.samples));
+        gbuffer = seconds(time, || GBuffer::new(&world, scene.width, scene.height, samples));
     }
     gbuffer_times.sort_by(f64::total_cmp);
 
@@ -169,7 +170,8 @@ fn strategies(args: &TradeArgs, scene: &Scene) -> Result<Vec<Visibility>, Failur
 
 /// Rows share a table if this agrees: scene, options and the program itself.
 fn stamp(args: &TradeArgs, scene: &Scene, blockers: &BlockerSet) -> String {
-    let options = (args.view.samples, name(&args.geometry), args.reference_spp, args.repeat, args.map_resolution);
+    let options =
+        (args.view.samples.unwrap_or(1), name(&args.geometry), args.reference_spp, args.repeat, args.map_resolution);
     let program = std::env::current_exe().and_then(std::fs::metadata).map(|m| (m.len(), m.modified().ok())).ok();
     let threads = rayon::current_num_threads();
     let all = Fingerprint::new().debug(&options).debug(&program).debug(&threads).debug(scene).debug(blockers);

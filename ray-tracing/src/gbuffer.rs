@@ -1,8 +1,11 @@
 //! The visible points of a picture, and pictures of values at them.
 
+mod edges;
 #[cfg(test)]
 mod tests;
 mod view;
+
+pub use edges::PixelSamples;
 
 use crate::world::SIDE;
 use brdf::Material;
@@ -23,12 +26,15 @@ pub struct GBuffer {
     pub width: u32,
     /// Image height in pixels.
     pub height: u32,
-    /// Camera rays a pixel.
+    /// Camera rays a pixel; where only some pixels have several, those of one of them.
     pub samples: u32,
     /// The visible points.
     pub points: ShadingPoints,
     /// For each point the number of its pixel, `row·width + column`.
     pub pixels: Vec<u32>,
+    /// For each point the number of its pixel's rays that it stands for, of [`samples`](Self::samples) in all; empty where each point
+    /// is of one ray.
+    pub rays: Vec<u32>,
     /// For each point the distance from the plane of the eye, along the view direction.
     pub depths: Vec<f32>,
     /// The materials that points refer to by number: the scene's materials, then one for each point whose surface has textures or vertex
@@ -87,7 +93,7 @@ impl GBuffer {
         picture.iter_mut().zip(&self.sky).for_each(|(pixel, sky)| *pixel += *sky);
     }
 
-    /// The picture of one value a point: the mean over each pixel's rays (a box filter), `background` where a ray met
+    /// The picture of one value a point: the mean over each pixel's rays (a box filter of one pixel), `background` where a ray met
     /// nothing.
     ///
     /// # Panics
@@ -119,9 +125,18 @@ impl GBuffer {
         picture.fill(mean(T::default(), self.samples));
         let mut first = 0;
         for pixels in self.pixels.chunk_by(|a, b| a == b) {
-            let values = &values[first..first + pixels.len()];
-            let sum = values.iter().fold(T::default(), |sum, value| sum + *value);
-            picture[pixels[0] as usize] = mean(sum, self.samples - pixels.len() as u32);
+            let points = first..first + pixels.len();
+            let values = &values[points.clone()];
+            picture[pixels[0] as usize] = match self.rays.get(points) {
+                Some(rays) if !self.rays.is_empty() => {
+                    let sum = values.iter().zip(rays).fold(T::default(), |sum, (value, n)| sum + *value * (*n as f32));
+                    mean(sum, self.samples - rays.iter().sum::<u32>())
+                }
+                _ => {
+                    let sum = values.iter().fold(T::default(), |sum, value| sum + *value);
+                    mean(sum, self.samples - pixels.len() as u32)
+                }
+            };
             first += pixels.len();
         }
     }

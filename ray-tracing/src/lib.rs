@@ -22,7 +22,7 @@ mod gbuffer;
 mod sphere_hierarchy;
 mod world;
 
-pub use crate::gbuffer::{GBuffer, TILE};
+pub use crate::gbuffer::{GBuffer, PixelSamples, TILE};
 pub use crate::sphere_hierarchy::SphereHierarchy;
 pub use crate::world::{Hierarchy, Primitive, Region, TriangleList, Update, World};
 pub use glam;

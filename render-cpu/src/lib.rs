@@ -35,4 +35,4 @@ pub use crate::scene_spheres::{SceneSpheres, SphereSource, read_set};
 pub use crate::shade::{CpuShader, Layers, ShadeRequest};
 pub use crate::surface_hits::{HitScratch, SurfaceHits};
 pub use glam;
-pub use ray_tracing::{GBuffer, Hierarchy, TILE, Update, World};
+pub use ray_tracing::{GBuffer, Hierarchy, PixelSamples, TILE, Update, World};

@@ -1,11 +1,12 @@
 use core::convert::Infallible;
+use core::ops::Range;
 use glam::Vec3;
 use lobe_core::{
     BrdfLobes, Coverage, FractionIntegrator, Integrator, LightId, LightLobes, LightVisibility, Observer, Receiver,
     Shaft, Stage, Tile, TileContributions, TileInteraction, TileLight, TileLobes, Visibility, cap_integrals,
 };
 use rayon::prelude::*;
-use scene::{Cancel, Counts, Frame, GROUP, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
+use scene::{Cancel, Counts, Frame, Shade, ShadeStats, ShadingPoints, StageSeconds, Stopwatch};
 use std::sync::{Mutex, PoisonError};
 
 /// Groups that a thread takes at once, at most: what is dear is often side by side.
@@ -19,7 +20,7 @@ const fn is_timed(group: usize) -> bool {
 
 /// Shades points with lobe sums on the CPU, with any visibility strategy.
 ///
-/// Groups of 64 points in list order share the culling of blockers; rayon takes the groups. Results do not depend on
+/// [Groups](ShadingPoints::groups) of up to 64 points in list order share the culling of blockers; rayon takes the groups. Results do not depend on
 /// the number of threads. Nothing is allocated per point.
 ///
 /// ```
@@ -148,17 +149,23 @@ impl<V: Visibility, I: Integrator<V>> CpuShader<V, I> {
             })
         };
         let pool = Mutex::new(Vec::new());
-        let groups: Vec<(GroupStats, Layers)> = out
-            .par_chunks_mut(GROUP)
+        let parts = points.groups();
+        let mut rest = out;
+        let cut = |part: Range<usize>| {
+            let (own, after) = core::mem::take(&mut rest).split_at_mut(part.len());
+            rest = after;
+            (part, own)
+        };
+        let parts: Vec<(Range<usize>, &mut [Vec3])> = parts.into_iter().map(cut).collect();
+        let groups: Vec<(GroupStats, Layers)> = parts
+            .into_par_iter()
             .enumerate()
             .with_max_len(RUN)
             .map_init(
                 || Lent::new(&pool),
-                |lent, (group, out)| {
+                |lent, (group, (part, out))| {
                     let memory = lent.memory.get_or_insert_with(memory);
-                    let first = group * GROUP;
-                    let receivers = &points.receivers[first..first + out.len()];
-                    let materials = &points.materials[first..first + out.len()];
+                    let (receivers, materials) = (&points.receivers[part.clone()], &points.materials[part]);
                     let mut group =
                         Group { request, layers: Layers::default(), stats: GroupStats::new(is_timed(group)) };
                     self.group((receivers, materials), frame, memory, &mut group, out);

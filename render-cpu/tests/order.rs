@@ -18,7 +18,7 @@ fn floor(random: &mut Random, count: usize) -> ShadingPoints {
         Receiver::on_surface(position, Vec3::Y, view)
     };
     let materials = (0..count as u32).map(|k| k % 3).collect();
-    ShadingPoints { receivers: (0..count).map(|_| at(random)).collect(), materials }
+    ShadingPoints { receivers: (0..count).map(|_| at(random)).collect(), materials, ..ShadingPoints::default() }
 }
 
 fn shade(points: &ShadingPoints, spheres: &[Sphere]) -> Vec<[u32; 3]> {

@@ -3,7 +3,7 @@ use crate::{RenderError, Settings};
 use brdf::Material;
 use core::ops::Range;
 use pictures::Window;
-use render_cpu::{GBuffer, TILE, World};
+use render_cpu::{GBuffer, PixelSamples, TILE, World};
 use scene::{Cancel, ShadingPoints, Stopwatch};
 use visibility_shadowmap::ReceiverBounds;
 
@@ -25,7 +25,7 @@ const TRIAL_RAYS: u64 = 1 << 15;
 #[derive(Debug)]
 pub(crate) struct Bands<'w> {
     pub(crate) world: &'w World<'w>,
-    samples: u32,
+    samples: PixelSamples,
     /// The parts, in their order.
     pub(crate) parts: &'w [Window],
     /// Points of the picture before, or found before they are shaded.
@@ -52,7 +52,7 @@ impl<'w> Bands<'w> {
     /// A window cut into bands of rows, of few enough rays to be in flight; their borders are those of tiles.
     fn cut(&self, window: &Window) -> impl Iterator<Item = Window> + use<> {
         let width = window.columns.len();
-        let rows = BAND_RAYS / (width as u64 * u64::from(self.samples)).max(1);
+        let rows = BAND_RAYS / (width as u64 * u64::from(self.samples.usual())).max(1);
         let rows = (rows as u32 / TILE * TILE).max(TILE);
         window.parts([window.image[0].max(1), rows as usize])
     }
@@ -68,9 +68,9 @@ impl<'w> Bands<'w> {
             return Ok(kept);
         }
         let range = |side: &Range<usize>| side.start as u32..side.end as u32;
-        let (columns, rows) = (range(&window.columns), range(&window.rows));
+        let part = [range(&window.columns), range(&window.rows)];
         let (image, cancel) = (window.image.map(|side| side as u32), self.cancel);
-        let find = || GBuffer::window_until(world, image, samples, columns, rows, cancel);
+        let find = || GBuffer::sampled(world, image, samples, part, cancel);
         let found = seconds(&mut self.seconds, find).ok_or(RenderError::Cancelled)?;
         self.kept.found += 1;
         Ok(found)
@@ -112,7 +112,7 @@ impl<'w> Bands<'w> {
         let scene = self.world.scene();
         let (width, height) = (scene.width, scene.height);
         let all = height.div_ceil(TILE);
-        let rays = u64::from(width) * u64::from(TILE) * u64::from(self.samples);
+        let rays = u64::from(width) * u64::from(TILE) * u64::from(self.samples.usual());
         let count = (TRIAL_RAYS / rays).clamp(1, u64::from(all)) as u32;
         let (mut points, mut materials, mut taken) = (ShadingPoints::default(), scene.materials.clone(), 0);
         let first = materials.len() as u32;
@@ -120,7 +120,12 @@ impl<'w> Bands<'w> {
             let top = (u64::from(2 * i + 1) * u64::from(all) / (2 * u64::from(count))) as u32 * TILE;
             let rows = top..(top + TILE).min(height);
             taken += rows.len();
-            let g = GBuffer::rows(self.world, width, height, self.samples, rows);
+            let Some(g) = GBuffer::sampled(self.world, [width, height], self.samples, [0..width, rows], self.cancel)
+            else {
+                break;
+            };
+            let first_point = points.receivers.len();
+            points.ends.extend(g.points.ends.iter().map(|end| first_point + end));
             points.receivers.extend(g.points.receivers);
             // Behind those of the strips before.
             let before = materials.len() as u32 - first;

@@ -1,6 +1,6 @@
 use brdf::Material;
 use pictures::Window;
-use render_cpu::GBuffer;
+use render_cpu::{GBuffer, PixelSamples};
 use visibility_shadowmap::ReceiverBounds;
 
 /// Camera rays whose points are kept from picture to picture: about 130 MB.
@@ -10,7 +10,7 @@ const KEPT_RAYS: u64 = 1 << 21;
 /// picture.
 #[derive(Debug, Default)]
 pub(crate) struct KeptPoints {
-    samples: u32,
+    samples: PixelSamples,
     parts: Vec<(Window, GBuffer)>,
     rays: u64,
     /// Of the whole picture, once it was needed; it may be that nothing is seen.
@@ -19,8 +19,8 @@ pub(crate) struct KeptPoints {
     pub(crate) found: u64,
 }
 
-fn rays(window: &Window, samples: u32) -> u64 {
-    window.pixels() as u64 * u64::from(samples)
+fn rays(window: &Window, samples: PixelSamples) -> u64 {
+    window.pixels() as u64 * u64::from(samples.usual())
 }
 
 impl KeptPoints {
@@ -35,14 +35,14 @@ impl KeptPoints {
         self.rays = 0;
     }
 
-    pub(crate) fn take(&mut self, window: &Window, samples: u32) -> Option<GBuffer> {
+    pub(crate) fn take(&mut self, window: &Window, samples: PixelSamples) -> Option<GBuffer> {
         let place = self.parts.iter().position(|(kept, _)| kept == window).filter(|_| self.samples == samples)?;
         self.rays -= rays(window, samples);
         Some(self.parts.swap_remove(place).1)
     }
 
     /// Keeps points, unless there are too many, in the place of those of the same pixels.
-    pub(crate) fn put(&mut self, window: &Window, samples: u32, points: GBuffer) {
+    pub(crate) fn put(&mut self, window: &Window, samples: PixelSamples, points: GBuffer) {
         if self.samples != samples {
             self.clear_parts();
             self.samples = samples;
@@ -88,16 +88,16 @@ mod tests {
     fn no_pixel_is_kept_twice() {
         let mut kept = KeptPoints::default();
         for k in 0..4 {
-            kept.put(&part(16 * k, 16 * k + 16), 1, GBuffer::default());
+            kept.put(&part(16 * k, 16 * k + 16), 1.into(), GBuffer::default());
         }
-        kept.put(&part(8, 24), 1, GBuffer::default());
+        kept.put(&part(8, 24), 1.into(), GBuffer::default());
         assert_eq!(kept.rays, 8 * (16 + 32));
-        assert!(kept.take(&part(0, 16), 1).is_none() && kept.take(&part(8, 24), 2).is_none());
-        assert!(kept.take(&part(8, 24), 1).is_some() && kept.take(&part(8, 24), 1).is_none());
-        kept.put(&part(0, 64), 3, GBuffer::default());
+        assert!(kept.take(&part(0, 16), 1.into()).is_none() && kept.take(&part(8, 24), 2.into()).is_none());
+        assert!(kept.take(&part(8, 24), 1.into()).is_some() && kept.take(&part(8, 24), 1.into()).is_none());
+        kept.put(&part(0, 64), 3.into(), GBuffer::default());
         assert_eq!(kept.rays, 8 * 64 * 3);
         let large = Window::whole(2000, 2000);
-        kept.put(&large, 3, GBuffer::default());
-        assert!(kept.take(&large, 3).is_none() && kept.rays == 8 * 64 * 3);
+        kept.put(&large, 3.into(), GBuffer::default());
+        assert!(kept.take(&large, 3.into()).is_none() && kept.rays == 8 * 64 * 3);
     }
 }

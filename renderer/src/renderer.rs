@@ -380,7 +380,14 @@ impl Renderer {
         // Lets what an edit made stale go before it is put aside.
         let _ = self.follow_hierarchy();
         let accuracy = self.chosen.unwrap_or(self.settings.accuracy);
-        let own = Settings { device: Device::Cpu, accuracy, layers, samples, repeat: 1, ..self.settings.clone() };
+        let own = Settings {
+            device: Device::Cpu,
+            accuracy,
+            layers,
+            samples: samples.into(),
+            repeat: 1,
+            ..self.settings.clone()
+        };
         own.validate()?;
         let settings = core::mem::replace(&mut self.settings, own);
         let backend = core::mem::replace(&mut self.backend, Backend::Cpu);

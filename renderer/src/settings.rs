@@ -1,6 +1,7 @@
 use crate::error::{LAYERS, LOBES, OWN};
 use crate::{LayerSet, RenderError};
 use lobe_core::Accuracy;
+use render_cpu::PixelSamples;
 use scene::Strategy;
 use std::path::PathBuf;
 use visibility_shadowmap::MapOptions;
@@ -53,7 +54,7 @@ pub struct Settings {
     /// Contributions whose radiance is below this are dropped.
     pub threshold: f32,
     /// Camera rays a pixel.
-    pub samples: u32,
+    pub samples: PixelSamples,
     /// Texels a side of each light's shadow map; `None`: what the light's width takes.
     pub map_resolution: Option<u32>,
     /// The layers that pictures come with.
@@ -89,8 +90,9 @@ impl Settings {
         if !(self.threshold >= 0.0 && self.threshold.is_finite()) {
             return fault("threshold", &self.threshold, "a radiance of 0 or more");
         }
-        if !(1..=MAX_SAMPLES).contains(&self.samples) {
-            return fault("camera rays a pixel", &self.samples, "1 to 65536");
+        let (PixelSamples::Uniform(rays) | PixelSamples::Edges(rays)) = self.samples;
+        if !(1..=MAX_SAMPLES).contains(&rays) {
+            return fault("camera rays a pixel", &rays, "1 to 65536");
         }
         if self.repeat == 0 {
             return fault("repetitions", &self.repeat, "1 or more");
@@ -127,7 +129,7 @@ impl Default for Settings {
             time_budget: None,
             own_radiance: false,
             threshold: 0.0,
-            samples: 1,
+            samples: PixelSamples::Uniform(1),
             map_resolution: None,
             layers: LayerSet::NONE,
             keep_points: true,

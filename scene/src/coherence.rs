@@ -1,10 +1,29 @@
 use crate::ShadingPoints;
+use core::ops::Range;
 use lobe_core::compact_runs;
 
 /// Points that follow each other in a list and are culled together, by all shaders: an 8 × 8 pixel tile of a picture.
 pub const GROUP: usize = 64;
 
 impl ShadingPoints {
+    /// The groups of points that are culled together: at most [`GROUP`], none from two tiles of a picture.
+    ///
+    /// A tile of more points, as its pixels have several, is cut into equal parts.
+    #[must_use]
+    pub fn groups(&self) -> Vec<Range<usize>> {
+        let count = self.receivers.len();
+        let mut groups = Vec::with_capacity(count.div_ceil(GROUP).max(self.ends.len()));
+        let mut first = 0;
+        for end in self.ends.iter().copied().take_while(|end| *end <= count) {
+            let parts = end.saturating_sub(first).div_ceil(GROUP);
+            groups
+                .extend((0..parts).map(|k| first + (end - first) * k / parts..first + (end - first) * (k + 1) / parts));
+            first = first.max(end);
+        }
+        groups.extend((first..count).step_by(GROUP).map(|start| start..(start + GROUP).min(count)));
+        groups
+    }
+
     /// Reorders points that are in no order, such as the vertices of a mesh, so that neighbours in the list are
     /// neighbours in space: each aligned run of 64, 512, 4096 … of them is compact
     /// ([`compact_runs`]). Shading gives the same radiance. Masks cost several times less where many blockers are.
@@ -27,7 +46,8 @@ impl ShadingPoints {
     ///     let position = Vec3::X * (k * 37 % 100) as f32; // here and there
     ///     Receiver::on_surface(position, Vec3::Y, Vec3::Y)
     /// };
-    /// let mut points = ShadingPoints { receivers: (0..100).map(at).collect(), materials: vec![0; 100] };
+    /// let receivers = (0..100).map(at).collect();
+    /// let mut points = ShadingPoints { receivers, materials: vec![0; 100], ..ShadingPoints::default() };
     /// let order = points.make_coherent();
     /// assert!(points.receivers[..64].iter().all(|at| at.position.x < 64.0));
     /// let mut colours = vec![0.0; 100]; // in the old order again
@@ -52,5 +72,35 @@ impl ShadingPoints {
     pub fn reorder(&mut self, order: &[u32]) {
         self.receivers = order.iter().map(|i| self.receivers[*i as usize]).collect();
         self.materials = order.iter().map(|i| self.materials[*i as usize]).collect();
+        self.ends.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use lobe_core::Receiver;
+
+    /// Each point is in one group, in order; no group is too large, empty, or of two tiles, whatever the ends are.
+    #[test]
+    fn groups_keep_to_tiles() {
+        let at = Receiver::on_surface(Vec3::ZERO, Vec3::Y, Vec3::Y);
+        for (count, ends) in [
+            (0, vec![]),
+            (200, vec![]),
+            (64 * 3, vec![64, 128, 192]),
+            (170, vec![0, 0, 70, 70, 134, 169]),
+            (100, vec![60, 700]),
+            (300, vec![299, 40, 300]),
+        ] {
+            let points = ShadingPoints { receivers: vec![at; count], materials: vec![0; count], ends: ends.clone() };
+            let groups = points.groups();
+            assert_eq!(groups.iter().cloned().flatten().collect::<Vec<_>>(), (0..count).collect::<Vec<_>>());
+            assert!(groups.iter().all(|group| (1..=GROUP).contains(&group.len())));
+            if ends.is_sorted() {
+                assert!(groups.iter().all(|g| ends.iter().all(|end| *end <= g.start || g.end <= *end)), "{groups:?}");
+            }
+        }
     }
 }

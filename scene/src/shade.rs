@@ -12,6 +12,8 @@ pub struct ShadingPoints {
     pub receivers: Vec<Receiver>,
     /// Material number of each.
     pub materials: Vec<u32>,
+    /// Where each tile of a picture ends among the receivers: points of two tiles are not culled together. May be left empty.
+    pub ends: Vec<usize>,
 }
 
 /// Blockers of all objects, posed for this frame.

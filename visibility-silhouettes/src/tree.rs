@@ -332,7 +332,7 @@ fn divided(items: &mut [Item]) -> Vec<Range<usize>> {
     let count = items.len();
     let mut parts = Vec::with_capacity(WIDE);
     // With half the areas of their boxes.
-    parts.push((0..count, 0.0));
+    parts.push((0..count, 0.0_f32));
     while parts.len() < WIDE {
         let open = (0..parts.len()).filter(|k| parts[*k].0.len() > unit(count));
         let Some(k) = open.max_by(|a, b| parts[*a].1.total_cmp(&parts[*b].1)) else { break };

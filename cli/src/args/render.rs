@@ -124,7 +124,7 @@ impl RenderArgs {
             time_budget: self.time_budget,
             own_radiance: self.own_radiance,
             threshold: self.threshold,
-            samples: self.view.samples,
+            samples: self.view.samples(),
             map_resolution: self.map_resolution,
             layers: if self.layers { LAYERS } else { LayerSet::NONE },
             repeat: self.repeat,

@@ -70,7 +70,7 @@ impl Case {
     pub(crate) fn look(&self, scene: &Scene, samples: u32) -> GBuffer {
         let mut gbuffer = GBuffer::new(&World::new(scene), self.size[0], self.size[1], samples);
         if self.varying {
-            let ShadingPoints { receivers, materials } = &mut gbuffer.points;
+            let ShadingPoints { receivers, materials, .. } = &mut gbuffer.points;
             for (at, material) in receivers.iter().zip(materials) {
                 let p = at.position * 6.0;
                 let wave = (p.x + (2.0 * p.z).sin()).sin() + (p.z + (1.5 * p.y).cos()).cos() + p.y.sin();

@@ -194,3 +194,98 @@ fn an_empty_world_has_no_points() {
     assert!(g.is_empty());
     assert_eq!(g.resolve(&[], Vec3::ONE), vec![Vec3::ONE; 81]);
 }
+
+fn of_edges(world: &World<'_>, image: [u32; 2], count: u32, window: [core::ops::Range<u32>; 2]) -> GBuffer {
+    GBuffer::sampled(world, image, PixelSamples::Edges(count), window, &scene::Cancel::new()).expect("points")
+}
+
+/// For each object its part of each pixel.
+fn parts(g: &GBuffer, object: u32) -> Vec<f32> {
+    let is_it: Vec<f32> = g.points.receivers.iter().map(|r| f32::from(u8::from(r.object == object))).collect();
+    g.resolve(&is_it, 0.0)
+}
+
+/// Outlines are those of as many rays in all pixels, at the price of few more points than one ray has.
+#[test]
+fn edges_are_those_of_many_rays() {
+    let scene = floor_and_ball();
+    let world = World::new(&scene);
+    let (image, count) = ([150, 90], 8);
+    let one = GBuffer::new(&world, image[0], image[1], 1);
+    let many = GBuffer::new(&world, image[0], image[1], count);
+    let edges = of_edges(&world, image, count, [0..image[0], 0..image[1]]);
+    assert!(edges.len() > one.len() && 8 * edges.len() < 9 * one.len(), "{} {}", edges.len(), one.len());
+    let tile = |p: u32| (p / image[0] / TILE, p % image[0] / TILE);
+    assert!(edges.pixels.is_sorted_by_key(|p| tile(*p)));
+    for object in 0..2 {
+        let [one, many, got] = [&one, &many, &edges].map(|g| parts(g, object));
+        let off = |a: &[f32]| a.iter().zip(&many).filter(|(a, b)| (**a - **b).abs() > 1e-6).count();
+        assert!(off(&one) > 100, "{}", off(&one));
+        assert!(off(&got) * 40 < off(&one), "{} of {}", off(&got), off(&one));
+    }
+    let mut centers = vec![None; (image[0] * image[1]) as usize];
+    one.pixels.iter().zip(&one.points.receivers).for_each(|(p, at)| centers[*p as usize] = Some(*at));
+    let mut first = 0;
+    for pixels in edges.pixels.chunk_by(|a, b| a == b) {
+        let rays = &edges.rays[first..first + pixels.len()];
+        assert!(rays.iter().sum::<u32>() <= count && rays.iter().all(|n| *n > 0));
+        if rays == [count] {
+            let (center, at) = (centers[pixels[0] as usize].expect("a point"), edges.points.receivers[first]);
+            assert!(center.position == at.position || center.position.distance(at.position) < 0.1);
+        }
+        first += pixels.len();
+    }
+}
+
+/// Any window has the bits of the whole, where an outline runs along its border as well.
+#[test]
+fn edges_do_not_depend_on_the_window() {
+    let scene = floor_and_ball();
+    let world = World::new(&scene);
+    let image = [90, 70];
+    let whole = of_edges(&world, image, 5, [0..90, 0..70]);
+    let mut all: Vec<Vec<(Receiver, u32)>> = vec![Vec::new(); 90 * 70];
+    for ((pixel, at), rays) in whole.pixels.iter().zip(&whole.points.receivers).zip(&whole.rays) {
+        all[*pixel as usize].push((*at, *rays));
+    }
+    let mut borders = 0;
+    for (columns, rows) in [(0..90, 8..16), (30..47, 11..45), (44..45, 30..31), (3..3, 5..9)] {
+        let part = of_edges(&world, image, 5, [columns.clone(), rows.clone()]);
+        let mut got: Vec<Vec<(Receiver, u32)>> = vec![Vec::new(); columns.len() * rows.len()];
+        for ((pixel, at), rays) in part.pixels.iter().zip(&part.points.receivers).zip(&part.rays) {
+            got[*pixel as usize].push((*at, *rays));
+        }
+        for (y, line) in rows.clone().zip(0..) {
+            for (x, k) in columns.clone().zip(0..) {
+                let want = &all[(y * 90 + x) as usize];
+                assert_eq!(&got[line * columns.len() + k], want, "{x} {y}");
+                let is_border = x == columns.start || y == rows.start || x + 1 == columns.end || y + 1 == rows.end;
+                borders += usize::from(is_border && want.len() > 1);
+            }
+        }
+    }
+    assert!(borders > 10, "{borders}");
+    let stopped = scene::Cancel::new();
+    stopped.cancel();
+    let window = [0..90, 0..70];
+    assert!(GBuffer::sampled(&world, image, PixelSamples::Edges(5), window, &stopped).is_none());
+}
+
+/// The sky behind an outline is as much of the pixel as its rays that meet nothing.
+#[test]
+fn skies_show_in_parts_of_pixels() {
+    let sky = Vec3::new(0.5, 1.0, 2.0);
+    let world = Sphere { center: Vec3::ZERO, radius: 9.0 };
+    let environment = lighting::Environment::new(lighting::EnvironmentMap::uniform(sky), 1, world);
+    let scene = Scene { environment: Some(environment.into()), ..floor_and_ball() };
+    let world = World::new(&scene);
+    let g = of_edges(&world, [60, 40], 8, [0..60, 0..40]);
+    let picture = g.picture(&vec![Vec3::ZERO; g.len()], Vec3::ZERO);
+    let seen = g.resolve(&vec![1.0; g.len()], 0.0);
+    let mut partly = 0;
+    for (pixel, seen) in picture.iter().zip(seen) {
+        assert!((*pixel - sky * (1.0 - seen)).abs().max_element() < 1e-5, "{pixel} {seen}");
+        partly += usize::from(seen > 0.0 && seen < 1.0);
+    }
+    assert!(partly > 20, "{partly}");
+}

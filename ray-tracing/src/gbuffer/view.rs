@@ -1,5 +1,6 @@
 //! Finding the visible points: tiles of an image, the hits of their rays, and the points there, written at their places.
 
+use super::edges::Marks;
 use super::{GBuffer, TILE};
 use crate::World;
 use crate::world::{NOTHING, RayHits, RayPacket, Rays, SIDE, varied};
@@ -27,6 +28,8 @@ pub(super) struct View<'w> {
     /// For each object whether its points have an appearance of their own, if any has.
     varied: Option<Vec<bool>>,
     cancel: Option<&'w Cancel>,
+    /// The pixels that are wanted; all without.
+    marks: Option<Marks>,
 }
 
 /// Points of some tiles, where they belong.
@@ -104,10 +107,10 @@ impl GBuffer {
         rows: Range<u32>,
         cancel: &Cancel,
     ) -> Option<Self> {
-        Self::of(&View { cancel: Some(cancel), ..View::new(world, image, samples.max(1), columns, rows) })
+        Self::of(&View::new(world, image, samples.max(1), columns, rows).until(cancel))
     }
 
-    fn of(view: &View<'_>) -> Option<Self> {
+    pub(super) fn of(view: &View<'_>) -> Option<Self> {
         let (width, height) = (view.columns.end - view.columns.start, view.rows.end - view.rows.start);
         let (found, ends) = view.trace();
         let mut all = Self { width, height, samples: view.offsets.len() as u32, ..Self::default() };
@@ -143,7 +146,18 @@ impl<'w> View<'w> {
             rows,
             varied: varied(world.scene()),
             cancel: None,
+            marks: None,
         }
+    }
+
+    /// Some pixels of each tile only.
+    pub(super) fn only(self, marks: Marks) -> Self {
+        Self { marks: Some(marks), ..self }
+    }
+
+    /// Until the request to stop is made.
+    pub(super) fn until(self, cancel: &'w Cancel) -> Self {
+        Self { cancel: Some(cancel), ..self }
     }
 
     fn is_cancelled(&self) -> bool {
@@ -154,15 +168,18 @@ impl<'w> View<'w> {
         self.offsets.len() * (TILE * TILE) as usize
     }
 
-    /// Column and row of a tile's first pixel, and which of its columns and rows are requested.
-    fn tile(&self, number: usize) -> ([u32; 2], [Range<usize>; 2]) {
+    /// Column and row of a tile's first pixel, and which of its pixels are requested: a bit for each column of each row.
+    fn tile(&self, number: usize) -> ([u32; 2], [u8; SIDE]) {
         let across = self.across.len();
         let left = (self.across.start + (number % across) as u32) * TILE;
         let top = (self.down.start + (number / across) as u32) * TILE;
         let part = |first: u32, all: &Range<u32>| {
             (all.start.max(first) - first) as usize..(all.end.clamp(first, first + TILE) - first) as usize
         };
-        ([left, top], [part(left, &self.columns), part(top, &self.rows)])
+        let columns = part(left, &self.columns).fold(0, |bits, column| bits | 1 << column);
+        let rows = part(top, &self.rows);
+        let marked = self.marks.as_ref().map_or([u8::MAX; SIDE], |marks| marks[number]);
+        ([left, top], core::array::from_fn(|row| if rows.contains(&row) { columns & marked[row] } else { 0 }))
     }
 
     /// The hit of each ray, tile by tile and in each of them offset by offset; and the number of hits in this
@@ -187,10 +204,14 @@ impl<'w> View<'w> {
         if self.is_cancelled() {
             return 0;
         }
-        let ([left, top], [columns, rows]) = self.tile(tile);
+        let ([left, top], wanted) = self.tile(tile);
+        if wanted == [0; SIDE] {
+            found.fill(NOTHING);
+            return 0;
+        }
         let corner = Vec2::new(left as f32, top as f32);
         for (offset, found) in self.offsets.iter().zip(found.chunks_exact_mut((TILE * TILE) as usize)) {
-            let mut packet = RayPacket::new(&self.rays, corner, *offset, &columns, &rows);
+            let mut packet = RayPacket::new(&self.rays, corner, *offset, &wanted);
             self.world.trace(&mut packet);
             found.copy_from_slice(packet.found().as_flattened());
         }
@@ -204,6 +225,7 @@ impl<'w> View<'w> {
         out.points.receivers.resize(count, none);
         out.points.materials.resize(count, 0);
         out.pixels.resize(count, 0);
+        out.points.ends = ends.to_vec();
         out.depths.resize(count, 0.0);
         let scene = self.world.scene();
         out.materials.clone_from(&scene.materials);
@@ -255,6 +277,9 @@ impl<'w> View<'w> {
             for (pixel, x) in pixels.iter_mut().zip(self.columns.clone()) {
                 let (column, row) = (x / TILE - self.across.start, y / TILE - self.down.start);
                 let tile = row as usize * self.across.len() + column as usize;
+                if self.marks.as_ref().is_some_and(|marks| marks[tile][(y % TILE) as usize] & 1 << (x % TILE) == 0) {
+                    continue;
+                }
                 let found = &found[tile * self.tile_rays()..][..self.tile_rays()];
                 for (o, offset) in self.offsets.iter().enumerate() {
                     let number = (o * SIDE + (y % TILE) as usize) * SIDE + (x % TILE) as usize;
@@ -275,10 +300,10 @@ impl<'w> View<'w> {
             if self.is_cancelled() {
                 break;
             }
-            let ([left, top], [columns, rows]) = self.tile(first + tile);
+            let ([left, top], wanted) = self.tile(first + tile);
             let width = self.columns.end - self.columns.start;
-            for row in rows {
-                for column in columns.clone() {
+            for (row, bits) in wanted.into_iter().enumerate() {
+                for column in (0..SIDE).filter(|column| bits & 1 << column != 0) {
                     let (x, y) = (left + column as u32, top + row as u32);
                     for (o, offset) in self.offsets.iter().enumerate() {
                         let number = found[(o * SIDE + row) * SIDE + column];
@@ -339,9 +364,9 @@ impl<'w> View<'w> {
         rest
     }
 
-    /// The rays through the ends of the two sides of a ray's part of the pixel.
+    /// The rays through the ends of the two sides of a ray's part of the pixel, or of all of it where rays may share a point.
     fn beside(&self, place: Vec2) -> [Vec3; 2] {
-        let side = 1.0 / (self.offsets.len() as f32).sqrt();
+        let side = if self.marks.is_some() { 1.0 } else { 1.0 / (self.offsets.len() as f32).sqrt() };
         [self.rays.direction(place.x + side, place.y), self.rays.direction(place.x, place.y + side)]
     }
 }

@@ -35,25 +35,13 @@ pub(crate) struct RayPacket<'r> {
 }
 
 impl<'r> RayPacket<'r> {
-    /// The rays through the points `corner` + (column, row) + `offset`, those of the columns and rows in the ranges.
-    pub(crate) fn new(
-        rays: &'r Rays,
-        corner: Vec2,
-        offset: Vec2,
-        columns: &core::ops::Range<usize>,
-        rows: &core::ops::Range<usize>,
-    ) -> Self {
-        dispatch!(rays.level, _simd => Self::aim(rays, corner, offset, columns, rows))
+    /// The rays through the points `corner` + (column, row) + `offset` that are wanted: a bit for each column of each row.
+    pub(crate) fn new(rays: &'r Rays, corner: Vec2, offset: Vec2, wanted: &[u8; SIDE]) -> Self {
+        dispatch!(rays.level, _simd => Self::aim(rays, corner, offset, wanted))
     }
 
     #[inline(always)]
-    fn aim(
-        rays: &'r Rays,
-        corner: Vec2,
-        offset: Vec2,
-        columns: &core::ops::Range<usize>,
-        rows: &core::ops::Range<usize>,
-    ) -> Self {
+    fn aim(rays: &'r Rays, corner: Vec2, offset: Vec2, wanted: &[u8; SIDE]) -> Self {
         let mut directions = [[[0.0; SIDE]; SIDE]; 3];
         let mut nearest = [[-1.0; SIDE]; SIDE];
         for row in 0..SIDE {
@@ -62,8 +50,8 @@ impl<'r> RayPacket<'r> {
                 let at = corner + Vec2::new(column as f32, row as f32) + offset;
                 (*x, *y, *z) = rays.direction(at.x, at.y).into();
             }
-            if rows.contains(&row) {
-                nearest[row][columns.clone()].fill(f32::INFINITY);
+            for (column, nearest) in nearest[row].iter_mut().enumerate() {
+                *nearest = if wanted[row] & 1 << column != 0 { f32::INFINITY } else { -1.0 };
             }
         }
         let first = corner + offset;

@@ -248,7 +248,11 @@ fn moves_shadows(gpu: &Gpu) {
         let normal = Vec3::Y;
         Receiver::on_surface(Vec3::new(x, -1.0, z), normal, normal)
     };
-    let points = ShadingPoints { receivers: (0..1024).map(floor).collect(), materials: vec![0; 1024] };
+    let points = ShadingPoints {
+        receivers: (0..1024).map(floor).collect(),
+        materials: vec![0; 1024],
+        ..ShadingPoints::default()
+    };
     let materials = [Material::lambert(Vec3::ONE)];
     let lights = [SphereLight::new(Sphere { center: Vec3::new(1.0, 6.0, 0.5), radius: 0.5 }, Vec3::ONE)];
     let frame = Frame::new(&materials, &lights, Accuracy::new(0.003));

@@ -222,7 +222,7 @@ fn from_an_edge(gpu: &Gpu) {
     };
     let at = |k: i32| Receiver::on_surface(Vec3::new(k as f32 / 16.0, 1.0, -0.5), Vec3::Z, Vec3::Z).on_object(0);
     let receivers: Vec<_> = (-7..8).map(at).collect();
-    let points = ShadingPoints { materials: vec![0; receivers.len()], receivers };
+    let points = ShadingPoints { materials: vec![0; receivers.len()], receivers, ..ShadingPoints::default() };
     let world = World::new(&scene);
     let frame = frame(&scene, 0.003, 5);
     let ((want, counts), (got, ours)) = (from_cpu(&world, &points, &frame), from_gpu(gpu, &scene, &points, &frame));

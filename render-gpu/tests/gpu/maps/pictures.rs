@@ -37,7 +37,11 @@ pub(super) fn agree(gpu: &Gpu) {
                 at.view = (2.0 * at.normal.dot(to) * at.normal - to).normalize();
             }
         }
-        let points = ShadingPoints { receivers, materials: (0..POINTS as u32).map(|k| k % 2).collect() };
+        let points = ShadingPoints {
+            receivers,
+            materials: (0..POINTS as u32).map(|k| k % 2).collect(),
+            ..ShadingPoints::default()
+        };
         let lights = [light, second, third].map(|sphere| SphereLight::new(sphere, Vec3::new(3.0, 2.0, 1.0)).into());
         let frame = Frame {
             materials: &materials,
