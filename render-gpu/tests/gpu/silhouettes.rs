@@ -1,4 +1,4 @@
-//! Silhouettes on the GPU, by the door for strategies that it does not know, against `SilhouetteBlockers`.
+//! Silhouettes on the GPU, as a strategy that render-gpu does not know, against `SilhouetteBlockers`.
 
 use crate::call::trial;
 use crate::gbuffer::large_floor;
@@ -87,7 +87,7 @@ fn at_all_scales(gpu: &Gpu) {
     SILHOUETTES.compare_all_scales(gpu);
 }
 
-/// Coarse facets under smooth normals: facets cut the light of many points, which lie in front of their own triangles by a hair.
+/// Coarse facets under smooth normals: facets cut the light of many points that lie slightly in front of their own triangles.
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::None));
@@ -96,7 +96,7 @@ fn at_terminators(gpu: &Gpu) {
     compare(gpu, "terminators", &scene, [64, 48]);
 }
 
-/// Many objects under one light: a hierarchy above theirs, and more silhouettes than a workgroup keeps.
+/// Many objects under one light: a hierarchy over objects, and more silhouettes than a workgroup holds.
 fn more_than_are_kept(gpu: &Gpu) {
     let mut scene = fence();
     scene.objects.truncate(1);
@@ -111,7 +111,7 @@ fn more_than_are_kept(gpu: &Gpu) {
     compare(gpu, "crumbs", &scene, [40, 30]);
 }
 
-/// A scene that moves: the same from a refitted hierarchy as from a new one.
+/// A scene that moves: a refitted hierarchy gives the same picture as a new one.
 fn follow_motion(gpu: &Gpu) {
     let mut scene = fence();
     let points = GBuffer::new(&World::new(&scene), 40, 30, 1).points;
@@ -194,7 +194,7 @@ fn twice_the_same_bits(gpu: &Gpu) {
     assert_eq!(from_gpu(gpu, &scene, &points, &frame), from_gpu(gpu, &scene, &points, &frame));
 }
 
-/// Without a scene for its rays, or twice, the shader says so.
+/// Without a scene for its rays, or with the strategy twice, the shader returns an error.
 fn want_any_hit(gpu: &Gpu) {
     let scene = fence();
     let world = GpuWorld::new(gpu, &scene).expect("geometry");
