@@ -107,7 +107,7 @@ fn curves(c: &mut Criterion, gpu: &Gpu) {
     let lights = lights(1);
     let cube = Mesh::cuboid(Vec3::Y * 0.8, Vec3::splat(0.9));
     let options = MapOptions { resolution: 1024, ..MapOptions::default() };
-    let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].sphere().expect("a ball"), &options)
+    let map = ShadowMap::build(&cube.positions, &cube.triangles, lights[0].sphere().expect("a sphere"), &options)
         .expect("a map");
     let maps = ShadowMapBlockers::new(vec![map]).pack();
     let scene = Scene {

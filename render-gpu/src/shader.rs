@@ -29,7 +29,7 @@ const SOFTWARE_SLICE: u64 = 1 << 16;
 const HEADER: u64 = 4 * QUEUE_HEADER as u64;
 /// Bytes from one light's uniform to the next: a multiple of the largest alignment that a device may require.
 const FRAME_STRIDE: u64 = 512;
-const FLAT_BY_PAPER: &str = "the paper's method knows lights that are balls alone";
+const FLAT_BY_PAPER: &str = "the paper's method supports sphere lights only";
 const MICROFACETS_BY_PAPER: &str = "the paper's method knows cosine lobes alone: materials need a `gpu_cosine_set`";
 
 /// Shades points with lobe sums on the GPU: the same sums as `render_cpu::CpuShader`, in WGSL.

@@ -45,8 +45,8 @@ pub struct FrameBlockers<'a> {
 /// The receivers that an object hides lights from by its true surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum HidesFrom {
-    Nobody,
-    Everybody,
+    None,
+    All,
     /// Receivers on objects that are `Drawn` too.
     Drawn,
 }
@@ -88,10 +88,10 @@ impl<'a> FrameBlockers<'a> {
             SilhouetteBlockers::new(meshes.iter().copied(), hits).with_tolerance(accuracy.tolerance)
         };
         let hides = |o: usize| match (traced[o], drawn[o]) {
-            (true, _) => HidesFrom::Everybody,
+            (true, _) => HidesFrom::All,
             (_, true) => HidesFrom::Drawn,
-            _ if has_outlines[o] && !casters[o] => HidesFrom::Everybody,
-            _ => HidesFrom::Nobody,
+            _ if has_outlines[o] && !casters[o] => HidesFrom::All,
+            _ => HidesFrom::None,
         };
         let hides = (0..drawn.len()).map(hides).collect();
         let silhouettes = (!meshes.is_empty()).then(|| outlines(&meshes, false));
@@ -111,21 +111,21 @@ impl<'a> FrameBlockers<'a> {
     fn gpu_silhouettes(&self) -> Option<GpuSilhouettes> {
         let by_rays = self.rays.is_some() || self.drawn.is_some();
         let silhouettes = self.silhouettes.as_ref().filter(|_| !by_rays)?;
-        let meeting = |ball: Sphere| {
+        let meeting = |sphere: Sphere| {
             let mut triangles = Vec::new();
-            silhouettes.any_hit().triangles_meeting(ball, &mut |corners| triangles.push(corners));
+            silhouettes.any_hit().triangles_meeting(sphere, &mut |corners| triangles.push(corners));
             triangles
         };
         let mut cut = Vec::new();
         for light in &self.world.scene().lights {
             let is_flat = light.gpu_roundness().is_some();
-            let ball = match light {
+            let sphere = match light {
                 // All blockers are in front of the sky, whose sphere may contain the scene.
                 Light::Sky(_) => None,
                 light if is_flat => Some(light.gpu_bounds()),
                 light => light.sphere(),
             };
-            let triangles = ball.filter(|ball| ball.radius > 0.0).map(meeting).unwrap_or_default();
+            let triangles = sphere.filter(|sphere| sphere.radius > 0.0).map(meeting).unwrap_or_default();
             if !is_flat && !triangles.is_empty() {
                 return None;
             }
@@ -151,8 +151,8 @@ impl<'a> FrameBlockers<'a> {
         if let Backend::Gpu(gpu) = backend {
             let silhouettes = self.gpu_silhouettes();
             let casting = self.hides.iter().map(|hides| match hides {
-                HidesFrom::Nobody => ShadowCasting::None,
-                HidesFrom::Everybody => ShadowCasting::All,
+                HidesFrom::None => ShadowCasting::None,
+                HidesFrom::All => ShadowCasting::All,
                 HidesFrom::Drawn => ShadowCasting::Alike,
             });
             let casting: Vec<ShadowCasting> = casting.collect();

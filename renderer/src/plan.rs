@@ -56,7 +56,7 @@ impl Plan {
             let Shape::Mesh(mesh) = &object.shape else { return false };
             // A shadow map is seen from the centre of a sphere light.
             let shows = |light: &Light| {
-                light.sphere().is_some_and(|ball| ShadowMap::shows(&mesh.positions, &mesh.triangles, ball))
+                light.sphere().is_some_and(|sphere| ShadowMap::shows(&mesh.positions, &mesh.triangles, sphere))
             };
             self.objects[o] == Strategy::ShadowMap && scene.lights.iter().all(shows)
         };

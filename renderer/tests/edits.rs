@@ -69,7 +69,7 @@ fn objects_come_and_go() {
         edited.render().expect("a picture");
         let added = edited.add_object(mesh_object(0.2)).expect("an object");
         check_same(&mut edited, &format!("{strategy:?}, added"));
-        let first = edited.objects().nth(1).expect("a ball").0;
+        let first = edited.objects().nth(1).expect("a sphere").0;
         edited.remove_object(first).expect("is there");
         check_same(&mut edited, &format!("{strategy:?}, removed"));
         let gone = edited.set_visible(first, false);

@@ -113,7 +113,7 @@ fn fence_on_itself() {
 fn sphere_with_smooth_normals() {
     let sphere = Mesh::default().sphere(Vec3::new(0.0, 0.7, 0.0), 0.5, 24);
     let receivers = floor(Vec3::new(-0.3, 0.0, -0.2), 1.0, 20);
-    Errors::of(&sphere, &receivers, LIGHT, &options(512)).below("ball, floor", 0.5, 0.1, 0.02);
+    Errors::of(&sphere, &receivers, LIGHT, &options(512)).below("sphere, floor", 0.5, 0.1, 0.02);
     // Lit surfaces stay lit, with the facets' normals and with the sphere's own.
     for smooth in [false, true] {
         let mut receivers = on(&sphere, LIGHT, 600);
@@ -125,7 +125,7 @@ fn sphere_with_smooth_normals() {
         }
         for resolution in [64, 256, 1024] {
             let [_, _, lit] = Errors::of(&sphere, &receivers, LIGHT, &options(resolution)).means();
-            println!("ball, self, smooth {smooth}, {resolution}: lit darkened by {lit:.3} %");
+            println!("sphere, self, smooth {smooth}, {resolution}: lit darkened by {lit:.3} %");
             assert!(lit <= 0.1, "{lit}");
         }
     }
@@ -254,5 +254,5 @@ fn light_that_touches_a_sphere() {
     let light = Sphere { center: Vec3::new(0.45, 1.25, 0.0), radius: 0.45 };
     let mesh = Mesh::default().sphere(Vec3::Y * 0.6, 0.4, 24);
     let errors = Errors::of(&mesh, &floor(Vec3::new(-0.8, 0.0, 0.0), 1.6, 16), light, &options(256));
-    errors.below("light that touches a ball", 0.7, 0.05, 0.05);
+    errors.below("light that touches a sphere", 0.7, 0.05, 0.05);
 }

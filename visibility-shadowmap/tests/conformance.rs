@@ -43,7 +43,7 @@ fn blockers(setting: &Setting<'_>, resolution: u32) -> ShadowMapBlockers {
     setting.spheres.iter().for_each(|sphere| add(sphere, setting.receiver, &mut positions, &mut triangles));
     let receivers = Some(ReceiverBounds { min: setting.receiver - 1e-3, max: setting.receiver + 1e-3 });
     let options = MapOptions { resolution, receivers, ..MapOptions::default() };
-    let map = ShadowMap::build(&positions, &triangles, setting.light, &options).expect("finite balls");
+    let map = ShadowMap::build(&positions, &triangles, setting.light, &options).expect("finite spheres");
     ShadowMapBlockers::new(vec![map])
 }
 

@@ -235,6 +235,6 @@ fn refusals(gpu: &Gpu) {
     let tables = Tables::with_products(ProductTable::build_with(Resolution { angles: 33, per_interval: 4 }));
     let mut shader = GpuShader::new(gpu, Occlusion::default()).expect("a shader").with_paper(&tables);
     let mut out = vec![Vec3::ZERO; view.points.receivers.len()];
-    let refused = shader.shade(&view.points, &view.frame(0.003, 5), &mut out).expect_err("no balls");
-    assert!(refused.to_string().contains("balls"), "{refused}");
+    let refused = shader.shade(&view.points, &view.frame(0.003, 5), &mut out).expect_err("no sphere lights");
+    assert!(refused.to_string().contains("sphere lights"), "{refused}");
 }

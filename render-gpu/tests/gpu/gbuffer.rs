@@ -299,11 +299,11 @@ fn motion(gpu: &Gpu) {
     let all = ours.world().uploaded();
     ours.update(&scene).expect("geometry");
     assert_eq!(ours.world().uploaded(), 0);
-    let Shape::Spheres(spheres) = &mut scene.objects[4].shape else { unreachable!("balls") };
+    let Shape::Spheres(spheres) = &mut scene.objects[4].shape else { unreachable!("spheres") };
     spheres[0].center.y += 0.2;
     ours.update(&scene).expect("geometry");
     let few = ours.world().uploaded();
-    assert!((1..all / 20).contains(&few), "{few} of {all} bytes for one ball");
+    assert!((1..all / 20).contains(&few), "{few} of {all} bytes for one sphere");
     check(&mut ours, &scene, 100, 60);
     for turn in [0.3, 2.0] {
         let Shape::Mesh(mesh) = &mut scene.objects[1].shape else { unreachable!("a mesh") };

@@ -50,9 +50,9 @@ fn cases() -> Vec<Case> {
     let fence = || Mesh::fence().floor(0.0, 2.0);
     let case = |name, mesh, light, resolution, layers, depth| Case { name, mesh, light, resolution, layers, depth };
     vec![
-        case("ball 0.5°, 1024²", bumpy(), light([1.5, 5.0, 0.8], 0.5), 1024, 3, 5),
-        case("ball 5°, 256²", bumpy(), light([1.5, 5.0, 0.8], 5.0), 256, 4, 5),
-        case("ball 15°, 128²", bumpy(), light([3.5, 2.0, 0.8], 15.0), 128, 3, 4),
+        case("sphere 0.5°, 1024²", bumpy(), light([1.5, 5.0, 0.8], 0.5), 1024, 3, 5),
+        case("sphere 5°, 256²", bumpy(), light([1.5, 5.0, 0.8], 5.0), 256, 4, 5),
+        case("sphere 15°, 128²", bumpy(), light([3.5, 2.0, 0.8], 15.0), 128, 3, 4),
         case("fence 1°, 512²", fence(), light([1.0, 3.0, 3.0], 1.0), 512, 3, 6),
         case("fence 6°, 256²", fence(), light([-1.0, 2.0, 4.0], 6.0), 256, 1, 3),
         case("room 128²", Mesh::room(), Sphere { center: Vec3::new(0.05, 0.1, -0.07), radius: 0.12 }, 128, 3, 5),

@@ -55,7 +55,7 @@ impl View {
         let GBuffer { points, materials, .. } = GBuffer::new(&World::new(&scene), width, height, 1);
         // Points with textures have materials of their own.
         scene.materials = materials;
-        let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact balls");
+        let set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact spheres");
         let spheres = SphereBlockers::new(&set.spheres, &set.objects, &set.self_distances);
         let spheres = spheres.with_self_shadows(&set.self_shadows);
         Self { scene, points, spheres }
@@ -76,7 +76,7 @@ impl View {
         let receivers = ReceiverBounds::of(self.points.receivers.iter().map(|r| r.position));
         let options = MapOptions { resolution: 256, receivers, ..MapOptions::default() };
         let map = |l: &Light| {
-            ShadowMap::fitted(&all.positions, &all.triangles, l.sphere().expect("a ball"), &options).expect("a map")
+            ShadowMap::fitted(&all.positions, &all.triangles, l.sphere().expect("a sphere"), &options).expect("a map")
         };
         let casters = self.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
         ShadowMapBlockers::new(self.scene.lights.iter().map(map).collect()).with_casters(casters)
@@ -111,10 +111,10 @@ fn at_terminators_of_spheres(gpu: &Gpu) {
         let globe = globe(14, Vec3::new(x, 0.3, 0.0), 0.5, true);
         scene.objects.push(Object::mesh(name, globe, 0, Proxy::Count(8)));
     }
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.2;
     let points = GBuffer::new(&World::new(&scene), 80, 60, 1).points;
-    let ball = |x: f32| Sphere { center: Vec3::new(x, 0.3, 0.0), radius: 0.47 };
-    let spheres = SphereBlockers::new(&[ball(-0.5), ball(4.0)], &[1, 3], &[0.0, 0.3]);
+    let sphere = |x: f32| Sphere { center: Vec3::new(x, 0.3, 0.0), radius: 0.47 };
+    let spheres = SphereBlockers::new(&[sphere(-0.5), sphere(4.0)], &[1, 3], &[0.0, 0.3]);
     let cut = |object: u32| {
         let is_clipped =
             |at: &&Receiver| at.object == object && facet_coverage(at, &scene.lights[0].cone(at)) == Coverage::Partial;
@@ -264,10 +264,10 @@ fn of_many_lights(gpu: &Gpu) {
 /// Spots, suns and lamps, alone and beside sphere lights.
 fn of_spots_and_suns(gpu: &Gpu) {
     let mut view = builtin();
-    let ball = |radius| Sphere { center: Vec3::new(1.5, 4.0, 2.0), radius };
+    let lamp = |radius| Sphere { center: Vec3::new(1.5, 4.0, 2.0), radius };
     let world = Sphere { center: Vec3::Y, radius: 12.0 };
-    let sphere: Light = SphereLight::new(ball(0.4), Vec3::splat(20.0)).into();
-    let light = SphereLight::with_intensity(ball(0.2), Vec3::splat(60.0));
+    let sphere: Light = SphereLight::new(lamp(0.4), Vec3::splat(20.0)).into();
+    let light = SphereLight::with_intensity(lamp(0.2), Vec3::splat(60.0));
     let axis = Vec3::new(-0.4, -1.0, -0.5).normalize();
     let spot: Light = SpotLight { light, axis, cos: [0.95, 0.8] }.into();
     let toward = Vec3::new(-0.5, 0.8, 0.4).normalize();
@@ -307,9 +307,9 @@ fn of_wide_lights(gpu: &Gpu) {
     let mut view = View { scene, points, spheres };
     for (tolerance, depth) in [(0.003, 5), (0.01, 4)] {
         for height in [0.5, 0.02] {
-            let ball = Sphere { center: normal * (radius + height), radius };
-            view.scene.lights = vec![SphereLight::new(ball, Vec3::ONE).into()];
-            let angles = view.points.receivers.iter().map(|at| (radius / at.position.distance(ball.center)).asin());
+            let sphere = Sphere { center: normal * (radius + height), radius };
+            view.scene.lights = vec![SphereLight::new(sphere, Vec3::ONE).into()];
+            let angles = view.points.receivers.iter().map(|at| (radius / at.position.distance(sphere.center)).asin());
             let [least, most] = angles.fold([9.0, 0.0_f32], |[a, b], x| [x.min(a), x.max(b)]).map(f32::to_degrees);
             assert!(most < 86.0 && (least < 65.0 || most > 79.0), "{least}° to {most}°");
             let name = format!("lights of {least:.0}° to {most:.0}°, tolerance {tolerance}");
@@ -350,7 +350,7 @@ fn maps_that_change(gpu: &Gpu) {
     let before = view.maps();
     let mut shader = GpuShader::new(gpu, Occlusion::of(&[&before.pack()])).expect("a shader");
     let first = view.gpu(&mut shader, &view.frame(0.003, 5));
-    view.scene.lights[1].as_sphere_mut().expect("a ball").sphere.center.x += 0.4;
+    view.scene.lights[1].as_sphere_mut().expect("a sphere").sphere.center.x += 0.4;
     let casters = view.scene.objects.iter().map(|o| matches!(o.shape, Shape::Mesh(_))).collect();
     let maps = vec![before.maps()[0].clone(), view.maps().maps()[1].clone()];
     let after = ShadowMapBlockers::new(maps).with_casters(casters);

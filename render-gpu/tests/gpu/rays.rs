@@ -242,7 +242,7 @@ fn at_all_scales(gpu: &Gpu) {
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::Count(8)));
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 48, 1).points;
@@ -299,7 +299,7 @@ fn of_some_objects(gpu: &Gpu) {
     let by_rays = |object: u32| object == 2 || object == 4;
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 36, 1).points;
-    let mut set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact balls");
+    let mut set = blockers(&scene, &mut |_, _| ControlFlow::Continue(())).expect("exact spheres");
     let keep: Vec<bool> = set.objects.iter().map(|o| !by_rays(*o)).collect();
     let mut kept = keep.iter();
     set.spheres.retain(|_| *kept.next().expect("one a sphere"));

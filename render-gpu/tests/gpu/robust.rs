@@ -85,7 +85,7 @@ fn fifty_thousand_spheres(gpu: &Gpu) {
 /// the call returns an error there.
 fn loops_that_are_cut_are_an_error(gpu: &Gpu) {
     let mut view = View::new(scene::builtin(), 8, 4);
-    let light = view.scene.lights[0].sphere().expect("a ball");
+    let light = view.scene.lights[0].sphere().expect("a sphere");
     let mote = |k: u32| {
         let [x, y, z] =
             [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step: f64| (f64::from(k) * step).fract() as f32 - 0.5);

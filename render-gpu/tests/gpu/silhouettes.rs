@@ -91,7 +91,7 @@ fn at_all_scales(gpu: &Gpu) {
 fn at_terminators(gpu: &Gpu) {
     let mut scene = large_floor(80.0);
     scene.objects.push(Object::mesh("globe", globe(14, Vec3::Y * 0.3, 0.5, true), 0, Proxy::None));
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.2;
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.2;
     scene.camera.vertical_fov = 0.4;
     compare(gpu, "terminators", &scene, [64, 48]);
 }
@@ -107,7 +107,7 @@ fn more_than_are_kept(gpu: &Gpu) {
         mesh.append(&globe(6, center + Vec3::Y * 0.06, 0.03, false));
         scene.objects.push(Object::mesh(format!("crumb {k}"), mesh, 0, Proxy::None));
     }
-    scene.lights[0].as_sphere_mut().expect("a ball").sphere.radius = 1.5;
+    scene.lights[0].as_sphere_mut().expect("a sphere").sphere.radius = 1.5;
     compare(gpu, "crumbs", &scene, [40, 30]);
 }
 
@@ -141,11 +141,11 @@ fn beside_spheres(gpu: &Gpu) {
     let by_silhouettes = |object: u32| is_mesh(&scene, object) && object.is_multiple_of(2);
     let world = World::new(&scene);
     let points = GBuffer::new(&world, 64, 36, 1).points;
-    let balls = [
+    let shapes = [
         Sphere { center: Vec3::new(0.4, 0.5, 0.6), radius: 0.3 },
         Sphere { center: Vec3::new(-0.6, 0.8, 0.2), radius: 0.2 },
     ];
-    let spheres = SphereBlockers::new(&balls, &[99, 99], &[0.0, 0.0]);
+    let spheres = SphereBlockers::new(&shapes, &[99, 99], &[0.0, 0.0]);
     let frame = frame(&scene, 0.003, 5);
     let silhouettes = SceneSilhouettes::new(&scene, by_silhouettes);
     let hits = SurfaceHits::new(&world, by_silhouettes);
